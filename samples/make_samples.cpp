@@ -22,7 +22,7 @@ namespace {
 
 // The samples of a demo field, i fastest.
 struct Demo {
-  explicit Demo(const std::string& spec) : field(field::make_demo_field(spec)) {
+  explicit Demo(const std::string& spec) : field(field::make_demo_field(spec, Context())) {
     if (!field) throw std::runtime_error(field.error().message);
     const auto& dense = std::get<field::DenseSamples>(field->samples);
     values = {static_cast<const float*>(dense.data), dense.count()};

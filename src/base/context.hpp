@@ -1,5 +1,5 @@
 // What work runs in: how much memory it may take, whether somebody wants it to end, what it counts, who watches it.
-// Functions that work long take a `const Context&` as their last argument, {} unless told: the machine's memory, nobody
+// Functions that work long take a `const Context&` as their last argument; Context() is the machine's memory, nobody
 // watching. There are no process globals for any of this, so conversions can run side by side.
 #pragma once
 

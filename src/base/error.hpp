@@ -6,6 +6,7 @@
 #pragma once
 
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include <tl/expected.hpp>
@@ -118,4 +119,34 @@ using Result = tl::expected<T, Error>;
   return tl::unexpected<Error>(Error{kind, std::move(message), std::move(hint)});
 }
 
+namespace detail {
+
+template <class T, class E>
+T taken(tl::expected<T, E>&& result) {
+  if constexpr (!std::is_void_v<T>) return *std::move(result);
+}
+template <class T, class E>
+T taken(const tl::expected<T, E>& result) {
+  if constexpr (!std::is_void_v<T>) return *result;
+}
+
+}  // namespace detail
 }  // namespace isoextract
+
+#define ISOEXTRACT_JOINED(a, b) a##b
+#define ISOEXTRACT_TRY(expression, result)                                              \
+  __extension__({                                                                       \
+    auto&& result = (expression);                                                       \
+    if (!result) return tl::unexpected(std::forward<decltype(result)>(result).error()); \
+    ::isoextract::detail::taken(std::forward<decltype(result)>(result));                \
+  })
+#define ISOEXTRACT_TRY_AS(expression, number) ISOEXTRACT_TRY(expression, ISOEXTRACT_JOINED(try_result_, number))
+
+// The value of a result; where it is an error, the function around returns that error.
+//
+//   const Mesh mesh = TRY(extract(field, context));
+//   TRY(write(mesh, path));
+//
+// Stands alone, or as all that initialises a variable or is returned: GCC forgets temporaries of the statement that
+// were made before a return within it.
+#define TRY(expression) ISOEXTRACT_TRY_AS(expression, __COUNTER__)

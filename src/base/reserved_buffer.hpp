@@ -20,10 +20,9 @@ struct ReservedBuffer {
 template <class T>
 Result<std::shared_ptr<ReservedBuffer<T>>> make_reserved_buffer(std::size_t count, const Context& context,
                                                                 const std::string& what) {
-  auto memory = context.reserve(
-      checked_product(std::uint64_t{count}, std::uint64_t{sizeof(T)}).value_or(~std::uint64_t{0}), what);
-  if (!memory) return tl::unexpected(memory.error());
-  return std::make_shared<ReservedBuffer<T>>(ReservedBuffer<T>{Buffer<T>(count), std::move(*memory)});
+  auto memory = TRY(context.reserve(
+      checked_product(std::uint64_t{count}, std::uint64_t{sizeof(T)}).value_or(~std::uint64_t{0}), what));
+  return std::make_shared<ReservedBuffer<T>>(ReservedBuffer<T>{Buffer<T>(count), std::move(memory)});
 }
 
 }  // namespace isoextract

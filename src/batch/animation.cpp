@@ -40,13 +40,13 @@ Animation::Animation(const BatchJob& batch, const Context& context, std::uint64_
 }
 
 Result<void> Animation::check() const {
-  if (auto usable = writer_.check(); !usable) return usable;
+  TRY(writer_.check());
   std::vector<std::int64_t> numbers;
   for (const FrameJob& frame : batch_.frames) numbers.push_back(frame.number);
-  if (auto told_apart = writer_.check_times(numbers); !told_apart) return told_apart;
+  TRY(writer_.check_times(numbers));
   files::ReadFiles read;
   if (std::error_code none; std::filesystem::exists(batch_.animation->path, none)) {
-    for (const FrameJob& frame : batch_.frames) convert::add_read_files(read, frame.job);
+    for (const FrameJob& frame : batch_.frames) convert::add_read_files(read, frame.job, Context());
   }
   return convert::check_output_file(batch_.animation->path, read);
 }
@@ -73,11 +73,10 @@ std::optional<Error> Animation::lost() const {
 
 Result<meshes::MeshWriteResult> Animation::finish() {
   if (!is_empty_) return writer_.finish();
-  const auto removed = files::remove_old_file(batch_.animation->path);
-  if (!removed) return tl::unexpected(removed.error());
+  const auto removed = TRY(files::remove_old_file(batch_.animation->path));
   return meshes::MeshWriteResult{{},
                                  {fmt::format("no frame has a surface; {} was not written{}", batch_.animation->path,
-                                              *removed ? "; the old one was removed" : "")},
+                                              removed ? "; the old one was removed" : "")},
                                  {}};
 }
 
@@ -102,15 +101,14 @@ Result<void> keep_animation(Manifest& manifest, const BatchJob& batch, std::vect
   const std::string key = key_of(batch);
   for (std::size_t i = 0; i < frames.size(); ++i) {
     frames[i].job = key_of(key, batch.frames[i]);
-    if (auto added = manifest.add(frames[i]); !added) return added;
+    TRY(manifest.add(frames[i]));
   }
   // Last: without it the others stand for nothing.
   convert::Outcome whole;
   whole.files = written.files;
-  auto record = record_of(batch.frames.front(), {}, whole);
-  if (!record) return tl::unexpected(std::move(record.error()));
-  record->job = key;
-  return manifest.add(*record);
+  auto record = TRY(record_of(batch.frames.front(), {}, whole));
+  record.job = key;
+  return manifest.add(record);
 }
 
 std::optional<std::vector<FrameRecord>> kept_animation(const Manifest& manifest, const BatchJob& batch) {

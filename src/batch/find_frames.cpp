@@ -144,7 +144,7 @@ Result<FoundFrames> matching_files(const FramePattern& pattern, const std::optio
   FoundFrames found;
   std::vector<std::string> matched;
   std::string other_width;  // a name that another width would match
-  const auto visited = visit_folder(entries.folder, [&](const std::string& name, const fs::directory_entry& entry) {
+  TRY(visit_folder(entries.folder, [&](const std::string& name, const fs::directory_entry& entry) {
     const auto number = entries.pattern.match(name);
     if (!number) {
       if (any_width.match(name) && (other_width.empty() || name < other_width)) other_width = name;
@@ -157,8 +157,7 @@ Result<FoundFrames> matching_files(const FramePattern& pattern, const std::optio
     if (!is_file) return;
     matched.push_back(name);
     if (!range || range->contains(*number)) found.frames.push_back({*number, std::move(path), {}});
-  });
-  if (!visited) return tl::unexpected(visited.error());
+  }));
   std::ranges::sort(matched);
   if (judge_numbers(entries.pattern, matched) == FractionKind::fractions) return fail_decimals(input, entries, matched);
   add_note_of_unclear(entries.pattern, matched, found);
@@ -218,7 +217,8 @@ tl::unexpected<Error> fail_several(const std::string& folder, std::span<const Se
 tl::unexpected<Error> fail_no_names(const std::string& folder, const std::string& first) {
   std::string message = fmt::format("{}: no file in the folder is named like a volume or particles", printable(folder));
   Hint hint("files of any name are found by a pattern, with the folder before it");
-  if (const auto known = first.empty() ? std::nullopt : volumes::known_but_unread(fs::path(folder) / first)) {
+  if (const auto known =
+          first.empty() ? std::nullopt : volumes::known_but_unread(fs::path(folder) / first, Context())) {
     message += fmt::format("; {}", known->message);
     hint = known->hint;
   }
@@ -231,7 +231,7 @@ Result<FoundFrames> files_of_folder(const std::string& folder) {
   std::vector<std::string> particles;
   std::size_t others = 0;
   std::string first;  // of those that are neither
-  const auto visited = visit_folder(folder, [&](const std::string& name, const fs::directory_entry& entry) {
+  TRY(visit_folder(folder, [&](const std::string& name, const fs::directory_entry& entry) {
     std::error_code none;
     if (name.starts_with('.') || entry.is_directory(none)) return;
     if (volumes::has_volume_extension(name)) {
@@ -244,8 +244,7 @@ Result<FoundFrames> files_of_folder(const std::string& folder) {
       }
       ++others;
     }
-  });
-  if (!visited) return tl::unexpected(visited.error());
+  }));
   const bool are_particles = names.empty();
   if (are_particles) {
     others -= particles.size();
@@ -282,9 +281,8 @@ Result<FoundFrames> listed_files(std::span<const std::string> inputs) {
     if (fs::exists(status) && !fs::is_directory(status)) continue;
     bool several = fs::is_directory(status);
     if (!several) {
-      const auto pattern = FramePattern::parse(input);
-      if (!pattern) return tl::unexpected(pattern.error());
-      several = pattern->has_value();
+      const auto pattern = TRY(FramePattern::parse(input));
+      several = pattern.has_value();
     }
     if (!several) continue;
     return fail(ErrorKind::usage,
@@ -328,10 +326,9 @@ Result<Frames> find_frames(std::span<const std::string> inputs, const std::optio
   const fs::file_status status = is_file_name(input) ? fs::status(input, none) : fs::file_status();
   if (fs::is_directory(status)) return choose(files_of_folder(input));
   if (!fs::exists(status)) {
-    const auto pattern = FramePattern::parse(input);
-    if (!pattern) return tl::unexpected(pattern.error());
-    if (*pattern && !is_file_name(input)) return without_files(**pattern, range, input);
-    if (*pattern) return choose(matching_files(**pattern, range, input));
+    const auto pattern = TRY(FramePattern::parse(input));
+    if (pattern && !is_file_name(input)) return without_files(*pattern, range, input);
+    if (pattern) return choose(matching_files(*pattern, range, input));
   }
   if (range) {
     return fail(ErrorKind::usage,

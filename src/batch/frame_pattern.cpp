@@ -11,12 +11,11 @@
 namespace isoextract::batch {
 
 Result<std::optional<FramePattern>> FramePattern::parse(std::string_view name) {
-  const auto parts = name_parts(name);
-  if (!parts) return tl::unexpected(parts.error());
+  const auto parts = TRY(name_parts(name));
   const NamePart* number = nullptr;
   std::string prefix;
   std::string suffix;
-  for (const NamePart& part : *parts) {
+  for (const NamePart& part : parts) {
     if (part.kind != NamePart::Kind::number) {
       (number == nullptr ? prefix : suffix) += part.text;
     } else if (number == nullptr) {

@@ -109,14 +109,13 @@ Result<FrameRange> FrameRange::parse(std::string_view text) {
   std::optional<std::uint64_t> count = 0;
   for (std::size_t at = 0; at <= text.size();) {
     const std::size_t comma = std::min(text.find(',', at), text.size());
-    const auto run = run_of(trimmed(text.substr(at, comma - at)));
-    if (!run) return tl::unexpected(run.error());
-    count = checked_sum(*count, run->count());
+    const auto run = TRY(run_of(trimmed(text.substr(at, comma - at))));
+    count = checked_sum(*count, run.count());
     if (!count || *count > kMaxFrames) {
       return fail(ErrorKind::usage, fmt::format("frames {}: expected at most {} frames, found more",
                                                 printable(text, kShownText), kMaxFrames));
     }
-    range.runs_.push_back(*run);
+    range.runs_.push_back(run);
     at = comma + 1;
   }
   std::vector<std::int64_t> numbers = numbers_of(range.runs_);

@@ -18,9 +18,8 @@ using convert::Json;
 Result<std::vector<FileRecord>> states_of(const std::vector<std::string>& paths) {
   std::vector<FileRecord> records;
   for (const std::string& path : paths) {
-    auto state = files::state_of_file(path);
-    if (!state) return tl::unexpected(std::move(state.error()));
-    records.push_back({path, std::move(*state)});
+    auto state = TRY(files::state_of_file(path));
+    records.push_back({path, std::move(state)});
   }
   return records;
 }
@@ -42,9 +41,8 @@ bool is_demo(const FrameJob& frame) { return frame.job.source.input.starts_with(
 Result<std::vector<std::string>> input_paths(const FrameJob& frame) {
   std::vector<std::string> paths;
   if (is_demo(frame)) return paths;
-  const auto files = convert::list_source_files(frame.job.source);
-  if (!files) return tl::unexpected(files.error());
-  for (const std::filesystem::path& file : *files) paths.push_back(file.string());
+  const auto files = TRY(convert::list_source_files(frame.job.source, Context()));
+  for (const std::filesystem::path& file : files) paths.push_back(file.string());
   std::ranges::sort(paths);
   paths.erase(std::unique(paths.begin(), paths.end()), paths.end());
   return paths;
@@ -280,17 +278,15 @@ std::vector<const SurfaceFigures*> rows_of(const FrameFigures& figures) {
 }
 
 Result<std::vector<FileRecord>> input_states(const FrameJob& frame) {
-  const auto paths = input_paths(frame);
-  if (!paths) return tl::unexpected(paths.error());
-  return states_of(*paths);
+  const auto paths = TRY(input_paths(frame));
+  return states_of(paths);
 }
 
 Result<FrameRecord> record_of(const FrameJob& frame, std::vector<FileRecord> inputs, const convert::Outcome& outcome) {
   std::vector<std::string> paths;
   for (const meshes::WrittenFile& file : outcome.files) paths.push_back(file.path);
-  auto outputs = states_of(paths);
-  if (!outputs) return tl::unexpected(std::move(outputs.error()));
-  return FrameRecord{frame.number, convert::hash_of(frame.job), std::move(inputs), std::move(*outputs),
+  auto outputs = TRY(states_of(paths));
+  return FrameRecord{frame.number, convert::hash_of(frame.job), std::move(inputs), std::move(outputs),
                      figures_of(outcome)};
 }
 

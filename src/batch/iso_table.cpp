@@ -131,9 +131,8 @@ Result<TableColumns> columns_of(std::string_view header, const std::string& plac
 }  // namespace
 
 Result<IsoTable> IsoTable::read(const std::filesystem::path& path, const Context& context) {
-  const auto text = files::read_text_file(path, "a table", kMaxTableBytes, context);
-  if (!text) return tl::unexpected(text.error());
-  return parse(*text, files::shown_input_name(path));
+  const auto text = TRY(files::read_text_file(path, "a table", kMaxTableBytes, context));
+  return parse(text, files::shown_input_name(path));
 }
 
 Result<IsoTable> IsoTable::parse(std::string_view text, const std::string& name) {
@@ -148,9 +147,7 @@ Result<IsoTable> IsoTable::parse(std::string_view text, const std::string& name)
     if (content.empty() || content.front() == '#' || (!columns && is_separator_line(content))) continue;
     const std::string place = fmt::format("{}:{}", table.name_, number);
     if (!columns) {
-      auto header = columns_of(line, place);
-      if (!header) return tl::unexpected(std::move(header.error()));
-      columns = *header;
+      columns = TRY(columns_of(line, place));
       continue;
     }
     const auto fields = fields_of(line, columns->separator);
@@ -188,7 +185,7 @@ Result<IsoTable> IsoTable::parse(std::string_view text, const std::string& name)
     return fail(ErrorKind::input,
                 fmt::format("{}: expected a header with the columns 'frame' and 'iso', found no line", table.name_));
   }
-  if (auto sorted = table.sort_rows(); !sorted) return tl::unexpected(std::move(sorted.error()));
+  TRY(table.sort_rows());
   return table;
 }
 

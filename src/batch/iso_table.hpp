@@ -31,7 +31,7 @@ namespace isoextract::batch {
 class IsoTable {
  public:
   // Fails with ErrorKind::input for a file that cannot be read or is larger than 256 MiB, and as parse() does.
-  [[nodiscard]] static Result<IsoTable> read(const std::filesystem::path& path, const Context& context = Context());
+  [[nodiscard]] static Result<IsoTable> read(const std::filesystem::path& path, const Context& context);
 
   // `name` is what messages call the text. Fails with ErrorKind::input for columns or fields that are missing, for what
   // is no iso value or no frame, and for a row that is there twice; the message begins with "name:line".

@@ -130,7 +130,8 @@ void add_records_of_others(const fs::path& folder, const fs::path& own, const Ma
 }
 
 Result<std::string> text_of_file(const fs::path& path) {
-  return files::read_text_file(path, "the manifest of a batch", kMostBytes);
+  return files::read_text_file(path, "the manifest of a batch", kMostBytes,
+                               Context());  // a record is no input: its bytes are not counted
 }
 
 }  // namespace
@@ -168,9 +169,8 @@ Result<std::vector<fs::path>> manifest_paths(const fs::path& folder) {
 }
 
 Result<ManifestContent> read_manifest(const fs::path& path) {
-  const auto text = text_of_file(path);
-  if (!text) return tl::unexpected(text.error());
-  auto content = content_of(*text);
+  const auto text = TRY(text_of_file(path));
+  auto content = content_of(text);
   if (!content) return fail(ErrorKind::input, fmt::format("{}: it is no manifest of a batch", path.string()));
   return std::move(*content);
 }

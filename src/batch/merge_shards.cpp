@@ -115,22 +115,20 @@ void add_joined_records(const ManifestHeader& header, const JoinedManifest& join
 }
 
 Result<std::vector<ShardGroup>> read_groups(const fs::path& folder) {
-  auto paths = manifest_paths(folder);
-  if (!paths) return tl::unexpected(paths.error());
-  std::erase_if(*paths, [](const fs::path& path) { return path.filename() == manifest_name({}); });
+  auto paths = TRY(manifest_paths(folder));
+  std::erase_if(paths, [](const fs::path& path) { return path.filename() == manifest_name({}); });
   std::vector<ShardGroup> groups;
-  for (const fs::path& path : *paths) {
-    auto content = read_manifest(path);
-    if (!content) return tl::unexpected(std::move(content.error()));
-    const Shard& shard = content->header.shard;
+  for (const fs::path& path : paths) {
+    auto content = TRY(read_manifest(path));
+    const Shard& shard = content.header.shard;
     if (shard.number < 1 || shard.number > shard.count) return bad(path, "its shard is none");
     auto group = std::ranges::find_if(groups, [&](const ShardGroup& known) {
-      return known.is_of_batch(content->header) && known.header().shard.count == shard.count;
+      return known.is_of_batch(content.header) && known.header().shard.count == shard.count;
     });
     if (group == groups.end()) group = groups.insert(group, ShardGroup());
     std::error_code none;
     group->written = std::max(group->written, fs::last_write_time(path, none));
-    group->shards.push_back({path, std::move(*content)});
+    group->shards.push_back({path, std::move(content)});
   }
   return groups;
 }
@@ -166,9 +164,8 @@ bool is_joined(const ShardGroup& group, const JoinedManifest& joined) {
 // The group to join: of the batch that is not joined yet. Where all are, the newest, whose files are checked again;
 // nothing where there is none.
 Result<std::optional<ShardGroup>> choose_group(const fs::path& folder, const JoinedManifest& joined) {
-  auto read = read_groups(folder);
-  if (!read) return tl::unexpected(std::move(read.error()));
-  std::vector<ShardGroup> groups = one_of_each_batch(std::move(*read));
+  auto read = TRY(read_groups(folder));
+  std::vector<ShardGroup> groups = one_of_each_batch(std::move(read));
   if (groups.empty()) return std::nullopt;
   std::ranges::stable_sort(groups, std::ranges::greater(), &ShardGroup::written);
   if (groups.size() == 1) return std::move(groups.front());
@@ -202,9 +199,8 @@ std::string missing_text(const ManifestHeader& header, const std::map<std::int64
 
 Result<void> check_outputs(const FrameRecord& record) {
   for (const FileRecord& output : record.outputs) {
-    const auto now = files::state_of_file(output.path);
-    if (!now) return tl::unexpected(now.error());
-    if (now->hash != output.state.hash) return bad(output.path, "it is not what its shard has written");
+    const auto now = TRY(files::state_of_file(output.path));
+    if (now.hash != output.state.hash) return bad(output.path, "it is not what its shard has written");
   }
   return {};
 }
@@ -225,14 +221,14 @@ Result<MergedShards> check_whole(const fs::path& folder, const JoinedManifest& j
   const ManifestHeader& header = joined.header();
   MergedShards merged{joined.path(), 1, header.frames, header.absent};
   if (const FrameRecord* const animation = joined.find(animation_key(header.batch))) {
-    if (auto checked = check_outputs(*animation); !checked) return tl::unexpected(std::move(checked.error()));
+    TRY(check_outputs(*animation));
     return merged;
   }
   std::map<std::int64_t, FrameRecord> found;
   add_joined_records(header, joined, Wanted::all, found);
   if (found.size() != header.frames) return fail_missing(folder, header, found);
   for (const auto& [number, record] : found) {
-    if (auto checked = check_outputs(record); !checked) return tl::unexpected(std::move(checked.error()));
+    TRY(check_outputs(record));
   }
   return merged;
 }
@@ -241,16 +237,15 @@ Result<MergedShards> check_whole(const fs::path& folder, const JoinedManifest& j
 
 Result<MergedShards> merge_shards(const fs::path& folder) {
   const JoinedManifest joined(folder);
-  auto group = choose_group(folder, joined);
-  if (!group) return tl::unexpected(std::move(group.error()));
-  const bool is_done = *group && is_joined(**group, joined);
-  if (!*group || (is_done && joined.header().batch != (*group)->header().batch)) {
+  auto group = TRY(choose_group(folder, joined));
+  const bool is_done = group && is_joined(*group, joined);
+  if (!group || (is_done && joined.header().batch != group->header().batch)) {
     return check_whole(folder, joined);
   }
-  ManifestHeader header = (*group)->header();
+  ManifestHeader header = group->header();
   std::vector<bool> seen(static_cast<std::size_t>(header.shard.count));
   std::map<std::int64_t, FrameRecord> found;
-  for (auto& [path, content] : (*group)->shards) {
+  for (auto& [path, content] : group->shards) {
     const auto place = static_cast<std::size_t>(content.header.shard.number - 1);
     if (seen[place]) return bad(path, fmt::format("shard {} is there twice", content.header.shard.number));
     seen[place] = true;
@@ -260,7 +255,7 @@ Result<MergedShards> merge_shards(const fs::path& folder) {
       const FrameRecord* const other = joined.find(record.job);
       const bool is_old = other != nullptr && *other != record && !what_changed(record).empty();
       if (is_old && what_changed(*other).empty()) record = *other;
-      if (auto checked = check_outputs(record); !checked) return tl::unexpected(std::move(checked.error()));
+      TRY(check_outputs(record));
       const std::int64_t frame = record.frame;
       if (!found.emplace(frame, std::move(record)).second) {
         return bad(path, fmt::format("frame {} is there twice", frame));
@@ -278,14 +273,13 @@ Result<MergedShards> merge_shards(const fs::path& folder) {
   }
   MergedShards merged{{}, header.shard.count, header.frames, header.absent};
   header.shard = {};
-  auto manifest = Manifest::open(folder, header, true, {});
-  if (!manifest) return tl::unexpected(manifest.error());
+  auto manifest = TRY(Manifest::open(folder, header, true, {}));
   for (const auto& [number, record] : found) {
-    const FrameRecord* old = manifest->find(record.job);
+    const FrameRecord* old = manifest.find(record.job);
     if (old != nullptr && *old == record) continue;
-    if (auto added = manifest->add(record); !added) return tl::unexpected(added.error());
+    TRY(manifest.add(record));
   }
-  merged.manifest = manifest->path();
+  merged.manifest = manifest.path();
   return merged;
 }
 

@@ -249,13 +249,12 @@ Result<std::vector<OutputFiles>> unchecked_outputs(std::span<const OutputSource>
                                                    const std::optional<std::string>& output, meshes::MeshFormat format,
                                                    std::string_view extension) {
   const auto names =
-      template_of(sources, output, extension.empty() ? meshes::mesh_format_info(format).name : extension);
-  if (!names) return tl::unexpected(names.error());
+      TRY(template_of(sources, output, extension.empty() ? meshes::mesh_format_info(format).name : extension));
   std::vector<OutputFiles> outputs;
   outputs.reserve(sources.size());
   for (const OutputSource& source : sources) {
-    if (auto checked = check_words(source, *names, format); !checked) return tl::unexpected(checked.error());
-    outputs.push_back(files_of(source, *names));
+    TRY(check_words(source, names, format));
+    outputs.push_back(files_of(source, names));
   }
   return outputs;
 }
@@ -265,7 +264,7 @@ Result<std::vector<OutputFiles>> name_outputs(std::span<const OutputSource> sour
                                               std::string_view extension, const OtherFiles& others) {
   auto outputs = unchecked_outputs(sources, output, format, extension);
   if (!outputs) return outputs;
-  if (auto checked = check_outputs(sources, *outputs, format, others); !checked) return tl::unexpected(checked.error());
+  TRY(check_outputs(sources, *outputs, format, others));
   return outputs;
 }
 
@@ -281,12 +280,12 @@ Result<void> check_outputs(std::span<const OutputSource> sources, std::span<cons
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     for (const convert::OutputFileJob& output : outputs[i]) {
       for (const fs::path& file : convert::mesh_files(output, format)) {
-        if (auto added = uses.add_written(file, {&sources[i], nullptr}); !added) return added;
+        TRY(uses.add_written(file, {&sources[i], nullptr}));
       }
     }
   }
   for (const NamedFile& file : others.written) {
-    if (auto added = uses.add_written(file.path, {nullptr, &file}); !added) return added;
+    TRY(uses.add_written(file.path, {nullptr, &file}));
   }
   return check_piece_files(sources, outputs, format, others, places);
 }

@@ -13,10 +13,9 @@
 namespace isoextract::batch {
 
 Result<OutputTemplate> OutputTemplate::parse(std::string_view name) {
-  const auto parts = name_parts(name);
-  if (!parts) return tl::unexpected(parts.error());
+  const auto parts = TRY(name_parts(name));
   OutputTemplate result;
-  for (const NamePart& part : *parts) {
+  for (const NamePart& part : parts) {
     if (part.kind == NamePart::Kind::text) {
       result.end_ += part.text;
       continue;

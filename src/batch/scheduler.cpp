@@ -159,12 +159,11 @@ class Scheduler {
 
   Result<void> take(std::size_t frame, const convert::HandedMeshes& handed, convert::Outcome& outcome) {
     try {
-      const auto packed = receiver_->take(frame, handed);
-      if (!packed) return tl::unexpected(packed.error());
-      for (std::size_t m = 0; m < packed->size(); ++m) {
-        if ((*packed)[m].bytes_before == 0) continue;  // it has no triangles
+      const auto packed = TRY(receiver_->take(frame, handed));
+      for (std::size_t m = 0; m < packed.size(); ++m) {
+        if (packed[m].bytes_before == 0) continue;  // it has no triangles
         outcome.packings.push_back(
-            {handed.isos[m], handed.output.path, batch_.frames[frame].job.packing, handed.packing.voxel, (*packed)[m]});
+            {handed.isos[m], handed.output.path, batch_.frames[frame].job.packing, handed.packing.voxel, packed[m]});
       }
       return {};
     } catch (const std::bad_alloc&) {

@@ -62,9 +62,7 @@ Result<std::optional<Shard>> shard_of_environment(const std::function<const char
     const std::array names{scheme.number, scheme.count, scheme.first, scheme.step};
     for (std::size_t i = 0; i < names.size(); ++i) {
       if (names[i] == nullptr) continue;
-      auto value = variable(get, names[i]);
-      if (!value) return tl::unexpected(value.error());
-      found[i] = *value;
+      found[i] = TRY(variable(get, names[i]));
     }
     const auto [number, count, first, step] = found;
     if (!number) continue;

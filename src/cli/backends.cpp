@@ -32,9 +32,8 @@ Result<std::vector<NamedBackend>> parse_backends(std::string_view text) {
 Result<std::vector<measure::BenchBackend>> open_backends(const std::vector<NamedBackend>& backends) {
   std::vector<measure::BenchBackend> opened;
   for (const NamedBackend& backend : backends) {
-    auto one = convert::open_backend(backend.backend, backend.gpu);
-    if (!one) return tl::unexpected(one.error());
-    opened.push_back({backend.name, std::move(one->extractor), backend.only});
+    auto one = TRY(convert::open_backend(backend.backend, backend.gpu));
+    opened.push_back({backend.name, std::move(one.extractor), backend.only});
   }
   return opened;
 }

@@ -239,7 +239,7 @@ class FrameKeeper final : public batch::FrameEvents {
 
   Result<void> report(const batch::FrameJob& frame, const convert::Outcome& outcome) const {
     const std::string path = report_path_of(plan_, frame);
-    if (auto checked = check_report_file(path, frame.job); !checked) return checked;
+    TRY(check_report_file(path, frame.job));
     return write_report(path, &frame.job, outcome, arguments_, plan_.common.memory.limit());
   }
 
@@ -263,12 +263,11 @@ Result<void> write_tables(const BatchPlan& plan, const std::vector<batch::FrameR
   if (plan.flags.table) {
     const bool is_json = fs::path(*plan.flags.table).extension() == ".json";
     const std::string text = is_json ? convert::json_text(batch::table_json(rows)) : batch::table_csv(rows);
-    if (auto written = files::write_file(*plan.flags.table, text); !written) return written;
+    TRY(files::write_file(*plan.flags.table, text));
   }
   if (!plan.flags.plot) return {};
-  const auto picture = run_gnuplot(frame_plot_script(rows, plan.picture));
-  if (!picture) return tl::unexpected(picture.error());
-  return files::write_file(*plan.flags.plot, *picture);
+  const auto picture = TRY(run_gnuplot(frame_plot_script(rows, plan.picture)));
+  return files::write_file(*plan.flags.plot, picture);
 }
 
 std::uint64_t count_of(std::span<const batch::FrameRun> runs) {
@@ -346,24 +345,22 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
   if (plan.flags.dry_run) return print_batch_plan(plan, messages);
   if (plan.flags.fail_fast && plan.needs_all && !plan.gaps.empty()) return fail_missing(plan.gaps);
   if (plan.flags.plot || (plan.common.pages.html && plan.frames.size() > 1)) {
-    if (auto there = check_gnuplot(plan.flags.plot ? "--plot" : "--html"); !there) return there;
+    TRY(check_gnuplot(plan.flags.plot ? "--plot" : "--html"));
   }
-  if (auto limited = limit_threads(plan.common.threads); !limited) return limited;
-  if (auto made = make_folders(plan); !made) return made;
-  const auto read = check_batch_files(plan);
-  if (!read) return tl::unexpected(read.error());
+  TRY(limit_threads(plan.common.threads));
+  TRY(make_folders(plan));
+  const auto read = TRY(check_batch_files(plan));
   const Context context{plan.common.memory};
   std::optional<batch::Animation> animation;
   if (plan.batch.animation) {
     animation.emplace(plan.batch, context);
-    if (auto checked = animation->check(); !checked) return checked;
+    TRY(animation->check());
   }
   std::unordered_set<std::string> jobs;
   for (const std::size_t i : plan.frames) jobs.insert(convert::hash_of(plan.batch.frames[i].job));
   batch::ManifestHeader header = batch::header_of(plan.batch, plan.shard, arguments);
   if (plan.needs_all) header.absent = batch::text_of(plan.gaps);
-  auto manifest = batch::Manifest::open(plan.folder, header, plan.flags.resume, jobs);
-  if (!manifest) return tl::unexpected(manifest.error());
+  auto manifest = TRY(batch::Manifest::open(plan.folder, header, plan.flags.resume, jobs));
   const auto tell = [&](const std::string& note) {
     if (plan.progress != ProgressStyle::json) messages.note(note);
   };
@@ -373,9 +370,9 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
 
   BatchProgress progress(plan.progress, messages, plan.frames.size());
   HtmlPage page;
-  FrameKeeper keeper(plan, arguments, *manifest, animation ? &*animation : nullptr, *read ? &**read : nullptr, progress,
+  FrameKeeper keeper(plan, arguments, manifest, animation ? &*animation : nullptr, read ? &*read : nullptr, progress,
                      page);
-  const std::vector<std::size_t> which = keep_what_is_done(plan, *manifest, keeper);
+  const std::vector<std::size_t> which = keep_what_is_done(plan, manifest, keeper);
   const std::size_t kept = plan.frames.size() - which.size();
   const auto note_of_field = [&](const field::ScalarField& field) -> std::optional<std::string> {
     if (!plan.common.if_on_side) return std::nullopt;
@@ -390,7 +387,7 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
       .extras = {.mesh_facts = plan.flags.table || plan.flags.plot || plan.report || plan.common.pages.html,
                  .note_of_field = note_of_field,
                  .note_of_relaxing = relaxing_note,
-                 .read = *read ? &**read : nullptr}};
+                 .read = read ? &*read : nullptr}};
   const batch::BatchCounts counts =
       batch::run(plan.batch, which, options, context, keeper, animation ? &*animation : nullptr);
   std::optional<Error> unkept = keeper.unkept();
@@ -398,7 +395,7 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
   if (animation && which.empty()) {
     animated.notes.push_back(fmt::format("{} is left as it is", plan.batch.animation->path));
   } else if (animation && !unkept) {
-    auto finished = finish_animation(plan, *animation, *manifest, keeper);
+    auto finished = finish_animation(plan, *animation, manifest, keeper);
     if (!finished) unkept = finished.error();
     if (finished) animated = std::move(*finished);
   }
@@ -422,7 +419,7 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
     if (const std::string note = note_of_units(keeper.rows()); !note.empty()) tell(note);
   }
   if (plan.flags.table || plan.flags.plot) {
-    if (auto written = write_tables(plan, keeper.rows()); !written) return written;
+    TRY(write_tables(plan, keeper.rows()));
   }
   if (plan.common.pages.any()) {
     auto written =
@@ -441,9 +438,8 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
 }  // namespace
 
 Result<void> run_batch(const ConvertFlags& flags, const std::vector<std::string>& arguments) {
-  const auto plan = plan_batch(flags, [](const char* name) -> const char* { return std::getenv(name); });
-  if (!plan) return tl::unexpected(plan.error());
-  return run_planned(*plan, arguments, Messages(plan->common.verbosity));
+  const auto plan = TRY(plan_batch(flags, [](const char* name) -> const char* { return std::getenv(name); }));
+  return run_planned(plan, arguments, Messages(plan.common.verbosity));
 }
 
 }  // namespace isoextract::cli

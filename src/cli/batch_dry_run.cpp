@@ -103,9 +103,8 @@ Result<void> print_batch_plan(const BatchPlan& plan, const Messages& messages) {
   text += fmt::format("jobs: {} at a time\n", plan.jobs);
   text += fmt::format("manifest: {}\n", printable((plan.folder / batch::manifest_name(plan.shard)).string()));
   if (!plan.frames.empty()) {
-    const auto memory = memory_text(plan, messages);
-    if (!memory) return tl::unexpected(memory.error());
-    text += *memory;
+    const auto memory = TRY(memory_text(plan, messages));
+    text += memory;
   }
   for (const std::string& note : plan.common.notes) messages.note(note);
   return print_to_stdout(text);

@@ -30,7 +30,7 @@ files::ReadFiles read_files_of(const BatchPlan& plan) {
     const convert::SourceOptions& source = frame.job.source;
     // The volumes of one file are many frames.
     const bool is_known = before != nullptr && before->input == source.input && before->attributes == source.attributes;
-    if (!is_known) convert::add_read_files(read, frame.job);
+    if (!is_known) convert::add_read_files(read, frame.job, Context());
     before = &source;
   }
   return read;
@@ -57,21 +57,19 @@ Result<std::optional<files::ReadFiles>> check_batch_files(const BatchPlan& plan)
       if (is_there(file)) there.push_back(std::move(file));
     }
   }
-  auto replaced = batch::check_replaced_shard(plan.folder, plan.batch, plan.shard, meshes);
-  if (!replaced) return tl::unexpected(std::move(replaced.error()));
+  TRY(batch::check_replaced_shard(plan.folder, plan.batch, plan.shard, meshes));
   for (const batch::NamedFile& file : plan.others.written) {
     if (is_there(file.path)) there.emplace_back(file.path);
   }
   std::optional<files::ReadFiles> read;
   if (plan.common.job.pieces.split || !there.empty()) read = read_files_of(plan);
   for (const fs::path& file : there) {
-    if (auto checked = read->check(file); !checked) return tl::unexpected(std::move(checked.error()));
+    TRY(read->check(file));
   }
   const PagesPlan& pages = plan.common.pages;
   for (const auto& file : {plan.flags.table, plan.flags.plot, pages.html, pages.contact_sheet}) {
     if (!file) continue;
-    auto checked = convert::check_output_file(*file, read.value_or(files::ReadFiles()));
-    if (!checked) return tl::unexpected(std::move(checked.error()));
+    TRY(convert::check_output_file(*file, read.value_or(files::ReadFiles())));
   }
   return read;
 }

@@ -53,12 +53,10 @@ Result<std::vector<batch::OutputSource>> sources_of(const ConvertFlags& flags, c
   std::optional<batch::IsoTable> table;
   if (flags.batch.iso_table) {
     if (!flags.isos.empty()) return refuse_usage("--iso and --iso-table exclude each other");
-    auto read = batch::IsoTable::read(*flags.batch.iso_table);
-    if (!read) return tl::unexpected(read.error());
-    table = std::move(*read);
+    table = TRY(batch::IsoTable::read(*flags.batch.iso_table, Context()));
     std::vector<std::int64_t> numbers;
     for (const batch::Frame& frame : found.frames) numbers.push_back(frame.number);
-    if (auto covered = table->check_covers(numbers); !covered) return tl::unexpected(covered.error());
+    TRY(table->check_covers(numbers));
   }
   std::vector<batch::OutputSource> sources;
   for (const batch::Frame& frame : found.frames) {
@@ -102,24 +100,22 @@ Result<batch::Frames> volumes_of(const ConvertFlags& flags, const volumes::ReadO
         fmt::format("--volume all takes the volumes of one file, and {} stands for several", printable(inputs.front())),
         one_file);
   }
-  auto particles = plan_particles(flags.particles, flags.surface.nan, has_attributes(flags));
-  if (!particles) return tl::unexpected(particles.error());
+  auto particles = TRY(plan_particles(flags.particles, flags.surface.nan, has_attributes(flags)));
   convert::SourceOptions source;
   source.input = inputs.front();
   source.read = read;
-  source.particles = std::move(*particles);
-  const auto count = convert::count_frames(source);
-  if (!count) return tl::unexpected(count.error());
-  if (*count > batch::kMaxFrames) {
+  source.particles = std::move(particles);
+  const auto count = TRY(convert::count_frames(source, Context()));
+  if (count > batch::kMaxFrames) {
     return refuse_usage(
-        fmt::format("{}: {} volumes are more than {}, the most frames", inputs.front(), *count, batch::kMaxFrames));
+        fmt::format("{}: {} volumes are more than {}, the most frames", inputs.front(), count, batch::kMaxFrames));
   }
   batch::Frames found;
-  for (std::int64_t k = 0; k < static_cast<std::int64_t>(*count); ++k) {
+  for (std::int64_t k = 0; k < static_cast<std::int64_t>(count); ++k) {
     if (!flags.batch.frames || flags.batch.frames->contains(k)) found.frames.push_back({k, inputs.front(), k});
   }
   if (found.frames.empty()) {
-    return refuse_usage(fmt::format("--frames: {} has the volumes 0 to {}", inputs.front(), *count - 1));
+    return refuse_usage(fmt::format("--frames: {} has the volumes 0 to {}", inputs.front(), count - 1));
   }
   if (flags.batch.frames) found.gaps = batch::gaps_of(*flags.batch.frames, found.frames);
   return found;
@@ -127,15 +123,14 @@ Result<batch::Frames> volumes_of(const ConvertFlags& flags, const volumes::ReadO
 
 Result<void> plan_report(const ConvertFlags& flags, BatchPlan& plan) {
   if (!flags.report) return {};
-  auto name = plan_report_name(*flags.report);
-  if (!name) return tl::unexpected(std::move(name.error()));
-  if (!name->uses(batch::OutputWord::frame)) {
+  auto name = TRY(plan_report_name(*flags.report));
+  if (!name.uses(batch::OutputWord::frame)) {
     return refuse_usage(
         fmt::format("--report {}: frames have a report each, and this name has no place for their number",
                     *flags.report),
         "write --report r_{:04}.json; --table is one file for all frames");
   }
-  plan.report = std::move(*name);
+  plan.report = std::move(name);
   return {};
 }
 
@@ -150,9 +145,7 @@ Result<void> plan_tables(const BatchFlags& flags, BatchPlan& plan) {
     }
   }
   if (!flags.plot) return {};
-  auto picture = picture_format_of(*flags.plot);
-  if (!picture) return tl::unexpected(picture.error());
-  plan.picture = *picture;
+  plan.picture = TRY(picture_format_of(*flags.plot));
   return {};
 }
 
@@ -181,10 +174,9 @@ Result<std::vector<batch::OutputFiles>> plan_animation(const ConvertFlags& flags
     return refuse_usage(fmt::format("-o {}: --animate makes one file of all frames, and this is a folder", output),
                         example);
   }
-  const auto name = batch::OutputTemplate::parse(output);
-  if (!name) return tl::unexpected(name.error());
+  const auto name = TRY(batch::OutputTemplate::parse(output));
   for (const auto& word : words_of(batch::OutputWord{})) {
-    if (!name->uses(word.value)) continue;
+    if (!name.uses(word.value)) continue;
     return refuse_usage(
         fmt::format("-o {}: --animate makes one file of all frames, and this name has a place for {{{}}}", output,
                     word.word),
@@ -195,11 +187,10 @@ Result<std::vector<batch::OutputFiles>> plan_animation(const ConvertFlags& flags
                         "name the file .glb; without --animate each frame has its file, in any format");
   }
   job.animation =
-      batch::AnimationJob{name->expand({}), flags.batch.fps.value_or(batch::AnimationJob().frames_per_second)};
+      batch::AnimationJob{name.expand({}), flags.batch.fps.value_or(batch::AnimationJob().frames_per_second)};
   std::vector<batch::OutputFiles> outputs(sources.size());
   outputs.front() = {{job.animation->path, sources.front().isos}};
-  if (auto checked = batch::check_outputs(sources, outputs, format, others); !checked)
-    return tl::unexpected(checked.error());
+  TRY(batch::check_outputs(sources, outputs, format, others));
   for (std::size_t i = 1; i < sources.size(); ++i) outputs[i] = {{job.animation->path, sources[i].isos}};
   return outputs;
 }
@@ -215,13 +206,12 @@ Result<batch::Shard> plan_shard(const BatchFlags& flags, const char* (*environme
   }
   batch::Shard shard = flags.shard->shard.value_or(batch::Shard());
   if (!flags.shard->shard) {
-    const auto found = batch::shard_of_environment(environment);
-    if (!found) return tl::unexpected(found.error());
-    if (!*found) {
+    const auto found = TRY(batch::shard_of_environment(environment));
+    if (!found) {
       return refuse_usage("--shard auto: the environment has no SLURM_ARRAY_TASK_ID and no JOB_COMPLETION_INDEX",
                           "give the part as --shard K/N");
     }
-    shard = **found;
+    shard = *found;
   }
   if (!flags.animate || shard.is_all()) return shard;
   return refuse_usage(
@@ -273,7 +263,7 @@ bool names_frames(const std::string& input) {
 
 Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environment)(const char*)) {
   ConvertFlags flags = given;
-  if (auto taken = take_labels(flags); !taken) return tl::unexpected(taken.error());
+  TRY(take_labels(flags));
   if (flags.output == "-") return refuse_usage("frames are written into files, not to stdout", "give a name with -o");
   if (flags.explain) return refuse_usage("--explain is about one conversion", "--table and -v tell about frames");
   if (flags.batch.fps && !flags.batch.animate) {
@@ -281,65 +271,57 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   }
   BatchPlan plan;
   std::string of_environment;
-  const auto shard = plan_shard(flags.batch, environment, of_environment);
-  if (!shard) return tl::unexpected(shard.error());
-  const std::string of_shard = name_after_shard(*shard, flags);
+  const auto shard = TRY(plan_shard(flags.batch, environment, of_environment));
+  const std::string of_shard = name_after_shard(shard, flags);
   ConvertFlags one = flags;  // of one frame
   if (wants_all_volumes(flags)) one.input.volume.reset();
-  const auto read = plan_read(one.input);
-  if (!read) return tl::unexpected(read.error());
-  auto found =
-      wants_all_volumes(flags) ? volumes_of(flags, *read) : batch::find_frames(flags.input.inputs, flags.batch.frames);
-  if (!found) return tl::unexpected(found.error());
+  const auto read = TRY(plan_read(one.input));
+  auto found = TRY(wants_all_volumes(flags) ? volumes_of(flags, read)
+                                            : batch::find_frames(flags.input.inputs, flags.batch.frames));
   if (!flags.batch.iso_table && !writes_field(flags)) {
-    auto note = take_usual_iso(one, found->frames.front().input);
-    if (!note) return tl::unexpected(note.error());
-    if (!note->empty()) found->notes.push_back(std::move(*note));
+    auto note = TRY(take_usual_iso(one, found.frames.front().input));
+    if (!note.empty()) found.notes.push_back(std::move(note));
     flags.isos = one.isos;
   }
-  auto sources = sources_of(flags, *found);
-  if (!sources) return tl::unexpected(sources.error());
-  auto common = plan_conversion(one, sources->front().isos);
-  if (!common) return tl::unexpected(common.error());
-  plan.common = std::move(*common);
-  if (std::string note = changing_isos(flags, sources->size()); !note.empty()) found->notes.push_back(std::move(note));
-  for (std::string& note : found->notes) plan.common.notes.push_back(std::move(note));
+  auto sources = TRY(sources_of(flags, found));
+  auto common = TRY(plan_conversion(one, sources.front().isos));
+  plan.common = std::move(common);
+  if (std::string note = changing_isos(flags, sources.size()); !note.empty()) found.notes.push_back(std::move(note));
+  for (std::string& note : found.notes) plan.common.notes.push_back(std::move(note));
   if (std::string note = note_of_frames(plan.common.job); !note.empty()) plan.common.notes.push_back(std::move(note));
   if (flags.placement.center && !flags.surface.roi) {
     plan.common.notes.emplace_back(
         "--center: each frame is moved by the middle of its own samples; of sparse volumes and particles, whose box "
         "changes, the frames move against each other, which --roi prevents");
   }
-  if (plan.common.job.picture_file && sources->size() > 1) {
+  if (plan.common.job.picture_file && sources.size() > 1) {
     std::string note = note_of_cameras(*plan.common.job.picture_file);
     if (!note.empty()) plan.common.notes.push_back(std::move(note));
   }
-  if (auto reported = plan_report(flags, plan); !reported) return tl::unexpected(reported.error());
-  if (auto planned = plan_tables(flags.batch, plan); !planned) return tl::unexpected(planned.error());
-  plan.others = other_files(flags, *sources, plan.report);
-  auto outputs = flags.batch.animate ? plan_animation(flags, *sources, plan.common.job.format, plan.others, plan.batch)
-                                     : plan_outputs(flags, *sources, plan.common.job.format, plan.others);
-  if (!outputs) return tl::unexpected(outputs.error());
-  if (auto named = check_piece_folders(*outputs); !named) return tl::unexpected(named.error());
-  for (std::size_t i = 0; i < sources->size(); ++i) {
+  TRY(plan_report(flags, plan));
+  TRY(plan_tables(flags.batch, plan));
+  plan.others = other_files(flags, sources, plan.report);
+  auto outputs =
+      TRY(flags.batch.animate ? plan_animation(flags, sources, plan.common.job.format, plan.others, plan.batch)
+                              : plan_outputs(flags, sources, plan.common.job.format, plan.others));
+  TRY(check_piece_folders(outputs));
+  for (std::size_t i = 0; i < sources.size(); ++i) {
     batch::FrameJob& frame = plan.batch.frames.emplace_back();
-    frame.number = found->frames[i].number;
+    frame.number = found.frames[i].number;
     frame.job = plan.common.job;
-    frame.job.source.input = found->frames[i].input;
-    if (found->frames[i].step) frame.job.source.read.volume = found->frames[i].step;
-    frame.job.outputs = std::move((*outputs)[i]);
-    if (auto numbered = number_attributes(frame.job.source.attributes, frame.number); !numbered) {
-      return tl::unexpected(std::move(numbered.error()));
-    }
+    frame.job.source.input = found.frames[i].input;
+    if (found.frames[i].step) frame.job.source.read.volume = found.frames[i].step;
+    frame.job.outputs = std::move(outputs[i]);
+    TRY(number_attributes(frame.job.source.attributes, frame.number));
   }
-  plan.gaps = std::move(found->gaps);
+  plan.gaps = std::move(found.gaps);
   plan.needs_all = flags.batch.missing.value_or(flags.batch.frames ? MissingPolicy::error : MissingPolicy::note) ==
                    MissingPolicy::error;
   plan.folder = common_folder(plan.batch);
 
   if (!of_environment.empty()) plan.common.notes.push_back(std::move(of_environment));
   if (!of_shard.empty()) plan.common.notes.push_back(of_shard);
-  plan.shard = *shard;
+  plan.shard = shard;
   plan.frames = batch::frames_of(plan.batch, plan.shard);
 
   const int threads = plan.common.threads.value_or(tbb::this_task_arena::max_concurrency());

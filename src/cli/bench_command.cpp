@@ -27,16 +27,14 @@ class Bench {
   Bench(const BenchPlan& plan, const Messages& messages) : plan_(plan), messages_(messages), options_(plan.options) {}
 
   Result<void> run() {
-    if (auto checked = check(); !checked) return checked;
+    TRY(check());
     if (plan_.gpu_threads) return measure_gpu_threads();
-    if (auto chosen = choose_backends(); !chosen) return chosen;
+    TRY(choose_backends());
     for (const std::string& input : plan_.inputs) {
-      auto result = input.starts_with(field::kDemoPrefix) ? measure_demo(input) : measure_file(input);
-      if (!result) return tl::unexpected(result.error());
+      auto result = TRY(input.starts_with(field::kDemoPrefix) ? measure_demo(input) : measure_file(input));
       const std::string before = results_.empty() ? "" : "\n";
-      if (auto printed = print_to_stdout(before + bench_table(*result, plan_.options.repeats)); !printed)
-        return printed;
-      results_.push_back(std::move(*result));
+      TRY(print_to_stdout(before + bench_table(result, plan_.options.repeats)));
+      results_.push_back(std::move(result));
     }
     return write();
   }
@@ -50,11 +48,11 @@ class Bench {
       convert::ConversionJob job;
       job.source.input = input;
       job.source.read = plan_.read;
-      convert::add_read_files(read, job);
+      convert::add_read_files(read, job, Context());
     }
     for (const auto& file : {plan_.csv, plan_.json, plan_.plot}) {
       if (!file) continue;
-      if (auto checked = convert::check_output_file(*file, read); !checked) return checked;
+      TRY(convert::check_output_file(*file, read));
       for (const std::string& other : files) {
         if (!files::same_place(*file, other)) continue;
         return fail(ErrorKind::usage, fmt::format("{}: this is the name of two files to write", *file),
@@ -66,15 +64,14 @@ class Bench {
   }
 
   Result<void> measure_gpu_threads() const {
-    const auto result = gpu::measure_thread_creation(plan_.gpu.device, plan_.sizes, plan_.options.repeats);
-    if (!result) return tl::unexpected(result.error());
-    if (auto printed = print_to_stdout(gpu_threads_table(*result, plan_.options.repeats)); !printed) return printed;
+    const auto result = TRY(gpu::measure_thread_creation(plan_.gpu.device, plan_.sizes, plan_.options.repeats));
+    TRY(print_to_stdout(gpu_threads_table(result, plan_.options.repeats)));
     if (plan_.json) {
-      const std::string json = convert::json_text(gpu_threads_json(*result, plan_.options.repeats));
-      if (auto written = files::write_file(*plan_.json, json); !written) return written;
+      const std::string json = convert::json_text(gpu_threads_json(result, plan_.options.repeats));
+      TRY(files::write_file(*plan_.json, json));
       messages_.summary(fmt::format("-> {}", *plan_.json));
     }
-    for (const gpu::ThreadCreationLevel& level : result->levels) {
+    for (const gpu::ThreadCreationLevel& level : result.levels) {
       const auto failed = std::ranges::find_if(level.makers, [](const auto& row) { return row.problem.has_value(); });
       if (failed == level.makers.end()) continue;
       return fail(ErrorKind::unavailable, fmt::format("{}^3 cells: {}", level.size, *failed->problem),
@@ -86,9 +83,7 @@ class Bench {
   // Those that were asked for; otherwise the CPU, and a GPU that is not software.
   Result<void> choose_backends() {
     if (plan_.backends) {
-      auto opened = open_backends(*plan_.backends);
-      if (!opened) return tl::unexpected(opened.error());
-      options_.backends = std::move(*opened);
+      options_.backends = TRY(open_backends(*plan_.backends));
       return {};
     }
     options_.backends.push_back({"cpu", extract::make_cpu_extractor(), {}});
@@ -100,17 +95,16 @@ class Bench {
   }
 
   Result<measure::BenchResult> measure_demo(const std::string& input) const {
-    const auto spec = field::parse_demo_spec(input);
-    if (!spec) return tl::unexpected(spec.error());
+    const auto spec = TRY(field::parse_demo_spec(input));
     const Context context{plan_.memory};
     const ProgressBar bar(context.progress(), bar_wanted());
     measure::BenchOptions options = options_;
     if (plan_.iso) {
       options.iso = *plan_.iso;
     } else {
-      options.iso = std::ranges::find(field::demo_fields(), spec->name, &field::DemoDescription::name)->iso;
+      options.iso = std::ranges::find(field::demo_fields(), spec.name, &field::DemoDescription::name)->iso;
     }
-    return measure::bench_demo(spec->name, plan_.sizes, options, context);
+    return measure::bench_demo(spec.name, plan_.sizes, options, context);
   }
 
   // Coarser versions of the field of particles are no fields of theirs.
@@ -129,13 +123,11 @@ class Bench {
   Result<measure::BenchResult> measure_file(const std::string& input) const {
     std::optional<field::ScalarField> field;
     const Context context{plan_.memory};
-    if (auto checked = check_volume(input, context); !checked) return tl::unexpected(checked.error());
+    TRY(check_volume(input, context));
     {
       const ProgressBar bar(context.progress(), bar_wanted());
       convert::Events unheard;
-      auto found = convert::read_field(input, plan_.read, context, unheard);
-      if (!found) return tl::unexpected(found.error());
-      field = std::move(*found);
+      field = TRY(convert::read_field(input, plan_.read, context, unheard));
     }
     for (const std::string& text : field->notes) messages_.note(text);
     const std::vector<int> factors = factors_for(*field);
@@ -170,12 +162,10 @@ class Bench {
     const bool drawn = plan_.plot && measured();
     if (plan_.plot && !drawn) messages_.note(fmt::format("{}: not drawn, because no error was measured", *plan_.plot));
     if (drawn) {
-      auto made = run_gnuplot(error_plot_script(results_, plan_.options.repeats, plan_.picture));
-      if (!made) return tl::unexpected(made.error());
-      picture = std::move(*made);
+      picture = TRY(run_gnuplot(error_plot_script(results_, plan_.options.repeats, plan_.picture)));
     }
     if (plan_.csv) {
-      if (auto written = files::write_file(*plan_.csv, bench_csv(results_)); !written) return written;
+      TRY(files::write_file(*plan_.csv, bench_csv(results_)));
     }
     if (plan_.json) {
       if (auto written =
@@ -185,7 +175,7 @@ class Bench {
       }
     }
     if (picture) {
-      if (auto written = files::write_file(*plan_.plot, *picture); !written) return written;
+      TRY(files::write_file(*plan_.plot, *picture));
     }
     for (const auto& file : {plan_.csv, plan_.json, drawn ? plan_.plot : std::nullopt}) {
       if (file) messages_.summary(fmt::format("-> {}", *file));

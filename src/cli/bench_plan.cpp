@@ -40,11 +40,9 @@ static Result<BenchPlan> plan_gpu_threads(const BenchFlags& flags, BenchPlan pla
 
 Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   BenchPlan plan;
-  if (auto one_side = refuse_two_sides(flags.input, "bench"); !one_side) return tl::unexpected(one_side.error());
-  if (auto one = refuse_several_grids(flags.input, "bench"); !one) return tl::unexpected(one.error());
-  auto read = plan_read(flags.input);
-  if (!read) return tl::unexpected(read.error());
-  plan.read = std::move(*read);
+  TRY(refuse_two_sides(flags.input, "bench"));
+  TRY(refuse_several_grids(flags.input, "bench"));
+  plan.read = TRY(plan_read(flags.input));
   plan.memory = plan_memory(flags.input.memory_limit);
   plan.inputs = flags.input.inputs;
   plan.options.repeats = flags.repeats.value_or(plan.options.repeats);
@@ -74,12 +72,11 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   }
   for (const std::string& input : plan.inputs) {
     if (!is_demo(input)) continue;
-    const auto spec = field::parse_demo_spec(input);
-    if (!spec) return tl::unexpected(spec.error());
+    const auto spec = TRY(field::parse_demo_spec(input));
     if (input.find('?') != std::string::npos) {
       return refuse_usage(
           fmt::format("{}: expected a demo field without settings, found '{}'", input, input.substr(input.find('?'))),
-          fmt::format("bench measures several sizes: {}{} --sizes {}", field::kDemoPrefix, spec->name, spec->size));
+          fmt::format("bench measures several sizes: {}{} --sizes {}", field::kDemoPrefix, spec.name, spec.size));
     }
   }
   plan.iso = flags.iso;
@@ -110,9 +107,7 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   plan.json = flags.json;
   plan.plot = flags.plot;
   if (plan.plot) {
-    const auto picture = picture_format_of(*plan.plot);
-    if (!picture) return tl::unexpected(picture.error());
-    plan.picture = *picture;
+    plan.picture = TRY(picture_format_of(*plan.plot));
   }
   return plan;
 }

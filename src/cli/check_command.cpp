@@ -25,7 +25,7 @@ namespace {
 Result<measure::MeshCheck> check_one(mesh::Mesh& mesh, const meshes::FileNormals& normals,
                                      std::span<const glm::uvec3> normal_numbers, bool weld, const Context& context) {
   if (weld) {
-    if (auto joined = measure::join_repeated_vertices(mesh, context); !joined) return tl::unexpected(joined.error());
+    TRY(measure::join_repeated_vertices(mesh, context));
   }
   auto check = measure::check_mesh(mesh, context);
   if (check && !normals.empty()) {
@@ -38,9 +38,8 @@ Result<measure::MeshCheck> check_one(mesh::Mesh& mesh, const meshes::FileNormals
 
 // A copy of what is checked of it: positions and triangles.
 Result<mesh::Mesh> copy_of_part(const mesh::Mesh& mesh, const meshes::MeshPart& part, const Context& context) {
-  auto memory = context.reserve(part.vertices * sizeof(glm::vec3) + part.triangles * sizeof(glm::uvec3),
-                                fmt::format("{}: one of its meshes", mesh.name));
-  if (!memory) return tl::unexpected(std::move(memory.error()));
+  auto memory = TRY(context.reserve(part.vertices * sizeof(glm::vec3) + part.triangles * sizeof(glm::uvec3),
+                                    fmt::format("{}: one of its meshes", mesh.name)));
   mesh::Mesh copy;
   copy.name = mesh.name;
   copy.origin = mesh.origin;
@@ -49,21 +48,19 @@ Result<mesh::Mesh> copy_of_part(const mesh::Mesh& mesh, const meshes::MeshPart& 
   std::ranges::copy(mesh.positions.span().subspan(part.first_vertex, part.vertices), copy.positions.begin());
   std::ranges::transform(mesh.triangles.span().subspan(part.first_triangle, part.triangles), copy.triangles.begin(),
                          [&](const glm::uvec3& t) { return t - static_cast<std::uint32_t>(part.first_vertex); });
-  copy.memory = std::move(*memory);
+  copy.memory = std::move(memory);
   return copy;
 }
 
 Result<void> check_parts(const CheckPlan& plan, const meshes::MeshFile& file, const Context& context,
                          CheckReport& report) {
   for (const meshes::MeshPart& part : file.parts) {
-    auto mesh = copy_of_part(file.mesh, part, context);
-    if (!mesh) return tl::unexpected(mesh.error());
+    auto mesh = TRY(copy_of_part(file.mesh, part, context));
     const auto numbers = file.normals.empty()
                              ? std::span<const glm::uvec3>()
                              : file.normals.numbers.span().subspan(part.first_triangle, part.triangles);
-    auto check = check_one(*mesh, file.normals, numbers, plan.weld, context);
-    if (!check) return tl::unexpected(check.error());
-    report.parts.push_back({part.name, std::move(*check)});
+    auto check = TRY(check_one(mesh, file.normals, numbers, plan.weld, context));
+    report.parts.push_back({part.name, std::move(check)});
   }
   return {};
 }
@@ -87,10 +84,8 @@ Result<CheckReport> make_report(const CheckPlan& plan, const Messages& messages,
   if (record) report.unit = convert::find_length_unit(record->placement.to_unit);
   if (report.is_gltf) report.unit = convert::metre();
   report.has_normals = !file->normals.empty();
-  if (auto checked = check_parts(plan, *file, context, report); !checked) return tl::unexpected(checked.error());
-  auto whole = check_one(file->mesh, file->normals, file->normals.numbers.span(), plan.weld, context);
-  if (!whole) return tl::unexpected(std::move(whole.error()));
-  report.whole = std::move(*whole);
+  TRY(check_parts(plan, *file, context, report));
+  report.whole = TRY(check_one(file->mesh, file->normals, file->normals.numbers.span(), plan.weld, context));
   return report;
 }
 
@@ -116,16 +111,15 @@ Result<void> meet_requirements(const CheckReport& report) {
 Result<void> run_check(const CheckPlan& plan, const Messages& messages) {
   const Stopwatch watch;
   const Context context{plan.memory};
-  const auto report = make_report(plan, messages, context);
-  if (!report) return tl::unexpected(report.error());
+  const auto report = TRY(make_report(plan, messages, context));
   messages.detail(fmt::format("checked in {:.2f} s, peak memory {}", watch.elapsed().wall_seconds,
                               format_byte_size(peak_memory())));
-  const std::string json = plan.json || plan.report ? convert::json_text(check_json(*report)) : std::string();
+  const std::string json = plan.json || plan.report ? convert::json_text(check_json(report)) : std::string();
   if (plan.report) {
-    if (auto written = files::write_file(*plan.report, json); !written) return written;
+    TRY(files::write_file(*plan.report, json));
   }
-  if (auto printed = print_to_stdout(plan.json ? json : check_text(*report)); !printed) return printed;
-  return meet_requirements(*report);
+  TRY(print_to_stdout(plan.json ? json : check_text(report)));
+  return meet_requirements(report);
 }
 
 }  // namespace isoextract::cli

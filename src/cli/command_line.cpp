@@ -52,7 +52,7 @@ Result<void> check_equals_signs(const CLI::App& command, const std::vector<std::
   for (const std::string& argument : arguments) {
     if (argument == "--") break;
     if (argument.starts_with('-') && !argument.starts_with("--")) {
-      if (auto checked = check_short_option(command, argument); !checked) return checked;
+      TRY(check_short_option(command, argument));
     }
     const std::size_t equals = argument.find('=');
     if (!argument.starts_with("--") || equals == std::string::npos) continue;
@@ -236,12 +236,10 @@ Result<Parsed> parse_command_line(CommandLine& line, std::vector<std::string> ar
   if (!asks_program && !contains(names, first)) arguments.insert(arguments.begin(), "convert");
   const CLI::App* command = &line.app;
   if (!asks_program) {
-    const auto named = inner_command(*line.app.get_subcommand(arguments.front()), arguments);
-    if (!named) return tl::unexpected(named.error());
-    command = *named;
+    command = TRY(inner_command(*line.app.get_subcommand(arguments.front()), arguments));
   }
 
-  if (auto checked = check_equals_signs(*command, arguments); !checked) return tl::unexpected(checked.error());
+  TRY(check_equals_signs(*command, arguments));
   fill_in_optional_values(*command, arguments);
   std::vector<std::string> trailing;
   if (const auto dashes = std::ranges::find(arguments, "--");
@@ -256,12 +254,12 @@ Result<Parsed> parse_command_line(CommandLine& line, std::vector<std::string> ar
     return Parsed{Request::version_flag, command};
   } catch (const CLI::ParseError& error) {
     if (command->get_help_ptr()->count() > 0) return Parsed{Request::help_flag, command};
-    if (auto checked = take_remaining(line, *command); !checked) return tl::unexpected(checked.error());
+    TRY(take_remaining(line, *command));
     if (const auto* bad_value = dynamic_cast<const BadValue*>(&error)) return tl::unexpected(bad_value->error);
     return explain(error, *command, arguments.back());
   }
-  if (auto checked = take_remaining(line, *command); !checked) return tl::unexpected(checked.error());
-  if (auto checked = take_trailing(line, *command, trailing); !checked) return tl::unexpected(checked.error());
+  TRY(take_remaining(line, *command));
+  TRY(take_trailing(line, *command, trailing));
 
   // A misspelt command looks like a second input.
   const std::vector<std::string>& inputs = line.convert_flags.input.inputs;
@@ -273,8 +271,7 @@ Result<Parsed> parse_command_line(CommandLine& line, std::vector<std::string> ar
     }
   }
   if (command == line.convert) {
-    if (auto checked = check_for_output_among_inputs(line.convert_flags); !checked)
-      return tl::unexpected(checked.error());
+    TRY(check_for_output_among_inputs(line.convert_flags));
   }
   return Parsed{request_of(line, command), command};
 }

@@ -51,9 +51,7 @@ Result<Side> read_side(const std::string& path, const Context& context) {
 }
 
 Result<void> measure_side(Side& side, const Context& context) {
-  auto topology = mesh::measure_topology(side.file.mesh, context);
-  if (!topology) return tl::unexpected(std::move(topology.error()));
-  side.topology = *topology;
+  side.topology = TRY(mesh::measure_topology(side.file.mesh, context));
   side.size = mesh::measure_size(side.file.mesh);
   side.bounds = mesh::measure_bounds(side.file.mesh);
   return {};
@@ -98,9 +96,7 @@ Result<void> bring_into_one_frame(std::array<Side, 2>& sides, const std::optiona
   // Other programs keep nothing of what our files say.
   for (std::size_t i = 0; i < 2 && sides[0].file.is_ours != sides[1].file.is_ours; ++i) {
     if (sides[i].file.is_ours) continue;
-    auto placement = placement_from(sides[i], sides[1 - i], up);
-    if (!placement) return tl::unexpected(std::move(placement.error()));
-    sides[i].placement = std::move(*placement);
+    sides[i].placement = TRY(placement_from(sides[i], sides[1 - i], up));
     asked = asked || sides[i].file.y_up != sides[1 - i].file.y_up;
   }
   if (sides[0].placement.placement.space != sides[1].placement.placement.space) {
@@ -290,20 +286,18 @@ Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
     {
       const ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
       context.progress().begin("reading meshes", 0);
-      auto side = read_side(plan.meshes[i], context);
-      if (!side) return tl::unexpected(std::move(side.error()));
-      sides[i] = std::move(*side);
+      sides[i] = TRY(read_side(plan.meshes[i], context));
     }
     // What was left out may be why the next step fails.
     for (const std::string& note : sides[i].file.notes) messages.note(note);
   }
-  if (auto placed = bring_into_one_frame(sides, plan.up, messages); !placed) return placed;
+  TRY(bring_into_one_frame(sides, plan.up, messages));
   measure::MeshDistance distance;
   {
     const ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     context.progress().begin("measuring meshes", 0);
     for (Side& side : sides) {
-      if (auto measured = measure_side(side, context); !measured) return measured;
+      TRY(measure_side(side, context));
     }
     const measure::DistanceOptions options;
     auto measured = measure::measure_distance(sides[0].file.mesh, sides[1].file.mesh, options, context);
@@ -321,7 +315,7 @@ Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
                                 kRoundings * (sides[0].rounding + sides[1].rounding));
   const std::string text = plan.json ? convert::json_text(comparison_json(sides, distance, attributes))
                                      : text_of(sides, distance, attributes);
-  if (auto printed = print_to_stdout(text); !printed) return printed;
+  TRY(print_to_stdout(text));
   return check_distance(plan, sides, distance);
 }
 

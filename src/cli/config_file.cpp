@@ -35,11 +35,10 @@ class ConfigReader {
   ConfigReader(const std::string& path, const CLI::App& command) : path_(path), command_(command) {}
 
   Result<ConfigFile> read() {
-    const auto text = files::read_text_file(path_, "a file of options", kMostBytes);
-    if (!text) return tl::unexpected(text.error());
+    const auto text = TRY(files::read_text_file(path_, "a file of options", kMostBytes, Context()));
     try {
-      for (const auto& [key, node] : toml::parse(std::string_view(*text), std::string_view(path_))) {
-        if (auto taken = take(std::string(key.str()), node); !taken) return tl::unexpected(taken.error());
+      for (const auto& [key, node] : toml::parse(std::string_view(text), std::string_view(path_))) {
+        TRY(take(std::string(key.str()), node));
       }
     } catch (const toml::parse_error& error) {
       return fail(ErrorKind::usage, fmt::format("{}:{}: {}", printable(path_), error.source().begin.line,
@@ -56,16 +55,13 @@ class ConfigReader {
 
   Result<void> take(const std::string& key, const toml::node& node) {
     if (key == kInputKey) {
-      auto inputs = texts_of(key, node);
-      if (!inputs) return tl::unexpected(inputs.error());
-      file_.inputs = std::move(*inputs);
+      file_.inputs = TRY(texts_of(key, node));
       return {};
     }
     const CLI::Option* const option = key.empty() ? nullptr : command_.get_option_no_throw("--" + key);
     if (option == nullptr || !may_stand_in_file(*option)) return unknown(key, node);
-    auto words = words_of_value(key, *option, node);
-    if (!words) return tl::unexpected(words.error());
-    file_.options.push_back({option, std::move(*words)});
+    auto words = TRY(words_of_value(key, *option, node));
+    file_.options.push_back({option, std::move(words)});
     return {};
   }
 
@@ -175,12 +171,11 @@ void append(std::vector<std::string>& words, const std::vector<std::string>& mor
 Result<ConfiguredLine> with_config(const CommandLine& line, const std::vector<std::string>& arguments) {
   const std::string& path = *line.convert_flags.config;
   if (files::is_standard_input(path)) return fail(ErrorKind::usage, "--config needs the name of a file, found '-'");
-  const auto file = ConfigReader(path, *line.convert).read();
-  if (!file) return tl::unexpected(file.error());
+  const auto file = TRY(ConfigReader(path, *line.convert).read());
   const std::string& command = line.convert->get_name();
   std::vector<std::string> all{command};  // that the file has
   std::vector<std::string> words{command};
-  for (const ConfigOption& option : file->options) {
+  for (const ConfigOption& option : file.options) {
     append(all, option.words);
     if (option.option->count() == 0) append(words, option.words);
   }
@@ -195,13 +190,11 @@ Result<ConfiguredLine> with_config(const CommandLine& line, const std::vector<st
   const std::vector<std::string> given(arguments.begin() + named, arguments.end());
   ConfiguredLine configured{declare_command_line(), {words.begin() + 1 - named, words.end()}};
   append(words, given);
-  if (auto parsed = parse_command_line(*configured.line, words); !parsed) {
-    return tl::unexpected(std::move(parsed.error()));
-  }
+  TRY(parse_command_line(*configured.line, words));
   // Not as words: they may look like options.
   std::vector<std::string>& inputs = configured.line->convert_flags.input.inputs;
   if (inputs.empty()) {
-    inputs = file->inputs;
+    inputs = file.inputs;
     append(configured.arguments, inputs);
   }
   append(configured.arguments, given);

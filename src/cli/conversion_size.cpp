@@ -50,21 +50,20 @@ Result<std::uint64_t> memory_of_grid(const convert::ConversionJob& job, const st
   convert::Events unheard;
   const Context context(memory.part());
   const auto source =
-      convert::open_source(convert::with_grid(job.source, grid), convert::use_of(job), context, unheard);
-  if (!source) return tl::unexpected(source.error());
+      TRY(convert::open_source(convert::with_grid(job.source, grid), convert::use_of(job), context, unheard));
   // To make a field of particles takes more than to keep it.
-  std::uint64_t most = source->of_particles ? kProgramBytes + context.memory().peak() : 0;
+  std::uint64_t most = source.of_particles ? kProgramBytes + context.memory().peak() : 0;
   if (job.field_file) {
     // The tree that is written, and the samples that it is made of.
-    const ConversionSize size = size_of_samples(source->field);
+    const ConversionSize size = size_of_samples(source.field);
     most = std::max(most, kProgramBytes + size.sample_bytes + size.samples * 2 * sizeof(float));
   }
-  for (const convert::ResolvedIso& iso : source->isos) {
+  for (const convert::ResolvedIso& iso : source.isos) {
     // Of labels, about all of them together: what is not 0.
-    const ConversionSize size = size_of(source->field, iso.asked.is_label() ? 0.5 : iso.value);
-    std::uint64_t bytes = estimated_bytes(size) + attribute_bytes(*source, size.vertices);
+    const ConversionSize size = size_of(source.field, iso.asked.is_label() ? 0.5 : iso.value);
+    std::uint64_t bytes = estimated_bytes(size) + attribute_bytes(source, size.vertices);
     std::uint64_t after = edit_bytes(job, size.vertices);
-    if (job.error && !iso.asked.is_label()) after = std::max(after, convert::estimated_error_bytes(*source, iso.value));
+    if (job.error && !iso.asked.is_label()) after = std::max(after, convert::estimated_error_bytes(source, iso.value));
     bytes += after;
     most = std::max(most, bytes);
   }

@@ -321,9 +321,9 @@ Result<void> report_no_plan(const ConvertFlags& flags, const std::vector<std::st
   if (batch::is_manifest_name(std::filesystem::path(path).filename().string())) return {};
   files::ReadFiles read;
   for (const batch::NamedFile& file : other_files(flags, {}, {}).read) read.add(file.path, file.what);
-  if (auto checked = read.check(path); !checked) return checked;
+  TRY(read.check(path));
   for (const convert::ConversionJob& job : plan_files(flags)) {
-    if (auto checked = check_report_file(path, job); !checked) return checked;
+    TRY(check_report_file(path, job));
   }
   return write_report(path, nullptr, failed(error), arguments, 0);
 }
@@ -340,8 +340,8 @@ std::function<std::optional<std::string>(const field::ScalarField&)> note_of_up_
 convert::Outcome convert_as_planned(const ConvertPlan& plan, const Messages& messages) {
   convert::Outcome outcome;
   const Result<void> begun = attempt([&]() -> Result<void> {
-    if (auto checked = check_stdout(plan.job); !checked) return checked;
-    if (auto limited = limit_threads(plan.threads); !limited) return limited;
+    TRY(check_stdout(plan.job));
+    TRY(limit_threads(plan.threads));
     const Context context{plan.memory};
     ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     Narrator narrator(plan, messages, bar);
@@ -399,16 +399,16 @@ Result<void> run_convert(const ConvertFlags& flags, const std::vector<std::strin
     return tl::unexpected(plan.error());
   }
   if (plan->report) {
-    if (auto checked = check_report_file(*plan->report, plan->job); !checked) return checked;
+    TRY(check_report_file(*plan->report, plan->job));
   }
   if (plan->make_folders) {
     std::vector<std::filesystem::path> files;
     for (const convert::OutputFileJob& output : plan->job.outputs) files.emplace_back(output.path);
-    if (auto made = see_to_folders(files, true); !made) return made;
+    TRY(see_to_folders(files, true));
   }
   for (const auto& page : {plan->pages.html, plan->pages.contact_sheet}) {
     if (!page) continue;
-    if (auto checked = check_report_file(*page, plan->job); !checked) return checked;
+    TRY(check_report_file(*page, plan->job));
   }
   for (const std::string& text : plan->notes) messages.note(text);
   convert::Outcome outcome = convert_as_planned(*plan, messages);

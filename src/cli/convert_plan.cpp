@@ -121,64 +121,50 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   if (flags.report && (flags.report->empty() || *flags.report == "-")) {
     return refuse_usage(fmt::format("--report needs the name of a file, found '{}'", *flags.report));
   }
-  if (auto checked = check_field_options(flags); !checked) return tl::unexpected(checked.error());
+  TRY(check_field_options(flags));
   const bool as_field = writes_field(flags);
-  if (auto checked = as_field ? Result<void>() : check_isos(isos); !checked) {
-    return tl::unexpected(checked.error());
-  }
-  if (auto checked = check_filters(flags.surface, flags.particles); !checked) return tl::unexpected(checked.error());
-  const auto verbosity = plan_verbosity(flags.run);
-  if (!verbosity) return tl::unexpected(verbosity.error());
+  TRY(as_field ? Result<void>() : check_isos(isos));
+  TRY(check_filters(flags.surface, flags.particles));
+  const auto verbosity = TRY(plan_verbosity(flags.run));
   if (flags.explain && flags.run.quiet) return refuse_usage("--quiet and --explain exclude each other");
 
   ConvertPlan plan;
-  plan.verbosity = *verbosity;
+  plan.verbosity = verbosity;
   plan.threads = flags.run.threads;
   convert::ConversionJob& job = plan.job;
-  auto read = plan_read(flags.input);
-  if (!read) return tl::unexpected(read.error());
-  job.source.read = std::move(*read);
-  auto particles = plan_particles(flags.particles, flags.surface.nan, has_attributes(flags));
-  if (!particles) return tl::unexpected(particles.error());
-  job.source.particles = std::move(*particles);
+  job.source.read = TRY(plan_read(flags.input));
+  job.source.particles = TRY(plan_particles(flags.particles, flags.surface.nan, has_attributes(flags)));
   plan.memory = plan_memory(flags.input.memory_limit);
 
-  const auto format = plan_format(flags);
-  if (!format) return tl::unexpected(format.error());
-  const meshes::MeshFormatInfo& info = meshes::mesh_format_info(*format);
-  auto picture = plan_picture(flags);
-  if (!picture) return tl::unexpected(picture.error());
-  job.picture_file = *picture;
+  const auto format = TRY(plan_format(flags));
+  const meshes::MeshFormatInfo& info = meshes::mesh_format_info(format);
+  job.picture_file = TRY(plan_picture(flags));
   if (as_field) job.field_file = convert::FieldFileOptions{flags.half};
   const auto by_name = flags.output ? meshes::mesh_format_by_path(*flags.output) : std::nullopt;
-  if (by_name && (as_field || writes_picture(flags) || *by_name != *format)) {
+  if (by_name && (as_field || writes_picture(flags) || *by_name != format)) {
     plan.notes.push_back(fmt::format("{}: its format is {}, as --format says, and not what its name says",
                                      *flags.output, format_name(flags, info)));
   }
   if (flags.ascii && !info.has_ascii) {
     return refuse_usage(fmt::format("--ascii does not go with {}", info.name), "ply and stl can be written as text");
   }
-  const auto normals = plan_normals(flags, *format);
-  if (!normals) return tl::unexpected(normals.error());
-  job.normals = *normals;
-  job.format = *format;
+  job.normals = TRY(plan_normals(flags, format));
+  job.format = format;
   job.ascii = flags.ascii;
-  if (auto fine = plan_vertices(flags, isos.size(), job); !fine) return tl::unexpected(fine.error());
-  const auto packing = plan_packing(flags, *format);
-  if (!packing) return tl::unexpected(packing.error());
-  job.packing = *packing;
+  TRY(plan_vertices(flags, isos.size(), job));
+  job.packing = TRY(plan_packing(flags, format));
 
-  auto placement = as_field ? convert::Placement()
-                            : plan_placement(flags.placement, *format, flags.html || flags.contact_sheet, plan.notes);
-  if (!placement) return tl::unexpected(placement.error());
-  job.source.placement = std::move(*placement);
+  auto placement =
+      TRY(as_field ? convert::Placement()
+                   : plan_placement(flags.placement, format, flags.html || flags.contact_sheet, plan.notes));
+  job.source.placement = std::move(placement);
   if (job.picture_file) {
     job.source.placement.turn_z_up_to_y_up = false;
     job.source.placement.turn_y_up_to_z_up = false;
   }
 
   job.surface = plan_surface(flags.surface, flags.input);
-  if (auto planned = plan_voxels(flags, plan.notes, job.surface); !planned) return tl::unexpected(planned.error());
+  TRY(plan_voxels(flags, plan.notes, job.surface));
   job.verify = flags.verify;
   job.backend = {flags.backend.value_or(convert::Backend::cpu), plan_gpu(flags.device)};
   if (job.backend.backend == convert::Backend::cpu && !job.verify && (flags.device.device || flags.device.gpu_memory)) {
@@ -187,21 +173,19 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
                         "give --backend gpu or --backend auto");
   }
   job.source.away_from_zero = flags.input.inside == InsideChoice::away_from_zero;
-  if (auto taken = plan_region(flags.surface, job.source); !taken) return tl::unexpected(taken.error());
-  if (auto taken = plan_resolution(flags.surface, job.source); !taken) return tl::unexpected(taken.error());
-  if (auto planned = plan_labels(flags, job); !planned) return tl::unexpected(planned.error());
+  TRY(plan_region(flags.surface, job.source));
+  TRY(plan_resolution(flags.surface, job.source));
+  TRY(plan_labels(flags, job));
   job.source.filters = flags.surface.filters;
   if (flags.simplify || flags.triangles) job.simplify = convert::SimplifyChoice{flags.simplify, flags.triangles};
-  if (auto planned = plan_edits(flags, job); !planned) return tl::unexpected(planned.error());
+  TRY(plan_edits(flags, job));
   job.empty = flags.empty.value_or(job.empty);
   job.error = flags.error;
   plan.explain = flags.explain;
   plan.report = flags.report;
-  auto pages = plan_pages(flags, job);
-  if (!pages) return tl::unexpected(pages.error());
-  plan.pages = std::move(*pages);
+  plan.pages = TRY(plan_pages(flags, job));
   plan.if_on_side = if_on_side(flags, job);
-  if (auto fine = check_grids(flags, job); !fine) return tl::unexpected(fine.error());
+  TRY(check_grids(flags, job));
   job.source.more_grids = flags.input.more_grids();
   return plan;
 }
@@ -210,30 +194,26 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
   const std::vector<std::string>& inputs = given.input.inputs;
   if (inputs.empty()) return refuse_usage("no INPUT was given", "isoextract INPUT --iso V -o OUT.glb");
   ConvertFlags flags = given;
-  if (auto taken = take_labels(flags); !taken) return tl::unexpected(taken.error());
-  auto note = writes_field(flags) ? std::string() : take_usual_iso(flags, inputs.front());
-  if (!note) return tl::unexpected(note.error());
+  TRY(take_labels(flags));
+  auto note = TRY(writes_field(flags) ? std::string() : take_usual_iso(flags, inputs.front()));
   auto plan = plan_conversion(flags, flags.isos);
   if (!plan) return plan;
-  if (!note->empty()) plan->notes.push_back(std::move(*note));
+  if (!note.empty()) plan->notes.push_back(std::move(note));
   plan->job.source.input = inputs.front();
   const meshes::MeshFormatInfo& format = meshes::mesh_format_info(plan->job.format);
-  if (auto fine = check_output_name(flags, format); !fine) return tl::unexpected(std::move(fine.error()));
-  const auto found = batch::find_frames(inputs, std::nullopt);
-  if (!found) return tl::unexpected(found.error());
-  const std::int64_t number = found->frames.front().number;
+  TRY(check_output_name(flags, format));
+  const auto found = TRY(batch::find_frames(inputs, std::nullopt));
+  const std::int64_t number = found.frames.front().number;
   const batch::OutputSource source{number,     inputs.front(), flags.input.grid().value_or(""),
                                    flags.isos, true,           flags.input.more_grids()};
   std::optional<batch::OutputTemplate> report;
   if (plan->report) {
-    auto name = plan_report_name(*plan->report);
-    if (!name) return tl::unexpected(std::move(name.error()));
-    plan->report = report_path(*name, source);
-    report = std::move(*name);
+    auto name = TRY(plan_report_name(*plan->report));
+    plan->report = report_path(name, source);
+    report = std::move(name);
   }
-  auto outputs = plan_outputs(flags, {&source, 1}, format.format, other_files(flags, {&source, 1}, report));
-  if (!outputs) return tl::unexpected(std::move(outputs.error()));
-  plan->job.outputs = std::move(outputs->front());
+  auto outputs = TRY(plan_outputs(flags, {&source, 1}, format.format, other_files(flags, {&source, 1}, report)));
+  plan->job.outputs = std::move(outputs.front());
   plan->make_folders = flags.output && flags.output->ends_with('/');
   return plan;
 }

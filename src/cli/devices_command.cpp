@@ -38,11 +38,10 @@ convert::Json device_json(const gl::GpuDevice& device) {
 }  // namespace
 
 Result<void> run_devices(const DevicesFlags& flags) {
-  const auto devices = gl::list_gpu_devices();
-  if (!devices) return tl::unexpected(devices.error());
+  const auto devices = TRY(gl::list_gpu_devices());
   std::string text;
   convert::Json json = convert::Json::array();
-  for (const gl::GpuDevice& device : *devices) {
+  for (const gl::GpuDevice& device : devices) {
     text += device_text(device);
     json.push_back(device_json(device));
   }

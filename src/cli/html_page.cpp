@@ -191,15 +191,13 @@ Result<std::string> HtmlPage::text(std::span<const batch::FrameRow> rows, const 
       escaped(generator()), escaped(title), kStyle, escaped(fmt::format("{}", fmt::join(words, " "))));
   if (pictures.count() > 0) html += "<h2>Pictures</h2>\n<div>\n";
   for (std::size_t n = 0; n < pictures.count(); ++n) {
-    const auto picture = pictures.draw(n, context);
-    if (!picture) return tl::unexpected(picture.error());
-    const auto png = images::encode_png(convert::light_of(*picture), pictures.mesh(n).label, context);
-    if (!png) return tl::unexpected(png.error());
+    const auto picture = TRY(pictures.draw(n, context));
+    const auto png = TRY(images::encode_png(convert::light_of(picture), pictures.mesh(n).label, context));
     const std::string label = escaped(pictures.mesh(n).label);
     html += fmt::format("<figure><img width=\"{}\" height=\"{}\" alt=\"{}\" src=\"data:image/png;base64,{}\">",
-                        picture->width, picture->height, label, base64(png->bytes()));
+                        picture.width, picture.height, label, base64(png.bytes()));
     html += fmt::format("<figcaption>{}</figcaption></figure>\n", label);
-    if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+    TRY(context.check());
   }
   if (pictures.count() > 0) html += "</div>\n";
   html += frames_section(rows);

@@ -23,22 +23,20 @@ class JetRun {
       : plan_(plan), messages_(messages), work_(plan.sequence.memory), shown_(plan.sequence.memory) {}
 
   Result<void> run() {
-    const auto frames = check_sequence(plan_.sequence);
-    if (!frames) return tl::unexpected(frames.error());
-    const std::size_t left = plan_.sequence.frames.size() - frames->size();
+    const auto frames = TRY(check_sequence(plan_.sequence));
+    const std::size_t left = plan_.sequence.frames.size() - frames.size();
     if (left > 0)
       messages_.note(fmt::format("{} of {} frames are there and left alone", left, plan_.sequence.frames.size()));
-    if (frames->empty()) return {};
-    auto jet = simulate::ParticleJet::make(plan_.jet, work_);
-    if (!jet) return tl::unexpected(jet.error());
+    if (frames.empty()) return {};
+    auto jet = TRY(simulate::ParticleJet::make(plan_.jet, work_));
     {
       const ProgressBar bar(shown_.progress(), messages_.verbosity() != Verbosity::quiet);
-      shown_.progress().begin("simulating", frames->back().step);
-      for (const SequenceFrame& frame : *frames) {
-        if (auto done = advance(*jet, frame); !done) return done;
+      shown_.progress().begin("simulating", frames.back().step);
+      for (const SequenceFrame& frame : frames) {
+        TRY(advance(jet, frame));
       }
     }
-    tell(*jet, *frames);
+    tell(jet, frames);
     return {};
   }
 
@@ -46,15 +44,13 @@ class JetRun {
   Result<void> advance(simulate::ParticleJet& jet, const SequenceFrame& frame) {
     while (jet.figures().frames < frame.step) {
       const Stopwatch watch;
-      if (auto done = jet.advance(work_); !done) return done;
+      TRY(jet.advance(work_));
       seconds_ += watch.elapsed().wall_seconds;
       shown_.progress().advance(1);
     }
-    const auto particles = jet.particles(work_);
-    if (!particles) return tl::unexpected(particles.error());
-    const auto bytes = volumes::write_particles(frame.files.front(), *particles, plan_.format);
-    if (!bytes) return tl::unexpected(bytes.error());
-    bytes_ += *bytes;
+    const auto particles = TRY(jet.particles(work_));
+    const auto bytes = TRY(volumes::write_particles(frame.files.front(), particles, plan_.format));
+    bytes_ += bytes;
     return {};
   }
 

@@ -38,14 +38,12 @@ Result<JetPlan> plan_jet(const JetFlags& flags) {
   sequence.steps = frames;
   SequenceKind kind{.stem = "jet", .example = kJetExample, .extension = "", .grids = {""}, .steps = frames, .first = 1};
   if (sequence.output && !sequence.output->empty()) {
-    const auto format = format_of_output(flags.format, *flags.sequence.output, volumes::particle_file_format_by_path);
-    if (!format) return tl::unexpected(format.error());
-    plan.format = *format;
+    const auto format =
+        TRY(format_of_output(flags.format, *flags.sequence.output, volumes::particle_file_format_by_path));
+    plan.format = format;
     kind.extension = word_of(plan.format);
   }
-  auto planned = plan_sequence(sequence, kind);
-  if (!planned) return tl::unexpected(planned.error());
-  plan.sequence = std::move(*planned);
+  plan.sequence = TRY(plan_sequence(sequence, kind));
   const auto name = batch::OutputTemplate::parse(*sequence.output);
   if (name && name->uses(batch::OutputWord::frame) && !name->uses(batch::OutputWord::stem) &&
       !sequence.output->ends_with('/')) {

@@ -13,19 +13,17 @@ Result<void> run_merge(const MergeFlags& flags) {
   if (!flags.folder || flags.folder->empty()) {
     return fail(ErrorKind::usage, "merge needs the folder of the shards' outputs", "isoextract merge FOLDER");
   }
-  const auto merged = batch::merge_shards(*flags.folder);
-  if (!merged) return tl::unexpected(merged.error());
+  const auto merged = TRY(batch::merge_shards(*flags.folder));
   Messages(flags.quiet ? Verbosity::quiet : Verbosity::normal)
-      .summary(fmt::format("{}: {} frame{} of {} shard{}{}", printable(merged->manifest.string()), merged->frames,
-                           merged->frames == 1 ? "" : "s", merged->shards, merged->shards == 1 ? "" : "s",
-                           merged->absent.empty() ? ", all there" : ""));
-  if (merged->absent.empty()) return {};
-  const auto absent = batch::FrameRange::parse(merged->absent);
-  if (!absent) return tl::unexpected(absent.error());
-  const bool is_one = absent->count() == 1;
+      .summary(fmt::format("{}: {} frame{} of {} shard{}{}", printable(merged.manifest.string()), merged.frames,
+                           merged.frames == 1 ? "" : "s", merged.shards, merged.shards == 1 ? "" : "s",
+                           merged.absent.empty() ? ", all there" : ""));
+  if (merged.absent.empty()) return {};
+  const auto absent = TRY(batch::FrameRange::parse(merged.absent));
+  const bool is_one = absent.count() == 1;
   return fail(ErrorKind::frames,
-              fmt::format("{} frame{} asked for and {} no input: {}", absent->count(), is_one ? " was" : "s were",
-                          is_one ? "has" : "have", batch::text_of(absent->runs(), batch::kShownFrameRuns)),
+              fmt::format("{} frame{} asked for and {} no input: {}", absent.count(), is_one ? " was" : "s were",
+                          is_one ? "has" : "have", batch::text_of(absent.runs(), batch::kShownFrameRuns)),
               "once their files are there, run the shards again with --resume; with --missing note they are no error");
 }
 

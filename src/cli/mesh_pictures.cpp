@@ -22,13 +22,12 @@ Result<MeshPictures> MeshPictures::open(std::vector<WrittenMesh> meshes, const r
   for (const WrittenMesh& written : meshes) {
     if (meshes.size() == 1) break;  // its own box frames it
     for (const std::string& file : written.files) {
-      auto read = meshes::read_mesh(file, context);
-      if (!read) return tl::unexpected(std::move(read.error()));
-      if (read->mesh.triangles.empty()) continue;
-      const mesh::Bounds own = mesh::measure_bounds(read->mesh);
+      auto read = TRY(meshes::read_mesh(file, context));
+      if (read.mesh.triangles.empty()) continue;
+      const mesh::Bounds own = mesh::measure_bounds(read.mesh);
       box = box ? field::Box{glm::min(box->min, own.min), glm::max(box->max, own.max)} : field::Box{own.min, own.max};
     }
-    if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+    TRY(context.check());
   }
   pictures.meshes_ = std::move(meshes);
   return pictures;
@@ -38,18 +37,16 @@ Result<render::Picture> MeshPictures::draw(std::size_t n, const Context& context
   render::PreviewOptions options = options_;
   std::vector<meshes::MeshFile> files;
   for (const std::string& file : meshes_[n].files) {
-    auto read = meshes::read_mesh(file, context);
-    if (!read) return tl::unexpected(std::move(read.error()));
-    if (read->y_up) options.up = render::UpAxis::y;
-    if (auto made = render::add_normals(read->mesh, file, context); !made) return tl::unexpected(made.error());
-    files.push_back(std::move(*read));
+    auto read = TRY(meshes::read_mesh(file, context));
+    if (read.y_up) options.up = render::UpAxis::y;
+    TRY(render::add_normals(read.mesh, file, context));
+    files.push_back(std::move(read));
   }
   std::vector<render::Surface> surfaces;
   for (const meshes::MeshFile& file : files) surfaces.push_back(convert::surface_of(file.mesh));
   const auto renderer = render::make_cpu_renderer();
-  auto drawn = render::draw_preview(surfaces, options, *renderer, context);
-  if (!drawn) return tl::unexpected(std::move(drawn.error()));
-  render::Picture& picture = drawn->picture;
+  auto drawn = TRY(render::draw_preview(surfaces, options, *renderer, context));
+  render::Picture& picture = drawn.picture;
   const int dot = std::max(1, picture.height / 120);
   const glm::ivec2 size = render::text_size(meshes_[n].why_none, dot);
   render::draw_text(picture, {(picture.width - size.x) / 2, (picture.height - size.y) / 2}, meshes_[n].why_none, dot,
@@ -67,14 +64,11 @@ std::vector<WrittenMesh> some_of(std::vector<WrittenMesh> meshes, std::size_t mo
 Result<void> write_contact_sheet(const std::string& path, const MeshPictures& meshes, const Context& context) {
   std::optional<render::ContactSheet> sheet;
   for (std::size_t n = 0; n < meshes.count(); ++n) {
-    auto picture = meshes.draw(n, context);
-    if (!picture) return tl::unexpected(std::move(picture.error()));
+    auto picture = TRY(meshes.draw(n, context));
     if (!sheet) {
-      auto made = render::ContactSheet::create({picture->width, picture->height}, meshes.count(), context);
-      if (!made) return tl::unexpected(std::move(made.error()));
-      sheet = std::move(*made);
+      sheet = TRY(render::ContactSheet::create({picture.width, picture.height}, meshes.count(), context));
     }
-    sheet->place(n, *picture, meshes.mesh(n).label);
+    sheet->place(n, picture, meshes.mesh(n).label);
   }
   const auto written = convert::write_png(path, sheet->picture(), context);
   return written ? Result<void>() : tl::unexpected(written.error());

@@ -67,10 +67,9 @@ Error error_of_exception() {
 }
 
 Result<void> print_to_stdout(std::string_view text) {
-  auto out = files::OutputFile::create("-");
-  if (!out) return tl::unexpected(out.error());
-  if (auto written = out->write(text); !written) return written;
-  return out->commit();
+  auto out = TRY(files::OutputFile::create("-"));
+  TRY(out.write(text));
+  return out.commit();
 }
 
 }  // namespace isoextract::cli

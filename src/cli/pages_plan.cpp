@@ -66,26 +66,21 @@ Result<PagesPlan> plan_pages(const ConvertFlags& flags, const convert::Conversio
 Result<void> write_pages(const PagesPlan& plan, std::span<const batch::FrameRow> rows, const HtmlPage& page,
                          convert::UpAxis up, const std::vector<std::string>& arguments, const Context& context) {
   if (plan.contact_sheet) {
-    const auto pictures = MeshPictures::open(some_of(meshes_of(rows), kPicturesOfSheet), kOnSheet, up, context);
-    if (!pictures) return tl::unexpected(pictures.error());
-    if (pictures->count() == 0) {
+    const auto pictures = TRY(MeshPictures::open(some_of(meshes_of(rows), kPicturesOfSheet), kOnSheet, up, context));
+    if (pictures.count() == 0) {
       return fail(ErrorKind::output, fmt::format("{}: there is no mesh to draw", *plan.contact_sheet));
     }
-    if (auto written = write_contact_sheet(*plan.contact_sheet, *pictures, context); !written) return written;
+    TRY(write_contact_sheet(*plan.contact_sheet, pictures, context));
   }
   if (!plan.html) return {};
   std::string svg;
   if (rows.size() > 1) {
-    auto plot = run_gnuplot(frame_plot_script(rows, PictureFormat::svg));
-    if (!plot) return tl::unexpected(std::move(plot.error()));
-    svg = std::move(*plot);
+    svg = TRY(run_gnuplot(frame_plot_script(rows, PictureFormat::svg)));
   }
-  const auto pictures =
-      MeshPictures::open(some_of(meshes_of(rows), kPicturesOfPage), rows.size() == 1 ? kAlone : kOnPage, up, context);
-  if (!pictures) return tl::unexpected(pictures.error());
-  const auto text = page.text(rows, *pictures, svg, arguments, context);
-  if (!text) return tl::unexpected(text.error());
-  return files::write_file(*plan.html, *text);
+  const auto pictures = TRY(
+      MeshPictures::open(some_of(meshes_of(rows), kPicturesOfPage), rows.size() == 1 ? kAlone : kOnPage, up, context));
+  const auto text = TRY(page.text(rows, pictures, svg, arguments, context));
+  return files::write_file(*plan.html, text);
 }
 
 }  // namespace isoextract::cli

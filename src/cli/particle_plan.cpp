@@ -38,7 +38,7 @@ Result<convert::ParticleOptions> plan_particles(const ParticleFlags& flags, std:
   options.expected = flags.method || flags.radius || flags.smoothing_length || flags.cell_size || flags.weight ||
                      flags.deposit || flags.columns;
   options.method = flags.method.value_or(options.method);
-  if (auto fine = check_method(flags, options.method, has_attributes); !fine) return tl::unexpected(fine.error());
+  TRY(check_method(flags, options.method, has_attributes));
   if (options.expected && nan == extract::NanPolicy::hole) {
     return refuse_usage("--nan hole is about samples of a volume, and particles leave no holes",
                         "--nan outside leaves out particles at places that are no numbers");
@@ -59,23 +59,21 @@ bool has_attributes(const ConvertFlags& flags) {
 
 Result<std::string> take_usual_iso(ConvertFlags& flags, const std::string& input) {
   if (!flags.isos.empty()) return std::string();
-  auto read = plan_read(flags.input);
-  if (!read) return tl::unexpected(read.error());
-  auto particles = plan_particles(flags.particles, flags.surface.nan, has_attributes(flags));
-  if (!particles) return tl::unexpected(particles.error());
-  const bool expected = particles->expected;
-  const points::MethodInfo& method = points::method_info(particles->method);
+  auto read = TRY(plan_read(flags.input));
+  auto particles = TRY(plan_particles(flags.particles, flags.surface.nan, has_attributes(flags)));
+  const bool expected = particles.expected;
+  const points::MethodInfo& method = points::method_info(particles.method);
   if (!expected) {
     const auto take_zero = [&] {
       flags.isos = {convert::IsoChoice::zero()};
       return std::string();
     };
-    if (files::is_standard_input(input) && !read->format) return take_zero();
+    if (files::is_standard_input(input) && !read.format) return take_zero();
     convert::SourceOptions source;
     source.input = input;
-    source.read = std::move(*read);
-    source.particles = std::move(*particles);
-    const auto of_particles = convert::is_particles(source);
+    source.read = std::move(read);
+    source.particles = std::move(particles);
+    const auto of_particles = convert::is_particles(source, Context());
     if (!of_particles && of_particles.error().kind == ErrorKind::usage) return tl::unexpected(of_particles.error());
     if (!of_particles.value_or(false)) return take_zero();  // what cannot be read is told where it is read
   }

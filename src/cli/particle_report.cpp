@@ -99,9 +99,7 @@ Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source
   std::erase_if(file.particles.attributes, [](const points::ParticleAttribute& attribute) {
     return std::ranges::find(points::kRadiusAttributes, attribute.name) == points::kRadiusAttributes.end();
   });
-  auto statistics = points::measure_statistics(file.particles, context);
-  if (!statistics) return tl::unexpected(std::move(statistics.error()));
-  report.statistics = *statistics;
+  report.statistics = TRY(points::measure_statistics(file.particles, context));
   report.method = asked.particles.method;
   asked.particles.bad = points::BadParticles::skip;
   Stopwatch making;

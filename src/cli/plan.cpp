@@ -173,10 +173,9 @@ Result<volumes::ReadOptions> plan_read(const InputFlags& flags) {
   if (std::ranges::count_if(flags.inputs, files::is_standard_input) > 1) {
     return refuse_usage("'-' was given twice, and stdin can be read once");
   }
-  const auto volume = plan_one_volume(flags);
-  if (!volume) return tl::unexpected(volume.error());
+  const auto volume = TRY(plan_one_volume(flags));
   volumes::ReadOptions read;
-  read.volume = *volume;
+  read.volume = volume;
   read.format = flags.format;
   read.grid = flags.grid();
   read.component = flags.component;
@@ -237,16 +236,14 @@ Result<Verbosity> plan_verbosity(const RunFlags& flags) {
 Result<InfoPlan> plan_info(const InfoFlags& flags, const CLI::App& command) {
   if (flags.input.inputs.empty()) return refuse_usage("no INPUT was given", "isoextract info INPUT");
   InfoPlan plan;
-  if (auto one_side = refuse_two_sides(flags.input, "info"); !one_side) return tl::unexpected(one_side.error());
-  if (auto one = refuse_several_grids(flags.input, "info"); !one) return tl::unexpected(one.error());
-  auto read = plan_read(flags.input);
-  if (!read) return tl::unexpected(read.error());
-  auto particles = plan_particles(flags.particles, std::nullopt);
-  if (!particles) return tl::unexpected(particles.error());
+  TRY(refuse_two_sides(flags.input, "info"));
+  TRY(refuse_several_grids(flags.input, "info"));
+  auto read = TRY(plan_read(flags.input));
+  auto particles = TRY(plan_particles(flags.particles, std::nullopt));
   plan.inputs = flags.input.inputs;
   plan.frames = flags.frames;
-  plan.read = std::move(*read);
-  plan.particles = std::move(*particles);
+  plan.read = std::move(read);
+  plan.particles = std::move(particles);
   plan.memory = plan_memory(flags.input.memory_limit);
   plan.json = flags.json;
   for (const char* group : {"Input", "Particles"}) {

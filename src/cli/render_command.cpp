@@ -60,10 +60,9 @@ Result<void> write_picture(const render::Picture& picture, const std::string& pa
     const auto written = convert::write_png(path, picture, context);
     return written ? Result<void>() : tl::unexpected(written.error());
   }
-  auto file = files::OutputFile::create(path);
-  if (!file) return tl::unexpected(std::move(file.error()));
-  if (auto written = images::write_exr(*file, convert::light_of(picture), context); !written) return written;
-  return file->commit();
+  auto file = TRY(files::OutputFile::create(path));
+  TRY(images::write_exr(file, convert::light_of(picture), context));
+  return file.commit();
 }
 
 convert::Json json_of(const PicturePlan& plan, const render::Rendered& rendered, const render::Camera& camera,
@@ -125,8 +124,7 @@ class Pictures {
   Result<void> draw_all() {
     ProgressBar bar(context_.progress(), messages_.verbosity() != Verbosity::quiet);
     RenderNotes notes(messages_, bar);
-    auto source = SceneSource::open(plan_, context_, notes);
-    if (!source) return tl::unexpected(std::move(source.error()));
+    auto source = TRY(SceneSource::open(plan_, context_, notes));
     KeptVolume kept(renderer_);               // goes before its volume
     std::optional<std::string> now;           // the volume that was read last
     std::optional<Error> nothing;             // of the first frame that shows nothing
@@ -136,28 +134,28 @@ class Pictures {
       if (picture.input && now != picture.input) {
         const Stopwatch watch;
         kept.forget();
-        auto read = source->read_volume(*picture.input, picture.output, context_, notes);
+        auto read = source.read_volume(*picture.input, picture.output, context_, notes);
         if (!read) {
           if (!plan_.is_sequence || read.error().reason == Reason::other) return read;
           notes.note(fmt::format("frame {}: {}: the picture shows none of it", picture.frame, read.error().message));
           if (!nothing) nothing = read.error();
-          source->leave_volume_out();
+          source.leave_volume_out();
         }
         now = picture.input;
-        kept.be(source->scene().volume);
+        kept.be(source.scene().volume);
         reading = watch.elapsed();
       }
-      const render::Scene scene = source->scene();
+      const render::Scene scene = source.scene();
       if (!box_ && scene.volume == nullptr && scene.surfaces.empty()) {
         waiting.push_back(&picture);
         continue;
       }
-      if (auto drawn = draw(*source, scene, picture, reading, bar); !drawn) return drawn;
+      TRY(draw(source, scene, picture, reading, bar));
       for (const PicturePlan* earlier : std::exchange(waiting, {})) {
         render::Scene bare = scene;
         bare.volume = nullptr;
         bare.surfaces.clear();
-        if (auto drawn = draw(*source, bare, *earlier, {}, bar); !drawn) return drawn;
+        TRY(draw(source, bare, *earlier, {}, bar));
       }
     }
     if (!waiting.empty() && nothing) return tl::unexpected(std::move(*nothing));
@@ -171,29 +169,26 @@ class Pictures {
                     const StageTime& reading, ProgressBar& bar) {
     const bool shows_something = scene.volume != nullptr || !scene.surfaces.empty();
     if (!box_ || (plan_.camera.is_fixed() && shows_something)) {  // then it says only what is near and far
-      const auto box = render::box_of(scene);
-      if (!box) return tl::unexpected(box.error());
-      box_ = *box;
+      box_ = TRY(render::box_of(scene));
     }
     render::ViewAngles angles = plan_.camera;
     angles.azimuth += picture.turn;
     const render::Camera camera = render::framing(*box_, angles, source.up(), plan_.options.size, plan_.fovy);
     const Stopwatch watch;
-    const auto rendered = renderer_.draw(scene, camera, plan_.options, context_);
-    if (!rendered) return tl::unexpected(rendered.error());
-    if (auto whole = source.check_not_lost(); !whole) return whole;
+    const auto rendered = TRY(renderer_.draw(scene, camera, plan_.options, context_));
+    TRY(source.check_not_lost());
     const StageTime drawing = watch.elapsed();
     const Stopwatch write_watch;
-    if (auto written = write_picture(rendered->picture, picture.output, context_); !written) return written;
+    TRY(write_picture(rendered.picture, picture.output, context_));
     const StageTime writing = write_watch.elapsed();
-    const bool is_empty = shows_something && shows_nothing(rendered->picture, plan_.background);
-    const render::RenderStatistics& statistics = rendered->statistics;
+    const bool is_empty = shows_something && shows_nothing(rendered.picture, plan_.background);
+    const render::RenderStatistics& statistics = rendered.statistics;
     const std::string name = files::shown_output_name(picture.output);
     bar.above([&] {
       messages_.summary(fmt::format(
           "{} -> {}: {} x {} pixels; drawn in {:.2f} s",
           picture.input ? files::shown_input_name(*picture.input) : files::shown_input_name(plan_.meshes.front()), name,
-          rendered->picture.width, rendered->picture.height, drawing.wall_seconds));
+          rendered.picture.width, rendered.picture.height, drawing.wall_seconds));
       if (is_empty)
         messages_.note(
             fmt::format("{}: the picture is empty: what is drawn is not before the camera, or the transfer function "
@@ -206,7 +201,7 @@ class Pictures {
           statistics.bricks, statistics.samples_terminated, statistics.fragments, reading.wall_seconds,
           writing.wall_seconds, renderer_.device(), format_byte_size(peak_memory())));
     });
-    records_.push_back(json_of(picture, *rendered, camera, reading, drawing, writing));
+    records_.push_back(json_of(picture, rendered, camera, reading, drawing, writing));
     return {};
   }
 
@@ -227,14 +222,14 @@ Result<void> check_outputs(const RenderPlan& plan, const Context& context) {
   for (const PicturePlan& picture : plan.pictures) {  // those of a turn share their input
     if (!picture.input || *picture.input == job.source.input) continue;
     job.source.input = *picture.input;
-    convert::add_read_files(read, job);
+    convert::add_read_files(read, job, Context());
   }
   if (plan.json) {
-    if (auto fine = convert::check_output_file(*plan.json, read); !fine) return fine;
+    TRY(convert::check_output_file(*plan.json, read));
   }
   for (const PicturePlan& picture : plan.pictures) {
     if (picture.output == "-") continue;
-    if (auto fine = convert::check_output_file(picture.output, read); !fine) return fine;
+    TRY(convert::check_output_file(picture.output, read));
     if (plan.json && files::same_place(*plan.json, picture.output)) {
       return fail(ErrorKind::usage,
                   fmt::format("{}: it would be written twice, as a picture and by --json", *plan.json));
@@ -248,14 +243,13 @@ Result<void> check_outputs(const RenderPlan& plan, const Context& context) {
 Result<void> run_render(const RenderPlan& plan, const Messages& messages) {
   for (const std::string& note : plan.notes) messages.note(note);
   const Context context{plan.memory};
-  if (auto fine = check_outputs(plan, context); !fine) return fine;
-  const auto renderer = open_renderer(plan, messages);
-  if (!renderer) return tl::unexpected(renderer.error());
-  Pictures pictures(plan, messages, **renderer, context);
-  if (auto drawn = pictures.draw_all(); !drawn) return drawn;
+  TRY(check_outputs(plan, context));
+  const auto renderer = TRY(open_renderer(plan, messages));
+  Pictures pictures(plan, messages, *renderer, context);
+  TRY(pictures.draw_all());
   if (plan.json) {
-    const convert::Json json{{"device", (*renderer)->device()}, {"pictures", pictures.records()}};
-    if (auto written = files::write_file(*plan.json, convert::json_text(json)); !written) return written;
+    const convert::Json json{{"device", renderer->device()}, {"pictures", pictures.records()}};
+    TRY(files::write_file(*plan.json, convert::json_text(json)));
   }
   if (plan.missing.empty()) return {};
   return fail(ErrorKind::frames,

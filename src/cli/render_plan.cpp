@@ -67,9 +67,7 @@ Result<void> plan_frames(const RenderFlags& flags, const Inputs& inputs, RenderP
   if (!sequence) {
     int count = 1;
     if (flags.frames) {
-      const auto turns = turns_of(*flags.frames);
-      if (!turns) return tl::unexpected(turns.error());
-      count = *turns;
+      count = TRY(turns_of(*flags.frames));
     }
     for (int i = 0; i < count; ++i) {
       PicturePlan picture;
@@ -82,19 +80,16 @@ Result<void> plan_frames(const RenderFlags& flags, const Inputs& inputs, RenderP
   }
   std::optional<batch::FrameRange> range;
   if (flags.frames) {
-    auto parsed = batch::FrameRange::parse(*flags.frames);
-    if (!parsed) return tl::unexpected(std::move(parsed.error()));
-    range = std::move(*parsed);
+    range = TRY(batch::FrameRange::parse(*flags.frames));
   }
-  auto found = batch::find_frames(inputs.volumes, range);
-  if (!found) return tl::unexpected(std::move(found.error()));
-  for (std::string& note : found->notes) plan.notes.push_back(std::move(note));
+  auto found = TRY(batch::find_frames(inputs.volumes, range));
+  for (std::string& note : found.notes) plan.notes.push_back(std::move(note));
   if (flags.frames) {
-    plan.missing = std::move(found->gaps);
-  } else if (!found->gaps.empty()) {
-    plan.notes.push_back(fmt::format("no input for frames {}", batch::text_of(found->gaps, batch::kShownFrameRuns)));
+    plan.missing = std::move(found.gaps);
+  } else if (!found.gaps.empty()) {
+    plan.notes.push_back(fmt::format("no input for frames {}", batch::text_of(found.gaps, batch::kShownFrameRuns)));
   }
-  for (batch::Frame& frame : found->frames) {
+  for (batch::Frame& frame : found.frames) {
     if (frame.step) {
       return refuse_usage(fmt::format("{}: its time steps cannot be drawn as frames", frame.input),
                           "give the number of one with --volume");
@@ -130,10 +125,9 @@ Result<void> name_pictures(const RenderFlags& flags, const Inputs& inputs, std::
     return refuse_usage(fmt::format("-o {}: a picture shows a whole mesh", *flags.output),
                         fmt::format("leave {} out", convert::kPieceWord));
   }
-  const auto names = batch::name_outputs(sources, flags.output, meshes::MeshFormat::glb, "png");
-  if (!names) return tl::unexpected(names.error());
+  const auto names = TRY(batch::name_outputs(sources, flags.output, meshes::MeshFormat::glb, "png"));
   for (std::size_t i = 0; i < pictures.size(); ++i) {
-    pictures[i].output = (*names)[i].front().path;
+    pictures[i].output = names[i].front().path;
     if (!picture_file_of(pictures[i].output)) {
       return refuse_usage(fmt::format("{}: expected an extension of png, exr", pictures[i].output));
     }
@@ -191,21 +185,17 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
   RenderPlan plan;
   plan.memory = plan_memory(flags.input.memory_limit);
   const Inputs inputs = sorted_inputs(flags, plan.memory);
-  if (auto one = refuse_several_grids(flags.input, "render"); !one) return tl::unexpected(one.error());
-  auto read = plan_read(flags.input);
-  if (!read) return tl::unexpected(std::move(read.error()));
-  plan.job.source.read = std::move(*read);
-  auto particles = plan_particles(flags.particles, flags.surface.nan);
-  if (!particles) return tl::unexpected(std::move(particles.error()));
-  plan.job.source.particles = std::move(*particles);
+  TRY(refuse_several_grids(flags.input, "render"));
+  plan.job.source.read = TRY(plan_read(flags.input));
+  plan.job.source.particles = TRY(plan_particles(flags.particles, flags.surface.nan));
   plan.job.source.away_from_zero = flags.input.inside == InsideChoice::away_from_zero;
-  if (auto taken = plan_region(flags.surface, plan.job.source); !taken) return tl::unexpected(taken.error());
-  if (auto taken = plan_resolution(flags.surface, plan.job.source); !taken) return tl::unexpected(taken.error());
+  TRY(plan_region(flags.surface, plan.job.source));
+  TRY(plan_resolution(flags.surface, plan.job.source));
   plan.job.source.filters = flags.surface.filters;
   plan.job.source.blurs = flags.surface.blurs;
   plan.job.surface = plan_surface(flags.surface, flags.input);
   plan.isos = flags.isos;
-  if (auto checked = check_isos(plan.isos); !checked) return tl::unexpected(std::move(checked.error()));
+  TRY(check_isos(plan.isos));
   plan.meshes = inputs.meshes;
   plan.shading = flags.shading.value_or(plan.shading);
   const bool gradients = extract::method_info(plan.job.surface.method).traits.gradient_normals;
@@ -235,7 +225,7 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
       plan.transfer_file = *flags.transfer;
     }
   }
-  if (auto useful = check_useful(flags, inputs, plan); !useful) return tl::unexpected(std::move(useful.error()));
+  TRY(check_useful(flags, inputs, plan));
   if (flags.surface.roi && plan.draws_volume)
     plan.notes.emplace_back("--roi is for the surfaces: the volume is drawn whole");
   plan.transfer_range = flags.transfer_range;
@@ -261,14 +251,14 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
     return refuse_usage(fmt::format("--json needs the name of a file, found '{}'", *flags.json));
   }
   plan.json = flags.json;
-  if (auto found = plan_frames(flags, inputs, plan); !found) return tl::unexpected(std::move(found.error()));
+  TRY(plan_frames(flags, inputs, plan));
   plan.is_sequence = plan.pictures.size() > 1 && plan.pictures[1].input != plan.pictures[0].input;
   if (plan.is_sequence && !plan.camera.is_fixed()) {
     plan.notes.emplace_back(
         "the camera is placed by the first picture: what moves or grows out of its view is not seen in the others; "
         "--camera AZ,EL,DISTANCE and --look-at X,Y,Z place it otherwise");
   }
-  if (auto named = name_pictures(flags, inputs, plan.pictures); !named) return tl::unexpected(std::move(named.error()));
+  TRY(name_pictures(flags, inputs, plan.pictures));
   return plan;
 }
 

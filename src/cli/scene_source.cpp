@@ -51,11 +51,10 @@ struct PlacedMesh {
 Result<PlacedMesh> read_mesh(const std::string& path, const RenderPlan& plan, const Context& context,
                              convert::Events& events) {
   context.progress().begin("reading meshes", 0);
-  auto file = meshes::read_mesh(path, context);
-  if (!file) return tl::unexpected(std::move(file.error()));
-  for (const std::string& note : file->notes) events.note(note);
-  const auto record = convert::read_record(file->placement);
-  if (!record && !file->placement.empty()) {
+  auto file = TRY(meshes::read_mesh(path, context));
+  for (const std::string& note : file.notes) events.note(note);
+  const auto record = convert::read_record(file.placement);
+  if (!record && !file.placement.empty()) {
     events.note(fmt::format("{}: what it says of its placement cannot be read, and is left aside",
                             files::shown_input_name(path)));
   }
@@ -66,9 +65,9 @@ Result<PlacedMesh> read_mesh(const std::string& path, const RenderPlan& plan, co
                             files::shown_input_name(path)));
   }
   const bool y_up = plan.up == render::UpAxis::y;
-  const auto usual = convert::usual_placement(file->y_up, y_up ? convert::UpAxis::y : convert::UpAxis::z);
-  convert::move_mesh(file->mesh, record.value_or(usual).output_from_world().inverse());
-  return PlacedMesh{std::move(file->mesh), record && !in_voxels && record->placement.up == convert::UpAxis::y};
+  const auto usual = convert::usual_placement(file.y_up, y_up ? convert::UpAxis::y : convert::UpAxis::z);
+  convert::move_mesh(file.mesh, record.value_or(usual).output_from_world().inverse());
+  return PlacedMesh{std::move(file.mesh), record && !in_voxels && record->placement.up == convert::UpAxis::y};
 }
 
 // The named function over the values that are inside: of a level set those below 0, the least of them most.
@@ -91,12 +90,10 @@ std::vector<render::ControlPoint> named_transfer(const RenderPlan& plan, const f
 }
 
 Result<render::TransferFunction> read_transfer(const std::string& path, const Context& context) {
-  const auto text = files::read_text_file(path, "a transfer function", kMostTransferBytes, context);
-  if (!text) return tl::unexpected(text.error());
+  const auto text = TRY(files::read_text_file(path, "a transfer function", kMostTransferBytes, context));
   const std::string name = files::shown_input_name(path);
-  const auto points = render::parse_transfer_function(*text, name);
-  if (!points) return tl::unexpected(points.error());
-  auto transfer = render::TransferFunction::create(*points);
+  const auto points = TRY(render::parse_transfer_function(text, name));
+  auto transfer = render::TransferFunction::create(points);
   if (!transfer) return fail(ErrorKind::input, fmt::format("{}: {}", name, transfer.error().message));
   return transfer;
 }
@@ -107,31 +104,24 @@ Result<SceneSource> SceneSource::open(const RenderPlan& plan, const Context& con
   SceneSource source(plan);
   bool all_y_up = !plan.meshes.empty() && !plan.pictures.front().input;
   for (const std::string& path : plan.meshes) {
-    auto read = read_mesh(path, plan, context, events);
-    if (!read) return tl::unexpected(std::move(read.error()));
-    all_y_up = all_y_up && read->says_y_up;
-    mesh::Mesh* mesh = &read->mesh;
+    auto read = TRY(read_mesh(path, plan, context, events));
+    all_y_up = all_y_up && read.says_y_up;
+    mesh::Mesh* mesh = &read.mesh;
     if (plan.shading == render::Shading::smooth) {
-      if (auto added = render::add_normals(*mesh, path, context); !added) {
-        return tl::unexpected(std::move(added.error()));
-      }
+      TRY(render::add_normals(*mesh, path, context));
     }
     source.meshes_.push_back(std::move(*mesh));
   }
   if (all_y_up) source.up_of_meshes_ = render::UpAxis::y;
   if (plan.transfer_file) {
-    auto transfer = read_transfer(*plan.transfer_file, context);
-    if (!transfer) return tl::unexpected(std::move(transfer.error()));
-    source.transfer_ = *transfer;
+    source.transfer_ = TRY(read_transfer(*plan.transfer_file, context));
   }
   return source;
 }
 
 Result<void> SceneSource::choose_transfer(const field::ScalarField& field, const field::FieldStatistics& statistics) {
   if (!transfer_) {
-    auto transfer = render::TransferFunction::create(named_transfer(*plan_, field, statistics));
-    if (!transfer) return tl::unexpected(std::move(transfer.error()));
-    transfer_ = *transfer;
+    transfer_ = TRY(render::TransferFunction::create(named_transfer(*plan_, field, statistics)));
   }
   return {};
 }
@@ -167,30 +157,27 @@ Result<void> SceneSource::read_volume(const std::string& input, const std::strin
     source_ = std::move(kept.source);
   }
   if (plan_->draws_volume && !source_) {
-    auto source = convert::open_source(job.source, {}, context, events);
-    if (!source) return tl::unexpected(std::move(source.error()));
-    source_ = std::move(*source);
+    source_ = TRY(convert::open_source(job.source, {}, context, events));
     if (const auto note = note_of_field(source_->field)) events.note(*note);
   }
   if (plan_->shading == render::Shading::smooth) {
     for (mesh::Mesh& mesh : surfaces_) {
-      if (auto added = render::add_normals(mesh, input, context); !added) return added;
+      TRY(render::add_normals(mesh, input, context));
     }
   }
   return plan_->draws_volume ? place_volume(context, events) : Result<void>();
 }
 
 Result<void> SceneSource::place_volume(const Context& context, convert::Events& events) {
-  const auto box = render::box_of_volume(source_->field);
-  if (!box) return tl::unexpected(box.error());
+  const auto box = TRY(render::box_of_volume(source_->field));
   const auto statistics = field::measure_statistics(source_->field, &context.progress(), field::WithPercentiles::no);
   if (statistics.nan > 0) {
     events.note(fmt::format("{}: {} of {} samples are not numbers (NaN): nothing is drawn in cells that touch them",
                             source_->label, statistics.nan, statistics.samples + statistics.nan + statistics.infinite));
   }
-  if (auto chosen = choose_transfer(source_->field, statistics); !chosen) return chosen;
+  TRY(choose_transfer(source_->field, statistics));
   if (!unit_length_) {
-    const field::Box world = field::image_of(source_->output_from_index, *box);
+    const field::Box world = field::image_of(source_->output_from_index, box);
     const glm::dvec3 sides = world.max - world.min;
     unit_length_ = plan_->unit_length.value_or(std::max({sides.x, sides.y, sides.z}) / 100);
   }

@@ -33,69 +33,62 @@ class WaterRun {
       : plan_(plan), messages_(messages), context_(plan.sequence.memory) {}
 
   Result<void> run() {
-    auto frames = check_sequence(plan_.sequence);
-    if (!frames) return tl::unexpected(frames.error());
-    const std::size_t left = plan_.sequence.frames.size() - frames->size();
+    auto frames = TRY(check_sequence(plan_.sequence));
+    const std::size_t left = plan_.sequence.frames.size() - frames.size();
     if (left > 0)
       messages_.note(fmt::format("{} of {} frames are there and left alone", left, plan_.sequence.frames.size()));
-    if (frames->empty()) return {};
+    if (frames.empty()) return {};
     if (plan_.format == volumes::VolumeFileFormat::vdb) {
-      if (auto can = volumes::check_grid_tools(frames->front().files.front().string()); !can) return can;
+      TRY(volumes::check_grid_tools(frames.front().files.front().string()));
     }
     if (plan_.water.flow_div * plan_.water.friction < 4) {
       messages_.note(
           fmt::format("water does not come to rest with --flow-div {} and --friction {}: their product is below 4",
                       plan_.water.flow_div, plan_.water.friction));
     }
-    auto automaton = make_automaton();
-    if (!automaton) return tl::unexpected(automaton.error());
+    auto automaton = TRY(make_automaton());
     const ProgressBar bar(context_.progress(), messages_.verbosity() != Verbosity::quiet);
-    context_.progress().begin("simulating", frames->back().step);
-    for (const SequenceFrame& frame : *frames) {
+    context_.progress().begin("simulating", frames.back().step);
+    for (const SequenceFrame& frame : frames) {
       const Stopwatch watch;
-      if (auto done = automaton->run(frame.step - automaton->steps_done()); !done) return done;
+      TRY(automaton.run(frame.step - automaton.steps_done()));
       seconds_ += watch.elapsed().wall_seconds;
-      if (auto written = write(*automaton, frame); !written) return written;
+      TRY(write(automaton, frame));
     }
-    tell(*automaton, *frames);
+    tell(automaton, frames);
     return {};
   }
 
  private:
   Result<simulate::WaterAutomaton> make_automaton() {
-    auto terrain = simulate::make_terrain(plan_.terrain, context_);
-    if (!terrain) return tl::unexpected(terrain.error());
-    const auto heights = (*terrain)->values.span();
+    auto terrain = TRY(simulate::make_terrain(plan_.terrain, context_));
+    const auto heights = terrain->values.span();
     simulate::WaterOptions water = plan_.water;
     double level = plan_.level.value_or(0);
     if (plan_.default_scene) add_default_scene(plan_.terrain, water, level);
-    auto depth = make_reserved_buffer<double>(heights.size(), context_, "the water");
-    if (!depth) return tl::unexpected(depth.error());
-    std::ranges::transform(heights, (*depth)->values.begin(),
+    auto depth = TRY(make_reserved_buffer<double>(heights.size(), context_, "the water"));
+    std::ranges::transform(heights, depth->values.begin(),
                            [&](double height) { return std::max(level - height, 0.0) + plan_.depth.value_or(0); });
-    return simulate::WaterAutomaton::create(plan_.terrain.size, heights, (*depth)->values.span(), std::move(water),
+    return simulate::WaterAutomaton::create(plan_.terrain.size, heights, depth->values.span(), std::move(water),
                                             context_);
   }
 
   Result<void> write(const simulate::WaterAutomaton& automaton, const SequenceFrame& frame) {
     if (plan_.what != simulate::WaterContent::heights) {
-      const auto layers = simulate::layers_for(automaton);
-      if (!layers) return tl::unexpected(layers.error());
+      const auto layers = TRY(simulate::layers_for(automaton));
       // All frames alike, as long as the water lets them.
-      if (*layers > layers_) {
-        layers_ = *layers;
+      if (layers > layers_) {
+        layers_ = layers;
         grown_.emplace_back(frame.files.front().string(), layers_);
       }
     }
-    const auto fields = simulate::water_fields(automaton, plan_.what, layers_, plan_.spacing, context_);
-    if (!fields) return tl::unexpected(fields.error());
-    const std::span all(*fields);
+    const auto fields = TRY(simulate::water_fields(automaton, plan_.what, layers_, plan_.spacing, context_));
+    const std::span all(fields);
     for (std::size_t f = 0; f < frame.files.size(); ++f) {
       // Of several grids in one file there is one file.
-      const auto bytes = volumes::write_volume(frame.files[f], frame.files.size() == 1 ? all : all.subspan(f, 1),
-                                               plan_.format, context_);
-      if (!bytes) return tl::unexpected(bytes.error());
-      bytes_ += *bytes;
+      const auto bytes = TRY(volumes::write_volume(frame.files[f], frame.files.size() == 1 ? all : all.subspan(f, 1),
+                                                   plan_.format, context_));
+      bytes_ += bytes;
     }
     return context_.check();
   }
@@ -167,10 +160,10 @@ Result<std::vector<SequenceFrame>> check_sequence(const SequencePlan& plan) {
     frames.push_back(frame);
     files.insert(files.end(), frame.files.begin(), frame.files.end());
   }
-  if (auto seen = see_to_folders(files, plan.make_folders); !seen) return tl::unexpected(seen.error());
+  TRY(see_to_folders(files, plan.make_folders));
   for (const fs::path& file : files) {
     if (file == "-") continue;
-    if (auto can = convert::check_output_file(file, {}); !can) return tl::unexpected(can.error());
+    TRY(convert::check_output_file(file, {}));
   }
   return frames;
 }

@@ -25,24 +25,23 @@ bool is_folder(const std::string& output) {
 // Whether the name is one of a sequence. Nothing that is wrong with it is wrong later.
 Result<bool> names_sequence(const std::string& output, const SequenceKind& kind) {
   if (is_folder(output)) return true;
-  const auto name = batch::OutputTemplate::parse(output);
-  if (!name) return tl::unexpected(name.error());
-  if (name->uses(batch::OutputWord::iso)) {
+  const auto name = TRY(batch::OutputTemplate::parse(output));
+  if (name.uses(batch::OutputWord::iso)) {
     return refuse_usage(fmt::format("-o {}: what is simulated has no iso value", output));
   }
-  if (name->uses(batch::OutputWord::piece)) {
+  if (name.uses(batch::OutputWord::piece)) {
     return refuse_usage(fmt::format("-o {}: what is simulated has no pieces", output), "leave {piece} out");
   }
-  if (name->uses(batch::OutputWord::grid) && kind.grids.front().empty()) {
+  if (name.uses(batch::OutputWord::grid) && kind.grids.front().empty()) {
     return refuse_usage(fmt::format("-o {}: one file holds all grids", output), "leave {grid} out");
   }
-  if (kind.grids.size() > 1 && !name->uses(batch::OutputWord::grid)) {
+  if (kind.grids.size() > 1 && !name.uses(batch::OutputWord::grid)) {
     return refuse_usage(fmt::format("-o {}: {} are files of their own, which {{grid}} in the name tells apart", output,
                                     fmt::join(kind.grids, " and ")),
                         fmt::format("for example {}", fs::path(kind.example).stem().string() + "_{grid}" +
                                                           fs::path(kind.example).extension().string()));
   }
-  return name->uses(batch::OutputWord::frame);
+  return name.uses(batch::OutputWord::frame);
 }
 
 Result<std::vector<std::uint64_t>> frame_steps(const SequenceFlags& flags, const SequenceKind& kind, bool is_sequence) {
@@ -85,23 +84,20 @@ Result<SequencePlan> plan_sequence(const SequenceFlags& flags, const SequenceKin
     return refuse_usage("-o FILE is missing: where the simulation is written",
                         fmt::format("for example -o {}", kind.example));
   }
-  const auto is_sequence = names_sequence(*flags.output, kind);
-  if (!is_sequence) return tl::unexpected(is_sequence.error());
-  const auto steps = frame_steps(flags, kind, *is_sequence);
-  if (!steps) return tl::unexpected(steps.error());
+  const auto is_sequence = TRY(names_sequence(*flags.output, kind));
+  const auto steps = TRY(frame_steps(flags, kind, is_sequence));
   std::vector<batch::OutputSource> sources;
-  for (std::size_t frame = 0; frame < steps->size(); ++frame) {
+  for (std::size_t frame = 0; frame < steps.size(); ++frame) {
     for (const std::string& grid : kind.grids) {
       sources.push_back(
           {static_cast<std::int64_t>(frame + kind.first), std::string(field::kDemoPrefix) + kind.stem, grid, {}});
     }
   }
-  const auto named = batch::name_outputs(sources, flags.output, meshes::MeshFormat::glb, kind.extension);
-  if (!named) return tl::unexpected(named.error());
+  const auto named = TRY(batch::name_outputs(sources, flags.output, meshes::MeshFormat::glb, kind.extension));
   SequencePlan plan;
-  plan.steps = steps->back();
-  auto files = named->begin();
-  for (const std::uint64_t step : *steps) {
+  plan.steps = steps.back();
+  auto files = named.begin();
+  for (const std::uint64_t step : steps) {
     SequenceFrame frame{step, {}};
     for (std::size_t grid = 0; grid < kind.grids.size(); ++grid) frame.files.emplace_back((files++)->front().path);
     plan.frames.push_back(std::move(frame));
@@ -125,15 +121,15 @@ Result<WaterPlan> plan_water(const WaterFlags& flags) {
   plan.water.flow_div = flags.flow_div.value_or(plan.water.flow_div);
   plan.water.sources = flags.sources;
   plan.water.drains = flags.drains;
-  if (auto fine = check_taps(flags.sources, plan.terrain.size, "--source"); !fine) return tl::unexpected(fine.error());
-  if (auto fine = check_taps(flags.drains, plan.terrain.size, "--drain"); !fine) return tl::unexpected(fine.error());
+  TRY(check_taps(flags.sources, plan.terrain.size, "--source"));
+  TRY(check_taps(flags.drains, plan.terrain.size, "--drain"));
   plan.what = flags.what.value_or(plan.what);
   plan.spacing = flags.spacing.value_or(plan.spacing);
   SequenceKind kind{"water", kWaterExample, "", simulate::field_names(plan.what), kWaterSteps, kWaterEvery};
   if (flags.sequence.output && !flags.sequence.output->empty()) {
-    const auto format = format_of_output(flags.format, *flags.sequence.output, volumes::volume_file_format_by_path);
-    if (!format) return tl::unexpected(format.error());
-    plan.format = *format;
+    const auto format =
+        TRY(format_of_output(flags.format, *flags.sequence.output, volumes::volume_file_format_by_path));
+    plan.format = format;
     kind.extension = word_of(plan.format);
     kind.example = std::string(fs::path(kWaterExample).replace_extension(kind.extension));
     if (plan.format == volumes::VolumeFileFormat::vdb && plan.what == simulate::WaterContent::both) kind.grids = {""};
@@ -144,9 +140,7 @@ Result<WaterPlan> plan_water(const WaterFlags& flags) {
     }
     if (flags.spacing) return refuse_usage("--what heights has no voxels, which --spacing would place");
   }
-  auto sequence = plan_sequence(flags.sequence, kind);
-  if (!sequence) return tl::unexpected(sequence.error());
-  plan.sequence = std::move(*sequence);
+  plan.sequence = TRY(plan_sequence(flags.sequence, kind));
   return plan;
 }
 

@@ -159,16 +159,15 @@ convert::Json row_json(const measure::StabilityRow& row) {
 // Of the cases by every method on every backend.
 Result<std::vector<measure::StabilityRow>> extracted_rows(const std::vector<const measure::StabilityCase*>& cases,
                                                           const StabilityFlags& flags, const Messages& messages) {
-  const auto backends = choose_backends(flags, messages);
-  if (!backends) return tl::unexpected(backends.error());
+  const auto backends = TRY(choose_backends(flags, messages));
   const std::span<const extract::MethodInfo> methods = extract::kMethods;
-  for (const std::string& missing : measure::missing_methods(*backends, methods)) messages.note(missing);
+  for (const std::string& missing : measure::missing_methods(backends, methods)) messages.note(missing);
   std::vector<measure::StabilityRow> rows;
   for (const measure::StabilityCase* test : cases) {
     for (const extract::MethodInfo& method : methods) {
-      for (const measure::BenchBackend& backend : *backends) {
+      for (const measure::BenchBackend& backend : backends) {
         if (!backend.runs(method.method)) continue;
-        rows.push_back(measure::run_stability_case(*test, method, *backend.extractor));
+        rows.push_back(measure::run_stability_case(*test, method, *backend.extractor, Context()));
         rows.back().backend = backend.name;
       }
     }
@@ -179,23 +178,18 @@ Result<std::vector<measure::StabilityRow>> extracted_rows(const std::vector<cons
 }  // namespace
 
 Result<void> run_stability(const StabilityFlags& flags, const Messages& messages) {
-  const auto cases = chosen_cases(flags.cases);
-  if (!cases) return tl::unexpected(cases.error());
+  const auto cases = TRY(chosen_cases(flags.cases));
   const bool water = wants_water(flags.cases);
   if (flags.list) {
-    return print_to_stdout(flags.json ? convert::json_text(list_json(*cases, water)) : list_text(*cases, water));
+    return print_to_stdout(flags.json ? convert::json_text(list_json(cases, water)) : list_text(cases, water));
   }
   std::vector<measure::StabilityRow> rows;
-  if (!cases->empty()) {
-    auto extracted = extracted_rows(*cases, flags, messages);
-    if (!extracted) return tl::unexpected(extracted.error());
-    rows = std::move(*extracted);
+  if (!cases.empty()) {
+    rows = TRY(extracted_rows(cases, flags, messages));
   }
   std::vector<simulate::WaterStabilityRow> water_rows;
   if (water) {
-    auto simulated = simulate::run_water_stability();
-    if (!simulated) return tl::unexpected(simulated.error());
-    water_rows = std::move(*simulated);
+    water_rows = TRY(simulate::run_water_stability(simulate::kStabilitySteps, Context()));
   }
   const std::size_t failed = count_failed(rows) + count_failed(water_rows);
   convert::Json json{{"version", version()}, {"passed", failed == 0}};
@@ -204,7 +198,7 @@ Result<void> run_stability(const StabilityFlags& flags, const Messages& messages
   if (water) json["water"] = water_json(water_rows);
   std::string text = rows.empty() ? "" : table_text(rows);
   if (water) text += (text.empty() ? "" : "\n") + water_table(water_rows);
-  if (auto printed = print_to_stdout(flags.json ? convert::json_text(json) : text); !printed) return printed;
+  TRY(print_to_stdout(flags.json ? convert::json_text(json) : text));
   if (failed == 0) return {};
   return fail(ErrorKind::verification, fmt::format("{} of {} cases failed", failed, rows.size() + water_rows.size()),
               "the verdicts say how; please report them");

@@ -94,9 +94,8 @@ Result<convert::VerificationRecord> compare_surface(const VerifyPlan& plan, doub
   const extract::MethodInfo& method = extract::method_info(options.method);
   options.smooth_normals = method.traits.gradient_normals;
   options.edge_keys = method.traits.vertices_on_edges;
-  const auto extraction = first.extract(source.field, options, context);
-  if (!extraction) return tl::unexpected(extraction.error());
-  return convert::compare_backends(source.field, options, method, extraction->mesh, first, second, context);
+  const auto extraction = TRY(first.extract(source.field, options, context));
+  return convert::compare_backends(source.field, options, method, extraction.mesh, first, second, context);
 }
 
 // One surface as an object, several as an array of them.
@@ -109,8 +108,7 @@ std::string records_json(const std::vector<convert::VerificationRecord>& records
 
 Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, const Context& context) {
   const std::unique_ptr<extract::Extractor> first = extract::make_cpu_extractor();
-  const auto second = convert::open_backend(convert::Backend::gpu, {plan.job.backend.gpu});
-  if (!second) return tl::unexpected(second.error());
+  const auto second = TRY(convert::open_backend(convert::Backend::gpu, {plan.job.backend.gpu}));
   std::vector<convert::VerificationRecord> records;
   std::string label;
   {
@@ -120,18 +118,17 @@ Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, c
     if (!source) return tl::unexpected(about_volume_file(source.error(), plan.job.source.input));
     label = source->label;
     for (const convert::ResolvedIso& iso : source->isos) {
-      auto record = compare_surface(plan, iso.value, *source, *first, *second->extractor, context);
-      if (!record) return tl::unexpected(std::move(record.error()));
-      records.push_back(std::move(*record));
+      auto record = TRY(compare_surface(plan, iso.value, *source, *first, *second.extractor, context));
+      records.push_back(std::move(record));
     }
   }
   std::string text;
   for (const convert::VerificationRecord& record : records) {
     text += (text.empty() ? "" : "\n") + verification_table(label, record);
   }
-  if (auto printed = print_to_stdout(plan.json ? records_json(records) : text); !printed) return printed;
+  TRY(print_to_stdout(plan.json ? records_json(records) : text));
   for (const convert::VerificationRecord& record : records) {
-    if (auto same = convert::check_verification(label, record); !same) return same;
+    TRY(convert::check_verification(label, record));
   }
   return {};
 }
@@ -246,16 +243,14 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
     }
     if (!made) return tl::unexpected(made.error());
     anew = notes.made_anew(plan.job);
-    const auto matched = measure::match_meshes(file->mesh, *made, plan.float32_world, context, file->is_quantised);
-    if (!matched) return tl::unexpected(matched.error());
-    match = *matched;
+    match = TRY(measure::match_meshes(file->mesh, *made, plan.float32_world, context, file->is_quantised));
   }
   const std::vector<std::string> found = measure::differences(match, {"the file", "the volume's surface"});
   if (plan.json) {
     convert::Json json = convert::json_of(match, found);
     json["backend"] = anew.backend;
     json["stages"] = anew.stages;
-    if (auto printed = print_to_stdout(convert::json_text(json)); !printed) return printed;
+    TRY(print_to_stdout(convert::json_text(json)));
   } else if (auto printed = print_to_stdout(match_table(*plan.mesh, anew, match)); !printed) {
     return printed;
   }

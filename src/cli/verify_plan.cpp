@@ -57,7 +57,7 @@ Result<void> check_mesh_path(const std::string& path, const ConvertFlags& flags,
 
 Result<VerifyPlan> plan_verify(const VerifyFlags& given) {
   if (given.input.inputs.empty()) return refuse_usage("no INPUT was given", "isoextract verify INPUT --iso V [MESH]");
-  if (auto one = refuse_several_grids(given.input, "verify"); !one) return tl::unexpected(one.error());
+  TRY(refuse_several_grids(given.input, "verify"));
   const std::string& input = given.input.inputs.front();
   VerifyPlan plan;
   plan.mesh = given.mesh;
@@ -66,30 +66,24 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& given) {
   ConvertFlags flags = given;
   meshes::MeshFormat format = meshes::MeshFormat::glb;  // backends are compared where the default output would be
   if (plan.mesh) {
-    const auto found = format_of_path(*plan.mesh, meshes::mesh_format_by_path(input)
-                                                      ? "the volume comes first: isoextract verify INPUT MESH"
-                                                      : "MESH is a mesh that isoextract wrote");
-    if (!found) return tl::unexpected(found.error());
-    format = *found;
-    if (auto fits = check_mesh_path(*plan.mesh, flags, meshes::mesh_format_info(format)); !fits) {
-      return tl::unexpected(fits.error());
-    }
+    format = TRY(format_of_path(*plan.mesh, meshes::mesh_format_by_path(input)
+                                                ? "the volume comes first: isoextract verify INPUT MESH"
+                                                : "MESH is a mesh that isoextract wrote"));
+    TRY(check_mesh_path(*plan.mesh, flags, meshes::mesh_format_info(format)));
   } else {
-    if (auto fits = check_backends_only(flags); !fits) return tl::unexpected(fits.error());
+    TRY(check_backends_only(flags));
     flags.verify = true;
   }
   flags.format = OutputFormat{format};
   plan.float32_world = format == meshes::MeshFormat::stl || format == meshes::MeshFormat::drc;
 
-  if (auto taken = take_labels(flags); !taken) return tl::unexpected(taken.error());
-  auto note = take_usual_iso(flags, input);
-  if (!note) return tl::unexpected(note.error());
-  auto conversion = plan_conversion(flags, flags.isos);
-  if (!conversion) return tl::unexpected(conversion.error());
-  plan.notes = std::move(conversion->notes);
-  if (!note->empty()) plan.notes.push_back(std::move(*note));
-  plan.memory = conversion->memory;
-  plan.job = std::move(conversion->job);
+  TRY(take_labels(flags));
+  auto note = TRY(take_usual_iso(flags, input));
+  auto conversion = TRY(plan_conversion(flags, flags.isos));
+  plan.notes = std::move(conversion.notes);
+  if (!note.empty()) plan.notes.push_back(std::move(note));
+  plan.memory = conversion.memory;
+  plan.job = std::move(conversion.job);
   plan.job.source.input = input;
   plan.job.verify = false;
   plan.job.normals = convert::Normals::none;     // of which triangles do not depend

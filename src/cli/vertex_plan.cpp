@@ -99,9 +99,8 @@ Result<bool> take_setting(std::string_view word, convert::AttributeChoice& choic
 template <class F>
 Result<void> take_from_end(std::string_view& text, F&& take) {
   for (std::size_t colon = text.rfind(':'); colon != std::string_view::npos; colon = text.rfind(':')) {
-    const auto taken = take(text.substr(colon + 1));
-    if (!taken) return tl::unexpected(taken.error());
-    if (!*taken) break;
+    const auto taken = TRY(take(text.substr(colon + 1)));
+    if (!taken) break;
     text = text.substr(0, colon);
   }
   return {};
@@ -167,11 +166,10 @@ Result<void> check_formats(const ConvertFlags& flags, const meshes::MeshFormatIn
 
 Result<convert::AttributeChoice> parse_attribute(std::string_view text) {
   convert::AttributeChoice choice;
-  const auto set = take_from_end(text, [&](std::string_view word) {
+  TRY(take_from_end(text, [&](std::string_view word) {
     return word.find('=') == std::string_view::npos ? take_kind(word, choice) : take_setting(word, choice);
-  });
-  if (!set) return tl::unexpected(set.error());
-  if (auto named = take_name(text, choice); !named) return tl::unexpected(std::move(named.error()));
+  }));
+  TRY(take_name(text, choice));
   return choice;
 }
 
@@ -197,18 +195,18 @@ Result<ColourFlag> parse_colour(std::string_view text) {
     }
     return take_setting(word, choice);
   };
-  if (auto taken = take_from_end(text, take); !taken) return tl::unexpected(std::move(taken.error()));
+  TRY(take_from_end(text, take));
   if (flag.range && !((*flag.range)[0] < (*flag.range)[1])) {
     return fail(ErrorKind::usage,
                 fmt::format("expected MIN below MAX, found {} and {}", (*flag.range)[0], (*flag.range)[1]));
   }
-  if (auto fine = check_name_of_map(text, flag.map); !fine) return tl::unexpected(std::move(fine.error()));
+  TRY(check_name_of_map(text, flag.map));
   if (text == kIso) {
     if (choice == convert::AttributeChoice()) return flag;
     return fail(ErrorKind::usage,
                 fmt::format("{} stands for the iso values, which have no {}", kIso, fmt::join(kSettings, ", ")));
   }
-  if (auto named = take_name(text, choice); !named) return tl::unexpected(std::move(named.error()));
+  TRY(take_name(text, choice));
   flag.attribute = std::move(choice);
   return flag;
 }
@@ -222,7 +220,7 @@ Result<std::vector<double>> parse_opacity(std::string_view text) {
 }
 
 Result<void> plan_vertices(const ConvertFlags& flags, std::size_t isos, convert::ConversionJob& job) {
-  if (auto fine = check_formats(flags, meshes::mesh_format_info(job.format)); !fine) return fine;
+  TRY(check_formats(flags, meshes::mesh_format_info(job.format)));
   std::vector<convert::AttributeChoice>& attributes = job.source.attributes;
   attributes = flags.attributes;
   std::set<std::string_view> seen;
@@ -266,10 +264,9 @@ Result<void> number_attributes(std::vector<convert::AttributeChoice>& attributes
   for (convert::AttributeChoice& choice : attributes) {
     const convert::AttributePlace place = convert::attribute_place(choice);
     if (place.file.empty() || place.file.starts_with(field::kDemoPrefix) || is_there(place.file)) continue;
-    const auto pattern = batch::FramePattern::parse(place.file);
-    if (!pattern) return tl::unexpected(pattern.error());
-    if (!*pattern) continue;
-    choice.from = (*pattern)->expand(frame) + (place.grid ? fmt::format("[{}]", *place.grid) : "");
+    const auto pattern = TRY(batch::FramePattern::parse(place.file));
+    if (!pattern) continue;
+    choice.from = pattern->expand(frame) + (place.grid ? fmt::format("[{}]", *place.grid) : "");
   }
   return {};
 }

@@ -48,9 +48,8 @@ Result<void> plan_labels(const ConvertFlags& flags, convert::ConversionJob& job)
   }
   if (job.source.resamples()) job.source.kernel = field::ResampleKernel::nearest;
   if (!flags.label_names) return {};
-  const auto table = convert::LabelTable::read(*flags.label_names);
-  if (!table) return tl::unexpected(table.error());
-  job.label_names = convert::LabelTableFile{*flags.label_names, table->hash()};
+  const auto table = TRY(convert::LabelTable::read(*flags.label_names, Context()));
+  job.label_names = convert::LabelTableFile{*flags.label_names, table.hash()};
   return {};
 }
 

@@ -57,17 +57,15 @@ Result<Records> add_of_particles(const ParticleAttributes& source, std::span<con
     }
     return Records();
   }
-  auto sampled = points::sample_attributes(source.particles, source.attributes, places, source.radius,
-                                           source.smoothing_length, context);
-  if (!sampled) return tl::unexpected(std::move(sampled.error()));
+  auto sampled = TRY(points::sample_attributes(source.particles, source.attributes, places, source.radius,
+                                               source.smoothing_length, context));
   std::uint64_t bytes = 0;
-  for (const points::SampledAttribute& attribute : sampled->attributes) bytes += attribute.values.size_bytes();
-  auto memory = context.reserve(bytes, "attributes of vertices");
-  if (!memory) return tl::unexpected(std::move(memory.error()));
+  for (const points::SampledAttribute& attribute : sampled.attributes) bytes += attribute.values.size_bytes();
+  auto memory = TRY(context.reserve(bytes, "attributes of vertices"));
   Records records;
   std::vector<mesh::Attribute> added;
-  for (std::size_t a = 0; a < sampled->attributes.size(); ++a) {
-    const points::SampledAttribute& attribute = sampled->attributes[a];
+  for (std::size_t a = 0; a < sampled.attributes.size(); ++a) {
+    const points::SampledAttribute& attribute = sampled.attributes[a];
     mesh::Attribute& made =
         added.emplace_back(float_attribute(source.choices[a].name, attribute.components, places.size()));
     if (!made.values.empty()) std::memcpy(made.values.data(), attribute.values.data(), attribute.values.size_bytes());
@@ -75,9 +73,9 @@ Result<Records> add_of_particles(const ParticleAttributes& source, std::span<con
     record.name = made.name;
     record.source = fmt::format("{}: {}", printable(source.particles.label), printable(source.choices[a].from));
     record.components = made.components;
-    record.out_of_reach = sampled->out_of_reach;
+    record.out_of_reach = sampled.out_of_reach;
   }
-  take_attributes(std::move(added), std::move(*memory), mesh);
+  take_attributes(std::move(added), std::move(memory), mesh);
   return records;
 }
 
@@ -91,8 +89,7 @@ Result<Records> add_of_volumes(const AttributeSource& source, std::span<const gl
   const auto& attributes = std::get<std::vector<VolumeAttribute>>(source.from);
   std::size_t components = 0;
   for (const VolumeAttribute& attribute : attributes) components += attribute.components.size();
-  auto memory = context.reserve(components * places.size() * sizeof(float), "attributes of vertices");
-  if (!memory) return tl::unexpected(std::move(memory.error()));
+  auto memory = TRY(context.reserve(components * places.size() * sizeof(float), "attributes of vertices"));
   Records records;
   std::vector<mesh::Attribute> added;
   for (const VolumeAttribute& attribute : attributes) {
@@ -105,27 +102,25 @@ Result<Records> add_of_volumes(const AttributeSource& source, std::span<const gl
     record.components = count;
     for (std::size_t c = 0; c < count && !places.empty(); ++c) {
       const field::ScalarField& field = attribute.components[c];
-      const auto counts = field::sample_points(field, places, values.subspan(c), count, context);
-      if (!counts) return tl::unexpected(counts.error());
-      if (auto whole = volumes::check_not_lost(field); !whole) return tl::unexpected(std::move(whole.error()));
-      record.outside = std::max(record.outside, counts->outside);
-      record.not_finite = std::max(record.not_finite, counts->not_finite);
+      const auto counts = TRY(field::sample_points(field, places, values.subspan(c), count, context));
+      TRY(volumes::check_not_lost(field));
+      record.outside = std::max(record.outside, counts.outside);
+      record.not_finite = std::max(record.not_finite, counts.not_finite);
     }
     if (!attribute.in_voxels) continue;
     const field::Affine& world_from_voxels = attribute.components.front().index_to_world;
     map_attribute(made, kind_of(source, made.name), world_from_voxels.linear, world_from_voxels.offset);
   }
-  take_attributes(std::move(added), std::move(*memory), mesh);
+  take_attributes(std::move(added), std::move(memory), mesh);
   return records;
 }
 
 // Finds the kind of one attribute.
 Result<void> add_kind(const AttributeChoice& choice, std::size_t components, std::optional<AttributeKind> stated,
                       AttributeSource& source) {
-  const auto kind = find_kind(choice, components, stated);
-  if (!kind) return tl::unexpected(kind.error());
-  source.kinds.push_back({choice.name, kind->value_or(AttributeKind::scalar)});
-  if (*kind || components != 3 || !choice.written || source.output_from_world.linear == glm::dmat3(1)) return {};
+  const auto kind = TRY(find_kind(choice, components, stated));
+  source.kinds.push_back({choice.name, kind.value_or(AttributeKind::scalar)});
+  if (kind || components != 3 || !choice.written || source.output_from_world.linear == glm::dmat3(1)) return {};
   source.kind_notes.push_back(
       fmt::format("nothing says what the three components of the attribute '{}' are: they do not turn or scale with "
                   "the mesh, as those of a vector would",
@@ -169,9 +164,8 @@ std::vector<NamedKind> written_kinds(const AttributeSource& source) {
 
 Result<std::vector<AttributeRecord>> add_attributes(const AttributeSource& source, mesh::Mesh& mesh,
                                                     const Context& context) {
-  const auto places = world_positions(source.world_from_output, mesh, context);
-  if (!places) return tl::unexpected(places.error());
-  const std::span<const glm::dvec3> at = (*places)->values.span();
+  const auto places = TRY(world_positions(source.world_from_output, mesh, context));
+  const std::span<const glm::dvec3> at = places->values.span();
   const auto* particles = std::get_if<ParticleAttributes>(&source.from);
   auto records = particles != nullptr ? add_of_particles(*particles, at, mesh, context)
                                       : add_of_volumes(source, at, mesh, context);

@@ -106,13 +106,11 @@ Result<Reading> reading_of(const SourceOptions& options, const AttributeChoice& 
     reading.read = options.read;
   } else {
     reading.input = place.file;
-    const auto format = volumes::format_of(place.file, {}, context);
-    if (!format) return tl::unexpected(format.error());
-    if (format->has_axis_order) reading.read.axis_order = options.read.axis_order;
+    const auto format = TRY(volumes::format_of(place.file, {}, context));
+    if (format.has_axis_order) reading.read.axis_order = options.read.axis_order;
     if (options.read.volume) {
-      const auto several = volumes::count_volumes(place.file, reading.read, context);
-      if (!several) return tl::unexpected(several.error());
-      if (*several > 1) reading.read.volume = options.read.volume;
+      const auto several = TRY(volumes::count_volumes(place.file, reading.read, context));
+      if (several > 1) reading.read.volume = options.read.volume;
     }
   }
   reading.read.grid = place.grid;
@@ -167,12 +165,11 @@ struct VectorGrids {
 
 // The grid of vectors that is meant as a whole, or else those of its axes; nothing where a scalar grid is meant.
 Result<std::optional<VectorGrids>> vector_grids(const Reading& reading, const Context& context) {
-  const auto listed = volumes::list_grids(reading.input, reading.read, context);
-  if (!listed) return tl::unexpected(listed.error());
+  const auto listed = TRY(volumes::list_grids(reading.input, reading.read, context));
   const std::optional<std::string>& wanted = reading.read.grid;
-  if (!wanted && listed->size() != 1) return std::nullopt;
+  if (!wanted && listed.size() != 1) return std::nullopt;
   bool is_there = !wanted;
-  for (const volumes::GridInfo& grid : *listed) {
+  for (const volumes::GridInfo& grid : listed) {
     if (wanted && !grid.is_called(*wanted)) continue;
     is_there = true;
     if (!is_vector(grid)) continue;
@@ -181,7 +178,7 @@ Result<std::optional<VectorGrids>> vector_grids(const Reading& reading, const Co
                            [&](std::string_view axis) { return grid.label + std::string(axis); });
     return vectors;
   }
-  auto of_axes = is_there ? std::nullopt : grids_of_axes(*listed, *wanted);
+  auto of_axes = is_there ? std::nullopt : grids_of_axes(listed, *wanted);
   if (!of_axes) return std::nullopt;
   return VectorGrids{std::move(*of_axes), std::nullopt, false};
 }
@@ -195,25 +192,22 @@ Result<VolumeAttribute> read_volume_attribute(const SourceOptions& options, cons
                             printable(choice.from), input.format),
                 "an attribute can be read from another file");
   }
-  auto reading = reading_of(options, choice, place, input, context);
-  if (!reading) return tl::unexpected(std::move(reading.error()));
-  const auto vectors = vector_grids(*reading, context);
-  if (!vectors) return tl::unexpected(vectors.error());
+  auto reading = TRY(reading_of(options, choice, place, input, context));
+  const auto vectors = TRY(vector_grids(reading, context));
   VolumeAttribute attribute;
   attribute.choice = choice;
-  const std::optional<VectorGrids>& whole = *vectors;
+  const std::optional<VectorGrids>& whole = vectors;
   const std::size_t count = whole ? kAxes.size() : 1;
   if (whole) {
     attribute.stated_kind = whole->stated_kind;
     attribute.in_voxels = whole->in_voxels;
   }
   for (std::size_t c = 0; c < count; ++c) {
-    if (whole) reading->read.grid = whole->components[c];
-    auto field = volumes::read_volume(reading->input, reading->read, context);
-    if (!field) return tl::unexpected(std::move(field.error()));
-    field->name = reading->shown;
-    attribute.components.push_back(std::move(*field));
-    if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+    if (whole) reading.read.grid = whole->components[c];
+    auto field = TRY(volumes::read_volume(reading.input, reading.read, context));
+    field.name = reading.shown;
+    attribute.components.push_back(std::move(field));
+    TRY(context.check());
   }
   attribute.notes = attribute.components.front().notes;
   move_to_world_of(input, attribute);

@@ -61,6 +61,6 @@ struct VolumeAttributes {
 // The other files that attributes of volumes are in and that are there, those that hold samples apart among them. Never
 // reads samples.
 [[nodiscard]] Result<std::vector<std::filesystem::path>> attribute_files(const SourceOptions& options,
-                                                                         const Context& context = Context());
+                                                                         const Context& context);
 
 }  // namespace isoextract::convert

@@ -34,9 +34,8 @@ Result<OpenedBackend> open_backend(Backend backend, const gpu::GpuOptions& optio
     case Backend::automatic: return open_automatic(options);
     case Backend::gpu: break;
   }
-  auto gpu = gpu::make_gpu_extractor(options);
-  if (!gpu) return tl::unexpected(std::move(gpu.error()));
-  return OpenedBackend{std::move(gpu->extractor), ""};
+  auto gpu = TRY(gpu::make_gpu_extractor(options));
+  return OpenedBackend{std::move(gpu.extractor), ""};
 }
 
 // The device that is open now, if any.
@@ -135,9 +134,8 @@ Result<OpenedBackend> KeptBackends::open(Backend backend, const gpu::GpuChoice& 
     if (!thread) return cpu_because(reason);
     return OpenedBackend{std::make_unique<DeviceExtractor>(device_, *thread), reason};
   }
-  auto thread = device_->open(choice);
-  if (!thread) return tl::unexpected(std::move(thread.error()));
-  return OpenedBackend{std::make_unique<DeviceExtractor>(device_, std::move(*thread)), ""};
+  auto thread = TRY(device_->open(choice));
+  return OpenedBackend{std::make_unique<DeviceExtractor>(device_, std::move(thread)), ""};
 }
 
 int KeptBackends::devices_opened() const { return device_->opened(); }

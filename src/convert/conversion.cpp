@@ -57,16 +57,16 @@ class Conversion {
         sink_(sink) {}
 
   Result<void> run() {
-    if (auto opened = job_.field_file ? open_tools() : open_backends(); !opened) return opened;
+    TRY(job_.field_file ? open_tools() : open_backends());
     if (sink_ == nullptr || sink_->writes_files()) {
-      if (extras_.read == nullptr) add_read_files(own_read_, job_);
+      if (extras_.read == nullptr) add_read_files(own_read_, job_, Context());
       for (const OutputFileJob& output : job_.outputs) {
-        if (auto checked = check_mesh_files(output, job_.format, read()); !checked) return checked;
+        TRY(check_mesh_files(output, job_.format, read()));
       }
     }
-    if (auto there = check_grids(job_.source, context_); !there) return there;
+    TRY(check_grids(job_.source, context_));
     for (const OutputFileJob& output : job_.outputs) {
-      if (auto done = write(output); !done) return done;
+      TRY(write(output));
       ++output_;
     }
     const auto& note_of_relaxing = extras_.note_of_relaxing;
@@ -109,15 +109,14 @@ class Conversion {
   }
 
   Result<void> write_samples(const OutputFileJob& output) {
-    if (auto go_on = context_.check(); !go_on) return go_on;
+    TRY(context_.check());
     if (!source_.empty || job_.empty == EmptyPolicy::write)
       return write_field(source_, job_, output, context_, events_);
     if (job_.empty == EmptyPolicy::error) return tl::unexpected(empty_source(source_));
-    const auto removed = remove_old_meshes(output, job_.format, context_);
-    if (!removed) return tl::unexpected(removed.error());
+    const auto removed = TRY(remove_old_meshes(output, job_.format, context_));
     events_.note(fmt::format("{}: {}; {} was not written{}", source_.label, source_.why_empty(),
                              files::shown_output_name(output.path),
-                             removed->empty() ? "" : "; the old one was removed"));
+                             removed.empty() ? "" : "; the old one was removed"));
     return {};
   }
 
@@ -140,14 +139,12 @@ class Conversion {
     use.isos = isos_of(job_, grid);
     if (sink_ != nullptr && sink_->wants_source()) use.only_iso.reset();
     if (!job_.source.more_grids.empty()) events_.begin_grid(grid);
-    auto source = open_source(with_grid(job_.source, grid), use, context_, events_);
-    if (!source) return tl::unexpected(std::move(source.error()));
-    source_ = std::move(*source);
+    source_ = TRY(open_source(with_grid(job_.source, grid), use, context_, events_));
     opened_ = grid;
     const auto& note_of = extras_.note_of_field;
     if (const auto text = note_of ? note_of(source_.field) : std::nullopt) events_.note(*text);
     events_.end_reading();
-    if (auto found = find_labels(); !found) return found;
+    TRY(find_labels());
     all_isos_.clear();
     for (const ResolvedIso& iso : labels_ ? each_label(source_.isos, labels_->labels()) : source_.isos)
       all_isos_.push_back(iso.value);
@@ -160,7 +157,7 @@ class Conversion {
     std::vector<SkippedSurfaces> skipped;
     bool in_pieces = false;
     for (const std::optional<std::string>& grid : grids_of(job_.source, output)) {
-      if (auto opened = open_grid(grid); !opened) return opened;
+      TRY(open_grid(grid));
       if (job_.field_file) return write_samples(output);
       if (!file) file.emplace(open(output));
       const std::size_t before = file->written.isos.size();
@@ -169,7 +166,7 @@ class Conversion {
       const std::vector<ResolvedIso> isos = labels_ ? each_label(asked, labels_->labels()) : each_once(asked);
       if (isos.size() < asked.size()) tell_repeated(output, asked);
       for (const ResolvedIso& iso : isos) {
-        if (auto added = add_surface(iso, *file, in_pieces); !added) return added;
+        TRY(add_surface(iso, *file, in_pieces));
       }
       skipped.push_back(skipped_of(isos, std::span<const double>(file->written.isos).subspan(before)));
     }
@@ -180,20 +177,19 @@ class Conversion {
 
   // Makes the surface at one iso value and adds it to the file, as a whole or in pieces.
   Result<void> add_surface(const ResolvedIso& iso, OutputFile& file, bool& in_pieces) {
-    if (auto go_on = context_.check(); !go_on) return go_on;
-    auto surface = make_surface(iso);
-    if (!surface) return tl::unexpected(std::move(surface.error()));
-    if (!*surface) return {};
-    mesh::Mesh& mesh = (*surface)->mesh;
+    TRY(context_.check());
+    auto surface = TRY(make_surface(iso));
+    if (!surface) return {};
+    mesh::Mesh& mesh = surface->mesh;
     if (!events_.grid().empty()) mesh.name = events_.grid();
     if (labels_) {
       mesh.name = looks_.name(mesh.name, label_of(iso));
     } else if (file.written.job.isos.size() > 1) {
       mesh.name = fmt::format("{} {}", mesh.name, surface_text(iso.asked));
     }
-    if (!job_.pieces.split) return add(std::move(**surface), file);
+    if (!job_.pieces.split) return add(std::move(*surface), file);
     in_pieces = true;
-    return add_pieces(std::move(**surface), iso, file);
+    return add_pieces(std::move(*surface), iso, file);
   }
 
   [[nodiscard]] OutputFile open(const OutputFileJob& output) const {
@@ -204,32 +200,28 @@ class Conversion {
   Result<void> add_pieces(Surface surface, const ResolvedIso& iso, OutputFile& file) {
     const std::string& pattern = file.written.job.path;
     const bool into_files = sink_ == nullptr && pattern.find(kPieceWord) != std::string::npos;
-    auto pieces = split_mesh(std::move(surface.mesh), into_files, context_);
-    if (!pieces) return tl::unexpected(std::move(pieces.error()));
-    for (std::size_t i = 0; into_files && i < pieces->size(); ++i) {
-      if (auto checked = check_mesh_files({piece_path(pattern, i + 1), {}}, job_.format, read()); !checked)
-        return checked;
+    auto pieces = TRY(split_mesh(std::move(surface.mesh), into_files, context_));
+    for (std::size_t i = 0; into_files && i < pieces.size(); ++i) {
+      TRY(check_mesh_files({piece_path(pattern, i + 1), {}}, job_.format, read()));
     }
-    for (std::size_t i = 0; i < pieces->size(); ++i) {
-      Surface piece{surface.iso, std::move((*pieces)[i]), {}, {}, {}, surface.counts_open_edges, {}};
-      if (auto shaded = shade_surface(job_, source_, extras_.mesh_facts, context_, events_, piece); !shaded)
-        return shaded;
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      Surface piece{surface.iso, std::move(pieces[i]), {}, {}, {}, surface.counts_open_edges, {}};
+      TRY(shade_surface(job_, source_, extras_.mesh_facts, context_, events_, piece));
       if (!into_files) {
-        if (auto added = add(std::move(piece), file); !added) return added;
+        TRY(add(std::move(piece), file));
         continue;
       }
       const OutputFileJob own_job{piece_path(pattern, i + 1), {iso.asked}};
       OutputFile own = open(own_job);
-      if (auto added = add(std::move(piece), own); !added) return added;
-      if (auto written = finish(own, {}); !written) return written;
+      TRY(add(std::move(piece), own));
+      TRY(finish(own, {}));
     }
     if (!into_files) return {};
-    if (pieces->empty()) return leave_out(file.written.job, {skipped_of({&iso, 1}, {})});
-    const auto removed = remove_old_pieces(file.written.job, pieces->size() + 1, job_.format, read(), context_);
-    if (!removed) return tl::unexpected(removed.error());
-    if (!removed->empty()) {
+    if (pieces.empty()) return leave_out(file.written.job, {skipped_of({&iso, 1}, {})});
+    const auto removed = TRY(remove_old_pieces(file.written.job, pieces.size() + 1, job_.format, read(), context_));
+    if (!removed.empty()) {
       events_.note(fmt::format("{}: there are {} pieces; removed, as they are of an earlier run: {}", source_.label,
-                               pieces->size(), first_and_last(*removed)));
+                               pieces.size(), first_and_last(removed)));
     }
     return {};
   }
@@ -252,19 +244,16 @@ class Conversion {
       choice.values.push_back(label_of(iso));
     }
     if (source_.isos.empty()) return {};
-    auto looks = LabelLooks::open(job_, context_);
-    if (!looks) return tl::unexpected(std::move(looks.error()));
-    looks_ = std::move(*looks);
+    looks_ = TRY(LabelLooks::open(job_, context_));
     if (!extractor_->has(job_.surface.method)) {
       const Error error{ErrorKind::unavailable,
                         fmt::format("the {} backend does not have {}", extractor_->name(), method().title),
                         Remedy::use_cpu};
       if (!gave_way(error)) return tl::unexpected(error);
     }
-    auto found = extract::LabelVoxels::find(source_.field, extract_options_of(job_, source_, 0), choice, context_);
-    if (!found) return tl::unexpected(std::move(found.error()));
-    if (auto whole = volumes::check_not_lost(source_.field); !whole) return whole;
-    labels_ = std::move(*found);
+    auto found = TRY(extract::LabelVoxels::find(source_.field, extract_options_of(job_, source_, 0), choice, context_));
+    TRY(volumes::check_not_lost(source_.field));
+    labels_ = std::move(found);
     for (const std::string& note : labels_->notes()) events_.note(note);
     if (!labels_->labels().empty() || job_.empty != EmptyPolicy::error) return {};
     return tl::unexpected(source_.empty ? empty_source(source_)
@@ -275,17 +264,15 @@ class Conversion {
   // Nothing where it is empty and empty surfaces are skipped.
   Result<std::optional<Surface>> make_surface(const ResolvedIso& asked) {
     source_.face_outward(asked.value);
-    auto mesh = extract(asked);
-    if (!mesh) return tl::unexpected(std::move(mesh.error()));
-    if (mesh->triangles.empty() && job_.empty != EmptyPolicy::write) {
+    auto mesh = TRY(extract(asked));
+    if (mesh.triangles.empty() && job_.empty != EmptyPolicy::write) {
       if (job_.empty == EmptyPolicy::error) return tl::unexpected(no_surface(asked));
       if (cut_away_) lost_.push_back({asked.value, "nothing is where the surface is kept"});
       return std::optional<Surface>();
     }
-    Surface surface{asked.value, std::move(*mesh), {}, {}, {}, counts_open_edges_, {}};
+    Surface surface{asked.value, std::move(mesh), {}, {}, {}, counts_open_edges_, {}};
     const SurfaceFacts facts{all_isos_, open_, extras_.mesh_facts, labels_ ? &looks_ : nullptr};
-    if (auto made = finish_surface(job_, source_, facts, context_, events_, surface); !made)
-      return tl::unexpected(std::move(made.error()));
+    TRY(finish_surface(job_, source_, facts, context_, events_, surface));
     if (!surface.mesh.triangles.empty() || job_.empty == EmptyPolicy::write) return surface;
     lost_.push_back({asked.value, "no component is as large as asked for"});
     return std::optional<Surface>();
@@ -301,26 +288,25 @@ class Conversion {
         labels_ ? extract_label(asked_iso, options) : extractor_->extract(source_.field, options, context_);
     if (!extraction && gave_way(extraction.error())) extraction = extractor_->extract(source_.field, options, context_);
     if (!extraction) return tl::unexpected(std::move(extraction.error()));
-    if (auto whole = volumes::check_not_lost(source_.field); !whole) return tl::unexpected(std::move(whole.error()));
+    TRY(volumes::check_not_lost(source_.field));
     open_ = may_be_open(extraction->stats, options) || (!source_.clip.empty() && !options.cap);
     const AskedFor asked{.triangle_normals = are_of_triangles(job_.normals), .error = job_.error.has_value()};
     events_.extracted({iso, asked_iso.asked, extraction->mesh.triangles.size(), extraction->stats,
                        extraction_facts(extraction->stats, options, asked), watch.elapsed()});
     if (other_extractor_ != nullptr) {
-      auto record = compare_backends(source_.field, options, method(), extraction->mesh, *extractor_, *other_extractor_,
-                                     context_);
-      if (!record) return tl::unexpected(std::move(record.error()));
-      if (auto whole = volumes::check_not_lost(source_.field); !whole) return tl::unexpected(std::move(whole.error()));
+      auto record = TRY(compare_backends(source_.field, options, method(), extraction->mesh, *extractor_,
+                                         *other_extractor_, context_));
+      TRY(volumes::check_not_lost(source_.field));
       extraction->mesh.edges = {};  // they have done their work
-      events_.verified(*record);
-      if (auto same = check_verification(source_.label, *record); !same) return tl::unexpected(std::move(same.error()));
+      events_.verified(record);
+      TRY(check_verification(source_.label, record));
     }
     std::optional<mesh::Bounds> whole;  // of what there is to cut
     if (!source_.clip.empty() && !extraction->mesh.triangles.empty()) whole = mesh::measure_bounds(extraction->mesh);
-    auto clipped = clip_mesh(extraction->mesh, job_, source_,
-                             fmt::format("{} {}", source_.label, surface_text(asked_iso.asked)), context_, events_);
-    if (!clipped) return tl::unexpected(std::move(clipped.error()));
-    if (!source_.clip.empty()) events_.clipped(iso, *clipped);
+    auto clipped =
+        TRY(clip_mesh(extraction->mesh, job_, source_,
+                      fmt::format("{} {}", source_.label, surface_text(asked_iso.asked)), context_, events_));
+    if (!source_.clip.empty()) events_.clipped(iso, clipped);
     counts_open_edges_ = extraction->stats.hole_cells > 0 || (!source_.clip.empty() && !options.cap);
     cut_away_ = extraction->mesh.triangles.empty() ? whole : std::nullopt;
     return std::move(extraction->mesh);
@@ -376,29 +362,26 @@ class Conversion {
 
   Result<meshes::MeshWriteResult> complete(OutputFile& file) {
     if (sink_ == nullptr && job_.picture_file) {
-      auto picture = write_picture(file.held, job_, source_.placement.placement, file.written.job, context_);
-      if (!picture) return tl::unexpected(std::move(picture.error()));
-      if (picture->misses_surfaces) events_.drew_nothing();
-      return std::move(picture->written);
+      auto picture = TRY(write_picture(file.held, job_, source_.placement.placement, file.written.job, context_));
+      if (picture.misses_surfaces) events_.drew_nothing();
+      return std::move(picture.written);
     }
     if (sink_ == nullptr) return file.writer.finish();
     meshes::MeshWriteOptions options = write_options();
-    auto taken = sink_->take(
-        {file.written.job, file.written.isos, std::move(file.held), options.packing, std::move(options.placement)});
-    if (!taken) return tl::unexpected(std::move(taken.error()));
+    TRY(sink_->take(
+        {file.written.job, file.written.isos, std::move(file.held), options.packing, std::move(options.placement)}));
     return meshes::MeshWriteResult();
   }
 
   Result<void> finish(OutputFile& file, const std::vector<SkippedSurfaces>& skipped) {
     context_.progress().begin("writing", 0);
     const Stopwatch watch;
-    auto result = complete(file);
-    if (!result) return tl::unexpected(std::move(result.error()));
-    file.written.files = std::move(result->files);
-    tell_packed(file.written, result->packed);
+    auto result = TRY(complete(file));
+    file.written.files = std::move(result.files);
+    tell_packed(file.written, result.packed);
     file.written.time += watch.elapsed();
     if (extras_.mesh_facts) events_.recorded(file.records, std::exchange(recording_, {}));
-    for (const std::string& text : result->notes) events_.note(text);
+    for (const std::string& text : result.notes) events_.note(text);
     tell_skipped(file.written.job, skipped, true, "");
     events_.written(file.written);
     return {};
@@ -414,14 +397,13 @@ class Conversion {
 
   Result<void> leave_out(const OutputFileJob& output, const std::vector<SkippedSurfaces>& skipped) {
     const bool in_pieces = job_.pieces.split && output.path.find(kPieceWord) != std::string::npos;
-    const auto removed = sink_ != nullptr ? Result<std::vector<std::string>>()
-                         : in_pieces      ? remove_old_pieces(output, 1, job_.format, read(), context_)
-                                          : remove_old_meshes(output, job_.format, context_);
-    if (!removed) return tl::unexpected(removed.error());
+    const auto removed = TRY(sink_ != nullptr ? Result<std::vector<std::string>>()
+                             : in_pieces      ? remove_old_pieces(output, 1, job_.format, read(), context_)
+                                              : remove_old_meshes(output, job_.format, context_));
     tell_skipped(output, skipped, false,
-                 removed->empty() ? ""
-                                  : fmt::format("; the old {} {} removed", first_and_last(*removed),
-                                                removed->size() < 3 ? "was" : "were"));
+                 removed.empty() ? ""
+                                 : fmt::format("; the old {} {} removed", first_and_last(removed),
+                                               removed.size() < 3 ? "was" : "were"));
     events_.written({output, {}, {}, 0, 0, {}, {}, {}});
     return {};
   }

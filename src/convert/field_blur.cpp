@@ -43,17 +43,17 @@ Result<void> blur_field(const std::vector<BlurStep>& steps, const std::string& l
       return fail(ErrorKind::usage, fmt::format("{}: {} is {:.4g} x {:.4g} x {:.4g} voxels, and at most {} are taken",
                                                 label, text_of(step), sigma.x, sigma.y, sigma.z, field::kMaxBlurSigma));
     }
-    auto blurred = step.kind == BlurKind::gaussian ? field::blur_gaussian(field, sigma, context)
-                                                   : field::blur_median(field, static_cast<int>(step.width), context);
-    if (!blurred) return tl::unexpected(std::move(blurred.error()));
-    if (auto whole = volumes::check_not_lost(field); !whole) return whole;
+    auto blurred =
+        TRY(step.kind == BlurKind::gaussian ? field::blur_gaussian(field, sigma, context)
+                                            : field::blur_median(field, static_cast<int>(step.width), context));
+    TRY(volumes::check_not_lost(field));
     const std::string in_voxels =
         step.in_world_units ? fmt::format(", {:.4g} x {:.4g} x {:.4g} voxels", sigma.x, sigma.y, sigma.z) : "";
-    field = std::move(*blurred);
+    field = std::move(blurred);
     events.filtered({WorkTopic::blur, WorkDone::blurred, std::nullopt, std::nullopt,
                      fmt::format("the samples by {}{}: {}", text_of(step), in_voxels, blurred_text(field))},
                     watch.elapsed());
-    if (auto go_on = context.check(); !go_on) return go_on;
+    TRY(context.check());
   }
   return {};
 }

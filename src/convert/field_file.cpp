@@ -63,15 +63,13 @@ Result<void> write_field(const Source& source, const ConversionJob& job, const O
   context.progress().begin("writing", 0);
   const Stopwatch watch;
   if (as_half) {
-    if (auto fits = check_range(field, source.label, kLargestHalf, "half floats", Remedy::store_floats); !fits)
-      return fits;
+    TRY(check_range(field, source.label, kLargestHalf, "half floats", Remedy::store_floats));
   } else if (!fits_float(field)) {
     auto fits = check_range(field, source.label, std::numeric_limits<float>::max(), "floats", {});
     if (!fits) return fits;
   }
-  const auto bytes = volumes::write_vdb(output.path, field, {field.name, as_half}, context);
-  if (!bytes) return tl::unexpected(bytes.error());
-  WrittenField written{output, samples_text(field), as_half, *bytes, {}, watch.elapsed()};
+  const auto bytes = TRY(volumes::write_vdb(output.path, field, {field.name, as_half}, context));
+  WrittenField written{output, samples_text(field), as_half, bytes, {}, watch.elapsed()};
   if (as_half ? !fits_half(field) : !fits_float(field)) {
     written.work.push_back(
         {WorkTopic::samples, WorkDone::rounded, std::nullopt, std::nullopt,

@@ -73,8 +73,7 @@ Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices
     if (choice.kind == IsoChoice::Kind::percentile) percents.push_back(choice.percent);
   }
   if (all_known(choices)) return isos;
-  auto memory = context.reserve(field::measuring_bytes(percents.size()), "statistics of the samples");
-  if (!memory) return tl::unexpected(std::move(memory.error()));
+  auto memory = TRY(context.reserve(field::measuring_bytes(percents.size()), "statistics of the samples"));
   std::optional<std::vector<double>> percentiles;
   if (!percents.empty()) percentiles = field::measure_percentiles(field, percents, &context.progress());
   std::size_t next = 0;
@@ -84,17 +83,13 @@ Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices
       iso.found_by =
           percentiles ? fmt::format("percentile {} of the samples", iso.asked.percent.text()) : std::string(kNoSample);
     } else if (iso.asked.kind == IsoChoice::Kind::suggested) {
-      auto suggested = suggested_iso(iso.asked, field, empty_is_fine, context);
-      if (!suggested) return tl::unexpected(std::move(suggested.error()));
-      iso = std::move(*suggested);
+      iso = TRY(suggested_iso(iso.asked, field, empty_is_fine, context));
     } else if (iso.asked.kind == IsoChoice::Kind::zero) {
-      auto zero = zero_of(iso.asked, field);
-      if (!zero) return tl::unexpected(std::move(zero.error()));
-      iso = std::move(*zero);
+      iso = TRY(zero_of(iso.asked, field));
     }
   }
-  if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
-  if (auto whole = volumes::check_not_lost(field); !whole) return tl::unexpected(std::move(whole.error()));
+  TRY(context.check());
+  TRY(volumes::check_not_lost(field));
   return isos;
 }
 

@@ -19,8 +19,7 @@ Result<void> colour_vertices(const glm::dvec3& colour, mesh::Mesh& mesh, const C
   made.components = 3;
   made.normalised = true;
   const std::size_t vertices = mesh.positions.size();
-  auto memory = context.reserve(vertices * made.stride(), "colours of vertices");
-  if (!memory) return tl::unexpected(std::move(memory.error()));
+  auto memory = TRY(context.reserve(vertices * made.stride(), "colours of vertices"));
   made.values = Buffer<std::byte>(vertices * made.stride());
   for (std::size_t v = 0; v < vertices; ++v) {
     for (int c = 0; c < 3; ++c) {
@@ -28,7 +27,7 @@ Result<void> colour_vertices(const glm::dvec3& colour, mesh::Mesh& mesh, const C
     }
   }
   mesh.attributes.push_back(std::move(made));
-  mesh.memory.take(std::move(*memory));
+  mesh.memory.take(std::move(memory));
   return {};
 }
 
@@ -37,13 +36,12 @@ Result<void> colour_vertices(const glm::dvec3& colour, mesh::Mesh& mesh, const C
 Result<LabelLooks> LabelLooks::open(const ConversionJob& job, const Context& context) {
   LabelLooks looks;
   if (!job.label_names) return looks;
-  auto table = LabelTable::read(job.label_names->path, context);
-  if (!table) return tl::unexpected(std::move(table.error()));
-  if (table->hash() != job.label_names->hash) {
+  auto table = TRY(LabelTable::read(job.label_names->path, context));
+  if (table.hash() != job.label_names->hash) {
     return fail(ErrorKind::input, fmt::format("{}: the table of labels has changed since the conversion was planned",
                                               printable(job.label_names->path)));
   }
-  looks.table_ = std::move(*table);
+  looks.table_ = std::move(table);
   return looks;
 }
 

@@ -109,9 +109,8 @@ Result<LabelTable> LabelTable::parse(std::string_view text, const std::string& s
 }
 
 Result<LabelTable> LabelTable::read(const std::string& path, const Context& context) {
-  const auto text = files::read_text_file(path, "a table of labels", kMaxBytes, context);
-  if (!text) return tl::unexpected(text.error());
-  return parse(*text, files::shown_input_name(path));
+  const auto text = TRY(files::read_text_file(path, "a table of labels", kMaxBytes, context));
+  return parse(text, files::shown_input_name(path));
 }
 
 const LabelEntry* LabelTable::find(std::int64_t label) const {

@@ -36,7 +36,7 @@ class LabelTable {
   [[nodiscard]] static Result<LabelTable> parse(std::string_view text, const std::string& source);
 
   // Of a file; fails also where it cannot be read or is larger than kMaxBytes.
-  [[nodiscard]] static Result<LabelTable> read(const std::string& path, const Context& context = Context());
+  [[nodiscard]] static Result<LabelTable> read(const std::string& path, const Context& context);
 
   [[nodiscard]] const std::vector<LabelEntry>& entries() const { return entries_; }  // by label, rising
   // Null where there is none.

@@ -25,10 +25,9 @@ Result<void> filter_field(const std::vector<FilterStep>& steps, const std::strin
   for (const FilterStep& step : steps) {
     const Stopwatch watch;
     const field::SampleType before = field.type();
-    auto filtered = volumes::filter_level_set(field, step.filter, static_cast<int>(step.width), 1, context);
-    if (!filtered) return tl::unexpected(std::move(filtered.error()));
-    if (auto whole = volumes::check_not_lost(field); !whole) return whole;
-    field = std::move(*filtered);
+    auto filtered = TRY(volumes::filter_level_set(field, step.filter, static_cast<int>(step.width), 1, context));
+    TRY(volumes::check_not_lost(field));
+    field = std::move(filtered);
     const auto& samples = std::get<field::SparseSamples>(field.samples);
     const std::string rounded =
         before == field.type() ? "" : fmt::format(", as {}", field::sample_type_name(field.type()));
@@ -36,7 +35,7 @@ Result<void> filter_field(const std::vector<FilterStep>& steps, const std::strin
         {WorkTopic::filter, WorkDone::filtered, samples.active_voxels, std::nullopt,
          fmt::format("the level set by {}{}: {} active voxels", text_of(step), rounded, samples.active_voxels)},
         watch.elapsed());
-    if (auto go_on = context.check(); !go_on) return go_on;
+    TRY(context.check());
   }
   return {};
 }

@@ -66,12 +66,9 @@ Result<MeshError> measure_mesh_error(const mesh::Mesh& mesh, const field::Scalar
   if (changes.off_edges) options.vertices_on_edges = false;
   options.caps.moved = changes.simplified_by;
   options.clipped = clipped;
-  auto measured = measure::measure_field_error(mesh, field, extracted, options, context);
-  if (!measured) return tl::unexpected(std::move(measured.error()));
-  error.field = *measured;
-  auto analytic = measure::measure_analytic_error(mesh, field, extracted, grid, options.caps, context);
-  if (!analytic) return tl::unexpected(std::move(analytic.error()));
-  error.analytic = *analytic;
+  error.field = TRY(measure::measure_field_error(mesh, field, extracted, options, context));
+  auto analytic = TRY(measure::measure_analytic_error(mesh, field, extracted, grid, options.caps, context));
+  error.analytic = analytic;
   if (error.analytic && field.kind == field::FieldKind::density) {
     const double unit = error.analytic->unit;
     error.exact = field::find_analytic_field(field.name)->size(extracted.iso);

@@ -110,8 +110,7 @@ Result<void> fit_normals(mesh::Mesh& mesh, const ConversionJob& job, const Sourc
   options.may_copy = copies_vertices(job);
   if (job.simplify) options.crease_degrees = kCreaseDegrees;
   const std::size_t triangles = has_caps ? mesh.triangles.size() : 0;
-  const auto memory = context.reserve(triangles, source.label + ": normals");
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory = TRY(context.reserve(triangles, source.label + ": normals"));
   Buffer<std::uint8_t> planes(triangles);
   if (has_caps) {
     const CapFaces face_of(mesh, source.output_from_index, box, cuts);
@@ -121,11 +120,10 @@ Result<void> fit_normals(mesh::Mesh& mesh, const ConversionJob& job, const Sourc
     options.planes = std::as_const(planes).span();
   }
   const std::uint64_t before = mesh.positions.size();
-  const auto copies = mesh::shade_by_triangles(mesh, options, source.label, context);
-  if (!copies) return tl::unexpected(copies.error());
+  const auto copies = TRY(mesh::shade_by_triangles(mesh, options, source.label, context));
   events.shaded(iso,
-                {WorkTopic::normal_copies, WorkDone::copied, *copies, before,
-                 fmt::format("{} of {} vertices, for another normal on each side of a crease", *copies, before)},
+                {WorkTopic::normal_copies, WorkDone::copied, copies, before,
+                 fmt::format("{} of {} vertices, for another normal on each side of a crease", copies, before)},
                 watch.elapsed());
   return {};
 }

@@ -36,21 +36,18 @@ Json json_of(const mesh::ComponentFacts& facts) {
 
 Result<ComponentTable> measure_table(const mesh::Mesh& mesh, const Context& context) {
   const std::string what = mesh.name + ": the components of its surface";
-  const auto labels = context.reserve(mesh::Components::bytes(mesh.positions.size()), what);
-  if (!labels) return tl::unexpected(labels.error());
+  const auto labels = TRY(context.reserve(mesh::Components::bytes(mesh.positions.size()), what));
   const mesh::Components components(mesh.triangles.span(), mesh.positions.size());
-  const auto list = context.reserve(components.count() * sizeof(mesh::ComponentFacts), what);
-  if (!list) return tl::unexpected(list.error());
-  auto facts = measure_components(mesh, components, glm::dmat3(1.0), context);
-  if (!facts) return tl::unexpected(std::move(facts.error()));
-  std::ranges::stable_sort(*facts, std::greater<>(), &mesh::ComponentFacts::area);
+  const auto list = TRY(context.reserve(components.count() * sizeof(mesh::ComponentFacts), what));
+  auto facts = TRY(measure_components(mesh, components, glm::dmat3(1.0), context));
+  std::ranges::stable_sort(facts, std::greater<>(), &mesh::ComponentFacts::area);
   ComponentTable table;
-  for (std::size_t i = ComponentTable::kMostTold; i < facts->size(); ++i) {
+  for (std::size_t i = ComponentTable::kMostTold; i < facts.size(); ++i) {
     ++table.others;
-    table.triangles_of_others += (*facts)[i].triangles;
+    table.triangles_of_others += facts[i].triangles;
   }
-  const std::size_t told = std::min(facts->size(), ComponentTable::kMostTold);
-  table.largest.assign(facts->begin(), facts->begin() + static_cast<std::ptrdiff_t>(told));
+  const std::size_t told = std::min(facts.size(), ComponentTable::kMostTold);
+  table.largest.assign(facts.begin(), facts.begin() + static_cast<std::ptrdiff_t>(told));
   return table;
 }
 
@@ -67,8 +64,7 @@ Json json_of(const PieceRecord& record) {
 Result<edit::Sites> voxel_sites(const mesh::Mesh& mesh, const Source& source, const SurfaceOptions& surface,
                                 const Context& context) {
   if (!surface.relaxes()) return edit::Sites();
-  const auto memory = context.reserve(mesh.positions.size_bytes(), mesh.name + ": the voxels of its components");
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory = TRY(context.reserve(mesh.positions.size_bytes(), mesh.name + ": the voxels of its components"));
   const double on_plane = 2 * mesh::on_plane_distance(mesh::farthest_coordinate(mesh.positions.span()));
   const field::Affine index_from_output = source.output_from_index.inverse();
   edit::Sites sites(mesh.positions.size());
@@ -96,10 +92,9 @@ Result<PieceRecord> drop_pieces(mesh::Mesh& mesh, double iso, const PieceChoice&
   options.largest = choice.largest;
   if (in_voxels) options.to_metric = glm::inverse(source.output_from_index.linear);
   context.progress().begin("finding pieces", 0);
-  auto kept = edit::keep_pieces(std::move(mesh), options, context, std::move(sites));
-  if (!kept) return tl::unexpected(std::move(kept.error()));
-  mesh = std::move(kept->mesh);
-  return PieceRecord{iso, kept->facts};
+  auto kept = TRY(edit::keep_pieces(std::move(mesh), options, context, std::move(sites)));
+  mesh = std::move(kept.mesh);
+  return PieceRecord{iso, kept.facts};
 }
 
 Result<std::vector<mesh::Mesh>> split_mesh(mesh::Mesh mesh, bool into_files, const Context& context) {

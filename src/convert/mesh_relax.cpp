@@ -41,12 +41,10 @@ Result<RelaxRecord> relax_record(const mesh::Mesh& mesh, double iso, std::string
   record.iso = iso;
   record.surface = std::move(surface);
   const std::string what = mesh.name + ": the volumes of its components";
-  const auto labels = context.reserve(mesh::Components::bytes(mesh.positions.size()), what);
-  if (!labels) return tl::unexpected(labels.error());
+  const auto labels = TRY(context.reserve(mesh::Components::bytes(mesh.positions.size()), what));
   const mesh::Components components(mesh.triangles.span(), mesh.positions.size());
-  auto made = make_reserved_buffer<Component>(components.count(), context, what);
-  if (!made) return tl::unexpected(std::move(made.error()));
-  Buffer<Component>& list = (*made)->values;
+  auto made = TRY(make_reserved_buffer<Component>(components.count(), context, what));
+  Buffer<Component>& list = made->values;
   std::fill(list.begin(), list.end(), Component());
   // In the order of the triangles, on one thread: sums are always the same.
   for (const glm::uvec3& triangle : mesh.triangles) {

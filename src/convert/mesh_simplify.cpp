@@ -62,11 +62,10 @@ Result<ComponentCount> count_components(const mesh::Mesh& mesh, const Context& c
     double area = 0;
     double volume = 0;
   };
-  const auto memory = context.reserve(mesh::Components::bytes(mesh.positions.size()), mesh.name + ": its components");
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory =
+      TRY(context.reserve(mesh::Components::bytes(mesh.positions.size()), mesh.name + ": its components"));
   const mesh::Components components(mesh.triangles.span(), mesh.positions.size());
-  const auto sums_memory = context.reserve(components.count() * sizeof(Sum), mesh.name + ": its components");
-  if (!sums_memory) return tl::unexpected(sums_memory.error());
+  const auto sums_memory = TRY(context.reserve(components.count() * sizeof(Sum), mesh.name + ": its components"));
   std::vector<Sum> sums(components.count());
   for (const glm::uvec3& t : mesh.triangles) {
     if (mesh::repeats_index(t)) continue;
@@ -88,9 +87,8 @@ Result<ComponentCount> count_components(const mesh::Mesh& mesh, const Context& c
     count.hollows += hollow[c] ? 1 : 0;
   }
   if (count.hollows == 0) return count;
-  const auto within = measure::count_surrounding_shells(mesh, components, closed, hollow, context);
-  if (!within) return tl::unexpected(within.error());
-  for (std::size_t c = 0; c < sums.size(); ++c) count.outside += hollow[c] && (*within)[c] % 2 == 0 ? 1 : 0;
+  const auto within = TRY(measure::count_surrounding_shells(mesh, components, closed, hollow, context));
+  for (std::size_t c = 0; c < sums.size(); ++c) count.outside += hollow[c] && within[c] % 2 == 0 ? 1 : 0;
   return count;
 }
 
@@ -145,25 +143,22 @@ Result<MeshSimplification> simplify_mesh(mesh::Mesh& mesh, double iso, const Sim
     options.to_metric = glm::inverse(output_from_index.linear);
     options.patch_size = kPatchVoxels;
   }
-  const auto before = count_components(mesh, context);
-  if (!before) return tl::unexpected(before.error());
-  auto simplified = edit::simplify_within(std::move(mesh), options, context);
-  if (!simplified) return tl::unexpected(std::move(simplified.error()));
-  mesh = std::move(simplified->mesh);
-  const auto after = count_components(mesh, context);
-  if (!after) return tl::unexpected(after.error());
+  const auto before = TRY(count_components(mesh, context));
+  auto simplified = TRY(edit::simplify_within(std::move(mesh), options, context));
+  mesh = std::move(simplified.mesh);
+  const auto after = TRY(count_components(mesh, context));
 
   MeshSimplification result;
   result.iso = iso;
   result.asked = choice;
   result.triangles_asked = options.triangles;
-  result.facts = simplified->facts;
-  result.components = after->components;
-  result.turned = std::max(before->hollows, after->hollows) - std::min(before->hollows, after->hollows);
+  result.facts = simplified.facts;
+  result.components = after.components;
+  result.turned = std::max(before.hollows, after.hollows) - std::min(before.hollows, after.hollows);
   // A body that is turned inside out is no cavity.
-  const std::uint64_t known = before->outside + after->hollows - std::min(before->hollows, after->hollows);
-  result.left_bodies = after->outside - std::min(known, after->outside);
-  const DistanceRange measured{simplified->facts.measured_lower, simplified->facts.measured_upper};
+  const std::uint64_t known = before.outside + after.hollows - std::min(before.hollows, after.hollows);
+  result.left_bodies = after.outside - std::min(known, after.outside);
+  const DistanceRange measured{simplified.facts.measured_lower, simplified.facts.measured_upper};
   if (options.to_metric != glm::dmat3(1.0)) {
     result.voxels = measured;
     result.world = {measured.lower * voxel.least, measured.upper * voxel.most};

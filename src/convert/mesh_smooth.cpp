@@ -33,9 +33,8 @@ Result<SmoothRecord> smooth_mesh(mesh::Mesh& mesh, double iso, const SmoothChoic
     options.walls = edit::SmoothWalls{index_from_output.linear, index_from_output.offset, glm::dvec3(data->min),
                                       glm::dvec3(data->max)};
   }
-  auto facts = edit::smooth(mesh, options, context);
-  if (!facts) return tl::unexpected(std::move(facts.error()));
-  return SmoothRecord{iso, choice, *facts};
+  auto facts = TRY(edit::smooth(mesh, options, context));
+  return SmoothRecord{iso, choice, facts};
 }
 
 }  // namespace isoextract::convert

@@ -234,10 +234,8 @@ InputFacts input_facts(const std::string& path, const field::ScalarField& field)
 
 Result<MeshRecord> mesh_record(double iso, const std::string& file, const mesh::Mesh& mesh, const Context& context) {
   context.progress().begin("measuring", 0);
-  auto topology = mesh::measure_topology(mesh, context);
-  if (!topology) return tl::unexpected(std::move(topology.error()));
-  auto components = component_table(mesh, context);
-  if (!components) return tl::unexpected(std::move(components.error()));
+  auto topology = TRY(mesh::measure_topology(mesh, context));
+  auto components = TRY(component_table(mesh, context));
   return MeshRecord{iso,
                     file,
                     mesh.name,
@@ -246,8 +244,8 @@ Result<MeshRecord> mesh_record(double iso, const std::string& file, const mesh::
                     mesh.origin,
                     mesh::measure_bounds(mesh),
                     mesh::measure_size(mesh),
-                    *topology,
-                    std::move(*components),
+                    topology,
+                    std::move(components),
                     std::nullopt};
 }
 

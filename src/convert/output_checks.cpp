@@ -43,9 +43,8 @@ bool may_be_piece(const fs::path& file, const OutputFileJob& output, meshes::Mes
 using TakeFile = std::function<Result<std::string>(const fs::path&)>;
 
 Result<std::string> remove_file(const fs::path& file) {
-  const auto gone = files::remove_old_file(file);
-  if (!gone) return tl::unexpected(gone.error());
-  return *gone ? file.string() : std::string();
+  const auto gone = TRY(files::remove_old_file(file));
+  return gone ? file.string() : std::string();
 }
 
 Result<std::vector<std::string>> take_meshes(const OutputFileJob& output, meshes::MeshFormat format,
@@ -56,9 +55,8 @@ Result<std::vector<std::string>> take_meshes(const OutputFileJob& output, meshes
   for (const fs::path& file : mesh_files(output, format)) {
     const bool is_data = file != fs::path(output.path);
     if (is_data && std::ranges::find(data, file.filename().string()) == data.end()) continue;
-    auto name = take(file);
-    if (!name) return tl::unexpected(std::move(name.error()));
-    if (!name->empty()) taken.push_back(std::move(*name));
+    auto name = TRY(take(file));
+    if (!name.empty()) taken.push_back(std::move(name));
   }
   return taken;
 }
@@ -90,12 +88,12 @@ std::vector<fs::path> mesh_files(const OutputFileJob& output, meshes::MeshFormat
   return files;
 }
 
-void add_read_files(files::ReadFiles& read, const ConversionJob& job) {
+void add_read_files(files::ReadFiles& read, const ConversionJob& job, const Context& context) {
   const std::string& input = job.source.input;
   read.add(input, "is the input");
   if (job.label_names) read.add(job.label_names->path, "has the names of labels");
   if (files::is_standard_input(input)) return;  // all is in it
-  const auto inputs = list_source_files(job.source);
+  const auto inputs = list_source_files(job.source, context);
   if (!inputs) return;
   for (const fs::path& file : *inputs) read.add(file, "holds the samples of the input");
 }
@@ -111,12 +109,11 @@ void add_read_mesh(files::ReadFiles& read, const std::string& path, const Contex
 
 // Devices and pipes are left alone: opening a pipe twice would end it for its reader.
 Result<void> check_output_file(const fs::path& path, const files::ReadFiles& read) {
-  if (auto checked = read.check(path); !checked) return checked;
+  TRY(read.check(path));
   std::error_code none;
   const fs::file_status status = fs::status(path, none);
   if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status)) return {};
-  auto probe = files::OutputFile::create(path);
-  if (!probe) return tl::unexpected(probe.error());
+  TRY(files::OutputFile::create(path));
   return {};
 }
 
@@ -136,7 +133,7 @@ Result<void> check_other_file(const fs::path& file, const ConversionJob& job) {
     }
   }
   files::ReadFiles read;
-  add_read_files(read, job);
+  add_read_files(read, job, Context());
   return check_output_file(file, read);
 }
 
@@ -163,9 +160,8 @@ Result<std::vector<std::string>> set_aside_old_meshes(const OutputFileJob& outpu
   const auto set_aside = [&](const fs::path& file) -> Result<std::string> {
     const auto is_spared = [&](const meshes::WrittenFile& other) { return files::same_place(other.path, file); };
     if (!read.check(file) || std::ranges::any_of(spared, is_spared)) return std::string();
-    const auto old = files::set_aside_old_file(file);
-    if (!old) return tl::unexpected(old.error());
-    return *old ? (*old)->string() : std::string();
+    const auto old = TRY(files::set_aside_old_file(file));
+    return old ? old->string() : std::string();
   };
   const bool in_pieces = output.path.find(kPieceWord) != std::string::npos;
   return in_pieces ? take_pieces(output, 1, format, read, context, set_aside)
@@ -175,7 +171,7 @@ Result<std::vector<std::string>> set_aside_old_meshes(const OutputFileJob& outpu
 Result<void> check_mesh_files(const OutputFileJob& output, meshes::MeshFormat format, const files::ReadFiles& read) {
   if (output.path == "-") return {};
   for (const fs::path& file : mesh_files(output, format)) {
-    if (auto checked = check_output_file(file, read); !checked) return checked;
+    TRY(check_output_file(file, read));
   }
   return {};
 }

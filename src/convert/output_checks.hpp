@@ -42,7 +42,7 @@ namespace isoextract::convert {
 
 // The input, those that hold its samples or attributes apart, and the job's others. What cannot be told of an input is
 // an error when it is read.
-void add_read_files(files::ReadFiles& read, const ConversionJob& job);
+void add_read_files(files::ReadFiles& read, const ConversionJob& job, const Context& context);
 // A mesh, and its data where those are files of their own.
 void add_read_mesh(files::ReadFiles& read, const std::string& path, const Context& context);
 

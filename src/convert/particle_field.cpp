@@ -14,10 +14,9 @@ namespace {
 
 Result<points::ParticleField> make_level_set(const points::ParticleSet& particles, const points::FieldOptions& options,
                                              const Context& context) {
-  const auto spheres = points::make_spheres(particles, options, context);
-  if (!spheres) return tl::unexpected(spheres.error());
+  const auto spheres = TRY(points::make_spheres(particles, options, context));
   points::ParticleField made;
-  made.figures = spheres->figures();
+  made.figures = spheres.figures();
   points::FieldFigures& figures = made.figures;
   if (figures.particles == 0) {
     made.field.kind = field::FieldKind::level_set;
@@ -27,10 +26,10 @@ Result<points::ParticleField> make_level_set(const points::ParticleSet& particle
     const bool is_smooth = options.method == points::Method::smooth;
     asked.method = is_smooth ? volumes::SphereMethod::smooth : volumes::SphereMethod::spheres;
     asked.radius = figures.radius;
-    asked.radii = spheres->radii();
+    asked.radii = spheres.radii();
     asked.search_radius = figures.support;
     asked.voxel = figures.spacing;
-    auto field = volumes::spheres_to_field(spheres->particles(), asked, context);
+    auto field = volumes::spheres_to_field(spheres.particles(), asked, context);
     if (!field) return tl::unexpected(std::move(field.error()));
     made.field = std::move(field->field);
     figures.particles_too_small = field->left_out;

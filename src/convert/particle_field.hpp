@@ -15,7 +15,6 @@ namespace isoextract::convert {
 // field's notes, and ErrorKind::input where all of them are.
 [[nodiscard]] Result<points::ParticleField> make_particle_field(const points::ParticleSet& particles,
                                                                 const ParticleOptions& options,
-                                                                std::optional<double> only_iso,
-                                                                const Context& context = Context());
+                                                                std::optional<double> only_iso, const Context& context);
 
 }  // namespace isoextract::convert

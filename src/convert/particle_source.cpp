@@ -41,35 +41,33 @@ Format particle_format(const std::string& id) {
 
 Result<bool> is_particles(const SourceOptions& options, const Context& context) {
   const bool expected = options.particles.expected;
-  const auto volume = volumes::is_surely_volume(options.input, options.read, context);
-  if (!volume) return tl::unexpected(volume.error());
-  if (*volume && !expected && options.read.format) return false;
+  const auto volume = TRY(volumes::is_surely_volume(options.input, options.read, context));
+  if (volume && !expected && options.read.format) return false;
   Format particles;
   if (options.read.format) {
     particles = particle_format(*options.read.format);
   } else if (!options.read.raw && !options.input.starts_with(field::kDemoPrefix)) {
     auto detected = volumes::detect_particles(options.input, particle_read_options(options), context);
-    if (!detected && *volume && !expected) return false;
+    if (!detected && volume && !expected) return false;
     if (!detected) return tl::unexpected(std::move(detected.error()));
     particles = std::move(*detected);
   }
   // Where a file may hold grids of both, its content says what it is of, or the name of the grid that is asked for.
-  if (*volume && !expected && !(particles && particles->has_grids)) return false;
-  if (!particles && *volume) {
+  if (volume && !expected && !(particles && particles->has_grids)) return false;
+  if (!particles && volume) {
     return fail(ErrorKind::usage,
                 fmt::format("{}: this is a volume, and options of particles were given",
                             files::shown_input_name(options.input)),
                 Remedy::leave_out_particles);
   }
   if (!particles && !expected) return false;  // where it is expected, the reader says best what it is not
-  if (auto fine = check_no_volume_options(options, particles); !fine) return tl::unexpected(std::move(fine.error()));
+  TRY(check_no_volume_options(options, particles));
   return true;
 }
 
 Result<std::vector<std::filesystem::path>> list_source_files(const SourceOptions& options, const Context& context) {
-  const auto particles = is_particles(options, context);
-  if (!particles) return tl::unexpected(particles.error());
-  if (*particles) return std::vector<std::filesystem::path>{options.input};
+  const auto particles = TRY(is_particles(options, context));
+  if (particles) return std::vector<std::filesystem::path>{options.input};
   auto files = volumes::list_input_files(options.input, options.read, context);
   if (!files) return files;
   auto more = attribute_files(options, context);
@@ -79,14 +77,12 @@ Result<std::vector<std::filesystem::path>> list_source_files(const SourceOptions
 }
 
 Result<std::uint64_t> count_frames(const SourceOptions& options, const Context& context) {
-  const auto particles = is_particles(options, context);
-  if (!particles) return tl::unexpected(particles.error());
-  if (!*particles) return volumes::count_volumes(options.input, options.read, context);
+  const auto particles = TRY(is_particles(options, context));
+  if (!particles) return volumes::count_volumes(options.input, options.read, context);
   volumes::ParticleReadOptions read = particle_read_options(options);
   read.frame.reset();
-  const auto info = volumes::particle_info(options.input, read, context);
-  if (!info) return tl::unexpected(info.error());
-  return info->frames;
+  const auto info = TRY(volumes::particle_info(options.input, read, context));
+  return info.frames;
 }
 
 volumes::ParticleReadOptions particle_read_options(const SourceOptions& options, bool missing_is_fine) {

@@ -21,13 +21,13 @@ namespace isoextract::convert {
 // their names tell, its name says so. Volumes come first, but for files of points alone in a format that holds both,
 // and for sets of points in one that are chosen by name. Fails with ErrorKind::usage where particles are expected and
 // the input is a volume, and where it is of particles and options are about volumes; and where it cannot be read.
-[[nodiscard]] Result<bool> is_particles(const SourceOptions& options, const Context& context = Context());
+[[nodiscard]] Result<bool> is_particles(const SourceOptions& options, const Context& context);
 
 // list_input_files() or count_volumes(), of particles the file and its frames. Files that attributes are read from are
 // among them.
 [[nodiscard]] Result<std::vector<std::filesystem::path>> list_source_files(const SourceOptions& options,
-                                                                           const Context& context = Context());
-[[nodiscard]] Result<std::uint64_t> count_frames(const SourceOptions& options, const Context& context = Context());
+                                                                           const Context& context);
+[[nodiscard]] Result<std::uint64_t> count_frames(const SourceOptions& options, const Context& context);
 
 // How such an input is read. With `missing_is_fine` its attributes need not be there; optional ones never need.
 [[nodiscard]] volumes::ParticleReadOptions particle_read_options(const SourceOptions& options,

@@ -36,13 +36,10 @@ images::LightImage light_of(const render::Picture& picture) {
 }
 
 Result<std::uint64_t> write_png(const std::string& path, const render::Picture& picture, const Context& context) {
-  auto file = files::OutputFile::create(path);
-  if (!file) return tl::unexpected(std::move(file.error()));
-  if (auto written = images::write_png(*file, light_of(picture), context); !written) {
-    return tl::unexpected(std::move(written.error()));
-  }
-  const std::uint64_t bytes = file->bytes_written();
-  if (auto committed = file->commit(); !committed) return tl::unexpected(std::move(committed.error()));
+  auto file = TRY(files::OutputFile::create(path));
+  TRY(images::write_png(file, light_of(picture), context));
+  const std::uint64_t bytes = file.bytes_written();
+  TRY(file.commit());
   return bytes;
 }
 
@@ -59,14 +56,12 @@ Result<WrittenPicture> write_picture(std::span<const mesh::Mesh> meshes, const C
   if (!placement.unit.empty()) options.unit = placement.to_unit;
   options.up = shown_up(placement.up);
   const auto renderer = render::make_cpu_renderer();
-  auto drawn = render::draw_preview(surfaces, options, *renderer, context);
-  if (!drawn) return tl::unexpected(std::move(drawn.error()));
-  const auto bytes = write_png(output.path, drawn->picture, context);
-  if (!bytes) return tl::unexpected(bytes.error());
-  WrittenPicture done{{{{output.path, *bytes}}, {}, {}}, false};
+  auto drawn = TRY(render::draw_preview(surfaces, options, *renderer, context));
+  const auto bytes = TRY(write_png(output.path, drawn.picture, context));
+  WrittenPicture done{{{{output.path, bytes}}, {}, {}}, false};
   const auto is_there = [](const mesh::Mesh& mesh) { return !mesh.triangles.empty(); };
   const auto is_seen = [](float depth) { return std::isfinite(depth); };
-  done.misses_surfaces = std::ranges::any_of(meshes, is_there) && std::ranges::none_of(drawn->picture.depth, is_seen);
+  done.misses_surfaces = std::ranges::any_of(meshes, is_there) && std::ranges::none_of(drawn.picture.depth, is_seen);
   if (done.misses_surfaces) {
     done.written.notes.push_back(
         fmt::format("{}: the picture is empty: the camera sees nothing of the surfaces", printable(output.path)));

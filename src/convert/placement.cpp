@@ -214,12 +214,11 @@ Result<field::Box> take_region(const field::ScalarField& field, const field::Box
   const Space space = placed.placement.placement.space;
   const field::Affine& map = given_from_index(field, space);
   const bool oblique = !is_axis_aligned(map);
-  const auto covering = samples_in_box(field, roi, space, true);
-  if (!covering) return tl::unexpected(covering.error());
+  const auto covering = TRY(samples_in_box(field, roi, space, true));
   const auto box_of = [](const field::IndexBox& box) { return field::Box{glm::dvec3(box.min), glm::dvec3(box.max)}; };
-  placed.region = *covering;
-  field::Box kept = box_of(*covering);
-  const glm::i64vec3 cover = covering->dims();
+  placed.region = covering;
+  field::Box kept = box_of(covering);
+  const glm::i64vec3 cover = covering.dims();
   if (oblique) {
     const bool cuts = ends == RegionEnds::faces;
     if (cuts) placed.cuts = faces_of(roi);
@@ -238,15 +237,14 @@ Result<field::Box> take_region(const field::ScalarField& field, const field::Box
     return kept;
   }
   if (between.empty()) return kept;
-  const auto within = samples_in_box(field, roi, space);
-  if (!within) return tl::unexpected(within.error());
-  placed.region = *within;
-  const glm::i64vec3 dims = within->dims();
+  const auto within = TRY(samples_in_box(field, roi, space));
+  placed.region = within;
+  const glm::i64vec3 dims = within.dims();
   placed.notes.push_back(
       fmt::format("{}: the region is the {} x {} x {} samples in the box, whose faces are between samples: surfaces "
                   "end at samples",
                   field_label(field), dims.x, dims.y, dims.z));
-  return box_of(*within);
+  return box_of(within);
 }
 
 }  // namespace
@@ -261,11 +259,10 @@ Result<PlacedField> place_field(const field::ScalarField& field, const Placement
                             field_label(field), word_of(*placement.to_space), found),
                 "NIfTI files always say it, and NRRD files by their space");
   }
-  auto with_unit = with_unit_of_file(field, placement);
-  if (!with_unit) return tl::unexpected(std::move(with_unit.error()));
+  auto with_unit = TRY(with_unit_of_file(field, placement));
   PlacedField placed;
   ResolvedPlacement& resolved = placed.placement;
-  resolved.placement = std::move(*with_unit);
+  resolved.placement = std::move(with_unit);
   if (placement.to_space) {
     const glm::dvec2 from = *ras_signs(field.world_space);
     resolved.signs = *placement.to_space == AnatomicalSpace::ras ? from : -from;
@@ -281,9 +278,7 @@ Result<PlacedField> place_field(const field::ScalarField& field, const Placement
   const field::IndexBox samples = field.extents();
   field::Box kept{glm::dvec3(samples.min), glm::dvec3(samples.max)};
   if (roi) {
-    const auto taken = take_region(field, *roi, ends, placed);
-    if (!taken) return tl::unexpected(taken.error());
-    kept = *taken;
+    kept = TRY(take_region(field, *roi, ends, placed));
   }
   if (placement.center && (roi || !samples.empty())) {
     const glm::dvec3 middle = 0.5 * (kept.min + kept.max);

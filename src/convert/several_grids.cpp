@@ -56,22 +56,20 @@ Result<void> check_grids(const SourceOptions& source, const Context& context) {
   std::vector<std::string> labels;
   for (const std::optional<std::string>& grid : grids_of(source)) {
     const SourceOptions options = with_grid(source, grid);
-    const auto particles = is_particles(options, context);
-    if (!particles) return tl::unexpected(particles.error());
-    if (*particles) {
+    const auto particles = TRY(is_particles(options, context));
+    if (particles) {
       return fail(ErrorKind::usage,
                   fmt::format("{}: expected volumes, as several grids were chosen; found particles in '{}'",
                               files::shown_input_name(source.input), printable(grid.value_or(""))),
                   "convert the particles in a run of their own");
     }
-    auto label = volumes::grid_label(source.input, options.read, context);
-    if (!label) return tl::unexpected(std::move(label.error()));
-    if (std::ranges::find(labels, *label) != labels.end()) {
+    auto label = TRY(volumes::grid_label(source.input, options.read, context));
+    if (std::ranges::find(labels, label) != labels.end()) {
       return fail(ErrorKind::usage,
-                  fmt::format("{}: the grid '{}' was chosen twice", files::shown_input_name(source.input), *label),
+                  fmt::format("{}: the grid '{}' was chosen twice", files::shown_input_name(source.input), label),
                   "choose each grid once");
     }
-    labels.push_back(std::move(*label));
+    labels.push_back(std::move(label));
   }
   return {};
 }

@@ -57,19 +57,17 @@ void tell_lost_labels(const field::ScalarField& map, const field::ScalarField& g
 Result<void> change_resolution(const SourceOptions& options, const SourceUse& use, const Context& context,
                                Events& events, Source& source) {
   const Stopwatch watch;
-  auto resolution = options.resolution ? Result<glm::ivec3>(*options.resolution)
-                                       : field::resolution_of_voxel_size(source.field, *options.voxel_size);
-  if (!resolution) return tl::unexpected(std::move(resolution.error()));
-  auto grid = field::resample(source.field, *resolution, options.kernel, use.nan, context);
-  if (!grid) return tl::unexpected(std::move(grid.error()));
+  auto resolution = TRY(options.resolution ? Result<glm::ivec3>(*options.resolution)
+                                           : field::resolution_of_voxel_size(source.field, *options.voxel_size));
+  auto grid = TRY(field::resample(source.field, resolution, options.kernel, use.nan, context));
   const StageTime time = watch.elapsed();
-  for (const std::string& text : grid->notes) events.note(text);
-  events.resampled(*grid, resolution_fact(source.field, *grid), time);
+  for (const std::string& text : grid.notes) events.note(text);
+  events.resampled(grid, resolution_fact(source.field, grid), time);
   const auto is_all = [](const IsoChoice& iso) { return iso.kind == IsoChoice::Kind::all_labels; };
-  if (std::ranges::any_of(use.isos, is_all)) tell_lost_labels(source.field, *grid, context, events);
-  if (options.voxel_size) tell_voxel_size(*options.voxel_size, *grid, events);
+  if (std::ranges::any_of(use.isos, is_all)) tell_lost_labels(source.field, grid, context, events);
+  if (options.voxel_size) tell_voxel_size(*options.voxel_size, grid, events);
   if (use.keep_data && !source.data) source.data = std::move(source.field);
-  source.field = std::move(*grid);
+  source.field = std::move(grid);
   return context.check();
 }
 
@@ -86,27 +84,23 @@ void tell_isos(const std::optional<StageTime>& time, Events& events, const Sourc
 
 Result<void> read_volume_field(const SourceOptions& options, const SourceUse& use, const Context& context,
                                Events& events, Source& source) {
-  auto field = read_field(options.input, options.read, context, events);
-  if (!field) return tl::unexpected(std::move(field.error()));
-  source.field = std::move(*field);
+  auto field = TRY(read_field(options.input, options.read, context, events));
+  source.field = std::move(field);
   for (const WorkFact& fact : reading_facts(source.field, options.more_grids.size())) events.worked(fact);
   const Stopwatch watch;
-  auto isos = resolve_isos(use.isos, source.field, use.empty_is_fine, context);
-  if (!isos) return tl::unexpected(std::move(isos.error()));
-  source.isos = std::move(*isos);
+  source.isos = TRY(resolve_isos(use.isos, source.field, use.empty_is_fine, context));
   tell_isos(watch.elapsed(), events, source);
   if (options.attributes.empty()) return {};
   const Stopwatch reading;
-  auto attributes = read_volume_attributes(options, source.field, use.empty_is_fine, context);
-  if (!attributes) return tl::unexpected(std::move(attributes.error()));
+  auto attributes = TRY(read_volume_attributes(options, source.field, use.empty_is_fine, context));
   events.read_attributes(reading.elapsed());
-  for (const VolumeAttribute& attribute : attributes->found) {
+  for (const VolumeAttribute& attribute : attributes.found) {
     for (const std::string& text : attribute.notes) events.note(text);
     events.worked(attribute_fact(attribute));
   }
   source.attributes.emplace();
-  source.attributes->from = std::move(attributes->found);
-  source.attributes->missing = std::move(attributes->missing);
+  source.attributes->from = std::move(attributes.found);
+  source.attributes->missing = std::move(attributes.missing);
   return {};
 }
 
@@ -130,46 +124,42 @@ std::string stem_of_file(const std::string& input) {
 // The stage that reads particles, and the one that makes a field of them.
 Result<void> read_particle_field(const SourceOptions& options, const SourceUse& use, const Context& context,
                                  Events& events, Source& source) {
-  auto isos = resolve_isos(use.isos, options.particles.method, printable(files::shown_input_name(options.input)));
-  if (!isos) return tl::unexpected(std::move(isos.error()));
-  source.isos = std::move(*isos);
+  source.isos =
+      TRY(resolve_isos(use.isos, options.particles.method, printable(files::shown_input_name(options.input))));
   Stopwatch watch;
-  auto file = volumes::read_particles(options.input, particle_read_options(options, use.empty_is_fine), context);
-  if (!file) return tl::unexpected(std::move(file.error()));
+  auto file = TRY(volumes::read_particles(options.input, particle_read_options(options, use.empty_is_fine), context));
   const StageTime reading = watch.elapsed();
-  for (const std::string& text : file->notes) events.note(text);
-  if (auto go_on = context.check(); !go_on) return go_on;
-  auto found = find_attributes(file->particles, options.attributes, use.empty_is_fine);
-  if (!found) return tl::unexpected(std::move(found.error()));
+  for (const std::string& text : file.notes) events.note(text);
+  TRY(context.check());
+  auto found = TRY(find_attributes(file.particles, options.attributes, use.empty_is_fine));
   watch.restart();
-  auto made = make_particle_field(file->particles, options.particles, use.only_iso, context);
-  if (!made) return tl::unexpected(std::move(made.error()));
-  made->field.name = stem_of_file(files::shown_input_name(options.input));
-  made->field.length_unit = file->length_unit;
-  made->field.creator = std::move(file->creator);
-  events.read(options.input, made->field, reading);
-  const points::FieldFigures& figures = made->figures;
-  ParticleRecord record{file->format, file->length_unit, file->time_step, options.particles.method,
-                        {},           figures,           watch.elapsed()};
+  auto made = TRY(make_particle_field(file.particles, options.particles, use.only_iso, context));
+  made.field.name = stem_of_file(files::shown_input_name(options.input));
+  made.field.length_unit = file.length_unit;
+  made.field.creator = std::move(file.creator);
+  events.read(options.input, made.field, reading);
+  const points::FieldFigures& figures = made.figures;
+  ParticleRecord record{file.format, file.length_unit, file.time_step, options.particles.method,
+                        {},          figures,          watch.elapsed()};
   const bool has_kernels = record.method != points::Method::weight && record.method != points::Method::spheres;
   if (has_kernels) record.smoothing_length = options.particles.smoothing_length;
   events.made_field(record);
   if (figures.particles_dropped > 0) {
     events.note(fmt::format("{}: {} particles at places that are no numbers were left out",
-                            printable(file->particles.label), figures.particles_dropped));
+                            printable(file.particles.label), figures.particles_dropped));
   }
-  for (const std::string& text : made->field.notes) {
-    events.note(fmt::format("{}: {}", printable(file->particles.label), text));
+  for (const std::string& text : made.field.notes) {
+    events.note(fmt::format("{}: {}", printable(file.particles.label), text));
   }
   for (const WorkFact& fact : particle_facts(figures)) events.worked(fact);
-  source.field = std::move(made->field);
+  source.field = std::move(made.field);
   tell_isos(std::nullopt, events, source);
   if (!options.attributes.empty()) {
     source.attributes.emplace();
     source.attributes->from =
-        ParticleAttributes{std::move(file->particles), std::move(found->choices), std::move(found->attributes),
+        ParticleAttributes{std::move(file.particles), std::move(found.choices), std::move(found.attributes),
                            figures.radius, options.particles.smoothing_length};
-    source.attributes->missing = std::move(found->missing);
+    source.attributes->missing = std::move(found.missing);
   }
   return context.check();
 }
@@ -184,8 +174,8 @@ Result<field::ScalarField> read_field(const std::string& input, const volumes::R
   const StageTime time = watch.elapsed();
   for (const std::string& text : field->notes) events.note(text);
   events.read(input, *field, time);
-  if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
-  if (auto whole = volumes::check_not_lost(*field); !whole) return tl::unexpected(std::move(whole.error()));
+  TRY(context.check());
+  TRY(volumes::check_not_lost(*field));
   return field;
 }
 
@@ -233,46 +223,37 @@ SourceUse use_of(const ConversionJob& job) {
 }
 
 Result<Source> open_source(const SourceOptions& options, const SourceUse& use, const Context& context, Events& events) {
-  const auto of_particles = is_particles(options, context);
-  if (!of_particles) return tl::unexpected(of_particles.error());
+  const auto of_particles = TRY(is_particles(options, context));
   Source source;
-  source.of_particles = *of_particles;
-  auto read = *of_particles ? read_particle_field(options, use, context, events, source)
-                            : read_volume_field(options, use, context, events, source);
-  if (!read) return tl::unexpected(std::move(read.error()));
+  source.of_particles = of_particles;
+  TRY(of_particles ? read_particle_field(options, use, context, events, source)
+                   : read_volume_field(options, use, context, events, source));
   source.label = field_label(source.field);
   if (source.attributes) tell_missing(source.attributes->missing, source.label, events);
   const auto* sparse = std::get_if<field::SparseSamples>(&source.field.samples);
   source.empty = sparse != nullptr && sparse->blocks.empty() && sparse->tiles.empty() && sparse->active_voxels == 0;
-  if (auto filtered = filter_field(options.filters, source.label, context, events, source.field); !filtered) {
-    return tl::unexpected(std::move(filtered.error()));
-  }
+  TRY(filter_field(options.filters, source.label, context, events, source.field));
   if (use.keep_data && !options.blurs.empty()) source.data = source.field;
-  if (auto blurred = blur_field(options.blurs, source.label, context, events, source.field); !blurred) {
-    return tl::unexpected(std::move(blurred.error()));
-  }
+  TRY(blur_field(options.blurs, source.label, context, events, source.field));
   if (options.resamples()) {
-    auto changed = change_resolution(options, use, context, events, source);
-    if (!changed) return tl::unexpected(std::move(changed.error()));
+    TRY(change_resolution(options, use, context, events, source));
   }
   if (options.away_from_zero) source.kind_at_zero = source.field.kind;
-  auto placed = place_field(source.field, options.placement, options.roi, use.region_ends);
-  if (!placed) return tl::unexpected(std::move(placed.error()));
-  events.placed(*placed);
-  for (const std::string& text : placed->notes) events.note(text);
-  source.placement = placed->placement;
-  source.output_from_index = placed->output_from_index;
-  source.region = placed->region;
+  auto placed = TRY(place_field(source.field, options.placement, options.roi, use.region_ends));
+  events.placed(placed);
+  for (const std::string& text : placed.notes) events.note(text);
+  source.placement = placed.placement;
+  source.output_from_index = placed.output_from_index;
+  source.region = placed.region;
   std::vector<ClipPlane> planes = options.clip;
-  planes.insert(planes.end(), placed->cuts.begin(), placed->cuts.end());
+  planes.insert(planes.end(), placed.cuts.begin(), placed.cuts.end());
   source.clip = half_spaces_of(source.field, source.output_from_index, options.placement.space, planes);
   if (source.attributes) {
     const field::Affine& world = source.field.index_to_world;
     const field::Affine output_from_world = options.placement.space == Space::index
                                                 ? source.output_from_index.after(world.inverse())
                                                 : source.placement.output_from_world();
-    auto set = place_attributes(*source.attributes, world.after(source.output_from_index.inverse()), output_from_world);
-    if (!set) return tl::unexpected(std::move(set.error()));
+    TRY(place_attributes(*source.attributes, world.after(source.output_from_index.inverse()), output_from_world));
     for (const std::string& text : source.attributes->kind_notes) {
       events.note(fmt::format("{}: {}", source.label, text));
     }

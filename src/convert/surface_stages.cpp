@@ -36,48 +36,45 @@ class SurfaceStages {
                                text_of(surface), printable(missing.choice.name)));
     }
     const Stopwatch watch;
-    auto records = add_attributes(*source_.attributes, surface.mesh, context_);
-    if (!records) return tl::unexpected(std::move(records.error()));
-    for (AttributeRecord& record : *records) {
+    auto records = TRY(add_attributes(*source_.attributes, surface.mesh, context_));
+    for (AttributeRecord& record : records) {
       record.iso = surface.iso;
       for (const std::string& text : notes_of(record, source_.label)) events_.note(text);
     }
     // Of particles all attributes have the same reach.
-    if (!records->empty() && records->front().out_of_reach > 0) {
+    if (!records.empty() && records.front().out_of_reach > 0) {
       events_.note(
           fmt::format("{} {}: {} of {} vertices have the attributes of the nearest particle, as none is "
                       "near enough to be interpolated",
-                      source_.label, text_of(surface), records->front().out_of_reach, surface.mesh.positions.size()));
+                      source_.label, text_of(surface), records.front().out_of_reach, surface.mesh.positions.size()));
     }
-    events_.carried({surface.iso, surface.mesh.positions.size(), std::move(*records), watch.elapsed()});
+    events_.carried({surface.iso, surface.mesh.positions.size(), std::move(records), watch.elapsed()});
     return {};
   }
 
   Result<void> drop_pieces(Surface& surface) {
     if (!job_.pieces.drops()) return {};
     const bool was_empty = surface.mesh.triangles.empty();
-    auto sites = voxel_sites(surface.mesh, source_, job_.surface, context_);
-    if (!sites) return tl::unexpected(std::move(sites.error()));
-    auto record = convert::drop_pieces(surface.mesh, surface.iso, job_.pieces, source_, std::move(*sites), context_);
-    if (!record) return tl::unexpected(std::move(record.error()));
-    events_.picked(*record);
-    if (record->facts.without_volume > 0) {
+    auto sites = TRY(voxel_sites(surface.mesh, source_, job_.surface, context_));
+    auto record =
+        TRY(convert::drop_pieces(surface.mesh, surface.iso, job_.pieces, source_, std::move(sites), context_));
+    events_.picked(record);
+    if (record.facts.without_volume > 0) {
       events_.note(fmt::format("{} {}: {} open components have no volume, and stay", source_.label, text_of(surface),
-                               record->facts.without_volume));
+                               record.facts.without_volume));
     }
     if (was_empty || !surface.mesh.triangles.empty() || job_.empty != EmptyPolicy::error) return {};
     return tl::unexpected(Error{ErrorKind::input,
                                 fmt::format("{}: none of the {} components at {} is as large as asked for",
-                                            source_.label, record->facts.before.components, text_of(surface)),
+                                            source_.label, record.facts.before.components, text_of(surface)),
                                 Remedy::allow_empty, Reason::no_surface});
   }
 
   // While all vertices are where relaxing left them. Open meshes have no volume.
   Result<void> tell_relaxed(const Surface& surface, const edit::Sites& sites) {
-    auto record =
-        relax_record(surface.mesh, surface.iso, fmt::format("{} {}", source_.label, text_of(surface)), sites, context_);
-    if (!record) return tl::unexpected(std::move(record.error()));
-    events_.relaxed(*record);
+    auto record = TRY(relax_record(surface.mesh, surface.iso, fmt::format("{} {}", source_.label, text_of(surface)),
+                                   sites, context_));
+    events_.relaxed(record);
     return {};
   }
 
@@ -87,30 +84,28 @@ class SurfaceStages {
     const bool tells = job_.surface.relaxes() && !is_open;
     const bool marks = job_.pieces.split;
     if (!tells && !marks) return {};
-    auto sites = voxel_sites(surface.mesh, source_, job_.surface, context_);
-    if (!sites) return tl::unexpected(std::move(sites.error()));
+    auto sites = TRY(voxel_sites(surface.mesh, source_, job_.surface, context_));
     if (tells) {
-      if (auto told = tell_relaxed(surface, *sites); !told) return told;
+      TRY(tell_relaxed(surface, sites));
     }
-    return marks ? edit::mark_bodies(surface.mesh, context_, std::move(*sites)) : Result<void>();
+    return marks ? edit::mark_bodies(surface.mesh, context_, std::move(sites)) : Result<void>();
   }
 
   Result<void> smooth(Surface& surface) {
     if (!job_.smooth || surface.mesh.triangles.empty()) return {};
-    auto record = smooth_mesh(surface.mesh, surface.iso, *job_.smooth, source_.output_from_index, capped_box(),
-                              capped_cuts(), context_);
-    if (!record) return tl::unexpected(std::move(record.error()));
-    events_.smoothed(*record);
+    auto record = TRY(smooth_mesh(surface.mesh, surface.iso, *job_.smooth, source_.output_from_index, capped_box(),
+                                  capped_cuts(), context_));
+    events_.smoothed(record);
     return {};
   }
 
   Result<void> simplify(Surface& surface) {
     if (!job_.simplify) return {};
-    auto simplified = simplify_mesh(surface.mesh, surface.iso, *job_.simplify, source_.output_from_index, context_);
-    if (!simplified) return tl::unexpected(std::move(simplified.error()));
-    events_.simplified(*simplified);
-    surface.simplified_by = simplified->voxels.upper;
-    for (const std::string& text : notes_of(*simplified)) {
+    auto simplified =
+        TRY(simplify_mesh(surface.mesh, surface.iso, *job_.simplify, source_.output_from_index, context_));
+    events_.simplified(simplified);
+    surface.simplified_by = simplified.voxels.upper;
+    for (const std::string& text : notes_of(simplified)) {
       events_.note(fmt::format("{} {}: {}", source_.label, text_of(surface), text));
     }
     return {};
@@ -121,22 +116,21 @@ class SurfaceStages {
     surface.mesh.material = material_of(job_, facts.isos, surface.iso, source_.field.kind, facts.may_be_open);
     if (facts.labels != nullptr) {
       const auto label = static_cast<std::int64_t>(surface.iso);
-      if (auto done = facts.labels->colour(job_, label, surface.mesh, context_); !done) return done;
+      TRY(facts.labels->colour(job_, label, surface.mesh, context_));
     }
     if (!job_.colour || !job_.colour->attribute) return {};
     const auto is_meant = [&](const MissingAttribute& missing) {
       return missing.choice.name == *job_.colour->attribute;
     };
     if (std::ranges::any_of(source_.attributes->missing, is_meant)) return {};  // it was told
-    auto record = add_colours(*job_.colour, job_.format, surface.mesh, context_);
-    if (!record) return tl::unexpected(std::move(record.error()));
-    record->iso = surface.iso;
-    if (record->not_numbers > 0) {
+    auto record = TRY(add_colours(*job_.colour, job_.format, surface.mesh, context_));
+    record.iso = surface.iso;
+    if (record.not_numbers > 0) {
       events_.note(fmt::format("{} {}: {} of {} vertices are grey, as '{}' is no number there", source_.label,
-                               text_of(surface), record->not_numbers, surface.mesh.positions.size(),
-                               printable(record->attribute)));
+                               text_of(surface), record.not_numbers, surface.mesh.positions.size(),
+                               printable(record.attribute)));
     }
-    events_.coloured(*record);
+    events_.coloured(record);
     for (const AttributeChoice& choice : job_.source.attributes) {
       if (choice.written) continue;
       std::erase_if(surface.mesh.attributes, [&](const mesh::Attribute& a) {
@@ -160,12 +154,11 @@ class SurfaceStages {
     }
     const Stopwatch watch;
     const field::ScalarField& data = source_.data ? *source_.data : source_.field;
-    auto measured = measure_mesh_error(surface.mesh, data, extract_options_of(job_, source_, surface.iso), *job_.error,
-                                       source_.data ? &source_.field : nullptr, source_.clip,
-                                       {job_.smooth.has_value(), surface.simplified_by}, context_);
-    if (!measured) return tl::unexpected(std::move(measured.error()));
-    surface.error = *measured;
-    if (auto whole = volumes::check_not_lost(data); !whole) return whole;
+    auto measured = TRY(measure_mesh_error(surface.mesh, data, extract_options_of(job_, source_, surface.iso),
+                                           *job_.error, source_.data ? &source_.field : nullptr, source_.clip,
+                                           {job_.smooth.has_value(), surface.simplified_by}, context_));
+    surface.error = measured;
+    TRY(volumes::check_not_lost(data));
     events_.measured(*surface.error, watch.elapsed());
     return {};
   }
@@ -212,16 +205,13 @@ Result<void> shade_surface(const ConversionJob& job, const Source& source, bool 
     // Only for reports: finding components and open edges takes longer than to extract the mesh.
     const Stopwatch watch;
     context.progress().begin("measuring", 0);
-    auto made = mesh_record(surface.iso, "", surface.mesh, context);
-    if (!made) return tl::unexpected(std::move(made.error()));
-    surface.record = std::move(*made);
+    surface.record = TRY(mesh_record(surface.iso, "", surface.mesh, context));
     surface.recording += watch.elapsed();
   }
   if (surface.counts_open_edges) {
-    const auto topology = surface.record ? Result<mesh::Topology>(surface.record->topology)
-                                         : mesh::measure_topology(surface.mesh, context);
-    if (!topology) return tl::unexpected(topology.error());
-    surface.open_edges = topology->open_edges;
+    const auto topology = TRY(surface.record ? Result<mesh::Topology>(surface.record->topology)
+                                             : mesh::measure_topology(surface.mesh, context));
+    surface.open_edges = topology.open_edges;
   }
   return fit_normals(surface.mesh, job, source, surface.iso, context, events);
 }
@@ -229,15 +219,15 @@ Result<void> shade_surface(const ConversionJob& job, const Source& source, bool 
 Result<void> finish_surface(const ConversionJob& job, const Source& source, const SurfaceFacts& facts,
                             const Context& context, Events& events, Surface& surface) {
   SurfaceStages stages(job, source, context, events);
-  if (auto carried = stages.carry_attributes(surface); !carried) return carried;
-  if (auto dropped = stages.drop_pieces(surface); !dropped) return dropped;
-  if (auto looked = stages.look_at_bodies(surface); !looked) return looked;
-  if (auto smoothed = stages.smooth(surface); !smoothed) return smoothed;
-  if (auto simplified = stages.simplify(surface); !simplified) return simplified;
-  if (auto coloured = stages.colour(facts, surface); !coloured) return coloured;
+  TRY(stages.carry_attributes(surface));
+  TRY(stages.drop_pieces(surface));
+  TRY(stages.look_at_bodies(surface));
+  TRY(stages.smooth(surface));
+  TRY(stages.simplify(surface));
+  TRY(stages.colour(facts, surface));
   stages.change_attributes(surface);
   if (!job.pieces.split) {
-    if (auto shaded = shade_surface(job, source, facts.recorded, context, events, surface); !shaded) return shaded;
+    TRY(shade_surface(job, source, facts.recorded, context, events, surface));
   }
   return stages.measure_error(surface);
 }

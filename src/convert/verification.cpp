@@ -62,12 +62,10 @@ Result<VerificationRecord> compare_backends(const field::ScalarField& field, con
   record.backends = {std::string(first.name()), std::string(second.name())};
   record.not_applicable = why_not_comparable(method, first, second);
   if (!record.not_applicable.empty()) return record;
-  auto other = second.extract(field, options, context);
-  if (!other) return tl::unexpected(std::move(other.error()));
-  auto comparison = measure::compare_extractions(mesh, other->mesh, context);
-  if (!comparison) return tl::unexpected(std::move(comparison.error()));
-  record.differences = measure::differences(*comparison, {record.backends[0], record.backends[1]});
-  record.comparison = *comparison;
+  auto other = TRY(second.extract(field, options, context));
+  auto comparison = TRY(measure::compare_extractions(mesh, other.mesh, context));
+  record.differences = measure::differences(comparison, {record.backends[0], record.backends[1]});
+  record.comparison = comparison;
   record.time = watch.elapsed();
   return record;
 }

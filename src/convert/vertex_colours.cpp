@@ -123,8 +123,7 @@ Result<ColourRecord> add_colours(const ColourChoice& choice, meshes::MeshFormat 
   made.components = linear ? 4 : 3;
   made.normalised = true;
   const std::size_t vertices = mesh.positions.size();
-  auto memory = context.reserve(vertices * made.stride(), "colours of vertices");
-  if (!memory) return tl::unexpected(std::move(memory.error()));
+  auto memory = TRY(context.reserve(vertices * made.stride(), "colours of vertices"));
   made.values = Buffer<std::byte>(vertices * made.stride());
 
   const ColourValues value(*from);
@@ -140,7 +139,7 @@ Result<ColourRecord> add_colours(const ColourChoice& choice, meshes::MeshFormat 
     not_numbers.fetch_add(grey, std::memory_order_relaxed);
   });
   mesh.attributes.push_back(std::move(made));
-  mesh.memory.take(std::move(*memory));
+  mesh.memory.take(std::move(memory));
   return ColourRecord{0, *choice.attribute, choice.map, range[0], range[1], !choice.range, not_numbers.load()};
 }
 

@@ -42,18 +42,13 @@ class Simplifier {
   Result<Triangles> run() {
     const double enough = options_.max_distance - slack_;
     if (!(enough > 0) || left_ <= options_.triangles) return original();
-    auto collapsed = options_.triangles > 0 ? to_count(enough) : within(enough);
-    if (!collapsed) return tl::unexpected(std::move(collapsed.error()));
+    TRY(options_.triangles > 0 ? to_count(enough) : within(enough));
     facts_.measured_upper = std::numeric_limits<double>::infinity();
     if (std::isfinite(enough)) {
-      if (auto proven = look(prove_distance(state_, logs_, proof_options(enough), context_)); !proven) {
-        return tl::unexpected(std::move(proven.error()));
-      }
+      TRY(look(prove_distance(state_, logs_, proof_options(enough), context_)));
     }
     if (options_.triangles > 0) {
-      if (auto measured = look(measure_distance(state_, context_)); !measured) {
-        return tl::unexpected(std::move(measured.error()));
-      }
+      TRY(look(measure_distance(state_, context_)));
     }
     Triangles triangles;
     for (std::size_t t = 0; t < state_.corners.size(); ++t) {
@@ -108,7 +103,7 @@ class Simplifier {
     distances.push_back(enough);
     context_.progress().begin("simplifying", distances.size() * kSweepWork);
     for (const double distance : distances) {
-      if (auto swept = sweep(distance); !swept) return swept;
+      TRY(sweep(distance));
     }
     return {};
   }
@@ -119,10 +114,9 @@ class Simplifier {
     std::uint64_t work = kSweepWork;
     for (double size = options_.patch_size;; size *= kLargerPatches) {
       const std::uint64_t share = work - work / 4;  // few triangles are looked at again
-      auto patches = round(size, {kOfVertices * distance, distance, 0}, {.work = share});
-      if (!patches) return tl::unexpected(std::move(patches.error()));
+      auto patches = TRY(round(size, {kOfVertices * distance, distance, 0}, {.work = share}));
       work -= share;
-      if (*patches > 1) continue;
+      if (patches > 1) continue;
       context_.progress().advance(work);
       return {};
     }
@@ -145,13 +139,11 @@ class Simplifier {
     while (patches > kFew && static_cast<double>(left_) > kAlmost * target && distance < farthest) {
       const auto before = static_cast<double>(left_);
       std::fill(wanted_.begin(), wanted_.end(), 1);
-      auto done = round(size, {distance, enough, 0}, {.least_part = target / before});
-      if (!done) return tl::unexpected(std::move(done.error()));
-      patches = *done;
+      patches = TRY(round(size, {distance, enough, 0}, {.least_part = target / before}));
       distance *= kSteps;
       size *= std::max(std::sqrt(before / static_cast<double>(left_)), kLeastGrowth);  // as many triangles a patch
     }
-    if (auto done = cheapest(enough); !done) return done;
+    TRY(cheapest(enough));
     return replace_worst(enough);
   }
 
@@ -169,8 +161,7 @@ class Simplifier {
   // As one patch, to the number of triangles.
   Result<void> cheapest(double enough) {
     std::fill(wanted_.begin(), wanted_.end(), 1);
-    auto done = round(std::numeric_limits<double>::infinity(), {enough, enough, options_.triangles}, {});
-    if (!done) return tl::unexpected(std::move(done.error()));
+    TRY(round(std::numeric_limits<double>::infinity(), {enough, enough, options_.triangles}, {}));
     return {};
   }
 
@@ -183,16 +174,15 @@ class Simplifier {
     for (int time = 0; time < kTimes && left_ <= options_.triangles && distance < enough; ++time) {
       ProofOptions look = proof_options(distance);
       look.once = true;
-      const auto proof = prove_distance(state_, logs_, look, context_);
-      if (!proof) return tl::unexpected(proof.error());
-      if (proof->undone == 0) break;
-      facts_.taken_back += proof->undone;
+      const auto proof = TRY(prove_distance(state_, logs_, look, context_));
+      if (proof.undone == 0) break;
+      facts_.taken_back += proof.undone;
       ++facts_.passes;
       drop_samples_that_are_back(state_);
-      for (const std::uint32_t vertex : proof->refused) refused_[vertex] = 1;
+      for (const std::uint32_t vertex : proof.refused) refused_[vertex] = 1;
       left_ = static_cast<std::size_t>(std::count(state_.gone.begin(), state_.gone.end(), 0));
       context_.progress().begin("simplifying", left_ - options_.triangles);
-      if (auto done = cheapest(enough); !done) return done;
+      TRY(cheapest(enough));
     }
     refused_.clear();
     return left_ > options_.triangles ? cheapest(enough) : Result<void>();
@@ -218,7 +208,7 @@ class Simplifier {
 
   // Collapses edges in patches of this size. Returns how many there were.
   Result<std::size_t> round(double size, const CollapseLimits& limits, const Share& share) {
-    if (auto going_on = context_.check(); !going_on) return tl::unexpected(std::move(going_on.error()));
+    TRY(context_.check());
     std::vector<Place> places = split(size);
     if (numbers_ + places.size() >= kNone) {
       return fail(ErrorKind::input,
@@ -253,7 +243,7 @@ class Simplifier {
           share.work > 0 ? work_up_to(first[p + 1]) - work_up_to(first[p]) : std::uint64_t{logs[p].removed};
       context_.progress().advance(done);
     });
-    if (auto going_on = context_.check(); !going_on) return tl::unexpected(std::move(going_on.error()));
+    TRY(context_.check());
     numbers_ += triangles.size();
     for (CollapseLog& log : logs) {
       facts_.collapses += log.collapses.size();
@@ -408,9 +398,8 @@ Result<SimplifiedMesh> simplified(mesh::Mesh mesh, const SimplifyOptions& option
   Simplification& facts = result.facts;
   facts.triangles_before = mesh.triangles.size();
   if (!mesh.triangles.empty()) {
-    const auto triangles = Simplifier(mesh, options, facts, context).run();
-    if (!triangles) return tl::unexpected(triangles.error());
-    if (triangles->size() < mesh.triangles.size()) set_triangles(mesh, *triangles);
+    const auto triangles = TRY(Simplifier(mesh, options, facts, context).run());
+    if (triangles.size() < mesh.triangles.size()) set_triangles(mesh, triangles);
   }
   facts.triangles_after = mesh.triangles.size();
   facts.time = watch.elapsed();
@@ -423,8 +412,7 @@ Result<SimplifiedMesh> simplified(mesh::Mesh mesh, const SimplifyOptions& option
 
 Result<SimplifiedMesh> simplify_within(mesh::Mesh mesh, const SimplifyOptions& options, const Context& context) {
   const std::string what = mesh.name + ": the triangles that are simplified";
-  const auto memory = context.reserve(working_bytes(mesh, options), what);
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory = TRY(context.reserve(working_bytes(mesh, options), what));
   try {
     return simplified(std::move(mesh), options, context);
   } catch (const std::bad_alloc&) {

@@ -59,6 +59,6 @@ struct SimplifiedMesh {
 // has no triangles without area and none twice that the mesh has not. Where nothing can be gained, it is the mesh.
 // Fails where its working memory, some 400 bytes a triangle, is more than is left, and where the context is cancelled.
 [[nodiscard]] Result<SimplifiedMesh> simplify_within(mesh::Mesh mesh, const SimplifyOptions& options,
-                                                     const Context& context = Context());
+                                                     const Context& context);
 
 }  // namespace isoextract::edit

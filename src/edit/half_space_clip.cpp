@@ -194,25 +194,22 @@ Result<ClipFacts> clip_to_half_spaces(mesh::Mesh& mesh, std::span<const mesh::Ha
   ClipFacts facts{mesh.triangles.size(), 0, 0, 0, 0};
   context.progress().begin("cutting the mesh", kept.size());
   for (const mesh::HalfSpace& half_space : kept) {
-    if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+    TRY(context.check());
     const std::string what = "cutting the mesh at a plane";
-    const auto working = context.reserve(PlaneCut::bytes(mesh), what);
-    if (!working) return tl::unexpected(working.error());
+    const auto working = TRY(context.reserve(PlaneCut::bytes(mesh), what));
     PlaneCut cut(mesh, half_space, ends);
     if (cut.cuts()) {
       cut.plan();
-      auto memory = context.reserve(cut.result_bytes(), what);
-      if (!memory) return tl::unexpected(memory.error());
+      auto memory = TRY(context.reserve(cut.result_bytes(), what));
       facts.triangles_cut += cut.cut();
       mesh::Mesh result = cut.make();
-      result.memory = std::move(*memory);
+      result.memory = std::move(memory);
       const double on_plane = cut.on_plane();
       mesh = std::move(result);
       if (ends == CutEnds::capped) {
-        const auto cap = close_cut(mesh, half_space, on_plane, context);
-        if (!cap) return tl::unexpected(cap.error());
-        facts.cap_triangles += cap->triangles;
-        facts.caps_overlap += cap->turned;
+        const auto cap = TRY(close_cut(mesh, half_space, on_plane, context));
+        facts.cap_triangles += cap.triangles;
+        facts.caps_overlap += cap.turned;
       }
     }
     context.progress().advance(1);

@@ -41,6 +41,6 @@ struct ClipFacts {
 // their vertices: what was closed, oriented and a manifold is so afterwards, and has lost the volume outside. A cut
 // that ends at a border of the surface is refused, with ErrorKind::input.
 [[nodiscard]] Result<ClipFacts> clip_to_half_spaces(mesh::Mesh& mesh, std::span<const mesh::HalfSpace> kept,
-                                                    CutEnds ends = CutEnds::open, const Context& context = Context());
+                                                    CutEnds ends, const Context& context);
 
 }  // namespace isoextract::edit

@@ -51,17 +51,14 @@ struct Shells {
   static Result<Shells> find(const mesh::Mesh& mesh, const glm::dmat3& to_metric, const Context& context,
                              const mesh::Attribute* marks = nullptr) {
     const std::string what = mesh.name + ": the pieces of its surface";
-    auto memory = context.reserve(Components::bytes(mesh.positions.size()), what);
-    if (!memory) return tl::unexpected(std::move(memory.error()));
+    auto memory = TRY(context.reserve(Components::bytes(mesh.positions.size()), what));
     Components components(mesh.triangles.span(), mesh.positions.size());
-    auto list = context.reserve(components.count() * kComponentBytes, what);
-    if (!list) return tl::unexpected(std::move(list.error()));
-    memory->take(std::move(*list));
-    auto facts = measure_components(mesh, components, to_metric, context);
-    if (!facts) return tl::unexpected(std::move(facts.error()));
+    auto list = TRY(context.reserve(components.count() * kComponentBytes, what));
+    memory.take(std::move(list));
+    auto facts = TRY(measure_components(mesh, components, to_metric, context));
     Nesting nesting = marks != nullptr ? marked_nesting(*marks, components, mesh.positions.size())
-                                       : find_nesting(mesh, components, *facts);
-    return Shells{std::move(components), std::move(*facts), std::move(nesting), std::move(*memory)};
+                                       : find_nesting(mesh, components, facts);
+    return Shells{std::move(components), std::move(facts), std::move(nesting), std::move(memory)};
   }
 
   // The same with other positions, which are the mesh's again afterwards.
@@ -182,9 +179,8 @@ Result<void> take_out(mesh::Mesh& mesh, const Components& components, const std:
   std::uint64_t vertices = 0;
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) vertices += remains(v) ? 1 : 0;
   const std::uint64_t left = vertices * vertex_bytes(mesh) + triangles * sizeof(glm::uvec3);
-  const auto memory = context.reserve(left + (vertices + mesh.positions.size()) * sizeof(std::uint32_t),
-                                      mesh.name + ": what is left of its surface");
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory = TRY(context.reserve(left + (vertices + mesh.positions.size()) * sizeof(std::uint32_t),
+                                          mesh.name + ": what is left of its surface"));
   Buffer<std::uint32_t> old_of_new(vertices);
   Buffer<std::uint32_t> new_of_old(mesh.positions.size());
   std::uint32_t next = 0;
@@ -206,22 +202,19 @@ Result<void> take_out(mesh::Mesh& mesh, const Components& components, const std:
 
 Result<KeptPieces> keep(mesh::Mesh mesh, const PieceOptions& options, const Context& context, Sites sites) {
   const Stopwatch watch;
-  auto shells = Shells::find_at(std::move(sites), mesh, options.to_metric, context);
-  if (!shells) return tl::unexpected(std::move(shells.error()));
+  auto shells = TRY(Shells::find_at(std::move(sites), mesh, options.to_metric, context));
   const double rounding = options.least ? rounding_of(mesh, options.to_metric) : 0;
-  const std::vector<bool> stays = choose(*shells, options, rounding);
+  const std::vector<bool> stays = choose(shells, options, rounding);
   PieceFacts facts;
-  facts.before = counts_of(*shells, std::vector<bool>(shells->count(), true));
-  facts.after = counts_of(*shells, stays);
+  facts.before = counts_of(shells, std::vector<bool>(shells.count(), true));
+  facts.after = counts_of(shells, stays);
   if (options.least && options.measure == PieceMeasure::volume) {
-    for (std::size_t i = 0; i < shells->count(); ++i) {
-      facts.without_volume += stays[i] && !shells->facts[i].is_closed() ? 1 : 0;
+    for (std::size_t i = 0; i < shells.count(); ++i) {
+      facts.without_volume += stays[i] && !shells.facts[i].is_closed() ? 1 : 0;
     }
   }
   if (facts.after.components < facts.before.components) {
-    if (auto taken = take_out(mesh, shells->components, stays, facts.after.triangles, context); !taken) {
-      return tl::unexpected(std::move(taken.error()));
-    }
+    TRY(take_out(mesh, shells.components, stays, facts.after.triangles, context));
   }
   facts.time = watch.elapsed();
   return KeptPieces{std::move(mesh), facts};
@@ -274,31 +267,29 @@ Buffer<T> gathered_from(const Buffer<T>& values, std::size_t width, std::span<co
 }
 
 Result<void> mark(mesh::Mesh& mesh, const Context& context, Sites sites) {
-  const auto shells = Shells::find_at(std::move(sites), mesh, glm::dmat3(1.0), context);
-  if (!shells) return tl::unexpected(shells.error());
-  auto memory = context.reserve(mesh.positions.size() * sizeof(BodyMark), mesh.name + ": the bodies of its vertices");
-  if (!memory) return tl::unexpected(std::move(memory.error()));
+  const auto shells = TRY(Shells::find_at(std::move(sites), mesh, glm::dmat3(1.0), context));
+  auto memory =
+      TRY(context.reserve(mesh.positions.size() * sizeof(BodyMark), mesh.name + ": the bodies of its vertices"));
   mesh::Attribute marks;
   marks.name = kBodyMarks;
   marks.type = mesh::ComponentType::u32;
   marks.components = 2;
   marks.values = Buffer<std::byte>(mesh.positions.size() * sizeof(BodyMark));
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-    const std::uint32_t component = shells->components.of_vertex(v);
+    const std::uint32_t component = shells.components.of_vertex(v);
     const bool used = component != Components::kNone;
-    const BodyMark one{component, used ? shells->nesting.body[component] : component};
+    const BodyMark one{component, used ? shells.nesting.body[component] : component};
     std::memcpy(marks.values.data() + v * sizeof(BodyMark), &one, sizeof(BodyMark));
   }
   mesh.attributes.push_back(std::move(marks));
-  mesh.memory.take(std::move(*memory));
+  mesh.memory.take(std::move(memory));
   return {};
 }
 
 Result<std::vector<mesh::Mesh>> split(mesh::Mesh mesh, std::uint64_t most, const Context& context) {
-  auto shells = Shells::find(mesh, glm::dmat3(1.0), context, find_marks(mesh));
-  if (!shells) return tl::unexpected(std::move(shells.error()));
+  auto shells = TRY(Shells::find(mesh, glm::dmat3(1.0), context, find_marks(mesh)));
   std::erase_if(mesh.attributes, [](const mesh::Attribute& attribute) { return attribute.name == kBodyMarks; });
-  const auto bodies = bodies_by_area(*shells, std::vector<bool>(shells->count(), true));
+  const auto bodies = bodies_by_area(shells, std::vector<bool>(shells.count(), true));
   if (bodies.size() > most) {
     return fail(ErrorKind::input, fmt::format("{}: the surface has {} pieces, more than the {} that are split",
                                               mesh.name, bodies.size(), most));
@@ -310,12 +301,11 @@ Result<std::vector<mesh::Mesh>> split(mesh::Mesh mesh, std::uint64_t most, const
   }
   const std::uint64_t vertices = mesh.positions.size();
   const std::string what = mesh.name + ": its pieces as meshes";
-  const auto memory = context.reserve((2 * vertices + mesh.triangles.size()) * sizeof(std::uint32_t), what);
-  if (!memory) return tl::unexpected(memory.error());
-  std::vector<std::uint32_t> piece_of(shells->count());
+  const auto memory = TRY(context.reserve((2 * vertices + mesh.triangles.size()) * sizeof(std::uint32_t), what));
+  std::vector<std::uint32_t> piece_of(shells.count());
   for (std::uint32_t p = 0; p < bodies.size(); ++p) piece_of[bodies[p]] = p;
-  for (std::size_t i = 0; i < shells->count(); ++i) piece_of[i] = piece_of[shells->nesting.body[i]];
-  const PieceLists lists = list_pieces(mesh, shells->components, piece_of, bodies.size());
+  for (std::size_t i = 0; i < shells.count(); ++i) piece_of[i] = piece_of[shells.nesting.body[i]];
+  const PieceLists lists = list_pieces(mesh, shells.components, piece_of, bodies.size());
   Buffer<std::uint32_t> new_of_old(vertices);
   std::vector<mesh::Mesh> pieces(bodies.size());
   for (std::size_t p = 0; p < pieces.size(); ++p) {
@@ -324,13 +314,13 @@ Result<std::vector<mesh::Mesh>> split(mesh::Mesh mesh, std::uint64_t most, const
     };
     const auto own = part(lists.vertices, lists.first_vertex);
     const auto triangles = part(lists.triangles, lists.first_triangle);
-    auto own_memory = context.reserve(own.size() * vertex_bytes(mesh) + triangles.size() * sizeof(glm::uvec3), what);
-    if (!own_memory) return tl::unexpected(std::move(own_memory.error()));
+    auto own_memory =
+        TRY(context.reserve(own.size() * vertex_bytes(mesh) + triangles.size() * sizeof(glm::uvec3), what));
     mesh::Mesh& piece = pieces[p];
     piece.name = mesh.name;
     piece.origin = mesh.origin;
     piece.material = mesh.material;
-    piece.memory = std::move(*own_memory);
+    piece.memory = std::move(own_memory);
     piece.positions = gathered_from(mesh.positions, 1, own);
     piece.normals = gathered_from(mesh.normals, 1, own);
     piece.edges = gathered_from(mesh.edges, 1, own);

@@ -68,18 +68,17 @@ using Sites = Buffer<glm::vec3>;
 // The vertices and triangles of what stays, in their order and with all that belongs to them; where all stays, the
 // mesh. A filled cavity takes what lies in it along. No triangle is changed: what was closed is closed. The same for
 // any number of threads. Fails where the memory for it is not there.
-[[nodiscard]] Result<KeptPieces> keep_pieces(mesh::Mesh mesh, const PieceOptions& options,
-                                             const Context& context = Context(), Sites sites = {});
+[[nodiscard]] Result<KeptPieces> keep_pieces(mesh::Mesh mesh, const PieceOptions& options, const Context& context,
+                                             Sites sites = {});
 
 // Adds an attribute that holds the body of each vertex, for split_pieces(). Stages that move or leave out vertices, but
 // join no components, may follow: cavities stay with their bodies. Fails where the memory for it is not there.
-[[nodiscard]] Result<void> mark_bodies(mesh::Mesh& mesh, const Context& context = Context(), Sites sites = {});
+[[nodiscard]] Result<void> mark_bodies(mesh::Mesh& mesh, const Context& context, Sites sites = {});
 
 // Each piece as a mesh, the largest area first, with all that belongs to its vertices but that attribute; none of a
 // mesh without triangles. Without the attribute the mesh as it is says which cavity is in which body. Names are the
 // mesh's. Fails where the memory is not there for all of them beside the mesh, and where there are more than `most`:
 // nothing is made then.
-[[nodiscard]] Result<std::vector<mesh::Mesh>> split_pieces(mesh::Mesh mesh, std::uint64_t most,
-                                                           const Context& context = Context());
+[[nodiscard]] Result<std::vector<mesh::Mesh>> split_pieces(mesh::Mesh mesh, std::uint64_t most, const Context& context);
 
 }  // namespace isoextract::edit

@@ -134,7 +134,7 @@ Result<Buffer<glm::vec3>> taubin_moves(const Signal& signal, std::size_t vertice
                       [&](std::size_t v) { next[v] = glm::dvec3(moves[v]) + step * signal.laplacian(moves, v); });
       std::swap(moves, next);
     }
-    if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+    TRY(context.check());
     context.progress().advance(1);
   }
   return moves;
@@ -194,7 +194,7 @@ Result<Buffer<glm::vec3>> sinc_moves(const Signal& signal, std::size_t vertices,
       moves[v] = glm::dvec3(moves[v]) + coefficients[n] * glm::dvec3(before[v]);
     });
     std::swap(before, now);
-    if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+    TRY(context.check());
     context.progress().advance(1);
   }
   return moves;
@@ -228,14 +228,13 @@ Result<SmoothFacts> smooth_mesh(mesh::Mesh& mesh, const SmoothOptions& options, 
   {
     const Signal signal(mesh, options);
     context.progress().begin("smoothing", options.passes);
-    auto moves = options.method == SmoothMethod::taubin ? taubin_moves(signal, vertices, options, context)
-                                                        : sinc_moves(signal, vertices, options, context);
-    if (!moves) return tl::unexpected(std::move(moves.error()));
+    auto moves = TRY(options.method == SmoothMethod::taubin ? taubin_moves(signal, vertices, options, context)
+                                                            : sinc_moves(signal, vertices, options, context));
     const glm::dvec2 most = tbb::parallel_reduce(
         tbb::blocked_range<std::size_t>(0, vertices, kVerticesAtATime), glm::dvec2(0),
         [&](const auto& range, glm::dvec2 so_far) {
           for (std::size_t v = range.begin(); v != range.end(); ++v) {
-            const glm::vec3 place = glm::dvec3(mesh.positions[v]) + glm::dvec3((*moves)[v]);
+            const glm::vec3 place = glm::dvec3(mesh.positions[v]) + glm::dvec3(moves[v]);
             const glm::dvec3 move = glm::dvec3(place) - glm::dvec3(mesh.positions[v]);
             so_far = glm::max(so_far, {glm::length(options.to_metric * move), glm::length(move)});
             mesh.positions[v] = place;
@@ -272,8 +271,7 @@ Result<SmoothFacts> smooth(mesh::Mesh& mesh, const SmoothOptions& options, const
   const std::uint64_t filtering =
       2 * Neighbours::bytes(3 * triangles, vertices) + vertices * (3 * sizeof(glm::vec3) + 1);
   const std::uint64_t shading = mesh.normals.empty() ? 0 : mesh::Adjacency::bytes(triangles, vertices);
-  const auto memory = context.reserve(std::max(filtering, shading), what);
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory = TRY(context.reserve(std::max(filtering, shading), what));
   try {
     return smooth_mesh(mesh, options, context);
   } catch (const std::bad_alloc&) {

@@ -70,8 +70,7 @@ struct SmoothFacts {
 // else stay: what was closed and manifold is so. Edge keys go, as vertices lie on edges no more. The same for any
 // number of threads. Fails where the memory for it is not there, some 56 bytes a vertex and 24 a triangle, and where
 // the context is cancelled.
-[[nodiscard]] Result<SmoothFacts> smooth(mesh::Mesh& mesh, const SmoothOptions& options,
-                                         const Context& context = Context());
+[[nodiscard]] Result<SmoothFacts> smooth(mesh::Mesh& mesh, const SmoothOptions& options, const Context& context);
 
 // What the filter leaves of a frequency from 0 to 2.
 [[nodiscard]] double smoothing_gain(const SmoothOptions& options, double frequency);

@@ -15,10 +15,9 @@ Result<field::IndexBox> dense_region(const field::ScalarField& field, const fiel
 }
 
 Result<DenseMasks> make_masks(const field::ScalarField& field, const glm::ivec3& dims, const Context& context) {
-  auto memory = context.reserve(DenseMasks::bytes(dims), fmt::format("{}: the sides of its {} x {} x {} samples",
-                                                                     field.source, dims.x, dims.y, dims.z));
-  if (!memory) return tl::unexpected(memory.error());
-  return DenseMasks(dims, std::move(*memory));
+  auto memory = TRY(context.reserve(DenseMasks::bytes(dims), fmt::format("{}: the sides of its {} x {} x {} samples",
+                                                                         field.source, dims.x, dims.y, dims.z)));
+  return DenseMasks(dims, std::move(memory));
 }
 
 }  // namespace isoextract::extract

@@ -38,8 +38,7 @@ template <class T>
 [[nodiscard]] Result<std::optional<InsideThreshold<T>>> classify_dense(const field::ScalarField& field,
                                                                        const DenseView<T>& view, const glm::ivec3& low,
                                                                        const ExtractOptions& options, DenseMasks& masks,
-                                                                       ExtractStats& stats,
-                                                                       const Context& context = Context()) {
+                                                                       ExtractStats& stats, const Context& context) {
   const Stopwatch watch;
   const auto threshold = find_inside_threshold<T>({field.kind, options.iso}, field.scale);
   if (!threshold && !(field::is_floating_sample<T> && options.nan == NanPolicy::error)) return threshold;

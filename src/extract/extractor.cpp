@@ -12,14 +12,14 @@ namespace isoextract::extract {
 
 Result<Extraction> Extractor::extract(const field::ScalarField& field, const ExtractOptions& options,
                                       const Context& context) {
-  if (auto sound = check_request(field, options); !sound) return tl::unexpected(sound.error());
+  TRY(check_request(field, options));
   const MethodInfo& method = method_info(options.method);
   if (!has(options.method)) {
     return fail(ErrorKind::unavailable, fmt::format("the {} backend does not have {}", name(), method.title),
                 Remedy::use_cpu);
   }
-  if (auto sound = check_method(method, options); !sound) return tl::unexpected(sound.error());
-  if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
+  TRY(check_method(method, options));
+  TRY(context.check());
   try {
     Result<Extraction> result = run(field, options, context);
     if (result) result->mesh.name = field.name;

@@ -115,7 +115,7 @@ class Extractor {
   // with ErrorKind::unavailable for a method that it does not have, with ErrorKind::input for a placement that flattens
   // space and where memory runs out, with ErrorKind::cancelled between the passes.
   [[nodiscard]] Result<Extraction> extract(const field::ScalarField& field, const ExtractOptions& options,
-                                           const Context& context = Context());
+                                           const Context& context);
 
  private:
   // May throw std::bad_alloc and std::length_error; need not name the mesh.

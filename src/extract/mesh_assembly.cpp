@@ -112,9 +112,8 @@ Result<void> fill_normals(mesh::Mesh& mesh, const MeshSizes& surface, const fiel
   const std::span<glm::vec3> normals(mesh.normals.data(), surface.vertices);
   const auto count = static_cast<std::uint64_t>(std::ranges::count_if(normals, OutputFrame::is_unknown));
   if (count == 0) return {};
-  auto memory = context.reserve(count * sizeof(Unknown),
-                                fmt::format("{}: the normals of {} vertices beside NaN", field.source, count));
-  if (!memory) return tl::unexpected(std::move(memory.error()));
+  auto memory = TRY(context.reserve(count * sizeof(Unknown),
+                                    fmt::format("{}: the normals of {} vertices beside NaN", field.source, count)));
   std::vector<Unknown> unknown;
   unknown.reserve(count);
   for (std::size_t v = 0; v < normals.size(); ++v) {

@@ -67,10 +67,8 @@ Result<void> SparseSites::compare(ExtractStats& stats) {
   stats.brick = kBrick;
   stats.bricks = samples_.blocks.size();
   std::vector<glm::ivec3> nodes = field::SparseLookup::node_origins(samples_);
-  auto memory = context_.reserve(
-      nodes.size() * sizeof(field::SparseLookup::Node) + samples_.blocks.size() * sizeof(BlockBits), finding_text());
-  if (!memory) return tl::unexpected(memory.error());
-  samples_memory_ = std::move(*memory);
+  samples_memory_ = TRY(context_.reserve(
+      nodes.size() * sizeof(field::SparseLookup::Node) + samples_.blocks.size() * sizeof(BlockBits), finding_text()));
   const Stopwatch watch;
   lookup_.emplace(samples_, std::move(nodes));
   visit_sample_type(samples_.type, [&]<class T>(std::type_identity<T>) { classify<T>(stats); });
@@ -83,12 +81,12 @@ Result<void> SparseSites::compare(ExtractStats& stats) {
 }
 
 Result<void> SparseSites::find(ExtractStats& stats) {
-  if (auto compared = compare(stats); !compared) return compared;
+  TRY(compare(stats));
   const Stopwatch watch;
   const auto skins = context_.reserve(tile_skin_bytes(samples_, rule_, field_.scale),
                                       finding_text());  // until sites are listed
   if (!skins) return tl::unexpected(skins.error());
-  if (auto listed = list_sites(); !listed) return listed;
+  TRY(list_sites());
   stats.bricks_visited = stored_sites_;
   stats.places_visited = sites_.size() - stored_sites_;
   stats.classify += watch.elapsed();
@@ -290,16 +288,15 @@ bool SparseSites::owns_crossed_edge(const glm::ivec3& origin, const field::Spars
 
 Result<void> SparseSites::list_sites() {
   const std::size_t blocks = samples_.blocks.size();
-  auto listing = context_.reserve(unstored_places_bytes(samples_, lookup_->nodes().size()),
-                                  fmt::format("{}: listing what lies beside its {} blocks", field_.source, blocks));
-  if (!listing) return tl::unexpected(listing.error());
+  auto listing =
+      TRY(context_.reserve(unstored_places_bytes(samples_, lookup_->nodes().size()),
+                           fmt::format("{}: listing what lies beside its {} blocks", field_.source, blocks)));
   const std::vector<glm::ivec3> unstored = unstored_places(samples_, *lookup_, sides_);
-  listing->release();
+  listing.release();
   const auto place = [&](std::size_t p) { return p < blocks ? samples_.blocks[p].origin : unstored[p - blocks]; };
-  const auto looking = context_.reserve(
+  const auto looking = TRY(context_.reserve(
       (blocks + unstored.size()) * (sizeof(field::SparseLookup::Group) + sizeof(glm::ivec3) + 1),
-      fmt::format("{}: looking at {} blocks for the surface", field_.source, blocks + unstored.size()));
-  if (!looking) return tl::unexpected(looking.error());
+      fmt::format("{}: looking at {} blocks for the surface", field_.source, blocks + unstored.size())));
   std::vector<field::SparseLookup::Group> groups(blocks + unstored.size());
   std::vector<std::uint8_t> passed(groups.size());
   for_each("finding crossed blocks", groups.size(), [&](std::size_t p) {
@@ -308,10 +305,8 @@ Result<void> SparseSites::list_sites() {
   });
   const auto count = static_cast<std::size_t>(std::ranges::count(passed, std::uint8_t{1}));
   constexpr std::uint64_t kBytesASite = 128;  // its place, its group, its share of the index
-  auto memory = context_.reserve(count * kBytesASite,
-                                 fmt::format("{}: the {} blocks that the surface passes", field_.source, count));
-  if (!memory) return tl::unexpected(memory.error());
-  sites_memory_ = std::move(*memory);
+  sites_memory_ = TRY(context_.reserve(count * kBytesASite,
+                                       fmt::format("{}: the {} blocks that the surface passes", field_.source, count)));
   sites_.reserve(count);
   groups_.reserve(count);
   site_index_ = field::OriginIndex(count);

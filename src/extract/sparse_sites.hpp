@@ -33,7 +33,7 @@ class SparseSites {
  public:
   // All arguments but the context must outlive it.
   SparseSites(const field::ScalarField& field, const field::SparseSamples& samples, const field::IndexBox& region,
-              const ExtractOptions& options, const Context& context = Context());
+              const ExtractOptions& options, const Context& context);
 
   // Compares every sample with iso, then lists the sites. Fails with ErrorKind::input for NaN samples in the region, if
   // those are errors, and where there is no memory for it; with ErrorKind::cancelled between the two.

@@ -50,16 +50,14 @@ template <SurfacePasses Surface>
   const OutputFrame& placement = surface.placement();
   Extraction result;
   result.mesh.origin = placement.origin();
-  if (auto fits = check_placement(field, placement); !fits) return tl::unexpected(fits.error());
-  const auto found = surface.classify(result.stats);
-  if (!found) return tl::unexpected(found.error());
-  if (!*found) return result;
-  if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
+  TRY(check_placement(field, placement));
+  const auto found = TRY(surface.classify(result.stats));
+  if (!found) return result;
+  TRY(context.check());
 
-  const auto sizes = surface.count(result.stats);
-  if (!sizes) return tl::unexpected(sizes.error());
-  if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
-  auto memory = reserve_mesh(field, *sizes, options, context);
+  const auto sizes = TRY(surface.count(result.stats));
+  TRY(context.check());
+  auto memory = reserve_mesh(field, sizes, options, context);
   if (!memory) return tl::unexpected(memory.error());
   Stopwatch watch;
   BorderCap cap;
@@ -72,38 +70,33 @@ template <SurfacePasses Surface>
   }
   const bool capped = box && options.cap;
   if (capped) {
-    auto numbers = reserve_cap_numbers(field, *box, context);
-    if (!numbers) return tl::unexpected(numbers.error());
+    auto numbers = TRY(reserve_cap_numbers(field, *box, context));
     const InsideRule rule{field.kind, options.iso};
     cap = make_border_cap(
-        *box, method_info(options.method).traits.axis_edges_only, static_cast<std::uint32_t>(sizes->vertices),
+        *box, method_info(options.method).traits.axis_edges_only, static_cast<std::uint32_t>(sizes.vertices),
         [&](const glm::ivec3& p) { return surface.inside(p); },
         [&](const glm::ivec3& p, int direction) { return surface.edge_vertex(p, direction); },
         [&](const glm::ivec3& p) { return rule.depth(surface.value(p)); },
         [&](const glm::ivec3& p) { return surface.has_holes() && std::isnan(surface.value(p)); });
-    numbers->release();
-    auto held = reserve_cap(field, cap, context);
-    if (!held) return tl::unexpected(held.error());
-    cap_memory = std::move(*held);
+    numbers.release();
+    cap_memory = TRY(reserve_cap(field, cap, context));
     memory->release();
-    memory = reserve_mesh(field, with_cap(*sizes, cap), options, context);
+    memory = reserve_mesh(field, with_cap(sizes, cap), options, context);
     if (!memory) return tl::unexpected(memory.error());
   }
   result.stats.count += watch.elapsed();
 
   watch.restart();
-  allocate_mesh(result.mesh, *sizes, cap, options);
-  if (auto done = surface.emit(result.mesh); !done) return tl::unexpected(done.error());
+  allocate_mesh(result.mesh, sizes, cap, options);
+  TRY(surface.emit(result.mesh));
   if (options.smooth_normals && result.stats.nan_samples != 0) {
-    if (auto filled = fill_normals(result.mesh, *sizes, field, context); !filled) return tl::unexpected(filled.error());
+    TRY(fill_normals(result.mesh, sizes, field, context));
   }
-  if (capped) append_cap(result.mesh, *sizes, cap, *box, placement);
+  if (capped) append_cap(result.mesh, sizes, cap, *box, placement);
   cap = {};
   cap_memory.release();
   if (surface.has_holes()) {
-    if (auto done = mesh::make_one_vertex_a_fan(result.mesh, field.source, context); !done) {
-      return tl::unexpected(done.error());
-    }
+    TRY(mesh::make_one_vertex_a_fan(result.mesh, field.source, context));
     memory->release();
     memory = reserve_mesh(field, {result.mesh.positions.size(), result.mesh.triangles.size()}, options, context);
     if (!memory) return tl::unexpected(memory.error());

@@ -314,21 +314,19 @@ struct LabelVoxels::Found {
   [[nodiscard]] Result<void> find_sparse(const field::ScalarField& field, const field::SparseSamples& samples,
                                          const Context& context) {
     std::vector<glm::ivec3> nodes = field::SparseLookup::node_origins(samples);
-    auto held = context.reserve(nodes.size() * sizeof(field::SparseLookup::Node), what);
-    if (!held) return tl::unexpected(held.error());
-    memory.push_back(std::move(*held));
+    auto held = TRY(context.reserve(nodes.size() * sizeof(field::SparseLookup::Node), what));
+    memory.push_back(std::move(held));
     lookup.emplace(samples, std::move(nodes));
     Reservation list_memory;
-    const auto origins = sparse_chunks(field, samples, region, false,
-                                       std::vector<std::uint8_t>(samples.tiles.size(), 1), context, list_memory);
-    if (!origins) return tl::unexpected(origins.error());
+    const auto origins = TRY(sparse_chunks(field, samples, region, false,
+                                           std::vector<std::uint8_t>(samples.tiles.size(), 1), context, list_memory));
     stats.samples_classified = samples.blocks.size() * kBlockSize * kBlockSize * kBlockSize;
     field::visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) {
-      run(origins->size(), context,
+      run(origins.size(), context,
           [&](ChunkLabels& chunk, std::size_t begin, std::size_t end, ReservedList<LabelPart>& list) {
             SparseRows<T> rows(samples, *lookup, region);
             for (std::size_t n = begin; n < end && !chunk.wrong(); ++n)
-              chunk.add(rows.read((*origins)[n]), (*origins)[n], list);
+              chunk.add(rows.read(origins[n]), origins[n], list);
           });
     });
     return {};
@@ -337,7 +335,7 @@ struct LabelVoxels::Found {
   // Puts the parts in order; the labels that were asked for, or all that were found.
   [[nodiscard]] Result<void> collect(const field::ScalarField& field, const LabelChoice& choice,
                                      const Context& context) {
-    if (auto wanted = context.check(); !wanted) return wanted;
+    TRY(context.check());
     for (const std::optional<WrongSample>& sample : wrong) {
       if (!sample) continue;
       const glm::ivec3 at = base + sample->at;
@@ -348,9 +346,8 @@ struct LabelVoxels::Found {
       if (task.error()) return tl::unexpected(*task.error());
       count += task.values().size();
     }
-    auto held = context.reserve(count * 2 * sizeof(std::uintptr_t), what);
-    if (!held) return tl::unexpected(held.error());
-    memory.push_back(std::move(*held));
+    auto held = TRY(context.reserve(count * 2 * sizeof(std::uintptr_t), what));
+    memory.push_back(std::move(held));
     for (const ReservedList<LabelPart>& task : tasks) {
       for (const LabelPart& part : task.values()) parts[part.label].push_back(&part);
     }
@@ -375,8 +372,7 @@ struct LabelVoxels::Found {
   [[nodiscard]] Result<void> make_net(std::uint64_t relaxations, const Context& context) {
     std::uint64_t count = 0;
     for (const ReservedList<LabelPart>& task : tasks) count += task.values().size();
-    auto held = context.reserve(LabelChunks::bytes(count), what);
-    if (!held) return tl::unexpected(held.error());
+    auto held = TRY(context.reserve(LabelChunks::bytes(count), what));
     std::vector<LabelChunk> chunks;
     chunks.reserve(count);
     for (const ReservedList<LabelPart>& task : tasks) {
@@ -387,18 +383,17 @@ struct LabelVoxels::Found {
     LabelChunks::Unlisted unlisted;
     if (lookup) unlisted = [this](const glm::ivec3& origin) { return label_of_tile(origin); };
     const field::IndexBox bounds{region.min - base, region.max - base};
-    auto made = NetPoints::make(LabelChunks(std::move(chunks), std::move(unlisted), bounds, std::move(*held)),
-                                relaxations, context, what);
-    if (!made) return tl::unexpected(made.error());
-    net.emplace(std::move(*made));
+    auto made = TRY(NetPoints::make(LabelChunks(std::move(chunks), std::move(unlisted), bounds, std::move(held)),
+                                    relaxations, context, what));
+    net.emplace(std::move(made));
     return {};
   }
 };
 
 Result<LabelVoxels> LabelVoxels::find(const field::ScalarField& field, const ExtractOptions& options,
                                       const LabelChoice& choice, const Context& context) {
-  if (auto sound = check_label_map(field, choice, options.nan); !sound) return tl::unexpected(sound.error());
-  if (auto sound = check_request(field, options); !sound) return tl::unexpected(sound.error());
+  TRY(check_label_map(field, choice, options.nan));
+  TRY(check_request(field, options));
   const Stopwatch watch;
   const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
   const auto* sparse = std::get_if<field::SparseSamples>(&field.samples);
@@ -407,13 +402,10 @@ Result<LabelVoxels> LabelVoxels::find(const field::ScalarField& field, const Ext
   if (stored.empty()) {
     stored = region = {glm::ivec3(0), glm::ivec3(0)};
   } else if (dense != nullptr) {
-    const auto asked = voxel_region(field, stored, options);
-    if (!asked) return tl::unexpected(asked.error());
-    region = *asked;
+    region = TRY(voxel_region(field, stored, options));
   } else {
-    const auto reach = sparse_reach(field, *sparse, options, false);
-    if (!reach) return tl::unexpected(reach.error());
-    region = reach->region;
+    const auto reach = TRY(sparse_reach(field, *sparse, options, false));
+    region = reach.region;
   }
   const OutputFrame frame = voxel_frame(field, options, stored, options.region ? region : stored);
   auto found = std::make_shared<Found>(field.source + ": the voxels of its labels", region, frame);
@@ -422,12 +414,11 @@ Result<LabelVoxels> LabelVoxels::find(const field::ScalarField& field, const Ext
   found->nan = options.nan;
   if (dense != nullptr) {
     found->find_dense(*dense, context);
-  } else if (auto done = found->find_sparse(field, *sparse, context); !done) {
-    return tl::unexpected(done.error());
-  }
-  if (auto done = found->collect(field, choice, context); !done) return tl::unexpected(done.error());
+  } else
+    TRY(found->find_sparse(field, *sparse, context));
+  TRY(found->collect(field, choice, context));
   if (nets) {
-    if (auto done = found->make_net(options.relaxations, context); !done) return tl::unexpected(done.error());
+    TRY(found->make_net(options.relaxations, context));
   }
   const bool floats =
       visit_sample_type(field.type(), []<class T>(std::type_identity<T>) { return field::is_floating_sample<T>; });
@@ -448,8 +439,7 @@ Result<Extraction> LabelVoxels::extract(const field::ScalarField& field, std::in
                                         const ExtractOptions& options, const Context& context) const {
   const auto entry = found_->parts.find(label);
   if (entry == found_->parts.end()) return Extraction{{}, found_->stats};
-  auto memory = context.reserve(VoxelChunks::bytes(entry->second.size()), found_->what);
-  if (!memory) return tl::unexpected(memory.error());
+  auto memory = TRY(context.reserve(VoxelChunks::bytes(entry->second.size()), found_->what));
   std::vector<VoxelChunk> chunks;
   chunks.reserve(entry->second.size());
   for (const LabelPart* part : entry->second) {
@@ -459,7 +449,7 @@ Result<Extraction> LabelVoxels::extract(const field::ScalarField& field, std::in
   if (found_->lookup) {
     unlisted = [this, label](const glm::ivec3& origin) { return found_->label_of_tile(origin) == label; };
   }
-  const VoxelChunks voxels(std::move(chunks), std::move(unlisted), found_, std::move(*memory));
+  const VoxelChunks voxels(std::move(chunks), std::move(unlisted), found_, std::move(memory));
   ExtractStats stats = found_->stats;
   if (label != found_->labels.front()) stats.classify = {};  // all were found at once
   return mesh_voxels(field, voxels, found_->base, found_->frame, options, stats, context,

@@ -24,8 +24,7 @@ std::string chunks_text(const field::ScalarField& field) { return fmt::format("{
 template <class Fill, class Origin>
 Result<VoxelChunks> fill_chunks(const field::ScalarField& field, std::size_t count, const Fill& fill,
                                 const Origin& origin, VoxelChunks::Unlisted unlisted, const Context& context) {
-  auto memory = context.reserve(VoxelChunks::bytes(count), chunks_text(field));
-  if (!memory) return tl::unexpected(memory.error());
+  auto memory = TRY(context.reserve(VoxelChunks::bytes(count), chunks_text(field)));
   std::vector<VoxelChunk> chunks(count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n) {
     ChunkBits bits;
@@ -37,18 +36,17 @@ Result<VoxelChunks> fill_chunks(const field::ScalarField& field, std::size_t cou
   });
   const auto is_mixed = [](const VoxelChunk& chunk) { return chunk.bits == nullptr; };
   const auto mixed = static_cast<std::size_t>(std::ranges::count_if(chunks, is_mixed));
-  auto bits = make_reserved_buffer<ChunkBits>(mixed, context, chunks_text(field));
-  if (!bits) return tl::unexpected(bits.error());
+  auto bits = TRY(make_reserved_buffer<ChunkBits>(mixed, context, chunks_text(field)));
   std::size_t next = 0;
   for (VoxelChunk& chunk : chunks) {
-    if (is_mixed(chunk)) chunk.bits = &(*bits)->values[next++];
+    if (is_mixed(chunk)) chunk.bits = &bits->values[next++];
   }
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n) {
     if (chunks[n].bits == &full_chunk() || chunks[n].bits == &empty_chunk()) return;
-    fill(n, (*bits)->values[static_cast<std::size_t>(chunks[n].bits - (*bits)->values.data())]);
+    fill(n, bits->values[static_cast<std::size_t>(chunks[n].bits - bits->values.data())]);
   });
   if (!unlisted) std::erase_if(chunks, [](const VoxelChunk& chunk) { return chunk.bits == &empty_chunk(); });
-  return VoxelChunks(std::move(chunks), std::move(unlisted), std::move(*bits), std::move(*memory));
+  return VoxelChunks(std::move(chunks), std::move(unlisted), std::move(bits), std::move(memory));
 }
 
 void count_chunks(ExtractStats& stats, std::uint64_t all, const VoxelChunks& voxels) {
@@ -67,44 +65,38 @@ Result<Extraction> mesh_in_bounds(const field::ScalarField& field, const VoxelCh
     return mesh_voxels(field, voxels, base, placement, options, stats, context);
   }
   const Stopwatch watch;
-  auto memory = context.reserve(LabelChunks::bytes(voxels.chunks().size()), chunks_text(field));
-  if (!memory) return tl::unexpected(memory.error());
+  auto memory = TRY(context.reserve(LabelChunks::bytes(voxels.chunks().size()), chunks_text(field)));
   std::vector<LabelChunk> chunks;
   chunks.reserve(voxels.chunks().size());
   for (const VoxelChunk& chunk : voxels.chunks()) chunks.push_back({0, chunk.origin, chunk.bits});
   const auto unlisted = [&](const glm::ivec3& origin) {
     return &voxels.at(origin) == &full_chunk() ? std::optional<std::int64_t>(0) : std::nullopt;
   };
-  const LabelChunks inside(std::move(chunks), unlisted, bounds, std::move(*memory));
-  auto net = NetPoints::make(inside, options.relaxations, context, chunks_text(field));
-  if (!net) return tl::unexpected(net.error());
+  const LabelChunks inside(std::move(chunks), unlisted, bounds, std::move(memory));
+  auto net = TRY(NetPoints::make(inside, options.relaxations, context, chunks_text(field)));
   ExtractStats with_net = stats;
   with_net.count += watch.elapsed();
-  return mesh_voxels(field, voxels, base, placement, options, with_net, context, &*net);
+  return mesh_voxels(field, voxels, base, placement, options, with_net, context, &net);
 }
 
 Result<Extraction> extract_dense_voxels(const field::ScalarField& field, const field::DenseSamples& samples,
                                         const ExtractOptions& options, const Context& context) {
-  const auto region = voxel_region(field, {glm::ivec3(0), samples.dims - 1}, options);
-  if (!region) return tl::unexpected(region.error());
+  const auto region = TRY(voxel_region(field, {glm::ivec3(0), samples.dims - 1}, options));
   ExtractStats stats;
-  const ChunkGrid grid(*region);
+  const ChunkGrid grid(region);
   Result<VoxelChunks> voxels;
   {
-    auto masks = make_masks(field, glm::ivec3(region->dims()), context);
-    if (!masks) return tl::unexpected(masks.error());
-    const auto classified = visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) -> Result<bool> {
-      const DenseView<T> view = part_of(dense_view<T>(samples), *region);
-      const auto threshold = classify_dense(field, view, region->min, options, *masks, stats, context);
-      if (!threshold) return tl::unexpected(threshold.error());
-      return threshold->has_value();
-    });
-    if (!classified) return tl::unexpected(classified.error());
-    if (!*classified) {
+    auto masks = TRY(make_masks(field, glm::ivec3(region.dims()), context));
+    const auto classified = TRY(visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) -> Result<bool> {
+      const DenseView<T> view = part_of(dense_view<T>(samples), region);
+      const auto threshold = TRY(classify_dense(field, view, region.min, options, masks, stats, context));
+      return threshold.has_value();
+    }));
+    if (!classified) {
       count_chunks(stats, grid.count(), {});
       return Extraction{{}, stats};
     }
-    const glm::ivec3& dims = masks->dims();
+    const glm::ivec3& dims = masks.dims();
     voxels = fill_chunks(
         field, grid.count(),
         [&](std::size_t n, ChunkBits& bits) {
@@ -112,7 +104,7 @@ Result<Extraction> extract_dense_voxels(const field::ScalarField& field, const f
           for (int z = 0; z < 8; ++z) {
             for (int y = 0; y < 8; ++y) {
               const bool there = origin.y + y < dims.y && origin.z + z < dims.z;
-              bits[chunk_row(y, z)] = there ? masks->row(origin.y + y, origin.z + z)[origin.x / 64] : 0;
+              bits[chunk_row(y, z)] = there ? masks.row(origin.y + y, origin.z + z)[origin.x / 64] : 0;
             }
           }
         },
@@ -120,10 +112,10 @@ Result<Extraction> extract_dense_voxels(const field::ScalarField& field, const f
   }
   if (!voxels) return tl::unexpected(voxels.error());
   count_chunks(stats, grid.count(), *voxels);
-  if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
-  const OutputFrame placement = voxel_frame(field, options, {glm::ivec3(0), samples.dims - 1}, *region);
-  const field::IndexBox bounds{glm::ivec3(0), region->max - region->min};
-  return mesh_in_bounds(field, *voxels, bounds, region->min, placement, options, stats, context);
+  TRY(context.check());
+  const OutputFrame placement = voxel_frame(field, options, {glm::ivec3(0), samples.dims - 1}, region);
+  const field::IndexBox bounds{glm::ivec3(0), region.max - region.min};
+  return mesh_in_bounds(field, *voxels, bounds, region.min, placement, options, stats, context);
 }
 
 // Eight bytes as the rows of 8 x 8 bits, which change places with the columns (Warren: Hacker's Delight, 7-3).
@@ -156,21 +148,19 @@ Result<Extraction> extract_sparse_voxels(const field::ScalarField& field, const 
                                          const ExtractOptions& options, const Context& context) {
   if (stored_box(samples).empty()) return no_voxels();
   const bool unbounded = InsideRule{field.kind, options.iso}(field.scale(samples.background));
-  const auto reach = sparse_reach(field, samples, options, unbounded);
-  if (!reach) return tl::unexpected(reach.error());
+  const auto reach = TRY(sparse_reach(field, samples, options, unbounded));
   ExtractStats stats;
-  SparseSites samples_seen(field, samples, reach->region, options, context);
-  if (auto compared = samples_seen.compare(stats); !compared) return tl::unexpected(compared.error());
+  SparseSites samples_seen(field, samples, reach.region, options, context);
+  TRY(samples_seen.compare(stats));
   const ConstantSides& sides = samples_seen.sides();
   Reservation list_memory;
   const auto origins =
-      sparse_chunks(field, samples, reach->region, unbounded, sides.tiles_inside, context, list_memory);
-  if (!origins) return tl::unexpected(origins.error());
+      TRY(sparse_chunks(field, samples, reach.region, unbounded, sides.tiles_inside, context, list_memory));
   const field::SparseLookup& lookup = samples_seen.lookup();
-  const auto voxels = fill_chunks(
-      field, origins->size(),
+  const auto voxels = TRY(fill_chunks(
+      field, origins.size(),
       [&](std::size_t n, ChunkBits& bits) {
-        const glm::ivec3& origin = (*origins)[n];
+        const glm::ivec3& origin = origins[n];
         bits.fill(0);
         for (int place = 0; place < 8; ++place) {
           const std::int32_t stored = lookup.place(origin + glm::ivec3(8 * place, 0, 0));
@@ -180,17 +170,16 @@ Result<Extraction> extract_sparse_voxels(const field::ScalarField& field, const 
             for (std::uint64_t& row : bits) row |= std::uint64_t{0xFF} << 8 * place;
           }
         }
-        const ChunkBits within = bits_within(origin, reach->region);
+        const ChunkBits within = bits_within(origin, reach.region);
         for (std::size_t row = 0; row < bits.size(); ++row) bits[row] &= within[row];
       },
-      [&](std::size_t n) { return (*origins)[n]; },
-      [&](const glm::ivec3& origin) { return is_in(reach->region, origin) && sides.inside(lookup.place(origin)); },
-      context);
-  if (!voxels) return tl::unexpected(voxels.error());
-  count_chunks(stats, origins->size(), *voxels);
-  if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
-  return mesh_in_bounds(field, *voxels, reach->region, glm::ivec3(0), sparse_voxel_frame(field, options, *reach),
-                        options, stats, context);
+      [&](std::size_t n) { return (origins)[n]; },
+      [&](const glm::ivec3& origin) { return is_in(reach.region, origin) && sides.inside(lookup.place(origin)); },
+      context));
+  count_chunks(stats, origins.size(), voxels);
+  TRY(context.check());
+  return mesh_in_bounds(field, voxels, reach.region, glm::ivec3(0), sparse_voxel_frame(field, options, reach), options,
+                        stats, context);
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ class LabelVoxels {
   // Fails with ErrorKind::usage where a scale makes something else of the samples, and for a label that a sparse field
   // has all around; with ErrorKind::input where a sample is no label or memory runs out; with ErrorKind::cancelled.
   [[nodiscard]] static Result<LabelVoxels> find(const field::ScalarField& field, const ExtractOptions& options,
-                                                const LabelChoice& choice, const Context& context = Context());
+                                                const LabelChoice& choice, const Context& context);
 
   // Those that were asked for, in their order, found or not; all of them in rising order.
   [[nodiscard]] const std::vector<std::int64_t>& labels() const;
@@ -48,7 +48,7 @@ class LabelVoxels {
   // `options` are the same but for what a mesh is like. By surface nets the borders of two labels are the same
   // triangles in both meshes, turned over. Fails as Extractor::extract() does.
   [[nodiscard]] Result<Extraction> extract(const field::ScalarField& field, std::int64_t label,
-                                           const ExtractOptions& options, const Context& context = Context()) const;
+                                           const ExtractOptions& options, const Context& context) const;
 
  private:
   struct Found;

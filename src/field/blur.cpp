@@ -172,11 +172,10 @@ Result<Samples> blur_dense(const ScalarField& field, const DenseSamples& data, c
                            const Context& context) {
   using Out = Blurred<T>;
   const auto* from = static_cast<const T*>(data.data);
-  auto made = make_reserved_buffer<Out>(data.count(), context, work_on(field));
-  if (!made) return tl::unexpected(made.error());
-  const auto scratch = context.reserve(threads_at_most() * DensePasses<Out>::scratch_bytes(data.dims), work_on(field));
-  if (!scratch) return tl::unexpected(scratch.error());
-  Out* const values = (*made)->values.data();
+  auto made = TRY(make_reserved_buffer<Out>(data.count(), context, work_on(field)));
+  const auto scratch =
+      TRY(context.reserve(threads_at_most() * DensePasses<Out>::scratch_bytes(data.dims), work_on(field)));
+  Out* const values = made->values.data();
   std::atomic<bool> all_finite{true};
   for_slices(data, context, [&](int, std::size_t first, std::size_t end) {
     bool finite = true;
@@ -188,9 +187,7 @@ Result<Samples> blur_dense(const ScalarField& field, const DenseSamples& data, c
   });
   std::shared_ptr<ReservedBuffer<float>> known;
   if (!all_finite) {
-    auto mask = make_reserved_buffer<float>(data.count(), context, work_on(field));
-    if (!mask) return tl::unexpected(mask.error());
-    known = std::move(*mask);
+    known = TRY(make_reserved_buffer<float>(data.count(), context, work_on(field)));
     for_slices(data, context, [&](int, std::size_t first, std::size_t end) {
       for (std::size_t i = first; i < end; ++i) known->values[i] = is_known_number(from[i]) ? 1.0F : 0.0F;
     });
@@ -198,7 +195,7 @@ Result<Samples> blur_dense(const ScalarField& field, const DenseSamples& data, c
   DensePasses<Out> passes(values, known ? known->values.data() : nullptr, data.dims, context);
   for (int axis = 0; axis < 3; ++axis) {
     if (sigma[axis] > 0) passes.pass(axis, gaussian_weights(sigma[axis]));
-    if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+    TRY(context.check());
   }
   if (known) {
     for_slices(data, context, [&](int, std::size_t first, std::size_t end) {
@@ -211,7 +208,7 @@ Result<Samples> blur_dense(const ScalarField& field, const DenseSamples& data, c
   blurred.type = sample_type_of<Out>();
   blurred.dims = data.dims;
   blurred.data = values;
-  blurred.owner = std::move(*made);
+  blurred.owner = std::move(made);
   return blurred;
 }
 
@@ -281,7 +278,7 @@ Result<ScalarField> blur_gaussian(const ScalarField& field, const glm::dvec3& si
     }
   }
   context.progress().begin("blurring", 0);
-  auto samples = visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) -> Result<Samples> {
+  auto samples = TRY(visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) -> Result<Samples> {
     if (const auto* dense = std::get_if<DenseSamples>(&field.samples))
       return blur_dense<T>(field, *dense, sigma, context);
     std::array<std::vector<double>, 3> weights;
@@ -295,10 +292,9 @@ Result<ScalarField> blur_gaussian(const ScalarField& field, const glm::dvec3& si
                                       [&](const glm::ivec3& dims, double* values, double* scratch, auto* block) {
                                         blur_block(weights, dims, values, scratch, block);
                                       });
-  });
-  if (!samples) return tl::unexpected(samples.error());
+  }));
   ScalarField blurred = without_samples(field);
-  blurred.samples = std::move(*samples);
+  blurred.samples = std::move(samples);
   return blurred;
 }
 

@@ -28,10 +28,10 @@ inline constexpr int kMaxMedianWidth = 8;
 // Fails with ErrorKind::usage for other deviations, with ErrorKind::input where the memory is not there, and where the
 // context is cancelled. The same for any number of threads.
 [[nodiscard]] Result<ScalarField> blur_gaussian(const ScalarField& field, const glm::dvec3& sigma,
-                                                const Context& context = Context());
+                                                const Context& context);
 
 // The median of the samples up to `width` (1 to kMaxMedianWidth) voxels away along each axis, the lower one of an even
 // number; of those that are in the data, and no NaN. NaN stays. Samples keep their type. Everything else is as above.
-[[nodiscard]] Result<ScalarField> blur_median(const ScalarField& field, int width, const Context& context = Context());
+[[nodiscard]] Result<ScalarField> blur_median(const ScalarField& field, int width, const Context& context);
 
 }  // namespace isoextract::field

@@ -43,10 +43,9 @@ Result<Samples> coarsen_dense(const ScalarField& field, const DenseSamples& fine
     return fail(ErrorKind::input, fmt::format("{}: of its {} x {} x {} samples, one for each {}^3 is too few",
                                               field.source, fine.dims.x, fine.dims.y, fine.dims.z, factor));
   }
-  auto made = make_reserved_buffer<Coarse<T>>(coarse.count(), context,
-                                              fmt::format("{}: one sample for each {}^3", field.source, factor));
-  if (!made) return tl::unexpected(made.error());
-  Coarse<T>* const values = (*made)->values.data();
+  auto made = TRY(make_reserved_buffer<Coarse<T>>(coarse.count(), context,
+                                                  fmt::format("{}: one sample for each {}^3", field.source, factor)));
+  Coarse<T>* const values = made->values.data();
   const glm::i64vec3 dims(fine.dims);
   const auto* source = static_cast<const T*>(fine.data);
   context.progress().begin("making the field coarser", static_cast<std::uint64_t>(coarse.dims.z));
@@ -63,7 +62,7 @@ Result<Samples> coarsen_dense(const ScalarField& field, const DenseSamples& fine
     context.progress().advance(1);
   });
   coarse.data = values;
-  coarse.owner = std::move(*made);
+  coarse.owner = std::move(made);
   return coarse;
 }
 
@@ -94,10 +93,9 @@ Result<Samples> coarsen_sparse(const ScalarField& field, const SparseSamples& fi
   const auto key = [](const glm::ivec3& p) { return std::tuple(p.x, p.y, p.z); };
   std::ranges::sort(origins, {}, key);
   origins.erase(std::unique(origins.begin(), origins.end()), origins.end());
-  auto made = make_reserved_buffer<Coarse<T>>(origins.size() * kBlockSamples, context,
-                                              fmt::format("{}: one sample for each {}^3", field.source, factor));
-  if (!made) return tl::unexpected(made.error());
-  Coarse<T>* const values = (*made)->values.data();
+  auto made = TRY(make_reserved_buffer<Coarse<T>>(origins.size() * kBlockSamples, context,
+                                                  fmt::format("{}: one sample for each {}^3", field.source, factor)));
+  Coarse<T>* const values = made->values.data();
   const SparseLookup lookup(fine);
   context.progress().begin("making the field coarser", origins.size());
   tbb::parallel_for(std::size_t{0}, origins.size(), [&](std::size_t b) {
@@ -124,20 +122,19 @@ Result<Samples> coarsen_sparse(const ScalarField& field, const SparseSamples& fi
     }
   }
   coarse.active_voxels = fine.active_voxels / (static_cast<std::uint64_t>(factor) * factor * factor);
-  coarse.owner = std::move(*made);
+  coarse.owner = std::move(made);
   return coarse;
 }
 
 }  // namespace
 
 Result<ScalarField> coarsen(const ScalarField& field, int factor, const Context& context) {
-  auto samples = visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
+  auto samples = TRY(visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
     if (const auto* dense = std::get_if<DenseSamples>(&field.samples)) {
       return coarsen_dense<T>(field, *dense, factor, context);
     }
     return coarsen_sparse<T>(field, std::get<SparseSamples>(field.samples), factor, context);
-  });
-  if (!samples) return tl::unexpected(samples.error());
+  }));
   ScalarField coarse;
   coarse.name = field.name;
   coarse.source = field.source;
@@ -149,7 +146,7 @@ Result<ScalarField> coarsen(const ScalarField& field, int factor, const Context&
   coarse.scale = field.scale;
   coarse.index_to_world = coarse_transform(field.index_to_world, factor);
   coarse.index_to_file = coarse_transform(field.index_to_file, factor);
-  coarse.samples = std::move(*samples);
+  coarse.samples = std::move(samples);
   return coarse;
 }
 

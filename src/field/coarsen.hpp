@@ -12,6 +12,6 @@ namespace isoextract::field {
 // sparse stays sparse, its blocks aligned with multiples of 8 * `factor`. Samples are f64 if they were, otherwise f32;
 // a sample that is not finite makes the mean not finite. Fails with ErrorKind::input where an axis would have fewer
 // than two samples, or the memory for it is not there.
-[[nodiscard]] Result<ScalarField> coarsen(const ScalarField& field, int factor, const Context& context = Context());
+[[nodiscard]] Result<ScalarField> coarsen(const ScalarField& field, int factor, const Context& context);
 
 }  // namespace isoextract::field

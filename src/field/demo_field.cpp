@@ -221,38 +221,36 @@ Result<DemoSpec> parse_demo_spec(std::string_view spec) {
                 Remedy::list_demo_fields);
   }
   DemoSpec demo{name, kDefaultSize, 0};
-  if (auto parsed = parse_settings(spec, settings, demo); !parsed) return tl::unexpected(parsed.error());
+  TRY(parse_settings(spec, settings, demo));
   return demo;
 }
 
 Result<ScalarField> make_demo_field(std::string_view spec, const Context& context) {
-  const Result<DemoSpec> parsed = parse_demo_spec(spec);
-  if (!parsed) return tl::unexpected(parsed.error());
-  const auto n = static_cast<std::size_t>(parsed->size);
-  auto samples = make_reserved_buffer<float>(n * n * n, context, fmt::format("{}: {}^3 f32 samples", spec, n));
-  if (!samples) return tl::unexpected(samples.error());
+  const DemoSpec parsed = TRY(parse_demo_spec(spec));
+  const auto n = static_cast<std::size_t>(parsed.size);
+  auto samples = TRY(make_reserved_buffer<float>(n * n * n, context, fmt::format("{}: {}^3 f32 samples", spec, n)));
 
-  const double spacing = 2.0 / (parsed->size - 1);
+  const double spacing = 2.0 / (parsed.size - 1);
   Axis axis(n);
   for (std::size_t i = 0; i < n; ++i) axis[i] = -1 + spacing * static_cast<double>(i);
 
-  float* const values = (*samples)->values.data();
-  const Demo& demo = *find_demo(parsed->name);
-  const FillRow fill = parsed->time == 0 ? demo.make(axis) : demo.make_moved(axis, parsed->time);
+  float* const values = samples->values.data();
+  const Demo& demo = *find_demo(parsed.name);
+  const FillRow fill = parsed.time == 0 ? demo.make(axis) : demo.make_moved(axis, parsed.time);
   context.progress().begin("making the demo field", n);
   tbb::parallel_for(std::size_t{0}, n, [&](std::size_t k) {
     if (context.cancelled()) return;
     for (std::size_t j = 0; j < n; ++j) fill(j, k, values + n * (j + n * k));
     context.progress().advance(1);
   });
-  if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
+  TRY(context.check());
 
   ScalarField field;
-  field.name = std::string(parsed->name);
+  field.name = std::string(parsed.name);
   field.source = std::string(spec);
   field.format = "demo";
   field.index_to_world = {glm::dmat3(spacing), glm::dvec3(-1)};
-  field.samples = DenseSamples{SampleType::f32, glm::ivec3(parsed->size), std::move(*samples), values};
+  field.samples = DenseSamples{SampleType::f32, glm::ivec3(parsed.size), std::move(samples), values};
   return field;
 }
 

@@ -38,6 +38,6 @@ struct DemoSpec {
 // time (any number, of which whole periods of 1 are dropped; default 0). Fails
 // like parse_demo_spec, and with ErrorKind::input where the samples need more memory than is left. The samples keep
 // theirs reserved.
-[[nodiscard]] Result<ScalarField> make_demo_field(std::string_view spec, const Context& context = Context());
+[[nodiscard]] Result<ScalarField> make_demo_field(std::string_view spec, const Context& context);
 
 }  // namespace isoextract::field

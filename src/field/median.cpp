@@ -29,9 +29,8 @@ bool is_nan(T value) {
 
 template <class T>
 Result<Samples> median_dense(const ScalarField& field, const DenseSamples& data, int width, const Context& context) {
-  auto made = make_reserved_buffer<T>(data.count(), context, work_on(field));
-  if (!made) return tl::unexpected(made.error());
-  T* const values = (*made)->values.data();
+  auto made = TRY(make_reserved_buffer<T>(data.count(), context, work_on(field)));
+  T* const values = made->values.data();
   const auto* from = static_cast<const T*>(data.data);
   const glm::i64vec3 dims(data.dims);
   tbb::enumerable_thread_specific<std::vector<T>> windows;
@@ -57,12 +56,12 @@ Result<Samples> median_dense(const ScalarField& field, const DenseSamples& data,
     }
     context.progress().advance(1);
   });
-  if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+  TRY(context.check());
   DenseSamples blurred;
   blurred.type = data.type;
   blurred.dims = data.dims;
   blurred.data = values;
-  blurred.owner = std::move(*made);
+  blurred.owner = std::move(made);
   return blurred;
 }
 
@@ -102,7 +101,7 @@ Result<ScalarField> blur_median(const ScalarField& field, int width, const Conte
                                               field.source, width, kMaxMedianWidth));
   }
   context.progress().begin("blurring", 0);
-  auto samples = visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) -> Result<Samples> {
+  auto samples = TRY(visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) -> Result<Samples> {
     if (const auto* dense = std::get_if<DenseSamples>(&field.samples)) {
       return median_dense<T>(field, *dense, width, context);
     }
@@ -110,10 +109,9 @@ Result<ScalarField> blur_median(const ScalarField& field, int width, const Conte
                              [&](const glm::ivec3& dims, const double* values, double*, T* block) {
                                median_block(width, dims, values, block);
                              });
-  });
-  if (!samples) return tl::unexpected(samples.error());
+  }));
   ScalarField blurred = without_samples(field);
-  blurred.samples = std::move(*samples);
+  blurred.samples = std::move(samples);
   return blurred;
 }
 

@@ -72,10 +72,9 @@ Result<void> mark(ScalarField& field, const DenseSamples& samples, double value,
     return {};
   }
   using Marked = WithNan<T>;
-  auto made = make_reserved_buffer<Marked>(samples.count(), context,
-                                           fmt::format("{}: samples with NaN for no data", field.source));
-  if (!made) return tl::unexpected(std::move(made.error()));
-  Marked* const to = (*made)->values.data();
+  auto made = TRY(make_reserved_buffer<Marked>(samples.count(), context,
+                                               fmt::format("{}: samples with NaN for no data", field.source)));
+  Marked* const to = made->values.data();
   tbb::parallel_for(all, [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       to[i] = is_no_data(from[i]) ? std::numeric_limits<Marked>::quiet_NaN() : static_cast<Marked>(from[i]);
@@ -90,7 +89,7 @@ Result<void> mark(ScalarField& field, const DenseSamples& samples, double value,
   marked.type = sample_type_of<Marked>();
   marked.dims = samples.dims;
   marked.data = to;
-  marked.owner = std::move(*made);
+  marked.owner = std::move(made);
   field.samples = std::move(marked);
   return {};
 }

@@ -12,6 +12,6 @@ namespace isoextract::field {
 // a sample, they are in memory of their own after that, reserved before it is taken: integers, which have no NaN, as
 // f32, and those of 32 bits as f64. Fails with ErrorKind::usage where the field is sparse, with ErrorKind::input where
 // the memory is not there.
-[[nodiscard]] Result<void> mark_no_data(ScalarField& field, double value, const Context& context = Context());
+[[nodiscard]] Result<void> mark_no_data(ScalarField& field, double value, const Context& context);
 
 }  // namespace isoextract::field

@@ -77,8 +77,8 @@ Result<PointCounts> sample_points(const ScalarField& field, std::span<const glm:
   std::vector<glm::ivec3> nodes;
   if (const auto* sparse = std::get_if<SparseSamples>(&field.samples)) nodes = SparseLookup::node_origins(*sparse);
   // The table of their origins is small beside them.
-  const auto memory = context.reserve(nodes.size() * sizeof(SparseLookup::Node), field.source + ": places of blocks");
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory =
+      TRY(context.reserve(nodes.size() * sizeof(SparseLookup::Node), field.source + ": places of blocks"));
   const Affine index_of_world = field.index_to_world.inverse();
   const bool dense = std::holds_alternative<DenseSamples>(field.samples);
   std::atomic<std::uint64_t> outside{0};
@@ -103,7 +103,7 @@ Result<PointCounts> sample_points(const ScalarField& field, std::span<const glm:
       context.progress().advance(range.size());
     });
   });
-  if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+  TRY(context.check());
   return PointCounts{outside.load(), not_finite.load()};
 }
 

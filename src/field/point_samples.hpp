@@ -28,7 +28,6 @@ struct PointCounts {
 // `values` has at least stride * (places - 1) + 1 elements; the others are left alone. Fails with ErrorKind::input
 // where the memory is not there, and as Context::check() does.
 [[nodiscard]] Result<PointCounts> sample_points(const ScalarField& field, std::span<const glm::dvec3> places,
-                                                std::span<float> values, std::size_t stride,
-                                                const Context& context = Context());
+                                                std::span<float> values, std::size_t stride, const Context& context);
 
 }  // namespace isoextract::field

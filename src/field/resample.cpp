@@ -419,8 +419,7 @@ Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolu
   const std::uint64_t count = checked_product(counts.x, counts.y, counts.z).value_or(~std::uint64_t{0});
   const std::string size =
       fmt::format("{} samples of {}", dims_text(resolution), sample_type_name(sample_type_of<Value>()));
-  auto values = make_reserved_buffer<Value>(count, context, fmt::format("{}: {}", field.source, size));
-  if (!values) return tl::unexpected(values.error());
+  auto values = TRY(make_reserved_buffer<Value>(count, context, fmt::format("{}: {}", field.source, size)));
   if (sparse != nullptr) {
     result.notes.push_back(
         fmt::format("{}: its sparse samples become {} ({}), which cover the voxels ({}, {}, {}) .. ({}, {}, {})",
@@ -438,13 +437,12 @@ Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolu
                     "the interpolant at their places",
                     field.source, dims_text(old_dims)));
   }
-  auto weight_memory = reserve_weights(field, old_dims, resolution, context);
-  if (!weight_memory) return tl::unexpected(std::move(weight_memory.error()));
+  auto weight_memory = TRY(reserve_weights(field, old_dims, resolution, context));
   const auto along = [&](int axis) { return AxisWeights(old_dims[axis], resolution[axis], kernel, means); };
   const Weights weights{along(0), along(1), along(2)};
-  fill(SourceRows<T>(field.samples, box, nan), old_dims, resolution, weights, (*values)->values.data(), context);
-  samples.data = (*values)->values.data();
-  samples.owner = std::move(*values);
+  fill(SourceRows<T>(field.samples, box, nan), old_dims, resolution, weights, values->values.data(), context);
+  samples.data = values->values.data();
+  samples.owner = std::move(values);
 
   Affine old_from_new = scaling(glm::dvec3(old_dims - 1) / glm::dvec3(resolution - 1));
   old_from_new.offset = box.min;
@@ -462,9 +460,7 @@ Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolut
     return fail(ErrorKind::usage,
                 fmt::format("a resolution needs at least 2 samples along each axis, found {}", dims_text(resolution)));
   }
-  if (auto checked = check_has_steps(field, "another resolution"); !checked) {
-    return tl::unexpected(std::move(checked.error()));
-  }
+  TRY(check_has_steps(field, "another resolution"));
   return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
     return kernel == ResampleKernel::nearest ? resampled<T, T>(field, resolution, kernel, nan, context)
                                              : resampled<T, Resampled<T>>(field, resolution, kernel, nan, context);
@@ -472,9 +468,7 @@ Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolut
 }
 
 Result<glm::ivec3> resolution_of_voxel_size(const ScalarField& field, const glm::dvec3& voxel_size) {
-  if (auto checked = check_has_steps(field, "another voxel size"); !checked) {
-    return tl::unexpected(std::move(checked.error()));
-  }
+  TRY(check_has_steps(field, "another voxel size"));
   const glm::i64vec3 dims = covered_box(field).dims();
   glm::ivec3 resolution(0);
   for (int axis = 0; axis < 3; ++axis) {

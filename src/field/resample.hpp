@@ -62,8 +62,7 @@ enum class NanSamples {
 // Fails with ErrorKind::usage where `resolution` is below 2 along an axis, with ErrorKind::input where `field` is, or
 // where the memory for it is not there.
 [[nodiscard]] Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolution,
-                                           ResampleKernel kernel = ResampleKernel::linear,
-                                           NanSamples nan = NanSamples::left_out, const Context& context = Context());
+                                           ResampleKernel kernel, NanSamples nan, const Context& context);
 
 // The resolution whose steps are as near to `voxel_size`, the lengths of a voxel's edges in world units, as steps can
 // be that divide the box that resample() covers: so that nothing of it is left out. They are those of the field where

@@ -53,30 +53,28 @@ KnownStates& known_states() {
 }  // namespace
 
 Result<FileState> state_of_file(const std::filesystem::path& path) {
-  const auto file = InputFile::open(path);
-  if (!file) return tl::unexpected(file.error());
-  const auto version = version_of(*file);
-  if (!version) return tl::unexpected(version.error());
-  const bool settled = version->is_settled();
+  const auto file = TRY(InputFile::open(path, Context()));
+  const auto version = TRY(version_of(file));
+  const bool settled = version.is_settled();
   if (settled) {
-    if (auto known = known_states().find(*version)) return std::move(*known);
+    if (auto known = known_states().find(version)) return std::move(*known);
   }
   constexpr std::uint64_t kPiece = 1 << 20;
   FileState state;
-  state.bytes = file->size();
+  state.bytes = file.size();
   const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> hash(XXH3_createState(), XXH3_freeState);
   if (hash == nullptr) return fail(ErrorKind::input, fmt::format("{}: not enough memory", path.string()));
   XXH3_128bits_reset(hash.get());
   Buffer<std::byte> piece(std::min(kPiece, state.bytes));
   for (std::uint64_t at = 0; at < state.bytes; at += piece.size()) {
     const std::span<std::byte> bytes = piece.span().first(std::min<std::uint64_t>(piece.size(), state.bytes - at));
-    if (auto read = file->read_at(at, bytes); !read) return tl::unexpected(read.error());
+    TRY(file.read_at(at, bytes));
     XXH3_128bits_update(hash.get(), bytes.data(), bytes.size());
   }
-  if (auto unchanged = check_unchanged(*file, *version); !unchanged) return tl::unexpected(unchanged.error());
-  state.modified = version->modified;
+  TRY(check_unchanged(file, version));
+  state.modified = version.modified;
   state.hash = text_of(XXH3_128bits_digest(hash.get()));
-  if (settled) known_states().add(*version, state);
+  if (settled) known_states().add(version, state);
   return state;
 }
 

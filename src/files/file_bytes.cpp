@@ -34,9 +34,7 @@ Result<InputFile> InputFile::open(const std::filesystem::path& path, const Conte
   };
   InputFile file(path, -1, 0, context);  // before there is a descriptor that could be lost
   if (is_standard_input(path)) {
-    const auto descriptor = detail::open_standard_input(context);
-    if (!descriptor) return tl::unexpected(descriptor.error());
-    file.descriptor_ = *descriptor;
+    file.descriptor_ = TRY(detail::open_standard_input(context));
   } else {
     // Without O_NONBLOCK, opening a pipe that nobody writes to would wait for ever.
     file.descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
@@ -107,13 +105,13 @@ bool is_gzip(std::span<const std::byte> content) {
 
 Result<std::vector<std::byte>> first_bytes(const InputFile& file, std::size_t count) {
   std::vector<std::byte> bytes(std::min<std::uint64_t>(count, file.size()));
-  if (auto read = file.read_at(0, bytes); !read) return tl::unexpected(read.error());
+  TRY(file.read_at(0, bytes));
   if (!is_gzip(bytes)) return bytes;
 
   // The file may be small and its content large: ask for all of `count`.
   bytes.resize(count);
   std::vector<std::byte> packed(std::min<std::uint64_t>(file.size(), 2 * count + 1024));
-  if (auto read = file.read_at(0, packed); !read) return tl::unexpected(read.error());
+  TRY(file.read_at(0, packed));
   z_stream stream{};
   constexpr int kGzipOnly = 16 + MAX_WBITS;
   if (::inflateInit2(&stream, kGzipOnly) != Z_OK) throw std::bad_alloc();

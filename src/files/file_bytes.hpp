@@ -28,7 +28,7 @@ class InputFile {
   // Standard input is read to its end when it is opened first, unless it is a file, and kept until the process ends: so
   // it can be opened again like any file. What is kept is reserved in the context that it was opened in first; a
   // terminal is ErrorKind::usage.
-  [[nodiscard]] static Result<InputFile> open(const std::filesystem::path& path, const Context& context = Context());
+  [[nodiscard]] static Result<InputFile> open(const std::filesystem::path& path, const Context& context);
 
   InputFile(InputFile&& other) noexcept;
   InputFile& operator=(InputFile&& other) noexcept;

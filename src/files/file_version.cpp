@@ -39,9 +39,8 @@ Result<FileVersion> version_of(const InputFile& file) {
 }
 
 Result<void> check_unchanged(const InputFile& file, const FileVersion& before) {
-  const auto now = version_of(file);
-  if (!now) return tl::unexpected(now.error());
-  if (now->bytes == before.bytes && now->modified == before.modified) return {};
+  const auto now = TRY(version_of(file));
+  if (now.bytes == before.bytes && now.modified == before.modified) return {};
   return fail(ErrorKind::input, fmt::format("{}: it was written to while it was read", file.name()),
               "convert it when nothing writes to it");
 }

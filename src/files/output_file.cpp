@@ -204,7 +204,7 @@ Result<void> OutputFile::State::read_from(std::uint64_t place, std::span<std::by
 
 // All that can fail for want of space; afterwards only a rename is left to do.
 Result<void> OutputFile::State::prepare() {
-  if (auto flushed = flush(); !flushed) return flushed;
+  TRY(flush());
   if (kind == Kind::standard_output) return {};
   if (kind == Kind::file && temporary.empty()) {
     auto name = TemporaryName::name_file(folder, fd);
@@ -306,11 +306,11 @@ Result<void> OutputFile::write(std::span<const std::byte> bytes) {
   if (state.failure) return tl::unexpected<Error>(*state.failure);
   state.bytes += bytes.size();
   if (bytes.size() >= kDirectBytes) {
-    if (auto flushed = state.flush(); !flushed) return flushed;
+    TRY(state.flush());
     return state.write_through(bytes);
   }
   if (bytes.size() > state.buffer.size() - state.buffered) {
-    if (auto flushed = state.flush(); !flushed) return flushed;
+    TRY(state.flush());
   }
   std::copy(bytes.begin(), bytes.end(), state.buffer.begin() + state.buffered);
   state.buffered += bytes.size();
@@ -320,7 +320,7 @@ Result<void> OutputFile::write(std::span<const std::byte> bytes) {
 Result<void> OutputFile::write(std::string_view text) { return write(std::as_bytes(std::span(text))); }
 
 Result<void> OutputFile::overwrite(std::uint64_t place, std::span<const std::byte> bytes) {
-  if (auto ready = state_->begin_change(); !ready) return ready;
+  TRY(state_->begin_change());
   return state_->write_to(place, bytes);
 }
 
@@ -333,8 +333,8 @@ Result<void> OutputFile::move_end(std::uint64_t from, std::uint64_t to) {
   for (std::uint64_t done = 0; done < count;) {
     const std::size_t size = std::min<std::uint64_t>(block.size(), count - done);
     const std::uint64_t at = to < from ? done : count - done - size;
-    if (auto read = state.read_from(from + at, block.first(size)); !read) return read;
-    if (auto written = state.write_to(to + at, block.first(size)); !written) return written;
+    TRY(state.read_from(from + at, block.first(size)));
+    TRY(state.write_to(to + at, block.first(size)));
     done += size;
   }
   state.bytes = to + count;
@@ -348,13 +348,13 @@ std::uint64_t OutputFile::bytes_written() const { return state_->bytes; }
 const std::string& OutputFile::shown_name() const { return state_->shown; }
 
 Result<void> OutputFile::commit() {
-  if (auto prepared = state_->prepare(); !prepared) return prepared;
+  TRY(state_->prepare());
   return state_->publish();
 }
 
 Result<void> OutputFile::commit_all(std::span<OutputFile* const> files) {
   for (OutputFile* file : files) {
-    if (auto prepared = file->state_->prepare(); !prepared) return prepared;
+    TRY(file->state_->prepare());
   }
   std::vector<TemporaryName> old(files.size());  // second names of the files that are about to be replaced
   for (std::size_t f = 0; f < files.size(); ++f) {
@@ -390,7 +390,7 @@ void OutputFile::remove_unfinished() noexcept { TemporaryName::remove_all(); }
 Result<void> write_file(const fs::path& path, std::string_view text) {
   auto file = OutputFile::create(path);
   if (!file) return tl::unexpected<Error>(std::move(file.error()));
-  if (auto written = file->write(text); !written) return written;
+  TRY(file->write(text));
   return file->commit();
 }
 

@@ -11,18 +11,14 @@ namespace isoextract::files {
 
 Result<std::string> read_text_file(const std::filesystem::path& path, std::string_view what, std::uint64_t most,
                                    const Context& context) {
-  const auto file = InputFile::open(path, context);
-  if (!file) return tl::unexpected(file.error());
-  if (file->size() > most) {
-    return fail(ErrorKind::input, fmt::format("{}: expected {} of at most {}, found {}", file->name(), what,
-                                              format_byte_size(most), format_byte_size(file->size())));
+  const auto file = TRY(InputFile::open(path, context));
+  if (file.size() > most) {
+    return fail(ErrorKind::input, fmt::format("{}: expected {} of at most {}, found {}", file.name(), what,
+                                              format_byte_size(most), format_byte_size(file.size())));
   }
-  auto memory = context.reserve(file->size(), file->name());
-  if (!memory) return tl::unexpected(std::move(memory.error()));
-  std::string text(static_cast<std::size_t>(file->size()), '\0');
-  if (auto read = file->read_at(0, std::as_writable_bytes(std::span(text))); !read) {
-    return tl::unexpected(std::move(read.error()));
-  }
+  auto memory = TRY(context.reserve(file.size(), file.name()));
+  std::string text(static_cast<std::size_t>(file.size()), '\0');
+  TRY(file.read_at(0, std::as_writable_bytes(std::span(text))));
   return text;
 }
 

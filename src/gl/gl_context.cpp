@@ -90,8 +90,8 @@ Result<void> check_threads() {
 }
 
 Result<std::vector<EGLDeviceEXT>> egl_devices() {
-  if (auto possible = check_threads(); !possible) return tl::unexpected(possible.error());
-  if (auto loaded = load_libraries(); !loaded) return tl::unexpected(loaded.error());
+  TRY(check_threads());
+  TRY(load_libraries());
   if (!has_client_extension("EGL_EXT_platform_base") ||
       !(has_client_extension("EGL_EXT_device_enumeration") || has_client_extension("EGL_EXT_device_base"))) {
     return unavailable(
@@ -204,7 +204,7 @@ class HeadlessContext {
     if (!create(true, debug) && !create(false, debug)) {
       return unavailable(fmt::format("the driver made no OpenGL {}.{} core context: {}", kMajor, kMinor, egl_reason()));
     }
-    if (auto current = make_current(); !current) return current;
+    TRY(make_current());
     if (epoxy_gl_version() < 10 * kMajor + kMinor) {
       return unavailable(fmt::format("expected OpenGL {}.{} or newer, found {}", kMajor, kMinor, gl_text(GL_VERSION)));
     }
@@ -310,25 +310,23 @@ GlContext::~GlContext() = default;
 Result<void> GlContext::make_current() const { return context_->make_current(); }
 
 Result<std::unique_ptr<GlContext>> GlContext::open(const ContextOptions& options) {
-  const auto egl = egl_devices();
-  if (!egl) return tl::unexpected(egl.error());
+  const auto egl = TRY(egl_devices());
   // Opening is slow on machines with many GPUs, so no device is opened after the first that will do.
   const auto* index = std::get_if<int>(&options.device);
   std::vector<GpuDevice> seen;
-  for (int d = 0; d < static_cast<int>(egl->size()); ++d) {
-    if (index != nullptr && *index != d && *index < static_cast<int>(egl->size())) continue;
-    OpenedDevice opened = open_device(*egl, d, options.debug);
+  for (int d = 0; d < static_cast<int>(egl.size()); ++d) {
+    if (index != nullptr && *index != d && *index < static_cast<int>(egl.size())) continue;
+    OpenedDevice opened = open_device(egl, d, options.debug);
     seen.push_back(opened.device);
     const bool fits = choose_device({&opened.device, 1}, options.device).has_value();
     const bool better_may_come = std::holds_alternative<std::monostate>(options.device) && opened.device.software &&
-                                 d + 1 < static_cast<int>(egl->size());
+                                 d + 1 < static_cast<int>(egl.size());
     if (fits && !better_may_come) {
       return std::unique_ptr<GlContext>(new GlContext(std::move(opened.context), std::move(opened.device)));
     }
   }
-  const auto chosen = choose_device(seen, options.device);
-  if (!chosen) return tl::unexpected(chosen.error());
-  OpenedDevice opened = open_device(*egl, chosen->index, options.debug);
+  const auto chosen = TRY(choose_device(seen, options.device));
+  OpenedDevice opened = open_device(egl, chosen.index, options.debug);
   if (opened.device.problem) return tl::unexpected(*opened.device.problem);
   return std::unique_ptr<GlContext>(new GlContext(std::move(opened.context), std::move(opened.device)));
 }
@@ -365,10 +363,9 @@ Error GlContext::lost(std::string_view why, const std::string& doing) const {
 const std::vector<std::string>& GlContext::debug_messages() const { return context_->messages(); }
 
 Result<std::vector<GpuDevice>> list_gpu_devices() {
-  const auto egl = egl_devices();
-  if (!egl) return tl::unexpected(egl.error());
+  const auto egl = TRY(egl_devices());
   std::vector<GpuDevice> devices;
-  for (int d = 0; d < static_cast<int>(egl->size()); ++d) devices.push_back(open_device(*egl, d, false).device);
+  for (int d = 0; d < static_cast<int>(egl.size()); ++d) devices.push_back(open_device(egl, d, false).device);
   return devices;
 }
 

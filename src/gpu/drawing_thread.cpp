@@ -177,7 +177,7 @@ class DrawingThread::Proxy final : public extract::Extractor {
 
 Result<DrawingThread> DrawingThread::start(const GpuOptions& options) {
   auto owner = std::make_shared<Owner>(options);
-  if (auto started = owner->start(); !started) return tl::unexpected(std::move(started.error()));
+  TRY(owner->start());
   return DrawingThread(std::move(owner));
 }
 

@@ -39,26 +39,24 @@ class DenseSurface final : public DrawnSurface {
   [[nodiscard]] Result<bool> classify(extract::ExtractStats& stats) override {
     stats.brick = "8x8x8 cells";
     const extract::DenseView<T> view = extract::part_of(whole_, region_);
-    const auto threshold = extract::classify_dense(field(), view, region_.min, options(), masks_, stats, context());
-    if (!threshold) return tl::unexpected(threshold.error());
-    if (!*threshold) return false;
-    auto memory = context().reserve(DenseSites::bytes(view.dims), fmt::format("{}: its bricks", field().source));
-    if (!memory) return tl::unexpected(memory.error());
-    bricks_memory_ = std::move(*memory);
+    const auto threshold =
+        TRY(extract::classify_dense(field(), view, region_.min, options(), masks_, stats, context()));
+    if (!threshold) return false;
+    bricks_memory_ =
+        TRY(context().reserve(DenseSites::bytes(view.dims), fmt::format("{}: its bricks", field().source)));
     const Stopwatch watch;
     bricks_.emplace(masks_, region_.min);
     stats.bricks = bricks_->bricks();
     stats.bricks_visited = bricks_->origins().size();
     stats.classify += watch.elapsed();
-    auto source = DenseSource::make(*tools().gl, samples_, bricks_->origins(), region_, source_options());
-    if (!source) return tl::unexpected(source.error());
+    auto source = TRY(DenseSource::make(*tools().gl, samples_, bricks_->origins(), region_, source_options()));
     SurfacePlace place;
     place.origins = bricks_->origins();
-    place.inside_keys = inside_keys(**threshold);
+    place.inside_keys = inside_keys(*threshold);
     place.region = region_;
     place.stored = {glm::ivec3(0), samples_.dims - 1};
     place.holes = stats.nan_samples != 0 && options().nan == extract::NanPolicy::hole;
-    found(place, std::make_unique<DenseSource>(std::move(*source)));
+    found(place, std::make_unique<DenseSource>(std::move(source)));
     return true;
   }
 
@@ -96,7 +94,7 @@ class SparseSurface final : public DrawnSurface {
         leaves_(field, samples, region, options, context) {}
 
   [[nodiscard]] Result<bool> classify(extract::ExtractStats& stats) override {
-    if (auto listed = leaves_.find(stats); !listed) return tl::unexpected(listed.error());
+    TRY(leaves_.find(stats));
     const auto keys = visit_sample_type(samples_.type, [&]<class T>(std::type_identity<T>) -> std::optional<KeyRange> {
       const extract::InsideRule rule{field().kind, options().iso};
       const auto threshold = extract::find_inside_threshold<T>(rule, field().scale);
@@ -104,15 +102,14 @@ class SparseSurface final : public DrawnSurface {
     });
     if (!keys) return false;
     if (tools().resident != nullptr) tools().resident->drop();  // the atlas takes its share of memory
-    auto source = SparseSource::make(*tools().gl, samples_, leaves_, source_options());
-    if (!source) return tl::unexpected(source.error());
+    auto source = TRY(SparseSource::make(*tools().gl, samples_, leaves_, source_options()));
     SurfacePlace place;
     place.origins = leaves_.origins();
     place.inside_keys = *keys;
     place.region = region_;
     place.holes = leaves_.has_holes();
     place.sparse = true;
-    found(place, std::make_unique<SparseSource>(std::move(*source)));
+    found(place, std::make_unique<SparseSource>(std::move(source)));
     return true;
   }
 
@@ -160,29 +157,26 @@ class GpuExtractor final : public extract::Extractor {
   [[nodiscard]] Result<extract::Extraction> run(const field::ScalarField& field, const extract::ExtractOptions& options,
                                                 const Context& context) override {
     // Another extractor may have come since.
-    if (auto current = gl_->make_current(); !current) return tl::unexpected(current.error());
+    TRY(gl_->make_current());
     return std::visit([&](const auto& samples) { return extract_from(field, samples, options, context); },
                       field.samples);
   }
 
   Result<extract::Extraction> extract_from(const field::ScalarField& field, const field::DenseSamples& samples,
                                            const extract::ExtractOptions& options, const Context& context) {
-    const auto region = extract::dense_region(field, samples, options);
-    if (!region) return tl::unexpected(region.error());
-    auto masks = extract::make_masks(field, glm::ivec3(region->dims()), context);
-    if (!masks) return tl::unexpected(masks.error());
+    const auto region = TRY(extract::dense_region(field, samples, options));
+    auto masks = TRY(extract::make_masks(field, glm::ivec3(region.dims()), context));
     return visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) {
-      DenseSurface<T> surface(field, samples, *region, std::move(*masks), options, tools_, context);
+      DenseSurface<T> surface(field, samples, region, std::move(masks), options, tools_, context);
       return extract::extract_surface(field, options, surface, context);
     });
   }
 
   Result<extract::Extraction> extract_from(const field::ScalarField& field, const field::SparseSamples& samples,
                                            const extract::ExtractOptions& options, const Context& context) {
-    const auto region = extract::sparse_region(field, samples, options);
-    if (!region) return tl::unexpected(region.error());
-    if (region->empty()) return extract::nothing_stored();
-    SparseSurface surface(field, samples, *region, options, tools_, context);
+    const auto region = TRY(extract::sparse_region(field, samples, options));
+    if (region.empty()) return extract::nothing_stored();
+    SparseSurface surface(field, samples, region, options, tools_, context);
     return extract::extract_surface(field, options, surface, context);
   }
 
@@ -202,10 +196,9 @@ Result<GpuExtractorAndDevice> make_gpu_extractor(const GpuOptions& options) {
                             format_byte_size(*options.memory_bytes)),
                 Remedy::more_gpu_memory);
   }
-  auto context = gl::GlContext::open({options.device, options.debug});
-  if (!context) return tl::unexpected(context.error());
-  gl::GpuDevice device = (*context)->device();
-  return GpuExtractorAndDevice{std::make_unique<GpuExtractor>(std::move(*context), options), std::move(device)};
+  auto context = TRY(gl::GlContext::open({options.device, options.debug}));
+  gl::GpuDevice device = context->device();
+  return GpuExtractorAndDevice{std::make_unique<GpuExtractor>(std::move(context), options), std::move(device)};
 }
 
 }  // namespace isoextract::gpu

@@ -36,9 +36,7 @@ class ThreadPass {
       case ThreadMaker::vertex_number: source.stages = {{GL_VERTEX_SHADER, {"threads_numbered.vert"}}}; break;
     }
     source.stages.push_back({GL_GEOMETRY_SHADER, {"threads.geom"}});
-    auto program = gl::CellProgram::link(context_, source);
-    if (!program) return tl::unexpected(program.error());
-    program_ = std::move(*program);
+    program_ = TRY(gl::CellProgram::link(context_, source));
     program_.set("grid", glm::ivec3(size_));
     if (maker_ == ThreadMaker::vertex_number) return {};
     if (maker_ == ThreadMaker::tessellation) choose_patches();
@@ -59,7 +57,7 @@ class ThreadPass {
   // Whether every cell got its thread.
   [[nodiscard]] Result<void> check_count() const {
     const std::uint64_t threads = count_points(true);
-    if (auto checked = context_.check("making threads"); !checked) return checked;
+    TRY(context_.check("making threads"));
     if (threads == cells()) return {};
     return fail(ErrorKind::unavailable,
                 fmt::format("{} threads for {} cells, by {}", threads, cells(), thread_maker_name(maker_)),
@@ -120,7 +118,7 @@ class ThreadPass {
     buffer_ = gl::GlBuffer::make();
     glBindBuffer(GL_ARRAY_BUFFER, buffer_.name());
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(buffer_bytes_), nullptr, GL_STATIC_DRAW);
-    if (auto checked = context_.check("taking memory for vertices"); !checked) return checked;
+    TRY(context_.check("taking memory for vertices"));
     constexpr std::uint64_t kPortion = 1 << 22;
     std::vector<std::uint32_t> numbers;
     for (std::uint64_t first = 0; first < vertices; first += kPortion) {
@@ -174,8 +172,8 @@ Result<void> measure(const gl::GlContext& context, int size, int repeats, Thread
   glFinish();
   const auto before = free_memory();
   ThreadPass pass(context, row.maker, size);
-  if (auto prepared = pass.prepare(); !prepared) return prepared;
-  if (auto checked = pass.check_count(); !checked) return checked;
+  TRY(pass.prepare());
+  TRY(pass.check_count());
   std::uint64_t points = 0;
   const std::vector<double> seconds = timed(repeats, [&] { points += pass.count_points(false); });
   row.median_seconds = median(seconds);
@@ -204,19 +202,18 @@ double copy_bandwidth(const gl::GlContext& context, int repeats) {
 
 Result<ThreadCreationResult> measure_thread_creation(const gl::DeviceChoice& device, const std::vector<int>& sizes,
                                                      int repeats) {
-  const auto context = gl::GlContext::open({device, false});
-  if (!context) return tl::unexpected(context.error());
+  const auto context = TRY(gl::GlContext::open({device, false}));
   ThreadCreationResult result;
-  result.device = (*context)->device();
-  result.copy_bytes_per_second = copy_bandwidth(**context, repeats);
-  if (auto checked = (*context)->check("copying a buffer"); !checked) return tl::unexpected(checked.error());
+  result.device = context->device();
+  result.copy_bytes_per_second = copy_bandwidth(*context, repeats);
+  TRY(context->check("copying a buffer"));
   for (const int size : sizes) {
     ThreadCreationLevel level{size, {}};
     for (const ThreadMaker maker :
          {ThreadMaker::tessellation, ThreadMaker::dummy_vertices, ThreadMaker::vertex_number}) {
       ThreadCreation row;
       row.maker = maker;
-      if (auto done = measure(**context, size, repeats, row); !done) row.problem = done.error().message;
+      if (auto done = measure(*context, size, repeats, row); !done) row.problem = done.error().message;
       level.makers.push_back(row);
     }
     result.levels.push_back(level);

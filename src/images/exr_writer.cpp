@@ -85,14 +85,12 @@ void encode(MemoryStream& stream, const LightImage& image, std::span<Imath::half
 Result<void> write_exr(files::OutputFile& file, const LightImage& image, const Context& context) {
   const std::string what = file.shown_name() + ": a picture as OpenEXR";
   const std::size_t channels = image.normals.empty() ? 4 : 7;
-  const auto halves = make_reserved_buffer<Imath::half>(channels * image.pixels(), context, what);
-  if (!halves) return tl::unexpected(halves.error());
-  const std::uint64_t expected = most_bytes((*halves)->values.size_bytes() + image.depth.size_bytes(), image.height);
-  const auto memory = context.reserve(expected, what);
-  if (!memory) return tl::unexpected(memory.error());
+  const auto halves = TRY(make_reserved_buffer<Imath::half>(channels * image.pixels(), context, what));
+  const std::uint64_t expected = most_bytes(halves->values.size_bytes() + image.depth.size_bytes(), image.height);
+  const auto memory = TRY(context.reserve(expected, what));
   try {
     MemoryStream stream(file.shown_name().c_str(), static_cast<std::size_t>(expected));
-    encode(stream, image, (*halves)->values.span());
+    encode(stream, image, halves->values.span());
     return file.write(stream.bytes());
   } catch (const std::bad_alloc&) {
     throw;

@@ -43,21 +43,18 @@ Result<EncodedImage> encode_png(const LightImage& image, const std::string& name
   const std::size_t row_bytes = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(channels);
   const std::string what = name + ": a picture as PNG";
   const auto rows =
-      make_reserved_buffer<std::uint8_t>(row_bytes * static_cast<std::size_t>(image.height), context, what);
-  if (!rows) return tl::unexpected(rows.error());
-  auto encoded = make_reserved_buffer<std::byte>(PNG_IMAGE_PNG_SIZE_MAX(header), context, what);
-  if (!encoded) return tl::unexpected(encoded.error());
+      TRY(make_reserved_buffer<std::uint8_t>(row_bytes * static_cast<std::size_t>(image.height), context, what));
+  auto encoded = TRY(make_reserved_buffer<std::byte>(PNG_IMAGE_PNG_SIZE_MAX(header), context, what));
 
   tbb::parallel_for(std::size_t{0}, static_cast<std::size_t>(image.height), [&](std::size_t y) {
     const auto width = static_cast<std::size_t>(image.width);
-    encode_row(image.colour.subspan(y * width, width), channels, (*rows)->values.data() + y * row_bytes);
+    encode_row(image.colour.subspan(y * width, width), channels, rows->values.data() + y * row_bytes);
   });
-  png_alloc_size_t size = (*encoded)->values.size();
-  if (png_image_write_to_memory(&header, (*encoded)->values.data(), &size, 0, (*rows)->values.data(), 0, nullptr) ==
-      0) {
+  png_alloc_size_t size = encoded->values.size();
+  if (png_image_write_to_memory(&header, encoded->values.data(), &size, 0, rows->values.data(), 0, nullptr) == 0) {
     return fail(ErrorKind::output, name + ": a picture could not be encoded as PNG: " + header.message);
   }
-  return EncodedImage{std::move(*encoded), size};
+  return EncodedImage{std::move(encoded), size};
 }
 
 Result<void> write_png(files::OutputFile& file, const LightImage& image, const Context& context) {

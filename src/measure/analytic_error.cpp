@@ -44,9 +44,8 @@ class FormulaMesh {
     const int parts = (kCells + cells / 2) / cells;
     const std::string name = fmt::format("{}{}?size={}", field::kDemoPrefix, formula.name, parts * cells + 1);
     if (parts <= 1) return of_samples(field, name, iso, context);
-    const auto finer = field::make_demo_field(name, context);
-    if (!finer) return tl::unexpected(finer.error());
-    return of_samples(*finer, name, iso, context);
+    const auto finer = TRY(field::make_demo_field(name, context));
+    return of_samples(finer, name, iso, context);
   }
 
   [[nodiscard]] std::optional<glm::dvec3> nearest(const glm::dvec3& p, std::uint32_t& hint) const {
@@ -65,14 +64,11 @@ class FormulaMesh {
     extract::ExtractOptions options;
     options.iso = iso;
     options.output_from_index = {glm::dmat3(made.spacing_), glm::dvec3(-1)};
-    auto extraction = extract::make_cpu_extractor()->extract(field, options, context);
-    if (!extraction) return tl::unexpected(std::move(extraction.error()));
-    const mesh::Mesh& mesh = extraction->mesh;
+    auto extraction = TRY(extract::make_cpu_extractor()->extract(field, options, context));
+    const mesh::Mesh& mesh = extraction.mesh;
     if (mesh.triangles.empty()) return made;
-    auto memory =
-        context.reserve(mesh::TriangleTree::bytes(mesh.triangles.size()), name + ": the surface of its formula");
-    if (!memory) return tl::unexpected(std::move(memory.error()));
-    made.memory_ = std::move(*memory);
+    made.memory_ =
+        TRY(context.reserve(mesh::TriangleTree::bytes(mesh.triangles.size()), name + ": the surface of its formula"));
     made.origin_ = mesh.origin;
     made.tree_.emplace(mesh.positions.span(), mesh.triangles.span());
     return made;
@@ -306,9 +302,7 @@ Result<std::optional<AnalyticError>> measure_analytic_error(const mesh::Mesh& me
   if (!is_similarity(placed.output_from_index().linear)) return std::nullopt;
   std::optional<FormulaMesh> formula_mesh;
   if (!formula->is_distance || !formula->size(extracted.iso)) {
-    auto made = FormulaMesh::make(*formula, field, extracted.iso, context);
-    if (!made) return tl::unexpected(std::move(made.error()));
-    formula_mesh = std::move(*made);
+    formula_mesh = TRY(FormulaMesh::make(*formula, field, extracted.iso, context));
   }
   return AnalyticMeasurement(mesh, placed, field, extracted, *formula, formula_mesh ? &*formula_mesh : nullptr, context)
       .run();

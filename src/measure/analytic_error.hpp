@@ -44,6 +44,6 @@ struct AnalyticError {
 // number of threads.
 [[nodiscard]] Result<std::optional<AnalyticError>> measure_analytic_error(
     const mesh::Mesh& mesh, const field::ScalarField& field, const extract::ExtractOptions& extracted,
-    const field::ScalarField* grid = nullptr, const CapPlaces& caps = {}, const Context& context = Context());
+    const field::ScalarField* grid, const CapPlaces& caps, const Context& context);
 
 }  // namespace isoextract::measure

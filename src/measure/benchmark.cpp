@@ -127,9 +127,9 @@ Result<std::vector<BenchRow>> time_level(const field::ScalarField& field, std::s
   const Context untold(context.memory());  // the bar shows the rounds, not what is within them
   for (std::size_t round = 0; round < rounds; ++round) {
     for (Setting& setting : settings) {
-      if (auto run = run_once(field, options, round > 0, setting, untold); !run) return tl::unexpected(run.error());
+      TRY(run_once(field, options, round > 0, setting, untold));
       context.progress().advance(1);
-      if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
+      TRY(context.check());
     }
     std::ranges::reverse(settings);
   }
@@ -184,17 +184,15 @@ Result<void> judge_level(const field::ScalarField& field, const BenchOptions& op
     extract::Extractor& extractor = *contestant.backend.extractor;
     extract::ExtractOptions extract = extract_options(field, method.method, options);
     extract.cap = true;
-    const auto capped = extractor.extract(field, extract, Context(context.memory()));
-    if (!capped) return tl::unexpected(capped.error());
-    const double volume = mesh::measure_size(capped->mesh).volume;
+    const auto capped = TRY(extractor.extract(field, extract, Context(context.memory())));
+    const double volume = mesh::measure_size(capped.mesh).volume;
     extract.cap = false;
     extract.smooth_normals = method.traits.gradient_normals;
-    const auto open = extractor.extract(field, extract, context);
-    if (!open) return tl::unexpected(open.error());
-    if (open->mesh.triangles.empty()) return no_surface(field, options.iso, in_finer);
+    const auto open = TRY(extractor.extract(field, extract, context));
+    if (open.mesh.triangles.empty()) return no_surface(field, options.iso, in_finer);
     BenchErrors judged;
-    judged.rounding = IndexMesh(open->mesh, field, extract).rounding();
-    if (auto done = judge({field, extract, open->mesh, volume}, number, judged); !done) return done;
+    judged.rounding = IndexMesh(open.mesh, field, extract).rounding();
+    TRY(judge({field, extract, open.mesh, volume}, number, judged));
     for (BenchRow& row : rows) {
       if (contestant.is(row)) static_cast<BenchErrors&>(row) = judged;
     }
@@ -205,11 +203,10 @@ Result<void> judge_level(const field::ScalarField& field, const BenchOptions& op
 
 Result<void> add_level(BenchResult& result, const field::ScalarField& field, const BenchOptions& options,
                        const Judge& judge, bool in_finer, const Context& context) {
-  auto rows = time_level(field, result.levels.size(), options, context);
-  if (!rows) return tl::unexpected(rows.error());
-  if (auto judged = judge_level(field, options, judge, in_finer, *rows, context); !judged) return judged;
+  auto rows = TRY(time_level(field, result.levels.size(), options, context));
+  TRY(judge_level(field, options, judge, in_finer, rows, context));
   result.levels.push_back({size_text(field), cells_of(field), spacing_of(field), false});
-  result.rows.insert(result.rows.end(), rows->begin(), rows->end());
+  result.rows.insert(result.rows.end(), rows.begin(), rows.end());
   return {};
 }
 
@@ -300,21 +297,19 @@ Result<FinestSurface> finest_surface(const field::ScalarField& field, const Cont
                                      const BenchOptions& options, const Context& context) {
   extract::Extractor& extractor = *contestant.backend.extractor;
   extract::ExtractOptions extract = extract_options(field, contestant.method.method, options);
-  const auto open = extractor.extract(field, extract, Context(context.memory()));
-  if (!open) return tl::unexpected(open.error());
-  if (open->mesh.triangles.empty()) return no_surface(field, options.iso, false);
+  const auto open = TRY(extractor.extract(field, extract, Context(context.memory())));
+  if (open.mesh.triangles.empty()) return no_surface(field, options.iso, false);
   FinestSurface surface;
-  surface.size.area = mesh::measure_size(open->mesh).area;
-  surface.closed = is_closed(open->mesh);
-  const IndexMesh placed(open->mesh, field, extract);
-  for (std::size_t v = 0; v < open->mesh.positions.size(); ++v) {
+  surface.size.area = mesh::measure_size(open.mesh).area;
+  surface.closed = is_closed(open.mesh);
+  const IndexMesh placed(open.mesh, field, extract);
+  for (std::size_t v = 0; v < open.mesh.positions.size(); ++v) {
     surface.low = glm::min(surface.low, placed.vertex(v));
     surface.high = glm::max(surface.high, placed.vertex(v));
   }
   extract.cap = true;
-  const auto capped = extractor.extract(field, extract, Context(context.memory()));
-  if (!capped) return tl::unexpected(capped.error());
-  surface.size.volume = mesh::measure_size(capped->mesh).volume;
+  const auto capped = TRY(extractor.extract(field, extract, Context(context.memory())));
+  surface.size.volume = mesh::measure_size(capped.mesh).volume;
   return surface;
 }
 
@@ -370,20 +365,18 @@ Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& si
                 fmt::format("{}{}: there is no formula to measure errors against", field::kDemoPrefix, name),
                 "take another demo field, or a file");
   }
-  if (auto checked = check_thread_counts(options.threads); !checked) return tl::unexpected(checked.error());
+  TRY(check_thread_counts(options.threads));
   const ReferenceSize reference = find_reference_size(*formula, options.iso, &context.progress());
   BenchResult result;
   result.input = fmt::format("{}{}", field::kDemoPrefix, name);
   result.iso = options.iso;
   result.truth = truth_of(reference);
   for (const int size : sizes) {
-    const auto field = field::make_demo_field(fmt::format("{}?size={}", result.input, size), context);
-    if (!field) return tl::unexpected(field.error());
+    const auto field = TRY(field::make_demo_field(fmt::format("{}?size={}", result.input, size), context));
     const Judge judge = [&](const Specimen& specimen, std::size_t /*number*/, BenchErrors& errors) -> Result<void> {
       const auto measured =
-          measure_analytic_error(specimen.mesh, specimen.field, specimen.extracted, nullptr, {}, context);
-      if (!measured) return tl::unexpected(measured.error());
-      const std::optional<AnalyticError>& error = *measured;
+          TRY(measure_analytic_error(specimen.mesh, specimen.field, specimen.extracted, nullptr, {}, context));
+      const std::optional<AnalyticError>& error = measured;
       if (!error) return {};
       errors.position = error->interior;
       if (specimen.extracted.smooth_normals) errors.smooth_normals = error->smooth_normals;
@@ -394,8 +387,7 @@ Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& si
       return {};
     };
     const bool in_finer = size != sizes.back() && reference.size.area > 0;
-    if (auto added = add_level(result, *field, options, judge, in_finer, context); !added)
-      return tl::unexpected(added.error());
+    TRY(add_level(result, field, options, judge, in_finer, context));
   }
   conclude(result, options, relative_uncertainty(reference));
   return result;
@@ -403,7 +395,7 @@ Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& si
 
 Result<BenchResult> bench_field(const field::ScalarField& field, const std::vector<int>& factors,
                                 const BenchOptions& options, const Context& context) {
-  if (auto checked = check_thread_counts(options.threads); !checked) return tl::unexpected(checked.error());
+  TRY(check_thread_counts(options.threads));
   BenchResult result;
   result.input = field.source;
   result.iso = options.iso;
@@ -413,17 +405,14 @@ Result<BenchResult> bench_field(const field::ScalarField& field, const std::vect
       size_text(field));
   std::vector<FinestSurface> finest;  // by the contestants' numbers
   for (const Contestant& contestant : contestants(options)) {
-    auto surface = finest_surface(field, contestant, options, context);
-    if (!surface) return tl::unexpected(surface.error());
-    finest.push_back(*surface);
+    auto surface = TRY(finest_surface(field, contestant, options, context));
+    finest.push_back(surface);
   }
   std::vector<std::string> not_comparable;  // sizes
   for (const int factor : factors) {
     std::optional<field::ScalarField> coarse;
     if (factor > 1) {
-      auto made = field::coarsen(field, factor, context);
-      if (!made) return tl::unexpected(made.error());
-      coarse = std::move(*made);
+      coarse = TRY(field::coarsen(field, factor, context));
       if (std::string dropped = dropped_samples(field, factor); !dropped.empty()) {
         result.notes.push_back(std::move(dropped));
       }
@@ -432,9 +421,8 @@ Result<BenchResult> bench_field(const field::ScalarField& field, const std::vect
       const FinestSurface& exact = finest[number];
       extract::ExtractOptions of_finest = specimen.extracted;
       of_finest.output_from_index = field.index_to_world;
-      const auto measured = measure_field_error(specimen.mesh, field, of_finest, {}, context);
-      if (!measured) return tl::unexpected(measured.error());
-      ErrorStatistics& position = errors.position.emplace(measured->interior);
+      const auto measured = TRY(measure_field_error(specimen.mesh, field, of_finest, {}, context));
+      ErrorStatistics& position = errors.position.emplace(measured.interior);
       for (Length* length : {&position.rms, &position.percentile99, &position.max}) length->voxels /= factor;
       if (factor > 1) {
         if (exact.closed && covers(specimen.field, factor, exact) && is_closed(specimen.mesh)) {
@@ -447,9 +435,7 @@ Result<BenchResult> bench_field(const field::ScalarField& field, const std::vect
       }
       return {};
     };
-    if (auto added = add_level(result, coarse ? *coarse : field, options, judge, factor > 1, context); !added) {
-      return tl::unexpected(added.error());
-    }
+    TRY(add_level(result, coarse ? *coarse : field, options, judge, factor > 1, context));
     result.levels.back().is_truth = factor == 1;
   }
   if (!not_comparable.empty()) {

@@ -118,13 +118,13 @@ struct BenchResult {
 // find_reference_size(); volumes are those of capped meshes. Fails with ErrorKind::usage for a demo without formula
 // or for too many threads, and as extraction does; with ErrorKind::input where there is no surface.
 [[nodiscard]] Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& sizes,
-                                             const BenchOptions& options, const Context& context = Context());
+                                             const BenchOptions& options, const Context& context);
 
 // A field and coarser versions of it, `factors` (powers of two, falling, the last may be 1). The truth is the field's
 // own trilinear interpolant; areas and volumes are compared with those of the same method on the field itself. Coarser
 // data cover a smaller box. Where the surface is open, or the field's own leaves that box, there is no such comparison,
 // and a note says so. Fails as bench_demo() does.
 [[nodiscard]] Result<BenchResult> bench_field(const field::ScalarField& field, const std::vector<int>& factors,
-                                              const BenchOptions& options, const Context& context = Context());
+                                              const BenchOptions& options, const Context& context);
 
 }  // namespace isoextract::measure

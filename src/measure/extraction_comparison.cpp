@@ -174,8 +174,7 @@ Result<ExtractionComparison> compare_extractions(const mesh::Mesh& a, const mesh
   const std::uint64_t bytes =
       VertexMatcher::bytes(a, b) + triangle_comparison_bytes(a.triangles.size() + b.triangles.size(), a.edges.size());
   const std::uint64_t triangles = a.triangles.size() + b.triangles.size();
-  const auto memory = context.reserve(bytes, fmt::format("{}: comparing {} triangles", a.name, triangles));
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory = TRY(context.reserve(bytes, fmt::format("{}: comparing {} triangles", a.name, triangles)));
 
   VertexMatcher matcher(a, b);
   const MatchedVertices sums = matcher.run();

@@ -48,7 +48,7 @@ struct ExtractionComparison {
 // Fails with ErrorKind::verification if a mesh lacks edge keys, with ErrorKind::input if the comparison needs more
 // memory than there is. Indices of vertices that are not there are a difference like any other.
 [[nodiscard]] Result<ExtractionComparison> compare_extractions(const mesh::Mesh& a, const mesh::Mesh& b,
-                                                               const Context& context = Context());
+                                                               const Context& context);
 
 // What differs by more than it may, a sentence without its full stop each; none if the meshes are the same: the same
 // triangles and vertices, the same origin, positions within kStabilityUlps, normals within kNormalDegrees. `names` are

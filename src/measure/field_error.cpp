@@ -101,17 +101,15 @@ class FieldMeasurement {
   }
 
   Result<FieldError> run() {
-    if (auto extracted = extract_surface(); !extracted) return tl::unexpected(std::move(extracted.error()));
+    TRY(extract_surface());
     parts_ = parts_for(surface_.triangles.size());
-    const auto memory = context_.reserve(working_bytes(mesh_.triangles.size(), mesh_.positions.size(),
-                                                       surface_.triangles.size(), surface_.positions.size()),
-                                         "the error of the mesh");
-    if (!memory) return tl::unexpected(memory.error());
+    const auto memory = TRY(context_.reserve(working_bytes(mesh_.triangles.size(), mesh_.positions.size(),
+                                                           surface_.triangles.size(), surface_.positions.size()),
+                                             "the error of the mesh"));
     if (!surface_.triangles.empty()) surface_tree_.emplace(surface_.positions.span(), surface_.triangles.span());
     if (!mesh_.triangles.empty()) mesh_tree_.emplace(mesh_.positions.span(), mesh_.triangles.span());
     list_bricks();
-    const auto for_bricks = context_.reserve(bricks_bytes(), "the error of the mesh");
-    if (!for_bricks) return tl::unexpected(for_bricks.error());
+    const auto for_bricks = TRY(context_.reserve(bricks_bytes(), "the error of the mesh"));
 
     const ErrorAccumulator none(placed_.voxel());
     context_.progress().begin("measuring the error", bricks_.size());
@@ -122,7 +120,7 @@ class FieldMeasurement {
         },
         1);
     if (error_) return tl::unexpected(std::move(*error_));
-    if (auto wanted = context_.check(); !wanted) return tl::unexpected(wanted.error());
+    TRY(context_.check());
     FieldError result = result_of(sums);
     if (result.coverage) {
       count_components(mesh_, surface_, surface_tree_ ? &*surface_tree_ : nullptr, options_.clipped, context_,
@@ -168,9 +166,8 @@ class FieldMeasurement {
       if (!counted_) options.region = region_in_field(*extracted_.region, field_, *options_.grid, false);
     }
     region_ = options.region;
-    auto extraction = extract::make_cpu_extractor()->extract(field_, options, context_);
-    if (!extraction) return tl::unexpected(std::move(extraction.error()));
-    surface_ = std::move(extraction->mesh);
+    auto extraction = TRY(extract::make_cpu_extractor()->extract(field_, options, context_));
+    surface_ = std::move(extraction.mesh);
     return {};
   }
 

@@ -57,8 +57,7 @@ struct FieldError {
 // as an extraction of the field does. The same answer for any number of threads.
 [[nodiscard]] Result<FieldError> measure_field_error(const mesh::Mesh& mesh, const field::ScalarField& field,
                                                      const extract::ExtractOptions& extracted,
-                                                     const FieldErrorOptions& options,
-                                                     const Context& context = Context());
+                                                     const FieldErrorOptions& options, const Context& context);
 
 // What that takes at least beside the mesh, with so many triangles of it and of the isosurface in whole cells.
 [[nodiscard]] std::uint64_t field_error_bytes(std::uint64_t mesh_triangles, std::uint64_t surface_triangles);

@@ -158,8 +158,8 @@ Result<MeshBorders> find_borders(const mesh::Mesh& mesh, const mesh::Topology& t
   const std::uint64_t search_bytes =
       mesh::Adjacency::bytes(mesh.triangles.size(), vertices) + vertices + topology.open_edges * kEdgeBytes;
   const std::string what = fmt::format("{}: the borders of its surface", mesh.name);
-  const auto memory = context.reserve(components.count() * sizeof(EdgeDefects) + (all_sound ? 0 : search_bytes), what);
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory =
+      TRY(context.reserve(components.count() * sizeof(EdgeDefects) + (all_sound ? 0 : search_bytes), what));
   try {
     if (!all_sound) return BorderSearch(mesh, topology, components).run();
     MeshBorders borders;

@@ -38,6 +38,6 @@ struct MeshBorders {
 // `topology` and `components` are the mesh's. Fails where its working memory is more than is left: 24 bytes a triangle
 // and 9 a vertex where there is anything wrong, and 64 an open edge.
 [[nodiscard]] Result<MeshBorders> find_borders(const mesh::Mesh& mesh, const mesh::Topology& topology,
-                                               const mesh::Components& components, const Context& context = Context());
+                                               const mesh::Components& components, const Context& context);
 
 }  // namespace isoextract::measure

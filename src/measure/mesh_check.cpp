@@ -30,39 +30,30 @@ mesh::Mesh with_joined_triangles(const mesh::Mesh& mesh, const VertexPlaces& pla
 
 Result<void> look_at_places(const mesh::Mesh& mesh, const Context& context, MeshCheck& check) {
   const std::string what = fmt::format("{}: {}", mesh.name, kPlacesText);
-  auto memory = context.reserve(VertexPlaces::bytes(mesh.positions.size()), what);
-  if (!memory) return tl::unexpected(memory.error());
+  auto memory = TRY(context.reserve(VertexPlaces::bytes(mesh.positions.size()), what));
   const VertexPlaces places(mesh.positions.span());
   check.repeated_vertices = places.repeated();
   if (check.repeated_vertices == 0 || check.topology.open_edges == 0) return {};
-  const auto copy = context.reserve(mesh.positions.size_bytes() + mesh.triangles.size_bytes(), what);
-  if (!copy) return tl::unexpected(copy.error());
-  const auto topology = mesh::measure_topology(with_joined_triangles(mesh, places), context);
-  if (!topology) return tl::unexpected(topology.error());
-  check.joined = *topology;
+  const auto copy = TRY(context.reserve(mesh.positions.size_bytes() + mesh.triangles.size_bytes(), what));
+  check.joined = TRY(mesh::measure_topology(with_joined_triangles(mesh, places), context));
   return {};
 }
 
 Result<void> look_at_components(const mesh::Mesh& mesh, const Context& context, MeshCheck& check) {
-  const auto memory =
-      context.reserve(mesh::Components::bytes(mesh.positions.size()), fmt::format("{}: its components", mesh.name));
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory = TRY(
+      context.reserve(mesh::Components::bytes(mesh.positions.size()), fmt::format("{}: its components", mesh.name)));
   const mesh::Components components(mesh.triangles.span(), mesh.positions.size());
-  auto borders = find_borders(mesh, check.topology, components, context);
-  if (!borders) return tl::unexpected(borders.error());
-  auto kept = context.reserve(components.count() * sizeof(Component) + borders->loops.size() * sizeof(BorderLoop),
-                              fmt::format("{}: the table of its components", mesh.name));
-  if (!kept) return tl::unexpected(kept.error());
-  check.memory = std::move(*kept);
-  auto described = describe_components(mesh, components, *borders, context);
-  if (!described) return tl::unexpected(described.error());
+  auto borders = TRY(find_borders(mesh, check.topology, components, context));
+  check.memory = TRY(context.reserve(components.count() * sizeof(Component) + borders.loops.size() * sizeof(BorderLoop),
+                                     fmt::format("{}: the table of its components", mesh.name)));
+  auto described = TRY(describe_components(mesh, components, borders, context));
   // Of the triangles: a vertex that none uses is nowhere on the surface.
-  for (const Component& component : *described) {
-    if (&component == &described->front()) check.bounds = component.bounds;
+  for (const Component& component : described) {
+    if (&component == &described.front()) check.bounds = component.bounds;
     check.bounds = {glm::min(check.bounds.min, component.bounds.min), glm::max(check.bounds.max, component.bounds.max)};
   }
-  check.loops = std::move(borders->loops);
-  check.components = std::move(*described);
+  check.loops = std::move(borders.loops);
+  check.components = std::move(described);
   return {};
 }
 
@@ -71,17 +62,13 @@ Result<MeshCheck> look_at_all(const mesh::Mesh& mesh, const Context& context) {
   check.vertices = mesh.positions.size();
   check.triangles = mesh.triangles.size();
   context.progress().begin("checking edges and vertices", 0);
-  const auto topology = mesh::measure_topology(mesh, context);
-  if (!topology) return tl::unexpected(topology.error());
-  check.topology = *topology;
+  check.topology = TRY(mesh::measure_topology(mesh, context));
   check.size = mesh::measure_size(mesh);
   for (auto* const look : {look_at_places, look_at_components}) {
-    if (auto going_on = context.check(); !going_on) return tl::unexpected(going_on.error());
-    if (auto done = look(mesh, context, check); !done) return tl::unexpected(done.error());
+    TRY(context.check());
+    TRY(look(mesh, context, check));
   }
-  auto intersections = find_self_intersections(mesh, {}, context);
-  if (!intersections) return tl::unexpected(intersections.error());
-  check.intersections = std::move(*intersections);
+  check.intersections = TRY(find_self_intersections(mesh, {}, context));
   return check;
 }
 
@@ -157,9 +144,8 @@ Result<MeshCheck> check_mesh(const mesh::Mesh& mesh, const Context& context) {
 Result<void> join_repeated_vertices(mesh::Mesh& mesh, const Context& context) {
   const std::string what = fmt::format("{}: {}", mesh.name, kPlacesText);
   const std::uint64_t vertices = mesh.positions.size();
-  const auto memory = context.reserve(
-      VertexPlaces::bytes(vertices) + vertices * (2 * sizeof(std::uint32_t) + mesh::vertex_bytes(mesh)), what);
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory = TRY(context.reserve(
+      VertexPlaces::bytes(vertices) + vertices * (2 * sizeof(std::uint32_t) + mesh::vertex_bytes(mesh)), what));
   try {
     const VertexPlaces places(mesh.positions.span());
     if (places.repeated() == 0) return {};

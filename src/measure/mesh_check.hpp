@@ -40,11 +40,11 @@ struct MeshCheck {
 // Positions are finite, and indices of vertices that are there. A mesh without triangles is none that cannot be
 // checked. The same for any number of threads. Fails where its working memory is more than is left, and with
 // ErrorKind::cancelled.
-[[nodiscard]] Result<MeshCheck> check_mesh(const mesh::Mesh& mesh, const Context& context = Context());
+[[nodiscard]] Result<MeshCheck> check_mesh(const mesh::Mesh& mesh, const Context& context);
 
 // Makes one vertex of all that have the same coordinates: the first of them, whose attributes stay. Fails as
 // check_mesh() does.
-[[nodiscard]] Result<void> join_repeated_vertices(mesh::Mesh& mesh, const Context& context = Context());
+[[nodiscard]] Result<void> join_repeated_vertices(mesh::Mesh& mesh, const Context& context);
 
 // Why the mesh does not meet it, as "12 open edges in 2 loops"; nothing where it does. A mesh without triangles meets
 // none.

@@ -173,9 +173,8 @@ Result<MeshDistance> measure_distance(const mesh::Mesh& a, const mesh::Mesh& b, 
                 fmt::format("expected meshes at most {:g} apart, found {} and {} farther from each other", kFarthest,
                             a.name, b.name));
   }
-  const auto memory = context.reserve(std::max(Direction::bytes(a, b, options), Direction::bytes(b, a, options)),
-                                      fmt::format("{} and {}: the distances of their triangles", a.name, b.name));
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory = TRY(context.reserve(std::max(Direction::bytes(a, b, options), Direction::bytes(b, a, options)),
+                                          fmt::format("{} and {}: the distances of their triangles", a.name, b.name)));
   MeshDistance result;
   result.resolution =
       std::max(mesh::float32_resolution(a.positions.span()), mesh::float32_resolution(b.positions.span()));
@@ -195,7 +194,7 @@ Result<MeshDistance> measure_distance(const mesh::Mesh& a, const mesh::Mesh& b, 
   std::vector<double> more;
   result.a_to_b = directed(a, b, samples);
   result.b_to_a = directed(b, a, more);
-  if (auto going_on = context.check(); !going_on) return tl::unexpected(std::move(going_on.error()));
+  TRY(context.check());
   result.hausdorff_lower = std::max(result.a_to_b.max_lower, result.b_to_a.max_lower);
   result.hausdorff_upper = std::max(result.a_to_b.max_upper, result.b_to_a.max_upper);
   samples.insert(samples.end(), more.begin(), more.end());

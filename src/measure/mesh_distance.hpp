@@ -54,7 +54,6 @@ struct MeshDistance {
 // are more than 1e150 apart, where squared distances leave the range of double; or if there is not the memory for it.
 // Positions must be finite.
 [[nodiscard]] Result<MeshDistance> measure_distance(const mesh::Mesh& a, const mesh::Mesh& b,
-                                                    const DistanceOptions& options = {},
-                                                    const Context& context = Context());
+                                                    const DistanceOptions& options, const Context& context);
 
 }  // namespace isoextract::measure

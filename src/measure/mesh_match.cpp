@@ -201,8 +201,7 @@ Result<MeshMatch> match_meshes(const mesh::Mesh& written, const mesh::Mesh& extr
   const std::uint64_t triangles = written.triangles.size() + extracted.triangles.size();
   const std::uint64_t bytes =
       matching_bytes(vertices) + triangle_comparison_bytes(triangles, extracted.positions.size());
-  const auto memory = context.reserve(bytes, fmt::format("{}: matching {} triangles", written.name, triangles));
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory = TRY(context.reserve(bytes, fmt::format("{}: matching {} triangles", written.name, triangles)));
 
   MeshMatch result;
   result.vertices = {written.positions.size(), extracted.positions.size()};

@@ -50,7 +50,7 @@ struct MeshMatch {
 // `float32_world`: the file's format has float32 world coordinates only. `quantised`: its positions were quantised.
 // Fails with ErrorKind::input if matching needs more memory than there is.
 [[nodiscard]] Result<MeshMatch> match_meshes(const mesh::Mesh& written, const mesh::Mesh& extracted, bool float32_world,
-                                             const Context& context = Context(), bool quantised = false);
+                                             const Context& context, bool quantised = false);
 
 // What differs, a sentence without its full stop each; none if they are the same. `names` are what the meshes are
 // called.

@@ -61,20 +61,19 @@ class IntersectionSearch {
     const TriangleStars stars(mesh_.positions.span(), distinct_.triangles.span(),
                               [&](std::uint32_t triangle) { return places_.of_triangle(mesh_.triangles[triangle]); });
     const std::uint64_t count = stars.empty() ? 0 : mesh_.triangles.size();
-    const auto memory = context_.reserve(TriangleStars::crowded_bytes(count) + TriangleBoxes::star_bytes(count),
-                                         mesh_.name + ": corners with many triangles");
-    if (!memory) return tl::unexpected(memory.error());
+    const auto memory = TRY(context_.reserve(TriangleStars::crowded_bytes(count) + TriangleBoxes::star_bytes(count),
+                                             mesh_.name + ": corners with many triangles"));
     const TriangleBoxes boxes(mesh_.positions.span(), mesh_.triangles.span(), distinct_.triangles.span(), &stars);
     met_ = Buffer<std::uint8_t>(mesh_.triangles.size());
     std::fill(met_.begin(), met_.end(), std::uint8_t{0});
     boxes.for_near_pairs(
         stopped_, [&](std::uint32_t i, std::uint32_t j) { look_at(i, j); },
         [&](std::size_t triangles) { advance(triangles); });
-    if (auto going_on = context_.check(); !going_on) return tl::unexpected(going_on.error());
+    TRY(context_.check());
     if (total_.load() > options_.most_pairs) {
       result_.at_least = true;
       result_.pairs = options_.most_pairs;
-      if (auto found = find_examples(boxes); !found) return tl::unexpected(found.error());
+      TRY(find_examples(boxes));
       return result_;
     }
     gather();
@@ -140,7 +139,7 @@ class IntersectionSearch {
   Result<void> find_examples(const TriangleBoxes& boxes) {
     for (const std::uint32_t i : distinct_.triangles) {
       if (result_.examples.size() == options_.examples) break;
-      if (auto going_on = context_.check(); !going_on) return going_on;
+      TRY(context_.check());
       FoundPairs found;
       const PlacedTriangle first = placed(i);
       boxes.for_each_near(boxes.box_of(i), [&](std::uint32_t j) {
@@ -171,8 +170,7 @@ class IntersectionSearch {
 Result<SelfIntersections> find_self_intersections(const mesh::Mesh& mesh, const IntersectionOptions& options,
                                                   const Context& context) {
   const std::string what = fmt::format("{}: the search for self-intersections", mesh.name);
-  const auto memory = context.reserve(IntersectionSearch::bytes(mesh), what);
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory = TRY(context.reserve(IntersectionSearch::bytes(mesh), what));
   try {
     context.progress().begin("looking for self-intersections", mesh.triangles.size());
     return IntersectionSearch(mesh, options, context).run();

@@ -43,7 +43,7 @@ struct SelfIntersections {
 // for any number of threads. Positions are finite. Fails with ErrorKind::input where there is no memory for it,
 // and with ErrorKind::cancelled.
 [[nodiscard]] Result<SelfIntersections> find_self_intersections(const mesh::Mesh& mesh,
-                                                                const IntersectionOptions& options = {},
-                                                                const Context& context = Context());
+                                                                const IntersectionOptions& options,
+                                                                const Context& context);
 
 }  // namespace isoextract::measure

@@ -239,11 +239,10 @@ Result<std::vector<std::uint32_t>> count_surrounding_shells(const mesh::Mesh& me
                                                             const std::vector<bool>& asked, const Context& context) {
   const std::string what = fmt::format("{}: its shells within shells", mesh.name);
   const std::uint64_t triangles = mesh.triangles.size();
-  const auto memory = context.reserve(components.count() * (3 * sizeof(std::uint32_t) + sizeof(double)) +
-                                          2 * triangles * sizeof(std::uint32_t) + TriangleBoxes::bytes(triangles) +
-                                          ComponentBoxes::bytes(components.count()),
-                                      what);
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory = TRY(context.reserve(components.count() * (3 * sizeof(std::uint32_t) + sizeof(double)) +
+                                              2 * triangles * sizeof(std::uint32_t) + TriangleBoxes::bytes(triangles) +
+                                              ComponentBoxes::bytes(components.count()),
+                                          what));
   try {
     const std::vector<std::uint32_t> rightmost = rightmost_vertices(mesh, components);
     const Buffer<std::uint32_t> chosen = triangles_of(mesh, components, closed);
@@ -260,7 +259,7 @@ Result<std::vector<std::uint32_t>> count_surrounding_shells(const mesh::Mesh& me
                       ? *count
                       : count_around(inside_material(mesh, beside[c]), c, mesh, components, around, boxes).value_or(0);
     });
-    if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
+    TRY(context.check());
     return within;
   } catch (const std::bad_alloc&) {
     return fail(ErrorKind::input, what + " need more memory than there is");
@@ -270,16 +269,14 @@ Result<std::vector<std::uint32_t>> count_surrounding_shells(const mesh::Mesh& me
 Result<std::vector<Component>> describe_components(const mesh::Mesh& mesh, const mesh::Components& components,
                                                    const MeshBorders& borders, const Context& context) {
   const std::string what = fmt::format("{}: its components", mesh.name);
-  const auto memory = context.reserve(components.count() * (sizeof(Component) + sizeof(std::uint32_t)), what);
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory = TRY(context.reserve(components.count() * (sizeof(Component) + sizeof(std::uint32_t)), what));
   try {
     std::vector<Component> all = measure_components(mesh, components, borders);
     std::vector<bool> closed(all.size());
     for (std::size_t c = 0; c < all.size(); ++c) closed[c] = all[c].edges.none();
     if (std::ranges::count(closed, true) > 1) {
-      const auto within = count_surrounding_shells(mesh, components, closed, closed, context);
-      if (!within) return tl::unexpected(within.error());
-      for (std::size_t c = 0; c < all.size(); ++c) all[c].within = (*within)[c];
+      const auto within = TRY(count_surrounding_shells(mesh, components, closed, closed, context));
+      for (std::size_t c = 0; c < all.size(); ++c) all[c].within = within[c];
     }
     for (Component& component : all) component.shell = shell_of(component);
     return all;

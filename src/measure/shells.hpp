@@ -50,8 +50,7 @@ struct Component {
 // where its working memory is more than is left, and with ErrorKind::cancelled.
 [[nodiscard]] Result<std::vector<Component>> describe_components(const mesh::Mesh& mesh,
                                                                  const mesh::Components& components,
-                                                                 const MeshBorders& borders,
-                                                                 const Context& context = Context());
+                                                                 const MeshBorders& borders, const Context& context);
 
 // In how many of the components that are marked as closed each of those marked as `asked` lies, itself not counted; 0
 // for the others. As exact, and fails, as describe_components() does.
@@ -59,6 +58,6 @@ struct Component {
                                                                           const mesh::Components& components,
                                                                           const std::vector<bool>& closed,
                                                                           const std::vector<bool>& asked,
-                                                                          const Context& context = Context());
+                                                                          const Context& context);
 
 }  // namespace isoextract::measure

@@ -18,11 +18,11 @@ bool expects_triangles(StabilityOutcome outcome, bool cap, bool always_closed) {
 }
 
 void run_once(const StabilityScene& scene, const extract::ExtractOptions& options, const extract::MethodTraits& traits,
-              extract::Extractor& extractor, StabilityRow& row) {
+              extract::Extractor& extractor, const Context& context, StabilityRow& row) {
   const auto add = [&](std::string_view what) {
     row.failures.push_back(fmt::format("{}{}", options.cap ? "with a cap: " : "", what));
   };
-  const auto extraction = extractor.extract(scene.field, options);
+  const auto extraction = extractor.extract(scene.field, options, context);
   if (scene.outcome == StabilityOutcome::refusal && !traits.always_closed) {
     if (extraction || extraction.error().kind != ErrorKind::input) add("the samples were not refused");
     return;
@@ -41,7 +41,7 @@ void run_once(const StabilityScene& scene, const extract::ExtractOptions& option
 }  // namespace
 
 StabilityRow run_stability_case(const StabilityCase& test, const extract::MethodInfo& method,
-                                extract::Extractor& extractor) {
+                                extract::Extractor& extractor, const Context& context) {
   const StabilityScene scene = test.make();
   StabilityRow row;
   row.name = test.name;
@@ -64,7 +64,7 @@ StabilityRow run_stability_case(const StabilityCase& test, const extract::Method
     if (options.nan == extract::NanPolicy::hole && method.traits.always_closed) {
       options.nan = extract::NanPolicy::outside;
     }
-    run_once(scene, options, method.traits, extractor, row);
+    run_once(scene, options, method.traits, extractor, context, row);
   }
   return row;
 }

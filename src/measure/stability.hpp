@@ -28,6 +28,6 @@ struct StabilityRow {
 // and without one where the scene says so; there is a surface exactly where there should be one. Of vertices on edges
 // and of crossings that holds where the method's traits say so, and is not checked elsewhere.
 [[nodiscard]] StabilityRow run_stability_case(const StabilityCase& test, const extract::MethodInfo& method,
-                                              extract::Extractor& extractor);
+                                              extract::Extractor& extractor, const Context& context);
 
 }  // namespace isoextract::measure

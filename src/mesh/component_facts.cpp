@@ -87,13 +87,11 @@ std::vector<ComponentFacts> measure(const Mesh& mesh, const Components& componen
 
 Result<std::vector<ComponentFacts>> measure_components(const Mesh& mesh, const Components& components,
                                                        const glm::dmat3& to_metric, const Context& context) {
-  auto topology = measure_topology(mesh, components, context);
-  if (!topology) return tl::unexpected(std::move(topology.error()));
+  auto topology = TRY(measure_topology(mesh, components, context));
   const std::string what = mesh.name + ": the sizes of its components";
-  const auto memory = context.reserve(2 * components.count() * sizeof(PartialSum), what);
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory = TRY(context.reserve(2 * components.count() * sizeof(PartialSum), what));
   try {
-    return measure(mesh, components, to_metric, *topology);
+    return measure(mesh, components, to_metric, topology);
   } catch (const std::bad_alloc&) {
     return tl::unexpected(no_memory(ErrorKind::input, what + " need more memory than there is"));
   }

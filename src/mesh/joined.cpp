@@ -20,13 +20,12 @@ Result<Mesh> join_meshes(std::span<const Mesh> meshes, const Context& context) {
     return fail(ErrorKind::input, fmt::format("{} meshes have {} vertices together, one mesh holds {}", meshes.size(),
                                               vertices, std::numeric_limits<std::uint32_t>::max()));
   }
-  auto memory = context.reserve(vertices * sizeof(glm::vec3) + triangles * sizeof(glm::uvec3),
-                                fmt::format("{} meshes as one", meshes.size()));
-  if (!memory) return tl::unexpected(std::move(memory.error()));
+  auto memory = TRY(context.reserve(vertices * sizeof(glm::vec3) + triangles * sizeof(glm::uvec3),
+                                    fmt::format("{} meshes as one", meshes.size())));
   Mesh joined;
   joined.positions = Buffer<glm::vec3>(vertices);
   joined.triangles = Buffer<glm::uvec3>(triangles);
-  joined.memory = std::move(*memory);
+  joined.memory = std::move(memory);
   std::uint32_t first_vertex = 0;
   glm::uvec3* triangle = joined.triangles.begin();
   for (const Mesh& mesh : meshes) {

@@ -272,13 +272,11 @@ class Shading {
       : mesh_(mesh), options_(options), source_(source), context_(context), vertices_(mesh.positions.size()) {}
 
   Result<std::uint64_t> run() {
-    const auto around_memory = reserve(Adjacency::bytes(mesh_.triangles.size(), vertices_) +
-                                       (mesh_.normals.empty() ? vertices_ * sizeof(glm::vec3) : 0));
-    if (!around_memory) return tl::unexpected(around_memory.error());
+    const auto around_memory = TRY(reserve(Adjacency::bytes(mesh_.triangles.size(), vertices_) +
+                                           (mesh_.normals.empty() ? vertices_ * sizeof(glm::vec3) : 0)));
     const Adjacency around(mesh_.triangles.span(), vertices_);
     const std::uint64_t flags = options_.crease_degrees ? mesh_.triangles.size() : 0;
-    const auto flags_memory = reserve(flags);
-    if (!flags_memory) return tl::unexpected(flags_memory.error());
+    const auto flags_memory = TRY(reserve(flags));
     Buffer<std::uint8_t> flat(flags);
     if (flags > 0) find_flat_parts(around, flat.span());
     const bool had_normals = !mesh_.normals.empty();
@@ -304,12 +302,10 @@ class Shading {
                   Remedy::extract_part);
     }
     const std::uint64_t row = vertex_bytes(mesh_) + (had_normals ? 0 : sizeof(glm::vec3));
-    auto kept = reserve(all * row + (had_normals ? 0 : vertices_ * sizeof(glm::vec3)));
-    if (!kept) return tl::unexpected(kept.error());
+    auto kept = TRY(reserve(all * row + (had_normals ? 0 : vertices_ * sizeof(glm::vec3))));
     const auto memory =
-        reserve(all * (sizeof(std::uint32_t) + sizeof(glm::vec3)) +
-                (all > 0 ? mesh_.triangles.size_bytes() + vertices_ * (row + sizeof(std::uint32_t)) : 0));
-    if (!memory) return tl::unexpected(memory.error());
+        TRY(reserve(all * (sizeof(std::uint32_t) + sizeof(glm::vec3)) +
+                    (all > 0 ? mesh_.triangles.size_bytes() + vertices_ * (row + sizeof(std::uint32_t)) : 0)));
     Buffer<std::uint32_t> copied_from(all);
     Buffer<glm::vec3> normals_of_copies(all);
     Buffer<glm::uvec3> triangles(all > 0 ? mesh_.triangles.size() : 0);
@@ -339,7 +335,7 @@ class Shading {
     });
     if (!had_normals) mesh_.normals = std::move(made);
     if (all > 0) append(copied_from, normals_of_copies, std::move(triangles));
-    mesh_.memory.take(std::move(*kept));
+    mesh_.memory.take(std::move(kept));
     return all;
   }
 

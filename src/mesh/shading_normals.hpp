@@ -41,7 +41,7 @@ struct ShadingOptions {
 // number of threads. Fails with ErrorKind::input where the memory is not there, or for more vertices than a mesh can
 // number; `source` starts the message.
 [[nodiscard]] Result<std::uint64_t> shade_by_triangles(Mesh& mesh, const ShadingOptions& options,
-                                                       const std::string& source, const Context& context = Context());
+                                                       const std::string& source, const Context& context);
 
 // Pairs of a triangle and a corner of it.
 struct NormalAgreement {

@@ -251,8 +251,7 @@ Result<Topology> measure_topology(const Mesh& mesh, const Context& context) {
   const std::uint64_t vertices = mesh.positions.size();
   try {
     const VertexRanges ranges(mesh.triangles.span(), vertices);
-    const auto memory = context.reserve(std::max(ranges.bytes(), Components::bytes(vertices)), what);
-    if (!memory) return tl::unexpected(memory.error());
+    const auto memory = TRY(context.reserve(std::max(ranges.bytes(), Components::bytes(vertices)), what));
     return measure(mesh, ranges);
   } catch (const std::bad_alloc&) {
     return tl::unexpected(no_memory(ErrorKind::input, what + " need more memory than there is"));
@@ -264,8 +263,8 @@ Result<std::vector<Topology>> measure_topology(const Mesh& mesh, const Component
   try {
     const VertexRanges ranges(mesh.triangles.span(), mesh.positions.size());
     const auto threads = static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency());
-    const auto memory = context.reserve(ranges.bytes() + (threads + 1) * components.count() * sizeof(Topology), what);
-    if (!memory) return tl::unexpected(memory.error());
+    const auto memory =
+        TRY(context.reserve(ranges.bytes() + (threads + 1) * components.count() * sizeof(Topology), what));
     return measure(mesh, ranges, components);
   } catch (const std::bad_alloc&) {
     return tl::unexpected(no_memory(ErrorKind::input, what + " need more memory than there is"));

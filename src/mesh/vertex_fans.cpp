@@ -64,8 +64,7 @@ Result<void> make_one_vertex_a_fan(Mesh& mesh, const std::string& source, const 
   const std::uint64_t bytes = Adjacency::bytes(mesh.triangles.size(), vertices) + mesh.triangles.size_bytes() +
                               2 * vertices * (vertex_bytes(mesh) + sizeof(std::uint32_t));
   const std::string what = fmt::format("{}: the holes of its surface", source);
-  const auto memory = context.reserve(bytes, what);
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory = TRY(context.reserve(bytes, what));
   try {
     return part_fans(mesh, source);
   } catch (const std::bad_alloc&) {

@@ -14,7 +14,6 @@ namespace isoextract::mesh {
 // if no edge has more than two triangles. Vertices keep their order; copies stand behind the vertex they copy, in the
 // order of their fans' first triangles, and have all that belongs to it. Fails with ErrorKind::input where that
 // needs more memory than is left, or more vertices than a mesh can number; `source` starts the message.
-[[nodiscard]] Result<void> make_one_vertex_a_fan(Mesh& mesh, const std::string& source,
-                                                 const Context& context = Context());
+[[nodiscard]] Result<void> make_one_vertex_a_fan(Mesh& mesh, const std::string& source, const Context& context);
 
 }  // namespace isoextract::mesh

@@ -160,7 +160,7 @@ Result<std::vector<GltfPart>> AnimationWriter::State::pieces_of(std::span<const 
 Result<std::optional<Error>> AnimationWriter::State::add(const std::string& name, std::int64_t frame,
                                                          std::span<const mesh::Mesh> surfaces,
                                                          const MeshPacking& packing, const std::string& placement) {
-  if (auto usable = check(); !usable) return tl::unexpected(std::move(usable.error()));
+  TRY(check());
   if (auto possible = check_frame(frame); !possible) return std::move(possible.error());
   for (const mesh::Mesh& surface : surfaces) {
     if (auto kept = check_places(surface, path, options.format); !kept) return std::move(kept.error());
@@ -186,7 +186,7 @@ Result<std::optional<Error>> AnimationWriter::State::add(const std::string& name
   if (parts.empty()) {
     options.placement = placement;
     parts.push_back({AnimatedGlb(path, largest_file, placement), frame, frame});
-    if (auto opened = parts.back().glb.open(); !opened) return tl::unexpected(std::move(opened.error()));
+    TRY(parts.back().glb.open());
   }
   // Not before the frame is taken.
   const auto take = [&] {
@@ -257,7 +257,7 @@ void AnimationWriter::State::tell_of_parts() {
 }
 
 Result<MeshWriteResult> AnimationWriter::State::finish() {
-  if (auto usable = check(); !usable) return tl::unexpected(std::move(usable.error()));
+  TRY(check());
   if (!first) {
     return fail(ErrorKind::output, fmt::format("{}: an animation needs a frame, found none", path.string()));
   }
@@ -265,16 +265,14 @@ Result<MeshWriteResult> AnimationWriter::State::finish() {
   std::vector<files::OutputFile*> files;
   MeshWriteResult result;
   for (AnimationPart& part : parts) {
-    if (auto going_on = context.check(); !going_on) return tl::unexpected(std::move(going_on.error()));
-    if (auto written = part.glb.finish(end); !written) return tl::unexpected(std::move(written.error()));
+    TRY(context.check());
+    TRY(part.glb.finish(end));
     result.files.push_back({part.glb.path().string(), part.glb.file().bytes_written()});
     files.push_back(&part.glb.file());
   }
   tell_of_parts();
   std::reverse(files.begin(), files.end());
-  if (auto committed = files::OutputFile::commit_all(files); !committed) {
-    return tl::unexpected(std::move(committed.error()));
-  }
+  TRY(files::OutputFile::commit_all(files));
   result.notes = std::move(notes);
   return result;
 }
@@ -318,9 +316,8 @@ Result<void> AnimationWriter::add(const std::string& name, std::int64_t frame, s
                                   const MeshPacking& packing, const std::string& placement) {
   State& state = *state_;
   state.packed.clear();
-  auto added = state.attempt([&] { return state.add(name, frame, surfaces, packing, placement); });
-  if (!added) return tl::unexpected(std::move(added.error()));
-  if (*added) return tl::unexpected(std::move(**added));
+  auto added = TRY(state.attempt([&] { return state.add(name, frame, surfaces, packing, placement); }));
+  if (added) return tl::unexpected(std::move(*added));
   return {};
 }
 

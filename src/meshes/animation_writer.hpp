@@ -40,8 +40,7 @@ class AnimationWriter {
   // `frames_at_most` is how many may come: room is left for the descriptions of so many. More are no error; the file is
   // then copied once within itself. `largest_file` is for tests.
   AnimationWriter(const std::filesystem::path& path, const MeshWriteOptions& options, double frames_per_second,
-                  std::uint64_t frames_at_most, const Context& context = Context(),
-                  std::uint64_t largest_file = kLargestGlb);
+                  std::uint64_t frames_at_most, const Context& context, std::uint64_t largest_file = kLargestGlb);
   AnimationWriter(AnimationWriter&&) noexcept;
   AnimationWriter& operator=(AnimationWriter&&) noexcept;
   ~AnimationWriter();

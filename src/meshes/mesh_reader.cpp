@@ -245,9 +245,8 @@ MeshFile read_file(const files::InputFile& file, const MeshReadOptions& options)
 Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context, const MeshReadOptions& options) {
   const auto name = [&] { return files::shown_input_name(path); };  // takes memory: only where a failure is told
   try {
-    const auto file = files::InputFile::open(path, context);
-    if (!file) return tl::unexpected(file.error());
-    return read_file(*file, options);
+    const auto file = TRY(files::InputFile::open(path, context));
+    return read_file(file, options);
   } catch (const Cancelled& cancelled) {
     return tl::unexpected(cancelled.error);
   } catch (const DamagedMesh& damage) {

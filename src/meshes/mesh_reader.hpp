@@ -74,18 +74,17 @@ struct MeshFile {
 // Fails with ErrorKind::input: a file that cannot be read, is damaged, has coordinates that are not finite, indices of
 // vertices that are not there, or needs more memory than is left; or glTF that requires an extension which may change
 // its triangles and is not read. The mesh keeps its part reserved. A file without triangles is no error.
-[[nodiscard]] Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context = Context(),
+[[nodiscard]] Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context,
                                          const MeshReadOptions& options = {});
 
 // Returns whether the file begins as a mesh of one of the formats does, whatever its name is. PLY may hold particles.
-[[nodiscard]] bool holds_mesh(const std::filesystem::path& path, const Context& context = Context());
+[[nodiscard]] bool holds_mesh(const std::filesystem::path& path, const Context& context);
 
 // Whether the file's beginning says that isoextract wrote it, without reading the mesh. STL as text never does, nor
 // does what cannot be read.
-[[nodiscard]] bool is_signed(const std::filesystem::path& path, const Context& context = Context());
+[[nodiscard]] bool is_signed(const std::filesystem::path& path, const Context& context);
 
 // The names of the files in which a .gltf keeps its data, as it has them; none where it is no glTF, or has none.
-[[nodiscard]] std::vector<std::string> data_file_names(const std::filesystem::path& gltf,
-                                                       const Context& context = Context());
+[[nodiscard]] std::vector<std::string> data_file_names(const std::filesystem::path& gltf, const Context& context);
 
 }  // namespace isoextract::meshes

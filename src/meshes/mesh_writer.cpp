@@ -203,7 +203,7 @@ Result<void> MeshWriter::State::open() {
 }
 
 Result<void> MeshWriter::State::write(const mesh::Mesh& mesh) {
-  if (auto opened = open(); !opened) return opened;
+  TRY(open());
   if (!mesh_format_info(options.format).has_attributes) {
     for (const mesh::Attribute& attribute : mesh.attributes) {
       std::string name = fmt::format("'{}'", attribute.name);
@@ -264,10 +264,10 @@ MeshWriter::~MeshWriter() = default;
 Result<void> MeshWriter::add(mesh::Mesh mesh) {
   State& state = *state_;
   return state.attempt([&]() -> Result<void> {
-    if (auto possible = check(++state.count, state.path, state.options); !possible) return possible;
-    if (auto kept = state.keep_places(mesh); !kept) return kept;
+    TRY(check(++state.count, state.path, state.options));
+    TRY(state.keep_places(mesh));
     if (state.options.packing.optimize_order) {
-      if (auto ordered = optimize_order(mesh, state.context); !ordered) return ordered;
+      TRY(optimize_order(mesh, state.context));
     }
     if (!state.holds) return state.write(mesh);
     state.held.push_back(std::move(mesh));
@@ -291,7 +291,7 @@ Result<MeshWriteResult> write_meshes(std::span<const mesh::Mesh> meshes, const f
   state.count = meshes.size();
   return state.attempt([&]() -> Result<MeshWriteResult> {
     for (const mesh::Mesh& mesh : meshes) {
-      if (auto kept = state.keep_places(mesh); !kept) return tl::unexpected(std::move(kept.error()));
+      TRY(state.keep_places(mesh));
     }
     return state.finish(meshes);
   });

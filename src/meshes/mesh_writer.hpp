@@ -83,7 +83,7 @@ struct MeshWriteResult {
 // are quantised in a box that is not given: it is the one around all of them.
 class MeshWriter {
  public:
-  MeshWriter(const std::filesystem::path& path, const MeshWriteOptions& options, const Context& context = Context());
+  MeshWriter(const std::filesystem::path& path, const MeshWriteOptions& options, const Context& context);
   MeshWriter(MeshWriter&&) noexcept;
   MeshWriter& operator=(MeshWriter&&) noexcept;
   ~MeshWriter();
@@ -108,6 +108,6 @@ class MeshWriter {
 // All of a file at once, for whoever has all meshes anyway. "-" is standard output.
 [[nodiscard]] Result<MeshWriteResult> write_meshes(std::span<const mesh::Mesh> meshes,
                                                    const std::filesystem::path& path, const MeshWriteOptions& options,
-                                                   const Context& context = Context());
+                                                   const Context& context);
 
 }  // namespace isoextract::meshes

@@ -74,10 +74,9 @@ Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::s
   for (const std::size_t a : attributes) components += particles.attributes[a].components;
   const std::string what =
       fmt::format("{}: {} attributes of {} vertices", particles.label, attributes.size(), vertices.size());
-  auto memory = context.reserve(components * vertices.size() * sizeof(float), what);
-  if (!memory) return tl::unexpected(memory.error());
+  auto memory = TRY(context.reserve(components * vertices.size() * sizeof(float), what));
   SampledAttributes result;
-  result.memory = std::move(*memory);
+  result.memory = std::move(memory);
   for (const std::size_t a : attributes) {
     const ParticleAttribute& from = particles.attributes[a];
     result.attributes.push_back({from.name, from.components, Buffer<float>(from.components * vertices.size())});
@@ -90,18 +89,14 @@ Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::s
     return fail(ErrorKind::input,
                 fmt::format("{}: the particles lie too far apart for kernels that reach {}", particles.label, support));
   }
-  auto grid = CellGrid::make(positions, frame, 1, CellGrid::Coinciding::merged, context, particles.label);
-  if (!grid) return tl::unexpected(grid.error());
-  auto densities = measure_density(*grid, 1, context, particles.label);
-  if (!densities) return tl::unexpected(densities.error());
+  auto grid = TRY(CellGrid::make(positions, frame, 1, CellGrid::Coinciding::merged, context, particles.label));
+  auto densities = TRY(measure_density(grid, 1, context, particles.label));
   std::vector<std::shared_ptr<ReservedBuffer<float>>> means;
   for (const std::size_t a : attributes) {
-    auto made = spot_means(*grid, particles.attributes[a], context, what);
-    if (!made) return tl::unexpected(made.error());
-    means.push_back(std::move(*made));
+    auto made = TRY(spot_means(grid, particles.attributes[a], context, what));
+    means.push_back(std::move(made));
   }
-  auto flags = make_reserved_buffer<std::uint8_t>(vertices.size(), context, what);
-  if (!flags) return tl::unexpected(flags.error());
+  auto flags = TRY(make_reserved_buffer<std::uint8_t>(vertices.size(), context, what));
 
   context.progress().begin("sampling attributes", vertices.size());
   std::atomic<std::uint64_t> out_of_reach{0};
@@ -115,7 +110,7 @@ Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::s
       double total = 0;
       std::ranges::fill(sums, 0.0);
       if (near) {
-        for_each_kernel_at(*grid, (*densities)->values.data(), p, [&](std::size_t spot, double share) {
+        for_each_kernel_at(grid, densities->values.data(), p, [&](std::size_t spot, double share) {
           total += share;
           double* sum = sums.data();
           for (std::size_t a = 0; a < means.size(); ++a) {
@@ -126,7 +121,7 @@ Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::s
           }
         });
       }
-      (*flags)->values[v] = static_cast<std::uint8_t>(total == 0);
+      flags->values[v] = static_cast<std::uint8_t>(total == 0);
       if (total == 0) out_of_reach.fetch_add(1, std::memory_order_relaxed);
       const double* sum = sums.data();
       for (SampledAttribute& attribute : result.attributes) {
@@ -137,16 +132,15 @@ Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::s
     }
     context.progress().advance(range.size());
   });
-  if (auto go_on = context.check(); !go_on) return tl::unexpected(go_on.error());
+  TRY(context.check());
   result.out_of_reach = out_of_reach.load();
   if (result.out_of_reach == 0) return result;
 
-  auto tree = NearestTree::make(positions, context, particles.label);
-  if (!tree) return tl::unexpected(tree.error());
+  auto tree = TRY(NearestTree::make(positions, context, particles.label));
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices.size(), 512), [&](const auto& range) {
     for (std::size_t v = range.begin(); v != range.end(); ++v) {
-      if ((*flags)->values[v] == 0) continue;
-      const std::size_t nearest = tree->nearest(vertices[v], NearestTree::Same::counts).point;
+      if (flags->values[v] == 0) continue;
+      const std::size_t nearest = tree.nearest(vertices[v], NearestTree::Same::counts).point;
       for (std::size_t a = 0; a < attributes.size(); ++a) {
         const std::size_t width = result.attributes[a].components;
         std::copy_n(particles.attributes[attributes[a]].values.data() + nearest * width, width,

@@ -42,6 +42,6 @@ struct SampledAttributes {
 [[nodiscard]] Result<SampledAttributes> sample_attributes(const ParticleSet& particles,
                                                           std::span<const std::size_t> attributes,
                                                           std::span<const glm::dvec3> vertices, double radius,
-                                                          double smoothing_length, const Context& context = Context());
+                                                          double smoothing_length, const Context& context);
 
 }  // namespace isoextract::points

@@ -50,9 +50,8 @@ bool placed_before(const glm::dvec3& a, const glm::dvec3& b) {
 Result<CellGrid> CellGrid::make(std::span<const glm::dvec3> points, const GridFrame& frame, double side,
                                 Coinciding coinciding, const Context& context, const std::string& label) {
   const auto what = [&] { return fmt::format("{}: sorting {} particles", label, points.size()); };
-  auto made = make_reserved_buffer<CellKey>(points.size(), context, what());
-  if (!made) return tl::unexpected(made.error());
-  Buffer<CellKey>& keys = (*made)->values;
+  auto made = TRY(make_reserved_buffer<CellKey>(points.size(), context, what()));
+  Buffer<CellKey>& keys = made->values;
   CellGrid grid;
   grid.side_ = side;
   context.progress().begin("sorting particles", 0);
@@ -63,7 +62,7 @@ Result<CellGrid> CellGrid::make(std::span<const glm::dvec3> points, const GridFr
     }
   });
   tbb::parallel_sort(keys.begin(), keys.end());
-  if (auto go_on = context.check(); !go_on) return tl::unexpected(go_on.error());
+  TRY(context.check());
   const auto count =
       static_cast<std::size_t>(std::lower_bound(keys.begin(), keys.end(), CellKey{kNoCell, kNoCell}) - keys.begin());
 
@@ -73,11 +72,9 @@ Result<CellGrid> CellGrid::make(std::span<const glm::dvec3> points, const GridFr
     cells += static_cast<std::size_t>(k == 0 || !same_cell(keys[k], keys[k - 1]));
     columns += static_cast<std::size_t>(k == 0 || keys[k].xy != keys[k - 1].xy);
   }
-  auto memory = context.reserve(count * (sizeof(glm::dvec3) + 2 * sizeof(std::uint32_t)) + sizeof(std::uint32_t) +
-                                    (cells + 1) * sizeof(Cell) + (columns + 1) * sizeof(Column),
-                                what());
-  if (!memory) return tl::unexpected(memory.error());
-  grid.memory_ = std::move(*memory);
+  grid.memory_ = TRY(context.reserve(count * (sizeof(glm::dvec3) + 2 * sizeof(std::uint32_t)) + sizeof(std::uint32_t) +
+                                         (cells + 1) * sizeof(Cell) + (columns + 1) * sizeof(Column),
+                                     what()));
   grid.places_ = Buffer<glm::dvec3>(count);
   grid.order_ = Buffer<std::uint32_t>(count);
   grid.firsts_ = Buffer<std::uint32_t>(count + 1);

@@ -64,9 +64,8 @@ Result<void> check_crowding(const ParticleSet& particles, const CellGrid& grid, 
   const double widening = is_anisotropic ? std::max(1.0, options.anisotropy.neighbourhood) : 1;
   const std::uint64_t most = kMostNear * grid.size();
   if (count_near_pairs(grid, widening * figures.support / figures.spacing, most) <= most) return {};
-  const auto statistics = measure_statistics(particles, context);
-  if (!statistics) return tl::unexpected(statistics.error());
-  const std::optional<double> usual = statistics->suggested_radius();
+  const auto statistics = TRY(measure_statistics(particles, context));
+  const std::optional<double> usual = statistics.suggested_radius();
   return fail(ErrorKind::input,
               fmt::format("{}: a particle radius of {:.6g}, whose neighbours are up to {:.6g} away, gives each of {} "
                           "particles more than {} neighbours on average; expected at most that many",
@@ -77,16 +76,14 @@ Result<void> check_crowding(const ParticleSet& particles, const CellGrid& grid, 
 
 Result<field::SparseSamples> sum_kernels(const CellGrid& grid, double support, const FieldOptions& options,
                                          BrickCounts& counts, const Context& context, const std::string& label) {
-  auto densities = measure_density(grid, support, context, label);
-  if (!densities) return tl::unexpected(densities.error());
-  float* const values = (*densities)->values.data();
+  auto densities = TRY(measure_density(grid, support, context, label));
+  float* const values = densities->values.data();
   std::optional<double> iso = options.leave_out_inside;
   if (iso && *iso >= kInside) iso.reset();
   if (options.method == Method::anisotropic) {
-    auto kernels = make_anisotropic_kernels(grid, support, values, options.anisotropy, context, label);
-    if (!kernels) return tl::unexpected(kernels.error());
-    densities->reset();
-    return fill_bricks(KernelBricks(kernels->set()), iso, kInside, counts, context, label);
+    auto kernels = TRY(make_anisotropic_kernels(grid, support, values, options.anisotropy, context, label));
+    densities.reset();
+    return fill_bricks(KernelBricks(kernels.set()), iso, kInside, counts, context, label);
   }
   // m / rho_j W(0): one over the density in units of a particle by itself, for each that is there.
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, grid.size(), 4096), [&](const auto& range) {
@@ -113,7 +110,7 @@ Result<void> check_options(const FieldOptions& options) {
         std::pair(anisotropy.neighbourhood, "a radius of the neighbourhood in supports"),
         std::pair(anisotropy.k_s, "a scale k_s of anisotropic kernels"),
         std::pair(anisotropy.k_n, "a scale k_n of kernels with few neighbours")}) {
-    if (auto right = check_positive(value, what); !right) return right;
+    TRY(check_positive(value, what));
   }
   if (!(anisotropy.lambda >= 0 && anisotropy.lambda <= 1)) {
     return fail(ErrorKind::usage,
@@ -134,14 +131,14 @@ Result<void> check_options(const FieldOptions& options) {
 }
 
 Result<ParticleField> make_field(const ParticleSet& particles, const FieldOptions& options, const Context& context) {
-  if (auto right = check_options(options); !right) return tl::unexpected(right.error());
+  TRY(check_options(options));
   const std::span<const glm::dvec3> positions = particles.positions.span();
   if (method_info(options.method).kind != field::FieldKind::density) {
     return fail(ErrorKind::usage, fmt::format("{}: expected a method that sums what particles add, found {}",
                                               particles.label, method_info(options.method).title));
   }
   const ParticleBounds bounds = measure_bounds(positions);
-  if (auto fine = check_places(particles, bounds, options.bad); !fine) return tl::unexpected(fine.error());
+  TRY(check_places(particles, bounds, options.bad));
   ParticleField result;
   FieldFigures& figures = result.figures;
   figures.particles = bounds.finite;
@@ -153,31 +150,24 @@ Result<ParticleField> make_field(const ParticleSet& particles, const FieldOption
     result.field.samples = field::SparseSamples{};
     return result;
   }
-  if (auto settled = settle_lengths(particles, options, figures, context); !settled) {
-    return tl::unexpected(settled.error());
-  }
+  TRY(settle_lengths(particles, options, figures, context));
   const double support = figures.support / figures.spacing;
   const bool weighs = options.method == Method::weight;
-  auto frame = index_frame(particles, bounds, figures.spacing, weighs ? 1 : support);
-  if (!frame) return tl::unexpected(frame.error());
-  auto grid = CellGrid::make(positions, *frame, weighs ? 1 : std::max(support, 2.0), CellGrid::Coinciding::merged,
-                             context, particles.label);
-  if (!grid) return tl::unexpected(grid.error());
+  auto frame = TRY(index_frame(particles, bounds, figures.spacing, weighs ? 1 : support));
+  auto grid = TRY(CellGrid::make(positions, frame, weighs ? 1 : std::max(support, 2.0), CellGrid::Coinciding::merged,
+                                 context, particles.label));
   if (!weighs) {
-    if (auto fine = check_crowding(particles, *grid, options, figures, context); !fine) {
-      return tl::unexpected(fine.error());
-    }
+    TRY(check_crowding(particles, grid, options, figures, context));
   }
   BrickCounts counts;
-  auto samples = weighs ? fill_bricks(WeightBricks(*grid, options.deposit, options.weight), std::nullopt, kInside,
-                                      counts, context, particles.label)
-                        : sum_kernels(*grid, support, options, counts, context, particles.label);
-  if (!samples) return tl::unexpected(samples.error());
+  auto samples = TRY(weighs ? fill_bricks(WeightBricks(grid, options.deposit, options.weight), std::nullopt, kInside,
+                                          counts, context, particles.label)
+                            : sum_kernels(grid, support, options, counts, context, particles.label));
   figures.bricks_stored = counts.bricks_stored;
   figures.bricks_inside = counts.bricks_inside;
   figures.particles_left_out = counts.particles_left_out;
-  result.field.index_to_world = {glm::dmat3(figures.spacing), frame->origin};
-  result.field.samples = std::move(*samples);
+  result.field.index_to_world = {glm::dmat3(figures.spacing), frame.origin};
+  result.field.samples = std::move(samples);
   return result;
 }
 

@@ -88,6 +88,6 @@ struct ParticleField {
 // makes the densities of method.hpp; other methods are ErrorKind::usage.
 [[nodiscard]] Result<void> check_options(const FieldOptions& options);
 [[nodiscard]] Result<ParticleField> make_field(const ParticleSet& particles, const FieldOptions& options,
-                                               const Context& context = Context());
+                                               const Context& context);
 
 }  // namespace isoextract::points

@@ -64,21 +64,19 @@ Result<ParticleStatistics> measure_statistics(const ParticleSet& particles, cons
   ParticleStatistics statistics;
   statistics.bounds = measure_bounds(positions);
   context.progress().begin("measuring distances", 0);
-  auto tree = NearestTree::make(positions, context, particles.label);
-  if (!tree) return tl::unexpected(tree.error());
+  auto tree = TRY(NearestTree::make(positions, context, particles.label));
   const std::size_t asked = std::min(positions.size(), kMostAsked);
-  auto memory = context.reserve(2 * asked * sizeof(double), particles.label + ": distances of particles");
-  if (!memory) return tl::unexpected(memory.error());
+  auto memory = TRY(context.reserve(2 * asked * sizeof(double), particles.label + ": distances of particles"));
   std::vector<double> distances(asked);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, asked, 256), [&](const auto& range) {
     if (context.cancelled()) return;
     for (std::size_t n = range.begin(); n != range.end(); ++n) {
       const glm::dvec3& p = positions[n * positions.size() / asked];
-      distances[n] = is_finite(p) ? std::sqrt(tree->nearest(p, NearestTree::Same::ignored).squared_distance)
+      distances[n] = is_finite(p) ? std::sqrt(tree.nearest(p, NearestTree::Same::ignored).squared_distance)
                                   : std::numeric_limits<double>::infinity();
     }
   });
-  if (auto go_on = context.check(); !go_on) return tl::unexpected(go_on.error());
+  TRY(context.check());
   std::erase_if(distances, [](double d) { return !std::isfinite(d); });
   if (distances.empty()) return statistics;
   const auto [least, most] = std::ranges::minmax(distances);

@@ -45,7 +45,6 @@ struct ParticleStatistics {
 };
 
 // Fails as Context::reserve() does, and where the context is cancelled. The same for any number of threads.
-[[nodiscard]] Result<ParticleStatistics> measure_statistics(const ParticleSet& particles,
-                                                            const Context& context = Context());
+[[nodiscard]] Result<ParticleStatistics> measure_statistics(const ParticleSet& particles, const Context& context);
 
 }  // namespace isoextract::points

@@ -42,22 +42,20 @@ Result<std::shared_ptr<ReservedBuffer<float>>> radii_at(const ParticleSet& parti
 }
 
 Result<double> median_of(std::span<const float> radii, const ParticleSet& particles, const Context& context) {
-  const auto sorted = make_reserved_buffer<float>(radii.size(), context, particles.label + ": radii of particles");
-  if (!sorted) return tl::unexpected(sorted.error());
-  std::ranges::copy(radii, (*sorted)->values.begin());
-  float* const middle = (*sorted)->values.begin() + radii.size() / 2;
-  std::nth_element((*sorted)->values.begin(), middle, (*sorted)->values.end());
+  const auto sorted = TRY(make_reserved_buffer<float>(radii.size(), context, particles.label + ": radii of particles"));
+  std::ranges::copy(radii, sorted->values.begin());
+  float* const middle = sorted->values.begin() + radii.size() / 2;
+  std::nth_element(sorted->values.begin(), middle, sorted->values.end());
   return static_cast<double>(*middle);
 }
 
 Result<std::shared_ptr<const ParticleSet>> finite_ones(const ParticleSet& particles, std::uint64_t finite,
                                                        const Context& context) {
-  auto memory = context.reserve(finite * sizeof(glm::dvec3), particles.label + ": places of particles");
-  if (!memory) return tl::unexpected(memory.error());
+  auto memory = TRY(context.reserve(finite * sizeof(glm::dvec3), particles.label + ": places of particles"));
   auto kept = std::make_shared<ParticleSet>();
   kept->label = particles.label;
   kept->positions = Buffer<glm::dvec3>(finite);
-  kept->memory = std::move(*memory);
+  kept->memory = std::move(memory);
   std::copy_if(particles.positions.begin(), particles.positions.end(), kept->positions.begin(),
                [](const glm::dvec3& p) { return is_finite(p); });
   return kept;
@@ -66,32 +64,25 @@ Result<std::shared_ptr<const ParticleSet>> finite_ones(const ParticleSet& partic
 }  // namespace
 
 Result<SphereSet> make_spheres(const ParticleSet& particles, const FieldOptions& options, const Context& context) {
-  if (auto right = check_options(options); !right) return tl::unexpected(right.error());
+  TRY(check_options(options));
   const ParticleBounds bounds = measure_bounds(particles.positions.span());
-  if (auto fine = check_places(particles, bounds, options.bad); !fine) return tl::unexpected(fine.error());
+  TRY(check_places(particles, bounds, options.bad));
   SphereSet spheres(particles);
   FieldFigures& figures = spheres.figures_;
   figures.particles = bounds.finite;
   figures.particles_dropped = bounds.not_finite;
   if (bounds.not_finite > 0) {
-    auto kept = finite_ones(particles, bounds.finite, context);
-    if (!kept) return tl::unexpected(kept.error());
-    spheres.kept_ = std::move(*kept);
+    spheres.kept_ = TRY(finite_ones(particles, bounds.finite, context));
   }
   if (bounds.finite == 0) return spheres;
   if (const ParticleAttribute* attribute = options.radius ? nullptr : radius_attribute(particles)) {
-    auto radii = radii_at(particles, *attribute, bounds.finite, context);
-    if (!radii) return tl::unexpected(radii.error());
-    const auto median = median_of((*radii)->values.span(), particles, context);
-    if (!median) return tl::unexpected(median.error());
-    figures.radius = *median;
+    auto radii = TRY(radii_at(particles, *attribute, bounds.finite, context));
+    figures.radius = TRY(median_of(radii->values.span(), particles, context));
     figures.radius_attribute = attribute->name;
-    spheres.radii_ = (*radii)->values.span();
-    spheres.kept_radii_ = std::move(*radii);
+    spheres.radii_ = radii->values.span();
+    spheres.kept_radii_ = std::move(radii);
   }
-  if (auto settled = settle_lengths(particles, options, figures, context); !settled) {
-    return tl::unexpected(settled.error());
-  }
+  TRY(settle_lengths(particles, options, figures, context));
   return spheres;
 }
 

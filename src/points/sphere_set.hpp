@@ -44,6 +44,6 @@ class SphereSet {
 // median. Fails as make_field() does, and with ErrorKind::input where an attribute holds what is no radius. The same
 // for any number of threads.
 [[nodiscard]] Result<SphereSet> make_spheres(const ParticleSet& particles, const FieldOptions& options,
-                                             const Context& context = Context());
+                                             const Context& context);
 
 }  // namespace isoextract::points

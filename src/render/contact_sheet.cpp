@@ -35,9 +35,7 @@ Result<ContactSheet> ContactSheet::create(const PictureSize& cell, std::size_t c
                             PictureSize::kMaxSide, count, cell.width, cell.height));
   }
   sheet.columns_ = static_cast<int>(columns);
-  auto paper = make_picture(kGap + sheet.columns_ * wide, kGap + static_cast<int>(rows) * high, context);
-  if (!paper) return tl::unexpected(std::move(paper.error()));
-  sheet.picture_ = std::move(*paper);
+  sheet.picture_ = TRY(make_picture(kGap + sheet.columns_ * wide, kGap + static_cast<int>(rows) * high, context));
   Picture& picture = sheet.picture_;
   std::ranges::fill(picture.depth, std::numeric_limits<float>::infinity());
   std::ranges::fill(picture.normals, glm::vec3(0.0F));

@@ -44,13 +44,11 @@ struct PreparedVolume {
 
   [[nodiscard]] static Result<std::unique_ptr<PreparedVolume>> make(const Volume& volume, bool skipping,
                                                                     const Context& context) {
-    auto samples = detail::VolumeSamples::open(volume, context);
-    if (!samples) return tl::unexpected(std::move(samples.error()));
-    auto made = std::make_unique<PreparedVolume>(std::move(*samples));
+    auto samples = TRY(detail::VolumeSamples::open(volume, context));
+    auto made = std::make_unique<PreparedVolume>(std::move(samples));
     if (skipping) {
-      auto bricks = detail::VolumeBricks::measure(made->samples, context);
-      if (!bricks) return tl::unexpected(std::move(bricks.error()));
-      made->bricks.emplace(std::move(*bricks));
+      auto bricks = TRY(detail::VolumeBricks::measure(made->samples, context));
+      made->bricks.emplace(std::move(bricks));
     }
     return made;
   }
@@ -63,15 +61,12 @@ class CpuRenderer : public Renderer {
  public:
   Result<Rendered> draw(const Scene& scene, const Camera& camera, const RenderOptions& options,
                         const Context& context) override {
-    if (auto sound = check(scene, camera, options); !sound) return tl::unexpected(std::move(sound.error()));
+    TRY(check(scene, camera, options));
     Rendered rendered;
-    auto picture = make_picture(options.size.width, options.size.height, context);
-    if (!picture) return tl::unexpected(std::move(picture.error()));
-    rendered.picture = std::move(*picture);
+    rendered.picture = TRY(make_picture(options.size.width, options.size.height, context));
 
     const detail::SurfaceView surfaces(scene, camera, options.size);
-    const auto tiles = detail::SurfaceTiles::sort(surfaces, camera, options.size, context);
-    if (!tiles) return tl::unexpected(tiles.error());
+    const auto tiles = TRY(detail::SurfaceTiles::sort(surfaces, camera, options.size, context));
 
     detail::VolumeView volume;
     std::unique_ptr<PreparedVolume> own;  // of this picture alone
@@ -82,9 +77,7 @@ class CpuRenderer : public Renderer {
       rendered.volume_kept = prepared != nullptr && prepared->bricks.has_value() == options.empty_space_skipping;
       if (!rendered.volume_kept) {
         prepared.reset();
-        auto made = PreparedVolume::make(*scene.volume, options.empty_space_skipping, context);
-        if (!made) return tl::unexpected(std::move(made.error()));
-        prepared = std::move(*made);
+        prepared = TRY(PreparedVolume::make(*scene.volume, options.empty_space_skipping, context));
       }
       volume.samples = &prepared->samples;
       if (prepared->bricks) {
@@ -105,10 +98,10 @@ class CpuRenderer : public Renderer {
     const auto type = scene.volume != nullptr ? scene.volume->field->type() : field::SampleType::f32;
     FirstError failure;
     field::visit_sample_type(type, [&]<class T>(std::type_identity<T>) {
-      draw_tiles<T>({scene, camera, options, context, surfaces, *tiles, volume, within}, rendered, failure);
+      draw_tiles<T>({scene, camera, options, context, surfaces, tiles, volume, within}, rendered, failure);
     });
     if (failure.error()) return tl::unexpected(std::move(*failure.error()));
-    if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+    TRY(context.check());
     return rendered;
   }
 

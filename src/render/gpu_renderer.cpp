@@ -22,9 +22,9 @@ class GpuRenderer final : public Renderer {
 
   Result<Rendered> draw(const Scene& scene, const Camera& camera, const RenderOptions& options,
                         const Context& context) override {
-    if (auto sound = check(scene, camera, options); !sound) return tl::unexpected(std::move(sound.error()));
+    TRY(check(scene, camera, options));
     // Another context may have come since.
-    if (auto current = gl_->make_current(); !current) return tl::unexpected(std::move(current.error()));
+    TRY(gl_->make_current());
     const std::size_t known_messages = gl_->debug_messages().size();
     auto rendered = draw_current(scene, camera, options, context);
     if (rendered && options_.debug && gl_->debug_messages().size() > known_messages) {
@@ -60,9 +60,8 @@ class GpuRenderer final : public Renderer {
                                                                 const Context& context) const {
     auto made = std::make_unique<PreparedVolume>(PreparedVolume{
         options, {}, detail::GpuMemory(gl_->device(), options_.memory_bytes, kept_bytes(), context), {}});
-    auto uploaded = detail::GpuVolume::upload(*gl_, volume, options, made->statistics, made->memory, context);
-    if (!uploaded) return tl::unexpected(std::move(uploaded.error()));
-    made->volume.emplace(std::move(*uploaded));
+    auto uploaded = TRY(detail::GpuVolume::upload(*gl_, volume, options, made->statistics, made->memory, context));
+    made->volume.emplace(std::move(uploaded));
     return made;
   }
 
@@ -75,9 +74,7 @@ class GpuRenderer final : public Renderer {
     glDisable(GL_BLEND);
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
     Rendered rendered;
-    auto picture = make_picture(options.size.width, options.size.height, context);
-    if (!picture) return tl::unexpected(std::move(picture.error()));
-    rendered.picture = std::move(*picture);
+    rendered.picture = TRY(make_picture(options.size.width, options.size.height, context));
 
     std::unique_ptr<PreparedVolume> own;  // of this picture alone
     const detail::GpuVolume* volume = nullptr;
@@ -86,21 +83,17 @@ class GpuRenderer final : public Renderer {
       rendered.volume_kept = prepared != nullptr && prepared->serves(options);
       if (!rendered.volume_kept) {
         prepared.reset();
-        auto made = prepare(*scene.volume, options, context);
-        if (!made) return tl::unexpected(std::move(made.error()));
-        prepared = std::move(*made);
+        prepared = TRY(prepare(*scene.volume, options, context));
       }
       rendered.statistics = prepared->statistics;
       volume = &*prepared->volume;
     }
     detail::GpuMemory memory(gl_->device(), options_.memory_bytes, own ? own->memory.taken() : kept_bytes(), context);
     const detail::SurfaceView view(scene, camera, options.size);
-    const auto surfaces = detail::GpuSurfaces::upload(*gl_, scene, view, memory, context);
-    if (!surfaces) return tl::unexpected(surfaces.error());
-    auto drawing = detail::GpuPicture::make(
-        {*gl_, programs_, scene, camera, options, view, *surfaces, volume, options_.list_bytes, context}, memory);
-    if (!drawing) return tl::unexpected(std::move(drawing.error()));
-    if (auto drawn = drawing->draw(rendered); !drawn) return tl::unexpected(std::move(drawn.error()));
+    const auto surfaces = TRY(detail::GpuSurfaces::upload(*gl_, scene, view, memory, context));
+    auto drawing = TRY(detail::GpuPicture::make(
+        {*gl_, programs_, scene, camera, options, view, surfaces, volume, options_.list_bytes, context}, memory));
+    TRY(drawing.draw(rendered));
     return rendered;
   }
 
@@ -114,10 +107,9 @@ class GpuRenderer final : public Renderer {
 }  // namespace
 
 Result<GpuRendererAndDevice> make_gpu_renderer(const GpuRenderOptions& options) {
-  auto context = gl::GlContext::open({options.device, options.debug});
-  if (!context) return tl::unexpected(std::move(context.error()));
-  gl::GpuDevice device = (*context)->device();
-  return GpuRendererAndDevice{std::make_unique<GpuRenderer>(std::move(*context), options), std::move(device)};
+  auto context = TRY(gl::GlContext::open({options.device, options.debug}));
+  gl::GpuDevice device = context->device();
+  return GpuRendererAndDevice{std::make_unique<GpuRenderer>(std::move(context), options), std::move(device)};
 }
 
 }  // namespace isoextract::render

@@ -6,15 +6,14 @@ namespace isoextract::render {
 
 Result<Picture> make_picture(int width, int height, const Context& context) {
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  auto memory = context.reserve(pixels * Picture::kBytesPerPixel, "a picture");
-  if (!memory) return tl::unexpected(std::move(memory.error()));
+  auto memory = TRY(context.reserve(pixels * Picture::kBytesPerPixel, "a picture"));
   Picture picture;
   picture.width = width;
   picture.height = height;
   picture.colour = Buffer<glm::vec4>(pixels);
   picture.depth = Buffer<float>(pixels);
   picture.normals = Buffer<glm::vec3>(pixels);
-  picture.memory = std::move(*memory);
+  picture.memory = std::move(memory);
   return picture;
 }
 

@@ -102,9 +102,7 @@ Result<Rendered> draw_preview(std::span<const Surface> surfaces, const PreviewOp
   if (options.box) {
     box = *options.box;
   } else if (!scene.surfaces.empty()) {
-    auto own = box_of(scene);
-    if (!own) return tl::unexpected(std::move(own.error()));
-    box = *own;
+    box = TRY(box_of(scene));
   }
   const bool fine = 2 * std::max(options.size.width, options.size.height) <= PictureSize::kMaxSide;
   RenderOptions drawn;
@@ -113,9 +111,7 @@ Result<Rendered> draw_preview(std::span<const Surface> surfaces, const PreviewOp
   auto rendered = renderer.draw(scene, camera, drawn, context);
   if (!rendered) return rendered;
   if (fine) {
-    auto coarse = halved(rendered->picture, context);
-    if (!coarse) return tl::unexpected(std::move(coarse.error()));
-    rendered->picture = std::move(*coarse);
+    rendered->picture = TRY(halved(rendered->picture, context));
   }
   if (options.scale_bar && !scene.surfaces.empty()) {
     draw_scale_bar(rendered->picture, scale_bar(camera, options.size, options.unit));

@@ -19,7 +19,7 @@ Result<void> refuse(const std::string& what) { return fail(ErrorKind::usage, "th
 bool is_light(const glm::dvec3& colour) { return is_finite(colour) && colour.r >= 0 && colour.g >= 0 && colour.b >= 0; }
 
 Result<void> check_volume(const Volume& volume) {
-  if (auto box = box_of_volume(*volume.field); !box) return tl::unexpected(std::move(box.error()));
+  TRY(box_of_volume(*volume.field));
   if (!volume.index_to_world.is_regular()) {
     return fail(ErrorKind::input, fmt::format("{}: expected a transform that can be inverted", volume.field->source));
   }
@@ -77,9 +77,8 @@ Result<field::Box> box_of(const Scene& scene) {
     box.max = glm::max(box.max, part.max);
   };
   if (scene.volume != nullptr) {
-    const auto volume = box_of_volume(*scene.volume->field);
-    if (!volume) return tl::unexpected(volume.error());
-    add(field::image_of(scene.volume->index_to_world, *volume));
+    const auto volume = TRY(box_of_volume(*scene.volume->field));
+    add(field::image_of(scene.volume->index_to_world, volume));
   }
   for (const Surface& surface : scene.surfaces) {
     if (surface.mesh->positions.empty()) continue;
@@ -96,10 +95,10 @@ Result<field::Box> box_of(const Scene& scene) {
 
 Result<void> check(const Scene& scene) {
   if (scene.volume != nullptr) {
-    if (auto sound = check_volume(*scene.volume); !sound) return sound;
+    TRY(check_volume(*scene.volume));
   }
   for (const Surface& surface : scene.surfaces) {
-    if (auto sound = check_surface(surface); !sound) return sound;
+    TRY(check_surface(surface));
   }
   if (scene.lights.size() > Scene::kMaxLights) {
     return refuse(fmt::format("expected at most {} lights, found {}", Scene::kMaxLights, scene.lights.size()));
@@ -141,7 +140,7 @@ Result<void> check(const Scene& scene, const Camera& camera, const RenderOptions
     return fail(ErrorKind::usage,
                 fmt::format("expected an end of rays between 0 and 1, found {:g}", options.termination));
   }
-  if (auto sound = camera.check(); !sound) return sound;
+  TRY(camera.check());
   return check(scene);
 }
 

@@ -26,11 +26,9 @@ glm::dvec3 weighted_normal(const mesh::Mesh& mesh, const glm::uvec3& triangle, i
 Result<void> add_normals(mesh::Mesh& mesh, const std::string& source, const Context& context) {
   if (!mesh.normals.empty() || mesh.positions.empty()) return {};
   const std::size_t vertices = mesh.positions.size();
-  auto memory = context.reserve(vertices * sizeof(glm::vec3), source + ": normals");
-  if (!memory) return tl::unexpected(std::move(memory.error()));
+  auto memory = TRY(context.reserve(vertices * sizeof(glm::vec3), source + ": normals"));
   const auto working =
-      context.reserve(mesh::Adjacency::bytes(mesh.triangles.size(), vertices), source + ": triangles at vertices");
-  if (!working) return tl::unexpected(working.error());
+      TRY(context.reserve(mesh::Adjacency::bytes(mesh.triangles.size(), vertices), source + ": triangles at vertices"));
   const mesh::Adjacency around(mesh.triangles.span(), vertices);
   Buffer<glm::vec3> normals(vertices);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices, 4096), [&](const auto& range) {
@@ -44,7 +42,7 @@ Result<void> add_normals(mesh::Mesh& mesh, const std::string& source, const Cont
     }
   });
   mesh.normals = std::move(normals);
-  mesh.memory.take(std::move(*memory));
+  mesh.memory.take(std::move(memory));
   return {};
 }
 

@@ -286,8 +286,8 @@ tl::expected<Workers::Started, Refusal> Workers::start(const Limits& limits, con
   // One that has ended since it was last asked, as the system may have ended it, is started anew.
   if (!control_.is_open() || !send_descriptors(control_.get(), along)) {
     end_server();
-    if (auto started = start_server(); !started) return tl::unexpected(started.error());
-    if (auto heard = hear_greeting(limits, context); !heard) return tl::unexpected(heard.error());
+    TRY(start_server());
+    TRY(hear_greeting(limits, context));
     if (!send_descriptors(control_.get(), along)) {
       end_server();
       return tl::unexpected(Refusal{"ends the process that has loaded it", {}});

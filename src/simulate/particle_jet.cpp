@@ -41,20 +41,20 @@ Result<void> check_numbers(const JetOptions& o) {
                 fmt::format("expected 1 to {} particles, found {}", JetOptions::kMostParticles, o.count));
   }
   for (int axis = 0; axis < 3; ++axis) {
-    if (auto ok = check_positive(o.tank[axis], "a side of the tank"); !ok) return ok;
+    TRY(check_positive(o.tank[axis], "a side of the tank"));
   }
   if (o.radius) {
-    if (auto ok = check_positive(*o.radius, "a radius of particles"); !ok) return ok;
+    TRY(check_positive(*o.radius, "a radius of particles"));
   }
   if (o.nozzle) {
-    if (auto ok = check_positive(*o.nozzle, "a radius of the nozzle"); !ok) return ok;
+    TRY(check_positive(*o.nozzle, "a radius of the nozzle"));
   }
-  if (auto ok = check_positive(o.speed, "a speed"); !ok) return ok;
-  if (auto ok = check_positive(o.fps, "a number of frames a second"); !ok) return ok;
+  TRY(check_positive(o.speed, "a speed"));
+  TRY(check_positive(o.fps, "a number of frames a second"));
   if (!std::isfinite(o.gravity) || o.gravity < 0) {
     return fail(ErrorKind::usage, fmt::format("expected a gravity of 0 or more, found {}", o.gravity));
   }
-  if (auto ok = check_range(o.viscosity, 0, 0.5, "a viscosity"); !ok) return ok;
+  TRY(check_range(o.viscosity, 0, 0.5, "a viscosity"));
   return check_range(o.iterations, 1, 1000, "a number of iterations");
 }
 
@@ -121,7 +121,7 @@ Result<void> check_sizes(const JetOptions& o, const JetPlan& plan) {
 }
 
 Result<JetPlan> plan_jet(const JetOptions& o) {
-  if (auto ok = check_numbers(o); !ok) return tl::unexpected(ok.error());
+  TRY(check_numbers(o));
   JetPlan plan;
   plan.nozzle = o.nozzle.value_or(std::min(o.tank.y, o.tank.z) / 12);
   plan.spacing = o.radius
@@ -129,7 +129,7 @@ Result<JetPlan> plan_jet(const JetOptions& o) {
                      : std::min(std::cbrt(kFullShare * o.tank.x * o.tank.y * o.tank.z / static_cast<double>(o.count)),
                                 plan.nozzle);
   plan.top_speed = 2 * std::sqrt(o.speed * o.speed + 2 * o.gravity * o.tank.z);
-  if (auto ok = check_sizes(o, plan); !ok) return tl::unexpected(ok.error());
+  TRY(check_sizes(o, plan));
   return plan;
 }
 
@@ -169,14 +169,11 @@ ParticleJet& ParticleJet::operator=(ParticleJet&&) noexcept = default;
 ParticleJet::~ParticleJet() = default;
 
 Result<ParticleJet> ParticleJet::make(const JetOptions& options, const Context& context) {
-  const auto plan = plan_jet(options);
-  if (!plan) return tl::unexpected(plan.error());
-  auto fluid = Fluid::make(fluid_of(options, *plan), options.count, context);
-  if (!fluid) return tl::unexpected(fluid.error());
-  auto memory = context.reserve(Nozzle::bytes(nozzle_of(options, *plan)), "the nozzle of a jet");
-  if (!memory) return tl::unexpected(memory.error());
+  const auto plan = TRY(plan_jet(options));
+  auto fluid = TRY(Fluid::make(fluid_of(options, plan), options.count, context));
+  auto memory = TRY(context.reserve(Nozzle::bytes(nozzle_of(options, plan)), "the nozzle of a jet"));
   return ParticleJet(std::make_unique<State>(
-      State{options, *plan, std::move(*memory), Nozzle(nozzle_of(options, *plan)), std::move(*fluid), {}}));
+      State{options, plan, std::move(memory), Nozzle(nozzle_of(options, plan)), std::move(fluid), {}}));
 }
 
 Result<void> ParticleJet::advance(const Context& context) {
@@ -188,7 +185,7 @@ Result<void> ParticleJet::advance(const Context& context) {
     const double most = longest_step(fastest, s.options.gravity, kCourant * s.plan.spacing);
     const double steps = std::ceil((to - time) / most);
     const double next = steps > 1 ? time + (to - time) / steps : to;
-    if (auto stepped = s.fluid.step(next - time, context); !stepped) return stepped;
+    TRY(s.fluid.step(next - time, context));
     s.figures.particle_steps += s.fluid.size();
     ++s.figures.steps;
     s.nozzle.emit(next, s.options.count - s.fluid.size(),
@@ -204,11 +201,10 @@ Result<points::ParticleSet> ParticleJet::particles(const Context& context) const
   const State& s = *state_;
   const std::size_t count = s.fluid.size();
   const std::string label = fmt::format("frame {} of the jet", s.figures.frames);
-  auto memory = context.reserve(std::uint64_t{count} * (sizeof(glm::dvec3) + 5 * sizeof(float)),
-                                fmt::format("{}: {} particles", label, count));
-  if (!memory) return tl::unexpected(memory.error());
+  auto memory = TRY(context.reserve(std::uint64_t{count} * (sizeof(glm::dvec3) + 5 * sizeof(float)),
+                                    fmt::format("{}: {} particles", label, count)));
   points::ParticleSet set{
-      .label = label, .positions = Buffer<glm::dvec3>(count), .attributes = {}, .memory = std::move(*memory)};
+      .label = label, .positions = Buffer<glm::dvec3>(count), .attributes = {}, .memory = std::move(memory)};
   set.attributes.push_back({"velocity", 3, Buffer<float>(3 * count)});
   set.attributes.push_back({"age", 1, Buffer<float>(count)});
   set.attributes.push_back({"id", 1, Buffer<float>(count)});

@@ -34,7 +34,7 @@ Result<void> check_terrain(const TerrainOptions& options) {
 }  // namespace
 
 Result<std::shared_ptr<ReservedBuffer<double>>> make_terrain(const TerrainOptions& options, const Context& context) {
-  if (auto fine = check_terrain(options); !fine) return tl::unexpected(fine.error());
+  TRY(check_terrain(options));
   const glm::ivec2 size = options.size;
   auto made = make_reserved_buffer<double>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y), context,
                                            "the terrain");

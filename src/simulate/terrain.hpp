@@ -30,6 +30,6 @@ inline constexpr glm::dvec2 kBasin{0.68, 0.5};
 // MemoryBudget::reserve() does.
 inline constexpr double kLowestLand = 1;
 [[nodiscard]] Result<std::shared_ptr<ReservedBuffer<double>>> make_terrain(const TerrainOptions& options,
-                                                                           const Context& context = Context());
+                                                                           const Context& context);
 
 }  // namespace isoextract::simulate

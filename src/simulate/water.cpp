@@ -65,7 +65,7 @@ Result<void> check_water(glm::ivec2 size, std::span<const double> terrain, std::
     return fail(ErrorKind::usage,
                 fmt::format("the divisor of flows of water: expected 1 or more, found {}", options.flow_div));
   }
-  if (auto fine = check_taps(options.sources, size, "source"); !fine) return fine;
+  TRY(check_taps(options.sources, size, "source"));
   return check_taps(options.drains, size, "drain");
 }
 
@@ -79,15 +79,14 @@ double WaterBalance::drift() const {
 Result<WaterAutomaton> WaterAutomaton::create(glm::ivec2 size, std::span<const double> terrain,
                                               std::span<const double> depth, WaterOptions options,
                                               const Context& context) {
-  if (auto fine = check_water(size, terrain, depth, options); !fine) return tl::unexpected(fine.error());
+  TRY(check_water(size, terrain, depth, options));
   const auto plane = (static_cast<std::size_t>(size.x) + 2) * (static_cast<std::size_t>(size.y) + 2);
   const std::size_t planes = options.rule == WaterRule::printed ? kPlanes : kPlanesWithFlows;
-  auto made = make_reserved_buffer<double>(planes * plane, context, "the grid of the water");
-  if (!made) return tl::unexpected(made.error());
-  Buffer<double>& values = (*made)->values;
+  auto made = TRY(make_reserved_buffer<double>(planes * plane, context, "the grid of the water"));
+  Buffer<double>& values = made->values;
   std::fill(values.begin(), values.begin() + plane, kWall);
   std::fill(values.begin() + plane, values.end(), 0.0);
-  WaterAutomaton water(size, std::move(options), context, std::move(*made));
+  WaterAutomaton water(size, std::move(options), context, std::move(made));
   std::array<double, 2> sum{};
   for (int y = 0; y < size.y; ++y) {
     const std::size_t first = static_cast<std::size_t>(size.x) * static_cast<std::size_t>(y);
@@ -136,7 +135,7 @@ Result<void> WaterAutomaton::run(std::uint64_t steps) {
   for (int side = 0; side < 4 && !printed; ++side) planes.flows[static_cast<std::size_t>(side)] = plane(kPlanes + side);
   const auto step = printed ? printed_step : conservative_step;
   for (std::uint64_t n = 0; n < steps; ++n) {
-    if (auto going = context_.check(); !going) return going;
+    TRY(context_.check());
     pour();
     step(planes, options_.friction, options_.flow_div);
     drain();

@@ -101,7 +101,7 @@ class WaterAutomaton {
   // MemoryBudget::reserve() does.
   [[nodiscard]] static Result<WaterAutomaton> create(glm::ivec2 size, std::span<const double> terrain,
                                                      std::span<const double> depth, WaterOptions options,
-                                                     const Context& context = Context());
+                                                     const Context& context);
 
   // So many steps more; progress advances by one with each. Fails with ErrorKind::cancelled between two of them.
   [[nodiscard]] Result<void> run(std::uint64_t steps);

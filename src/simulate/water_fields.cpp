@@ -23,14 +23,13 @@ Result<field::ScalarField> make_field(const WaterAutomaton& automaton, const std
   field::DenseSamples samples;
   samples.type = type;
   samples.dims = dims;
-  auto made = make_reserved_buffer<T>(samples.count(), context, fmt::format("the volume of the {}", name));
-  if (!made) return tl::unexpected(made.error());
-  T* const values = (*made)->values.data();
+  auto made = TRY(make_reserved_buffer<T>(samples.count(), context, fmt::format("the volume of the {}", name)));
+  T* const values = made->values.data();
   tbb::parallel_for(0, layers, [&](int k) {
     for (int y = 0; y < dims.y; ++y) fill(y, k, values + std::ptrdiff_t{dims.x} * (y + std::ptrdiff_t{dims.y} * k));
   });
   samples.data = values;
-  samples.owner = std::move(*made);
+  samples.owner = std::move(made);
   field::ScalarField field;
   field.name = name;
   field.source = "the simulation";
@@ -96,10 +95,9 @@ Result<std::vector<field::ScalarField>> water_fields(const WaterAutomaton& autom
   std::vector<field::ScalarField> fields;
   for (const std::string& name : field_names(content)) {
     const bool of_water = name == "water";
-    auto field = content == WaterContent::heights ? map_of(automaton, of_water, spacing, context)
-                                                  : volume_of(automaton, of_water, layers, spacing, context);
-    if (!field) return tl::unexpected(field.error());
-    fields.push_back(std::move(*field));
+    auto field = TRY(content == WaterContent::heights ? map_of(automaton, of_water, spacing, context)
+                                                      : volume_of(automaton, of_water, layers, spacing, context));
+    fields.push_back(std::move(field));
   }
   return fields;
 }

@@ -43,7 +43,6 @@ constexpr auto words_of(WaterContent /*type*/) {
 // Fails as MemoryBudget::reserve() does.
 [[nodiscard]] Result<std::vector<field::ScalarField>> water_fields(const WaterAutomaton& automaton,
                                                                    WaterContent content, int layers,
-                                                                   const glm::dvec3& spacing,
-                                                                   const Context& context = Context());
+                                                                   const glm::dvec3& spacing, const Context& context);
 
 }  // namespace isoextract::simulate

@@ -68,19 +68,18 @@ Result<WaterFindings> run_rule(const SceneGrid& grid, WaterOptions options, std:
                                const Context& context) {
   options.sources = grid.sources;
   options.drains = grid.drains;
-  auto automaton = WaterAutomaton::create({kSide, kSide}, grid.terrain, grid.depth, std::move(options), context);
-  if (!automaton) return tl::unexpected(automaton.error());
+  auto automaton = TRY(WaterAutomaton::create({kSide, kSide}, grid.terrain, grid.depth, std::move(options), context));
   WaterFindings found;
   while (found.steps < steps && found.finite) {
     const std::uint64_t some = std::min(found.steps < 1000 ? 1 : kLookEvery, steps - found.steps);
-    if (auto done = automaton->run(some); !done) return tl::unexpected(done.error());
-    const WaterExtremes now = automaton->extremes();
+    TRY(automaton.run(some));
+    const WaterExtremes now = automaton.extremes();
     found.finite = now.finite;
     found.least_depth = std::min(found.least_depth, now.least_depth);
     found.most_energy = std::max(found.most_energy, now.most_energy);
     found.steps += some;
   }
-  found.drift = automaton->balance().drift();
+  found.drift = automaton.balance().drift();
   return found;
 }
 

@@ -46,7 +46,6 @@ struct WaterStabilityScene {
 
 // All scenes with friction 0 and 1 and the divisors 1, 2, 3 and 4. In parallel; the same numbers for any number of
 // threads.
-[[nodiscard]] Result<std::vector<WaterStabilityRow>> run_water_stability(std::uint64_t steps = kStabilitySteps,
-                                                                         const Context& context = Context());
+[[nodiscard]] Result<std::vector<WaterStabilityRow>> run_water_stability(std::uint64_t steps, const Context& context);
 
 }  // namespace isoextract::simulate

@@ -28,9 +28,8 @@ Result<const Tools*> grid_tools_for(const std::string& work) {
   const PluginLibrary library(
       {"isoextract-grids-", "isoextract_grid_tools_plugin", ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION, false},
       kOpenVdbPlugin, plugin_folders());
-  const auto opened = library.opened(work);
-  if (!opened) return tl::unexpected(opened.error());
-  return static_cast<const Tools*>(*opened);
+  const auto opened = TRY(library.opened(work));
+  return static_cast<const Tools*>(opened);
 }
 
 Error tools_failed(const Tools& tools, const std::string& work, ErrorKind kind = ErrorKind::input) {
@@ -149,15 +148,12 @@ struct NamedField {
 Result<std::uint64_t> write_grids(const std::filesystem::path& path, std::span<const NamedField> fields, bool as_half,
                                   const Context& context) {
   const std::string work = path.string();
-  const auto tools = grid_tools_for(work);
-  if (!tools) return tl::unexpected(tools.error());
+  const auto tools = TRY(grid_tools_for(work));
   std::uint64_t listed = 0;
   for (const NamedField& named : fields) listed += list_bytes(*named.field);
-  const auto lists = context.reserve(listed, work);
-  if (!lists) return tl::unexpected(lists.error());
-  auto file = files::OutputFile::create(path);
-  if (!file) return tl::unexpected(file.error());
-  VdbSink sink{*file, {}};
+  const auto lists = TRY(context.reserve(listed, work));
+  auto file = TRY(files::OutputFile::create(path));
+  VdbSink sink{file, {}};
   std::vector<GridInput> inputs;
   std::vector<isoextract_named_grid> grids;
   for (const NamedField& named : fields) {
@@ -180,15 +176,15 @@ Result<std::uint64_t> write_grids(const std::filesystem::path& path, std::span<c
     };
   }
   const PluginMemory memory(context, work);
-  if ((*tools)->write_vdb(&job, &memory.host()) != 0) {
+  if (tools->write_vdb(&job, &memory.host()) != 0) {
     if (sink.error) return tl::unexpected(*sink.error);
-    return tl::unexpected(memory.failure_or(tools_failed(**tools, work, ErrorKind::output)));
+    return tl::unexpected(memory.failure_or(tools_failed(*tools, work, ErrorKind::output)));
   }
   for (const NamedField& named : fields) {
-    if (auto whole = check_not_lost(*named.field); !whole) return tl::unexpected(whole.error());
+    TRY(check_not_lost(*named.field));
   }
-  const std::uint64_t bytes = file->bytes_written();
-  if (auto committed = file->commit(); !committed) return tl::unexpected(committed.error());
+  const std::uint64_t bytes = file.bytes_written();
+  TRY(file.commit());
   return bytes;
 }
 
@@ -201,10 +197,9 @@ Result<void> check_grid_tools(const std::string& work) {
 
 Result<SphereField> spheres_to_field(const points::ParticleSet& particles, const SphereOptions& options,
                                      const Context& context) {
-  if (auto fine = check_sphere_options(particles, options); !fine) return tl::unexpected(fine.error());
+  TRY(check_sphere_options(particles, options));
   const std::string work = (particles.label.empty() ? "the particles" : particles.label) + ": their surface";
-  const auto tools = grid_tools_for(work);
-  if (!tools) return tl::unexpected(tools.error());
+  const auto tools = TRY(grid_tools_for(work));
   isoextract_sphere_job job{};
   static_assert(sizeof(glm::dvec3) == 3 * sizeof(double));
   job.positions = particles.size() == 0 ? nullptr : &particles.positions[0].x;
@@ -217,21 +212,20 @@ Result<SphereField> spheres_to_field(const points::ParticleSet& particles, const
   job.least_radius = options.least_radius;
   job.method = options.method == SphereMethod::smooth ? ISOEXTRACT_SMOOTH_SPHERES : ISOEXTRACT_SPHERES;
   job.kind = options.kind == field::FieldKind::level_set ? ISOEXTRACT_LEVEL_SET : ISOEXTRACT_DENSITY;
-  const auto made = std::make_shared<MadeGrid>(**tools, context, work);
-  if ((*tools)->spheres(&job, &made->memory.host(), &made->output) != 0) {
-    return tl::unexpected(made->memory.failure_or(tools_failed(**tools, work)));
+  const auto made = std::make_shared<MadeGrid>(*tools, context, work);
+  if (tools->spheres(&job, &made->memory.host(), &made->output) != 0) {
+    return tl::unexpected(made->memory.failure_or(tools_failed(*tools, work)));
   }
   made->is_given = true;
   const std::uint64_t left_out = made->output.left_out;
-  auto field = made_field(made, work);
-  if (!field) return tl::unexpected(field.error());
-  field->name = "surface";
-  field->source = particles.label;
+  auto field = TRY(made_field(made, work));
+  field.name = "surface";
+  field.source = particles.label;
   if (left_out > 0) {
-    field->notes.push_back(fmt::format("{} of {} particles have a radius of less than {:g} voxels and were left out",
-                                       left_out, particles.size(), options.least_radius));
+    field.notes.push_back(fmt::format("{} of {} particles have a radius of less than {:g} voxels and were left out",
+                                      left_out, particles.size(), options.least_radius));
   }
-  return SphereField{std::move(*field), left_out};
+  return SphereField{std::move(field), left_out};
 }
 
 Result<field::ScalarField> filter_level_set(const field::ScalarField& field, LevelSetFilter filter, int width,
@@ -244,18 +238,16 @@ Result<field::ScalarField> filter_level_set(const field::ScalarField& field, Lev
                     kMaxFilterWidth, width, iterations));
   }
   const std::string work = field.source + ": filtering the level set";
-  const auto tools = grid_tools_for(work);
-  if (!tools) return tl::unexpected(tools.error());
-  const auto lists = context.reserve(list_bytes(field), work);
-  if (!lists) return tl::unexpected(lists.error());
+  const auto tools = TRY(grid_tools_for(work));
+  const auto lists = TRY(context.reserve(list_bytes(field), work));
   const GridInput input(field);
   isoextract_filter_job job{input.get(), ISOEXTRACT_GAUSSIAN, static_cast<std::uint32_t>(width),
                             static_cast<std::uint32_t>(iterations)};
   if (filter == LevelSetFilter::median) job.filter = ISOEXTRACT_MEDIAN;
   if (filter == LevelSetFilter::mean) job.filter = ISOEXTRACT_MEAN;
-  const auto made = std::make_shared<MadeGrid>(**tools, context, work);
-  if ((*tools)->filter(&job, &made->memory.host(), &made->output) != 0) {
-    return tl::unexpected(made->memory.failure_or(tools_failed(**tools, work)));
+  const auto made = std::make_shared<MadeGrid>(*tools, context, work);
+  if (tools->filter(&job, &made->memory.host(), &made->output) != 0) {
+    return tl::unexpected(made->memory.failure_or(tools_failed(*tools, work)));
   }
   made->is_given = true;
   auto filtered = made_field(made, work);

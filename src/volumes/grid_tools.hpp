@@ -52,7 +52,7 @@ struct SphereField {
 // is at iso value 0. As a density 1 inside and 0 outside, with a ramp of half_band voxels inside of that surface.
 // Sparse, in f32, the same for any number of threads.
 [[nodiscard]] Result<SphereField> spheres_to_field(const points::ParticleSet& particles, const SphereOptions& options,
-                                                   const Context& context = Context());
+                                                   const Context& context);
 
 enum class LevelSetFilter { gaussian, median, mean };
 constexpr auto words_of(LevelSetFilter /*type*/) {
@@ -64,8 +64,7 @@ inline constexpr int kMaxFilterWidth = 64;
 // Filters the values of a level set of cubic voxels around its surface, `iterations` times, each with those up to
 // `width` voxels away (1 to 64), and mends the distances. The field is read as f32, and comes out so, sparse.
 [[nodiscard]] Result<field::ScalarField> filter_level_set(const field::ScalarField& field, LevelSetFilter filter,
-                                                          int width, int iterations,
-                                                          const Context& context = Context());
+                                                          int width, int iterations, const Context& context);
 
 struct VdbWriteOptions {
   std::string name;      // of the grid; empty: the field's
@@ -77,10 +76,9 @@ struct VdbWriteOptions {
 // says grid_tools_plugin.h. To standard output or a pipe it is written as a stream. Gives the number of bytes. Fails
 // with ErrorKind::output as well.
 [[nodiscard]] Result<std::uint64_t> write_vdb(const std::filesystem::path& path, const field::ScalarField& field,
-                                              const VdbWriteOptions& options = {}, const Context& context = Context());
+                                              const VdbWriteOptions& options, const Context& context);
 // Each grid has its field's name.
 [[nodiscard]] Result<std::uint64_t> write_vdb(const std::filesystem::path& path,
-                                              std::span<const field::ScalarField> fields,
-                                              const Context& context = Context());
+                                              std::span<const field::ScalarField> fields, const Context& context);
 
 }  // namespace isoextract::volumes

@@ -21,11 +21,11 @@ namespace isoextract::volumes {
 // content tells nothing of a format. Nothing where it is none of particles, as far as that shows.
 [[nodiscard]] Result<std::optional<ParticleFormatDescription>> detect_particles(const std::string& input,
                                                                                 const ParticleReadOptions& options,
-                                                                                const Context& context = Context());
+                                                                                const Context& context);
 
 // Reads headers, and text files from end to end where they do not say how much is in them.
 [[nodiscard]] Result<ParticleInfo> particle_info(const std::string& input, const ParticleReadOptions& options,
-                                                 const Context& context = Context());
+                                                 const Context& context);
 
 struct ParticleFile {
   points::ParticleSet particles;
@@ -40,7 +40,7 @@ struct ParticleFile {
 // infinite where the file has that; a field that a table leaves empty is NaN. Its memory is reserved in the context,
 // and blocks of the file are on the way: never the file as a whole.
 [[nodiscard]] Result<ParticleFile> read_particles(const std::string& input, const ParticleReadOptions& options,
-                                                  const Context& context = Context());
+                                                  const Context& context);
 
 struct DescribedParticles {
   ParticleInfo info;
@@ -51,7 +51,6 @@ struct DescribedParticles {
 // Both at once, with one opening of the file: what is in it, and a frame with all attributes. It is the first one where
 // the options choose none.
 [[nodiscard]] Result<DescribedParticles> describe_particles(const std::string& input,
-                                                            const ParticleReadOptions& options,
-                                                            const Context& context = Context());
+                                                            const ParticleReadOptions& options, const Context& context);
 
 }  // namespace isoextract::volumes

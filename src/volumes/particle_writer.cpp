@@ -158,18 +158,17 @@ std::optional<ParticleFileFormat> particle_file_format_by_path(const std::filesy
 
 Result<std::uint64_t> write_particles(const std::filesystem::path& path, const ParticleSet& particles,
                                       ParticleFileFormat format) {
-  if (auto fine = check_names(printable(path.string()), particles); !fine) return tl::unexpected(fine.error());
-  auto file = files::OutputFile::create(path);
-  if (!file) return tl::unexpected(file.error());
+  TRY(check_names(printable(path.string()), particles));
+  auto file = TRY(files::OutputFile::create(path));
   const bool is_text = format == ParticleFileFormat::xyz;
   const std::string header = is_text                             ? xyz_header(particles)
                              : format == ParticleFileFormat::ply ? ply_header(particles)
                                                                  : npy_particle_header(particles);
-  auto written = file->write(std::string_view(header));
-  if (written) written = is_text ? write_text_rows(particles, *file) : write_binary_rows(particles, *file);
-  if (written) written = file->commit();
+  auto written = file.write(std::string_view(header));
+  if (written) written = is_text ? write_text_rows(particles, file) : write_binary_rows(particles, file);
+  if (written) written = file.commit();
   if (!written) return tl::unexpected(written.error());
-  return file->bytes_written();
+  return file.bytes_written();
 }
 
 }  // namespace isoextract::volumes

@@ -73,12 +73,9 @@ template <class F>
 auto with_format(const std::string& input, const ReadOptions& options, const Context& context, F&& work)
     -> decltype(work(DetectedFormat())) {
   try {
-    const auto detected = detect_format(input, options, context);
-    if (!detected) return tl::unexpected(detected.error());
-    if (auto fine = check_options(files::shown_input_name(input), detected->format->about(), options); !fine) {
-      return tl::unexpected(fine.error());
-    }
-    return work(*detected);
+    const auto detected = TRY(detect_format(input, options, context));
+    TRY(check_options(files::shown_input_name(input), detected.format->about(), options));
+    return work(detected);
   } catch (const std::bad_alloc&) {
     return tl::unexpected(
         no_memory(ErrorKind::input, files::shown_input_name(input) + ": not enough memory to read it"));
@@ -108,12 +105,11 @@ Result<std::vector<GridInfo>> list_grids(const std::string& input, const ReadOpt
 }
 
 Result<std::string> grid_label(const std::string& input, const ReadOptions& options, const Context& context) {
-  const auto grids = list_grids(input, options, context);
-  if (!grids) return tl::unexpected(grids.error());
-  const auto chosen = choose_grid(files::shown_input_name(input), *grids, options.grid);
-  if (chosen) return (*grids)[*chosen].label;
+  const auto grids = TRY(list_grids(input, options, context));
+  const auto chosen = choose_grid(files::shown_input_name(input), grids, options.grid);
+  if (chosen) return (grids)[*chosen].label;
   // A plug-in reads grids that are not scalar, and parts of vectors.
-  for (const GridInfo& grid : *grids) {
+  for (const GridInfo& grid : grids) {
     if (grid.plugin.empty()) continue;
     const bool is_part = std::ranges::find(grid.parts, *options.grid) != grid.parts.end();
     if (!is_part && !grid.is_called(*options.grid)) continue;
@@ -141,15 +137,13 @@ Result<std::uint64_t> count_volumes(const std::string& input, const ReadOptions&
   all.volume.reset();
   return with_format(input, all, context, [&](const DetectedFormat& detected) -> Result<std::uint64_t> {
     if (!detected.format->about().has_volumes) return 1;
-    const auto grids = detected.format->list(input, all, context);
-    if (!grids) return tl::unexpected(grids.error());
-    if (grids->empty()) return 1;
+    const auto grids = TRY(detected.format->list(input, all, context));
+    if (grids.empty()) return 1;
     if (options.grid) {
-      const auto chosen = choose_grid(files::shown_input_name(input), *grids, options.grid);
-      if (!chosen) return tl::unexpected(chosen.error());
-      return (*grids)[*chosen].volumes;
+      const auto chosen = TRY(choose_grid(files::shown_input_name(input), grids, options.grid));
+      return (grids)[chosen].volumes;
     }
-    return std::ranges::max(*grids, {}, &GridInfo::volumes).volumes;
+    return std::ranges::max(grids, {}, &GridInfo::volumes).volumes;
   });
 }
 

@@ -43,17 +43,15 @@ Result<std::uint64_t> write_volume(const std::filesystem::path& path, std::span<
   const auto* samples = std::get_if<field::DenseSamples>(&field.samples);
   if (samples == nullptr) return cannot_hold(path, format, "sparse fields");
   if (!field.scale.is_identity()) return cannot_hold(path, format, "a scale of values");
-  const auto header = header_of(path, field, *samples, format);
-  if (!header) return tl::unexpected(header.error());
-  auto file = files::OutputFile::create(path);
-  if (!file) return tl::unexpected(file.error());
-  if (auto written = file->write(*header); !written) return tl::unexpected(written.error());
+  const auto header = TRY(header_of(path, field, *samples, format));
+  auto file = TRY(files::OutputFile::create(path));
+  TRY(file.write(header));
   const std::span bytes(static_cast<const std::byte*>(samples->data),
                         samples->count() * field::sample_size(samples->type));
-  if (auto written = file->write(bytes); !written) return tl::unexpected(written.error());
-  if (auto whole = check_not_lost(field); !whole) return tl::unexpected(whole.error());
-  const std::uint64_t count = file->bytes_written();
-  if (auto committed = file->commit(); !committed) return tl::unexpected(committed.error());
+  TRY(file.write(bytes));
+  TRY(check_not_lost(field));
+  const std::uint64_t count = file.bytes_written();
+  TRY(file.commit());
   return count;
 }
 

@@ -33,6 +33,6 @@ constexpr auto words_of(VolumeFileFormat /*type*/) {
 // the file cannot be written or its format does not hold the field, and as write_vdb() does.
 [[nodiscard]] Result<std::uint64_t> write_volume(const std::filesystem::path& path,
                                                  std::span<const field::ScalarField> fields, VolumeFileFormat format,
-                                                 const Context& context = Context());
+                                                 const Context& context);
 
 }  // namespace isoextract::volumes

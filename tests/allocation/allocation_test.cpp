@@ -197,7 +197,8 @@ TEST_F(Allocation, OfLabelMaps) {
   job.source.read.raw = volumes::RawLayout{{4, 3, 3}, field::SampleType::u8, std::endian::little, 0};
   job.surface.method = extract::Method::surface_nets;
   job.normals = Normals::none;
-  job.label_names = LabelTableFile{(in_ / "lut.txt").string(), LabelTable::read((in_ / "lut.txt").string())->hash()};
+  job.label_names =
+      LabelTableFile{(in_ / "lut.txt").string(), LabelTable::read((in_ / "lut.txt").string(), Context())->hash()};
   expect_all_are_told(job);
 }
 
@@ -206,10 +207,9 @@ TEST_F(Allocation, OfReadingMeshes) {
   test::add_colour(mesh, mesh::ComponentType::u8, 4);
   for (const meshes::MeshFormatInfo& info : meshes::mesh_formats()) {
     const auto path = in_ / ("mesh." + std::string(info.name));
-    ASSERT_TRUE(meshes::write_meshes({&mesh, 1}, path, {info.format, false, false}));
+    ASSERT_TRUE(meshes::write_meshes({&mesh, 1}, path, {info.format, false, false}, Context()));
     expect_all_are_told([this, &path]() -> Result<void> {
-      auto read = meshes::read_mesh(path, context_);
-      if (!read) return tl::unexpected(std::move(read.error()));
+      auto read = TRY(meshes::read_mesh(path, context_));
       return {};
     });
   }

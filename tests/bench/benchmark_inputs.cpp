@@ -37,7 +37,7 @@ BenchmarkInput named(const InputDescription& description, int size, Result<field
 
 BenchmarkInput make_demo(const InputDescription& description, int size) {
   const std::string spec = fmt::format("demo:{}?size={}", description.origin, size);
-  return named(description, size, field::make_demo_field(spec));
+  return named(description, size, field::make_demo_field(spec, Context()));
 }
 
 // Calls use(first, last) for pieces of [0, count), on all threads.
@@ -115,7 +115,7 @@ std::optional<BenchmarkInput> make_input(const InputDescription& description, in
   }
   const std::filesystem::path path = test::data_file(std::string(description.origin));
   if (!std::filesystem::exists(path)) return std::nullopt;
-  return named(description, 0, volumes::read_volume(path.string(), {}));
+  return named(description, 0, volumes::read_volume(path.string(), {}, Context()));
 }
 
 BenchmarkInput with_type(const BenchmarkInput& input, field::SampleType type) {

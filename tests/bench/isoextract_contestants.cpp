@@ -20,7 +20,7 @@ class IsoextractContestant : public Contestant {
 
   Outcome run() override {
     const Stopwatch watch;
-    const Result<extract::Extraction> extraction = extractor_->extract(input_.field, options_);
+    const Result<extract::Extraction> extraction = extractor_->extract(input_.field, options_, Context());
     const double seconds = watch.elapsed().wall_seconds;
     if (!extraction) throw std::runtime_error(extraction.error().message);
     const mesh::Mesh& mesh = extraction->mesh;

@@ -186,9 +186,10 @@ void write_vdbs(const fs::path& folder) {
   openvdb::initialize();
   const auto sphere = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(2, {8, 4, 4}, 1, 1.5F);
   sphere->setName("surface");
-  write_vdb(folder / "level_set", {sphere});
-  write_vdb(folder / "level_set_zip", {sphere}, openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK);
-  write_vdb(folder / "level_set_blosc", {sphere}, openvdb::io::COMPRESS_BLOSC);
+  write_vdb(folder / "level_set", {sphere}, {}, Context());
+  write_vdb(folder / "level_set_zip", {sphere}, openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK,
+            Context());
+  write_vdb(folder / "level_set_blosc", {sphere}, openvdb::io::COMPRESS_BLOSC, Context());
 
   const auto fog = openvdb::FloatGrid::create();
   fog->setName("density");
@@ -206,8 +207,8 @@ void write_vdbs(const fs::path& folder) {
   precise->fill({{0, 0, 0}, {2, 1, 1}}, 0.5);
   const auto velocity = openvdb::Vec3SGrid::create();
   velocity->setName("velocity");
-  write_vdb(folder / "half", {fog});
-  write_vdb(folder / "several", {fog, counts, precise, velocity});
+  write_vdb(folder / "half", {fog}, {}, Context());
+  write_vdb(folder / "several", {fog, counts, precise, velocity}, {}, Context());
   const auto flags = openvdb::BoolGrid::create();
   flags->fill({{0, 0, 0}, {1, 1, 1}}, true);
   const auto places = openvdb::MaskGrid::create();
@@ -276,7 +277,7 @@ void write_written(const fs::path& folder, meshes::MeshFormat format) {
     for (const bool ascii : {false, true}) {
       if (ascii && !info.has_ascii) continue;
       const auto path = folder / (ascii ? name + "_text" : name);
-      const auto written = meshes::write_meshes({&mesh, 1}, path, {format, flat, ascii});
+      const auto written = meshes::write_meshes({&mesh, 1}, path, {format, flat, ascii}, Context());
       if (!written) throw std::runtime_error(written.error().message);
     }
   };
@@ -318,7 +319,7 @@ void write_objs(const fs::path& folder) {
 void write_packed(const fs::path& folder, meshes::MeshFormat format) {
   const auto seed = [&](const std::string& name, const mesh::Mesh& mesh, const meshes::MeshPacking& packing,
                         bool flat = false) {
-    const auto written = meshes::write_meshes({&mesh, 1}, folder / name, {format, flat, false, packing});
+    const auto written = meshes::write_meshes({&mesh, 1}, folder / name, {format, flat, false, packing}, Context());
     if (!written) throw std::runtime_error(written.error().message);
   };
   mesh::Mesh attributes = sphere(2, true);

@@ -117,7 +117,7 @@ bool write(const Sample& sample, const meshes::MeshFormatInfo& format, const std
   const std::filesystem::path path = folder / format.name / (sample.name + "." + std::string(format.name));
   std::filesystem::create_directories(path.parent_path());
   const auto written =
-      meshes::write_meshes(meshes, path, {format.format, sample.flat_normals, sample.ascii, sample.packing});
+      meshes::write_meshes(meshes, path, {format.format, sample.flat_normals, sample.ascii, sample.packing}, Context());
   if (!written) std::fprintf(stderr, "%s\n", written.error().message.c_str());
   return written.has_value();
 }
@@ -158,7 +158,7 @@ bool write_animation(const std::string& name, bool flat_normals, const std::file
 }
 
 bool write_empty_animation(const std::filesystem::path& folder) {
-  meshes::AnimationWriter writer(folder / "animated" / "empty.glb", {}, 24, 1);
+  meshes::AnimationWriter writer(folder / "animated" / "empty.glb", {}, 24, 1, Context());
   return writer.add("nothing", 1, nothing("nothing")) && writer.finish();
 }
 

@@ -41,6 +41,7 @@ RESERVED = [
     (r"\b(std|fmt)::v?print(ln)?\b|\bwrite\s*\(\s*[12]\s*,", ["cli"], "only cli speaks"),
     (r"#\s*include\s*<spdlog/", ["cli"], "only cli speaks"),
     (r"\bSTDOUT_FILENO\b", ["cli", "files/output_file.cpp", "sandbox/worker.cpp", "sandbox/detail/server.cpp"], "write through OutputFile"),
+    (r"\bContext\s*&\s*\w+\s*=\s*(Context\b|\{)", ["cli"], "a forgotten context has no limit and no end: let the caller pass it"),
 ]
 
 # An option's name at the start of a word of a text: "--iso", but no "a--b".
@@ -172,6 +173,13 @@ def check_reserved(root):
                     yield f"{place}: `{line.strip()}`: {instead}"
 
 
+def check_reservations(root):
+    """Memory is reserved as long as the reservation lives: one that nobody holds is given back at once."""
+    for _, path, code in room_sources(root):
+        for dropped in re.finditer(r"(?:[;{})]|\belse)\s+TRY\(\s*(?:[\w().]|->)*\breserve\(", code):
+            yield f"{path.relative_to(root)}:{code.count(chr(10), 0, dropped.end()) + 1}: hold what reserve() returns"
+
+
 def check_option_names(root):
     """Below cli nobody knows what an option is called: hints are a Remedy, which cli puts into words."""
     for path in sorted((root / "src").rglob("*.[ch]pp")):
@@ -234,7 +242,7 @@ def check_remedies(root):
 
 
 CHECKS = [
-    check_includes, check_links, check_namespaces, check_reserved, check_option_names, check_map, check_length,
+    check_includes, check_links, check_namespaces, check_reserved, check_reservations, check_option_names, check_map, check_length,
     check_machine_paths, check_remedies,
 ]
 

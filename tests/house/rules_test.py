@@ -113,6 +113,22 @@ class RulesTest(unittest.TestCase):
         self.plant_in_room("volumes", "file.write(1024, p);\nwrite(file, p);\nint fingerprint(int n);\nsnprintf(p, n, f);\n")
         self.assertEqual(self.findings(), [])
 
+    def test_contexts_that_nobody_passes(self):
+        for default in ("Context()", "{}"):
+            with self.subTest(default=default):
+                self.plant_in_room("volumes", f"int x;\nvoid read(const Context& context = {default});\n")
+                self.expect_one("src/volumes/planted.cpp:2", "let the caller pass it")
+        self.plant_in_room("volumes", "const Context& context = file.context();\n")
+        self.assertEqual(self.findings(), [])
+
+    def test_reservations_that_nobody_holds(self):
+        for code in ("f();\n  TRY(context_.reserve(1, what));", "f();\nif (a) TRY(set->memory().reserve(1));"):
+            with self.subTest(code=code):
+                self.plant_in_room("volumes", code)
+                self.expect_one("src/volumes/planted.cpp:2", "hold what reserve() returns")
+        self.plant_in_room("volumes", "const auto memory =\n    TRY(context.reserve(1, what));\n")
+        self.assertEqual(self.findings(), [])
+
     def test_names_of_options_below_cli(self):
         for text in ('"use --iso V"', '"--iso"', "f(\"(--nan outside)\")", 'R"(a\n--cap)"'):
             with self.subTest(text=text):

@@ -69,7 +69,7 @@ class RealVolume : public testing::TestWithParam<Volume> {
     expected_ = nlohmann::json::parse(std::ifstream(test::data_file("EXPECTED.json"))).at(GetParam().expected);
     volumes::ReadOptions read;
     read.raw = GetParam().raw;
-    auto field = volumes::read_volume(test::data_file(GetParam().file).string(), read);
+    auto field = volumes::read_volume(test::data_file(GetParam().file).string(), read, Context());
     ASSERT_TRUE(field) << field.error().message;
     field_ = std::move(*field);
   }

@@ -39,7 +39,7 @@ inline std::string method_name(const testing::TestParamInfo<extract::Method>& pa
 }
 
 inline extract::Extraction extract(const field::ScalarField& field, const extract::ExtractOptions& options) {
-  Result<extract::Extraction> result = extract::make_cpu_extractor()->extract(field, options);
+  Result<extract::Extraction> result = extract::make_cpu_extractor()->extract(field, options, Context());
   if (!result) {
     ADD_FAILURE() << result.error().message;
     return {};

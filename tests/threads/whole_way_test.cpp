@@ -66,20 +66,21 @@ void add_file(const mesh::Mesh& mesh, meshes::MeshFormat format, Found& found) {
   meshes::MeshWriteOptions options;
   options.format = format;
   options.ascii = meshes::mesh_format_info(format).has_ascii;
-  must(meshes::write_meshes({&mesh, 1}, folder / "mesh", options));
+  must(meshes::write_meshes({&mesh, 1}, folder / "mesh", options, Context()));
   found.emplace_back(meshes::mesh_format_info(format).name, test::read_bytes(folder / "mesh"));
 }
 
 Found go(const Way& way, std::size_t threads) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   Found found;
-  const field::ScalarField field = must(volumes::read_volume(way.volume.string(), way.read));
+  const field::ScalarField field = must(volumes::read_volume(way.volume.string(), way.read, Context()));
   const field::FieldStatistics statistics = field::measure_statistics(field);
   found.emplace_back("statistics", told(statistics));
   found.emplace_back("suggestion", fmt::format("{}", field::suggest_iso(field, statistics).iso));
   found.emplace_back("estimate", fmt::format("{}", field::estimate_surface(field, way.iso).vertices));
-  const auto resampled = must(field::resample(field, {40, 31, 52}));
-  const auto coarser = must(field::coarsen(field, 2));
+  const auto resampled =
+      must(field::resample(field, {40, 31, 52}, field::ResampleKernel::linear, field::NanSamples::left_out, Context()));
+  const auto coarser = must(field::coarsen(field, 2, Context()));
   add_surface(resampled, way, extract::Method::mt, "resampled", found);
   add_surface(coarser, way, extract::Method::mt, "coarser", found);
   const mesh::Mesh mesh = add_surface(field, way, extract::Method::mc, "as it is", found);

@@ -30,7 +30,8 @@ void write_kind(test::RandomKind kind, std::uint32_t count, const std::filesyste
   std::vector<nlohmann::json> facts(count);
   tbb::parallel_for(0U, count, [&](std::uint32_t seed) {
     fields[seed] = test::random_trilinear(kind, seed);
-    const auto mesh = extract::make_cpu_extractor()->extract(test::as_field(fields[seed]), extract::ExtractOptions{});
+    const auto mesh =
+        extract::make_cpu_extractor()->extract(test::as_field(fields[seed]), extract::ExtractOptions{}, Context());
     facts[seed] = {{"above", json_of(test::true_topology(kind, fields[seed], test::Side::above))},
                    {"below", json_of(test::true_topology(kind, fields[seed], test::Side::below))},
                    {"isoextract", mesh ? nlohmann::json(test::component_euler_numbers(mesh->mesh)) : nlohmann::json()}};

@@ -53,9 +53,8 @@ class NameScanner {
     while (at_ < name_.size()) {
       if (escape("{{", '{') || escape("}}", '}') || escape("%%", '%')) continue;
       if (escape("{#}", '#') || escape("{@}", '@') || escape("{$}", '$')) continue;
-      const auto taken = numbering();
-      if (!taken) return tl::unexpected(taken.error());
-      if (!*taken) add_text(name_[at_++]);
+      const auto taken = TRY(numbering());
+      if (!taken) add_text(name_[at_++]);
     }
     return std::move(parts_);
   }

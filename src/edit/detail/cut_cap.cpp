@@ -119,9 +119,8 @@ Result<void> append(const std::vector<VertexPair>& border, const LoopTriangles& 
                     const Context& context) {
   const std::size_t vertices = mesh.positions.size() + cap.midpoints.size();
   const std::size_t triangles = mesh.triangles.size() + cap.triangles.size();
-  auto memory = context.reserve(vertices * mesh::vertex_bytes(mesh) + triangles * sizeof(glm::uvec3),
-                                "the mesh with a cut that is closed");
-  if (!memory) return tl::unexpected(memory.error());
+  auto memory = TRY(context.reserve(vertices * mesh::vertex_bytes(mesh) + triangles * sizeof(glm::uvec3),
+                                    "the mesh with a cut that is closed"));
   const auto vertex_of = [&](std::uint32_t point) {
     return point < border.size() ? border[point].first
                                  : static_cast<std::uint32_t>(mesh.positions.size() + (point - border.size()));
@@ -146,7 +145,7 @@ Result<void> append(const std::vector<VertexPair>& border, const LoopTriangles& 
     mesh.normals = std::move(normals);
   }
   mesh.triangles = std::move(all);
-  mesh.memory = std::move(*memory);
+  mesh.memory = std::move(memory);
   return {};
 }
 
@@ -155,17 +154,13 @@ Result<void> append(const std::vector<VertexPair>& border, const LoopTriangles& 
 Result<CutCap> close_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, double on_plane, const Context& context) {
   const std::string what = "closing a cut";
   // Edges in the plane are few, unless the mesh lies in it.
-  const auto flags = context.reserve(mesh.positions.size() / 8 + 8, what);
-  if (!flags) return tl::unexpected(flags.error());
+  const auto flags = TRY(context.reserve(mesh.positions.size() / 8 + 8, what));
   PlaneEdges edges = edges_in_plane(mesh, kept, on_plane);
   if (std::ranges::adjacent_find(edges.border, start_at_one_vertex) != edges.border.end()) {
-    if (auto parted = mesh::make_one_vertex_a_fan(mesh, what, context); !parted) {
-      return tl::unexpected(std::move(parted.error()));
-    }
+    TRY(mesh::make_one_vertex_a_fan(mesh, what, context));
     edges = edges_in_plane(mesh, kept, on_plane);
   }
-  const auto memory = context.reserve(edges.border.size() * 192 + edges.others.size() * 16, what);
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory = TRY(context.reserve(edges.border.size() * 192 + edges.others.size() * 16, what));
   const auto next = loops_of(edges.border);
   if (!next) {
     return fail(ErrorKind::input,
@@ -195,7 +190,7 @@ Result<CutCap> close_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, double o
     cap = triangulate_loops(points, *next, taken, kRoundings * on_plane, context);
   }
   if (!cap) return tl::unexpected(std::move(cap.error()));
-  if (auto done = append(edges.border, *cap, mesh, context); !done) return tl::unexpected(std::move(done.error()));
+  TRY(append(edges.border, *cap, mesh, context));
   return CutCap{cap->triangles.size(), cap->turned};
 }
 

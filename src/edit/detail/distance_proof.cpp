@@ -37,7 +37,7 @@ class DistanceProof {
     std::vector<std::uint32_t> new_in_doubt = all;
     std::vector<std::uint32_t> old_in_doubt = std::move(all);
     for (;;) {
-      if (auto going_on = context_.check(); !going_on) return tl::unexpected(std::move(going_on.error()));
+      TRY(context_.check());
       ++proof.passes;
       context_.progress().begin("measuring the simplified mesh", new_in_doubt.size() + old_in_doubt.size());
       const std::vector<std::uint32_t> wrong = measure(new_in_doubt, old_in_doubt);
@@ -247,7 +247,7 @@ Result<Proof> measure_distance(const CollapseState& state, const Context& contex
   };
   measure({state.positions, state.corners, new_left_out}, state.original_tree);
   measure({state.positions, state.original, old_left_out}, mesh::TriangleTree(state.positions, there));
-  if (auto going_on = context.check(); !going_on) return tl::unexpected(std::move(going_on.error()));
+  TRY(context.check());
   return proof;
 }
 

@@ -178,15 +178,15 @@ Result<LoopTriangles> triangulate_loops(std::span<const glm::dvec2> points, std:
   if (points.empty()) return result;
   // Nodes, strips, cells and half-edges, counted together at their most.
   constexpr std::uint64_t kBytesAPoint = 400;
-  const auto memory = context.reserve(points.size() * kBytesAPoint + taken.size_bytes(), "triangles that close a cut");
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory =
+      TRY(context.reserve(points.size() * kBytesAPoint + taken.size_bytes(), "triangles that close a cut"));
   const BridgedLoops loops = bridge_holes(points, next);
   Ears ears;
   ears.of_node.assign(loops.nodes.size(), kNoHalfEdge);
   ears.triangles.reserve(loops.nodes.size());
   ears.twins.reserve(3 * loops.nodes.size());
   for (const std::uint32_t polygon : loops.polygons) {
-    if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+    TRY(context.check());
     if (cut_ears(points, loops.nodes, polygon, ears, rounding)) continue;
     return fail(ErrorKind::input, "the surface is cut along a line without an inside");
   }

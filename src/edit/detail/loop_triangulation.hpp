@@ -34,9 +34,9 @@ struct LoopTriangles {
 // cycles of fewer than three. What is filled lies on the left. No edge within will join what one of `taken` joins:
 // pairs of points, the smaller first. `rounding` is how far points may be from where they should be. Memory is
 // reserved; fails where it is not there, and with ErrorKind::cancelled.
-[[nodiscard]] Result<LoopTriangles> triangulate_loops(
-    std::span<const glm::dvec2> points, std::span<const std::uint32_t> next,
-    std::span<const std::pair<std::uint32_t, std::uint32_t>> taken = {}, double rounding = 0,
-    const Context& context = Context());
+[[nodiscard]] Result<LoopTriangles> triangulate_loops(std::span<const glm::dvec2> points,
+                                                      std::span<const std::uint32_t> next,
+                                                      std::span<const std::pair<std::uint32_t, std::uint32_t>> taken,
+                                                      double rounding, const Context& context);
 
 }  // namespace isoextract::edit

@@ -98,21 +98,18 @@ class DenseExtraction final : private CellDecider {
   Result<bool> classify(ExtractStats& stats) {
     stats.brick = fmt::format("64x{0}x{0} cells", kBrickRows);
     stats.bricks = bricks_.count();
-    const auto threshold = classify_dense(field_, view_, region_.min, options_, masks_, stats, context_);
-    if (!threshold) return tl::unexpected(threshold.error());
+    const auto threshold = TRY(classify_dense(field_, view_, region_.min, options_, masks_, stats, context_));
     has_holes_ = stats.nan_samples != 0 && options_.nan == NanPolicy::hole;
-    return threshold->has_value();
+    return threshold.has_value();
   }
 
   Result<MeshSizes> count(ExtractStats& stats) {
     const Stopwatch watch;
     const std::size_t rows = row_index(0, view_.dims.z) + 1;  // and the end
-    auto memory = context_.reserve(
-        bricks_.bytes() +
-            rows * (static_cast<std::size_t>(directions_) * sizeof(std::uint32_t) + sizeof(std::uint64_t)),
-        fmt::format("{}: its {} rows of samples", field_.source, rows - 1));
-    if (!memory) return tl::unexpected(memory.error());
-    rows_memory_ = std::move(*memory);
+    rows_memory_ =
+        TRY(context_.reserve(bricks_.bytes() + rows * (static_cast<std::size_t>(directions_) * sizeof(std::uint32_t) +
+                                                       sizeof(std::uint64_t)),
+                             fmt::format("{}: its {} rows of samples", field_.source, rows - 1)));
     bricks_.allocate();
     drawings_.emplace(row_drawings(table_, placement_.mirrored(), has_holes_));
     stats.hole_cells = count_rows();
@@ -390,13 +387,11 @@ class DenseExtraction final : private CellDecider {
 
 Result<Extraction> extract_dense(const field::ScalarField& field, const field::DenseSamples& samples,
                                  const ExtractOptions& options, const Context& context) {
-  const auto region = dense_region(field, samples, options);
-  if (!region) return tl::unexpected(region.error());
-  auto masks = make_masks(field, glm::ivec3(region->dims()), context);
-  if (!masks) return tl::unexpected(masks.error());
+  const auto region = TRY(dense_region(field, samples, options));
+  auto masks = TRY(make_masks(field, glm::ivec3(region.dims()), context));
   return visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) -> Result<Extraction> {
     const DenseView<T> view = dense_view<T>(samples);
-    DenseExtraction<T> surface(field, view, *region, std::move(*masks), options, context);
+    DenseExtraction<T> surface(field, view, region, std::move(masks), options, context);
     return extract_surface(field, options, surface, context);
   });
 }

@@ -220,8 +220,7 @@ void sweep_layer(const VoxelChunks& voxels, const Layer& layer, VoxelFaces faces
 Result<std::vector<LayerRectangles>> list_face_rectangles(const VoxelChunks& voxels, VoxelFaces faces,
                                                           const Context& context, const std::string& what) {
   const std::vector<VoxelChunk>& chunks = voxels.chunks();
-  const auto memory = context.reserve(3 * chunks.size() * sizeof(std::int32_t), what);
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory = TRY(context.reserve(3 * chunks.size() * sizeof(std::int32_t), what));
   std::array<std::vector<std::int32_t>, 3> orders;
   tbb::parallel_for(0, 3, [&](int axis) { orders[static_cast<std::size_t>(axis)] = layer_order(chunks, axis); });
   std::vector<Layer> layers;
@@ -244,7 +243,7 @@ Result<std::vector<LayerRectangles>> list_face_rectangles(const VoxelChunks& vox
     sweep_layer(voxels, layers[l], faces, found[l].rectangles);
     context.progress().advance(1);
   });
-  if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
+  TRY(context.check());
   for (const LayerRectangles& layer : found) {
     if (layer.rectangles.error()) return tl::unexpected(*layer.rectangles.error());
   }

@@ -178,16 +178,15 @@ Result<NetPoints> NetPoints::make(const LabelChunks& labels, std::uint64_t relax
                                   const std::string& what) {
   NetPoints points;
   context.progress().begin("smoothing borders", relaxations);
-  if (auto done = points.list_chunks(labels, context, what); !done) return tl::unexpected(done.error());
-  if (auto done = points.find_middles(labels, context, what); !done) return tl::unexpected(done.error());
-  if (auto done = points.relax(labels, relaxations, context, what); !done) return tl::unexpected(done.error());
+  TRY(points.list_chunks(labels, context, what));
+  TRY(points.find_middles(labels, context, what));
+  TRY(points.relax(labels, relaxations, context, what));
   return points;
 }
 
 // The chunks of corners that have points, and these numbered.
 Result<void> NetPoints::list_chunks(const LabelChunks& labels, const Context& context, const std::string& what) {
-  auto list_memory = context.reserve(8 * labels.chunks().size() * sizeof(glm::ivec3), what);
-  if (!list_memory) return tl::unexpected(list_memory.error());
+  auto list_memory = TRY(context.reserve(8 * labels.chunks().size() * sizeof(glm::ivec3), what));
   std::vector<glm::ivec3> candidates;
   candidates.reserve(8 * labels.chunks().size());
   for (std::size_t c = 0; c < labels.chunks().size(); ++c) {
@@ -199,17 +198,15 @@ Result<void> NetPoints::list_chunks(const LabelChunks& labels, const Context& co
                      [](const glm::ivec3& a, const glm::ivec3& b) { return chunk_order(a) < chunk_order(b); });
   candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
 
-  auto flags = make_reserved_buffer<std::uint8_t>(candidates.size(), context, what);
-  if (!flags) return tl::unexpected(flags.error());
+  auto flags = TRY(make_reserved_buffer<std::uint8_t>(candidates.size(), context, what));
   tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t c) {
     const NearLabels near(labels, candidates[c]);
     std::uint64_t used = 0;
     for (int row = 0; row < 64 && used == 0; ++row) used = near.used(row & 7, row >> 3);
-    (*flags)->values[c] = used != 0 ? 1 : 0;
+    flags->values[c] = used != 0 ? 1 : 0;
   });
-  if (auto wanted = context.check(); !wanted) return wanted;
-  const auto chunks =
-      static_cast<std::size_t>(std::count((*flags)->values.begin(), (*flags)->values.end(), std::uint8_t{1}));
+  TRY(context.check());
+  const auto chunks = static_cast<std::size_t>(std::count(flags->values.begin(), flags->values.end(), std::uint8_t{1}));
   auto held = context.reserve(
       VoxelChunks::bytes(chunks) + chunks * (sizeof(glm::ivec3) + sizeof(ChunkBits) + sizeof(RowBases) + 4), what);
   if (!held) return tl::unexpected(held.error());
@@ -217,7 +214,7 @@ Result<void> NetPoints::list_chunks(const LabelChunks& labels, const Context& co
   origins_.reserve(chunks);
   index_ = field::OriginIndex(chunks);
   for (std::size_t c = 0; c < candidates.size(); ++c) {
-    if ((*flags)->values[c] == 0) continue;
+    if (flags->values[c] == 0) continue;
     index_.insert(candidates[c], static_cast<std::int32_t>(origins_.size()));
     origins_.push_back(candidates[c]);
   }
@@ -264,9 +261,8 @@ Result<void> NetPoints::find_middles(const LabelChunks& labels, const Context& c
   for (std::int32_t& number : middles_number_) {
     if (number >= 0) number = count++;
   }
-  auto held = context.reserve(static_cast<std::uint64_t>(count) * sizeof(Middles), what);
-  if (!held) return tl::unexpected(held.error());
-  memory_.push_back(std::move(*held));
+  auto held = TRY(context.reserve(static_cast<std::uint64_t>(count) * sizeof(Middles), what));
+  memory_.push_back(std::move(held));
   middles_ = Buffer<Middles>(static_cast<std::size_t>(count));
   tbb::parallel_for(std::size_t{0}, origins_.size(), [&](std::size_t c) {
     if (middles_number_[c] >= 0) {
@@ -360,10 +356,8 @@ Result<void> NetPoints::relax(const LabelChunks& labels, std::uint64_t rounds, c
                               const std::string& what) {
   std::fill(offsets_.begin(), offsets_.end(), glm::vec3(0));
   if (rounds == 0) return {};
-  auto joined = make_reserved_buffer<std::uint8_t>(offsets_.size(), context, what);
-  if (!joined) return tl::unexpected(joined.error());
-  auto other = make_reserved_buffer<glm::vec3>(offsets_.size(), context, what);
-  if (!other) return tl::unexpected(other.error());
+  auto joined = TRY(make_reserved_buffer<std::uint8_t>(offsets_.size(), context, what));
+  auto other = TRY(make_reserved_buffer<glm::vec3>(offsets_.size(), context, what));
   tbb::parallel_for(std::size_t{0}, origins_.size(), [&](std::size_t c) {
     const NearLabels near(labels, origins_[c]);
     const NearRest rest(labels, near, origins_[c]);
@@ -376,16 +370,16 @@ Result<void> NetPoints::relax(const LabelChunks& labels, std::uint64_t rounds, c
         for (const NearLabels::Entry& entry : near.entries()) counts.add(corner_words(entry.near, y, z));
         for (const NearChunks& chunks : others) counts.add(corner_words(chunks, y, z));
         std::uint32_t k = first_[c][chunk_row(y, z)];
-        for_each_bit(used, [&](int bit) { (*joined)->values[k++] = counts.joined(bit); });
+        for_each_bit(used, [&](int bit) { joined->values[k++] = counts.joined(bit); });
       }
     }
   });
   for (std::uint64_t round = 0; round < rounds; ++round) {
     for (const float step : {kForward, kBackward}) {
-      if (auto wanted = context.check(); !wanted) return wanted;
-      const Moves moves{*this, labels.bounds(), (*joined)->values, offsets_, (*other)->values, step};
+      TRY(context.check());
+      const Moves moves{*this, labels.bounds(), joined->values, offsets_, other->values, step};
       tbb::parallel_for(std::size_t{0}, origins_.size(), [&](std::size_t c) { moves.chunk(c); });
-      std::swap(offsets_, (*other)->values);
+      std::swap(offsets_, other->values);
     }
     context.progress().advance(1);
   }

@@ -72,17 +72,16 @@ class SparseExtraction final : private CellDecider {
   [[nodiscard]] const OutputFrame& placement() const { return placement_; }
 
   Result<bool> classify(ExtractStats& stats) {
-    if (auto found = sites_.find(stats); !found) return tl::unexpected(found.error());
+    TRY(sites_.find(stats));
     return true;
   }
 
   Result<MeshSizes> count(ExtractStats& stats) {
     const Stopwatch watch;
     const std::size_t sites = sites_.origins().size();
-    auto memory = context_.reserve(SiteVertices::bytes(sites, table_.directions.size()) + sites * sizeof(std::uint64_t),
-                                   fmt::format("{}: the {} blocks that the surface passes", field_.source, sites));
-    if (!memory) return tl::unexpected(memory.error());
-    numbers_memory_ = std::move(*memory);
+    numbers_memory_ =
+        TRY(context_.reserve(SiteVertices::bytes(sites, table_.directions.size()) + sites * sizeof(std::uint64_t),
+                             fmt::format("{}: the {} blocks that the surface passes", field_.source, sites)));
     drawings_.emplace(table_, placement_.mirrored(), sites_.has_holes());
     stats.hole_cells = count_sites();
     const MeshSizes sizes = place_sites();
@@ -200,11 +199,10 @@ class SparseExtraction final : private CellDecider {
 
 Result<Extraction> extract_sparse(const field::ScalarField& field, const field::SparseSamples& samples,
                                   const ExtractOptions& options, const Context& context) {
-  const auto region = sparse_region(field, samples, options);
-  if (!region) return tl::unexpected(region.error());
-  if (region->empty()) return nothing_stored();
+  const auto region = TRY(sparse_region(field, samples, options));
+  if (region.empty()) return nothing_stored();
   return visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) -> Result<Extraction> {
-    SparseExtraction<T> surface(field, samples, *region, options, context);
+    SparseExtraction<T> surface(field, samples, region, options, context);
     return extract_surface(field, options, surface, context);
   });
 }

@@ -109,28 +109,25 @@ Result<std::vector<glm::ivec3>> SurfacePoints::list_origins(const VoxelChunks& v
 
   // By chunk, those after it, itself first, in which voxels touch along an edge. One that is listed speaks for itself.
   const std::vector<VoxelChunk>& chunks = voxels.chunks();
-  auto flags = make_reserved_buffer<std::uint8_t>(closes ? chunks.size() : 0, context, what);
-  if (!flags) return tl::unexpected(flags.error());
-  tbb::parallel_for(std::size_t{0}, (*flags)->values.size(), [&](std::size_t c) {
+  auto flags = TRY(make_reserved_buffer<std::uint8_t>(closes ? chunks.size() : 0, context, what));
+  tbb::parallel_for(std::size_t{0}, flags->values.size(), [&](std::size_t c) {
     unsigned found = 0;
     for (int n = 0; n < 8; ++n) {
       const glm::ivec3 origin = chunks[c].origin + chunk_step(n);
       if ((n == 0 || !voxels.lists(origin)) && CornerRows(voxels, origin).touch()) found |= 1U << n;
     }
-    (*flags)->values[c] = static_cast<std::uint8_t>(found);
+    flags->values[c] = static_cast<std::uint8_t>(found);
   });
-  for (const std::uint8_t found : (*flags)->values) count += static_cast<std::uint64_t>(std::popcount(found));
+  for (const std::uint8_t found : flags->values) count += static_cast<std::uint64_t>(std::popcount(found));
 
-  auto held = context.reserve(count * sizeof(glm::ivec3), what);
-  if (!held) return tl::unexpected(held.error());
-  memory = std::move(*held);
+  memory = TRY(context.reserve(count * sizeof(glm::ivec3), what));
   std::vector<glm::ivec3> origins;
   origins.reserve(count);
   for (const ReservedList<glm::ivec3>& layer : of_layers) {
     origins.insert(origins.end(), layer.values().begin(), layer.values().end());
   }
-  for (std::size_t c = 0; c < (*flags)->values.size(); ++c) {
-    for_each_bit((*flags)->values[c], [&](int n) { origins.push_back(chunks[c].origin + chunk_step(n)); });
+  for (std::size_t c = 0; c < flags->values.size(); ++c) {
+    for_each_bit(flags->values[c], [&](int n) { origins.push_back(chunks[c].origin + chunk_step(n)); });
   }
   make_unique(origins);
   return origins;
@@ -142,9 +139,7 @@ Result<SurfacePoints> SurfacePoints::make(const VoxelChunks& voxels, const std::
   SurfacePoints points;
   points.net_ = net;
   Reservation list_memory;
-  auto origins = list_origins(voxels, rectangles, closes, context, what, list_memory);
-  if (!origins) return tl::unexpected(origins.error());
-  points.origins_ = std::move(*origins);
+  points.origins_ = TRY(list_origins(voxels, rectangles, closes, context, what, list_memory));
   points.memory_.push_back(std::move(list_memory));
   const std::size_t chunks = points.origins_.size();
   auto memory = context.reserve(VoxelChunks::bytes(chunks) + chunks * (sizeof(ChunkBits) + sizeof(RowBases) + 4), what);
@@ -164,7 +159,7 @@ Result<SurfacePoints> SurfacePoints::make(const VoxelChunks& voxels, const std::
   tbb::parallel_for(std::size_t{0}, rectangles.size(), [&](std::size_t l) {
     for_each_corner(rectangles[l], [&](std::size_t /*which*/, const glm::ivec3& corner) { points.mark(corner); });
   });
-  if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
+  TRY(context.check());
 
   tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t c) {
     points.special_number_[c] = points.has_specials(voxels, c, closes) ? 0 : kNoSpecials;

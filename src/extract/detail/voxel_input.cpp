@@ -61,12 +61,10 @@ Result<SparseReach> sparse_reach(const field::ScalarField& field, const field::S
   // It checks the indices. A region is looked at as one of samples, below.
   ExtractOptions whole = options;
   whole.region.reset();
-  if (auto sound = sparse_region(field, samples, whole); !sound) return tl::unexpected(sound.error());
+  TRY(sparse_region(field, samples, whole));
   SparseReach reach{stored_box(samples), everywhere()};
   if (!options.region) return reach;
-  const auto region = voxel_region(field, unbounded ? everywhere() : reach.stored, options);
-  if (!region) return tl::unexpected(region.error());
-  reach.region = *region;
+  reach.region = TRY(voxel_region(field, unbounded ? everywhere() : reach.stored, options));
   return reach;
 }
 
@@ -122,10 +120,8 @@ Result<std::vector<glm::ivec3>> sparse_chunks(const field::ScalarField& field, c
   std::uint64_t count = 0;
   list_all([&](const glm::ivec3&) { ++count; });
   constexpr std::uint64_t kAround = 7;
-  auto held = context.reserve(count * (unbounded ? kAround : 1) * sizeof(glm::ivec3),
-                              fmt::format("{}: the places of its voxels", field.source));
-  if (!held) return tl::unexpected(held.error());
-  memory = std::move(*held);
+  memory = TRY(context.reserve(count * (unbounded ? kAround : 1) * sizeof(glm::ivec3),
+                               fmt::format("{}: the places of its voxels", field.source)));
   std::vector<glm::ivec3> origins;
   origins.reserve(count * (unbounded ? kAround : 1));
   list_all([&](const glm::ivec3& origin) {

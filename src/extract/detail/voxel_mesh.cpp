@@ -177,9 +177,8 @@ class BorderPolygon {
 // Where sides of rectangles pass through a corner, a fan there may have no rectangle that ends in it: its vertex goes.
 // Vertices keep their order.
 Result<void> drop_unused_vertices(mesh::Mesh& mesh, const Context& context, const std::string& what) {
-  auto numbers = make_reserved_buffer<std::uint32_t>(mesh.positions.size(), context, what);
-  if (!numbers) return tl::unexpected(numbers.error());
-  Buffer<std::uint32_t>& number = (*numbers)->values;
+  auto numbers = TRY(make_reserved_buffer<std::uint32_t>(mesh.positions.size(), context, what));
+  Buffer<std::uint32_t>& number = numbers->values;
   std::fill(number.begin(), number.end(), 0U);
   for (const glm::uvec3& triangle : mesh.triangles) {
     for (int c = 0; c < 3; ++c) number[triangle[c]] = 1;
@@ -233,21 +232,19 @@ Result<Extraction> mesh_voxels(const field::ScalarField& field, const VoxelChunk
   Extraction result;
   result.stats = stats;
   result.mesh.origin = placement.origin();
-  if (auto fits = check_placement(field, placement); !fits) return tl::unexpected(fits.error());
+  TRY(check_placement(field, placement));
   Stopwatch watch;
   const VoxelFaces faces = net != nullptr ? VoxelFaces::plain : options.voxel_faces;
   const bool closes = faces != VoxelFaces::rectangles;
   const std::string what = fmt::format("{}: the faces of its voxels", field.source);
-  auto layers = list_face_rectangles(voxels, faces, context, what);
-  if (!layers) return tl::unexpected(layers.error());
-  auto points = SurfacePoints::make(voxels, *layers, closes, net, context, what);
-  if (!points) return tl::unexpected(points.error());
+  auto layers = TRY(list_face_rectangles(voxels, faces, context, what));
+  auto points = TRY(SurfacePoints::make(voxels, layers, closes, net, context, what));
 
-  std::vector<Portion> portions = portions_of(*layers);
+  std::vector<Portion> portions = portions_of(layers);
   const auto each = [&](const auto& f) {
-    for_each_portion(portions, *points, closes, placement.mirrored(), context, f);
+    for_each_portion(portions, points, closes, placement.mirrored(), context, f);
   };
-  MeshSizes sizes{points->vertices(), 0};
+  MeshSizes sizes{points.vertices(), 0};
   if (closes) {
     each([](Portion& portion, BorderPolygon& polygon) {
       for (const FaceRectangle& rectangle : portion.rectangles) {
@@ -260,14 +257,13 @@ Result<Extraction> mesh_voxels(const field::ScalarField& field, const VoxelChunk
   }
   for (Portion& portion : portions) sizes.triangles += std::exchange(portion.first_triangle, sizes.triangles);
   result.stats.count += watch.elapsed();
-  if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
+  TRY(context.check());
 
   watch.restart();
-  auto memory = reserve_mesh(field, sizes, options, context);
-  if (!memory) return tl::unexpected(memory.error());
+  auto memory = TRY(reserve_mesh(field, sizes, options, context));
   allocate_mesh(result.mesh, sizes, {}, options);
   context.progress().begin("extracting", 0);
-  points->write_positions(placement, base, result.mesh);
+  points.write_positions(placement, base, result.mesh);
   each([&](const Portion& portion, BorderPolygon& polygon) {
     glm::uvec3* out = result.mesh.triangles.data() + portion.first_triangle;
     for (const FaceRectangle& rectangle : portion.rectangles) {
@@ -279,11 +275,10 @@ Result<Extraction> mesh_voxels(const field::ScalarField& field, const VoxelChunk
       }
     }
   });
-  if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
-  result.mesh.memory = std::move(*memory);
+  TRY(context.check());
+  result.mesh.memory = std::move(memory);
   if (!closes) {
-    if (auto dropped = drop_unused_vertices(result.mesh, context, what); !dropped)
-      return tl::unexpected(dropped.error());
+    TRY(drop_unused_vertices(result.mesh, context, what));
   }
   result.stats.emit += watch.elapsed();
   return result;

@@ -97,8 +97,7 @@ Result<BlurredBlocks> find_blurred_blocks(const SparseSamples& samples, const Sp
   for (const SparseTile& tile : samples.tiles) at_borders += places_at_border(tile, rings);
   // Places of a ring around blocks that hang together are mostly each other's.
   auto memory =
-      context.reserve((samples.blocks.size() * width * width * 2 + at_borders * 4) * sizeof(glm::ivec3), what);
-  if (!memory) return tl::unexpected(std::move(memory.error()));
+      TRY(context.reserve((samples.blocks.size() * width * width * 2 + at_borders * 4) * sizeof(glm::ivec3), what));
   Places places;
   for (const SparseBlock& block : samples.blocks) places.push_back(block.origin);
   places = grown(std::move(places), rings);
@@ -122,7 +121,7 @@ Result<BlurredBlocks> find_blurred_blocks(const SparseSamples& samples, const Sp
   }
   for (std::size_t t = 0; t < samples.tiles.size(); ++t) add_rest(samples.tiles[t], of_tile[t], result.tiles);
   result.origins = std::move(places);
-  result.memory = std::move(*memory);
+  result.memory = std::move(memory);
   return result;
 }
 

@@ -118,38 +118,33 @@ Result<Samples> blur_sparse(const ScalarField& field, const SparseSamples& data,
                             std::size_t scratch_per_sample, const Context& context, const Fill& fill) {
   const std::string what = work_on(field);
   const auto lookup_memory =
-      context.reserve(SparseLookup::node_origins(data).size() * sizeof(SparseLookup::Node), what);
-  if (!lookup_memory) return tl::unexpected(lookup_memory.error());
+      TRY(context.reserve(SparseLookup::node_origins(data).size() * sizeof(SparseLookup::Node), what));
   const SparseLookup lookup(data);
-  auto places = find_blurred_blocks(data, lookup, std::max({reach.x, reach.y, reach.z}), what, context);
-  if (!places) return tl::unexpected(std::move(places.error()));
+  auto places = TRY(find_blurred_blocks(data, lookup, std::max({reach.x, reach.y, reach.z}), what, context));
   const Surroundings<T> around(data, lookup, reach);
   const std::size_t scratch_size = scratch_per_sample * around.size();
-  const auto scratch_memory = context.reserve(threads_at_most() * scratch_size * sizeof(double), what);
-  if (!scratch_memory) return tl::unexpected(scratch_memory.error());
-  const std::size_t count = places->origins.size();
-  auto made = make_reserved_buffer<Out>(count * kBlurBlockSamples, context, what);
-  if (!made) return tl::unexpected(made.error());
-  Out* const values = (*made)->values.data();
+  const auto scratch_memory = TRY(context.reserve(threads_at_most() * scratch_size * sizeof(double), what));
+  const std::size_t count = places.origins.size();
+  auto made = TRY(make_reserved_buffer<Out>(count * kBlurBlockSamples, context, what));
+  Out* const values = made->values.data();
   tbb::enumerable_thread_specific<std::vector<double>> scratch([&] { return std::vector<double>(scratch_size); });
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t b) {
     if (context.cancelled()) return;
     std::vector<double>& own = scratch.local();
-    around.gather(places->origins[b], own.data());
+    around.gather(places.origins[b], own.data());
     fill(around.dims(), own.data(), own.data() + around.size(), values + b * kBlurBlockSamples);
     context.progress().advance(1);
   });
-  if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+  TRY(context.check());
   SparseSamples blurred;
   blurred.type = sample_type_of<Out>();
   blurred.background = data.background;
   blurred.active_box = data.active_box;
   blurred.active_voxels = data.active_voxels;
-  blurred.tiles = std::move(places->tiles);
+  blurred.tiles = std::move(places.tiles);
   blurred.blocks.reserve(count);
-  for (std::size_t b = 0; b < count; ++b)
-    blurred.blocks.push_back({places->origins[b], values + b * kBlurBlockSamples});
-  blurred.owner = std::move(*made);
+  for (std::size_t b = 0; b < count; ++b) blurred.blocks.push_back({places.origins[b], values + b * kBlurBlockSamples});
+  blurred.owner = std::move(made);
   return blurred;
 }
 

@@ -31,7 +31,7 @@ tl::unexpected<Error> cannot_read(int error) {
 // Of a pipe that is slow, as many bytes as there are.
 Result<std::size_t> read_some(int descriptor, std::span<std::byte> bytes, const Context& context) {
   while (true) {
-    if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
+    TRY(context.check());
     const ssize_t got = ::read(descriptor, bytes.data(), bytes.size());
     if (got >= 0) return static_cast<std::size_t>(got);
     if (errno == EAGAIN) {
@@ -63,10 +63,9 @@ Result<std::vector<Reservation>> copy_all(int descriptor, int kept, const Contex
   std::uint64_t total = 0;
   std::uint64_t reserved = 0;
   while (true) {
-    const auto got = read_some(descriptor, part.span(), context);
-    if (!got) return tl::unexpected(got.error());
-    if (*got == 0) break;
-    total += *got;
+    const auto got = TRY(read_some(descriptor, part.span(), context));
+    if (got == 0) break;
+    total += got;
     if (total > reserved) {
       const std::string what = fmt::format("{}: its first {} bytes", kStandardInputName, total);
       auto more = context.reserve(kReserved, what);
@@ -75,8 +74,8 @@ Result<std::vector<Reservation>> copy_all(int descriptor, int kept, const Contex
       reserved += more->bytes();
       memory.push_back(std::move(*more));
     }
-    if (auto put = write_all(kept, part.span().first(*got)); !put) return tl::unexpected(put.error());
-    context.progress().advance(*got);
+    TRY(write_all(kept, part.span().first(got)));
+    context.progress().advance(got);
   }
   if (!memory.empty()) memory.back().shrink(memory.back().bytes() - (reserved - total));
   return memory;
@@ -103,9 +102,7 @@ Result<KeptInput> KeptInput::take(int descriptor, const Context& context) {
   if (kept < 0) return cannot_read(errno);
   KeptInput input(kept, {});
   context.progress().begin("reading standard input", 0);
-  auto memory = copy_all(descriptor, kept, context);
-  if (!memory) return tl::unexpected(std::move(memory.error()));
-  input.memory_ = std::move(*memory);
+  input.memory_ = TRY(copy_all(descriptor, kept, context));
   return input;
 }
 

@@ -62,7 +62,7 @@ Result<std::uint64_t> CellCapture::count(const gl::CellProgram& program, std::si
   GLuint64 triangles = 0;
   glGetQueryObjectui64v(buffers_.generated.name(), GL_QUERY_RESULT, &triangles);
   times_.count += watch.elapsed();
-  if (auto checked = context_.check("counting triangles"); !checked) return tl::unexpected(checked.error());
+  TRY(context_.check("counting triangles"));
   return triangles;
 }
 
@@ -81,9 +81,8 @@ Result<void> CellCapture::draw(const gl::CellPass& pass, std::span<const glm::iv
     for (const gl::CellProgram* program : pass.programs()) program->set("sites", 0);
     bind(first, many);
 
-    const auto triangles = count(*pass.count, many);
-    if (!triangles) return tl::unexpected(triangles.error());
-    const std::uint64_t words = *triangles * 3 * words_;
+    const auto triangles = TRY(count(*pass.count, many));
+    const std::uint64_t words = triangles * 3 * words_;
     const std::uint64_t bytes = words * sizeof(std::uint32_t);
     // The next draw is sized by what this one needs a site.
     constexpr double kRoom = 0.8;
@@ -95,9 +94,9 @@ Result<void> CellCapture::draw(const gl::CellPass& pass, std::span<const glm::iv
       next_sites_ = std::min(next_sites_, many - 1);
       continue;
     }
-    if (auto allowed = allow(triangles_ + *triangles); !allowed) return allowed;
-    triangles_ += *triangles;
-    if (*triangles > 0) {
+    TRY(allow(triangles_ + triangles));
+    triangles_ += triangles;
+    if (triangles > 0) {
       Stopwatch watch;
       glBindBuffer(GL_TRANSFORM_FEEDBACK_BUFFER, buffers_.feedback.name());
       if (bytes > buffers_.size) {
@@ -120,11 +119,11 @@ Result<void> CellCapture::draw(const gl::CellPass& pass, std::span<const glm::iv
       GLuint64 written = 0;
       glGetQueryObjectui64v(buffers_.written.name(), GL_QUERY_RESULT, &written);
       times_.capture += watch.elapsed();
-      if (auto checked = context_.check("capturing triangles"); !checked) return checked;
-      if (written != *triangles) {
+      TRY(context_.check("capturing triangles"));
+      if (written != triangles) {
         return fail(
             ErrorKind::unavailable,
-            fmt::format("{}: counted {} triangles and captured {}", context_.device().renderer, *triangles, written),
+            fmt::format("{}: counted {} triangles and captured {}", context_.device().renderer, triangles, written),
             {Remedy::use_cpu, "please report it"});
       }
       watch.restart();
@@ -133,7 +132,7 @@ Result<void> CellCapture::draw(const gl::CellPass& pass, std::span<const glm::iv
       glCopyBufferSubData(GL_TRANSFORM_FEEDBACK_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, static_cast<GLsizeiptr>(bytes));
       glGetBufferSubData(GL_COPY_WRITE_BUFFER, 0, static_cast<GLsizeiptr>(bytes), soup_.data());
       times_.read_back += watch.elapsed();
-      if (auto checked = context_.check("reading triangles back"); !checked) return checked;
+      TRY(context_.check("reading triangles back"));
       captured_bytes_ += bytes;
     }
     take(first, many, CapturedSoup{{soup_.data(), words}, words_});

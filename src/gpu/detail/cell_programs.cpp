@@ -38,9 +38,8 @@ gl::ProgramSource source_of(const CellProgramKind& kind) {
 Result<const gl::CellProgram*> CellPrograms::find(const gl::GlContext& context, const CellProgramKind& kind) {
   auto known = programs_.find(kind);
   if (known == programs_.end()) {
-    auto linked = gl::CellProgram::link(context, source_of(kind));
-    if (!linked) return tl::unexpected(linked.error());
-    known = programs_.emplace(kind, std::move(*linked)).first;
+    auto linked = TRY(gl::CellProgram::link(context, source_of(kind)));
+    known = programs_.emplace(kind, std::move(linked)).first;
   }
   if (kind.pipeline != GpuPipeline::mt_geometry) bind_case_triangles(known->second);
   return &known->second;

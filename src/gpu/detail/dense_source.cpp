@@ -53,12 +53,10 @@ Result<DenseSource> DenseSource::make(const gl::GlContext& context, const field:
                                       const SourceOptions& options) {
   DenseSource source(context, samples, sites, region, options);
   if (sites.empty()) return source;
-  if (auto used = source.use_resident(); !used) return tl::unexpected(used.error());
+  TRY(source.use_resident());
   if (source.options_.resident != nullptr) return source;
-  if (auto chosen = source.choose_window(); !chosen) return tl::unexpected(chosen.error());
-  auto texture = make_sample_texture(context, samples.type, source.window_.size());
-  if (!texture) return tl::unexpected(texture.error());
-  source.texture_ = std::move(*texture);
+  TRY(source.choose_window());
+  source.texture_ = TRY(make_sample_texture(context, samples.type, source.window_.size()));
   return source;
 }
 
@@ -66,10 +64,9 @@ Result<DenseSource> DenseSource::make(const gl::GlContext& context, const field:
 Result<void> DenseSource::use_resident() {
   if (options_.resident == nullptr) return {};
   const field::IndexBox bricks{(reach_.min - origin_) / kBrickSamples, (reach_.max - origin_) / kBrickSamples};
-  const auto room = options_.resident->make_room(*context_, {samples_->type, origin_}, bricks,
-                                                 {options_.bytes, options_.max_texture_size}, *options_.host);
-  if (!room) return tl::unexpected(room.error());
-  if (!*room) {
+  const auto room = TRY(options_.resident->make_room(*context_, {samples_->type, origin_}, bricks,
+                                                     {options_.bytes, options_.max_texture_size}, *options_.host));
+  if (!room) {
     options_.resident = nullptr;
     return {};
   }
@@ -167,7 +164,7 @@ Result<std::span<const std::uint32_t>> DenseSource::advance() {
   }
   glFinish();  // uploads are made later than they are asked for
   uploads_.time += watch.elapsed();
-  if (auto checked = context_->check("uploading samples"); !checked) return tl::unexpected(checked.error());
+  TRY(context_->check("uploading samples"));
   // Of a file that was cut off meanwhile, others may have been uploaded than were hashed.
   if (options_.resident != nullptr && !samples_->lost()) options_.resident->give_back(std::move(hashes));
   return std::span<const std::uint32_t>(column_sites_).subspan(begin, next_ - begin);

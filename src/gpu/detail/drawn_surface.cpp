@@ -40,12 +40,10 @@ Result<gl::CellPass> DrawnSurface::find_programs() const {
   kind.swizzle = tools_.options.swizzle;
   CellProgramKind with_normals = kind;
   with_normals.normals = options_.smooth_normals ? CapturedNormals::gradient : CapturedNormals::none;
-  const auto capturing = tools_.programs->find(*tools_.gl, with_normals);
-  if (!capturing) return tl::unexpected(capturing.error());
+  const auto capturing = TRY(tools_.programs->find(*tools_.gl, with_normals));
   kind.counting = true;
-  const auto counting = tools_.programs->find(*tools_.gl, kind);
-  if (!counting) return tl::unexpected(counting.error());
-  return gl::CellPass{*counting, *capturing};
+  const auto counting = TRY(tools_.programs->find(*tools_.gl, kind));
+  return gl::CellPass{counting, capturing};
 }
 
 void DrawnSurface::set_uniforms(const gl::CellProgram& program) const {
@@ -71,26 +69,23 @@ void DrawnSurface::set_uniforms(const gl::CellProgram& program) const {
 
 Result<extract::MeshSizes> DrawnSurface::count(extract::ExtractStats& stats) {
   const Stopwatch compiling;
-  const auto pass = find_programs();
-  if (!pass) return tl::unexpected(pass.error());
+  const auto pass = TRY(find_programs());
   extract::DeviceStats& device = stats.device.emplace();
   device.compile = compiling.elapsed();
-  for (const gl::CellProgram* program : pass->programs()) set_uniforms(*program);
+  for (const gl::CellProgram* program : pass.programs()) set_uniforms(*program);
 
-  auto memory =
+  auto memory = TRY(
       context_.reserve(SiteWeld::bytes(place_.origins.size(), table_.directions.size()),
-                       fmt::format("{}: the {} bricks that the surface passes", field_.source, place_.origins.size()));
-  if (!memory) return tl::unexpected(memory.error());
-  sites_memory_ = std::move(*memory);
+                       fmt::format("{}: the {} bricks that the surface passes", field_.source, place_.origins.size())));
+  sites_memory_ = std::move(memory);
   weld_.emplace(
       table_, place_.origins, [this](std::size_t site) { return near(site); },
       [this](const glm::ivec3& cell) { return decide(cell); });
   CellCapture capture(*tools_.gl, *tools_.buffers, pipeline_, words_a_vertex(), tools_.memory.feedback);
-  if (auto drawn = draw(*pass, capture); !drawn) return tl::unexpected(drawn.error());
+  TRY(draw(pass, capture));
   capture.free_soup();
   soup_memory_.release();
-  const auto sizes = weld_->number();
-  if (!sizes) return tl::unexpected(sizes.error());
+  const auto sizes = TRY(weld_->number());
 
   const UploadFigures uploads = source_->uploads();
   stats.hole_cells = hole_cells_.load();
@@ -107,17 +102,16 @@ Result<extract::MeshSizes> DrawnSurface::count(extract::ExtractStats& stats) {
   device.weld = weld_->time();
   stats.count = capture.times().count;
   for (const StageTime& part : {device.capture, device.read_back, device.weld}) stats.emit += part;
-  return *sizes;
+  return sizes;
 }
 
 Result<void> DrawnSurface::draw(const gl::CellPass& pass, CellCapture& capture) {
   context_.progress().begin("drawing cells", place_.origins.size());
   while (true) {
-    if (auto wanted = context_.check(); !wanted) return wanted;
-    const auto ready = source_->advance();
-    if (!ready) return tl::unexpected(ready.error());
-    if (ready->empty()) break;
-    if (auto drawn = draw_batch(pass, *ready, capture); !drawn) return drawn;
+    TRY(context_.check());
+    const auto ready = TRY(source_->advance());
+    if (ready.empty()) break;
+    TRY(draw_batch(pass, ready, capture));
   }
   const auto& messages = tools_.gl->debug_messages();
   if (!tools_.options.debug || messages.empty()) return {};
@@ -144,14 +138,11 @@ Result<void> DrawnSurface::make_room(std::uint64_t triangles) {
   triangles_ = triangles;
   if (soup > soup_memory_.bytes()) {
     soup_memory_.release();
-    auto memory = context_.reserve(soup, what);
-    if (!memory) return tl::unexpected(memory.error());
-    soup_memory_ = std::move(*memory);
+    soup_memory_ = TRY(context_.reserve(soup, what));
   }
   // Welded vertices are shared, so the weld takes less than the soup; how much less is known when it is done.
-  auto memory = context_.reserve(soup, what);
-  if (!memory) return tl::unexpected(memory.error());
-  weld_memory_.push_back(std::move(*memory));
+  auto memory = TRY(context_.reserve(soup, what));
+  weld_memory_.push_back(std::move(memory));
   return {};
 }
 

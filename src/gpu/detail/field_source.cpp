@@ -13,9 +13,7 @@ Result<gl::GlTexture> make_sample_texture(const gl::GlContext& context, field::S
   glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   const glm::u64vec3 wide(size);
   const std::uint64_t bytes = wide.x * wide.y * wide.z * field::sample_size(type);
-  if (auto checked = context.check(fmt::format("taking {} for samples", format_byte_size(bytes))); !checked) {
-    return tl::unexpected(checked.error());
-  }
+  TRY(context.check(fmt::format("taking {} for samples", format_byte_size(bytes))));
   return texture;
 }
 

@@ -62,11 +62,10 @@ Result<bool> ResidentSamples::make_room(const gl::GlContext& context, const Bric
   if (!fits(places)) return false;
   auto memory = host.reserve(count_of(places) * sizeof(BrickHash), "the bricks on the device");
   if (!memory) return false;  // it works without
-  auto texture = make_sample_texture(context, lattice.type, kBrickSamples * places);
-  if (!texture) return tl::unexpected(std::move(texture.error()));
+  auto texture = TRY(make_sample_texture(context, lattice.type, kBrickSamples * places));
   lattice_ = lattice;
   places_ = places;
-  texture_ = std::move(*texture);
+  texture_ = std::move(texture);
   memory_ = std::move(*memory);
   return true;
 }

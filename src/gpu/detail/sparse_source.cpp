@@ -53,9 +53,7 @@ Result<SparseSource> SparseSource::make(const gl::GlContext& context, const fiel
   source.used_in_.assign(static_cast<std::size_t>(count), 0);
   for (int slot = 0; slot < count; ++slot) source.by_age_.push_back(slot);
 
-  auto atlas = make_sample_texture(context, samples.type, kSize * source.slots_);
-  if (!atlas) return tl::unexpected(atlas.error());
-  source.atlas_ = std::move(*atlas);
+  source.atlas_ = TRY(make_sample_texture(context, samples.type, kSize * source.slots_));
   source.neighbour_buffer_ = gl::GlBuffer::make();
   source.neighbour_texture_ = gl::GlTexture::make();
   source.constant_buffer_ = gl::GlBuffer::make();
@@ -121,7 +119,7 @@ Result<std::span<const std::uint32_t>> SparseSource::advance() {
   while (next_ < order_.size() && make_resident(order_[next_])) ++next_;
   glFinish();  // uploads are made later than they are asked for
   uploads_.time += watch.elapsed();
-  if (auto checked = context_->check("uploading samples"); !checked) return tl::unexpected(checked.error());
+  TRY(context_->check("uploading samples"));
   return std::span<const std::uint32_t>(order_).subspan(begin, next_ - begin);
 }
 

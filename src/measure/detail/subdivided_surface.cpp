@@ -59,9 +59,8 @@ Result<SubdividedSurface> SubdividedSurface::make(field::Interpolant::Cursor& fi
   options.iso = 0;
   options.nan = extract::NanPolicy::hole;
   options.output_from_index.linear = how.linear / static_cast<double>(how.parts);
-  auto extraction = extract::make_cpu_extractor()->extract(parts, options);
-  if (!extraction) return tl::unexpected(std::move(extraction.error()));
-  surface.mesh_ = std::move(extraction->mesh);
+  auto extraction = TRY(extract::make_cpu_extractor()->extract(parts, options, Context()));
+  surface.mesh_ = std::move(extraction.mesh);
   return surface;
 }
 

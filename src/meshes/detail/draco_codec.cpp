@@ -315,9 +315,8 @@ Result<DracoSurface> decode_draco(std::span<const std::byte> bytes, const TakeMe
     surface.triangles.push_back(corners);
   }
   for (int a = 0; a < mesh.num_attributes(); ++a) {
-    auto attribute = attribute_of(mesh, a, take);
-    if (!attribute) return tl::unexpected(std::move(attribute.error()));
-    surface.attributes.push_back(std::move(*attribute));
+    auto attribute = TRY(attribute_of(mesh, a, take));
+    surface.attributes.push_back(std::move(attribute));
   }
   if (mesh.GetMetadata() != nullptr) {
     mesh.GetMetadata()->GetEntryString(kGeneratorKey, &surface.generator);

@@ -184,17 +184,17 @@ std::string AnimatedGlb::describe() {
 }
 
 Result<void> AnimatedGlb::finish(float end) {
-  if (auto opened = open(); !opened) return opened;
+  TRY(open());
   if (keys_.empty()) {
     const std::string json = describe();
     auto written = file_->write(glb_start(json.size(), 0));
     return written ? file_->write(json) : written;
   }
-  if (auto written = write_keys(end); !written) return written;
+  TRY(write_keys(end));
   const std::string json = describe();
   if (json.size() > room_ || room_ - json.size() > binary_) {
     const std::uint64_t before = std::exchange(room_, json.size());
-    if (auto moved = file_->move_end(glb_bytes(before, 0), glb_bytes(room_, 0)); !moved) return moved;
+    TRY(file_->move_end(glb_bytes(before, 0), glb_bytes(room_, 0)));
   }
   if (const std::uint64_t bytes = glb_bytes(room_, binary_); bytes > largest_) {
     return fail(ErrorKind::output, fmt::format("{}: expected at most {} bytes, as was reckoned, found {}",

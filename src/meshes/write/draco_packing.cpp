@@ -161,12 +161,11 @@ class Comparison {
 // Packs, unpacks and compares. Nothing where what comes back is not the mesh.
 Result<std::optional<DracoPacked>> attempt(const mesh::Mesh& mesh, const DracoPacking& packing, const DracoInput& input,
                                            DracoMethod method) {
-  auto bytes = encode_draco(input, method);
-  if (!bytes) return tl::unexpected(std::move(bytes.error()));
-  const auto unpacked = decode_draco(*bytes, [](std::uint64_t /*reserved before*/) {});
+  auto bytes = TRY(encode_draco(input, method));
+  const auto unpacked = decode_draco(bytes, [](std::uint64_t /*reserved before*/) {});
   if (!unpacked) return std::optional<DracoPacked>();
   auto packed = Comparison(mesh, packing, input, *unpacked).compare();
-  if (packed) packed->bytes = std::move(*bytes);
+  if (packed) packed->bytes = std::move(bytes);
   return packed;
 }
 
@@ -178,18 +177,16 @@ Result<DracoPacked> pack_with_draco(const mesh::Mesh& mesh, const DracoPacking& 
   const std::uint64_t vertices = packing.flat_normals ? 3 * mesh.triangles.size() : mesh.positions.size();
   for (const GltfSemantic& semantic : packing.semantics) bytes += 4 * vertices * semantic.attribute->stride();
   if (packing.flat_normals) bytes += vertices * kVertexBytes;
-  const auto memory = context.reserve(bytes, "packing it");
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory = TRY(context.reserve(bytes, "packing it"));
 
-  auto on_lattice = put_on_lattice(mesh, packing.lattice);
-  if (!on_lattice) return tl::unexpected(std::move(on_lattice.error()));
+  auto on_lattice = TRY(put_on_lattice(mesh, packing.lattice));
   std::vector<glm::vec3> face_normals;
   if (packing.flat_normals) {
     face_normals.reserve(mesh.triangles.size());
     for (const glm::uvec3& triangle : mesh.triangles) face_normals.push_back(face_normal(mesh, triangle));
   }
   DracoInput input;
-  input.positions = on_lattice->numbers.span();
+  input.positions = on_lattice.numbers.span();
   input.first = packing.lattice.local_first();
   input.step = static_cast<float>(packing.lattice.step);
   input.bits = packing.lattice.bits;
@@ -207,7 +204,7 @@ Result<DracoPacked> pack_with_draco(const mesh::Mesh& mesh, const DracoPacking& 
   bool one_by_one = false;
   auto packed = attempt(mesh, packing, input, DracoMethod::edgebreaker);
   if (!packed || !*packed) {
-    if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+    TRY(context.check());
     one_by_one = true;
     packed = attempt(mesh, packing, input, DracoMethod::sequential);
   }
@@ -216,7 +213,7 @@ Result<DracoPacked> pack_with_draco(const mesh::Mesh& mesh, const DracoPacking& 
   DracoPacked result = std::move(**packed);
   result.facts.one_by_one = one_by_one;
   result.facts.bytes_after = result.bytes.size();
-  result.facts.flattened_triangles = on_lattice->flattened_triangles;
+  result.facts.flattened_triangles = on_lattice.flattened_triangles;
   result.facts.time = watch.elapsed();
   return result;
 }

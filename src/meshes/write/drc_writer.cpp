@@ -27,11 +27,10 @@ class DrcWriter final : public FormatWriter {
     packing.semantics = part.semantics;
     packing.is_file = true;
     packing.placement = options_.placement;
-    auto packed = pack_with_draco(mesh, packing, context_);
-    if (!packed) return tl::unexpected(std::move(packed.error()));
-    packed->facts.bytes_before = part.bytes();
-    facts_.push_back(packed->facts);
-    return file_.write(packed->bytes);
+    auto packed = TRY(pack_with_draco(mesh, packing, context_));
+    packed.facts.bytes_before = part.bytes();
+    facts_.push_back(packed.facts);
+    return file_.write(packed.bytes);
   }
 
   Result<void> finish(Notes& /*notes*/) override { return {}; }

@@ -29,12 +29,11 @@ class ViewPacking {
   ViewPacking(const GltfPart& part, const MeshPacking& packing) : part_(part), packing_(packing) {}
 
   Result<GltfPackedPart> pack() {
-    auto positions = packing_.quantize ? add_short_positions() : add_float_positions();
-    if (!positions) return tl::unexpected(std::move(positions.error()));
+    TRY(packing_.quantize ? add_short_positions() : add_float_positions());
     add_normals();
     for (const GltfSemantic& semantic : part_.semantics) add_attribute(semantic);
     if (part_.layout == GltfPart::Layout::indexed) {
-      if (auto added = add_indices(); !added) return tl::unexpected(std::move(added.error()));
+      TRY(add_indices());
     }
     if (damaged_) {
       return fail(ErrorKind::output, "what meshoptimizer unpacks of its own bytes is not the mesh that was packed");
@@ -112,17 +111,16 @@ class ViewPacking {
 
   Result<void> add_short_positions() {
     const PositionLattice lattice = choose_lattice(packing_, *packing_.box, LatticeUse::short_positions);
-    const auto on_lattice = put_on_lattice(mesh(), lattice);
-    if (!on_lattice) return tl::unexpected(on_lattice.error());
+    const auto on_lattice = TRY(put_on_lattice(mesh(), lattice));
     packed_.quantized = true;
     packed_.translation = lattice.origin;
     packed_.scale = lattice.step;
-    packed_.facts.positions = on_lattice->facts;
-    packed_.facts.flattened_triangles = on_lattice->flattened_triangles;
-    ShortVector low(on_lattice->numbers[vertex(0)]);
+    packed_.facts.positions = on_lattice.facts;
+    packed_.facts.flattened_triangles = on_lattice.flattened_triangles;
+    ShortVector low(on_lattice.numbers[vertex(0)]);
     ShortVector high = low;
     GltfPackedAccessor& accessor = add_values("POSITION", kGltfUnsignedShort, [&](std::size_t v) {
-      const ShortVector position(on_lattice->numbers[vertex(v)]);
+      const ShortVector position(on_lattice.numbers[vertex(v)]);
       low = glm::min(low, position);
       high = glm::max(high, position);
       return position;
@@ -211,35 +209,34 @@ Result<GltfPackedPart> pack_draco(const GltfPart& part, const MeshPacking& packi
   draco.lattice = choose_lattice(packing, *packing.box, LatticeUse::float_positions);
   draco.flat_normals = part.layout == GltfPart::Layout::split;
   draco.semantics = part.semantics;
-  auto made = pack_with_draco(*part.mesh, draco, context);
-  if (!made) return tl::unexpected(std::move(made.error()));
+  auto made = TRY(pack_with_draco(*part.mesh, draco, context));
 
   GltfPackedPart packed;
   packed.draco = true;
   packed.translation = draco.lattice.origin;
-  packed.facts = made->facts;
-  packed.views.emplace_back().bytes = std::move(made->bytes);
+  packed.facts = made.facts;
+  packed.views.emplace_back().bytes = std::move(made.bytes);
   const auto add = [&](const std::string& semantic, int component, std::size_t components) -> GltfPackedAccessor& {
     GltfPackedAccessor accessor;
     accessor.semantic = semantic;
     accessor.draco_id = static_cast<std::uint32_t>(packed.attributes.size());
     accessor.component = component;
     accessor.components = components;
-    accessor.count = made->vertices;
+    accessor.count = made.vertices;
     return packed.attributes.emplace_back(std::move(accessor));
   };
   GltfPackedAccessor& positions = add("POSITION", kGltfFloat, 3);
   for (int axis = 0; axis < 3; ++axis) {
-    positions.min.push_back(static_cast<double>(made->bounds.min[axis]));
-    positions.max.push_back(static_cast<double>(made->bounds.max[axis]));
+    positions.min.push_back(static_cast<double>(made.bounds.min[axis]));
+    positions.max.push_back(static_cast<double>(made.bounds.max[axis]));
   }
-  if (made->has_normals) add("NORMAL", kGltfFloat, 3);
+  if (made.has_normals) add("NORMAL", kGltfFloat, 3);
   for (const GltfSemantic& semantic : part.semantics) {
     const mesh::Attribute& attribute = *semantic.attribute;
     add(semantic.name, gltf_code(attribute.type), attribute.components).normalised = attribute.normalised;
   }
   GltfPackedAccessor indices;
-  indices.component = made->vertices <= GltfPart::kMaxShortVertices ? kGltfUnsignedShort : kGltfUnsignedInt;
+  indices.component = made.vertices <= GltfPart::kMaxShortVertices ? kGltfUnsignedShort : kGltfUnsignedInt;
   indices.count = 3 * part.mesh->triangles.size();
   packed.indices = std::move(indices);
   return packed;
@@ -249,8 +246,7 @@ Result<GltfPackedPart> pack_views(const GltfPart& part, const MeshPacking& packi
   // All of it, and the largest part of it twice more: packed, and unpacked again.
   constexpr std::uint64_t kLatticeBytes = 16;
   const std::uint64_t bytes = 3 * part.bytes() + part.mesh->positions.size() * kLatticeBytes;
-  const auto memory = context.reserve(bytes, "packing it");
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory = TRY(context.reserve(bytes, "packing it"));
   return ViewPacking(part, packing).pack();
 }
 

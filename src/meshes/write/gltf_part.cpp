@@ -156,9 +156,8 @@ Result<GltfPart> GltfPart::make(const mesh::Mesh& source, const MeshWriteOptions
                                 Notes& notes) {
   GltfPart part(source, options.flat_normals, notes);
   if (!options.packing.packs() || part.layout == Layout::nothing) return part;
-  auto packed = pack_part(part, options.packing, context);
-  if (!packed) return tl::unexpected(std::move(packed.error()));
-  part.packed = std::make_shared<const GltfPackedPart>(std::move(*packed));
+  auto packed = TRY(pack_part(part, options.packing, context));
+  part.packed = std::make_shared<const GltfPackedPart>(std::move(packed));
   return part;
 }
 

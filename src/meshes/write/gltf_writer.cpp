@@ -22,9 +22,8 @@ class GlbWriter final : public FormatWriter {
       : options_(options), context_(context), file_(file) {}
 
   Result<void> add(const mesh::Mesh& mesh, Notes& notes) override {
-    auto part = GltfPart::make(mesh, options_, context_, notes);
-    if (!part) return tl::unexpected(std::move(part.error()));
-    parts_.push_back(std::move(*part));
+    auto part = TRY(GltfPart::make(mesh, options_, context_, notes));
+    parts_.push_back(std::move(part));
     return {};
   }
 
@@ -32,12 +31,12 @@ class GlbWriter final : public FormatWriter {
     std::uint64_t binary_bytes = 0;
     for (const GltfPart& part : parts_) binary_bytes += part.bytes();
     // Once before the bounds of what would be too much are measured, and once exactly.
-    if (auto fits = check_length(glb_bytes(0, binary_bytes)); !fits) return fits;
+    TRY(check_length(glb_bytes(0, binary_bytes)));
     GltfModel model(options_.placement);
     for (const GltfPart& part : parts_) model.add(part);
     std::string json = model.json({}, -1, notes);
     pad_glb_json(json);
-    if (auto fits = check_length(glb_bytes(json.size(), binary_bytes)); !fits) return fits;
+    TRY(check_length(glb_bytes(json.size(), binary_bytes)));
     auto written = file_.write(glb_start(json.size(), binary_bytes));
     if (written) written = file_.write(json);
     if (!written || binary_bytes == 0) return written;
@@ -79,11 +78,10 @@ class GltfWriter final : public FormatWriter {
   }
 
   Result<void> add(const mesh::Mesh& mesh, Notes& notes) override {
-    const auto part = GltfPart::make(mesh, options_, context_, notes);
-    if (!part) return tl::unexpected(part.error());
-    packed_.push_back(part->packed != nullptr ? part->packed->facts : PackedFacts{});
-    model_json_.add(*part);
-    return write_part(*part, binary_);
+    const auto part = TRY(GltfPart::make(mesh, options_, context_, notes));
+    packed_.push_back(part.packed != nullptr ? part.packed->facts : PackedFacts{});
+    model_json_.add(part);
+    return write_part(part, binary_);
   }
 
   Result<void> finish(Notes& notes) override {

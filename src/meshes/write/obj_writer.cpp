@@ -141,8 +141,7 @@ class ObjWriter final : public FormatWriter {
   }
 
   Result<void> add(const mesh::Mesh& mesh, Notes& /*notes*/) override {
-    const auto memory = context_.reserve(has_copies_ ? Places::bytes(mesh) : 0, "the places of its vertices");
-    if (!memory) return tl::unexpected(memory.error());
+    const auto memory = TRY(context_.reserve(has_copies_ ? Places::bytes(mesh) : 0, "the places of its vertices"));
     const Places places(mesh, has_copies_);
     const Normals normals = flat_normals_           ? Normals::of_faces
                             : !mesh.normals.empty() ? Normals::of_vertices

@@ -162,7 +162,7 @@ Result<void> write_binary(const mesh::Mesh& mesh, bool vertex_normals, bool face
                                   return out;
                                 });
   };
-  if (auto written = visit_positions(mesh, write_vertices); !written) return written;
+  TRY(visit_positions(mesh, write_vertices));
 
   const std::size_t record = sizeof(kCorners) + sizeof(glm::uvec3) + (face_normals ? sizeof(glm::vec3) : 0);
   return files::write_records(file, mesh.triangles.size(), record, [&](std::size_t first, std::size_t last, char* out) {
@@ -193,7 +193,7 @@ Result<void> write_ascii(const mesh::Mesh& mesh, bool vertex_normals, bool face_
                                   return out;
                                 });
   };
-  if (auto written = visit_positions(mesh, write_vertices); !written) return written;
+  TRY(visit_positions(mesh, write_vertices));
 
   constexpr std::size_t kLine = 1 + kMaxVectorText<std::uint32_t> + kMaxVectorText<float> + 1;
   return files::write_records(file, mesh.triangles.size(), kLine, [&](std::size_t first, std::size_t last, char* out) {
@@ -210,7 +210,7 @@ Result<void> write_ascii(const mesh::Mesh& mesh, bool vertex_normals, bool face_
 }  // namespace
 
 Result<void> write_ply(const mesh::Mesh& mesh, const MeshWriteOptions& options, files::OutputFile& file, Notes& notes) {
-  if (auto written = file.write(header(mesh, options, notes)); !written) return written;
+  TRY(file.write(header(mesh, options, notes)));
   const bool vertex_normals = !options.flat_normals && !mesh.normals.empty();
   return (options.ascii ? write_ascii : write_binary)(mesh, vertex_normals, options.flat_normals, file);
 }

@@ -15,9 +15,8 @@ Result<void> optimize_order(mesh::Mesh& mesh, const Context& context) {
   constexpr std::uint64_t kTriangleBytes = 48;
   constexpr std::uint64_t kVertexBytes = 24;
   const std::size_t vertices = mesh.positions.size();
-  const auto memory = context.reserve(
-      mesh.triangles.size() * kTriangleBytes + vertices * (kVertexBytes + mesh::vertex_bytes(mesh)), "ordering it");
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory = TRY(context.reserve(
+      mesh.triangles.size() * kTriangleBytes + vertices * (kVertexBytes + mesh::vertex_bytes(mesh)), "ordering it"));
   const std::size_t corners = 3 * mesh.triangles.size();
   Buffer<glm::uvec3> triangles(mesh.triangles.size());
   std::uint32_t* indices = &triangles.data()->x;

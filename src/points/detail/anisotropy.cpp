@@ -60,10 +60,8 @@ Result<AnisotropicKernels> make_anisotropic_kernels(const CellGrid& grid, double
                                                     const AnisotropyOptions& options, const Context& context,
                                                     const std::string& label) {
   const std::string what = fmt::format("{}: the kernels of {} particles", label, grid.size());
-  auto shaped = make_reserved_buffer<ShapedKernel>(grid.size(), context, what);
-  if (!shaped) return tl::unexpected(shaped.error());
-  auto centres = make_reserved_buffer<glm::dvec3>(grid.size(), context, what);
-  if (!centres) return tl::unexpected(centres.error());
+  auto shaped = TRY(make_reserved_buffer<ShapedKernel>(grid.size(), context, what));
+  auto centres = TRY(make_reserved_buffer<glm::dvec3>(grid.size(), context, what));
   context.progress().begin("shaping kernels", grid.size());
   const double radius = options.neighbourhood * support;
   AnisotropicKernels kernels;
@@ -82,8 +80,8 @@ Result<AnisotropicKernels> make_anisotropic_kernels(const CellGrid& grid, double
                 for (std::size_t t = 0; t < targets.size; ++t) {
                   const std::size_t s = targets.first + t;
                   const ShapedKernel kernel = shape_of(grid, s, moments, t, radius, support, densities[s], options);
-                  (*shaped)->values[s] = kernel;
-                  (*centres)->values[s] = kernel.centre;
+                  shaped->values[s] = kernel;
+                  centres->values[s] = kernel.centre;
                   reach = std::max(reach, static_cast<double>(kernel.shape.reach));
                 }
               });
@@ -92,28 +90,23 @@ Result<AnisotropicKernels> make_anisotropic_kernels(const CellGrid& grid, double
         return reach;
       },
       [](double a, double b) { return std::max(a, b); });
-  if (auto go_on = context.check(); !go_on) return tl::unexpected(go_on.error());
+  TRY(context.check());
 
-  auto moved = CellGrid::make(std::as_const((*centres)->values).span(), GridFrame{}, grid.side(),
-                              CellGrid::Coinciding::apart, context, label);
-  if (!moved) return tl::unexpected(moved.error());
-  kernels.grid = std::move(*moved);
-  centres->reset();
-  auto weights = make_reserved_buffer<float>(grid.size(), context, what);
-  if (!weights) return tl::unexpected(weights.error());
-  auto shapes = make_reserved_buffer<Ellipsoid>(grid.size(), context, what);
-  if (!shapes) return tl::unexpected(shapes.error());
-  auto counts = make_reserved_buffer<std::uint32_t>(grid.size(), context, what);
-  if (!counts) return tl::unexpected(counts.error());
+  kernels.grid = TRY(CellGrid::make(std::as_const(centres->values).span(), GridFrame{}, grid.side(),
+                                    CellGrid::Coinciding::apart, context, label));
+  centres.reset();
+  auto weights = TRY(make_reserved_buffer<float>(grid.size(), context, what));
+  auto shapes = TRY(make_reserved_buffer<Ellipsoid>(grid.size(), context, what));
+  auto counts = TRY(make_reserved_buffer<std::uint32_t>(grid.size(), context, what));
   for (std::size_t s = 0; s < grid.size(); ++s) {
     const std::size_t from = kernels.grid.members(s)[0];
-    (*weights)->values[s] = (*shaped)->values[from].weight;
-    (*shapes)->values[s] = (*shaped)->values[from].shape;
-    (*counts)->values[s] = static_cast<std::uint32_t>(grid.members(from).size());
+    weights->values[s] = shaped->values[from].weight;
+    shapes->values[s] = shaped->values[from].shape;
+    counts->values[s] = static_cast<std::uint32_t>(grid.members(from).size());
   }
-  kernels.weights = std::move(*weights);
-  kernels.shapes = std::move(*shapes);
-  kernels.counts = std::move(*counts);
+  kernels.weights = std::move(weights);
+  kernels.shapes = std::move(shapes);
+  kernels.counts = std::move(counts);
   return kernels;
 }
 

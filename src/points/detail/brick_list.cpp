@@ -55,7 +55,7 @@ Result<BrickList> dilated(std::span<const glm::ivec3> bricks, int rings, const C
     // Twice as wide with each join, so that many rings take few of them.
     const int wanted = 2 * rings + 1;
     for (int width = 1; width < wanted;) {
-      if (auto go_on = context.check(); !go_on) return tl::unexpected(go_on.error());
+      TRY(context.check());
       const int more = std::min(width, wanted - width);
       const std::span<const glm::ivec3> from = std::as_const((*list)->values).span();
       std::size_t count = 0;

@@ -26,14 +26,13 @@ Result<void> settle_lengths(const ParticleSet& particles, const FieldOptions& op
   if (options.radius) {
     figures.radius = *options.radius;
   } else if (figures.radius_attribute.empty()) {
-    auto statistics = measure_statistics(particles, context);
-    if (!statistics) return tl::unexpected(statistics.error());
-    const std::optional<double> radius = statistics->suggested_radius();
+    auto statistics = TRY(measure_statistics(particles, context));
+    const std::optional<double> radius = statistics.suggested_radius();
     if (!radius) {
       return fail(ErrorKind::input,
                   fmt::format("{}: expected particles at two places at least, to take their radius from, or a radius; "
                               "found {} at one place",
-                              particles.label, statistics->bounds.finite),
+                              particles.label, statistics.bounds.finite),
                   Remedy::choose_radius);
     }
     figures.radius = *radius;

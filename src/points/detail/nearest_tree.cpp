@@ -27,11 +27,10 @@ Result<NearestTree> NearestTree::make(std::span<const glm::dvec3> points, const 
   for (const glm::dvec3& p : points) count += static_cast<std::size_t>(is_finite(p));
   // Halving goes on until none has more than a leaf: levels of a complete tree.
   const std::size_t nodes = 2 * std::bit_ceil(count / kLeaf + 1);
-  auto memory = context.reserve(count * sizeof(std::uint32_t) + nodes * sizeof(Node),
-                                fmt::format("{}: the nearest of {} particles", label, count));
-  if (!memory) return tl::unexpected(memory.error());
+  auto memory = TRY(context.reserve(count * sizeof(std::uint32_t) + nodes * sizeof(Node),
+                                    fmt::format("{}: the nearest of {} particles", label, count)));
   NearestTree tree;
-  tree.memory_ = std::move(*memory);
+  tree.memory_ = std::move(memory);
   tree.points_ = points;
   tree.order_ = Buffer<std::uint32_t>(count);
   tree.nodes_ = Buffer<Node>(nodes);
@@ -39,7 +38,7 @@ Result<NearestTree> NearestTree::make(std::span<const glm::dvec3> points, const 
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (is_finite(points[i])) tree.order_[n++] = static_cast<std::uint32_t>(i);
   }
-  if (auto go_on = context.check(); !go_on) return tl::unexpected(go_on.error());
+  TRY(context.check());
   tree.build(0, 0, static_cast<std::uint32_t>(count));
   return tree;
 }

@@ -47,9 +47,8 @@ template <class F>
 Result<BrickList> bricks_where(const BrickList& bricks, const char* stage, const F& keep, const Context& context,
                                const std::string& label) {
   const std::span<const glm::ivec3> list = std::as_const(bricks->values).span();
-  auto flags = make_reserved_buffer<std::uint8_t>(list.size(), context, label);
-  if (!flags) return tl::unexpected(flags.error());
-  Flags& kept = (*flags)->values;
+  auto flags = TRY(make_reserved_buffer<std::uint8_t>(list.size(), context, label));
+  Flags& kept = flags->values;
   context.progress().begin(stage, list.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, list.size(), kTasks), [&](const auto& range) {
     if (context.cancelled()) return;
@@ -58,7 +57,7 @@ Result<BrickList> bricks_where(const BrickList& bricks, const char* stage, const
     }
     context.progress().advance(range.size());
   });
-  if (auto go_on = context.check(); !go_on) return tl::unexpected(go_on.error());
+  TRY(context.check());
   return chosen_bricks(
       list, [&](std::size_t b) { return kept[b] != 0; }, context, label);
 }
@@ -119,9 +118,9 @@ Result<void> check_rings(int rings, const Context& context, const std::string& l
   const std::uint64_t side = 2 * static_cast<std::uint64_t>(rings) + 1;
   const auto bricks = checked_product(side * side, side);
   const auto bytes = bricks ? checked_product(*bricks, sizeof(glm::ivec3)) : std::nullopt;
-  const auto fits = context.reserve(bytes.value_or(std::numeric_limits<std::uint64_t>::max()),
-                                    fmt::format("{}: {}^3 bricks of 8^3 samples around each particle", label, side));
-  if (!fits) return tl::unexpected(fits.error());
+  const auto fits =
+      TRY(context.reserve(bytes.value_or(std::numeric_limits<std::uint64_t>::max()),
+                          fmt::format("{}: {}^3 bricks of 8^3 samples around each particle", label, side)));
   return {};
 }
 
@@ -136,7 +135,7 @@ Result<field::SparseSamples> fill_bricks(const BrickSource& source, std::optiona
                                          BrickCounts& counts, const Context& context, const std::string& label) {
   const std::string what = fmt::format("{}: the bricks around {} particles", label, source.grid().size());
   const int rings = static_cast<int>(std::ceil(source.reach() / kSide));
-  if (auto fits = check_rings(rings, context, label); !fits) return tl::unexpected(fits.error());
+  TRY(check_rings(rings, context, label));
   auto bricks = occupied_bricks(source.grid(), context, what);
   if (bricks) bricks = dilated((*bricks)->values.span(), rings, context, what);
   if (bricks) {
@@ -146,9 +145,7 @@ Result<field::SparseSamples> fill_bricks(const BrickSource& source, std::optiona
   if (!bricks) return tl::unexpected(bricks.error());
   BrickList deep;
   if (iso) {
-    auto found = deep_bricks(source, *bricks, *iso, context, what);
-    if (!found) return tl::unexpected(found.error());
-    deep = std::move(*found);
+    deep = TRY(deep_bricks(source, *bricks, *iso, context, what));
     bricks = without(*bricks, deep, context, what);
     if (!bricks) return tl::unexpected(bricks.error());
   }
@@ -160,15 +157,14 @@ Result<field::SparseSamples> fill_bricks(const BrickSource& source, std::optiona
                 fmt::format("{}: {} bricks of 8^3 samples are more than can be numbered", label, list.size()));
   }
 
-  auto marks = make_reserved_buffer<std::uint8_t>(counts.bricks_inside != 0 ? source.grid().size() : 0, context, what);
-  if (!marks) return tl::unexpected(marks.error());
-  std::ranges::fill((*marks)->values, std::uint8_t{0});
-  auto memory = context.reserve(list.size() * (kBrickSamples * sizeof(float) + sizeof(field::SparseBlock)) +
-                                    counts.bricks_inside * sizeof(field::SparseTile),
-                                fmt::format("{}: {} bricks of 8^3 samples", label, list.size()));
-  if (!memory) return tl::unexpected(memory.error());
+  auto marks =
+      TRY(make_reserved_buffer<std::uint8_t>(counts.bricks_inside != 0 ? source.grid().size() : 0, context, what));
+  std::ranges::fill(marks->values, std::uint8_t{0});
+  auto memory = TRY(context.reserve(list.size() * (kBrickSamples * sizeof(float) + sizeof(field::SparseBlock)) +
+                                        counts.bricks_inside * sizeof(field::SparseTile),
+                                    fmt::format("{}: {} bricks of 8^3 samples", label, list.size())));
   auto owned = std::make_shared<OwnedBricks>();
-  owned->memory = std::move(*memory);
+  owned->memory = std::move(memory);
   owned->values = Buffer<float>(list.size() * kBrickSamples);
   float* const values = owned->values.data();
   field::SparseSamples samples;
@@ -181,7 +177,7 @@ Result<field::SparseSamples> fill_bricks(const BrickSource& source, std::optiona
         if (context.cancelled()) return part;
         for (std::size_t b = range.begin(); b != range.end(); ++b) {
           float* const brick = values + b * kBrickSamples;
-          source.fill(list[b] * kSide, brick, SpotMarks((*marks)->values.data()));
+          source.fill(list[b] * kSide, brick, SpotMarks(marks->values.data()));
           samples.blocks[b] = {list[b] * kSide, brick};
           part.add_block(list[b] * kSide, brick);
         }
@@ -192,14 +188,14 @@ Result<field::SparseSamples> fill_bricks(const BrickSource& source, std::optiona
         a.add(b.min, b.max, b.count);
         return a;
       });
-  if (auto go_on = context.check(); !go_on) return tl::unexpected(go_on.error());
+  TRY(context.check());
   for (std::size_t t = 0; t < counts.bricks_inside; ++t) {
     const glm::ivec3 origin = deep->values[t] * kSide;
     samples.tiles.push_back({origin, kSide, inside});
     active.add(origin, origin + (kSide - 1), kBrickSamples);
   }
-  for (std::size_t s = 0; s < (*marks)->values.size(); ++s) {
-    if ((*marks)->values[s] == 0) counts.particles_left_out += source.particles_at(s);
+  for (std::size_t s = 0; s < marks->values.size(); ++s) {
+    if (marks->values[s] == 0) counts.particles_left_out += source.particles_at(s);
   }
   if (active.count != 0) samples.active_box = {active.min, active.max};
   samples.active_voxels = active.count;

@@ -34,7 +34,7 @@ Result<std::shared_ptr<ReservedBuffer<float>>> measure_density(const CellGrid& g
     for (std::size_t c = range.begin(); c != range.end(); ++c) measure_cell(grid, c, support, (*made)->values.data());
     context.progress().advance(grid.cell_end(range.end() - 1) - grid.cell(range.begin()).first);
   });
-  if (auto go_on = context.check(); !go_on) return tl::unexpected(go_on.error());
+  TRY(context.check());
   return made;
 }
 

@@ -18,7 +18,7 @@ Result<GpuArray> GpuArray::make(const gl::GlContext& context, GLenum format, std
   GpuArray array;
   array.element_bytes_ = element_bytes;
   const std::uint64_t bytes = std::max<std::uint64_t>(count, 1) * element_bytes;  // none at all is no texture
-  if (auto taken = memory.take(bytes, what); !taken) return tl::unexpected(std::move(taken.error()));
+  TRY(memory.take(bytes, what));
   array.buffer_ = gl::GlBuffer::make();
   array.texture_ = gl::GlTexture::make();
   glBindBuffer(GL_TEXTURE_BUFFER, array.buffer_.name());
@@ -26,9 +26,7 @@ Result<GpuArray> GpuArray::make(const gl::GlContext& context, GLenum format, std
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_BUFFER, array.texture_.name());
   glTexBuffer(GL_TEXTURE_BUFFER, format, array.buffer_.name());
-  if (auto checked = context.check(fmt::format("taking memory for {}", what)); !checked) {
-    return tl::unexpected(std::move(checked.error()));
-  }
+  TRY(context.check(fmt::format("taking memory for {}", what)));
   return array;
 }
 

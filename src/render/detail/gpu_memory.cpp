@@ -23,9 +23,8 @@ Result<void> GpuMemory::take(std::uint64_t bytes, const std::string& what) {
         is_told_ ? Remedy::more_gpu_memory : Remedy::use_cpu);
   }
   if (device_.software) {
-    auto memory = context_.reserve(bytes, what);
-    if (!memory) return tl::unexpected(std::move(memory.error()));
-    memory_.take(std::move(*memory));
+    auto memory = TRY(context_.reserve(bytes, what));
+    memory_.take(std::move(memory));
   }
   taken_ += bytes;
   return {};

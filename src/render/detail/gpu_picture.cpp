@@ -72,9 +72,7 @@ gl::ProgramSource source_of(GpuPrograms::Name name) {
 Result<const gl::CellProgram*> GpuPrograms::get(const gl::GlContext& gl, Name name) {
   auto& program = programs_[static_cast<std::size_t>(name)];
   if (!program) {
-    auto linked = gl::CellProgram::link(gl, source_of(name));
-    if (!linked) return tl::unexpected(std::move(linked.error()));
-    program = std::move(*linked);
+    program = TRY(gl::CellProgram::link(gl, source_of(name)));
   }
   return &*program;
 }
@@ -89,15 +87,12 @@ Result<GpuPicture> GpuPicture::make(const GpuTask& task, GpuMemory& memory) {
   const int width = std::min({size.width, side, viewport[0], kTilePixels});
   picture.tile_size_ = {width, std::min({size.height, side, viewport[1], std::max(1, kTilePixels / width)})};
   const bool see_through = task.surfaces.have_see_through();
-  auto targets = GpuTile::make(task.gl, picture.tile_size_, !task.surfaces.empty(), see_through, memory);
-  if (!targets) return tl::unexpected(std::move(targets.error()));
-  picture.targets_.emplace(std::move(*targets));
+  auto targets = TRY(GpuTile::make(task.gl, picture.tile_size_, !task.surfaces.empty(), see_through, memory));
+  picture.targets_.emplace(std::move(targets));
 
   const std::size_t pixels = pixels_in({glm::ivec2(0), picture.tile_size_});
-  auto host = task.context.reserve(pixels * (sizeof(glm::uvec4) + (see_through ? sizeof(std::uint32_t) : 0)),
-                                   "a part of a picture");
-  if (!host) return tl::unexpected(std::move(host.error()));
-  picture.host_memory_ = std::move(*host);
+  picture.host_memory_ = TRY(task.context.reserve(
+      pixels * (sizeof(glm::uvec4) + (see_through ? sizeof(std::uint32_t) : 0)), "a part of a picture"));
   picture.counts_.resize(pixels);
   if (see_through) {
     picture.places_.resize(pixels);
@@ -136,24 +131,23 @@ Result<void> GpuPicture::draw(Rendered& rendered) {
 
 Result<void> GpuPicture::draw_tile(const PixelBox& tile, Rendered& rendered) {
   if (!task_.surfaces.empty()) {
-    if (auto drawn = draw_opaque(tile); !drawn) return drawn;
+    TRY(draw_opaque(tile));
   }
   if (task_.surfaces.have_see_through()) {
-    const auto count = count_fragments(tile);
-    if (!count) return tl::unexpected(count.error());
-    if (*count > most_fragments_) {
+    const auto count = TRY(count_fragments(tile));
+    if (count > most_fragments_) {
       if (pixels_in(tile) == 1) {
         return fail(ErrorKind::unavailable,
                     fmt::format("{}: expected at most {} surfaces behind each other in a pixel, found {}",
-                                task_.gl.device().renderer, most_fragments_, *count),
+                                task_.gl.device().renderer, most_fragments_, count),
                     Remedy::use_cpu);
       }
       for (const PixelBox& half : halves(tile)) {
-        if (auto drawn = draw_tile(half, rendered); !drawn) return drawn;
+        TRY(draw_tile(half, rendered));
       }
       return {};
     }
-    if (auto listed = list_fragments(tile, *count); !listed) return listed;
+    TRY(list_fragments(tile, count));
   }
   if (!task_.surfaces.empty()) {
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
@@ -165,12 +159,12 @@ Result<void> GpuPicture::draw_tile(const PixelBox& tile, Rendered& rendered) {
 
   const PixelBox within = common_of(tile, within_);
   targets_->begin_rays(tile);
-  if (auto cast = cast_rays(tile, within, true); !cast) return cast;
+  TRY(cast_rays(tile, within, true));
   for (const PixelBox& part : around(tile, within)) {
-    if (auto cast = cast_rays(tile, part, false); !cast) return cast;
+    TRY(cast_rays(tile, part, false));
   }
   const bool whole = targets_->read(tile, rendered.picture, counts_, rendered.statistics);
-  if (auto checked = task_.gl.check("reading a picture"); !checked) return checked;
+  TRY(task_.gl.check("reading a picture"));
   if (whole) return {};
   return fail(ErrorKind::unavailable,
               fmt::format("{}: a ray has more samples, or more surfaces behind each other, than the driver lets a loop "
@@ -180,32 +174,30 @@ Result<void> GpuPicture::draw_tile(const PixelBox& tile, Rendered& rendered) {
 }
 
 Result<void> GpuPicture::draw_opaque(const PixelBox& tile) {
-  const auto program = task_.programs.get(task_.gl, GpuPrograms::Name::opaque);
-  if (!program) return tl::unexpected(program.error());
+  const auto program = TRY(task_.programs.get(task_.gl, GpuPrograms::Name::opaque));
   constexpr GLuint kZero = 0;
   glBindBuffer(GL_ATOMIC_COUNTER_BUFFER, met_.name());
   glBufferSubData(GL_ATOMIC_COUNTER_BUFFER, 0, sizeof(kZero), &kZero);
   targets_->begin_opaque(tile);
   if (!task_.surfaces.have_opaque()) return {};
-  set_view(**program, tile);
-  set_clip(**program, tile);
-  return task_.surfaces.draw(task_.gl, **program, true, task_.context);
+  set_view(*program, tile);
+  set_clip(*program, tile);
+  return task_.surfaces.draw(task_.gl, *program, true, task_.context);
 }
 
 Result<void> GpuPicture::draw_lists(const PixelBox& tile, bool counting) {
-  const auto program = task_.programs.get(task_.gl, GpuPrograms::Name::see_through);
-  if (!program) return tl::unexpected(program.error());
+  const auto program = TRY(task_.programs.get(task_.gl, GpuPrograms::Name::see_through));
   targets_->begin_lists(tile, counting, places_);
-  set_view(**program, tile);
-  set_clip(**program, tile);
-  targets_->bind_opaque(**program);
-  (*program)->set("list_them", counting ? 0 : 1);
-  return task_.surfaces.draw(task_.gl, **program, false, task_.context);
+  set_view(*program, tile);
+  set_clip(*program, tile);
+  targets_->bind_opaque(*program);
+  program->set("list_them", counting ? 0 : 1);
+  return task_.surfaces.draw(task_.gl, *program, false, task_.context);
 }
 
 Result<std::uint64_t> GpuPicture::count_fragments(const PixelBox& tile) {
   std::ranges::fill(places_, 0U);
-  if (auto drawn = draw_lists(tile, true); !drawn) return tl::unexpected(std::move(drawn.error()));
+  TRY(draw_lists(tile, true));
   targets_->read_counts(tile, places_);
   std::uint64_t count = 0;
   const std::size_t pixels = pixels_in(tile);
@@ -226,7 +218,7 @@ Result<void> GpuPicture::list_fragments(const PixelBox& tile, std::uint64_t coun
     glBindBuffer(GL_SHADER_STORAGE_BUFFER, fragments_.name());
     glBufferData(GL_SHADER_STORAGE_BUFFER, static_cast<GLsizeiptr>(wanted * kFragmentBytes), nullptr, GL_DYNAMIC_COPY);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, fragments_.name());
-    if (auto checked = task_.gl.check("taking memory for surfaces behind each other"); !checked) return checked;
+    TRY(task_.gl.check("taking memory for surfaces behind each other"));
   }
   return draw_lists(tile, false);
 }
@@ -234,9 +226,8 @@ Result<void> GpuPicture::list_fragments(const PixelBox& tile, std::uint64_t coun
 Result<void> GpuPicture::cast_rays(const PixelBox& tile, const PixelBox& box, bool volume) {
   if (box.empty()) return {};
   const bool surfaces = !task_.surfaces.empty();
-  const auto program = task_.programs.get(task_.gl, GpuPrograms::rays(volume, surfaces));
-  if (!program) return tl::unexpected(program.error());
-  const gl::CellProgram& rays = **program;
+  const auto program = TRY(task_.programs.get(task_.gl, GpuPrograms::rays(volume, surfaces)));
+  const gl::CellProgram& rays = *program;
   set_view(rays, tile);
   const RenderOptions& options = task_.options;
   rays.set("unit", task_.camera.unit());
@@ -257,8 +248,8 @@ Result<void> GpuPicture::cast_rays(const PixelBox& tile, const PixelBox& box, bo
     glScissor(box.min.x - tile.min.x, y - tile.min.y, width, height);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     glFinish();
-    if (auto checked = task_.gl.check("casting rays"); !checked) return checked;
-    if (auto go_on = task_.context.check(); !go_on) return go_on;
+    TRY(task_.gl.check("casting rays"));
+    TRY(task_.context.check());
     task_.context.progress().advance(static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height));
   }
   return {};

@@ -49,9 +49,7 @@ Result<GpuSurfaces> GpuSurfaces::upload(const gl::GlContext& gl, const Scene& sc
     made.has_see_through_ = made.has_see_through_ || !view.hides(s);
   }
   if (made.empty()) return made;
-  if (auto taken = made.take_arrays(gl, vertices, normals, colours, memory); !taken) {
-    return tl::unexpected(std::move(taken.error()));
-  }
+  TRY(made.take_arrays(gl, vertices, normals, colours, memory));
   for (std::size_t s = 0; s < scene.surfaces.size(); ++s) {
     const mesh::Mesh& mesh = *scene.surfaces[s].mesh;
     const Record& record = made.records_[s];
@@ -63,13 +61,13 @@ Result<GpuSurfaces> GpuSurfaces::upload(const gl::GlContext& gl, const Scene& sc
     if (record.colour_base >= 0) {
       made.write_colours(*view.colours(s), static_cast<std::uint64_t>(record.colour_base));
     }
-    if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+    TRY(context.check());
   }
   made.record_buffer_ = gl::GlBuffer::make();
   glBindBuffer(GL_SHADER_STORAGE_BUFFER, made.record_buffer_.name());
   glBufferData(GL_SHADER_STORAGE_BUFFER, static_cast<GLsizeiptr>(made.records_.size() * sizeof(Record)),
                made.records_.data(), GL_STATIC_DRAW);
-  if (auto checked = gl.check("uploading surfaces"); !checked) return tl::unexpected(std::move(checked.error()));
+  TRY(gl.check("uploading surfaces"));
   return made;
 }
 
@@ -77,9 +75,7 @@ Result<void> GpuSurfaces::take_arrays(const gl::GlContext& gl, std::uint64_t ver
                                       std::uint64_t colours, GpuMemory& memory) {
   const auto take = [&](GpuArray& array, GLenum format, std::uint64_t count, std::uint64_t bytes,
                         const char* what) -> Result<void> {
-    auto made = GpuArray::make(gl, format, count, bytes, what, memory);
-    if (!made) return tl::unexpected(std::move(made.error()));
-    array = std::move(*made);
+    array = TRY(GpuArray::make(gl, format, count, bytes, what, memory));
     return {};
   };
   if (auto taken = take(corners_, GL_RGB32UI, triangles_, sizeof(glm::uvec3), "triangles of surfaces"); !taken) {
@@ -88,7 +84,7 @@ Result<void> GpuSurfaces::take_arrays(const gl::GlContext& gl, std::uint64_t ver
   if (auto taken = take(positions_, GL_RGB32UI, vertices, sizeof(glm::vec3), "vertices of surfaces"); !taken) {
     return taken;
   }
-  if (auto taken = take(normals_, GL_RGB32F, normals, sizeof(glm::vec3), "normals of surfaces"); !taken) return taken;
+  TRY(take(normals_, GL_RGB32F, normals, sizeof(glm::vec3), "normals of surfaces"));
   return take(colours_, GL_RGBA32F, colours, sizeof(glm::vec4), "colours of surfaces");
 }
 
@@ -145,7 +141,7 @@ Result<void> GpuSurfaces::draw(const gl::GlContext& gl, const gl::CellProgram& p
       glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(3 * std::min(kDrawTriangles, count - first)));
       if (count <= kDrawTriangles) continue;
       glFinish();
-      if (auto go_on = context.check(); !go_on) return go_on;
+      TRY(context.check());
     }
   }
   return gl.check("drawing surfaces");

@@ -39,9 +39,7 @@ Result<GpuTile> GpuTile::make(const gl::GlContext& gl, const glm::ivec2& size, b
   const auto pixels = static_cast<std::uint64_t>(size.x) * static_cast<std::uint64_t>(size.y);
   const std::uint64_t bytes =
       kPictureBytes + (surfaces ? kSurfaceBytes : 0) + (see_through ? kListBytes : std::uint64_t{0});
-  if (auto taken = memory.take(pixels * bytes, "a part of a picture"); !taken) {
-    return tl::unexpected(std::move(taken.error()));
-  }
+  TRY(memory.take(pixels * bytes, "a part of a picture"));
   GpuTile tile;
   constexpr std::array<GLenum, 4> kTargets{GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2,
                                            GL_COLOR_ATTACHMENT3};
@@ -78,9 +76,7 @@ Result<GpuTile> GpuTile::make(const gl::GlContext& gl, const glm::ivec2& size, b
   attach(GL_COLOR_ATTACHMENT2, tile.depths_);
   attach(GL_COLOR_ATTACHMENT3, tile.counts_);
   glDrawBuffers(4, kTargets.data());
-  if (auto checked = gl.check("taking memory for a part of a picture"); !checked) {
-    return tl::unexpected(std::move(checked.error()));
-  }
+  TRY(gl.check("taking memory for a part of a picture"));
   return tile;
 }
 

@@ -76,8 +76,7 @@ Result<void> write_atlas(const gl::GlContext& gl, const VolumeSamples& samples, 
   const std::uint64_t rows = (nodes.slots().size() + row - 1) / row;
   const std::uint64_t batch = std::max<std::uint64_t>(1, kBatchSlots / row);
   const std::uint64_t bytes = std::min(batch, rows) * row * kBrickSamples * sizeof(float);
-  const auto memory = context.reserve(bytes, samples.field().source + ": bricks on their way to the GPU");
-  if (!memory) return tl::unexpected(memory.error());
+  const auto memory = TRY(context.reserve(bytes, samples.field().source + ": bricks on their way to the GPU"));
   std::vector<float> values(bytes / sizeof(float));
   context.progress().begin("uploading bricks", rows);
   return field::visit_sample_type(samples.field().type(), [&]<class T>(std::type_identity<T>) -> Result<void> {
@@ -93,8 +92,8 @@ Result<void> write_atlas(const gl::GlContext& gl, const VolumeSamples& samples, 
                         values.data() + n * row * kBrickSamples);
       }
       context.progress().advance(count);
-      if (auto go_on = context.check(); !go_on) return go_on;
-      if (auto checked = gl.check("uploading bricks"); !checked) return checked;
+      TRY(context.check());
+      TRY(gl.check("uploading bricks"));
     }
     return {};
   });
@@ -118,7 +117,7 @@ Result<void> GpuVolume::make_atlas(const gl::GlContext& gl, const std::string& s
                 Remedy::use_cpu);
   }
   const std::uint64_t bytes = row * rows * layers * kBrickSamples * sizeof(float);
-  if (auto taken = memory.take(bytes, what); !taken) return taken;
+  TRY(memory.take(bytes, what));
   slots_ = glm::ivec3(glm::u64vec3(row, rows, layers));
   atlas_ = make_texture(GL_R32F, kBrickSide * slots_);
   return gl.check(fmt::format("taking {} for {}", format_byte_size(bytes), what));
@@ -142,24 +141,21 @@ Result<GpuVolume> GpuVolume::upload(const gl::GlContext& gl, const Volume& volum
         Remedy::use_cpu);
   }
 
-  auto samples = VolumeSamples::open(volume, context);
-  if (!samples) return tl::unexpected(std::move(samples.error()));
+  auto samples = TRY(VolumeSamples::open(volume, context));
   std::optional<VolumeBricks> seen;
   if (options.empty_space_skipping) {
-    auto measured = VolumeBricks::measure(*samples, context);
-    if (!measured) return tl::unexpected(std::move(measured.error()));
-    seen.emplace(std::move(*measured));
+    auto measured = TRY(VolumeBricks::measure(samples, context));
+    seen.emplace(std::move(measured));
     statistics.bricks = seen->count();
     statistics.bricks_skipped = seen->count_unseen();
   }
-  const auto nodes = VolumeNodes::list(*samples, seen ? &*seen : nullptr, glm::ivec3(made.box_.min),
-                                       glm::ivec3(made.box_.max) - 1, context);
-  if (!nodes) return tl::unexpected(nodes.error());
+  const auto nodes = TRY(VolumeNodes::list(samples, seen ? &*seen : nullptr, glm::ivec3(made.box_.min),
+                                           glm::ivec3(made.box_.max) - 1, context));
 
-  made.first_node_ = nodes->first();
+  made.first_node_ = nodes.first();
   GLint most = 0;
   glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &most);
-  const glm::ivec3& dims = nodes->dims();
+  const glm::ivec3& dims = nodes.dims();
   if (std::max({dims.x, dims.y, dims.z}) > most) {
     return fail(
         ErrorKind::unavailable,
@@ -167,30 +163,22 @@ Result<GpuVolume> GpuVolume::upload(const gl::GlContext& gl, const Volume& volum
                     source, std::int64_t{most} * VolumeNodes::kCells, extent.x, extent.y, extent.z),
         Remedy::use_cpu);
   }
-  if (auto taken = memory.take(nodes->nodes().size() * sizeof(std::int32_t), source + ": places of bricks"); !taken) {
-    return tl::unexpected(std::move(taken.error()));
-  }
+  TRY(memory.take(nodes.nodes().size() * sizeof(std::int32_t), source + ": places of bricks"));
   made.nodes_ = make_texture(GL_R32I, dims);
-  glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, dims.x, dims.y, dims.z, GL_RED_INTEGER, GL_INT, nodes->nodes().data());
+  glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, dims.x, dims.y, dims.z, GL_RED_INTEGER, GL_INT, nodes.nodes().data());
 
-  auto bricks =
-      GpuArray::make(gl, GL_R32I, nodes->bricks().size(), sizeof(std::int32_t), source + ": places of bricks", memory);
-  if (!bricks) return tl::unexpected(std::move(bricks.error()));
-  made.bricks_ = std::move(*bricks);
-  made.bricks_.write(0, nodes->bricks().size(), nodes->bricks().data());
+  auto bricks = TRY(
+      GpuArray::make(gl, GL_R32I, nodes.bricks().size(), sizeof(std::int32_t), source + ": places of bricks", memory));
+  made.bricks_ = std::move(bricks);
+  made.bricks_.write(0, nodes.bricks().size(), nodes.bricks().data());
 
   const auto& table = volume.transfer.table();
-  auto transfer = GpuArray::make(gl, GL_RGBA32F, table.size(), sizeof(glm::vec4), "the transfer function", memory);
-  if (!transfer) return tl::unexpected(std::move(transfer.error()));
-  made.transfer_ = std::move(*transfer);
+  made.transfer_ =
+      TRY(GpuArray::make(gl, GL_RGBA32F, table.size(), sizeof(glm::vec4), "the transfer function", memory));
   made.transfer_.write(0, table.size(), table.data());
 
-  if (auto taken = made.make_atlas(gl, source, nodes->slots().size(), memory); !taken) {
-    return tl::unexpected(std::move(taken.error()));
-  }
-  if (auto written = write_atlas(gl, *samples, *nodes, made.slots_, context); !written) {
-    return tl::unexpected(std::move(written.error()));
-  }
+  TRY(made.make_atlas(gl, source, nodes.slots().size(), memory));
+  TRY(write_atlas(gl, samples, nodes, made.slots_, context));
   return made;
 }
 

@@ -45,10 +45,9 @@ void TileFragments::clear() {
 Result<void> TileFragments::add(const Fragment& fragment) {
   if (fragments_.size() == fragments_.capacity()) {
     const std::size_t wanted = std::max(2 * fragments_.capacity(), 2 * kPixels);
-    auto memory = context_.reserve(wanted * sizeof(Fragment), "surfaces behind each other in a picture");
-    if (!memory) return tl::unexpected(std::move(memory.error()));
+    auto memory = TRY(context_.reserve(wanted * sizeof(Fragment), "surfaces behind each other in a picture"));
     fragments_.reserve(wanted);
-    memory_ = std::move(*memory);
+    memory_ = std::move(memory);
   }
   fragments_.push_back(fragment);
   return {};
@@ -106,9 +105,7 @@ Result<SurfaceTiles> SurfaceTiles::sort(const SurfaceView& view, const Camera& c
       },
       std::plus<>{});
   using Triangles = mesh::Buckets<std::uint32_t>;
-  auto memory = context.reserve(Triangles::bytes(things, tiles.grid_.count()), "triangles of a picture");
-  if (!memory) return tl::unexpected(std::move(memory.error()));
-  tiles.memory_ = std::move(*memory);
+  tiles.memory_ = TRY(context.reserve(Triangles::bytes(things, tiles.grid_.count()), "triangles of a picture"));
   tiles.triangles_.emplace(count, tiles.grid_.count(), [&](std::size_t triangle, const auto& put) {
     each_tile(triangle, [&](std::size_t tile) { put(tile, static_cast<std::uint32_t>(triangle)); });
   });
@@ -143,7 +140,7 @@ Result<void> SurfaceTiles::draw(std::size_t number, TileFragments& fragments) co
         const double depth = std::abs(volume) / (at_a + at_b + at_c);
         if (!(depth >= near_ && depth <= far_)) continue;
         const auto pixel = static_cast<std::uint32_t>(x - tile.min.x + Tile::kSide * (y - tile.min.y));
-        if (auto added = found(pixel, depth); !added) return added;
+        TRY(found(pixel, depth));
       }
     }
     return {};
@@ -179,7 +176,7 @@ Result<void> SurfaceTiles::draw(std::size_t number, TileFragments& fragments) co
   for (std::uint32_t pixel = 0; pixel < TileFragments::kPixels; ++pixel) {
     const auto& nearest = fragments.opaque_[pixel];
     if (!std::isfinite(nearest.depth)) continue;
-    if (auto added = fragments.add({pixel, nearest.triangle, nearest.depth}); !added) return added;
+    TRY(fragments.add({pixel, nearest.triangle, nearest.depth}));
   }
   fragments.sort();
   return {};

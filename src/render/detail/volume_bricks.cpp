@@ -56,9 +56,7 @@ Result<VolumeBricks> VolumeBricks::measure(const VolumeSamples& samples, const C
     // Eight candidates a block before repeated ones go, and the table of those that are left.
     bytes = samples.sparse().blocks.size() * 8 * (sizeof(glm::ivec3) + 2 * (sizeof(glm::ivec3) + sizeof(std::int32_t)));
   }
-  auto memory = context.reserve(bytes, samples.field().source + ": bricks");
-  if (!memory) return tl::unexpected(std::move(memory.error()));
-  bricks.memory_ = std::move(*memory);
+  bricks.memory_ = TRY(context.reserve(bytes, samples.field().source + ": bricks"));
   if (dense == nullptr) {
     bricks.origins_ = brick_origins(samples.sparse());
     bricks.index_ = field::OriginIndex(bricks.origins_.size());
@@ -96,7 +94,7 @@ Result<VolumeBricks> VolumeBricks::measure(const VolumeSamples& samples, const C
       context.progress().advance(range.size());
     });
   });
-  if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+  TRY(context.check());
   return bricks;
 }
 

@@ -32,8 +32,7 @@ class VolumeNodes::Lister {
     const std::uint64_t nodes = dims.x * dims.y > std::numeric_limits<std::int32_t>::max()
                                     ? std::numeric_limits<std::uint64_t>::max() / 64
                                     : dims.x * dims.y * dims.z;
-    if (auto taken = take(nodes * sizeof(std::int32_t), "places of bricks"); !taken)
-      return tl::unexpected(taken.error());
+    TRY(take(nodes * sizeof(std::int32_t), "places of bricks"));
     list_.nodes_.assign(nodes, kUnseen);
     find_nodes();
     std::int32_t count = 0;
@@ -48,14 +47,12 @@ class VolumeNodes::Lister {
       return fail(ErrorKind::unavailable, fmt::format("{}: its bricks are too many for a GPU", source_),
                   Remedy::use_cpu);
     }
-    if (auto taken = take(bricks * sizeof(std::int32_t), "places of bricks"); !taken) {
-      return tl::unexpected(taken.error());
-    }
+    TRY(take(bricks * sizeof(std::int32_t), "places of bricks"));
     list_.bricks_.assign(bricks, kUnseen);
     find_bricks();
-    if (auto go_on = context_.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+    TRY(context_.check());
     const auto own = static_cast<std::uint64_t>(std::ranges::count(list_.bricks_, kOwn));
-    if (auto taken = take(own * sizeof(glm::ivec3), "bricks"); !taken) return tl::unexpected(taken.error());
+    TRY(take(own * sizeof(glm::ivec3), "bricks"));
     list_.slots_.reserve(own);
     number_slots();
     return std::move(list_);
@@ -65,9 +62,8 @@ class VolumeNodes::Lister {
   static constexpr std::int32_t kConstantNode = std::numeric_limits<std::int32_t>::min();
 
   [[nodiscard]] Result<void> take(std::uint64_t bytes, const char* what) {
-    auto memory = context_.reserve(bytes, fmt::format("{}: {}", source_, what));
-    if (!memory) return tl::unexpected(std::move(memory.error()));
-    list_.memory_.take(std::move(*memory));
+    auto memory = TRY(context_.reserve(bytes, fmt::format("{}: {}", source_, what)));
+    list_.memory_.take(std::move(memory));
     return {};
   }
 

@@ -22,10 +22,8 @@ class VolumeSamples {
     VolumeSamples opened(volume);
     if (const auto* sparse = std::get_if<field::SparseSamples>(&volume.field->samples)) {
       const auto nodes = field::SparseLookup::node_origins(*sparse);
-      auto memory = context.reserve(nodes.size() * sizeof(field::SparseLookup::Node),
-                                    volume.field->source + ": places of blocks");
-      if (!memory) return tl::unexpected(std::move(memory.error()));
-      opened.memory_ = std::move(*memory);
+      opened.memory_ = TRY(context.reserve(nodes.size() * sizeof(field::SparseLookup::Node),
+                                           volume.field->source + ": places of blocks"));
       opened.lookup_.emplace(*sparse, nodes);
     }
     return opened;

@@ -37,10 +37,10 @@ Fluid::Fluid(const FluidOptions& options)
 
 Result<Fluid> Fluid::make(const FluidOptions& options, std::size_t capacity, const Context& context) {
   constexpr std::size_t kBytes = 4 * sizeof(glm::dvec3) + sizeof(double) + 2 * sizeof(std::uint32_t);
-  auto memory = context.reserve(std::uint64_t{capacity} * kBytes, fmt::format("a fluid of {} particles", capacity));
-  if (!memory) return tl::unexpected(memory.error());
+  auto memory =
+      TRY(context.reserve(std::uint64_t{capacity} * kBytes, fmt::format("a fluid of {} particles", capacity)));
   Fluid fluid(options);
-  fluid.memory_ = std::move(*memory);
+  fluid.memory_ = std::move(memory);
   fluid.places_ = Buffer<glm::dvec3>(capacity);
   fluid.velocities_ = Buffer<glm::dvec3>(capacity);
   fluid.moved_ = Buffer<glm::dvec3>(capacity);
@@ -59,10 +59,10 @@ void Fluid::add(const glm::dvec3& place, const glm::dvec3& velocity) {
 }
 
 Result<void> Fluid::step(double duration, const Context& context) {
-  if (auto go_on = context.check(); !go_on) return go_on;
+  TRY(context.check());
   if (size_ == 0) return {};
   predict(duration);
-  if (auto sorted = sort_by_cells(context); !sorted) return sorted;
+  TRY(sort_by_cells(context));
   stabilise();
   for (int i = 0; i < options_.iterations && find_multipliers(moved_); ++i) {
     find_corrections(moved_);
@@ -101,10 +101,10 @@ void Fluid::predict(double duration) {
 
 // Neighbours in space are neighbours in memory from here on. Velocities are not: they are about to be made anew.
 Result<void> Fluid::sort_by_cells(const Context& context) {
-  const auto grid = points::CellGrid::make(moved_.span().first(size_), {.origin = options_.low, .unit = 1},
-                                           kernels_.reach(), points::CellGrid::Coinciding::apart, context, "a fluid");
-  if (!grid) return tl::unexpected(grid.error());
-  const auto member = [&](std::size_t spot) { return grid->members(spot).front(); };
+  const auto grid =
+      TRY(points::CellGrid::make(moved_.span().first(size_), {.origin = options_.low, .unit = 1}, kernels_.reach(),
+                                 points::CellGrid::Coinciding::apart, context, "a fluid"));
+  const auto member = [&](std::size_t spot) { return grid.members(spot).front(); };
   for_each_index(size_, [&](std::size_t i) {
     scratch_[i] = moved_[member(i)];
     velocities_[i] = places_[member(i)];
@@ -113,7 +113,7 @@ Result<void> Fluid::sort_by_cells(const Context& context) {
   std::swap(moved_, scratch_);
   std::swap(places_, velocities_);
   std::swap(numbers_, number_scratch_);
-  return neighbours_.make(*grid, moved_.span().first(size_), kernels_.reach(), context);
+  return neighbours_.make(grid, moved_.span().first(size_), kernels_.reach(), context);
 }
 
 // Of the box: a place is that far inside of the half space of each wall. Their product is exact where two walls are far

@@ -77,9 +77,7 @@ Result<void> NeighbourLists::make(const points::CellGrid& grid, std::span<const 
     const std::size_t wanted = places.size() + places.size() / 4;
     lists_ = {};
     lists_memory_.release();
-    auto reserved = context.reserve(std::uint64_t{wanted} * sizeof(std::span<const std::uint32_t>), kWhat);
-    if (!reserved) return tl::unexpected(reserved.error());
-    lists_memory_ = std::move(*reserved);
+    lists_memory_ = TRY(context.reserve(std::uint64_t{wanted} * sizeof(std::span<const std::uint32_t>), kWhat));
     lists_ = Buffer<std::span<const std::uint32_t>>(wanted);
   }
   const std::size_t blocks = (grid.cell_count() + kBlockCells - 1) / kBlockCells;

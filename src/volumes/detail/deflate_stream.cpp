@@ -38,7 +38,7 @@ Result<DeflateStream> DeflateStream::open(const files::InputFile& file, std::uin
 
 Result<void> DeflateStream::refill() {
   packed_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kPackedBlock, left_)));
-  if (auto read = file_->read_at(next_, packed_); !read) return read;
+  TRY(file_->read_at(next_, packed_));
   next_ += packed_.size();
   left_ -= packed_.size();
   stream_->next_in = reinterpret_cast<Bytef*>(packed_.data());
@@ -67,7 +67,7 @@ Result<std::size_t> DeflateStream::inflate(std::span<std::byte> out) {
   stream_->avail_out = static_cast<uInt>(out.size());
   while (stream_->avail_out > 0 && !ended_) {
     if (stream_->avail_in == 0 && left_ > 0) {
-      if (auto filled = refill(); !filled) return tl::unexpected(std::move(filled.error()));
+      TRY(refill());
     }
     const int code = ::inflate(stream_.get(), Z_NO_FLUSH);
     if (code == Z_MEM_ERROR) throw std::bad_alloc();
@@ -82,7 +82,7 @@ Result<std::size_t> DeflateStream::inflate(std::span<std::byte> out) {
       ::crc32_z(crc_, reinterpret_cast<const Bytef*>(out.data()), static_cast<z_size_t>(got)));
   inflated_ += got;
   if (ended_) {
-    if (auto whole = check_end(); !whole) return tl::unexpected(std::move(whole.error()));
+    TRY(check_end());
   }
   return got;
 }

@@ -18,35 +18,28 @@ constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 62;  // of what one file
 
 Result<std::vector<GridInfo>> DenseFormat::list(const std::string& input, const ReadOptions& options,
                                                 const Context& context) const {
-  const auto file = files::InputFile::open(input, context);
-  if (!file) return tl::unexpected(file.error());
-  const auto dense = open_header(*file, options);
-  if (!dense) return tl::unexpected(dense.error());
+  const auto file = TRY(files::InputFile::open(input, context));
+  const auto dense = TRY(open_header(file, options));
   if (options.volume) {
-    const auto chosen = choose_volume(file->name(), dense->volumes, options.volume, dense->other_reading);
-    if (!chosen) return tl::unexpected(chosen.error());
+    TRY(choose_volume(file.name(), dense.volumes, options.volume, dense.other_reading));
   }
-  return std::vector{grid_of(*dense, stem_of(file->path()))};
+  return std::vector{grid_of(dense, stem_of(file.path()))};
 }
 
 Result<std::vector<std::filesystem::path>> DenseFormat::files(const std::string& input, const ReadOptions& options,
                                                               const Context& context) const {
-  const auto file = files::InputFile::open(input, context);
-  if (!file) return tl::unexpected(file.error());
-  const auto dense = open_header(*file, options);
-  if (!dense) return tl::unexpected(dense.error());
+  const auto file = TRY(files::InputFile::open(input, context));
+  const auto dense = TRY(open_header(file, options));
   std::vector<std::filesystem::path> files{input};
-  for (const SamplePiece& piece : dense->pieces) files.push_back(piece.path);
+  for (const SamplePiece& piece : dense.pieces) files.push_back(piece.path);
   return files;
 }
 
 Result<field::ScalarField> DenseFormat::open(const std::string& input, const ReadOptions& options,
                                              const Context& context) const {
-  const auto file = files::InputFile::open(input, context);
-  if (!file) return tl::unexpected(file.error());
-  auto dense = open_header(*file, options);
-  if (!dense) return tl::unexpected(dense.error());
-  return read_dense(*file, std::move(*dense), stem_of(file->path()), options);
+  const auto file = TRY(files::InputFile::open(input, context));
+  auto dense = TRY(open_header(file, options));
+  return read_dense(file, std::move(dense), stem_of(file.path()), options);
 }
 
 Result<glm::ivec3> checked_dims(const std::string& file, const std::array<std::uint64_t, 3>& sizes,

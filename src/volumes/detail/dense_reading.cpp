@@ -76,21 +76,20 @@ Result<field::DenseSamples> load_samples(const files::InputFile& file, const Den
     }
   }
   const std::uint64_t needed = source.bytes + (dense.x_slowest ? transpose_bytes(dense.dims, source.sample_size) : 0);
-  auto memory = context.reserve(needed, fmt::format("{}: {}", file.name(), describe_samples(dense.dims, dense.type)));
-  if (!memory) return tl::unexpected(memory.error());
+  auto memory =
+      TRY(context.reserve(needed, fmt::format("{}: {}", file.name(), describe_samples(dense.dims, dense.type))));
 
-  auto read = dense.x_slowest ? read_samples_transposed(source, dense.dims, context) : read_samples(source, context);
-  if (!read) return tl::unexpected(read.error());
-  if (read->more_packed && last && source.pieces.back().gzip)
+  auto read =
+      TRY(dense.x_slowest ? read_samples_transposed(source, dense.dims, context) : read_samples(source, context));
+  if (read.more_packed && last && source.pieces.back().gzip)
     notes.emplace_back("bytes after the samples were not read");
-  memory->shrink(source.bytes);
+  memory.shrink(source.bytes);
   if (dense.wide != WideInteger::none) {
-    auto widened = dense.wide == WideInteger::i64 ? widen<std::int64_t>(file, dense.dims, read->data.span(), no_data)
-                                                  : widen<std::uint64_t>(file, dense.dims, read->data.span(), no_data);
-    if (!widened) return tl::unexpected(std::move(widened.error()));
+    TRY(dense.wide == WideInteger::i64 ? widen<std::int64_t>(file, dense.dims, read.data.span(), no_data)
+                                       : widen<std::uint64_t>(file, dense.dims, read.data.span(), no_data));
   }
   const auto owned = std::make_shared<const ReservedBuffer<std::byte>>(
-      ReservedBuffer<std::byte>{std::move(read->data), std::move(*memory)});
+      ReservedBuffer<std::byte>{std::move(read.data), std::move(memory)});
   return field::DenseSamples{dense.type, dense.dims, owned, owned->values.data(), false};
 }
 
@@ -131,22 +130,21 @@ Result<field::DenseSamples> read_lengths(const files::InputFile& file, const Den
   field::DenseSamples result;
   result.type = field::sample_type_of<Length>();
   result.dims = dense.dims;
-  auto lengths = make_reserved_buffer<Length>(
+  auto lengths = TRY(make_reserved_buffer<Length>(
       result.count(), file.context(),
-      fmt::format("{}: lengths of {}", file.name(), describe_samples(dense.dims, dense.type)));
-  if (!lengths) return tl::unexpected(std::move(lengths.error()));
+      fmt::format("{}: lengths of {}", file.name(), describe_samples(dense.dims, dense.type))));
   for (std::uint64_t c = 0; c < dense.components; ++c) {
     const Result<field::DenseSamples> component = load(c);
     if (!component) return component;
     field::visit_sample_type(component->type, [&]<class T>(std::type_identity<T>) {
-      add_to_lengths<Length>(static_cast<const T*>(component->data), c == 0, dense.scale, (*lengths)->values.span());
+      add_to_lengths<Length>(static_cast<const T*>(component->data), c == 0, dense.scale, lengths->values.span());
     });
     if (component->lost()) {
       return fail(ErrorKind::input, file.name() + ": became shorter, or could not be read further, while it was read");
     }
   }
-  result.data = (*lengths)->values.data();
-  result.owner = std::move(*lengths);
+  result.data = lengths->values.data();
+  result.owner = std::move(lengths);
   return result;
 }
 
@@ -158,10 +156,8 @@ bool needs_double(field::SampleType type) {
 
 Result<field::ScalarField> read_dense(const files::InputFile& file, DenseFile dense, std::string name,
                                       const ReadOptions& options) {
-  const auto volume = choose_volume(file.name(), dense.volumes, options.volume, dense.other_reading);
-  if (!volume) return tl::unexpected(volume.error());
-  const auto chosen = choose_component(file.name(), dense.components, options.component, dense.component_names);
-  if (!chosen) return tl::unexpected(chosen.error());
+  const auto volume = TRY(choose_volume(file.name(), dense.volumes, options.volume, dense.other_reading));
+  const auto chosen = TRY(choose_component(file.name(), dense.components, options.component, dense.component_names));
   std::string what = describe_samples(dense.dims, dense.type);
   if (dense.components > 1) what += fmt::format(" of {} components", dense.components);
   if (dense.volumes > 1) what += fmt::format(" in each of {} volumes", dense.volumes);
@@ -171,25 +167,22 @@ Result<field::ScalarField> read_dense(const files::InputFile& file, DenseFile de
   source.sample_size = field::sample_size(dense.type);
   source.swap_bytes = dense.endian != std::endian::native && source.sample_size > 1;
 
-  const auto extra = check_source(source, what, file.context());
-  if (!extra) return tl::unexpected(extra.error());
-  if (*extra > 0) {
+  const auto extra = TRY(check_source(source, what, file.context()));
+  if (extra > 0) {
     if (dense.size_is_exact) {
       return fail(ErrorKind::input, fmt::format("{}: expected {} bytes ({}), found {} more after them", file.name(),
-                                                source.bytes, what, *extra));
+                                                source.bytes, what, extra));
     }
-    dense.notes.push_back(fmt::format("{} bytes after the samples were not read", *extra));
+    dense.notes.push_back(fmt::format("{} bytes after the samples were not read", extra));
   }
   const auto load = [&](std::uint64_t component) -> Result<field::DenseSamples> {
-    const auto one = part_of(source, dense, *volume, component);
-    if (!one) return tl::unexpected(one.error());
-    const bool last = *volume + 1 == dense.volumes && component + 1 == dense.components;
-    return load_samples(file, dense, *one, last, options.no_data, dense.notes);
+    const auto one = TRY(part_of(source, dense, volume, component));
+    const bool last = volume + 1 == dense.volumes && component + 1 == dense.components;
+    return load_samples(file, dense, one, last, options.no_data, dense.notes);
   };
-  auto samples = *chosen                    ? load(**chosen)
-                 : needs_double(dense.type) ? read_lengths<double>(file, dense, load)
-                                            : read_lengths<float>(file, dense, load);
-  if (!samples) return tl::unexpected(samples.error());
+  auto samples = TRY(chosen                     ? load(*chosen)
+                     : needs_double(dense.type) ? read_lengths<double>(file, dense, load)
+                                                : read_lengths<float>(file, dense, load));
 
   field::ScalarField field;
   field.source = file.name();
@@ -197,10 +190,10 @@ Result<field::ScalarField> read_dense(const files::InputFile& file, DenseFile de
   field.format = std::move(dense.format);
   field.world_space = std::move(dense.world_space);
   field.length_unit = std::move(dense.length_unit);
-  if (*chosen) field.scale = dense.scale;
+  if (chosen) field.scale = dense.scale;
   field.notes = std::move(dense.notes);
-  field.samples = std::move(*samples);
-  if (auto placed = set_frame(field, dense.frame, options); !placed) return tl::unexpected(placed.error());
+  field.samples = std::move(samples);
+  TRY(set_frame(field, dense.frame, options));
   return field;
 }
 

@@ -57,9 +57,8 @@ Result<field::Affine> place_alone(field::ScalarField& field, const Frame& frame,
 Result<void> set_frame(field::ScalarField& field, const Frame& frame, const ReadOptions& options) {
   const bool beside = !frame.stated && options.beside;
   if (!beside) field.notes.insert(field.notes.end(), frame.assumed.begin(), frame.assumed.end());
-  auto placed = beside ? place_beside(field, *options.beside) : place_alone(field, frame, options);
-  if (!placed) return tl::unexpected(std::move(placed.error()));
-  const field::Affine& affine = *placed;
+  auto placed = TRY(beside ? place_beside(field, *options.beside) : place_alone(field, frame, options));
+  const field::Affine& affine = placed;
   if (!affine.is_regular()) {
     return fail(ErrorKind::input, field.source + ": the axes of the volume are flat or not finite in the world",
                 Remedy::place_by_hand);

@@ -33,9 +33,8 @@ class PluginFormat final : public VolumeFormat {
 
   [[nodiscard]] Result<std::vector<GridInfo>> list(const std::string& input, const ReadOptions& /*options*/,
                                                    const Context& context) const override {
-    const auto visit = visit_file(input, context);
-    if (!visit) return tl::unexpected(visit.error());
-    return describe(input, (*visit)->list());
+    const auto visit = TRY(visit_file(input, context));
+    return describe(input, visit->list());
   }
 
   [[nodiscard]] Result<std::vector<fs::path>> files(const std::string& input, const ReadOptions& /*options*/,
@@ -46,30 +45,26 @@ class PluginFormat final : public VolumeFormat {
   [[nodiscard]] Result<field::ScalarField> open(const std::string& input, const ReadOptions& options,
                                                 const Context& context) const override {
     context.progress().begin("reading", 0);
-    const auto visit = visit_file(input, context);
-    if (!visit) return tl::unexpected(visit.error());
-    const isoextract_volume_list& list = (*visit)->list();
-    const auto grids = describe(input, list);
-    if (!grids) return tl::unexpected(grids.error());
-    const auto chosen = choose_grid(input, *grids, options.grid);
-    if (!chosen) return tl::unexpected(chosen.error());
+    const auto visit = TRY(visit_file(input, context));
+    const isoextract_volume_list& list = visit->list();
+    const auto grids = TRY(describe(input, list));
+    const auto chosen = TRY(choose_grid(input, grids, options.grid));
 
-    const isoextract_volume_grid& grid = list.grids[*chosen];
+    const isoextract_volume_grid& grid = list.grids[chosen];
     field::ScalarField field;
     field.source = input;
     field.name = plugin_text(grid.name);
-    if (grids->size() > 1 || !field.name.empty()) {
-      field.grids = grids->size();
-      field.grid = (*grids)[*chosen].label;
+    if (grids.size() > 1 || !field.name.empty()) {
+      field.grids = grids.size();
+      field.grid = grids[chosen].label;
     } else {
       field.name = stem_of(input);
     }
-    field.format = (*visit)->format();
+    field.format = visit->format();
     field.world_space = plugin_text(grid.world_space);
     if (grid.kind == ISOEXTRACT_LEVEL_SET) field.kind = field::FieldKind::level_set;
-    if (auto read = read_samples(**visit, input, *chosen, context, field); !read) return tl::unexpected(read.error());
-    if (auto placed = set_frame(field, {affine_of(grid.index_to_world), {}}, options); !placed)
-      return tl::unexpected(placed.error());
+    TRY(read_samples(*visit, input, chosen, context, field));
+    TRY(set_frame(field, {affine_of(grid.index_to_world), {}}, options));
     return field;
   }
 
@@ -82,9 +77,8 @@ class PluginFormat final : public VolumeFormat {
                               files::kStandardInputName, about().id),
                   "write the data to a file first");
     }
-    const auto file = files::InputFile::open(input, context);
-    if (!file) return tl::unexpected(file.error());
-    auto visit = visit_volume(library_, about().id, *file);
+    const auto file = TRY(files::InputFile::open(input, context));
+    auto visit = visit_volume(library_, about().id, file);
     if (!visit) return visit;
     if ((*visit)->list().grids == nullptr && (*visit)->list().count > 0) {
       return refused(input, "a list of grids that is not there");
@@ -112,9 +106,8 @@ class PluginFormat final : public VolumeFormat {
                       {grid.active_max[0], grid.active_max[1], grid.active_max[2]}};
         }
       } else if (type) {
-        const auto dims = checked_dims(input, {grid.dims[0], grid.dims[1], grid.dims[2]}, *type);
-        if (!dims) return tl::unexpected(dims.error());
-        info = dense_grid(std::move(info.name), *dims, *type);
+        const auto dims = TRY(checked_dims(input, {grid.dims[0], grid.dims[1], grid.dims[2]}, *type));
+        info = dense_grid(std::move(info.name), dims, *type);
       } else if (grid.sample_type != ISOEXTRACT_NOT_SCALAR) {
         return refused(input, fmt::format("samples of an unknown type ({})", grid.sample_type));
       }
@@ -135,14 +128,11 @@ class PluginFormat final : public VolumeFormat {
     if (grid.is_sparse == 0) {
       dense.type = *sample_type_of(grid.sample_type);
       dense.dims = {static_cast<int>(grid.dims[0]), static_cast<int>(grid.dims[1]), static_cast<int>(grid.dims[2])};
-      auto memory = context.reserve(sample_bytes(dense.dims, dense.type),
-                                    fmt::format("{}: {}", input, describe_samples(dense.dims, dense.type)));
-      if (!memory) return tl::unexpected(memory.error());
-      owner->box_memory = std::move(*memory);
+      owner->box_memory = TRY(context.reserve(sample_bytes(dense.dims, dense.type),
+                                              fmt::format("{}: {}", input, describe_samples(dense.dims, dense.type))));
     }
-    auto visited = visit.open(index, owner->box_memory.bytes());
-    if (!visited) return tl::unexpected(visited.error());
-    owner->visited = std::move(*visited);
+    auto visited = TRY(visit.open(index, owner->box_memory.bytes()));
+    owner->visited = std::move(visited);
     const isoextract_volume_samples& samples = *owner->visited.samples;
     if (const std::string note = printable(plugin_text(samples.note), 300); !note.empty()) field.notes.push_back(note);
     if (const std::string printed = visit.printed(); !printed.empty()) {

@@ -154,33 +154,31 @@ tl::expected<void, sandbox::Refusal> check_room(const std::string& path) {
 Result<const void*> PluginLibrary::opened(const std::string& input) const {
   const std::scoped_lock lock(mutex_);
   if (plugin_ != nullptr) return plugin_;
-  const auto path = found(input);
-  if (!path) return tl::unexpected(path.error());
-  const auto plugin = open_plugin(kind_, id_, *path);
-  if (!plugin) return refuse(input, *path, plugin.error());
+  const auto path = TRY(found(input));
+  const auto plugin = open_plugin(kind_, id_, path);
+  if (!plugin) return refuse(input, path, plugin.error());
   plugin_ = *plugin;
   return plugin_;
 }
 
 Result<sandbox::Workers::Started> PluginLibrary::start_worker(const std::string& input, const sandbox::Limits& limits,
                                                               const Context& context) const {
-  const auto path = found(input);
-  if (!path) return tl::unexpected(path.error());
+  const auto path = TRY(found(input));
   {
     const std::scoped_lock lock(mutex_);
     if (workers_ == nullptr) {
-      workers_ = std::make_unique<sandbox::Workers>(std::vector<std::string>{kind_.function, id_, *path});
+      workers_ = std::make_unique<sandbox::Workers>(std::vector<std::string>{kind_.function, id_, path});
     }
   }
   auto started = workers_->start(limits, context);
-  if (!started) return refuse(input, *path, started.error());
+  if (!started) return refuse(input, path, started.error());
   return std::move(*started);
 }
 
 tl::expected<const void*, sandbox::Refusal> open_plugin(const PluginKind& kind, const std::string& id,
                                                         const std::string& path) {
   const auto wrong = [](std::string why) { return tl::unexpected(sandbox::Refusal{std::move(why), {}}); };
-  if (auto room = check_room(path); !room) return tl::unexpected(room.error());
+  TRY(check_room(path));
   // Not closed again: what it gave may outlive the format, and libraries seldom like it.
   void* library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) return wrong(fmt::format("cannot be opened: {}", ::dlerror()));

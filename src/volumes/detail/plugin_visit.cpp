@@ -133,34 +133,31 @@ std::string plugin_needs(const std::string& input, const std::string& id) {
 
 Result<std::vector<std::byte>> start_as_stored(const files::InputFile& file) {
   std::vector<std::byte> start(static_cast<std::size_t>(std::min<std::uint64_t>(file.size(), kStartBytes)));
-  if (auto read = file.read_at(0, start); !read) return tl::unexpected(read.error());
+  TRY(file.read_at(0, start));
   return start;
 }
 
 Result<std::unique_ptr<VolumeVisit>> visit_volume(const PluginLibrary& library, const std::string& id,
                                                   const files::InputFile& file) {
   if (reads_apart()) return visit_volume_apart(library, id, file);
-  const auto opened = library.opened(file.name());
-  if (!opened) return tl::unexpected(opened.error());
-  const auto& plugin = *static_cast<const VolumePlugin*>(*opened);
-  const auto start = start_as_stored(file);
-  if (!start) return tl::unexpected(start.error());
-  const auto* bytes = reinterpret_cast<const unsigned char*>(start->data());
-  if (plugin.probe(bytes, start->size(), file.path().c_str()) == 0) {
-    return tl::unexpected(not_of_format(file.name(), id, *start));
+  const auto opened = TRY(library.opened(file.name()));
+  const auto& plugin = *static_cast<const VolumePlugin*>(opened);
+  const auto start = TRY(start_as_stored(file));
+  const auto* bytes = reinterpret_cast<const unsigned char*>(start.data());
+  if (plugin.probe(bytes, start.size(), file.path().c_str()) == 0) {
+    return tl::unexpected(not_of_format(file.name(), id, start));
   }
   auto visit = std::make_unique<VolumeHere>(plugin, id, file);
-  if (auto listed = visit->fill_list(); !listed) return tl::unexpected(listed.error());
+  TRY(visit->fill_list());
   return visit;
 }
 
 Result<std::unique_ptr<ParticleVisit>> visit_particles(const PluginLibrary& library, const std::string& id,
                                                        const files::InputFile& file, const WantedParticles& wanted) {
   if (reads_apart()) return visit_particles_apart(library, id, file, wanted);
-  const auto opened = library.opened(file.name());
-  if (!opened) return tl::unexpected(opened.error());
-  auto visit = std::make_unique<ParticlesHere>(*static_cast<const ParticlePlugin*>(*opened), file.name());
-  if (auto open = visit->open(file, wanted); !open) return tl::unexpected(open.error());
+  const auto opened = TRY(library.opened(file.name()));
+  auto visit = std::make_unique<ParticlesHere>(*static_cast<const ParticlePlugin*>(opened), file.name());
+  TRY(visit->open(file, wanted));
   return visit;
 }
 

@@ -160,11 +160,9 @@ class Talk {
 
 Result<std::unique_ptr<Talk>> start_talk(const PluginLibrary& library, const std::string& id,
                                          const files::InputFile& file) {
-  const auto limits = limits_for(file);
-  if (!limits) return tl::unexpected(limits.error());
-  auto started = library.start_worker(file.name(), *limits, file.context());
-  if (!started) return tl::unexpected(started.error());
-  return std::make_unique<Talk>(std::move(*started), id, file, *limits);
+  const auto limits = TRY(limits_for(file));
+  auto started = TRY(library.start_worker(file.name(), limits, file.context()));
+  return std::make_unique<Talk>(std::move(started), id, file, limits);
 }
 
 std::int32_t signed_of(std::uint64_t bits) { return static_cast<std::int32_t>(bits); }
@@ -251,14 +249,12 @@ class VolumeApart final : public VolumeVisit {
   explicit VolumeApart(std::unique_ptr<Talk> talk) : talk_(std::move(talk)) {}
 
   Result<void> fill_list(const files::InputFile& file) {
-    const auto start = start_as_stored(file);
-    if (!start) return tl::unexpected(start.error());
-    const std::string_view text(reinterpret_cast<const char*>(start->data()), start->size());
+    const auto start = TRY(start_as_stored(file));
+    const std::string_view text(reinterpret_cast<const char*>(start.data()), start.size());
     talk_->tell(say(Said::list_volume).text(file.path().string()).text(text));
-    auto answer = talk_->hear();
-    if (!answer) return tl::unexpected(answer.error());
-    if (answer->what == Said::not_of_it) return tl::unexpected(not_of_format(talk_->name(), talk_->id(), *start));
-    if (answer->what != Said::listed || !take_list(answer->message)) return talk_->refused("no list of grids");
+    auto answer = TRY(talk_->hear());
+    if (answer.what == Said::not_of_it) return tl::unexpected(not_of_format(talk_->name(), talk_->id(), start));
+    if (answer.what != Said::listed || !take_list(answer.message)) return talk_->refused("no list of grids");
     return {};
   }
 
@@ -272,14 +268,12 @@ class VolumeApart final : public VolumeVisit {
     if (box_bytes == 0) {
       talk_->tell(job);
     } else {
-      auto box = share_memory(talk_->name(), box_bytes);
-      if (!box) return tl::unexpected(box.error());
-      talk_->tell(job, box->descriptor());
-      given->shared.push_back(std::move(*box));
+      auto box = TRY(share_memory(talk_->name(), box_bytes));
+      talk_->tell(job, box.descriptor());
+      given->shared.push_back(std::move(box));
     }
-    auto answer = answer_after_requests(*given);
-    if (!answer) return tl::unexpected(answer.error());
-    if (auto ended = talk_->finish(); !ended) return tl::unexpected(ended.error());
+    auto answer = TRY(answer_after_requests(*given));
+    TRY(talk_->finish());
     for (const SharedMemory& memory : given->shared) {
       given->mapped.emplace_back(memory.descriptor(), memory.size(), Mapping::Access::read);
       if (given->mapped.back().bytes().size() != memory.size()) {
@@ -287,15 +281,15 @@ class VolumeApart final : public VolumeVisit {
       }
     }
     given->shared.clear();
-    MessageReader& message = answer->message;
+    MessageReader& message = answer.message;
     given->note = message.text();
     given->samples.note = given->note.c_str();
     const bool has_samples = message.number() != 0;
-    if (box_bytes > 0 && answer->what == Said::box_opened) {
+    if (box_bytes > 0 && answer.what == Said::box_opened) {
       given->samples.data = has_samples ? given->mapped.front().bytes().data() : nullptr;
       given->samples.bytes = message.number();
       if (!message.is_whole()) return talk_->refused("an answer that is cut off");
-    } else if (box_bytes == 0 && answer->what == Said::grid_opened) {
+    } else if (box_bytes == 0 && answer.what == Said::grid_opened) {
       if (has_samples && !take_sparse(message, *given)) return talk_->refused("samples that are not where it says");
     } else {
       return talk_->refused("no samples");
@@ -350,10 +344,9 @@ class VolumeApart final : public VolumeVisit {
           talk_->tell(say(Said::refused));
           continue;
         }
-        auto memory = share_memory(talk_->name(), bytes);
-        if (!memory) return tl::unexpected(memory.error());
-        talk_->tell(say(Said::granted), memory->descriptor());
-        given.shared.push_back(std::move(*memory));
+        auto memory = TRY(share_memory(talk_->name(), bytes));
+        talk_->tell(say(Said::granted), memory.descriptor());
+        given.shared.push_back(std::move(memory));
       } else {
         return heard;
       }
@@ -378,9 +371,8 @@ class ParticlesApart final : public ParticleVisit {
                     .number(wanted.grid == nullptr ? 0 : 1)
                     .text(wanted.grid == nullptr ? std::string_view() : *wanted.grid)
                     .number(wanted.frame));
-    auto answer = talk_->hear();
-    if (!answer) return tl::unexpected(answer.error());
-    if (answer->what != Said::particles_opened || !take_file(answer->message)) return talk_->refused("no particles");
+    auto answer = TRY(talk_->hear());
+    if (answer.what != Said::particles_opened || !take_file(answer.message)) return talk_->refused("no particles");
     return {};
   }
 
@@ -429,12 +421,10 @@ class ParticlesApart final : public ParticleVisit {
 
   Result<void> fill(const MessageWriter& what, std::span<std::byte> values) {
     // The worker has them, too.
-    const auto reserved = talk_->context().reserve(values.size(), plugin_needs(talk_->name(), talk_->id()));
-    if (!reserved) return tl::unexpected(reserved.error());
+    const auto reserved = TRY(talk_->context().reserve(values.size(), plugin_needs(talk_->name(), talk_->id())));
     talk_->tell(what);
-    auto answer = talk_->hear();
-    if (!answer) return tl::unexpected(answer.error());
-    if (answer->what != Said::filled || answer->message.number() != values.size()) {
+    auto answer = TRY(talk_->hear());
+    if (answer.what != Said::filled || answer.message.number() != values.size()) {
       return talk_->refused(fmt::format("another number of bytes than {}", values.size()));
     }
     return talk_->take(values);
@@ -452,20 +442,18 @@ class ParticlesApart final : public ParticleVisit {
 
 Result<std::unique_ptr<VolumeVisit>> visit_volume_apart(const PluginLibrary& library, const std::string& id,
                                                         const files::InputFile& file) {
-  auto talk = start_talk(library, id, file);
-  if (!talk) return tl::unexpected(talk.error());
-  auto visit = std::make_unique<VolumeApart>(std::move(*talk));
-  if (auto listed = visit->fill_list(file); !listed) return tl::unexpected(listed.error());
+  auto talk = TRY(start_talk(library, id, file));
+  auto visit = std::make_unique<VolumeApart>(std::move(talk));
+  TRY(visit->fill_list(file));
   return visit;
 }
 
 Result<std::unique_ptr<ParticleVisit>> visit_particles_apart(const PluginLibrary& library, const std::string& id,
                                                              const files::InputFile& file,
                                                              const WantedParticles& wanted) {
-  auto talk = start_talk(library, id, file);
-  if (!talk) return tl::unexpected(talk.error());
-  auto visit = std::make_unique<ParticlesApart>(std::move(*talk));
-  if (auto open = visit->open(file, wanted); !open) return tl::unexpected(open.error());
+  auto talk = TRY(start_talk(library, id, file));
+  auto visit = std::make_unique<ParticlesApart>(std::move(talk));
+  TRY(visit->open(file, wanted));
   return visit;
 }
 

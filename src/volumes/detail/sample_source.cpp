@@ -84,7 +84,7 @@ Result<void> fill_from_lane(std::span<std::byte> out, const SampleSource& source
   std::vector<std::byte> stored(std::min(step, out.size()) * source.stride);
   for (std::size_t at = 0; at < out.size(); at += step) {
     const auto part = out.subspan(at, std::min(step, out.size() - at));
-    if (auto taken = take(at, std::span(stored).first(part.size() * source.stride)); !taken) return taken;
+    TRY(take(at, std::span(stored).first(part.size() * source.stride)));
     pick_samples(stored.data(), part, source);
   }
   return {};
@@ -95,7 +95,7 @@ Result<void> fill_from_lane(std::span<std::byte> out, const SampleSource& source
 Result<void> read_range(const files::InputFile& file, const SamplePiece& piece, std::uint64_t first,
                         std::span<std::byte> out, const SampleSource& source, const Context& context) {
   return for_each_parallel((out.size() + kChunk - 1) / kChunk, [&](std::size_t i) -> Result<void> {
-    if (auto wanted = context.check(); !wanted) return wanted;
+    TRY(context.check());
     const auto chunk = out.subspan(i * kChunk, std::min(kChunk, out.size() - i * kChunk));
     auto read = fill_from_lane(chunk, source, [&](std::size_t at, std::span<std::byte> bytes) {
       return file.read_at(piece.offset + (first + i * kChunk + at) * source.stride, bytes);
@@ -118,21 +118,19 @@ class PackedSamples {
     PackedSamples samples(file, source, packing_of(piece),
                           checked_sum(piece.skip, wanted * source.stride).value_or(~std::uint64_t{0}));
     if (piece.deflated) {
-      auto stream = DeflateStream::open(file, piece.offset, *piece.deflated);
-      if (!stream) return tl::unexpected(std::move(stream.error()));
-      samples.stream_.emplace<DeflateStream>(std::move(*stream));
+      auto stream = TRY(DeflateStream::open(file, piece.offset, *piece.deflated));
+      samples.stream_.emplace<DeflateStream>(std::move(stream));
     } else {
-      auto stream = GzipStream::open(file, piece.offset);
-      if (!stream) return tl::unexpected(std::move(stream.error()));
-      samples.stream_.emplace<GzipStream>(std::move(*stream));
+      auto stream = TRY(GzipStream::open(file, piece.offset));
+      samples.stream_.emplace<GzipStream>(std::move(stream));
     }
-    if (auto skipped = samples.skip(piece.skip); !skipped) return tl::unexpected(std::move(skipped.error()));
+    TRY(samples.skip(piece.skip));
     return samples;
   }
 
   Result<void> fill(std::span<std::byte> out, const Context& context) {
     for (std::size_t at = 0; at < out.size();) {
-      if (auto wanted = context.check(); !wanted) return wanted;
+      TRY(context.check());
       const auto chunk = out.subspan(at, std::min(kChunk, out.size() - at));
       auto filled =
           fill_from_lane(chunk, source_, [&](std::size_t, std::span<std::byte> bytes) { return take(bytes); });
@@ -147,9 +145,8 @@ class PackedSamples {
   // Whether anything is left. One byte further, so that a checksum at the end is compared.
   Result<bool> more() {
     std::byte next{};
-    const auto got = inflate(std::span(&next, 1));
-    if (!got) return tl::unexpected(got.error());
-    return *got > 0;
+    const auto got = TRY(inflate(std::span(&next, 1)));
+    return got > 0;
   }
 
  private:
@@ -162,10 +159,9 @@ class PackedSamples {
   }
 
   Result<void> take(std::span<std::byte> bytes) {
-    const auto got = inflate(bytes);
-    if (!got) return tl::unexpected(got.error());
-    at_ += *got;
-    if (*got == bytes.size()) return {};
+    const auto got = TRY(inflate(bytes));
+    at_ += got;
+    if (got == bytes.size()) return {};
     return fail(ErrorKind::input,
                 fmt::format("{}: the {} data holds {} bytes, expected {}", file_.name(), word_, at_, expected_));
   }
@@ -174,7 +170,7 @@ class PackedSamples {
     std::vector<std::byte> skipped(static_cast<std::size_t>(std::min<std::uint64_t>(bytes, kChunk)));
     while (at_ < bytes) {
       const std::size_t want = static_cast<std::size_t>(std::min<std::uint64_t>(bytes - at_, skipped.size()));
-      if (auto taken = take(std::span(skipped).first(want)); !taken) return taken;
+      TRY(take(std::span(skipped).first(want)));
     }
     return {};
   }
@@ -260,17 +256,16 @@ Result<std::uint64_t> check_source(const SampleSource& source, const std::string
   const std::uint64_t expected = source.piece_bytes();
   std::uint64_t extra = 0;
   for (const SamplePiece& piece : source.pieces) {
-    const auto file = files::InputFile::open(piece.path, context);
-    if (!file) return tl::unexpected(file.error());
-    const std::uint64_t end = std::min(file->size(), piece.end.value_or(file->size()));
+    const auto file = TRY(files::InputFile::open(piece.path, context));
+    const std::uint64_t end = std::min(file.size(), piece.end.value_or(file.size()));
     const std::uint64_t found = end - std::min(end, piece.offset);
     const std::string of_what =
         source.pieces.size() == 1 ? what : fmt::format("one of {} parts of {}", source.pieces.size(), what);
     if (piece.packed()) {
-      if (auto fits = check_packed(*file, piece, expected, of_what); !fits) return tl::unexpected(fits.error());
+      TRY(check_packed(file, piece, expected, of_what));
       if (piece.deflated) extra += piece.deflated->inflated - piece.skip - expected;
     } else if (found < expected) {
-      return fail(ErrorKind::input, fmt::format("{}: expected {} bytes ({}) from byte {} on, found {}", file->name(),
+      return fail(ErrorKind::input, fmt::format("{}: expected {} bytes ({}) from byte {} on, found {}", file.name(),
                                                 expected, of_what, piece.offset, found));
     } else {
       extra += found - expected;
@@ -293,25 +288,20 @@ std::optional<files::MappedFile> map_samples(const SampleSource& source, const C
 
 Result<ReadSamples> read_samples(const SampleSource& source, const Context& context) {
   context.progress().begin("reading", source.bytes);
-  auto data = allocate(source.bytes, source);
-  if (!data) return tl::unexpected(data.error());
-  ReadSamples result{std::move(*data), false};
+  auto data = TRY(allocate(source.bytes, source));
+  ReadSamples result{std::move(data), false};
   const auto piece_bytes = static_cast<std::size_t>(source.piece_bytes());
   for (std::size_t i = 0; i < source.pieces.size(); ++i) {
     const SamplePiece& piece = source.pieces[i];
     const auto out = result.data.span().subspan(i * piece_bytes, piece_bytes);
-    const auto file = files::InputFile::open(piece.path, context);
-    if (!file) return tl::unexpected(file.error());
+    const auto file = TRY(files::InputFile::open(piece.path, context));
     if (piece.packed()) {
-      auto packed = PackedSamples::open(*file, piece, source, out.size());
-      if (!packed) return tl::unexpected(std::move(packed.error()));
-      if (auto filled = packed->fill(out, context); !filled) return tl::unexpected(std::move(filled.error()));
-      const auto more = packed->more();
-      if (!more) return tl::unexpected(more.error());
-      result.more_packed |= *more;
-    } else if (auto read = read_range(*file, piece, 0, out, source, context); !read) {
-      return tl::unexpected(read.error());
-    }
+      auto packed = TRY(PackedSamples::open(file, piece, source, out.size()));
+      TRY(packed.fill(out, context));
+      const auto more = TRY(packed.more());
+      result.more_packed |= more;
+    } else
+      TRY(read_range(file, piece, 0, out, source, context));
   }
   return result;
 }
@@ -344,29 +334,24 @@ std::uint64_t transpose_bytes(const glm::ivec3& dims, std::size_t sample_size) {
 Result<ReadSamples> read_samples_transposed(const SampleSource& source, const glm::ivec3& dims,
                                             const Context& context) {
   context.progress().begin("reading", source.bytes);
-  auto data = allocate(source.bytes, source);
-  if (!data) return tl::unexpected(data.error());
-  auto slab = allocate(transpose_bytes(dims, source.sample_size), source);
-  if (!slab) return tl::unexpected(slab.error());
+  auto data = TRY(allocate(source.bytes, source));
+  auto slab = TRY(allocate(transpose_bytes(dims, source.sample_size), source));
   const SamplePiece& piece = source.pieces.front();
-  const auto file = files::InputFile::open(piece.path, context);
-  if (!file) return tl::unexpected(file.error());
+  const auto file = TRY(files::InputFile::open(piece.path, context));
   std::optional<PackedSamples> packed;
   if (piece.packed()) {
-    auto opened = PackedSamples::open(*file, piece, source, source.bytes);
-    if (!opened) return tl::unexpected(std::move(opened.error()));
-    packed.emplace(std::move(*opened));
+    auto opened = TRY(PackedSamples::open(file, piece, source, source.bytes));
+    packed.emplace(std::move(opened));
   }
 
   const std::uint64_t plane_bytes = transpose_bytes({1, dims.y, dims.z}, source.sample_size);
   for (int x = 0; x < dims.x; x += kSlab) {
     const int count = std::min(kSlab, dims.x - x);
-    const auto part = slab->span().first(static_cast<std::size_t>(plane_bytes) * static_cast<std::size_t>(count));
+    const auto part = slab.span().first(static_cast<std::size_t>(plane_bytes) * static_cast<std::size_t>(count));
     const std::uint64_t first = plane_bytes * static_cast<std::uint64_t>(x);
-    auto read = packed ? packed->fill(part, context) : read_range(*file, piece, first, part, source, context);
-    if (!read) return tl::unexpected(std::move(read.error()));
+    TRY(packed ? packed->fill(part, context) : read_range(file, piece, first, part, source, context));
     const auto turn = [&]<class T>(std::type_identity<T>) {
-      transpose_slab(reinterpret_cast<const T*>(part.data()), reinterpret_cast<T*>(data->data()), dims, x, count);
+      transpose_slab(reinterpret_cast<const T*>(part.data()), reinterpret_cast<T*>(data.data()), dims, x, count);
     };
     switch (source.sample_size) {
       case 1: turn(std::type_identity<std::uint8_t>{}); break;
@@ -375,11 +360,9 @@ Result<ReadSamples> read_samples_transposed(const SampleSource& source, const gl
       default: turn(std::type_identity<std::uint64_t>{}); break;
     }
   }
-  ReadSamples result{std::move(*data), false};
+  ReadSamples result{std::move(data), false};
   if (!packed) return result;
-  const auto more = packed->more();
-  if (!more) return tl::unexpected(more.error());
-  result.more_packed = *more;
+  result.more_packed = TRY(packed->more());
   return result;
 }
 

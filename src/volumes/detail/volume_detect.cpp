@@ -76,7 +76,7 @@ Result<DetectedFormat> chosen_format(const std::string& input, const std::string
 Result<const VolumeFormat*> known_by_content(const files::InputFile& file, std::span<const std::byte> content) {
   std::byte start[2] = {};
   if (file.size() >= sizeof start) {
-    if (auto read = file.read_at(0, start); !read) return tl::unexpected(read.error());
+    TRY(file.read_at(0, start));
   }
   return format_by_content({file.path(), content, files::is_gzip(start)});
 }
@@ -87,27 +87,24 @@ bool is_named_by_prefix(const std::string& input) { return format_by_prefix(inpu
 
 Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions& options, const Context& context) {
   if (const VolumeFormat* format = format_by_prefix(input)) return DetectedFormat{format, {}};
-  const auto file = files::InputFile::open(input, context);
-  if (!file) return tl::unexpected(file.error());
-  if (options.format) return chosen_format(file->name(), *options.format);
-  const auto content = files::first_bytes(*file, kStartBytes);
-  if (!content) return tl::unexpected(content.error());
-  const auto known = known_by_content(*file, *content);
-  if (!known) return tl::unexpected(known.error());
-  const VolumeFormat* by_content = *known;
-  const VolumeFormat* by_extension = format_by_extension(file->path());
+  const auto file = TRY(files::InputFile::open(input, context));
+  if (options.format) return chosen_format(file.name(), *options.format);
+  const auto content = TRY(files::first_bytes(file, kStartBytes));
+  const auto known = TRY(known_by_content(file, content));
+  const VolumeFormat* by_content = known;
+  const VolumeFormat* by_extension = format_by_extension(file.path());
   if (by_content != nullptr) {
     DetectedFormat detected{by_content, {}};
     if (by_extension != nullptr && by_extension != by_content) {
       detected.note = fmt::format("read as {} by its content, although it is named {}", by_content->about().id,
-                                  file->path().filename().string());
+                                  file.path().filename().string());
     }
     return detected;
   }
   if (options.raw) return DetectedFormat{&raw_format(), {}};
   // The reader of that format says what is wrong with the content.
   if (by_extension != nullptr) return DetectedFormat{by_extension, {}};
-  return fail_unknown(*file, *content);
+  return fail_unknown(file, content);
 }
 
 bool has_volume_extension(const std::filesystem::path& path) { return format_by_extension(path) != nullptr; }
@@ -120,13 +117,10 @@ std::optional<Error> known_but_unread(const std::filesystem::path& path, const C
 }
 
 Result<bool> has_volume_content(const std::string& input, const Context& context) {
-  const auto file = files::InputFile::open(input, context);
-  if (!file) return tl::unexpected(file.error());
-  const auto content = files::first_bytes(*file, kStartBytes);
-  if (!content) return tl::unexpected(content.error());
-  const auto known = known_by_content(*file, *content);
-  if (!known) return tl::unexpected(known.error());
-  return *known != nullptr;
+  const auto file = TRY(files::InputFile::open(input, context));
+  const auto content = TRY(files::first_bytes(file, kStartBytes));
+  const auto known = TRY(known_by_content(file, content));
+  return known != nullptr;
 }
 
 }  // namespace isoextract::volumes

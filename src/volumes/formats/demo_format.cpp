@@ -17,9 +17,8 @@ class DemoFormat final : public VolumeFormat {
   // Demo fields hold density unless the options say otherwise; their samples are not made here.
   [[nodiscard]] Result<std::vector<GridInfo>> list(const std::string& input, const ReadOptions& options,
                                                    const Context& /*context*/) const override {
-    const auto demo = field::parse_demo_spec(input);
-    if (!demo) return tl::unexpected(demo.error());
-    GridInfo grid = dense_grid(std::string(demo->name), glm::ivec3(demo->size), field::SampleType::f32);
+    const auto demo = TRY(field::parse_demo_spec(input));
+    GridInfo grid = dense_grid(std::string(demo.name), glm::ivec3(demo.size), field::SampleType::f32);
     grid.kind = options.kind.value_or(field::FieldKind::density);
     return std::vector{std::move(grid)};
   }
@@ -34,9 +33,7 @@ class DemoFormat final : public VolumeFormat {
                                                 const Context& context) const override {
     auto field = field::make_demo_field(input, context);
     if (!field) return field;
-    if (auto placed = set_frame(*field, {field->index_to_world, {}}, options); !placed) {
-      return tl::unexpected(placed.error());
-    }
+    TRY(set_frame(*field, {field->index_to_world, {}}, options));
     return field;
   }
 };

@@ -253,15 +253,12 @@ Result<SamplePiece> locate_samples(const files::InputFile& file, const NiftiHead
                                               first, header.vox_offset));
   }
   if (header.pair) {
-    auto image = find_partner(file, ".img");
-    if (!image) return tl::unexpected(image.error());
-    piece.path = std::move(*image);
+    piece.path = TRY(find_partner(file, ".img"));
   }
-  const auto image = files::InputFile::open(piece.path, file.context());
-  if (!image) return tl::unexpected(image.error());
+  const auto image = TRY(files::InputFile::open(piece.path, file.context()));
   std::array<std::byte, 2> start{};
-  if (image->size() >= start.size()) {
-    if (auto read = image->read_at(0, start); !read) return tl::unexpected(read.error());
+  if (image.size() >= start.size()) {
+    TRY(image.read_at(0, start));
   }
   // A pair's image has no magic of its own: only its name says that it is compressed.
   piece.gzip = header.pair ? has_extension(piece.path, ".gz") : files::is_gzip(start);
@@ -277,8 +274,7 @@ Result<DenseFile> open_with_header(const files::InputFile& file, const NiftiHead
                             header.datatype, ::nifti_datatype_to_string(header.datatype)),
                 "convert it to FLOAT32 or INT16 first");
   }
-  const auto dims = read_dims(file.name(), header, type->type);
-  if (!dims) return tl::unexpected(dims.error());
+  const auto dims = TRY(read_dims(file.name(), header, type->type));
   const auto volumes = static_cast<std::uint64_t>(header.dim[0] >= 4 ? header.dim[4] : 1);
   const auto components = component_count(header);
   if (components != 1 && type->numbers > 1) {
@@ -289,16 +285,15 @@ Result<DenseFile> open_with_header(const files::InputFile& file, const NiftiHead
   }
   const std::uint64_t parts =
       components ? checked_product(volumes, *components, type->numbers).value_or(~std::uint64_t{0}) : ~std::uint64_t{0};
-  if (auto fine = check_volume_count(file.name(), *dims, type->type, parts); !fine) return tl::unexpected(fine.error());
-  auto piece = locate_samples(file, header);
-  if (!piece) return tl::unexpected(piece.error());
+  TRY(check_volume_count(file.name(), dims, type->type, parts));
+  auto piece = TRY(locate_samples(file, header));
 
   DenseFile dense;
   dense.format = header.version == 1 ? "NIfTI-1" : "NIfTI-2";
   dense.world_space = "RAS+ (NIfTI)";
   dense.type = type->type;
   dense.wide = type->wide;
-  dense.dims = *dims;
+  dense.dims = dims;
   dense.volumes = volumes;
   dense.components = *components * type->numbers;
   dense.components_interleaved = type->numbers > 1;
@@ -309,7 +304,7 @@ Result<DenseFile> open_with_header(const files::InputFile& file, const NiftiHead
   const bool is_colour = header.datatype == NIFTI_TYPE_RGB24 || header.datatype == NIFTI_TYPE_RGBA32;
   if (!is_colour) dense.scale = scale_of(header, dense.notes);  // which the standard does not apply to colours
   dense.frame = frame_of(header, dense.notes);
-  dense.pieces = {std::move(*piece)};
+  dense.pieces = {std::move(piece)};
   dense.length_unit = length_unit_of(header);
   return dense;
 }
@@ -319,20 +314,16 @@ tl::unexpected<Error> fail_no_header(const files::InputFile& file) {
 }
 
 Result<DenseFile> open_nifti(const files::InputFile& file) {
-  const auto content = files::first_bytes(file, kStartBytes);
-  if (!content) return tl::unexpected(content.error());
-  if (const auto header = parse_header(*content)) return open_with_header(file, *header);
+  const auto content = TRY(files::first_bytes(file, kStartBytes));
+  if (const auto header = parse_header(content)) return open_with_header(file, *header);
   if (!has_extension(file.path(), ".img") && !has_extension(file.path(), ".img.gz")) return fail_no_header(file);
 
   // The samples of a pair were named; the header is beside them.
-  const auto path = find_partner(file, ".hdr");
-  if (!path) return tl::unexpected(path.error());
-  const auto partner = files::InputFile::open(*path, file.context());
-  if (!partner) return tl::unexpected(partner.error());
-  const auto partner_content = files::first_bytes(*partner, kStartBytes);
-  if (!partner_content) return tl::unexpected(partner_content.error());
-  const auto header = parse_header(*partner_content);
-  return header ? open_with_header(*partner, *header) : Result<DenseFile>(fail_no_header(*partner));
+  const auto path = TRY(find_partner(file, ".hdr"));
+  const auto partner = TRY(files::InputFile::open(path, file.context()));
+  const auto partner_content = TRY(files::first_bytes(partner, kStartBytes));
+  const auto header = parse_header(partner_content);
+  return header ? open_with_header(partner, *header) : Result<DenseFile>(fail_no_header(partner));
 }
 
 class NiftiFormat final : public DenseFormat {

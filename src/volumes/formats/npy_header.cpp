@@ -161,7 +161,7 @@ std::uint64_t dict_length(std::span<const std::byte> start, int version) {
 Result<NpyHeader> read_npy_header(const files::InputFile& file) {
   std::array<std::byte, 12> start{};
   const auto known = static_cast<std::size_t>(std::min<std::uint64_t>(start.size(), file.size()));
-  if (auto read = file.read_at(0, std::span(start).first(known)); !read) return tl::unexpected(read.error());
+  TRY(file.read_at(0, std::span(start).first(known)));
   if (files::is_gzip(std::span(start).first(known))) {
     return fail(ErrorKind::input, file.name() + ": expected a NumPy file as it is, found it packed by gzip",
                 "unpack it first");
@@ -170,7 +170,7 @@ Result<NpyHeader> read_npy_header(const files::InputFile& file) {
   const std::uint64_t header = std::min(8 + length_bytes(2) + dict_length(start, std::to_integer<int>(start[6])),
                                         std::min(kMaxNpyHeader, file.size()));
   std::vector<std::byte> bytes(static_cast<std::size_t>(header));
-  if (auto read = file.read_at(0, bytes); !read) return tl::unexpected(read.error());
+  TRY(file.read_at(0, bytes));
   return parse_npy_header(file.name(), bytes, file.size());
 }
 

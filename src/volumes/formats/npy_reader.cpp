@@ -107,10 +107,9 @@ class NpyFormat final : public DenseFormat {
 
  protected:
   [[nodiscard]] Result<DenseFile> open_header(const files::InputFile& file, const ReadOptions& options) const override {
-    const auto header = read_npy_header(file);
-    if (!header) return tl::unexpected(header.error());
-    auto dense = npy_volume(file.name(), *header, options);
-    if (dense) dense->pieces = {{file.path(), header->data_offset}};
+    const auto header = TRY(read_npy_header(file));
+    auto dense = npy_volume(file.name(), header, options);
+    if (dense) dense->pieces = {{file.path(), header.data_offset}};
     return dense;
   }
 };
@@ -131,15 +130,13 @@ Result<DenseFile> npy_volume(const std::string& name, const NpyHeader& header, c
   const AxisOrder order = options.axis_order.value_or(AxisOrder::zyx);
   const bool is_complex = type->numbers > 1;
   const bool has_component_axis = options.component.has_value() && !is_complex && header.shape.size() > 3;
-  const auto axes = find_axes(name, header, has_component_axis, order, dense.notes);
-  if (!axes) return tl::unexpected(axes.error());
-  const auto dims = checked_dims(name, axes->sizes, type->type);
-  if (!dims) return tl::unexpected(dims.error());
-  dense.volumes = axes->volumes.value_or(1);
-  dense.components = axes->components.value_or(type->numbers);
+  const auto axes = TRY(find_axes(name, header, has_component_axis, order, dense.notes));
+  const auto dims = TRY(checked_dims(name, axes.sizes, type->type));
+  dense.volumes = axes.volumes.value_or(1);
+  dense.components = axes.components.value_or(type->numbers);
   if (is_complex) dense.component_names = "the real and the imaginary part";
   const std::uint64_t count = checked_product(dense.volumes, dense.components).value_or(0);
-  if (auto fine = check_volume_count(name, *dims, type->type, count); !fine) return tl::unexpected(fine.error());
+  TRY(check_volume_count(name, dims, type->type, count));
 
   constexpr std::uint64_t kFewComponents = 4;
   const bool looks_like_vectors = header.shape.back() <= kFewComponents && dense.volumes > kFewComponents &&
@@ -153,7 +150,7 @@ Result<DenseFile> npy_volume(const std::string& name, const NpyHeader& header, c
   dense.format = "NPY";
   dense.type = type->type;
   dense.wide = type->wide;
-  dense.dims = *dims;
+  dense.dims = dims;
   dense.endian = type->endian;
   // The order of storage, not of the axes: [t, z, y, x] all the same, but its first axis is the fastest.
   dense.x_slowest = header.fortran_order == (order == AxisOrder::zyx);

@@ -35,16 +35,14 @@ std::string member_name(const files::InputFile& file, const ZipMember& member) {
 }
 
 Result<NpzArray> read_array(const files::InputFile& file, const ZipMember& member) {
-  auto piece = locate_zip_member(file, member);
-  if (!piece) return tl::unexpected(std::move(piece.error()));
+  auto piece = TRY(locate_zip_member(file, member));
   // Headers are short, and nearly all of them within this.
   constexpr std::size_t kMostHeaders = 4096;
   for (const std::size_t count : {kMostHeaders, static_cast<std::size_t>(kMaxNpyHeader)}) {
-    const auto start = first_bytes_of(file, *piece, count);
-    if (!start) return tl::unexpected(start.error());
-    auto header = parse_npy_header(member_name(file, member), *start, member.sizes.inflated);
-    if (header) return NpzArray{std::move(*piece), std::move(*header)};
-    if (start->size() < count || count == kMaxNpyHeader) return tl::unexpected(std::move(header.error()));
+    const auto start = TRY(first_bytes_of(file, piece, count));
+    auto header = parse_npy_header(member_name(file, member), start, member.sizes.inflated);
+    if (header) return NpzArray{std::move(piece), std::move(*header)};
+    if (start.size() < count || count == kMaxNpyHeader) return tl::unexpected(std::move(header.error()));
   }
   return fail(ErrorKind::input, member_name(file, member) + ": no header");
 }
@@ -52,14 +50,13 @@ Result<NpzArray> read_array(const files::InputFile& file, const ZipMember& membe
 // Of a member that is stored as it is: packed ones are checked as they are unpacked.
 Result<void> check_stored(const files::InputFile& file, const ZipMember& member, const SamplePiece& piece) {
   constexpr std::uint64_t kBlock = std::uint64_t{1} << 20;
-  const auto reserved = file.context().reserve(kBlock, file.name() + ": its checksum");
-  if (!reserved) return tl::unexpected(reserved.error());
+  const auto reserved = TRY(file.context().reserve(kBlock, file.name() + ": its checksum"));
   std::vector<std::byte> block(kBlock);
   auto crc = ::crc32(0, nullptr, 0);
   for (std::uint64_t at = 0; at < member.sizes.inflated; at += kBlock) {
-    if (auto go_on = file.context().check(); !go_on) return go_on;
+    TRY(file.context().check());
     const auto part = std::span(block).first(static_cast<std::size_t>(std::min(kBlock, member.sizes.inflated - at)));
-    if (auto read = file.read_at(piece.offset + at, part); !read) return read;
+    TRY(file.read_at(piece.offset + at, part));
     crc = ::crc32_z(crc, reinterpret_cast<const Bytef*>(part.data()), part.size());
   }
   if (crc == member.sizes.crc) return {};
@@ -93,7 +90,7 @@ Result<std::vector<GridInfo>> list_arrays(const files::InputFile& file, const st
                                           const ReadOptions& options) {
   std::vector<GridInfo> grids;
   for (const ZipMember& member : members) {
-    if (auto go_on = file.context().check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+    TRY(file.context().check());
     grids.push_back(describe(file, member, options));
   }
   label_grids(grids);
@@ -124,11 +121,9 @@ class NpzFormat final : public VolumeFormat {
 
   [[nodiscard]] Result<std::vector<GridInfo>> list(const std::string& input, const ReadOptions& options,
                                                    const Context& context) const override {
-    const auto file = files::InputFile::open(input, context);
-    if (!file) return tl::unexpected(file.error());
-    auto members = read_zip_directory(*file);
-    if (!members) return tl::unexpected(std::move(members.error()));
-    return list_arrays(*file, arrays_of(std::move(*members)), options);
+    const auto file = TRY(files::InputFile::open(input, context));
+    auto members = TRY(read_zip_directory(file));
+    return list_arrays(file, arrays_of(std::move(members)), options);
   }
 
   [[nodiscard]] Result<std::vector<std::filesystem::path>> files(const std::string& input,
@@ -139,35 +134,29 @@ class NpzFormat final : public VolumeFormat {
 
   [[nodiscard]] Result<field::ScalarField> open(const std::string& input, const ReadOptions& options,
                                                 const Context& context) const override {
-    const auto file = files::InputFile::open(input, context);
-    if (!file) return tl::unexpected(file.error());
-    auto all = read_zip_directory(*file);
-    if (!all) return tl::unexpected(std::move(all.error()));
-    const std::vector<ZipMember> members = arrays_of(std::move(*all));
-    auto grids = list_arrays(*file, members, options);
-    if (!grids) return tl::unexpected(std::move(grids.error()));
+    const auto file = TRY(files::InputFile::open(input, context));
+    auto all = TRY(read_zip_directory(file));
+    const std::vector<ZipMember> members = arrays_of(std::move(all));
+    auto grids = TRY(list_arrays(file, members, options));
     // What is wrong with an array that was named, or with the only one, its reader says best.
-    if (options.grid || grids->size() == 1) {
-      for (GridInfo& grid : *grids) grid.scalar = true;
+    if (options.grid || grids.size() == 1) {
+      for (GridInfo& grid : grids) grid.scalar = true;
     }
-    const auto chosen = choose_grid(file->name(), *grids, options.grid);
-    if (!chosen) return tl::unexpected(chosen.error());
-    const ZipMember& member = members[*chosen];
-    auto array = read_array(*file, member);
-    if (!array) return tl::unexpected(std::move(array.error()));
-    auto dense = npy_volume(member_name(*file, member), array->header, options);
-    if (!dense) return tl::unexpected(std::move(dense.error()));
-    dense->format = "NPZ";
-    const SamplePiece member_piece = array->piece;
-    (array->piece.packed() ? array->piece.skip : array->piece.offset) += array->header.data_offset;
-    dense->pieces = {std::move(array->piece)};
-    auto field = read_dense(*file, std::move(*dense), name_of(member), options);
+    const auto chosen = TRY(choose_grid(file.name(), grids, options.grid));
+    const ZipMember& member = members[chosen];
+    auto array = TRY(read_array(file, member));
+    auto dense = TRY(npy_volume(member_name(file, member), array.header, options));
+    dense.format = "NPZ";
+    const SamplePiece member_piece = array.piece;
+    (array.piece.packed() ? array.piece.skip : array.piece.offset) += array.header.data_offset;
+    dense.pieces = {std::move(array.piece)};
+    auto field = read_dense(file, std::move(dense), name_of(member), options);
     if (!field) return field;
     if (!member_piece.packed()) {
-      if (auto whole = check_stored(*file, member, member_piece); !whole) return tl::unexpected(whole.error());
+      TRY(check_stored(file, member, member_piece));
     }
-    field->grids = grids->size();
-    field->grid = (*grids)[*chosen].label;
+    field->grids = grids.size();
+    field->grid = grids[chosen].label;
     return field;
   }
 };

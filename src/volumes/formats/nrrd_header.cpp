@@ -38,7 +38,7 @@ class HeaderLines {
         return fail(ErrorKind::input,
                     fmt::format("{}: the header has no end within {} bytes", file_.name(), kMaxHeader));
       }
-      if (auto read = grow(); !read) return tl::unexpected(read.error());
+      TRY(grow());
     }
     if (begin_ == text_.size()) return std::optional<std::string>();
     const std::size_t stop = std::min(end, text_.size());
@@ -165,10 +165,9 @@ Result<NrrdDataFiles> read_list(HeaderLines& lines, std::string_view rest) {
   files.several = true;
   files.file_dimension = parse_number<unsigned>(rest);
   while (true) {
-    auto line = lines.next();
-    if (!line) return tl::unexpected(line.error());
-    if (!*line) return files;
-    if (!trim(**line).empty()) files.names.emplace_back(trim(**line));
+    auto line = TRY(lines.next());
+    if (!line) return files;
+    if (!trim(*line).empty()) files.names.emplace_back(trim(*line));
   }
 }
 
@@ -211,14 +210,13 @@ Result<NrrdHeaderText> read_nrrd_header(const files::InputFile& file) {
   NrrdHeaderText header;
   HeaderLines lines(file);
   while (true) {
-    auto next = lines.next();
-    if (!next) return tl::unexpected(next.error());
-    if (!*next) {
+    auto next = TRY(lines.next());
+    if (!next) {
       if (header.detached) return header;
       return fail(ErrorKind::input,
                   file.name() + ": the header ends without an empty line and samples after it, or a field 'data file'");
     }
-    const std::string& line = **next;
+    const std::string& line = *next;
     if (line.empty()) {
       header.data_offset = lines.position();
       return header;
@@ -226,14 +224,12 @@ Result<NrrdHeaderText> read_nrrd_header(const files::InputFile& file) {
     std::string_view value;
     if (!is_data_file_field(line, value)) {
       if (is_free_text(line)) continue;  // nobody asks for it, and teem looks at all keys for each
-      if (auto fine = check_line(file, lines.number(), line); !fine) return tl::unexpected(fine.error());
+      TRY(check_line(file, lines.number(), line));
       header.fields += line + '\n';
       continue;
     }
     if (header.detached) return fail(ErrorKind::input, file.name() + ": two fields 'data file'");
-    auto files = parse_data_files(file, lines, value);
-    if (!files) return tl::unexpected(files.error());
-    header.detached = std::move(*files);
+    header.detached = TRY(parse_data_files(file, lines, value));
     if (header.detached->several && !header.detached->pattern) return header;  // a LIST ends the header
   }
 }

@@ -76,7 +76,7 @@ Result<ParsedNrrd> parse_fields(const std::string& file, const std::string& fiel
   }
   // teem says it less clearly where every line is fine but one is missing.
   if (!failed || messages.find("complete valid header") != std::string::npos) {
-    if (auto complete = check_fields(file, parsed); !complete) return tl::unexpected(complete.error());
+    TRY(check_fields(file, parsed));
   }
   if (failed) {
     return fail(ErrorKind::input, fmt::format("{}: not a valid NRRD header: {}", file, innermost_message(messages)));
@@ -267,7 +267,7 @@ Result<std::uint64_t> skip_lines(const files::InputFile& file, std::uint64_t off
     if (offset >= file.size()) return fail(ErrorKind::input, file.name() + ": ends within the lines to skip");
     const auto part =
         std::span(block).first(static_cast<std::size_t>(std::min<std::uint64_t>(block.size(), file.size() - offset)));
-    if (auto read = file.read_at(offset, std::as_writable_bytes(part)); !read) return tl::unexpected(read.error());
+    TRY(file.read_at(offset, std::as_writable_bytes(part)));
     auto at = part.begin();
     while (lines > 0 && (at = std::find(at, part.end(), '\n')) != part.end()) {
       ++at;
@@ -281,11 +281,9 @@ Result<std::uint64_t> skip_lines(const files::InputFile& file, std::uint64_t off
 // Where the samples in one file begin, by "line skip" and "byte skip".
 Result<SamplePiece> locate_piece(const std::filesystem::path& path, std::uint64_t offset, const NrrdIoState& state,
                                  std::uint64_t piece_bytes, const Context& context) {
-  const auto file = files::InputFile::open(path, context);
-  if (!file) return tl::unexpected(file.error());
-  const auto behind_lines = skip_lines(*file, offset, state.lineSkip);
-  if (!behind_lines) return tl::unexpected(behind_lines.error());
-  SamplePiece piece{path, *behind_lines};
+  const auto file = TRY(files::InputFile::open(path, context));
+  const auto behind_lines = TRY(skip_lines(file, offset, state.lineSkip));
+  SamplePiece piece{path, behind_lines};
   piece.gzip = state.encoding == nrrdEncodingGzip;
   if (state.byteSkip >= 0) {
     const auto skip = static_cast<std::uint64_t>(state.byteSkip);
@@ -295,11 +293,11 @@ Result<SamplePiece> locate_piece(const std::filesystem::path& path, std::uint64_
   // -1: the samples are the last bytes of the file; -1 - n: n bytes follow them.
   const std::uint64_t behind = static_cast<std::uint64_t>(-(state.byteSkip + 1));
   const auto from_end = checked_sum(piece_bytes, behind);
-  if (piece.gzip || !from_end || *from_end > file->size()) {
+  if (piece.gzip || !from_end || *from_end > file.size()) {
     return fail(ErrorKind::input, fmt::format("{}: 'byte skip' {} needs {} bytes of raw samples, found {} bytes",
-                                              file->name(), state.byteSkip, piece_bytes, file->size()));
+                                              file.name(), state.byteSkip, piece_bytes, file.size()));
   }
-  piece.offset = file->size() - *from_end;
+  piece.offset = file.size() - *from_end;
   return piece;
 }
 
@@ -307,23 +305,19 @@ Result<std::vector<SamplePiece>> locate_samples(const files::InputFile& file, co
                                                 const ParsedNrrd& parsed, std::uint64_t bytes) {
   std::vector<SamplePiece> pieces;
   if (!text.detached) {
-    auto piece = locate_piece(file.path(), text.data_offset, *parsed.state, bytes, file.context());
-    if (!piece) return tl::unexpected(piece.error());
-    pieces.push_back(std::move(*piece));
+    auto piece = TRY(locate_piece(file.path(), text.data_offset, *parsed.state, bytes, file.context()));
+    pieces.push_back(std::move(piece));
     return pieces;
   }
   if (text.detached->several) {
-    if (auto fine = check_file_count(file.name(), *parsed.nrrd, *text.detached); !fine)
-      return tl::unexpected(fine.error());
+    TRY(check_file_count(file.name(), *parsed.nrrd, *text.detached));
   }
   // Each name is resolved before the next is made: a header cannot ask for more of them than there are files.
   const std::uint64_t count = text.detached->count();
   for (std::uint64_t i = 0; i < count; ++i) {
-    auto path = files::resolve_beside(file.path(), text.detached->name(i));
-    if (!path) return tl::unexpected(path.error());
-    auto piece = locate_piece(*path, 0, *parsed.state, bytes / count, file.context());
-    if (!piece) return tl::unexpected(piece.error());
-    pieces.push_back(std::move(*piece));
+    auto path = TRY(files::resolve_beside(file.path(), text.detached->name(i)));
+    auto piece = TRY(locate_piece(path, 0, *parsed.state, bytes / count, file.context()));
+    pieces.push_back(std::move(piece));
   }
   return pieces;
 }
@@ -335,48 +329,40 @@ Result<void> check_encoding(const std::string& file, const NrrdIoState& state) {
 }
 
 Result<DenseFile> open_nrrd(const files::InputFile& file) {
-  const auto content = files::first_bytes(file, kStartBytes);
-  if (!content) return tl::unexpected(content.error());
-  if (!starts_with(*content, kNrrdMagic)) return fail_magic(file, "a NRRD file", "'NRRD000'");
-  const auto text = read_nrrd_header(file);
-  if (!text) return tl::unexpected(text.error());
-  const auto parsed = parse_fields(file.name(), text->fields);
-  if (!parsed) return tl::unexpected(parsed.error());
-  const Nrrd& nrrd = *parsed->nrrd;
+  const auto content = TRY(files::first_bytes(file, kStartBytes));
+  if (!starts_with(content, kNrrdMagic)) return fail_magic(file, "a NRRD file", "'NRRD000'");
+  const auto text = TRY(read_nrrd_header(file));
+  const auto parsed = TRY(parse_fields(file.name(), text.fields));
+  const Nrrd& nrrd = *parsed.nrrd;
 
   DenseFile dense;
   dense.format = "NRRD";
-  const auto type = sample_type_of(file.name(), nrrd);
-  if (!type) return tl::unexpected(type.error());
-  dense.type = *type;
-  if (auto fine = check_encoding(file.name(), *parsed->state); !fine) return tl::unexpected(fine.error());
-  const auto found = find_axes(file.name(), *parsed, dense.notes);
-  if (!found) return tl::unexpected(found.error());
-  const std::array<unsigned, 3>& axes = found->space;
+  const auto type = TRY(sample_type_of(file.name(), nrrd));
+  dense.type = type;
+  TRY(check_encoding(file.name(), *parsed.state));
+  const auto found = TRY(find_axes(file.name(), parsed, dense.notes));
+  const std::array<unsigned, 3>& axes = found.space;
   const auto dims =
-      checked_dims(file.name(), {nrrd.axis[axes[0]].size, nrrd.axis[axes[1]].size, nrrd.axis[axes[2]].size}, *type);
-  if (!dims) return tl::unexpected(dims.error());
-  dense.dims = *dims;
+      TRY(checked_dims(file.name(), {nrrd.axis[axes[0]].size, nrrd.axis[axes[1]].size, nrrd.axis[axes[2]].size}, type));
+  dense.dims = dims;
   if (nrrd.type == nrrdTypeLLong) dense.wide = WideInteger::i64;
   if (nrrd.type == nrrdTypeULLong) dense.wide = WideInteger::u64;
-  if (found->series) {
-    dense.volumes = nrrd.axis[*found->series].size;
-    dense.interleaved = *found->series < axes[0];
+  if (found.series) {
+    dense.volumes = nrrd.axis[*found.series].size;
+    dense.interleaved = *found.series < axes[0];
   }
-  if (found->components) {
-    dense.components = nrrd.axis[*found->components].size;
-    dense.components_interleaved = *found->components < axes[0];
-    dense.component_before_volume = found->series && *found->components < *found->series;
+  if (found.components) {
+    dense.components = nrrd.axis[*found.components].size;
+    dense.components_interleaved = *found.components < axes[0];
+    dense.component_before_volume = found.series && *found.components < *found.series;
   }
   const std::uint64_t parts = checked_product(dense.volumes, dense.components).value_or(~std::uint64_t{0});
-  if (auto fine = check_volume_count(file.name(), *dims, *type, parts); !fine) return tl::unexpected(fine.error());
-  dense.endian = parsed->state->endian == airEndianBig ? std::endian::big : std::endian::little;
+  TRY(check_volume_count(file.name(), dims, type, parts));
+  dense.endian = parsed.state->endian == airEndianBig ? std::endian::big : std::endian::little;
   if (nrrd.space != nrrdSpaceUnknown) dense.world_space = ::airEnumStr(nrrdSpace, nrrd.space);
   dense.length_unit = length_unit_of(nrrd, axes);
-  dense.frame = nrrd.spaceDim > 0 ? oriented_frame(*parsed, axes) : axis_aligned_frame(*parsed, axes);
-  auto pieces = locate_samples(file, *text, *parsed, sample_bytes(*dims, *type) * parts);
-  if (!pieces) return tl::unexpected(pieces.error());
-  dense.pieces = std::move(*pieces);
+  dense.frame = nrrd.spaceDim > 0 ? oriented_frame(parsed, axes) : axis_aligned_frame(parsed, axes);
+  dense.pieces = TRY(locate_samples(file, text, parsed, sample_bytes(dims, type) * parts));
   return dense;
 }
 

@@ -41,9 +41,8 @@ Result<DenseFile> open_raw(const files::InputFile& file, const RawLayout& layout
     }
     sizes[static_cast<std::size_t>(axis)] = static_cast<std::uint64_t>(layout.dims[axis]);
   }
-  const auto dims = checked_dims(file.name(), sizes, layout.type);
-  if (!dims) return tl::unexpected(dims.error());
-  const std::uint64_t expected = sample_bytes(*dims, layout.type);
+  const auto dims = TRY(checked_dims(file.name(), sizes, layout.type));
+  const std::uint64_t expected = sample_bytes(dims, layout.type);
   const auto total = checked_sum(expected, layout.skip);
   const std::uint64_t found = file.size() - std::min(file.size(), layout.skip);
   if (!total || *total > file.size() || found % expected != 0) {
@@ -51,22 +50,20 @@ Result<DenseFile> open_raw(const files::InputFile& file, const RawLayout& layout
         ErrorKind::input,
         fmt::format("{}: expected {} bytes ({} after {} bytes to skip), or a multiple of the samples for several "
                     "volumes, found {}",
-                    file.name(), total ? std::to_string(*total) : "more than 2^64",
-                    describe_samples(*dims, layout.type), layout.skip, file.size()),
+                    file.name(), total ? std::to_string(*total) : "more than 2^64", describe_samples(dims, layout.type),
+                    layout.skip, file.size()),
         fitting_layout(file, layout, expected));
   }
   DenseFile dense;
   dense.volumes = found / expected;
-  if (auto fine = check_volume_count(file.name(), *dims, layout.type, dense.volumes); !fine) {
-    return tl::unexpected(fine.error());
-  }
+  TRY(check_volume_count(file.name(), dims, layout.type, dense.volumes));
   if (dense.volumes > 1) {
     const std::string types = fitting_types(expected / field::sample_size(layout.type), found);
     if (!types.empty()) dense.other_reading = fmt::format("as one volume, its samples would be {}", types);
   }
   dense.format = "raw";
   dense.type = layout.type;
-  dense.dims = *dims;
+  dense.dims = dims;
   dense.endian = layout.endian;
   dense.x_slowest = order == AxisOrder::xyz;
   dense.pieces = {{file.path(), layout.skip}};

@@ -51,7 +51,7 @@ Result<Directory> find_directory(const files::InputFile& file) {
   const std::uint64_t looked_at = std::min(file.size(), kEndBytes + kMaxComment + kLocatorBytes);
   std::vector<std::byte> tail(static_cast<std::size_t>(looked_at));
   const std::uint64_t tail_offset = file.size() - looked_at;
-  if (auto read = file.read_at(tail_offset, tail); !read) return tl::unexpected(read.error());
+  TRY(file.read_at(tail_offset, tail));
   std::size_t at = tail.size() - kEndBytes;
   while (number_at<std::uint32_t>(tail, at) != kDirectoryEnd ||
          at + kEndBytes + number_at<std::uint16_t>(tail, at + 20) != tail.size()) {
@@ -65,7 +65,7 @@ Result<Directory> find_directory(const files::InputFile& file) {
     const std::uint64_t end = number_at<std::uint64_t>(tail, at - kLocatorBytes + 8);
     std::array<std::byte, kZip64EndBytes> record{};
     if (end > file.size() || file.size() - end < record.size()) return damaged(file, "its ZIP64 record is outside it");
-    if (auto read = file.read_at(end, record); !read) return tl::unexpected(read.error());
+    TRY(file.read_at(end, record));
     if (number_at<std::uint32_t>(record, 0) != kZip64End) return damaged(file, "it has no ZIP64 record");
     directory = {number_at<std::uint64_t>(record, 48), number_at<std::uint64_t>(record, 40)};
   }
@@ -105,13 +105,11 @@ bool take_zip64(std::span<const std::byte> extra, ZipMember& member) {
 }  // namespace
 
 Result<std::vector<ZipMember>> read_zip_directory(const files::InputFile& file) {
-  const auto directory = find_directory(file);
-  if (!directory) return tl::unexpected(directory.error());
-  const auto memory = file.context().reserve(directory->bytes, file.name() + ": the directory of a ZIP file");
-  if (!memory) return tl::unexpected(memory.error());
-  std::vector<std::byte> bytes(static_cast<std::size_t>(directory->bytes));
+  const auto directory = TRY(find_directory(file));
+  const auto memory = TRY(file.context().reserve(directory.bytes, file.name() + ": the directory of a ZIP file"));
+  std::vector<std::byte> bytes(static_cast<std::size_t>(directory.bytes));
   if (!bytes.empty()) {
-    if (auto read = file.read_at(directory->offset, bytes); !read) return tl::unexpected(read.error());
+    TRY(file.read_at(directory.offset, bytes));
   }
   std::vector<ZipMember> members;
   std::span<const std::byte> rest(bytes);
@@ -154,7 +152,7 @@ Result<SamplePiece> locate_zip_member(const files::InputFile& file, const ZipMem
   if (member.header > file.size() || file.size() - member.header < local.size()) {
     return damaged(file, fmt::format("'{}' is outside it", name));
   }
-  if (auto read = file.read_at(member.header, local); !read) return tl::unexpected(read.error());
+  TRY(file.read_at(member.header, local));
   if (number_at<std::uint32_t>(local, 0) != kLocalHeader) {
     return damaged(file, fmt::format("'{}' is not where its directory says", name));
   }
@@ -182,14 +180,12 @@ Result<std::vector<std::byte>> first_bytes_of(const files::InputFile& file, cons
   const std::uint64_t held = piece.deflated ? piece.deflated->inflated : *piece.end - piece.offset;
   std::vector<std::byte> bytes(static_cast<std::size_t>(std::min<std::uint64_t>(count, held)));
   if (!piece.deflated) {
-    if (auto read = file.read_at(piece.offset, bytes); !read) return tl::unexpected(read.error());
+    TRY(file.read_at(piece.offset, bytes));
     return bytes;
   }
-  auto stream = DeflateStream::open(file, piece.offset, *piece.deflated);
-  if (!stream) return tl::unexpected(std::move(stream.error()));
-  const auto got = stream->inflate(bytes);
-  if (!got) return tl::unexpected(got.error());
-  bytes.resize(*got);
+  auto stream = TRY(DeflateStream::open(file, piece.offset, *piece.deflated));
+  const auto got = TRY(stream.inflate(bytes));
+  bytes.resize(got);
   return bytes;
 }
 

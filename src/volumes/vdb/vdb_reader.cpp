@@ -163,7 +163,7 @@ Result<field::ScalarField> read_grid(const files::InputFile& file, VdbCursor& cu
   if (record.grid_class == kLevelSetClass) field.kind = field::FieldKind::level_set;
 
   const Frame frame = read_transform_of(cursor, record);
-  if (auto placed = set_frame(field, frame, options); !placed) return tl::unexpected(placed.error());
+  TRY(set_frame(field, frame, options));
   const VdbGridRecord& owner = GridsByName(header).tree_owner(record);
   if (&owner != &record) static_cast<void>(read_transform_of(cursor, owner));
   const VdbTreeLimits limits{file.context(), file.name(), printable(record.name, 80)};
@@ -214,16 +214,15 @@ Result<field::ScalarField> read_vdb(const std::string& input, const files::Input
     if (const auto wanted = grid_for_plugin(cursor, header, grids, options)) {
       return read_by_plugin(plugin, input, *wanted, header, grids, options, file.context());
     }
-    const auto chosen = choose_grid(file.name(), grids, options.grid);
-    if (!chosen) return tl::unexpected(chosen.error());
-    auto field = read_grid(file, cursor, header, header.grids[*chosen], options);
+    const auto chosen = TRY(choose_grid(file.name(), grids, options.grid));
+    auto field = read_grid(file, cursor, header, header.grids[chosen], options);
     if (!field) return field;
     field->grids = grids.size();
-    field->grid = grids[*chosen].label;
-    field->creator = grids[*chosen].creator;
+    field->grid = grids[chosen].label;
+    field->creator = grids[chosen].creator;
     if (!options.grid && grids.size() > 1) {
       field->notes.push_back(
-          fmt::format("grid '{}' of {} was chosen: it is the only scalar one", grids[*chosen].label, grids.size()));
+          fmt::format("grid '{}' of {} was chosen: it is the only scalar one", grids[chosen].label, grids.size()));
     }
     if (header.file_version > kNewestVdbVersion) {
       field->notes.push_back(fmt::format("the file's version {} is newer than {}, the latest that is known",
@@ -251,9 +250,8 @@ class VdbFormat final : public VolumeFormat {
 
   [[nodiscard]] Result<std::vector<GridInfo>> list(const std::string& input, const ReadOptions& /*options*/,
                                                    const Context& context) const override {
-    const auto file = files::InputFile::open(input, context);
-    if (!file) return tl::unexpected(file.error());
-    return list_vdb_grids(*file, !plugin_is_there_);
+    const auto file = TRY(files::InputFile::open(input, context));
+    return list_vdb_grids(file, !plugin_is_there_);
   }
 
   [[nodiscard]] Result<std::vector<std::filesystem::path>> files(const std::string& input,
@@ -264,9 +262,8 @@ class VdbFormat final : public VolumeFormat {
 
   [[nodiscard]] Result<field::ScalarField> open(const std::string& input, const ReadOptions& options,
                                                 const Context& context) const override {
-    const auto file = files::InputFile::open(input, context);
-    if (!file) return tl::unexpected(file.error());
-    return read_vdb(input, *file, *plugin_, options);
+    const auto file = TRY(files::InputFile::open(input, context));
+    return read_vdb(input, file, *plugin_, options);
   }
 
  private:

@@ -132,15 +132,15 @@ TEST(IsoTable, EveryFrameNeedsARow) {
 TEST(IsoTable, IsReadFromAFile) {
   const test::TempFolder folder;
   test::write_bytes(folder / "a\n.csv", "frame,iso\n1,0.5\n2,x\n");
-  const auto damaged = IsoTable::read(folder / "a\n.csv");
+  const auto damaged = IsoTable::read(folder / "a\n.csv", Context());
   ASSERT_FALSE(damaged);
   EXPECT_NE(damaged.error().message.find("a\\n.csv:3: "), std::string::npos) << damaged.error().message;
   test::write_bytes(folder / "b.csv", "frame,iso\n1,0.5");
-  const auto sound = IsoTable::read(folder / "b.csv");
+  const auto sound = IsoTable::read(folder / "b.csv", Context());
   ASSERT_TRUE(sound);
   EXPECT_EQ(isos_of_frame(*sound, 1), Isos{0.5});
-  EXPECT_FALSE(IsoTable::read(folder / "gone.csv"));
-  EXPECT_FALSE(IsoTable::read(folder.path()));
+  EXPECT_FALSE(IsoTable::read(folder / "gone.csv", Context()));
+  EXPECT_FALSE(IsoTable::read(folder.path(), Context()));
 }
 
 TEST(IsoTable, ManyRows) {

@@ -29,12 +29,13 @@ TEST(KeptBackends, OpenTheDeviceOnceForAll) {
     for (std::size_t t = 0; t < triangles.size(); ++t) {
       threads.emplace_back([&, t] {
         const auto opened = kept.open(Backend::gpu, {});
-        const auto made = opened.value().extractor->extract(field, half());
+        const auto made = opened.value().extractor->extract(field, half(), Context());
         triangles[t] = made.value().mesh.triangles.size();
       });
     }
   }
-  const std::size_t expected = extract::make_cpu_extractor()->extract(field, half()).value().mesh.triangles.size();
+  const std::size_t expected =
+      extract::make_cpu_extractor()->extract(field, half(), Context()).value().mesh.triangles.size();
   EXPECT_EQ(triangles, std::vector(4, expected));
   EXPECT_EQ(kept.devices_opened(), 1);
 }
@@ -45,14 +46,14 @@ TEST(KeptBackends, ADeviceThatFailedIsOpenedAnew) {
   const field::ScalarField bad = test::dense_field<float>({8, 8, 8}, [](int, int, int) { return test::kNaN; });
   const auto first = kept.open(Backend::gpu, {}).value().extractor;
   const auto second = kept.open(Backend::gpu, {}).value().extractor;
-  EXPECT_FALSE(first->extract(bad, half()));
-  EXPECT_TRUE(second->extract(sound, half())) << "who has it goes on with it";
+  EXPECT_FALSE(first->extract(bad, half(), Context()));
+  EXPECT_TRUE(second->extract(sound, half(), Context())) << "who has it goes on with it";
   const auto third = kept.open(Backend::gpu, {}).value().extractor;
   EXPECT_EQ(kept.devices_opened(), 2);
-  EXPECT_FALSE(second->extract(bad, half()));
+  EXPECT_FALSE(second->extract(bad, half(), Context()));
   EXPECT_TRUE(kept.open(Backend::gpu, {}));
   EXPECT_EQ(kept.devices_opened(), 2) << "it was another one that failed";
-  const auto made = third->extract(sound, half());
+  const auto made = third->extract(sound, half(), Context());
   ASSERT_TRUE(made);
   EXPECT_GT(made->stats.device->samples_uploaded, 0U) << "nothing stayed of the one before";
 }

@@ -45,7 +45,7 @@ class Verification : public testing::Test {
     EXPECT_FALSE(json.contains("triangles")) << "nothing was counted";
   }
 
-  field::ScalarField field_ = field::make_demo_field("demo:torus?size=16").value();
+  field::ScalarField field_ = field::make_demo_field("demo:torus?size=16", Context()).value();
   std::unique_ptr<extract::Extractor> cpu_ = extract::make_cpu_extractor();
 };
 

@@ -26,7 +26,7 @@ namespace isoextract::edit {
 namespace {
 
 SimplifiedMesh must_simplify(mesh::Mesh mesh, const SimplifyOptions& options) {
-  auto simplified = simplify_within(std::move(mesh), options);
+  auto simplified = simplify_within(std::move(mesh), options, Context());
   if (!simplified) throw std::runtime_error(simplified.error().message);
   return std::move(*simplified);
 }
@@ -79,7 +79,8 @@ double expect_kept_promises(const field::ScalarField& field, const Case& c) {
   EXPECT_LE(facts.measured_upper, c.max_distance);
   measure::DistanceOptions measure;
   measure.samples = 0;
-  const auto distance = measure::measure_distance(placed(before, c.to_metric), placed(after, c.to_metric), measure);
+  const auto distance =
+      measure::measure_distance(placed(before, c.to_metric), placed(after, c.to_metric), measure, Context());
   EXPECT_LE(distance->hausdorff_lower, facts.measured_upper + distance->resolution);
   EXPECT_LE(facts.measured_lower, distance->hausdorff_upper + distance->resolution);
 
@@ -96,7 +97,7 @@ double expect_kept_promises(const field::ScalarField& field, const Case& c) {
   return static_cast<double>(facts.triangles_after) / static_cast<double>(facts.triangles_before);
 }
 
-field::ScalarField demo(const std::string& name) { return *field::make_demo_field(name); }
+field::ScalarField demo(const std::string& name) { return *field::make_demo_field(name, Context()); }
 
 TEST(BoundedSimplify, SmoothSurfacesLoseMostTriangles) {
   Case c;

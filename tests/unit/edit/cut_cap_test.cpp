@@ -20,7 +20,7 @@ namespace isoextract::edit {
 namespace {
 
 mesh::Mesh closed_surface(const char* demo, double iso = 0, const glm::dvec3& origin = glm::dvec3(0)) {
-  const field::ScalarField field = field::make_demo_field(demo).value();
+  const field::ScalarField field = field::make_demo_field(demo, Context()).value();
   extract::ExtractOptions options;
   options.iso = iso;
   options.cap = true;
@@ -144,13 +144,13 @@ TEST(CutCap, FacesInThePlane) {
 }
 
 TEST(CutCap, WhatWasOpenIsRefused) {
-  const field::ScalarField field = field::make_demo_field("demo:gyroid?size=30").value();
+  const field::ScalarField field = field::make_demo_field("demo:gyroid?size=30", Context()).value();
   extract::ExtractOptions options;
   options.iso = 0;
   options.output_from_index = field.index_to_world;
   mesh::Mesh open = test::extract(field, options).mesh;
   const std::vector<mesh::HalfSpace> kept{{{0.6, 0.8, 0}, 0.1}};
-  const auto refused = clip_to_half_spaces(open, kept, CutEnds::capped);
+  const auto refused = clip_to_half_spaces(open, kept, CutEnds::capped, Context());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ErrorKind::input);
   EXPECT_NE(refused.error().message.find("cannot be closed"), std::string::npos);

@@ -15,7 +15,7 @@ namespace isoextract::edit {
 namespace {
 
 mesh::Mesh surface_of(const char* demo, const glm::dvec3& origin = glm::dvec3(0)) {
-  const field::ScalarField field = field::make_demo_field(demo).value();
+  const field::ScalarField field = field::make_demo_field(demo, Context()).value();
   extract::ExtractOptions options;
   options.iso = 0;
   options.smooth_normals = true;

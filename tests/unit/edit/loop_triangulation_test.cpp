@@ -47,7 +47,7 @@ struct PlanarLoops {
 
 LoopTriangles must_triangulate(const PlanarLoops& loops,
                                const std::vector<std::pair<std::uint32_t, std::uint32_t>>& taken = {}) {
-  auto result = triangulate_loops(loops.points, loops.next, taken);
+  auto result = triangulate_loops(loops.points, loops.next, taken, 0, Context());
   if (!result) throw std::runtime_error(result.error().message);
   return *result;
 }

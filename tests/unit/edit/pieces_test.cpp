@@ -48,7 +48,7 @@ mesh::Mesh surface_of(const field::ScalarField& field, bool cap = false) {
 }
 
 KeptPieces must_keep(const mesh::Mesh& mesh, const PieceOptions& options) {
-  auto kept = keep_pieces(copy(mesh), options);
+  auto kept = keep_pieces(copy(mesh), options, Context());
   if (!kept) throw std::runtime_error(kept.error().message);
   return std::move(*kept);
 }
@@ -191,7 +191,7 @@ TEST(Pieces, SplitIntoBodiesThatTogetherAreTheMesh) {
   mesh.origin = {10, 20, 30};
   test::add_attribute(mesh, "age", mesh::ComponentType::f32, 2);
   test::add_colour(mesh, mesh::ComponentType::u8, 4);
-  const auto pieces = split_pieces(copy(mesh), 3);
+  const auto pieces = split_pieces(copy(mesh), 3, Context());
   ASSERT_TRUE(pieces);
   ASSERT_EQ(pieces->size(), 3U);
   std::vector<std::array<test::Point, 3>> together;
@@ -208,10 +208,10 @@ TEST(Pieces, SplitIntoBodiesThatTogetherAreTheMesh) {
   std::sort(together.begin(), together.end());
   EXPECT_EQ(together, test::triangle_set(mesh));
   EXPECT_EQ(mesh::measure_topology((*pieces)[0]).components, 2U) << "with its cavity";
-  const auto many = split_pieces(copy(mesh), 2);
+  const auto many = split_pieces(copy(mesh), 2, Context());
   ASSERT_FALSE(many);
   EXPECT_NE(many.error().message.find("3 pieces"), std::string::npos);
-  EXPECT_TRUE(split_pieces(mesh::Mesh(), 2).value().empty());
+  EXPECT_TRUE(split_pieces(mesh::Mesh(), 2, Context()).value().empty());
 }
 
 TEST(Pieces, SameForAnyNumberOfThreadsAndWithinTheMemory) {

@@ -17,7 +17,7 @@ namespace isoextract::edit {
 namespace {
 
 SmoothFacts must_smooth(mesh::Mesh& mesh, const SmoothOptions& options) {
-  const auto facts = smooth(mesh, options);
+  const auto facts = smooth(mesh, options, Context());
   if (!facts) throw std::runtime_error(facts.error().message);
   return *facts;
 }
@@ -116,7 +116,7 @@ TEST_P(SmoothMethods, DampsAWaveByItsGain) {
 }
 
 TEST_P(SmoothMethods, OpenBordersStay) {
-  const field::ScalarField field = field::make_demo_field("demo:gyroid?size=32").value();
+  const field::ScalarField field = field::make_demo_field("demo:gyroid?size=32", Context()).value();
   mesh::Mesh mesh = rough_surface(field, false);
   const mesh::Mesh before = copy(mesh);
   SmoothOptions options;
@@ -138,7 +138,7 @@ TEST_P(SmoothMethods, OpenBordersStay) {
 }
 
 TEST_P(SmoothMethods, CapsStayFlat) {
-  const field::ScalarField field = field::make_demo_field("demo:gyroid?size=32").value();
+  const field::ScalarField field = field::make_demo_field("demo:gyroid?size=32", Context()).value();
   extract::ExtractOptions extract;
   extract.cap = true;
   extract.output_from_index = field::Affine{glm::dmat3(2, 0.3, 0, 0.5, 1, 0.2, 0, -0.4, 1.5), glm::dvec3(5, -3, 2)};
@@ -194,7 +194,7 @@ TEST(Smooth, FailsWithinItsMemoryAndLeavesTheMesh) {
   cancelled.cancel();
   EXPECT_EQ(smooth(mesh, {}, cancelled).error().kind, ErrorKind::cancelled);
   mesh::Mesh empty;
-  EXPECT_TRUE(smooth(empty, {}).has_value());
+  EXPECT_TRUE(smooth(empty, {}, Context()).has_value());
 }
 
 }  // namespace

@@ -24,13 +24,13 @@ namespace isoextract::edit {
 namespace {
 
 SimplifiedMesh simplified_to(const mesh::Mesh& mesh, const SimplifyOptions& options) {
-  auto simplified = simplify_within(copy(mesh), options);
+  auto simplified = simplify_within(copy(mesh), options, Context());
   if (!simplified) throw std::runtime_error(simplified.error().message);
   return std::move(*simplified);
 }
 
 void expect_measured(const mesh::Mesh& before, const SimplifiedMesh& simplified) {
-  const auto distance = measure::measure_distance(before, simplified.mesh, measure::DistanceOptions());
+  const auto distance = measure::measure_distance(before, simplified.mesh, measure::DistanceOptions(), Context());
   EXPECT_LE(distance->hausdorff_lower, simplified.facts.measured_upper + distance->resolution);
   EXPECT_LE(simplified.facts.measured_lower, distance->hausdorff_upper + distance->resolution);
 }
@@ -56,7 +56,7 @@ TEST(SimplifyToCount, AsManyTrianglesAsAskedFor) {
 TEST(SimplifyToCount, AsManyTrianglesOfPatches) {
   extract::ExtractOptions extract;
   extract.output_from_index = {glm::dmat3(1.0), {}};
-  const mesh::Mesh before = test::extract(*field::make_demo_field("demo:gyroid?size=40"), extract).mesh;
+  const mesh::Mesh before = test::extract(*field::make_demo_field("demo:gyroid?size=40", Context()), extract).mesh;
   const mesh::Topology was = mesh::measure_topology(before);
   ASSERT_GT(was.open_edges, 0U);
   for (const double most : {std::numeric_limits<double>::infinity(), 0.3}) {

@@ -56,7 +56,7 @@ struct Errors {
 
 Errors measure(const Truth& truth, Method method, int size) {
   const field::ScalarField field =
-      field::make_demo_field(std::string(truth.demo) + "?size=" + std::to_string(size)).value();
+      field::make_demo_field(std::string(truth.demo) + "?size=" + std::to_string(size), Context()).value();
   ExtractOptions options;
   options.method = method;
   options.smooth_normals = true;

@@ -64,7 +64,7 @@ TEST_P(ExactTopology, IsThatOfTheTrilinearInterpolant) {
     const std::vector<float> samples = test::random_trilinear(GetParam(), seed);
     const field::ScalarField field = test::as_field(samples);
     for (const Method method : {Method::mc, Method::mt}) {
-      const auto extraction = make_cpu_extractor()->extract(field, at_zero(method));
+      const auto extraction = make_cpu_extractor()->extract(field, at_zero(method), Context());
       if (!extraction || !mesh::measure_topology(extraction->mesh).is_closed_oriented_manifold() ||
           mesh::measure_size(extraction->mesh).zero_area_triangles != 0) {
         ++unsound;

@@ -25,7 +25,7 @@ class Invariants : public testing::TestWithParam<Method> {
     o.cap = cap;
     return o;
   }
-  static field::ScalarField demo(const char* spec) { return field::make_demo_field(spec).value(); }
+  static field::ScalarField demo(const char* spec) { return field::make_demo_field(spec, Context()).value(); }
 };
 
 INSTANTIATE_TEST_SUITE_P(Methods, Invariants, testing::Values(Method::mc, Method::mt), test::method_name);

@@ -23,11 +23,11 @@ ExtractOptions net_options(std::uint64_t relaxations = kUsualRelaxations) {
 
 Labels nets_of(const field::ScalarField& field, const ExtractOptions& options = net_options(),
                const LabelChoice& choice = {true, {}}) {
-  const auto found = LabelVoxels::find(field, options, choice);
+  const auto found = LabelVoxels::find(field, options, choice, Context());
   EXPECT_TRUE(found) << found.error().message;
   Labels meshes;
   for (const std::int64_t label : found->labels()) {
-    auto extraction = found->extract(field, label, options);
+    auto extraction = found->extract(field, label, options, Context());
     EXPECT_TRUE(extraction);
     meshes.emplace(label, std::move(extraction->mesh));
   }

@@ -29,7 +29,7 @@ TEST(Nan, IsAnErrorThatSaysWhere) {
           test::dense_field<float>({16, 16, 16},
                                    [&](int i, int j, int k) { return i == 3 && j == 4 && k == 5 ? kNan : 0.0; }),
           0.0);
-    const auto result = make_cpu_extractor()->extract(field, options);
+    const auto result = make_cpu_extractor()->extract(field, options, Context());
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().kind, ErrorKind::input);
     EXPECT_NE(result.error().message.find("(3, 4, 5)"), std::string::npos) << result.error().message;
@@ -40,9 +40,9 @@ TEST(Nan, IsAnErrorThatSaysWhere) {
 TEST(Nan, IsFoundEvenWhereNothingIsInside) {
   ExtractOptions options;
   options.iso = kInfinity;
-  EXPECT_FALSE(make_cpu_extractor()->extract(block_with(kNan), options)) << "iso must be finite";
+  EXPECT_FALSE(make_cpu_extractor()->extract(block_with(kNan), options, Context())) << "iso must be finite";
   options.iso = 5;
-  EXPECT_FALSE(make_cpu_extractor()->extract(block_with(kNan), options));
+  EXPECT_FALSE(make_cpu_extractor()->extract(block_with(kNan), options, Context()));
 }
 
 TEST(Nan, OutsideCutsHalfwayAndStaysClosed) {

@@ -39,7 +39,7 @@ TEST(SmoothNormals, OfAPlaneAreExactInAnyFrame) {
 }
 
 TEST(SmoothNormals, AreNotMadeUnlessAskedFor) {
-  const field::ScalarField field = field::make_demo_field("demo:sphere?size=16").value();
+  const field::ScalarField field = field::make_demo_field("demo:sphere?size=16", Context()).value();
   EXPECT_TRUE(test::extract(field, {}).mesh.normals.empty());
 }
 

@@ -8,7 +8,7 @@ namespace isoextract::extract {
 namespace {
 
 field::ScalarField sphere(int size) {
-  return field::make_demo_field("demo:sphere?size=" + std::to_string(size)).value();
+  return field::make_demo_field("demo:sphere?size=" + std::to_string(size), Context()).value();
 }
 
 TEST(Placement, IsTheFullAffineMap) {
@@ -92,7 +92,7 @@ TEST(Placement, RefusesWhatFloatsCannotHold) {
   for (const double scale : {1e60, 1e-50}) {
     ExtractOptions options;
     options.output_from_index = field::scaling(glm::dvec3(scale));
-    const auto result = make_cpu_extractor()->extract(sphere(8), options);
+    const auto result = make_cpu_extractor()->extract(sphere(8), options, Context());
     ASSERT_FALSE(result) << scale;
     EXPECT_EQ(result.error().kind, ErrorKind::input);
     EXPECT_EQ(result.error().hint.remedy, Remedy::rescale);
@@ -108,7 +108,7 @@ TEST(Placement, RefusesMeshesBeyondTheMemoryLimit) {
 TEST(Placement, RefusesFlatTransforms) {
   ExtractOptions options;
   options.output_from_index = field::scaling({1, 0, 1});
-  const auto result = make_cpu_extractor()->extract(sphere(8), options);
+  const auto result = make_cpu_extractor()->extract(sphere(8), options, Context());
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().kind, ErrorKind::input);
 }

@@ -63,7 +63,7 @@ TEST_P(Region, OfALongFieldMovesTiesByItsOwnMargin) {
 }
 
 TEST_P(Region, CanBeCappedDenseAndSparse) {
-  const field::ScalarField dense = field::make_demo_field("demo:gyroid?size=32").value();
+  const field::ScalarField dense = field::make_demo_field("demo:gyroid?size=32", Context()).value();
   const field::ScalarField sparse = test::sparse_copy<float>(dense, -1);
   ExtractOptions options;
   options.method = GetParam();
@@ -83,7 +83,8 @@ TEST_P(Region, OutsideTheDataIsAnError) {
   options.method = GetParam();
   for (const field::IndexBox box : {field::IndexBox{{40, 0, 0}, {50, 9, 9}}, field::IndexBox{{0, 0, 0}, {0, 5, 5}}}) {
     options.region = box;
-    const auto result = make_cpu_extractor()->extract(test::random_field<float>({10, 10, 10}, 1, 9), options);
+    const auto result =
+        make_cpu_extractor()->extract(test::random_field<float>({10, 10, 10}, 1, 9), options, Context());
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().kind, ErrorKind::input);
     EXPECT_EQ(result.error().hint.remedy, Remedy::widen_region);
@@ -93,7 +94,8 @@ TEST_P(Region, OutsideTheDataIsAnError) {
 // Of voxels farther apart than float32 positions can be, each on its own has the surface that it would have alone.
 TEST_P(Region, OfSamplesThatReachTooFarForFloat32) {
   constexpr int kFar = 1 << 27;
-  field::ScalarField field = test::sparse_copy<float>(field::make_demo_field("demo:sphere?size=16").value(), -1);
+  field::ScalarField field =
+      test::sparse_copy<float>(field::make_demo_field("demo:sphere?size=16", Context()).value(), -1);
   ExtractOptions options;
   options.method = GetParam();
   options.iso = 0.1;
@@ -105,7 +107,7 @@ TEST_P(Region, OfSamplesThatReachTooFarForFloat32) {
     samples.blocks.push_back({samples.blocks[b].origin + kFar, samples.blocks[b].values});
   }
 
-  const auto whole = make_cpu_extractor()->extract(field, options);
+  const auto whole = make_cpu_extractor()->extract(field, options, Context());
   ASSERT_FALSE(whole);
   EXPECT_EQ(whole.error().hint.remedy, Remedy::extract_part);
   options.region = field::IndexBox{glm::ivec3(-2), glm::ivec3(20)};
@@ -118,7 +120,7 @@ TEST_P(Region, OfSamplesThatReachTooFarForFloat32) {
 }
 
 TEST(Samples, NeedACell) {
-  const auto result = make_cpu_extractor()->extract(test::random_field<float>({10, 1, 10}, 1, 9), {});
+  const auto result = make_cpu_extractor()->extract(test::random_field<float>({10, 1, 10}, 1, 9), {}, Context());
   ASSERT_FALSE(result);
   EXPECT_NE(result.error().message.find("10 x 1 x 10"), std::string::npos);
 }

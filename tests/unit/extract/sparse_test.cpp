@@ -69,7 +69,7 @@ TEST_P(Sparse, TileSkinsAgainstTilesAndBackground) {
 }
 
 TEST_P(Sparse, NegativeIndicesAndLevelSets) {
-  const field::ScalarField dense = field::make_demo_field("demo:sphere?size=32").value();
+  const field::ScalarField dense = field::make_demo_field("demo:sphere?size=32", Context()).value();
   field::ScalarField level_set = test::dense_field<float>({32, 32, 32}, [&](int i, int j, int k) {
     return -static_cast<const float*>(std::get<field::DenseSamples>(dense.samples).data)[i + 32 * (j + 32 * k)];
   });
@@ -92,7 +92,7 @@ TEST_P(Sparse, NegativeIndicesAndLevelSets) {
 }
 
 TEST_P(Sparse, SmoothNormalsEqualDense) {
-  const field::ScalarField dense = field::make_demo_field("demo:metaballs?size=40").value();
+  const field::ScalarField dense = field::make_demo_field("demo:metaballs?size=40", Context()).value();
   const field::ScalarField sparse = test::sparse_copy<float>(dense, -1);
   ExtractOptions options;
   options.method = GetParam();
@@ -110,7 +110,7 @@ TEST_P(Sparse, SmoothNormalsEqualDense) {
 }
 
 TEST_P(Sparse, VisitsOnlyBlocksThatTheSurfacePasses) {
-  const field::ScalarField dense = field::make_demo_field("demo:sphere?size=128").value();
+  const field::ScalarField dense = field::make_demo_field("demo:sphere?size=128", Context()).value();
   const field::ScalarField sparse = test::sparse_copy<float>(dense, -9);
   ExtractOptions options;
   options.method = GetParam();
@@ -121,7 +121,7 @@ TEST_P(Sparse, VisitsOnlyBlocksThatTheSurfacePasses) {
 }
 
 TEST_P(Sparse, BlocksAtTheEndsOfTheIndexRangeAreRefusedNotTorn) {
-  const field::ScalarField dense = field::make_demo_field("demo:sphere?size=8").value();
+  const field::ScalarField dense = field::make_demo_field("demo:sphere?size=8", Context()).value();
   field::ScalarField field = test::sparse_copy<float>(dense, -1);
   auto& samples = std::get<field::SparseSamples>(field.samples);
   samples.blocks.push_back(samples.blocks[0]);
@@ -129,7 +129,7 @@ TEST_P(Sparse, BlocksAtTheEndsOfTheIndexRangeAreRefusedNotTorn) {
   samples.blocks[1].origin = glm::ivec3(field::kMaxSparseIndex - 8);
   ExtractOptions options;
   options.method = GetParam();
-  EXPECT_FALSE(make_cpu_extractor()->extract(field, options)) << "float32 cannot hold them apart";
+  EXPECT_FALSE(make_cpu_extractor()->extract(field, options, Context())) << "float32 cannot hold them apart";
   // 2^16 apart they are two whole spheres.
   samples.blocks[0].origin = glm::ivec3(-(1 << 15));
   samples.blocks[1].origin = glm::ivec3(1 << 15);
@@ -148,7 +148,7 @@ TEST_P(Sparse, NanOutsideTheRegionIsNoMatter) {
   for (const field::ScalarField* field : {&dense, &sparse}) {
     ExtractOptions options;
     options.method = GetParam();
-    EXPECT_FALSE(make_cpu_extractor()->extract(*field, options));
+    EXPECT_FALSE(make_cpu_extractor()->extract(*field, options, Context()));
     options.region = field::IndexBox{glm::ivec3(0), glm::ivec3(9)};
     test::expect_sound(test::extract(*field, options).mesh, true);
   }
@@ -156,7 +156,7 @@ TEST_P(Sparse, NanOutsideTheRegionIsNoMatter) {
 
 // Where the background is inside, a capped region is the region less the bubbles in it.
 TEST_P(Sparse, CapStandsWhereTheRegionEndsInAnInsideBackground) {
-  const field::ScalarField dense = field::make_demo_field("demo:sphere?size=8").value();
+  const field::ScalarField dense = field::make_demo_field("demo:sphere?size=8", Context()).value();
   field::ScalarField field = test::sparse_copy<float>(dense, -1);
   field.kind = field::FieldKind::level_set;  // now the sphere is the outside
   ExtractOptions options;

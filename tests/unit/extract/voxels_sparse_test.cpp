@@ -91,7 +91,7 @@ TEST(VoxelsSparse, LabelsOneByOne) {
     for (const bool cut : {false, true}) {
       options.region.reset();
       if (cut) options.region = field::IndexBox{{5, 3, 8}, {77, 30, 20}};
-      const auto labels = LabelVoxels::find(*field, options, {true, {}});
+      const auto labels = LabelVoxels::find(*field, options, {true, {}}, Context());
       ASSERT_TRUE(labels) << labels.error().message;
       EXPECT_EQ(labels->labels(), (std::vector<std::int64_t>{1, 2, 3, 4, 5}));
       for (const std::int64_t label : labels->labels()) {
@@ -99,7 +99,7 @@ TEST(VoxelsSparse, LabelsOneByOne) {
         const auto* values = static_cast<const std::int16_t*>(std::get<field::DenseSamples>(dense.samples).data);
         const field::ScalarField one = test::dense_field<std::uint8_t>(
             {96, 32, 32}, [&](int x, int y, int z) { return values[x + 96 * (y + 32 * z)] == label ? 1 : 0; });
-        const auto found = labels->extract(*field, label, options);
+        const auto found = labels->extract(*field, label, options, Context());
         ASSERT_TRUE(found);
         test::expect_sound(found->mesh, true);
         const mesh::Mesh expected = test::extract(one, options).mesh;
@@ -112,20 +112,21 @@ TEST(VoxelsSparse, LabelsOneByOne) {
 
 TEST(VoxelsSparse, LabelsThatAreAskedFor) {
   const field::ScalarField field = blocky_field(1, 6);
-  const auto some = LabelVoxels::find(field, test::voxel_options(), {false, {4, 99, 0}});
+  const auto some = LabelVoxels::find(field, test::voxel_options(), {false, {4, 99, 0}}, Context());
   ASSERT_TRUE(some);
   EXPECT_EQ(some->labels(), (std::vector<std::int64_t>{4, 99, 0}));
-  EXPECT_TRUE(some->extract(field, 99, test::voxel_options())->mesh.triangles.empty());
-  EXPECT_FALSE(some->extract(field, 0, test::voxel_options())->mesh.triangles.empty());
-  EXPECT_TRUE(some->extract(field, 1, test::voxel_options())->mesh.triangles.empty());
+  EXPECT_TRUE(some->extract(field, 99, test::voxel_options(), Context())->mesh.triangles.empty());
+  EXPECT_FALSE(some->extract(field, 0, test::voxel_options(), Context())->mesh.triangles.empty());
+  EXPECT_TRUE(some->extract(field, 1, test::voxel_options(), Context())->mesh.triangles.empty());
   const auto refused =
-      LabelVoxels::find(test::sparse_copy<std::int16_t>(field, 0), test::voxel_options(), {false, {0}});
+      LabelVoxels::find(test::sparse_copy<std::int16_t>(field, 0), test::voxel_options(), {false, {0}}, Context());
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("label 0 is the background"), std::string::npos);
-  EXPECT_TRUE(LabelVoxels::find(test::random_field<float>({8, 8, 8}, 1, 3), test::voxel_options(), {true, {}}));
+  EXPECT_TRUE(
+      LabelVoxels::find(test::random_field<float>({8, 8, 8}, 1, 3), test::voxel_options(), {true, {}}, Context()));
   const auto halves = LabelVoxels::find(
       test::dense_field<float>({4, 4, 4}, [](int x, int /*y*/, int /*z*/) { return 0.5F * static_cast<float>(x); }),
-      test::voxel_options(), {true, {}});
+      test::voxel_options(), {true, {}}, Context());
   ASSERT_FALSE(halves);
   EXPECT_NE(halves.error().message.find("whole numbers"), std::string::npos) << halves.error().message;
 }

@@ -143,13 +143,13 @@ TEST(Voxels, WhatTheMethodDoesNotHave) {
   const field::ScalarField field = test::field_of({{1, 1, 1}, {1}});
   ExtractOptions options = test::voxel_options();
   options.nan = NanPolicy::hole;
-  EXPECT_EQ(make_cpu_extractor()->extract(field, options).error().kind, ErrorKind::usage);
+  EXPECT_EQ(make_cpu_extractor()->extract(field, options, Context()).error().kind, ErrorKind::usage);
   options = test::voxel_options();
   options.smooth_normals = true;
-  EXPECT_EQ(make_cpu_extractor()->extract(field, options).error().kind, ErrorKind::usage);
+  EXPECT_EQ(make_cpu_extractor()->extract(field, options, Context()).error().kind, ErrorKind::usage);
   options = test::voxel_options();
   options.edge_keys = true;
-  EXPECT_EQ(make_cpu_extractor()->extract(field, options).error().kind, ErrorKind::usage);
+  EXPECT_EQ(make_cpu_extractor()->extract(field, options, Context()).error().kind, ErrorKind::usage);
 }
 
 TEST(Voxels, MemoryAndTheWishToEnd) {

@@ -61,7 +61,7 @@ TYPED_TEST(BlurTypes, GaussianIsTheWeightedMean) {
   const glm::ivec3 dims(19, 40, 11);
   const ScalarField field = test::random_field<TypeParam>(dims, 1, 100);
   const glm::dvec3 sigma(1.3, 0.8, 2.1);
-  const ScalarField blurred = blur_gaussian(field, sigma).value();
+  const ScalarField blurred = blur_gaussian(field, sigma, Context()).value();
   const bool wide = sizeof(TypeParam) == 8 || (std::is_integral_v<TypeParam> && sizeof(TypeParam) == 4);
   EXPECT_EQ(blurred.type(), wide ? SampleType::f64 : SampleType::f32);
   for (const glm::ivec3 p : {glm::ivec3(0), dims - 1, dims / 2, glm::ivec3(18, 0, 5), glm::ivec3(3, 33, 10)}) {
@@ -72,7 +72,7 @@ TYPED_TEST(BlurTypes, GaussianIsTheWeightedMean) {
 TYPED_TEST(BlurTypes, MedianIsTheOneInTheMiddle) {
   const glm::ivec3 dims(9, 12, 7);
   const ScalarField field = test::random_field<TypeParam>(dims, 2, 100);
-  const ScalarField blurred = blur_median(field, 1).value();
+  const ScalarField blurred = blur_median(field, 1, Context()).value();
   EXPECT_EQ(blurred.type(), field.type());
   for (const glm::ivec3 p : {glm::ivec3(0), dims - 1, dims / 2, glm::ivec3(8, 0, 5), glm::ivec3(3, 11, 1)}) {
     std::vector<double> around;
@@ -95,10 +95,10 @@ TYPED_TEST(BlurTypes, SparseIsDenseWithinTheData) {
   });
   const ScalarField sparse = test::sparse_copy<TypeParam>(dense, 0);
   ASSERT_FALSE(std::get<SparseSamples>(sparse.samples).tiles.empty());
-  const ScalarField a = blur_gaussian(dense, {1.5, 2, 3}).value();
-  const ScalarField b = blur_gaussian(sparse, {1.5, 2, 3}).value();
-  const ScalarField c = blur_median(dense, 2).value();
-  const ScalarField d = blur_median(sparse, 2).value();
+  const ScalarField a = blur_gaussian(dense, {1.5, 2, 3}, Context()).value();
+  const ScalarField b = blur_gaussian(sparse, {1.5, 2, 3}, Context()).value();
+  const ScalarField c = blur_median(dense, 2, Context()).value();
+  const ScalarField d = blur_median(sparse, 2, Context()).value();
   ASSERT_TRUE(std::holds_alternative<SparseSamples>(b.samples));
   EXPECT_EQ(a.type(), b.type());
   for (int i = 9; i < 64 - 9; ++i) {
@@ -118,12 +118,12 @@ TYPED_TEST(BlurTypes, SparseIsDenseWithinTheData) {
 TEST(Blur, WhatDoesNotVaryStaysExactly) {
   for (const double value : {0.1, -3e38, 1e-40, 7.0}) {
     const ScalarField field = test::dense_field<float>({20, 9, 8}, [&](int, int, int) { return value; });
-    const ScalarField blurred = blur_gaussian(field, glm::dvec3(2)).value();
+    const ScalarField blurred = blur_gaussian(field, glm::dvec3(2), Context()).value();
     for (int i = 0; i < 20; ++i) EXPECT_EQ(value_at(blurred, {i, 4, 3}), value_at(field, {i, 4, 3}));
   }
   const ScalarField extreme =
       test::dense_field<double>({20, 4, 4}, [](int i, int, int) { return i % 2 == 0 ? 1.7e308 : -1.7e308; });
-  const ScalarField blurred = blur_gaussian(extreme, glm::dvec3(2)).value();
+  const ScalarField blurred = blur_gaussian(extreme, glm::dvec3(2), Context()).value();
   for (int i = 0; i < 20; ++i) EXPECT_TRUE(std::isfinite(value_at(blurred, {i, 1, 1})));
 }
 
@@ -140,8 +140,8 @@ TEST(Blur, WhatIsNoNumberHasNoSayAndStays) {
     return found != odd.end() ? found->second : i + 0.5 * j * j - k;
   });
   const glm::dvec3 sigma(1, 1.5, 0.7);
-  const ScalarField blurred = blur_gaussian(dense, sigma).value();
-  const ScalarField median = blur_median(dense, 1).value();
+  const ScalarField blurred = blur_gaussian(dense, sigma, Context()).value();
+  const ScalarField median = blur_median(dense, 1, Context()).value();
   for (int i = 0; i < dims.x; ++i) {
     for (int j = 0; j < dims.y; ++j) {
       for (int k = 0; k < dims.z; ++k) {
@@ -157,7 +157,7 @@ TEST(Blur, WhatIsNoNumberHasNoSayAndStays) {
     }
   }
   // In blocks likewise.
-  const ScalarField sparse = blur_gaussian(test::sparse_copy<float>(dense, 0), sigma).value();
+  const ScalarField sparse = blur_gaussian(test::sparse_copy<float>(dense, 0), sigma, Context()).value();
   for (int i = 6; i < dims.x - 6; ++i) {
     for (int j = 6; j < dims.y - 6; ++j) {
       for (int k = 6; k < dims.z - 6; ++k) {
@@ -182,7 +182,7 @@ TEST(Blur, LargeTilesAreCutAtTheirBorder) {
   ScalarField field;
   field.source = "tiles";
   field.samples = samples;
-  const ScalarField blurred = blur_gaussian(field, glm::dvec3(2)).value();
+  const ScalarField blurred = blur_gaussian(field, glm::dvec3(2), Context()).value();
   const auto& result = std::get<SparseSamples>(blurred.samples);
   EXPECT_EQ(value_at(blurred, {-64, -64, -64}), 3);
   EXPECT_EQ(value_at(blurred, {0, -64, -64}), 3) << "between two tiles of one value nothing changes";
@@ -216,7 +216,8 @@ TEST(Blur, SameForAnyNumberOfThreads) {
     std::vector<std::vector<double>> results(2);
     for (const std::size_t run : {0U, 1U}) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, run == 0 ? 1 : 4);
-      const ScalarField blurred = blur_median(blur_gaussian(*data, glm::dvec3(1.7)).value(), 1).value();
+      const ScalarField blurred =
+          blur_median(blur_gaussian(*data, glm::dvec3(1.7), Context()).value(), 1, Context()).value();
       for (int i = 0; i < 64; i += 3) results[run].push_back(value_at(blurred, {i, i / 2, 47 - i / 2}));
     }
     EXPECT_EQ(results[0], results[1]);
@@ -225,10 +226,10 @@ TEST(Blur, SameForAnyNumberOfThreads) {
 
 TEST(Blur, RefusesWhatItDoesNotTake) {
   const ScalarField field = test::random_field<float>({16, 16, 16}, 4, 1000);
-  EXPECT_EQ(blur_gaussian(field, {1, 17, 1}).error().kind, ErrorKind::usage);
-  EXPECT_EQ(blur_gaussian(field, {1, test::kNaN, 1}).error().kind, ErrorKind::usage);
-  EXPECT_EQ(blur_median(field, 9).error().kind, ErrorKind::usage);
-  EXPECT_EQ(blur_median(field, 0).error().kind, ErrorKind::usage);
+  EXPECT_EQ(blur_gaussian(field, {1, 17, 1}, Context()).error().kind, ErrorKind::usage);
+  EXPECT_EQ(blur_gaussian(field, {1, test::kNaN, 1}, Context()).error().kind, ErrorKind::usage);
+  EXPECT_EQ(blur_median(field, 9, Context()).error().kind, ErrorKind::usage);
+  EXPECT_EQ(blur_median(field, 0, Context()).error().kind, ErrorKind::usage);
   for (const ScalarField& data : {field, test::sparse_copy<float>(field, 0)}) {
     const Context little{MemoryBudget(1000)};
     EXPECT_EQ(blur_gaussian(data, glm::dvec3(1), little).error().hint.remedy, Remedy::raise_memory_limit);

@@ -14,7 +14,7 @@ TEST(Coarsen, KeepsALinearFieldWhereItWas) {
   ScalarField field = test::dense_field<double>({17, 16, 9}, [](int i, int j, int k) { return i + 10 * j - 3 * k; });
   field.index_to_world = frame;
   for (const int factor : {2, 4}) {
-    const ScalarField coarse = coarsen(field, factor).value();
+    const ScalarField coarse = coarsen(field, factor, Context()).value();
     EXPECT_EQ(std::get<DenseSamples>(coarse.samples).dims, glm::ivec3(17, 16, 9) / factor);
     EXPECT_EQ(coarse.type(), SampleType::f64);
     const Interpolant interpolant(coarse, Interpolation::trilinear);
@@ -24,7 +24,7 @@ TEST(Coarsen, KeepsALinearFieldWhereItWas) {
     EXPECT_NEAR(at(p).value, fine.x + 10 * fine.y - 3 * fine.z, 1e-9);
     EXPECT_NEAR(glm::length(coarse.index_to_file(p) - fine), 0, 1e-9);
   }
-  EXPECT_EQ(coarsen(field, 8).error().kind, ErrorKind::input) << "one sample along z";
+  EXPECT_EQ(coarsen(field, 8, Context()).error().kind, ErrorKind::input) << "one sample along z";
 }
 
 TEST(Coarsen, SparseIsDenseWithinTheData) {
@@ -33,8 +33,8 @@ TEST(Coarsen, SparseIsDenseWithinTheData) {
   });
   const ScalarField sparse = test::sparse_copy<std::int16_t>(dense, 0);
   for (const int factor : {2, 4, 8}) {
-    const ScalarField a = coarsen(dense, factor).value();
-    const ScalarField b = coarsen(sparse, factor).value();
+    const ScalarField a = coarsen(dense, factor, Context()).value();
+    const ScalarField b = coarsen(sparse, factor, Context()).value();
     ASSERT_TRUE(std::holds_alternative<SparseSamples>(b.samples));
     EXPECT_EQ(b.type(), SampleType::f32);
     EXPECT_EQ(a.index_to_world, b.index_to_world);
@@ -61,7 +61,7 @@ TEST(Coarsen, SparseKeepsTilesAndNegativeIndices) {
   samples.background = 0.5;
   ScalarField field;
   field.samples = samples;
-  const ScalarField coarse = coarsen(field, 2).value();
+  const ScalarField coarse = coarsen(field, 2, Context()).value();
   const auto& result = std::get<SparseSamples>(coarse.samples);
   ASSERT_EQ(result.tiles.size(), 1U);
   EXPECT_EQ(result.tiles[0].origin, glm::ivec3(32));

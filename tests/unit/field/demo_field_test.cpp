@@ -18,7 +18,7 @@ float sample(const ScalarField& field, int i, int j, int k) {
 }
 
 TEST(DemoField, SphereIsPlacedAndSigned) {
-  const ScalarField field = make_demo_field("demo:sphere?size=21").value();
+  const ScalarField field = make_demo_field("demo:sphere?size=21", Context()).value();
   EXPECT_EQ(std::get<DenseSamples>(field.samples).dims, glm::ivec3(21));
   EXPECT_EQ(field.index_to_world({0, 0, 0}), glm::dvec3(-1));
   EXPECT_NEAR(field.index_to_world({20, 10, 20}).x, 1, 1e-15);
@@ -29,18 +29,18 @@ TEST(DemoField, SphereIsPlacedAndSigned) {
 
 TEST(DemoField, AxesAreNotSwapped) {
   // The torus lies around the z axis: x and y alike, z not.
-  const ScalarField field = make_demo_field("demo:torus?size=21").value();
+  const ScalarField field = make_demo_field("demo:torus?size=21", Context()).value();
   EXPECT_NEAR(sample(field, 16, 10, 10), 0.25, 1e-6);
   EXPECT_NEAR(sample(field, 10, 16, 10), 0.25, 1e-6);
   EXPECT_LT(sample(field, 10, 10, 16), -0.4);
-  const ScalarField gyroid = make_demo_field("demo:gyroid?size=33").value();
+  const ScalarField gyroid = make_demo_field("demo:gyroid?size=33", Context()).value();
   // sin x cos y + sin y cos z + sin z cos x at x = pi/2 (index 18: 4 pi (18/16 - 1) = pi/2), y = z = 0.
   EXPECT_NEAR(sample(gyroid, 18, 16, 16), 1, 1e-6);
 }
 
 TEST(DemoField, EveryDescriptionCanBeMade) {
   for (const DemoDescription& demo : demo_fields()) {
-    const auto field = make_demo_field("demo:" + std::string(demo.name) + "?size=9");
+    const auto field = make_demo_field("demo:" + std::string(demo.name) + "?size=9", Context());
     ASSERT_TRUE(field) << demo.name;
     EXPECT_EQ(field->name, demo.name);
   }
@@ -48,7 +48,7 @@ TEST(DemoField, EveryDescriptionCanBeMade) {
 
 // Measurements and the hashes of meshes are of these.
 TEST(DemoField, RandomIsWhatItAlwaysWas) {
-  const ScalarField field = make_demo_field("demo:random?size=2").value();
+  const ScalarField field = make_demo_field("demo:random?size=2", Context()).value();
   EXPECT_EQ(sample(field, 0, 0, 0), 0x1.8882ap-1F);
   EXPECT_EQ(sample(field, 1, 0, 0), -0x1.18762p-3F);
   EXPECT_EQ(sample(field, 1, 1, 1), 0x1.16104cp-1F);
@@ -60,14 +60,14 @@ TEST(DemoField, RefusesWhatItDoesNotKnow) {
         "demo:sphere?size=8x", "demo:sphere?time=", "demo:sphere?time=nan", "demo:sphere?time=inf",
         "demo:sphere?time=1x", "demo:torus?time=0", "demo:random?time=0.5", "demo:marschner-lobb?time=0.5",
         "demo:sphere?depth=3", "demo:sphere?size", "demo:sphere?size=8&&"}) {
-    const auto field = make_demo_field(spec);
+    const auto field = make_demo_field(spec, Context());
     ASSERT_FALSE(field) << spec;
     EXPECT_EQ(field.error().kind, ErrorKind::usage);
   }
 }
 
 std::vector<float> samples_of(const std::string& spec) {
-  const ScalarField field = make_demo_field(spec).value();
+  const ScalarField field = make_demo_field(spec, Context()).value();
   const auto& dense = std::get<DenseSamples>(field.samples);
   const auto* values = static_cast<const float*>(dense.data);
   return {values, values + dense.count()};
@@ -118,22 +118,22 @@ TEST(DemoFieldTime, MovesWithoutJumps) {
 
 TEST(DemoFieldTime, MotionsAreThoseThatTheHelpTells) {
   // At a quarter of the time the sphere is highest: 0.25, which is two samples.
-  const ScalarField sphere = make_demo_field("demo:sphere?size=17&time=0.25").value();
+  const ScalarField sphere = make_demo_field("demo:sphere?size=17&time=0.25", Context()).value();
   EXPECT_FLOAT_EQ(sample(sphere, 8, 8, 10), 0.7F);
   // A quarter of the gyroid's period along x is 0.125, one sample.
-  const ScalarField still = make_demo_field("demo:gyroid?size=17").value();
-  const ScalarField moved = make_demo_field("demo:gyroid?size=17&time=0.25").value();
+  const ScalarField still = make_demo_field("demo:gyroid?size=17", Context()).value();
+  const ScalarField moved = make_demo_field("demo:gyroid?size=17&time=0.25", Context()).value();
   for (int i = 0; i < 16; ++i) EXPECT_NEAR(sample(moved, i + 1, 3, 5), sample(still, i, 3, 5), 1e-5);
   // Each ball keeps its height and its distance from the axis.
-  const ScalarField balls = make_demo_field("demo:metaballs?size=17&time=0.5").value();
+  const ScalarField balls = make_demo_field("demo:metaballs?size=17&time=0.5", Context()).value();
   for (int k = 0; k < 17; ++k) EXPECT_LT(sample(balls, 0, 0, k), 0);
 }
 
 TEST(DemoFieldTime, HasAFormulaOnlyWhereItHasNotMoved) {
-  EXPECT_NE(formula_of(make_demo_field("demo:sphere?size=8").value()), nullptr);
-  EXPECT_NE(formula_of(make_demo_field("demo:sphere?size=8&time=2").value()), nullptr);
-  EXPECT_EQ(formula_of(make_demo_field("demo:sphere?size=8&time=0.5").value()), nullptr);
-  EXPECT_EQ(formula_of(make_demo_field("demo:random?size=8").value()), nullptr);
+  EXPECT_NE(formula_of(make_demo_field("demo:sphere?size=8", Context()).value()), nullptr);
+  EXPECT_NE(formula_of(make_demo_field("demo:sphere?size=8&time=2", Context()).value()), nullptr);
+  EXPECT_EQ(formula_of(make_demo_field("demo:sphere?size=8&time=0.5", Context()).value()), nullptr);
+  EXPECT_EQ(formula_of(make_demo_field("demo:random?size=8", Context()).value()), nullptr);
 }
 
 TEST(DemoField, ReservesItsSamples) {

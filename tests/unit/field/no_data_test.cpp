@@ -24,7 +24,7 @@ double marked_value(const field::ScalarField& field, std::size_t at) {
 
 TYPED_TEST(NoDataOf, OnlySamplesOfTheValueBecomeNan) {
   field::ScalarField field = dense_field<TypeParam>({4, 3, 2}, [](int i, int, int) { return 10 * i; });
-  ASSERT_TRUE(field::mark_no_data(field, 20));
+  ASSERT_TRUE(field::mark_no_data(field, 20, Context()));
   for (std::size_t at = 0; at < 24; ++at) {
     const double value = marked_value(field, at);
     if (at % 4 == 2) {
@@ -52,11 +52,11 @@ TYPED_TEST(NoDataOf, WhereThereIsNoneTheSamplesStay) {
 
 TEST(NoDataValue, IsThatOfTheSamplesTypeAndOfTheScale) {
   field::ScalarField field = dense_field<float>({2, 2, 2}, [](int i, int, int) { return i == 0 ? -9999.9F : 1.0F; });
-  ASSERT_TRUE(field::mark_no_data(field, -9999.9));
+  ASSERT_TRUE(field::mark_no_data(field, -9999.9, Context()));
   EXPECT_TRUE(std::isnan(marked_value(field, 0)));
   field::ScalarField scaled = dense_field<std::int16_t>({2, 2, 2}, [](int i, int, int) { return i; });
   scaled.scale = {0.1, -1024};
-  ASSERT_TRUE(field::mark_no_data(scaled, -1023.9));
+  ASSERT_TRUE(field::mark_no_data(scaled, -1023.9, Context()));
   EXPECT_TRUE(std::isnan(marked_value(scaled, 1)));
   EXPECT_EQ(marked_value(scaled, 0), 0);
 }
@@ -65,7 +65,7 @@ TEST(NoDataValue, OfSparseFieldsIsRefused) {
   field::ScalarField field;
   field.source = "a.vdb";
   field.samples = field::SparseSamples();
-  const auto marked = field::mark_no_data(field, 0);
+  const auto marked = field::mark_no_data(field, 0, Context());
   ASSERT_FALSE(marked);
   EXPECT_EQ(marked.error().kind, ErrorKind::usage);
 }

@@ -26,7 +26,7 @@ ScalarField linear_field(const glm::ivec3& dims, const Affine& index_to_world) {
 
 std::vector<float> sampled(const ScalarField& field, const std::vector<glm::dvec3>& places, PointCounts* counts) {
   std::vector<float> values(places.size());
-  const auto done = sample_points(field, places, values, 1);
+  const auto done = sample_points(field, places, values, 1, Context());
   EXPECT_TRUE(done) << done.error().message;
   if (done && counts != nullptr) *counts = *done;
   return values;
@@ -101,7 +101,7 @@ TEST(PointSamples, StridesAndThreadsLeaveTheRestAlone) {
     places.emplace_back(std::fmod(0.377 * n, 19.0), std::fmod(0.173 * n, 20.0), std::fmod(0.711 * n, 21.0));
   }
   std::vector<float> several(3 * places.size(), 7);
-  ASSERT_TRUE(sample_points(field, places, std::span(several).subspan(1), 3));
+  ASSERT_TRUE(sample_points(field, places, std::span(several).subspan(1), 3, Context()));
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   const std::vector<float> alone = sampled(field, places, nullptr);
   for (std::size_t n = 0; n < places.size(); ++n) {

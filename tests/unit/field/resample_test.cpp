@@ -24,7 +24,7 @@ constexpr ResampleKernel kLinear = ResampleKernel::linear;
 
 ScalarField resampled(const ScalarField& field, const glm::ivec3& resolution, ResampleKernel kernel = kLinear,
                       NanSamples nan = NanSamples::left_out) {
-  ScalarField result = resample(field, resolution, kernel, nan).value();
+  ScalarField result = resample(field, resolution, kernel, nan, Context()).value();
   EXPECT_EQ(dense_samples(result).dims, resolution);
   return result;
 }
@@ -387,9 +387,13 @@ TEST(Resample, SparseTakesNegativeIndicesTilesAndNothingAtAll) {
 
 TEST(Resample, SaysWhatItCannotDo) {
   const ScalarField field = test::dense_field<float>({4, 4, 4}, [](int i, int, int) { return i; });
-  EXPECT_EQ(resample(field, {4, 1, 4}).error().kind, ErrorKind::usage);
+  EXPECT_EQ(
+      resample(field, {4, 1, 4}, field::ResampleKernel::linear, field::NanSamples::left_out, Context()).error().kind,
+      ErrorKind::usage);
   const ScalarField flat = test::dense_field<float>({4, 4, 1}, [](int i, int, int) { return i; });
-  EXPECT_EQ(resample(flat, {4, 4, 4}).error().kind, ErrorKind::input);
+  EXPECT_EQ(
+      resample(flat, {4, 4, 4}, field::ResampleKernel::linear, field::NanSamples::left_out, Context()).error().kind,
+      ErrorKind::input);
   const Error large =
       resample(field, {100, 100, 100}, kLinear, NanSamples::left_out, Context(MemoryBudget(4'000'000 - 1))).error();
   EXPECT_EQ(large.kind, ErrorKind::input);

@@ -353,7 +353,7 @@ TEST(SuggestIso, OneValueIsSeparatedFromAnotherBackground) {
 }
 
 TEST(SuggestIso, DemoFieldsHaveTheirOwn) {
-  const auto field = make_demo_field("demo:marschner-lobb?size=16");
+  const auto field = make_demo_field("demo:marschner-lobb?size=16", Context());
   ASSERT_TRUE(field.has_value());
   EXPECT_EQ(suggest_iso(*field, measure_statistics(*field)).iso, 0.5);
 }

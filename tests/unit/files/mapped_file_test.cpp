@@ -17,7 +17,7 @@ namespace {
 const auto kPage = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
 
 files::MappedFile must_map(const std::filesystem::path& path, std::uint64_t offset, std::uint64_t bytes) {
-  const auto file = files::InputFile::open(path);
+  const auto file = files::InputFile::open(path, Context());
   if (!file) throw std::runtime_error(file.error().message);
   auto mapped = files::MappedFile::map(*file, offset, bytes);
   if (!mapped) throw std::runtime_error("not mapped");

@@ -209,7 +209,7 @@ TEST(StandardInput, IsAnInputFile) {
   EXPECT_EQ(with_input("sixteen bytes .!",
                        [] {
                          for (int again = 0; again < 2; ++again) {
-                           const auto file = InputFile::open("-");
+                           const auto file = InputFile::open("-", Context());
                            if (!file || file->name() != "standard input" || file->size() != 16) return 1;
                            const auto mapped = MappedFile::map(*file, 8, 5);
                            if (!mapped || std::memcmp(mapped->data(), "bytes", 5) != 0) return 2;
@@ -221,7 +221,7 @@ TEST(StandardInput, IsAnInputFile) {
             0);
   EXPECT_EQ(with_input("",
                        [] {
-                         const auto file = InputFile::open("-");
+                         const auto file = InputFile::open("-", Context());
                          return !file && file.error().message == "standard input: it is empty" ? 0 : 1;
                        }),
             0);
@@ -232,7 +232,7 @@ TEST(StandardInput, AFailureIsKept) {
   EXPECT_EQ(with_input(std::string(1000, 'x'),
                        [] {
                          if (InputFile::open("-", Context(MemoryBudget(10)))) return 1;
-                         const auto again = InputFile::open("-");
+                         const auto again = InputFile::open("-", Context());
                          return !again && again.error().hint.remedy == Remedy::raise_memory_limit ? 0 : 2;
                        }),
             0);

@@ -79,17 +79,15 @@ inline Result<void> capture_sites(
     const std::function<void(std::span<const std::uint32_t>, const gpu::CapturedSoup&)>& take) {
   const gl::GlContext& context = kOwnContext->context();
   gpu::CellProgramKind kind = sites.kind;
-  const auto capturing = kOwnContext->programs().find(context, kind);
-  if (!capturing) return tl::unexpected(capturing.error());
+  const auto capturing = TRY(kOwnContext->programs().find(context, kind));
   kind.counting = true;
   kind.normals = gpu::CapturedNormals::none;
-  const auto counting = kOwnContext->programs().find(context, kind);
-  if (!counting) return tl::unexpected(counting.error());
+  const auto counting = TRY(kOwnContext->programs().find(context, kind));
   const extract::OutputFrame placement(sites.options.output_from_index, sites.stored, sites.field->kind,
                                        sites.field->scale);
   const glm::dmat3 outward = placement.outward_covectors();
   const field::Affine& local = placement.local_from_index();
-  for (const gl::CellProgram* program : {*counting, *capturing}) {
+  for (const gl::CellProgram* program : {counting, capturing}) {
     program->set("inside_from", sites.keys.from);
     program->set("inside_to", sites.keys.to);
     program->set("first_cell", sites.region.min);
@@ -110,18 +108,17 @@ inline Result<void> capture_sites(
   gpu::CaptureBuffers buffers = gpu::CaptureBuffers::make();
   gpu::CellCapture capture(context, buffers, sites.kind.pipeline, words, feedback_bytes);
   while (true) {
-    const auto ready = source.advance();
-    if (!ready) return tl::unexpected(ready.error());
-    if (ready->empty()) break;
+    const auto ready = TRY(source.advance());
+    if (ready.empty()) break;
     std::vector<glm::ivec3> origins;
-    for (const std::uint32_t site : *ready) origins.push_back(sites.origins[site]);
+    for (const std::uint32_t site : ready) origins.push_back(sites.origins[site]);
     const auto drawn = capture.draw(
-        {*counting, *capturing}, origins,
+        {counting, capturing}, origins,
         [&](std::size_t first, std::size_t count) {
-          source.bind({*counting, *capturing}, ready->subspan(first, count));
+          source.bind({counting, capturing}, ready.subspan(first, count));
         },
         [&](std::size_t first, std::size_t count, const gpu::CapturedSoup& soup) {
-          take(ready->subspan(first, count), soup);
+          take(ready.subspan(first, count), soup);
         },
         [](std::uint64_t) { return Result<void>(); });
     if (!drawn) return drawn;
@@ -175,7 +172,7 @@ class DenseSurface {
         masks_(samples_.dims),
         whole_{glm::ivec3(0), samples_.dims - 1} {
     extract::ExtractStats stats;
-    const auto threshold = extract::classify_dense(field, view_, glm::ivec3(0), options, masks_, stats);
+    const auto threshold = extract::classify_dense(field, view_, glm::ivec3(0), options, masks_, stats, Context());
     bricks_ = std::make_unique<gpu::DenseSites>(masks_, glm::ivec3(0));
     sites_.field = &field;
     sites_.options = options;
@@ -213,7 +210,7 @@ class SparseSurface {
       : samples_(std::get<field::SparseSamples>(field.samples)),
         options_(options),
         region_(extract::sparse_region(field, samples_, options).value()),
-        leaves_(field, samples_, region_, options_) {
+        leaves_(field, samples_, region_, options_, Context()) {
     extract::ExtractStats stats;
     EXPECT_TRUE(leaves_.find(stats));
     sites_.field = &field;

@@ -114,11 +114,11 @@ TEST(Devices, ExtractorsLiveBesideEachOther) {
   const field::ScalarField field = test::random_field<float>({10, 10, 10}, 3, 100);
   extract::ExtractOptions options;
   options.iso = 50;
-  const auto a = first->extractor->extract(field, options);
-  const auto b = second->extractor->extract(field, options);
-  const auto again = first->extractor->extract(field, options);
+  const auto a = first->extractor->extract(field, options, Context());
+  const auto b = second->extractor->extract(field, options, Context());
+  const auto again = first->extractor->extract(field, options, Context());
   first->extractor.reset();
-  const auto alone = second->extractor->extract(field, options);
+  const auto alone = second->extractor->extract(field, options, Context());
   for (const auto* extraction : {&a, &b, &again, &alone}) {
     ASSERT_TRUE(*extraction) << extraction->error().message;
     EXPECT_FALSE((*extraction)->mesh.triangles.empty());

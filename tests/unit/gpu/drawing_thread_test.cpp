@@ -43,7 +43,7 @@ TEST(DrawingThread, DrawsForSeveralThreadsAtATime) {
         const auto extractor = drawing->extractor();
         tbb::task_arena arena(1 + t % 2);
         for (int again = 0; again < 3; ++again) {
-          arena.execute([&] { found[t].push_back(extractor->extract(fields[t], half())); });
+          arena.execute([&] { found[t].push_back(extractor->extract(fields[t], half(), Context())); });
         }
       });
     }
@@ -65,10 +65,10 @@ TEST(DrawingThread, KeepsProgramsAndIsSharedByItsExtractors) {
   EXPECT_EQ(first->name(), "gpu");
   EXPECT_EQ(first->device(), gl::describe(drawing->device()));
   EXPECT_TRUE(first->has(extract::Method::mc));
-  ASSERT_TRUE(first->extract(field, half()));
+  ASSERT_TRUE(first->extract(field, half(), Context()));
   first.reset();
   drawing = tl::unexpected(Error{});  // the handle goes, and the thread stays for who still has an extractor
-  const auto again = second->extract(field, half());
+  const auto again = second->extract(field, half(), Context());
   ASSERT_TRUE(again) << again.error().message;
   EXPECT_EQ(again->stats.device->samples_uploaded, 0U) << "one device for both";
 }
@@ -91,7 +91,7 @@ TEST(DrawingThread, WorksInTheContextOfWhoAsks) {
   const auto cancelled = extractor->extract(field, half(), over);
   ASSERT_FALSE(cancelled);
   EXPECT_EQ(cancelled.error().kind, ErrorKind::cancelled);
-  const auto again = extractor->extract(field, half());
+  const auto again = extractor->extract(field, half(), Context());
   ASSERT_TRUE(again) << again.error().message;
   test::expect_same_bytes(made->mesh, again->mesh);
 }

@@ -77,7 +77,7 @@ inline extract::Extraction extract_on_gpu(const field::ScalarField& field, const
                                           const Drawing& drawing = {}) {
   extract::Extractor* gpu = kGpuExtractors->find(drawing);
   if (gpu == nullptr) return {};
-  Result<extract::Extraction> result = gpu->extract(field, options);
+  Result<extract::Extraction> result = gpu->extract(field, options, Context());
   if (!result) {
     ADD_FAILURE() << result.error().message;
     return {};
@@ -166,8 +166,8 @@ std::size_t expect_parity(const field::ScalarField& field, extract::ExtractOptio
     extract::Extractor* gpu = kGpuExtractors->find(drawing);
     if (gpu == nullptr) return 0;
     options.method = drawing.method;
-    const auto expected = extract::make_cpu_extractor()->extract(field, options);
-    const auto found = gpu->extract(field, options);
+    const auto expected = extract::make_cpu_extractor()->extract(field, options, Context());
+    const auto found = gpu->extract(field, options, Context());
     EXPECT_EQ(expected.has_value(), found.has_value());
     if (!expected || !found) {
       if (!found && expected) ADD_FAILURE() << found.error().message;

@@ -17,7 +17,7 @@ INSTANTIATE_TEST_SUITE_P(Pipelines, FlatNormals,
                          });
 
 TEST_P(FlatNormals, AreTheTriangles) {
-  const auto field = field::make_demo_field("demo:gyroid?size=24");
+  const auto field = field::make_demo_field("demo:gyroid?size=24", Context());
   ASSERT_TRUE(field);
   extract::ExtractOptions options;
   options.method = GetParam() == GpuPipeline::mt_geometry ? extract::Method::mt : extract::Method::mc;

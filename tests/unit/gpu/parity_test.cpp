@@ -43,7 +43,7 @@ TEST(Parity, AxesOfOneSampleFailAlike) {
   for (const glm::ivec3& dims : {glm::ivec3(1, 5, 5), glm::ivec3(5, 1, 5), glm::ivec3(5, 5, 1)}) {
     const field::ScalarField field = test::random_field<float>(dims, 1, 9);
     EXPECT_EQ(expect_parity(field, test::at_iso(4)), 0U);
-    EXPECT_FALSE(test::kGpuExtractors->find({})->extract(field, test::at_iso(4)));
+    EXPECT_FALSE(test::kGpuExtractors->find({})->extract(field, test::at_iso(4), Context()));
   }
 }
 
@@ -108,7 +108,7 @@ TEST(Parity, RegionsAndTheirCaps) {
   extract::ExtractOptions options = test::at_iso(500);
   options.region = field::IndexBox{{40, 0, 0}, {50, 9, 9}};
   expect_parity(field, options);
-  EXPECT_FALSE(test::kGpuExtractors->find({})->extract(field, options));
+  EXPECT_FALSE(test::kGpuExtractors->find({})->extract(field, options, Context()));
 }
 
 // Scattered NaN and infinities, also right behind the border that a cap closes.
@@ -181,7 +181,7 @@ TEST(Parity, ExtremeValues) {
 TEST(Parity, DemoFields) {
   for (const char* spec : {"demo:sphere?size=40", "demo:gyroid?size=36", "demo:marschner-lobb?size=41"}) {
     SCOPED_TRACE(spec);
-    const auto field = field::make_demo_field(spec);
+    const auto field = field::make_demo_field(spec, Context());
     ASSERT_TRUE(field);
     extract::ExtractOptions options =
         test::at_iso(std::string_view(spec).find("lobb") != std::string_view::npos ? 0.5 : 0);

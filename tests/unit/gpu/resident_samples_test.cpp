@@ -26,7 +26,7 @@ extract::DeviceStats draw(extract::Extractor& keeping, const field::ScalarField&
                           extract::ExtractOptions options) {
   options.edge_keys = true;
   const extract::Extraction fresh = test::extract_on_gpu(field, options);
-  const auto found = keeping.extract(field, options);
+  const auto found = keeping.extract(field, options, Context());
   if (!found) {
     ADD_FAILURE() << found.error().message;
     return {};
@@ -140,7 +140,7 @@ TEST_P(Resident, NothingStaysWhereItDoesNotFit) {
   for (int again = 0; again < 2; ++again) {
     extract::ExtractOptions few = options(995);
     few.edge_keys = true;
-    const auto found = keeping->extract(large, few);
+    const auto found = keeping->extract(large, few, Context());
     ASSERT_TRUE(found) << found.error().message;
     const extract::Extraction fresh = test::extract_on_gpu(large, few);
     test::expect_same_bytes(fresh.mesh, found->mesh);

@@ -95,7 +95,7 @@ TEST_P(Slabs, OfLittleMemoryMakeTheSameMesh) {
   little.debug = true;
   auto extractor = make_gpu_extractor(little);
   ASSERT_TRUE(extractor);
-  const auto found = extractor->extractor->extract(field, options);
+  const auto found = extractor->extractor->extract(field, options, Context());
   ASSERT_TRUE(found) << found.error().message;
   test::expect_same_bytes(test::extract_on_gpu(field, options, {GetParam()}).mesh, found->mesh);
   EXPECT_EQ(found->stats.device->bytes_uploaded, 8 * product({66, 64, 40})) << "in slabs, each sample once";

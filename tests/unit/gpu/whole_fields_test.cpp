@@ -12,14 +12,14 @@ namespace {
 // llvmpipe repeats the first batch in a tessellated draw of more than 65,536 vertices, which are 128 sites; the number
 // of triangles looks right all the same.
 TEST(LargeDraw, TessellatedVerticesAreNotRepeated) {
-  const auto field = field::make_demo_field("demo:gyroid?size=56");
+  const auto field = field::make_demo_field("demo:gyroid?size=56", Context());
   ASSERT_TRUE(field);
   EXPECT_GT(test::extract_on_gpu(*field, {}).stats.bricks_visited, 300U);
   EXPECT_GT(test::expect_parity(*field, extract::ExtractOptions{}), 40000U);
 }
 
 TEST(LargeDraw, StatsSayWhatWasDone) {
-  const auto field = field::make_demo_field("demo:gyroid?size=40");
+  const auto field = field::make_demo_field("demo:gyroid?size=40", Context());
   ASSERT_TRUE(field);
   const extract::Extraction result = test::extract_on_gpu(*field, {});
   ASSERT_TRUE(result.stats.device);
@@ -41,7 +41,8 @@ TEST_P(GpuStability, AllCasesPass) {
   extract::Extractor* gpu = test::kGpuExtractors->find({GetParam()});
   ASSERT_NE(gpu, nullptr);
   for (const measure::StabilityCase& test : measure::stability_cases()) {
-    const measure::StabilityRow row = measure::run_stability_case(test, extract::method_info(GetParam()), *gpu);
+    const measure::StabilityRow row =
+        measure::run_stability_case(test, extract::method_info(GetParam()), *gpu, Context());
     EXPECT_EQ(row.backend, "gpu");
     for (const std::string& failure : row.failures) ADD_FAILURE() << test.name << ": " << failure;
   }
@@ -77,7 +78,7 @@ TEST_P(GpuRealVolume, IsTheCpus) {
   volumes::ReadOptions read;
   read.raw = GetParam().raw;
   if (GetParam().grid != nullptr) read.grid = GetParam().grid;
-  const auto field = volumes::read_volume(test::data_file(GetParam().file).string(), read);
+  const auto field = volumes::read_volume(test::data_file(GetParam().file).string(), read, Context());
   ASSERT_TRUE(field) << field.error().message;
   extract::ExtractOptions options;
   options.iso = GetParam().iso;

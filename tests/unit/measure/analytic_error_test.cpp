@@ -21,7 +21,7 @@ struct Extracted {
 };
 
 Extracted extract_demo(const std::string& spec, double iso, const field::Affine& after = {}, bool cap = false) {
-  Extracted result{field::make_demo_field(spec).value(), {}, {}};
+  Extracted result{field::make_demo_field(spec, Context()).value(), {}, {}};
   result.options.iso = iso;
   result.options.cap = cap;
   result.options.smooth_normals = true;
@@ -74,8 +74,9 @@ TEST(AnalyticError, FollowsTurnAndScale) {
   const Extracted plain = extract_demo("demo:torus?size=48", 0);
   const field::Affine turned{1000.0 * glm::dmat3(1, 0, 0, 0, 0, -1, 0, 1, 0), glm::dvec3(5e6, 0, -7)};
   const Extracted placed = extract_demo("demo:torus?size=48", 0, turned);
-  const auto a = measure_analytic_error(plain.mesh, plain.field, plain.options).value().value();
-  const auto b = measure_analytic_error(placed.mesh, placed.field, placed.options).value().value();
+  const auto a = measure_analytic_error(plain.mesh, plain.field, plain.options, nullptr, {}, Context()).value().value();
+  const auto b =
+      measure_analytic_error(placed.mesh, placed.field, placed.options, nullptr, {}, Context()).value().value();
   EXPECT_TRUE(a.closed_form);
   EXPECT_NEAR(b.unit, 1000, 1e-9);
   EXPECT_NEAR(b.interior.rms.world / a.interior.rms.world, 1000, 1e-2);
@@ -86,7 +87,8 @@ TEST(AnalyticError, FollowsTurnAndScale) {
   EXPECT_NEAR(a.area / (4 * kPi * kPi * 0.6 * 0.25), 1, 0.01);
   EXPECT_NEAR(*b.volume / (1e9 * 2 * kPi * kPi * 0.6 * 0.25 * 0.25), 1, 0.01);
   const Extracted stretched = extract_demo("demo:torus?size=48", 0, field::scaling({1, 1, 2}));
-  EXPECT_FALSE(measure_analytic_error(stretched.mesh, stretched.field, stretched.options).value());
+  EXPECT_FALSE(
+      measure_analytic_error(stretched.mesh, stretched.field, stretched.options, nullptr, {}, Context()).value());
 }
 
 // A vertex moved outward by a known distance is off by that.
@@ -95,7 +97,8 @@ TEST(AnalyticError, OfAnInflatedSphereIsTheInflation) {
   for (std::size_t v = 0; v < sphere.mesh.positions.size(); ++v) {
     sphere.mesh.positions[v] += 0.01F * glm::normalize(sphere.mesh.positions[v]);
   }
-  const auto error = measure_analytic_error(sphere.mesh, sphere.field, sphere.options).value().value();
+  const auto error =
+      measure_analytic_error(sphere.mesh, sphere.field, sphere.options, nullptr, {}, Context()).value().value();
   EXPECT_NEAR(error.vertices.rms.world, 0.01, 2e-4);
   EXPECT_NEAR(error.vertices.rms.voxels, 0.01 * 63 / 2, 2e-2);
 }
@@ -103,13 +106,15 @@ TEST(AnalyticError, OfAnInflatedSphereIsTheInflation) {
 TEST(AnalyticError, OfFieldsWithoutClosedFormConverges) {
   for (const char* spec : {"demo:gyroid?size=64", "demo:metaballs?size=64"}) {
     const Extracted open = extract_demo(spec, 0.1);
-    const auto error = measure_analytic_error(open.mesh, open.field, open.options).value().value();
+    const auto error =
+        measure_analytic_error(open.mesh, open.field, open.options, nullptr, {}, Context()).value().value();
     EXPECT_FALSE(error.closed_form);
     EXPECT_EQ(error.interior.unmeasured(), 0U) << spec;
     EXPECT_LT(error.interior.max.voxels, 0.2) << spec;
     EXPECT_FALSE(error.volume) << "not closed";
     const Extracted capped = extract_demo(spec, 0.1, {}, true);
-    const auto closed = measure_analytic_error(capped.mesh, capped.field, capped.options).value().value();
+    const auto closed =
+        measure_analytic_error(capped.mesh, capped.field, capped.options, nullptr, {}, Context()).value().value();
     EXPECT_TRUE(closed.volume);
     EXPECT_NEAR(closed.area, error.area, 1e-9) << "caps do not count";
     EXPECT_EQ(closed.vertices.points, error.vertices.points);

@@ -29,7 +29,7 @@ TEST(Benchmark, OrdersOfConvergence) {
     std::vector<int> sizes;
   } cases[] = {{"sphere", 0, {20, 40, 80}}, {"torus", 0, {20, 40, 80}}, {"gyroid", 0.3, {40, 57, 80}}};
   for (const auto& [name, iso, sizes] : cases) {
-    const BenchResult result = bench_demo(name, sizes, quick(iso)).value();
+    const BenchResult result = bench_demo(name, sizes, quick(iso), Context()).value();
     ASSERT_EQ(result.rows.size(), 2 * sizes.size());
     for (const BenchRow& row : result.rows) EXPECT_EQ(row.position->unmeasured(), 0U);
     for (const BenchOrders& orders : result.orders) {
@@ -48,7 +48,7 @@ TEST(Benchmark, RowsAreWhatWasAskedFor) {
   const int most = tbb::this_task_arena::max_concurrency();
   options.threads = most > 1 ? std::vector<int>{1, 2} : std::vector<int>{1};
   options.repeats = 3;
-  const BenchResult result = bench_demo("sphere", {16, 24}, options).value();
+  const BenchResult result = bench_demo("sphere", {16, 24}, options, Context()).value();
   EXPECT_EQ(result.input, "demo:sphere");
   ASSERT_EQ(result.levels.size(), 2U);
   EXPECT_EQ(result.levels[1].size, "24");
@@ -67,24 +67,24 @@ TEST(Benchmark, RowsAreWhatWasAskedFor) {
     front = front || row.on_front;
   }
   EXPECT_TRUE(front);
-  EXPECT_EQ(bench_demo("random", {16}, options).error().kind, ErrorKind::usage);
+  EXPECT_EQ(bench_demo("random", {16}, options, Context()).error().kind, ErrorKind::usage);
   options.threads = {1, most + 1};
-  EXPECT_EQ(bench_demo("sphere", {16}, options).error().kind, ErrorKind::usage) << "threads in name only";
-  const field::ScalarField field = field::make_demo_field("demo:sphere?size=16").value();
-  EXPECT_EQ(bench_field(field, {1}, options).error().kind, ErrorKind::usage);
+  EXPECT_EQ(bench_demo("sphere", {16}, options, Context()).error().kind, ErrorKind::usage) << "threads in name only";
+  const field::ScalarField field = field::make_demo_field("demo:sphere?size=16", Context()).value();
+  EXPECT_EQ(bench_field(field, {1}, options, Context()).error().kind, ErrorKind::usage);
 }
 
 TEST(Benchmark, TellsWhereThereIsNoSurface) {
-  const Error none = bench_demo("sphere", {16, 32}, quick(9)).error();
+  const Error none = bench_demo("sphere", {16, 32}, quick(9), Context()).error();
   EXPECT_EQ(none.kind, ErrorKind::input);
   EXPECT_NE(none.message.find("the values run from -1.03"), std::string::npos) << none.message;
   EXPECT_EQ(none.hint, Hint(Remedy::other_iso, "0"));
-  const Error coarse = bench_demo("sphere", {8, 32}, quick(0.6)).error();
+  const Error coarse = bench_demo("sphere", {8, 32}, quick(0.6), Context()).error();
   EXPECT_NE(coarse.message.find("with 8 samples"), std::string::npos) << coarse.message;
   EXPECT_EQ(coarse.hint, Hint(Remedy::leave_out_coarsest));
-  const field::ScalarField field = field::make_demo_field("demo:sphere?size=32").value();
-  EXPECT_EQ(bench_field(field, {4, 1}, quick(9)).error().hint, Hint(Remedy::other_iso, "0"));
-  EXPECT_EQ(bench_field(field, {4, 1}, quick(0.6)).error().hint, Hint(Remedy::leave_out_coarsest));
+  const field::ScalarField field = field::make_demo_field("demo:sphere?size=32", Context()).value();
+  EXPECT_EQ(bench_field(field, {4, 1}, quick(9), Context()).error().hint, Hint(Remedy::other_iso, "0"));
+  EXPECT_EQ(bench_field(field, {4, 1}, quick(0.6), Context()).error().hint, Hint(Remedy::leave_out_coarsest));
 }
 
 bool has_note(const BenchResult& result, std::string_view text) {
@@ -99,7 +99,7 @@ TEST(Benchmark, OfAnExactPlaneThereIsNothingToCompare) {
   const field::ScalarField field = test::dense_field<float>({39, 40, 41}, [&](int i, int j, int k) {
     return glm::dot(normal, glm::dvec3(i, j, k) - glm::dvec3(18.3, 19.1, 20.2));
   });
-  const BenchResult result = bench_field(field, {4, 2, 1}, quick()).value();
+  const BenchResult result = bench_field(field, {4, 2, 1}, quick(), Context()).value();
   ASSERT_EQ(result.rows.size(), 6U);
   std::size_t on_front = 0;
   for (const BenchRow& row : result.rows) {
@@ -124,21 +124,21 @@ TEST(Benchmark, OfAnOddSizeComparesWhatLiesInside) {
       return 12 - glm::length(glm::dvec3(i, j, k) - glm::dvec3(23.2, 22.7, centre));
     });
   };
-  const BenchResult inside = bench_field(ball(23.4), {4, 2, 1}, quick()).value();
+  const BenchResult inside = bench_field(ball(23.4), {4, 2, 1}, quick(), Context()).value();
   for (const BenchRow& row : inside.rows) EXPECT_EQ(row.area_error && row.volume_error, row.level < 2);
   for (const BenchOrders& orders : inside.orders) EXPECT_NEAR(orders.area->slope, 2, 0.4);
   EXPECT_FALSE(has_note(inside, "not compared"));
   EXPECT_TRUE(has_note(inside, "left out are the last 3, 3 and 3 samples"));
   // Closed at z = 45.2, but the samples of 4^3 end at 41.5, those of 2^3 at 44.5.
-  const BenchResult at_end = bench_field(ball(33.2), {4, 2, 1}, quick()).value();
+  const BenchResult at_end = bench_field(ball(33.2), {4, 2, 1}, quick(), Context()).value();
   for (const BenchRow& row : at_end.rows) EXPECT_FALSE(row.area_error || row.volume_error);
   EXPECT_TRUE(has_note(at_end, "not compared with 11, 23 samples"));
 }
 
 // The finest data are the truth; what is coarser is worse, with the order of the box filter and the mesh: two.
 TEST(Benchmark, OfAFieldComparesCoarserVersionsOfIt) {
-  const field::ScalarField field = field::make_demo_field("demo:torus?size=128").value();
-  const BenchResult result = bench_field(field, {4, 2, 1}, quick()).value();
+  const field::ScalarField field = field::make_demo_field("demo:torus?size=128", Context()).value();
+  const BenchResult result = bench_field(field, {4, 2, 1}, quick(), Context()).value();
   ASSERT_EQ(result.rows.size(), 6U);
   for (std::size_t r = 0; r + 2 < 6; ++r) {
     EXPECT_GT(result.rows[r].position->rms.world, 2.5 * result.rows[r + 2].position->rms.world);

@@ -17,7 +17,7 @@ namespace isoextract::measure {
 namespace {
 
 ExtractionComparison compare(const mesh::Mesh& a, const mesh::Mesh& b) {
-  auto result = compare_extractions(a, b);
+  auto result = compare_extractions(a, b, Context());
   EXPECT_TRUE(result) << (result ? "" : result.error().message);
   return *result;
 }
@@ -41,7 +41,7 @@ class ExtractionComparisonTest : public testing::TestWithParam<extract::Method> 
     return o;
   }
   [[nodiscard]] mesh::Mesh torus() const {
-    return test::extract(field::make_demo_field("demo:torus?size=24").value(), options()).mesh;
+    return test::extract(field::make_demo_field("demo:torus?size=24", Context()).value(), options()).mesh;
   }
 };
 INSTANTIATE_TEST_SUITE_P(Methods, ExtractionComparisonTest, testing::Values(extract::Method::mc, extract::Method::mt),
@@ -212,7 +212,7 @@ TEST_P(ExtractionComparisonTest, NeedsKeysAndMemory) {
   const mesh::Mesh mesh = torus();
   mesh::Mesh keyless = test::copy_of(mesh);
   keyless.edges = {};
-  const auto without = compare_extractions(mesh, keyless);
+  const auto without = compare_extractions(mesh, keyless, Context());
   ASSERT_FALSE(without);
   EXPECT_EQ(without.error().kind, ErrorKind::verification);
   const auto small = compare_extractions(mesh, mesh, Context(MemoryBudget(1000)));

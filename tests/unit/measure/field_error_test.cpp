@@ -32,7 +32,7 @@ OfField extract_at(const field::ScalarField& field, double iso, extract::Method 
 
 FieldError error_of(const mesh::Mesh& mesh, const field::ScalarField& field, const extract::ExtractOptions& options,
                     const FieldErrorOptions& how) {
-  return measure_field_error(mesh, field, options, how).value();
+  return measure_field_error(mesh, field, options, how, Context()).value();
 }
 
 // A flat field with a plane through it, in a sheared, mirrored, unevenly spaced frame: a mesh that is moved along the
@@ -104,7 +104,7 @@ TEST(FieldError, KeepsItsDigitsWhereValuesAreLargeOrSmall) {
 
 // The greatest distance between a trilinear sphere and its triangles is where and what geometry says.
 TEST(FieldError, OfASphereIsTheSagittaOfItsTriangles) {
-  const field::ScalarField field = field::make_demo_field("demo:sphere?size=65").value();
+  const field::ScalarField field = field::make_demo_field("demo:sphere?size=65", Context()).value();
   const OfField sphere = extract_at(field, 0);
   const FieldError error = error_of(sphere.mesh, field, sphere.options, {field::Interpolation::tricubic});
   const double voxel = 2.0 / 64;
@@ -119,7 +119,7 @@ TEST(FieldError, OfASphereIsTheSagittaOfItsTriangles) {
 
 TEST(FieldError, OfVerticesIsWhatStorageCosts) {
   for (const double offset : {0.0, 1e7}) {
-    field::ScalarField field = field::make_demo_field("demo:torus?size=40").value();
+    field::ScalarField field = field::make_demo_field("demo:torus?size=40", Context()).value();
     field.index_to_world.offset += offset;
     for (const extract::Method method : {extract::Method::mc, extract::Method::mt}) {
       const OfField torus = extract_at(field, 0, method);
@@ -266,7 +266,7 @@ TEST(FieldError, OfLargeTrianglesIsMeasuredInParts) {
 }
 
 TEST(FieldError, LeavesCapsOut) {
-  const field::ScalarField field = field::make_demo_field("demo:gyroid?size=40").value();
+  const field::ScalarField field = field::make_demo_field("demo:gyroid?size=40", Context()).value();
   const OfField open = extract_at(field, 0.1);
   extract::ExtractOptions capped = open.options;
   capped.cap = true;

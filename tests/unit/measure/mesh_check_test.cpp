@@ -16,7 +16,7 @@ namespace {
 using test::make_mesh;
 
 MeshCheck check(const mesh::Mesh& mesh) {
-  auto found = check_mesh(mesh);
+  auto found = check_mesh(mesh, Context());
   if (!found) {
     ADD_FAILURE() << found.error().message;
     return {};
@@ -262,7 +262,7 @@ TEST(MeshCheckTest, SeamsOfDoubledVerticesAreTold) {
   EXPECT_EQ(apart.joined->components, 1U);
   EXPECT_EQ(apart.intersections.pairs, 0U);
   EXPECT_EQ(apart.topology.unused_vertices, 1U);
-  ASSERT_TRUE(join_repeated_vertices(mesh));
+  ASSERT_TRUE(join_repeated_vertices(mesh, Context()));
   const MeshCheck joined = check(mesh);
   EXPECT_TRUE(joined.topology.is_closed_oriented_manifold());
   EXPECT_EQ(joined.vertices, 9U);

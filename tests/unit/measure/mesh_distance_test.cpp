@@ -25,7 +25,7 @@ DistanceOptions few_samples() {
 }
 
 MeshDistance distance(const mesh::Mesh& a, const mesh::Mesh& b, const DistanceOptions& options = few_samples()) {
-  auto result = measure_distance(a, b, options);
+  auto result = measure_distance(a, b, options, Context());
   if (!result) {
     ADD_FAILURE() << result.error().message;
     return {};
@@ -388,7 +388,8 @@ TEST(MeshDistance, EnoughSparesWork) {
 TEST(MeshDistance, EmptyMeshesHaveNoDistance) {
   const mesh::Mesh some = test::tetrahedron();
   mesh::Mesh none = make_mesh("nothing", {{0, 0, 0}}, {});
-  for (const auto& result : {measure_distance(some, none), measure_distance(none, some)}) {
+  for (const auto& result :
+       {measure_distance(some, none, {}, Context()), measure_distance(none, some, {}, Context())}) {
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().kind, ErrorKind::input);
     EXPECT_NE(result.error().message.find("nothing, has no triangles"), std::string::npos);
@@ -402,7 +403,8 @@ TEST(MeshDistance, MeshesTooFarApart) {
   for (const double place : {1e151, 1e308, std::numeric_limits<double>::infinity()}) {
     mesh::Mesh there = test::tetrahedron();
     there.origin.x = place;
-    for (const auto& result : {measure_distance(here, there), measure_distance(there, here)}) {
+    for (const auto& result :
+         {measure_distance(here, there, {}, Context()), measure_distance(there, here, {}, Context())}) {
       ASSERT_FALSE(result) << place;
       EXPECT_EQ(result.error().kind, ErrorKind::input);
       EXPECT_NE(result.error().message.find("1e+150 apart"), std::string::npos) << result.error().message;

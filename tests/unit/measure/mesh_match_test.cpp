@@ -17,7 +17,7 @@ namespace isoextract::measure {
 namespace {
 
 MeshMatch match(const mesh::Mesh& written, const mesh::Mesh& extracted, bool float32_world = false) {
-  return match_meshes(written, extracted, float32_world).value();
+  return match_meshes(written, extracted, float32_world, Context()).value();
 }
 
 std::string told(const MeshMatch& found) {
@@ -71,7 +71,7 @@ class MeshMatchTest : public testing::TestWithParam<extract::Method> {
   [[nodiscard]] mesh::Mesh torus(const field::Affine& place = {}) const {
     extract::ExtractOptions o = options();
     o.output_from_index = place;
-    return test::extract(field::make_demo_field("demo:torus?size=24").value(), o).mesh;
+    return test::extract(field::make_demo_field("demo:torus?size=24", Context()).value(), o).mesh;
   }
   // Few distinct values, the iso value among them: many pairs of vertices are as near as they ever are.
   [[nodiscard]] mesh::Mesh ties(const field::Affine& place = {}) const {

@@ -64,7 +64,7 @@ extract::MethodTraits observed_traits(extract::Extractor& extractor, extract::Me
   extract::MethodTraits any_edge = seen;
   any_edge.axis_edges_only = false;
   const extract::ExtractOptions options = placed(bumpy, method);
-  const auto extraction = extractor.extract(bumpy, options);
+  const auto extraction = extractor.extract(bumpy, options, Context());
   const mesh::Mesh& mesh = extraction.value().mesh;
   EXPECT_GT(mesh.positions.size(), 100U);
   const auto edges = grid_edges(mesh, bumpy, options, any_edge);
@@ -77,11 +77,12 @@ extract::MethodTraits observed_traits(extract::Extractor& extractor, extract::Me
 
   // Second order in the spacing, of positions inside the triangles, and of normals.
   const auto error_at = [&](int size, bool normals) -> std::optional<AnalyticError> {
-    const field::ScalarField torus = field::make_demo_field("demo:torus?size=" + std::to_string(size)).value();
+    const field::ScalarField torus =
+        field::make_demo_field("demo:torus?size=" + std::to_string(size), Context()).value();
     extract::ExtractOptions of_torus = placed(torus, method);
     of_torus.smooth_normals = normals;
-    const auto made = extractor.extract(torus, of_torus);
-    return made ? measure_analytic_error(made->mesh, torus, of_torus).value() : std::nullopt;
+    const auto made = extractor.extract(torus, of_torus, Context());
+    return made ? measure_analytic_error(made->mesh, torus, of_torus, nullptr, {}, Context()).value() : std::nullopt;
   };
   const auto is_second_order = [](double coarse, double fine) { return std::log2(coarse / fine) > 1.7; };
   seen.follows_interpolant =
@@ -90,8 +91,9 @@ extract::MethodTraits observed_traits(extract::Extractor& extractor, extract::Me
   const auto fine = error_at(47, true);
   seen.gradient_normals = coarse && fine && coarse->smooth_normals.points > 0 &&
                           is_second_order(coarse->smooth_normals.rms_degrees, fine->smooth_normals.rms_degrees);
-  const field::ScalarField cut = field::make_demo_field("demo:gyroid?size=12").value();
-  seen.always_closed = mesh::measure_topology(extractor.extract(cut, placed(cut, method))->mesh).open_edges == 0;
+  const field::ScalarField cut = field::make_demo_field("demo:gyroid?size=12", Context()).value();
+  seen.always_closed =
+      mesh::measure_topology(extractor.extract(cut, placed(cut, method), Context())->mesh).open_edges == 0;
   return seen;
 }
 
@@ -124,7 +126,7 @@ TEST(MethodTraits, AClaimThatIsNotTrueIsFound) {
   // Stability sees it, too: who claims crossings is measured against them.
   const auto shell = std::ranges::find(stability_cases(), "thin-shell", &StabilityCase::name);
   ASSERT_NE(shell, stability_cases().end());
-  EXPECT_FALSE(run_stability_case(*shell, extract::method_info(Method::mc), dual).failures.empty());
+  EXPECT_FALSE(run_stability_case(*shell, extract::method_info(Method::mc), dual, Context()).failures.empty());
 }
 
 TEST(MethodTraits, EveryMethodHasNamesOfItsOwn) {
@@ -154,7 +156,7 @@ TEST(NotApplicable, StabilityChecksWhatIsLeft) {
   for (const StabilityCase& test : stability_cases()) {
     const StabilityScene scene = test.make();
     if (scene.outcome == StabilityOutcome::refusal) continue;
-    const StabilityRow row = run_stability_case(test, dual_method(), dual);
+    const StabilityRow row = run_stability_case(test, dual_method(), dual, Context());
     EXPECT_FALSE(row.findings.edges_checked);
     EXPECT_FALSE(row.findings.crossings_checked);
     EXPECT_EQ(row.findings.off_edge, 0U);
@@ -162,11 +164,11 @@ TEST(NotApplicable, StabilityChecksWhatIsLeft) {
     EXPECT_EQ(row.not_applicable, std::vector<std::string>{"made-up nets: the vertices are not on edges of the grid"});
   }
   const StabilityCase& shell = *std::ranges::find(stability_cases(), "thin-shell", &StabilityCase::name);
-  EXPECT_TRUE(run_stability_case(shell, dual_method(), dual).failures.empty());
-  EXPECT_FALSE(run_stability_case(shell, extract::method_info(extract::Method::mc), dual).failures.empty());
+  EXPECT_TRUE(run_stability_case(shell, dual_method(), dual, Context()).failures.empty());
+  EXPECT_FALSE(run_stability_case(shell, extract::method_info(extract::Method::mc), dual, Context()).failures.empty());
   // What is left is checked as ever.
   Changed torn([](const extract::ExtractOptions&, mesh::Mesh& mesh) { mesh.triangles[0] = mesh.triangles[1]; });
-  const StabilityRow row = run_stability_case(shell, dual_method(), torn);
+  const StabilityRow row = run_stability_case(shell, dual_method(), torn, Context());
   EXPECT_GT(row.findings.repeated, 0U);
   EXPECT_FALSE(row.failures.empty());
 }
@@ -174,7 +176,8 @@ TEST(NotApplicable, StabilityChecksWhatIsLeft) {
 TEST(NotApplicable, MidpointsOfEdgesAreNoCrossings) {
   Changed halfway_on_edges(with_vertices(halfway));
   const StabilityCase& shell = *std::ranges::find(stability_cases(), "thin-shell", &StabilityCase::name);
-  const StabilityRow row = run_stability_case(shell, made_up({.follows_interpolant = false}), halfway_on_edges);
+  const StabilityRow row =
+      run_stability_case(shell, made_up({.follows_interpolant = false}), halfway_on_edges, Context());
   EXPECT_TRUE(row.findings.edges_checked);
   EXPECT_FALSE(row.findings.crossings_checked);
   EXPECT_TRUE(row.failures.empty()) << row.failures.front();
@@ -186,7 +189,7 @@ TEST(NotApplicable, StabilityOfMethodsThatAlwaysCloseTheSurface) {
   for (const extract::Method method : {extract::Method::voxels, extract::Method::surface_nets}) {
     for (const StabilityCase& test : stability_cases()) {
       const StabilityScene scene = test.make();
-      const StabilityRow row = run_stability_case(test, extract::method_info(method), *cpu);
+      const StabilityRow row = run_stability_case(test, extract::method_info(method), *cpu, Context());
       EXPECT_TRUE(row.failures.empty()) << test.name << ": " << row.failures.front();
       EXPECT_EQ(row.findings.open_edges, 0U) << test.name;
       const bool holes = scene.options.nan == extract::NanPolicy::hole;
@@ -210,9 +213,9 @@ TEST(NotApplicable, BenchMeasuresWhatIsLeftAndSaysWhy) {
   voxels.method = extract::Method::mt;
   const BenchOptions options =
       bench_of({voxels, extract::method_info(extract::Method::mc)}, {"cpu", extract::make_cpu_extractor(), {}});
-  const field::ScalarField torus = field::make_demo_field("demo:torus?size=32").value();
-  for (const BenchResult& result :
-       {bench_demo("torus", {16, 32}, options).value(), bench_field(torus, {2, 1}, options).value()}) {
+  const field::ScalarField torus = field::make_demo_field("demo:torus?size=32", Context()).value();
+  for (const BenchResult& result : {bench_demo("torus", {16, 32}, options, Context()).value(),
+                                    bench_field(torus, {2, 1}, options, Context()).value()}) {
     ASSERT_EQ(result.rows.size(), 4U);
     for (const BenchRow& row : result.rows) {
       EXPECT_GT(row.median_seconds, 0);
@@ -233,7 +236,7 @@ TEST(NotApplicable, BenchMeasuresWhatIsLeftAndSaysWhy) {
 TEST(NotApplicable, BenchMeasuresNoNormalsWhereThereAreNone) {
   const BenchOptions options =
       bench_of({made_up({.gradient_normals = false})}, {"cpu", extract::make_cpu_extractor(), {}});
-  const BenchResult result = bench_demo("torus", {16, 32}, options).value();
+  const BenchResult result = bench_demo("torus", {16, 32}, options, Context()).value();
   for (const BenchRow& row : result.rows) {
     EXPECT_TRUE(row.position && row.flat_normals && row.area_error);
     EXPECT_FALSE(row.smooth_normals);
@@ -259,13 +262,13 @@ class Without final : public extract::Extractor {
 TEST(NotApplicable, ABackendWithoutTheMethodIsLeftOut) {
   const std::vector<extract::MethodInfo> methods(extract::kMethods.begin(), extract::kMethods.end());
   const BenchResult result =
-      bench_demo("torus", {16}, bench_of(methods, {"half", std::make_shared<Without>(), {}})).value();
+      bench_demo("torus", {16}, bench_of(methods, {"half", std::make_shared<Without>(), {}}), Context()).value();
   ASSERT_EQ(result.rows.size(), 1U);
   EXPECT_EQ(result.rows[0].method, extract::Method::mc);
   EXPECT_EQ(std::ranges::count(result.notes, "not applicable: half does not have marching tetrahedra"), 1);
 
-  const field::ScalarField torus = field::make_demo_field("demo:torus?size=16").value();
-  const auto refused = Without().extract(torus, placed(torus, extract::Method::mt));
+  const field::ScalarField torus = field::make_demo_field("demo:torus?size=16", Context()).value();
+  const auto refused = Without().extract(torus, placed(torus, extract::Method::mt), Context());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ErrorKind::unavailable);
   EXPECT_EQ(refused.error().hint, Hint(Remedy::use_cpu));
@@ -283,13 +286,13 @@ TEST(NotApplicable, OptionsThatAMethodDoesNotHave) {
 }
 
 TEST(NotApplicable, StorageErrorOfVerticesThatAreNotOnEdges) {
-  const field::ScalarField torus = field::make_demo_field("demo:torus?size=16").value();
+  const field::ScalarField torus = field::make_demo_field("demo:torus?size=16", Context()).value();
   const extract::ExtractOptions options = placed(torus, extract::Method::mc);
   const mesh::Mesh mesh = test::extract(torus, options).mesh;
   FieldErrorOptions asked;
-  EXPECT_GT(measure_field_error(mesh, torus, options, asked).value().storage.points, 0U);
+  EXPECT_GT(measure_field_error(mesh, torus, options, asked, Context()).value().storage.points, 0U);
   asked.vertices_on_edges = false;
-  const FieldError error = measure_field_error(mesh, torus, options, asked).value();
+  const FieldError error = measure_field_error(mesh, torus, options, asked, Context()).value();
   EXPECT_EQ(error.storage.points, 0U);
   EXPECT_GT(error.vertices.points, 0U);
 }

@@ -28,7 +28,8 @@ struct Measured {
 Measured measure(const field::ScalarField& data, double iso, const glm::ivec3& resolution,
                  extract::Method method = extract::Method::mc, bool cap = false) {
   Measured result;
-  result.grid = field::resample(data, resolution).value();
+  result.grid =
+      field::resample(data, resolution, field::ResampleKernel::linear, field::NanSamples::left_out, Context()).value();
   result.options.iso = iso;
   result.options.method = method;
   result.options.cap = cap;
@@ -36,7 +37,7 @@ Measured measure(const field::ScalarField& data, double iso, const glm::ivec3& r
   result.mesh = test::extract(result.grid, result.options).mesh;
   FieldErrorOptions options;
   options.grid = &result.grid;
-  result.error = measure_field_error(result.mesh, data, result.options, options).value();
+  result.error = measure_field_error(result.mesh, data, result.options, options, Context()).value();
   return result;
 }
 
@@ -45,7 +46,7 @@ Measured measure(const field::ScalarField& data, double iso, const glm::ivec3& r
 TEST(Resolution, FinerGridsConvergeToTheInterpolant) {
   const double c = std::cos(0.5);
   const double s = std::sin(0.5);
-  field::ScalarField sphere = field::make_demo_field("demo:sphere?size=9").value();
+  field::ScalarField sphere = field::make_demo_field("demo:sphere?size=9", Context()).value();
   sphere.index_to_world = {glm::dmat3(-2 * c, -2 * s, 0, -0.5 * s, 0.5 * c, 0.1, 0, 0, 1), glm::dvec3(100, -30, 7)};
   const field::ScalarField random = test::random_field<std::uint8_t>({6, 5, 7}, 4, 256);
   for (const Case& data : {Case{sphere, 0}, Case{random, 127.3}}) {
@@ -60,13 +61,14 @@ TEST(Resolution, FinerGridsConvergeToTheInterpolant) {
 }
 
 TEST(Resolution, VoxelsAreThoseOfTheDataAndNoVertexIsOnTheirEdges) {
-  const field::ScalarField data = field::make_demo_field("demo:torus?size=33").value();
+  const field::ScalarField data = field::make_demo_field("demo:torus?size=33", Context()).value();
   const Measured finer = measure(data, 0, {60, 71, 40});
   EXPECT_EQ(finer.error.storage.points, 0U);
   EXPECT_EQ(finer.error.interior.unmeasured(), 0U);
   EXPECT_NEAR(finer.error.interior.rms.world / finer.error.interior.rms.voxels, 2.0 / 32, 1e-9);
   // The grid's voxels are uneven, the data's are not: the formula can be measured against.
-  const auto truth = measure_analytic_error(finer.mesh, data, finer.options, &finer.grid).value().value();
+  const auto truth =
+      measure_analytic_error(finer.mesh, data, finer.options, &finer.grid, {}, Context()).value().value();
   EXPECT_LT(truth.interior.max.voxels, 0.2);
   EXPECT_NEAR(truth.interior.rms.world / truth.interior.rms.voxels, 2.0 / 32, 1e-9);
   EXPECT_GT(truth.volume.value(), 0);
@@ -74,7 +76,7 @@ TEST(Resolution, VoxelsAreThoseOfTheDataAndNoVertexIsOnTheirEdges) {
 
 // The mesh's vertices are exact on edges that lie within one cell of the data.
 TEST(Resolution, VerticesOnFractionsOfTheDataAreExact) {
-  field::ScalarField data = field::make_demo_field("demo:gyroid?size=17").value();
+  field::ScalarField data = field::make_demo_field("demo:gyroid?size=17", Context()).value();
   data.index_to_world.offset += 1000.0;
   const Measured finer = measure(data, 0.1, {65, 65, 65});
   EXPECT_GT(finer.error.vertices.points, 0U);
@@ -84,7 +86,7 @@ TEST(Resolution, VerticesOnFractionsOfTheDataAreExact) {
 // Caps lie in the border of the grid: with a region that is between samples of the data, and around sparse data whose
 // background is inside, which have no border of their own.
 TEST(Resolution, CapsAreKnown) {
-  const field::ScalarField data = field::make_demo_field("demo:gyroid?size=20").value();
+  const field::ScalarField data = field::make_demo_field("demo:gyroid?size=20", Context()).value();
   const Measured closed = measure(data, 0.1, {30, 44, 27}, extract::Method::mc, true);
   const Measured open = measure(data, 0.1, {30, 44, 27});
   EXPECT_EQ(closed.error.cap_triangles, closed.mesh.triangles.size() - open.mesh.triangles.size());
@@ -97,7 +99,7 @@ TEST(Resolution, CapsAreKnown) {
   const mesh::Mesh mesh = test::extract(closed.grid, part).mesh;
   FieldErrorOptions options;
   options.grid = &closed.grid;
-  EXPECT_EQ(measure_field_error(mesh, data, part, options).value().cap_triangles,
+  EXPECT_EQ(measure_field_error(mesh, data, part, options, Context()).value().cap_triangles,
             mesh.triangles.size() - test::extract(closed.grid, open_part).mesh.triangles.size());
 
   field::ScalarField hollow = test::sparse_copy<float>(

@@ -24,7 +24,7 @@ using test::make_mesh;
 using test::WholeTriangle;
 
 SelfIntersections find(const mesh::Mesh& mesh, const IntersectionOptions& options = {}) {
-  auto found = find_self_intersections(mesh, options);
+  auto found = find_self_intersections(mesh, options, Context());
   if (!found) {
     ADD_FAILURE() << found.error().message;
     return {};

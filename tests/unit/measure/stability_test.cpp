@@ -22,7 +22,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, Stability, testing::Values(extract::Method::mc
 TEST_P(Stability, AllCasesPass) {
   const auto cpu = extract::make_cpu_extractor();
   for (const StabilityCase& test : stability_cases()) {
-    const StabilityRow row = run_stability_case(test, extract::method_info(GetParam()), *cpu);
+    const StabilityRow row = run_stability_case(test, extract::method_info(GetParam()), *cpu, Context());
     for (const std::string& failure : row.failures) ADD_FAILURE() << test.name << ": " << failure;
   }
 }
@@ -37,7 +37,7 @@ void be_careless(const extract::ExtractOptions& /*options*/, mesh::Mesh& mesh) {
 TEST_P(Stability, ACarelessExtractorFails) {
   test::ChangedExtractor careless(be_careless, "careless");
   for (const StabilityCase& test : stability_cases()) {
-    const StabilityRow row = run_stability_case(test, extract::method_info(GetParam()), careless);
+    const StabilityRow row = run_stability_case(test, extract::method_info(GetParam()), careless, Context());
     EXPECT_EQ(row.failures.empty(), row.findings.vertices == 0) << test.name;
     EXPECT_EQ(row.backend, "careless");
   }
@@ -80,7 +80,7 @@ TEST_P(Stability, PlainFloat32FailsWhereTheTableSaysSo) {
     const StabilityScene scene = test.make();
     extract::ExtractOptions options = scene.options;
     options.method = GetParam();
-    const auto extraction = cpu->extract(scene.field, options);
+    const auto extraction = cpu->extract(scene.field, options, Context());
     if (!extraction || extraction->mesh.triangles.empty()) {
       EXPECT_FALSE(test.plain_fails) << "there is nothing to fail with";
       continue;

@@ -38,7 +38,7 @@ SurfaceCoverage coverage_of(const mesh::Mesh& mesh, const field::ScalarField& fi
   FieldErrorOptions how;
   how.grid = grid;
   how.clipped = clipped;
-  return measure_field_error(mesh, field, options, how).value().coverage.value();
+  return measure_field_error(mesh, field, options, how, Context()).value().coverage.value();
 }
 
 TEST(SurfaceCoverage, OfTheSurfaceItselfNothingIsLost) {
@@ -55,7 +55,8 @@ TEST(SurfaceCoverage, OfTheSurfaceItselfNothingIsLost) {
 // What the error from the mesh does not see: the small ball is gone, and the large one, which is near, is not it.
 TEST(SurfaceCoverage, PartsThatTheMeshHasNotAreCountedAndAsFarAsTheyAre) {
   const field::ScalarField field = three_balls();
-  const field::ScalarField grid = field::resample(field, {17, 9, 9}).value();
+  const field::ScalarField grid =
+      field::resample(field, {17, 9, 9}, field::ResampleKernel::linear, field::NanSamples::left_out, Context()).value();
   const mesh::Mesh mesh = test::extract(grid, options_of(grid)).mesh;
   ASSERT_EQ(mesh::measure_topology(mesh).components, 2U);
   const SurfaceCoverage coverage = coverage_of(mesh, field, &grid);
@@ -150,7 +151,9 @@ TEST(SurfaceCoverage, WhatWasCutOffIsNotMissed) {
 
 TEST(SurfaceCoverage, IsTheSameForAnyNumberOfThreads) {
   const field::ScalarField field = test::random_field<std::uint8_t>({30, 31, 32}, 4, 256);
-  const field::ScalarField grid = field::resample(field, {20, 20, 20}).value();
+  const field::ScalarField grid =
+      field::resample(field, {20, 20, 20}, field::ResampleKernel::linear, field::NanSamples::left_out, Context())
+          .value();
   extract::ExtractOptions options = options_of(grid);
   options.iso = 127.3;
   const mesh::Mesh mesh = test::extract(grid, options).mesh;
@@ -159,7 +162,7 @@ TEST(SurfaceCoverage, IsTheSameForAnyNumberOfThreads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     FieldErrorOptions how;
     how.grid = &grid;
-    found.push_back(measure_field_error(mesh, field, options, how).value().coverage.value());
+    found.push_back(measure_field_error(mesh, field, options, how, Context()).value().coverage.value());
   }
   EXPECT_EQ(found[0].lost, found[1].lost);
   EXPECT_GT(found[0].lost, 0U);

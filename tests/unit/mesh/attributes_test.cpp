@@ -53,7 +53,7 @@ TEST(Attributes, FansGetCopiesOfThem) {
   mesh.triangles = Buffer<glm::uvec3>(2);
   std::ranges::copy(kTwoFans, mesh.triangles.begin());
   const Mesh before = copy(mesh);
-  ASSERT_TRUE(make_one_vertex_a_fan(mesh, "test"));
+  ASSERT_TRUE(make_one_vertex_a_fan(mesh, "test", Context()));
   for (std::size_t t = 0; t < 2; ++t) {
     for (int corner = 0; corner < 3; ++corner) {
       EXPECT_TRUE(same_vertex(mesh, mesh.triangles[t][corner], before, before.triangles[t][corner]));

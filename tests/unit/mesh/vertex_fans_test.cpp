@@ -20,7 +20,7 @@ TEST(VertexFans, PartsSurfacesThatMeetInAPointAndDropsUnusedVertices) {
   std::ranges::transform(mesh.positions, mesh.edges.begin(), [](const glm::vec3& p) {
     return EdgeKey{glm::ivec3(p), 4};
   });
-  ASSERT_TRUE(make_one_vertex_a_fan(mesh, "test"));
+  ASSERT_TRUE(make_one_vertex_a_fan(mesh, "test", Context()));
   ASSERT_EQ(mesh.positions.size(), 6U);
   EXPECT_EQ(mesh.triangles[0], glm::uvec3(0, 1, 3));
   EXPECT_EQ(mesh.triangles[1], glm::uvec3(2, 4, 5));
@@ -38,7 +38,7 @@ TEST(VertexFans, PartsSurfacesThatMeetInAPointAndDropsUnusedVertices) {
 TEST(VertexFans, LeavesAManifoldAsItIs) {
   const Mesh before = test::tetrahedron();
   Mesh mesh = test::tetrahedron();
-  ASSERT_TRUE(make_one_vertex_a_fan(mesh, "test"));
+  ASSERT_TRUE(make_one_vertex_a_fan(mesh, "test", Context()));
   EXPECT_TRUE(std::ranges::equal(mesh.positions, before.positions));
   EXPECT_TRUE(std::ranges::equal(mesh.triangles, before.triangles));
 }

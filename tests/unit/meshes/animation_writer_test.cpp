@@ -339,7 +339,7 @@ TEST_F(Animation, OfTenThousandFramesTakesTimeInProportion) {
 TEST_F(Animation, StreamsAreRefusedBeforeAnythingIsWritten) {
   ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);  // nobody reads it: opening it would wait
   for (const fs::path& path : {fs::path("-"), fs::path("/dev/null"), folder_ / "pipe"}) {
-    AnimationWriter writer(path, {}, 24, 1);
+    AnimationWriter writer(path, {}, 24, 1, Context());
     for (const auto& result : {writer.check(), writer.add("a", 1, triangle())}) {
       ASSERT_FALSE(result) << path;
       EXPECT_EQ(result.error().kind, ErrorKind::usage);
@@ -445,8 +445,8 @@ TEST_F(Animation, PackedFramesAreWhatPackedFilesAre) {
     must_finish(writer);
     const PlayedGlb played(path_);
     for (int frame = 1; frame <= 4; ++frame) EXPECT_EQ(played.seen_at((frame - 0.5) / 24), Names{name_of(frame)});
-    const auto single = read_mesh(folder_ / "single.glb");
-    const auto first = read_mesh(path_);
+    const auto single = read_mesh(folder_ / "single.glb", Context());
+    const auto first = read_mesh(path_, Context());
     ASSERT_TRUE(single && first) << first.error().message;
     EXPECT_TRUE(std::ranges::equal(first->mesh.positions.span(), single->mesh.positions.span()));
     EXPECT_TRUE(std::ranges::equal(first->mesh.triangles.span(), single->mesh.triangles.span()));
@@ -486,7 +486,7 @@ TEST_F(Animation, IsReadAsItsFirstFrame) {
   must_add(writer, 3, sphere(20, false, "second"));
   must_add(writer, 4, sphere(20, false, "third"));
   must_finish(writer);
-  const auto read = read_mesh(path_);
+  const auto read = read_mesh(path_, Context());
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->mesh.origin, origin);
   EXPECT_EQ(read->mesh.positions.size(), sphere(10, false).positions.size());

@@ -30,13 +30,13 @@ class AttributeTest : public testing::Test {
     return must_write(meshes, folder_ / std::string(form.name), form.options);
   }
   MeshFile read(std::string_view name) {
-    auto file = read_mesh(folder_ / std::string(name));
+    auto file = read_mesh(folder_ / std::string(name), Context());
     if (!file) throw std::runtime_error(file.error().message);
     return std::move(*file);
   }
   void expect_error(const std::string& name, const std::string& bytes, const std::string& part) {
     write_bytes(folder_ / name, bytes);
-    const auto file = read_mesh(folder_ / name);
+    const auto file = read_mesh(folder_ / name, Context());
     ASSERT_FALSE(file) << part;
     EXPECT_NE(file.error().message.find(part), std::string::npos) << file.error().message;
   }

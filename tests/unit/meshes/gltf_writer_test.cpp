@@ -209,7 +209,7 @@ TEST(GltfWriterFiles, AGlbOfFourGibibytesIsRefusedBeforeItIsWritten) {
   mesh::Mesh mesh = make_mesh("large", {{0, 0, 0}}, {});
   mesh.triangles = Buffer<glm::uvec3>(60'000'000);  // 72 bytes each when split; never touched
   const std::vector<mesh::Mesh> meshes = one(std::move(mesh));
-  const auto result = write_meshes(meshes, folder / "a.glb", {MeshFormat::glb, true, false});
+  const auto result = write_meshes(meshes, folder / "a.glb", {MeshFormat::glb, true, false}, Context());
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().kind, ErrorKind::output);
   EXPECT_NE(result.error().message.find("4 GiB"), std::string::npos);
@@ -222,7 +222,7 @@ TEST(GltfWriterFiles, APairThatCannotBeWrittenLeavesTheOldOne) {
   write_bytes(folder / "a.gltf", "old model");
   fs::create_directory(folder / "a.bin");
   const std::vector<mesh::Mesh> meshes = one(tetrahedron());
-  const auto result = write_meshes(meshes, folder / "a.gltf", {MeshFormat::gltf, false, false});
+  const auto result = write_meshes(meshes, folder / "a.gltf", {MeshFormat::gltf, false, false}, Context());
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().kind, ErrorKind::output);
   EXPECT_EQ(read_bytes(folder / "a.gltf"), "old model");

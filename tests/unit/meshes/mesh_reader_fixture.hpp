@@ -25,7 +25,7 @@ inline std::string word(std::uint32_t value) { return {reinterpret_cast<const ch
 class MeshReaderTest : public testing::Test {
  protected:
   meshes::MeshFile must_read(const std::string& name) {
-    auto read = meshes::read_mesh(folder_ / name);
+    auto read = meshes::read_mesh(folder_ / name, Context());
     if (!read) {
       ADD_FAILURE() << read.error().message;
       return {};
@@ -40,7 +40,7 @@ class MeshReaderTest : public testing::Test {
 
   void expect_error(const std::string& name, const std::string& bytes, const std::string& part) {
     write_bytes(folder_ / name, bytes);
-    const auto read = meshes::read_mesh(folder_ / name);
+    const auto read = meshes::read_mesh(folder_ / name, Context());
     ASSERT_FALSE(read) << part;
     EXPECT_EQ(read.error().kind, ErrorKind::input);
     EXPECT_TRUE(read.error().message.starts_with((folder_ / name).string() + ": ")) << read.error().message;

@@ -394,7 +394,7 @@ TEST_F(MeshReaderTest, DamagedStl) {
 TEST_F(MeshReaderTest, OtherFilesAndLimits) {
   expect_error("a.png", "\x89PNG",
                "expected a mesh (.glb, .gltf, .ply, .obj, .stl or .drc), found a file that starts with '\\x89PNG'");
-  EXPECT_FALSE(read_mesh(folder_ / "missing.ply"));
+  EXPECT_FALSE(read_mesh(folder_ / "missing.ply", Context()));
   const auto meshes = test::one(test::sphere(9, false));
   for (const MeshFormatInfo& info : mesh_formats()) {
     const auto path = folder_ / fmt::format("small.{}", info.name);
@@ -411,7 +411,7 @@ TEST_F(MeshReaderTest, MemoryLimitIsKept) {
   const auto expect_beyond = [&](const std::string& name, const std::string& bytes, std::uint64_t limit) {
     write_bytes(folder_ / name, bytes);
     ASSERT_LT(bytes.size(), limit);
-    EXPECT_TRUE(read_mesh(folder_ / name)) << name;
+    EXPECT_TRUE(read_mesh(folder_ / name, Context())) << name;
     const auto read = read_mesh(folder_ / name, Context(MemoryBudget(limit)));
     ASSERT_FALSE(read) << name;
     EXPECT_NE(read.error().message.find("its bytes, vertices and triangles would take"), std::string::npos)

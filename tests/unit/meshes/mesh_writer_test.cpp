@@ -54,7 +54,7 @@ TEST_P(MeshWriterRefusal, IsAUsageErrorThatNamesTheRemedy) {
   std::vector<mesh::Mesh> meshes;
   for (std::size_t m = 0; m < refusal.meshes; ++m) meshes.push_back(tetrahedron());
   const fs::path path = refusal.path.starts_with("a.") ? folder / refusal.path : fs::path(refusal.path);
-  const auto result = write_meshes(meshes, path, {refusal.format, false, refusal.ascii});
+  const auto result = write_meshes(meshes, path, {refusal.format, false, refusal.ascii}, Context());
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().kind, ErrorKind::usage);
   EXPECT_TRUE(result.error().message.starts_with(path.string() + ": ")) << result.error().message;
@@ -93,7 +93,7 @@ TEST_P(MeshWriterKind, BytesDoNotDependOnTheNumberOfThreads) {
 
 TEST_P(MeshWriterKind, AFullDeviceIsAnOutputError) {
   const std::vector<mesh::Mesh> meshes = one(sphere(300, !GetParam().options.flat_normals));
-  const auto result = write_meshes(meshes, "/dev/full", GetParam().options);
+  const auto result = write_meshes(meshes, "/dev/full", GetParam().options, Context());
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().kind, ErrorKind::output);
   EXPECT_EQ(result.error().message, "/dev/full: cannot write: no space left on the device");
@@ -101,7 +101,7 @@ TEST_P(MeshWriterKind, AFullDeviceIsAnOutputError) {
 
 TEST_P(MeshWriterKind, ASmallMeshFindsAFullDeviceToo) {
   const std::vector<mesh::Mesh> meshes = one(tetrahedron());
-  const auto result = write_meshes(meshes, "/dev/full", GetParam().options);
+  const auto result = write_meshes(meshes, "/dev/full", GetParam().options, Context());
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().kind, ErrorKind::output);
 }
@@ -110,7 +110,7 @@ TEST(MeshWriter, AMissingFolderLeavesNothing) {
   const TempFolder folder;
   const std::vector<mesh::Mesh> meshes = one(tetrahedron());
   for (const MeshFormatInfo& info : mesh_formats()) {
-    const auto result = write_meshes(meshes, folder / "missing/out", {info.format, false, false});
+    const auto result = write_meshes(meshes, folder / "missing/out", {info.format, false, false}, Context());
     ASSERT_FALSE(result) << info.name;
     EXPECT_EQ(result.error().kind, ErrorKind::output);
   }
@@ -154,7 +154,7 @@ TEST(MeshWriter, OneByOneGivesTheBytesOfAllAtOnce) {
     meshes.push_back(tetrahedron("not \xff UTF-8", {1e7, 0, 0}));
     meshes.push_back(sphere(9, false));
     for (mesh::Mesh& mesh : meshes) add_colour(mesh, mesh::ComponentType::u8, 3);
-    MeshWriter writer(folder / "a/out", options);
+    MeshWriter writer(folder / "a/out", options, Context());
     for (const mesh::Mesh& mesh : meshes) ASSERT_TRUE(writer.add(mesh::copy(mesh)));
     const auto one_by_one = writer.finish();
     ASSERT_TRUE(one_by_one) << name;
@@ -174,7 +174,7 @@ TEST(MeshWriter, LeavesNothingUnlessItFinishes) {
   for (const MeshWriteOptions& options : kSeveral) {
     const TempFolder folder;
     {
-      MeshWriter writer(folder / "out", options);
+      MeshWriter writer(folder / "out", options, Context());
       ASSERT_TRUE(writer.add(sphere(300, false)));
     }
     EXPECT_TRUE(folder.names().empty()) << mesh_format_info(options.format).name;
@@ -184,7 +184,7 @@ TEST(MeshWriter, LeavesNothingUnlessItFinishes) {
 TEST(MeshWriter, StaysRefusedAfterASecondMeshInAFormatOfOne) {
   for (const MeshFormat format : {MeshFormat::ply, MeshFormat::stl}) {
     const TempFolder folder;
-    MeshWriter writer(folder / "out", {format, false, false});
+    MeshWriter writer(folder / "out", {format, false, false}, Context());
     ASSERT_TRUE(writer.add(tetrahedron()));
     const auto second = writer.add(tetrahedron());
     ASSERT_FALSE(second);
@@ -198,7 +198,7 @@ TEST(MeshWriter, StaysRefusedAfterASecondMeshInAFormatOfOne) {
 
 // What cannot be taken back comes last, when no surface can fail any more.
 TEST(MeshWriter, DevicesGetNothingBeforeTheEnd) {
-  MeshWriter writer("/dev/full", {MeshFormat::obj, false, false});
+  MeshWriter writer("/dev/full", {MeshFormat::obj, false, false}, Context());
   ASSERT_TRUE(writer.add(sphere(300, false)));
   ASSERT_TRUE(writer.add(sphere(300, false)));
   const auto finished = writer.finish();

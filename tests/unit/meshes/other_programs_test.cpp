@@ -250,7 +250,8 @@ TEST_F(OtherProgramsTest, GltfExtensionsThatAreRequired) {
   for (const char* name : {"EXT_mesh_gpu_instancing", "MSFT_lod", "X", ""}) {
     const std::string text = requires_all(fmt::format(R"("KHR_materials_unlit","{}")", name));
     expect_error("a.gltf", text, fmt::format("that it requires \"{}\"", name));
-    EXPECT_NE(read_mesh(folder_ / "a.gltf").error().hint.text.find("without that extension"), std::string::npos);
+    EXPECT_NE(read_mesh(folder_ / "a.gltf", Context()).error().hint.text.find("without that extension"),
+              std::string::npos);
   }
   expect_error("a.gltf", requires_all("7"), "that it requires 7");
   expect_error("a.gltf", replaced(requires_all(""), "[]", "{}"), "expected a list as 'extensionsRequired'");

@@ -65,7 +65,7 @@ std::vector<Kind> all_kinds() {
 }
 
 mesh::Mesh must_read(const std::filesystem::path& path) {
-  auto read = read_mesh(path);
+  auto read = read_mesh(path, Context());
   if (!read) {
     ADD_FAILURE() << read.error().message;
     return {};
@@ -210,7 +210,7 @@ TEST_P(Packing, KeepsColoursAndAttributes) {
 
 TEST_P(Packing, NoTriangles) {
   const auto meshes = one(test::make_mesh("nothing", {}, {}));
-  const auto result = write_meshes(meshes, folder_ / GetParam().file(), GetParam().options());
+  const auto result = write_meshes(meshes, folder_ / GetParam().file(), GetParam().options(), Context());
   if (GetParam().format == MeshFormat::drc) {
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().kind, ErrorKind::output);
@@ -289,7 +289,7 @@ TEST(PackingOptions, AVertexOutsideOfTheBoxIsAnError) {
     if (!kind.packing.quantizes()) continue;
     MeshWriteOptions options = kind.options();
     options.packing.box = mesh::Bounds{{-1, -1, -1}, {0.5, 1, 1}};
-    const auto result = write_meshes(one(test::sphere(8, false)), folder / kind.file(), options);
+    const auto result = write_meshes(one(test::sphere(8, false)), folder / kind.file(), options, Context());
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().kind, ErrorKind::output);
     EXPECT_TRUE(result.error().message.starts_with((folder / kind.file()).string())) << result.error().message;

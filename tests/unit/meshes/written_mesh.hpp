@@ -22,7 +22,7 @@ inline std::vector<mesh::Mesh> one(mesh::Mesh mesh) {
 
 inline meshes::MeshWriteResult must_write(std::span<const mesh::Mesh> meshes, const fs::path& path,
                                           const meshes::MeshWriteOptions& options) {
-  auto result = meshes::write_meshes(meshes, path, options);
+  auto result = meshes::write_meshes(meshes, path, options, Context());
   if (!result) throw std::runtime_error(result.error().message);
   return std::move(*result);
 }

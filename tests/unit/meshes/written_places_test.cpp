@@ -136,10 +136,10 @@ TEST(WrittenPlaces, NothingIsWrittenOfWhatIsRefused) {
   for (const MeshFormatInfo& info : mesh_formats()) {
     const TempFolder folder;
     const auto all = one(ball(far));
-    const auto at_once = write_meshes(all, folder / "out", {info.format, false, false});
+    const auto at_once = write_meshes(all, folder / "out", {info.format, false, false}, Context());
     ASSERT_FALSE(at_once) << info.name;
     EXPECT_EQ(at_once.error().kind, ErrorKind::output);
-    MeshWriter writer(folder / "out", {info.format, false, false});
+    MeshWriter writer(folder / "out", {info.format, false, false}, Context());
     if (info.holds_several_meshes) {
       ASSERT_TRUE(writer.add(ball({0, 0, 0})));
     }

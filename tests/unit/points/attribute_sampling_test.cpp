@@ -31,7 +31,7 @@ ParticleSet with_attributes(const std::vector<glm::dvec3>& positions) {
 
 SampledAttributes sampled(const ParticleSet& set, const std::vector<std::size_t>& which,
                           const std::vector<glm::dvec3>& vertices) {
-  auto result = sample_attributes(set, which, vertices, kSamplingRadius, 2);
+  auto result = sample_attributes(set, which, vertices, kSamplingRadius, 2, Context());
   if (!result) {
     ADD_FAILURE() << result.error().message;
     return {};
@@ -87,9 +87,9 @@ TEST(AttributeSampling, BeyondAllKernelsTakesTheNearestParticle) {
   EXPECT_EQ(result.attributes[0].values[3], 1);
   EXPECT_EQ(result.attributes[0].values[6], 0);
   const std::vector<glm::dvec3> vertices(1, glm::dvec3(0));
-  EXPECT_FALSE(sample_attributes(particles_at({}), {}, vertices, kSamplingRadius, 2));
-  EXPECT_FALSE(sample_attributes(set, {}, vertices, 0, 2));
-  EXPECT_TRUE(sample_attributes(particles_at({}), {}, {}, kSamplingRadius, 2));
+  EXPECT_FALSE(sample_attributes(particles_at({}), {}, vertices, kSamplingRadius, 2, Context()));
+  EXPECT_FALSE(sample_attributes(set, {}, vertices, 0, 2, Context()));
+  EXPECT_TRUE(sample_attributes(particles_at({}), {}, {}, kSamplingRadius, 2, Context()));
 }
 
 TEST(AttributeSampling, IsTheSameForAnyNumberOfThreads) {

@@ -262,7 +262,7 @@ TEST(ParticleField, PositionsThatAreNotFiniteAreToldOrLeftOut) {
   const ParticleField sound = field_of(particles_at(positions), options);
   positions.insert(positions.begin() + 7, {0, std::numeric_limits<double>::quiet_NaN(), 0});
   positions.emplace_back(std::numeric_limits<double>::infinity(), 0, 0);
-  const auto refused = make_field(particles_at(positions), options);
+  const auto refused = make_field(particles_at(positions), options, Context());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ErrorKind::input);
   EXPECT_NE(refused.error().message.find("particle 7"), std::string::npos) << refused.error().message;
@@ -278,7 +278,7 @@ TEST(ParticleField, TheRadiusIsHalfTheDistanceOfNeighbours) {
   const ParticleField made = field_of(particles_at(lattice_ball(kRadius, 0.2)), options);
   EXPECT_NEAR(made.figures.radius, kRadius, 1e-12);
   EXPECT_TRUE(made.figures.radius_suggested);
-  const auto refused = make_field(particles_at(std::vector<glm::dvec3>(5, {1, 2, 3})), options);
+  const auto refused = make_field(particles_at(std::vector<glm::dvec3>(5, {1, 2, 3})), options, Context());
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("5 at one place"), std::string::npos) << refused.error().message;
 }
@@ -310,7 +310,7 @@ TEST(ParticleField, WorkGrowsWithTheParticlesAndNotWithItsSquare) {
       FieldOptions options;
       options.method = method;
       options.radius = 1;
-      const auto made = make_field(particles, options);
+      const auto made = make_field(particles, options, Context());
       EXPECT_EQ(made.has_value(), count == 20000) << count;
       if (made) continue;
       EXPECT_EQ(made.error().kind, ErrorKind::input);
@@ -330,7 +330,7 @@ TEST(ParticleField, WhatCannotBeIsRefused) {
     FieldOptions options;
     options.radius = kRadius;
     change(options);
-    const auto refused = make_field(set, options);
+    const auto refused = make_field(set, options, Context());
     ASSERT_FALSE(refused) << words;
     EXPECT_EQ(refused.error().kind, kind);
     EXPECT_NE(refused.error().message.find(words), std::string::npos) << refused.error().message;

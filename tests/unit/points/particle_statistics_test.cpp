@@ -10,7 +10,7 @@ namespace isoextract::points {
 namespace {
 
 ParticleStatistics statistics_of(const std::vector<glm::dvec3>& positions) {
-  auto measured = measure_statistics(particles_at(positions));
+  auto measured = measure_statistics(particles_at(positions), Context());
   EXPECT_TRUE(measured);
   return *measured;
 }

@@ -54,7 +54,7 @@ inline std::vector<glm::dvec3> random_positions(std::size_t count, double size, 
 }
 
 inline ParticleField field_of(const ParticleSet& particles, const FieldOptions& options) {
-  Result<ParticleField> made = make_field(particles, options);
+  Result<ParticleField> made = make_field(particles, options, Context());
   if (!made) {
     ADD_FAILURE() << made.error().message;
     return {};

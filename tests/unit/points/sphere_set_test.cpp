@@ -31,7 +31,7 @@ FieldOptions spheres() {
 TEST(SphereSet, RadiiAreGivenOrAnAttributeOrSuggested) {
   const std::vector<glm::dvec3> positions{{0, 0, 0}, {2, 0, 0}, {4, 0, 0}};
   const ParticleSet set = with_radii(positions, "radius", {0.5F, 3, 1});
-  const auto own = make_spheres(set, spheres());
+  const auto own = make_spheres(set, spheres(), Context());
   ASSERT_TRUE(own) << own.error().message;
   EXPECT_EQ(&own->particles(), &set);
   ASSERT_EQ(own->radii().size(), 3U);
@@ -43,13 +43,13 @@ TEST(SphereSet, RadiiAreGivenOrAnAttributeOrSuggested) {
   FieldOptions given = spheres();
   given.method = Method::smooth;
   given.radius = 0.25;
-  const auto one = make_spheres(set, given);
+  const auto one = make_spheres(set, given, Context());
   ASSERT_TRUE(one);
   EXPECT_TRUE(one->radii().empty());
   EXPECT_EQ(one->figures().radius, 0.25);
   EXPECT_EQ(one->figures().support, 1);
   EXPECT_TRUE(one->figures().radius_attribute.empty());
-  const auto suggested = make_spheres(with_radii(positions, "Radius", {0.5F, 3, 1}), spheres());
+  const auto suggested = make_spheres(with_radii(positions, "Radius", {0.5F, 3, 1}), spheres(), Context());
   ASSERT_TRUE(suggested);
   EXPECT_TRUE(suggested->figures().radius_suggested);
   EXPECT_EQ(suggested->figures().radius, 1);
@@ -57,7 +57,7 @@ TEST(SphereSet, RadiiAreGivenOrAnAttributeOrSuggested) {
 
 TEST(SphereSet, ParticlesAtNoPlaceGoWithTheirRadii) {
   const ParticleSet set = with_radii({{0, 0, 0}, {kNaN, 0, 0}, {4, 0, 0}}, "pscale", {1, 7, 3});
-  EXPECT_EQ(make_spheres(set, spheres()).error().hint.remedy, Remedy::skip_particles);
+  EXPECT_EQ(make_spheres(set, spheres(), Context()).error().hint.remedy, Remedy::skip_particles);
   FieldOptions skip = spheres();
   skip.bad = BadParticles::skip;
   const Context context;
@@ -72,24 +72,24 @@ TEST(SphereSet, ParticlesAtNoPlaceGoWithTheirRadii) {
     EXPECT_GT(context.memory().reserved(), 0U);
   }
   EXPECT_EQ(context.memory().reserved(), 0U);
-  const auto none = make_spheres(with_radii({{kNaN, 0, 0}}, "pscale", {1}), skip);
+  const auto none = make_spheres(with_radii({{kNaN, 0, 0}}, "pscale", {1}), skip, Context());
   ASSERT_TRUE(none);
   EXPECT_EQ(none->particles().size(), 0U);
 }
 
 TEST(SphereSet, WhatIsNoRadiusIsRefused) {
   for (const float radius : {-1.0F, static_cast<float>(kNaN), std::numeric_limits<float>::infinity()}) {
-    const auto refused = make_spheres(with_radii({{0, 0, 0}, {1, 0, 0}}, "pscale", {1, radius}), spheres());
+    const auto refused = make_spheres(with_radii({{0, 0, 0}, {1, 0, 0}}, "pscale", {1, radius}), spheres(), Context());
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().kind, ErrorKind::input);
     EXPECT_NE(refused.error().message.find("as 'pscale'"), std::string::npos) << refused.error().message;
   }
   // All of them points: no spacing comes of that.
-  EXPECT_FALSE(make_spheres(with_radii({{0, 0, 0}, {1, 0, 0}}, "pscale", {0, 0}), spheres()));
+  EXPECT_FALSE(make_spheres(with_radii({{0, 0, 0}, {1, 0, 0}}, "pscale", {0, 0}), spheres(), Context()));
 }
 
 TEST(SphereSet, MakeFieldLeavesThemToOthers) {
-  const auto refused = make_field(particles_at({{0, 0, 0}, {1, 0, 0}}), spheres());
+  const auto refused = make_field(particles_at({{0, 0, 0}, {1, 0, 0}}), spheres(), Context());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ErrorKind::usage);
 }

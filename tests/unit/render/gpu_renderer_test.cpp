@@ -35,9 +35,8 @@ class BallInLayers {
 
 Result<Rendered> draw_with(const GpuRenderOptions& how, const PictureSize& size, const Context& context = Context()) {
   const BallInLayers setup;
-  auto made = make_gpu_renderer(how);
-  if (!made) return tl::unexpected(made.error());
-  return made->renderer->draw(setup.scene(), setup.camera(size), {size}, context);
+  auto made = TRY(make_gpu_renderer(how));
+  return made.renderer->draw(setup.scene(), setup.camera(size), {size}, context);
 }
 
 TEST(GpuRenderer, DrawsPicturesOfAnySizeOneAfterAnother) {

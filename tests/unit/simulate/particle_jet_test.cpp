@@ -28,15 +28,15 @@ JetOptions small_jet() {
 }
 
 ParticleJet jet_after(const JetOptions& options, int frames) {
-  auto jet = ParticleJet::make(options);
+  auto jet = ParticleJet::make(options, Context());
   if (!jet) throw std::runtime_error(jet.error().message);
   for (int i = 0; i < frames; ++i) {
-    if (auto done = jet->advance(); !done) throw std::runtime_error(done.error().message);
+    if (auto done = jet->advance(Context()); !done) throw std::runtime_error(done.error().message);
   }
   return std::move(*jet);
 }
 
-points::ParticleSet particles_of(const ParticleJet& jet) { return std::move(*jet.particles()); }
+points::ParticleSet particles_of(const ParticleJet& jet) { return std::move(*jet.particles(Context())); }
 
 Error refusal(const JetOptions& options) {
   const Context context;
@@ -72,7 +72,7 @@ TEST(ParticleJet, LetsParticlesInAtASteadyRateUntilTheTankHasThem) {
   EXPECT_EQ(jet.radius(), 0.5);
   // A circle of radius 3 holds 29 places of the lattice; a layer leaves every 1 / 60 s, 2.5 a frame.
   for (int frame = 1; frame <= 30; ++frame) {
-    ASSERT_TRUE(jet.advance());
+    ASSERT_TRUE(jet.advance(Context()));
     const auto layers = static_cast<std::uint64_t>(frame * 2.5 + 1e-9) + 1;
     EXPECT_EQ(jet.size(), std::min<std::uint64_t>(options.count, 29 * layers)) << frame;
     expect_sound(particles_of(jet), options.tank, 0.5);
@@ -148,7 +148,7 @@ TEST(ParticleJet, LosesEnergyOnceNothingComesIn) {
   const double first = energy();
   double last = first;
   for (int frame = 0; frame < 60; ++frame) {
-    ASSERT_TRUE(jet.advance());
+    ASSERT_TRUE(jet.advance(Context()));
     const double now = energy();
     EXPECT_LE(now, last + 1e-3 * first) << frame;
     last = now;

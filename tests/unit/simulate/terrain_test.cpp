@@ -45,10 +45,10 @@ TEST(Terrain, IsTheSameForASeedAndAnotherForAnother) {
   TerrainOptions options;
   options.size = {40, 30};
   options.relief = 12;
-  const auto land = make_terrain(options);
-  const auto again = make_terrain(options);
+  const auto land = make_terrain(options, Context());
+  const auto again = make_terrain(options, Context());
   options.seed = 2;
-  const auto other = make_terrain(options);
+  const auto other = make_terrain(options, Context());
   ASSERT_TRUE(land && again && other);
   const auto heights = (*land)->values.span();
   ASSERT_EQ(heights.size(), 1200U);
@@ -62,7 +62,7 @@ TEST(Terrain, FallsIntoTheBasin) {
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
     TerrainOptions options;
     options.seed = seed;
-    const auto land = make_terrain(options);
+    const auto land = make_terrain(options, Context());
     ASSERT_TRUE(land);
     double near = 0;
     double far = 0;
@@ -83,7 +83,7 @@ TEST(Terrain, FallsIntoTheBasin) {
 TEST(Terrain, CanBeEven) {
   TerrainOptions options;
   options.relief = 0;
-  const auto land = make_terrain(options);
+  const auto land = make_terrain(options, Context());
   ASSERT_TRUE(land);
   EXPECT_TRUE(std::ranges::all_of((*land)->values.span(), [](double height) { return height == kLowestLand; }));
 }
@@ -91,13 +91,13 @@ TEST(Terrain, CanBeEven) {
 TEST(Terrain, RefusesWhatItCannotMake) {
   TerrainOptions options;
   options.size = {1, 5};
-  EXPECT_EQ(make_terrain(options).error().kind, ErrorKind::usage);
+  EXPECT_EQ(make_terrain(options, Context()).error().kind, ErrorKind::usage);
   options = {};
   options.relief = std::nan("");
-  EXPECT_EQ(make_terrain(options).error().kind, ErrorKind::usage);
+  EXPECT_EQ(make_terrain(options, Context()).error().kind, ErrorKind::usage);
   options = {};
   options.octaves = 17;
-  EXPECT_EQ(make_terrain(options).error().kind, ErrorKind::usage);
+  EXPECT_EQ(make_terrain(options, Context()).error().kind, ErrorKind::usage);
   EXPECT_EQ(make_terrain({}, Context(MemoryBudget(1000))).error().hint.remedy, Remedy::raise_memory_limit);
 }
 

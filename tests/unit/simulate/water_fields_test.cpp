@@ -7,7 +7,8 @@ namespace isoextract::simulate {
 namespace {
 
 WaterAutomaton columns(std::vector<double> terrain, std::vector<double> depth, WaterOptions options = {}) {
-  auto made = WaterAutomaton::create({static_cast<int>(terrain.size()) / 2, 2}, terrain, depth, std::move(options));
+  auto made =
+      WaterAutomaton::create({static_cast<int>(terrain.size()) / 2, 2}, terrain, depth, std::move(options), Context());
   EXPECT_TRUE(made) << made.error().message;
   return std::move(*made);
 }
@@ -19,7 +20,7 @@ const field::DenseSamples& dense(const field::ScalarField& field) {
 TEST(WaterFields, FillVoxelsFromTheGroundUp) {
   const WaterAutomaton automaton = columns({0.25, 2, 1.5, 3}, {0, 0.5, 2.25, 0});
   ASSERT_EQ(layers_for(automaton), 5);  // 3.75 high, and an empty one
-  const auto fields = water_fields(automaton, WaterContent::both, 5, {2, 3, 4});
+  const auto fields = water_fields(automaton, WaterContent::both, 5, {2, 3, 4}, Context());
   ASSERT_TRUE(fields);
   ASSERT_EQ(fields->size(), 2U);
   EXPECT_EQ((*fields)[0].name, "terrain");
@@ -46,7 +47,7 @@ TEST(WaterFields, HoldWhatIsAskedFor) {
   for (const auto& [content, names] : {std::pair{WaterContent::water, std::vector<std::string>{"water"}},
                                        std::pair{WaterContent::terrain, std::vector<std::string>{"terrain"}}}) {
     EXPECT_EQ(field_names(content), names);
-    const auto fields = water_fields(automaton, content, 3, glm::dvec3(1));
+    const auto fields = water_fields(automaton, content, 3, glm::dvec3(1), Context());
     ASSERT_TRUE(fields);
     ASSERT_EQ(fields->size(), 1U);
     EXPECT_EQ(fields->front().name, names.front());
@@ -55,7 +56,7 @@ TEST(WaterFields, HoldWhatIsAskedFor) {
 
 TEST(WaterFields, MapsHaveTheNumbersThemselves) {
   const WaterAutomaton automaton = columns({0.1, 2, 1.5, 3}, {0.3, 0.5, 2.25, 0});
-  const auto fields = water_fields(automaton, WaterContent::heights, 1, glm::dvec3(1));
+  const auto fields = water_fields(automaton, WaterContent::heights, 1, glm::dvec3(1), Context());
   ASSERT_TRUE(fields);
   EXPECT_EQ(dense((*fields)[0]).dims, glm::ivec3(2, 2, 1));
   EXPECT_EQ(dense((*fields)[0]).type, field::SampleType::f64);
@@ -79,7 +80,7 @@ TEST(WaterFields, CellsBelowZeroAreEmpty) {
     ASSERT_TRUE(automaton.run(1));
     ASSERT_LT(automaton.steps_done(), 200U);
   }
-  const auto fields = water_fields(automaton, WaterContent::water, 12, glm::dvec3(1));
+  const auto fields = water_fields(automaton, WaterContent::water, 12, glm::dvec3(1), Context());
   ASSERT_TRUE(fields);
   const auto* values = static_cast<const float*>(dense(fields->front()).data);
   for (std::size_t n = 0; n < dense(fields->front()).count(); ++n) {

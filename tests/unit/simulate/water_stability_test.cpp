@@ -9,7 +9,7 @@ namespace isoextract::simulate {
 namespace {
 
 TEST(WaterStability, TheConservativeRulePassesAndThePrintedOneGoesBelowZero) {
-  const auto rows = run_water_stability();
+  const auto rows = run_water_stability(simulate::kStabilitySteps, Context());
   ASSERT_TRUE(rows);
   ASSERT_EQ(rows->size(), 24U);
   std::size_t below_zero = 0;

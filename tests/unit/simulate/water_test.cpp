@@ -143,7 +143,7 @@ WaterAutomaton hills(glm::ivec2 size, WaterOptions options) {
   TerrainOptions terrain;
   terrain.size = size;
   terrain.relief = 6;
-  const auto land = make_terrain(terrain);
+  const auto land = make_terrain(terrain, Context());
   std::vector<double> heights((*land)->values.begin(), (*land)->values.end());
   std::vector<double> depth(heights.size(), 0.25);
   for (std::size_t n = 0; n < depth.size() / 5; ++n) depth[n] = 3;
@@ -304,7 +304,7 @@ TEST(Water, EndsBetweenStepsWhenAsked) {
 TEST(Water, RefusesWhatMakesNoSense) {
   const std::vector<double> flat(12, 0);
   const auto said = [&](glm::ivec2 size, const std::vector<double>& terrain, const std::vector<double>& depth) {
-    const auto made = WaterAutomaton::create(size, terrain, depth, {});
+    const auto made = WaterAutomaton::create(size, terrain, depth, {}, Context());
     return made ? std::string("made") : made.error().message;
   };
   EXPECT_EQ(said({4, 3}, flat, {}), "made");
@@ -314,7 +314,7 @@ TEST(Water, RefusesWhatMakesNoSense) {
   const auto with = [&](const auto& change) {
     WaterOptions options;
     change(options);
-    const auto made = WaterAutomaton::create({4, 3}, flat, {}, options);
+    const auto made = WaterAutomaton::create({4, 3}, flat, {}, options, Context());
     return made ? std::string("made") : made.error().message;
   };
   using Options = WaterOptions;

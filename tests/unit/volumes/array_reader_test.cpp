@@ -71,7 +71,7 @@ TEST(WideIntegers, AreDoublesWhereTheseHoldThem) {
       const auto at = static_cast<int>(i);
       EXPECT_EQ(dense_value<double>(field, at & 1, at >> 1 & 1, at >> 2), static_cast<double>(values[i]));
     }
-    EXPECT_EQ(volumes::list_grids((folder / "v.npy").string(), {}).value().front().type, "i64");
+    EXPECT_EQ(volumes::list_grids((folder / "v.npy").string(), {}, Context()).value().front().type, "i64");
   }
 }
 
@@ -139,7 +139,7 @@ TEST(NoData, SamplesOfThatValueAreNotNumbersInEveryFormat) {
   EXPECT_EQ(dense_value<float>(field, 2, 2, 3), ramp<float>(2, 2, 3));
   EXPECT_TRUE(has_note(field, "1 of 60 samples are 88 and count as not a number"));
   EXPECT_EQ(refusal(folder / "v.npy", options, with_memory(239)).kind, ErrorKind::input);
-  EXPECT_FALSE(volumes::read_volume("demo:sphere?size=8", options).value().notes.empty());
+  EXPECT_FALSE(volumes::read_volume("demo:sphere?size=8", options, Context()).value().notes.empty());
 }
 
 }  // namespace

@@ -231,7 +231,7 @@ TEST(Components, OfNumpyAreAskedForAndNotGuessed) {
 TEST(Components, AreListedAndTakeTheMemoryOfOne) {
   const TempFolder folder;
   write_bytes(folder / "v.nii", nifti_of({5, 32, 32, 32, 1, 3}, 4, std::string(196608, 'x')));
-  const auto grids = volumes::list_grids((folder / "v.nii").string(), {});
+  const auto grids = volumes::list_grids((folder / "v.nii").string(), {}, Context());
   ASSERT_TRUE(grids) << grids.error().message;
   EXPECT_EQ(grids->front().components, 3U);
   EXPECT_EQ(grids->front().voxels, 32768U);
@@ -241,7 +241,7 @@ TEST(Components, AreListedAndTakeTheMemoryOfOne) {
   EXPECT_TRUE(volumes::read_volume((folder / "v.nii").string(), component(std::nullopt), with_memory(131072)));
   expect_in(refusal(folder / "v.nii", component(std::nullopt), with_memory(131071)).message, "lengths of 32x32x32");
   volumes::ReadOptions options = component(0);
-  EXPECT_EQ(volumes::read_volume("demo:sphere?size=8", options).error().kind, ErrorKind::usage);
+  EXPECT_EQ(volumes::read_volume("demo:sphere?size=8", options, Context()).error().kind, ErrorKind::usage);
 }
 
 }  // namespace

@@ -90,7 +90,7 @@ TEST(MappedFormats, OnePieceThatIsNotPacked) {
     const field::ScalarField field = must_read(folder / name);
     EXPECT_TRUE(dense(field).file_backed);
     expect_ramp<float>(field);
-    const auto files = volumes::list_input_files((folder / name).string(), {});
+    const auto files = volumes::list_input_files((folder / name).string(), {}, Context());
     ASSERT_TRUE(files);
     EXPECT_EQ(files->front(), folder / name);
     EXPECT_TRUE(std::filesystem::equivalent(files->back(), folder / (std::string(name) == "c.nhdr" ? "c.bin" : name)));
@@ -176,7 +176,7 @@ TEST(MappedFormats, ThatAreCutOffReadAsZerosAndAreLost) {
 TEST(MappedFile, HoldsOnlyWhatIsInTheFile) {
   const TempFolder folder;
   write_bytes(folder / "v.raw", std::string(5000, 'a') + "b");
-  const auto file = files::InputFile::open(folder / "v.raw");
+  const auto file = files::InputFile::open(folder / "v.raw", Context());
   ASSERT_TRUE(file);
   const auto last = files::MappedFile::map(*file, 5000, 1);
   ASSERT_TRUE(last);

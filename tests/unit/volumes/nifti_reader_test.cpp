@@ -146,7 +146,7 @@ TEST(NiftiReaderData, PairsByEitherName) {
       expect_in(refusal(folder / header).message, "expected v.img or v.img.gz beside it");
       write_bytes(folder / image, image_bytes);
       std::filesystem::remove(folder / header);
-      EXPECT_FALSE(volumes::read_volume((folder / image).string(), {}));
+      EXPECT_FALSE(volumes::read_volume((folder / image).string(), {}, Context()));
     }
   }
 }
@@ -319,7 +319,7 @@ TEST(NiftiReaderBad, TruncationsAndFlippedBitsNeverCrashOrPrint) {
       std::string bytes = good;
       bytes[bit / 8] = static_cast<char>(bytes[bit / 8] ^ (1 << (bit % 8)));
       write_bytes(folder / "v.nii", bytes);
-      static_cast<void>(volumes::read_volume((folder / "v.nii").string(), {}));
+      static_cast<void>(volumes::read_volume((folder / "v.nii").string(), {}, Context()));
     }
   }
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");

@@ -137,7 +137,7 @@ TEST(NpyReaderHeader, TruncationsAndFlippedBitsNeverCrash) {
     std::string bytes = kGood;
     bytes[bit / 8] = static_cast<char>(bytes[bit / 8] ^ (1 << (bit % 8)));
     write_bytes(folder / "v.npy", bytes);
-    static_cast<void>(volumes::read_volume((folder / "v.npy").string(), {}));
+    static_cast<void>(volumes::read_volume((folder / "v.npy").string(), {}, Context()));
   }
 }
 

@@ -49,7 +49,7 @@ TEST(NpzReader, OneOfSeveralIsChosenByItsName) {
                                zip_part("b/c.npy", npy_array("<f8", "(5, 4, 3)", doubled), false),
                                zip_part("flat.npy", npy_array("<f8", "(60,)", doubled), true),
                                zip_part("text.npy", npy_array("<U4", "(2, 2, 2)", std::string(128, '\0')), true)});
-  const auto grids = volumes::list_grids((folder / "v.npz").string(), {});
+  const auto grids = volumes::list_grids((folder / "v.npz").string(), {}, Context());
   ASSERT_TRUE(grids) << grids.error().message;
   ASSERT_EQ(grids->size(), 4U);
   EXPECT_EQ((*grids)[0].label, "a");
@@ -82,7 +82,7 @@ TEST(NpzReader, VolumesComponentsAndOrdersOfAxes) {
     volumes::ReadOptions options = grid("t");
     options.volume = 1;
     EXPECT_EQ(dense_value<std::int16_t>(must_read(folder / "v.npz", options), 2, 3, 4), 1059);
-    EXPECT_EQ(volumes::count_volumes((folder / "v.npz").string(), options).value(), 2U);
+    EXPECT_EQ(volumes::count_volumes((folder / "v.npz").string(), options, Context()).value(), 2U);
     options = grid("v");
     options.component = volumes::ComponentChoice{1};
     const field::ScalarField vectors = must_read(folder / "v.npz", options);

@@ -124,7 +124,7 @@ TEST(NrrdReaderData, ListsAndNumberedFiles) {
   write_bytes(folder / "none.nhdr", nrrd("", "").substr(0, nrrd("", "").size() - 1) + "data file: LIST\n");
   expect_in(refusal(folder / "none.nhdr").message, "found 0");
   write_bytes(folder / "s04.raw", "short");
-  expect_in(volumes::read_volume((folder / "pattern.nhdr").string(), {}).error().message,
+  expect_in(volumes::read_volume((folder / "pattern.nhdr").string(), {}, Context()).error().message,
             "expected 12 bytes (one of 5 parts");
 }
 
@@ -164,7 +164,7 @@ TEST(NrrdReaderData, DetachedFilesThatCannotBeRead) {
   const auto header = folder / "v.nhdr";
   const auto message = [&](const std::string& name) {
     write_bytes(header, nrrd("data file: " + name + "\n", ""));
-    return volumes::read_volume(header.string(), {}).error().message;
+    return volumes::read_volume(header.string(), {}, Context()).error().message;
   };
   expect_in(message("missing.raw"), "names the data file 'missing.raw', which cannot be read: No such file");
   std::filesystem::create_directory(folder / "folder");
@@ -461,7 +461,7 @@ TEST(NrrdReaderBad, NothingIsPrinted) {
     std::string bytes = good;
     bytes[bit / 8] = static_cast<char>(bytes[bit / 8] ^ (1 << (bit % 8)));
     write_bytes(folder / "v.nrrd", bytes);
-    static_cast<void>(volumes::read_volume((folder / "v.nrrd").string(), {}));
+    static_cast<void>(volumes::read_volume((folder / "v.nrrd").string(), {}, Context()));
   }
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   EXPECT_EQ(testing::internal::GetCapturedStdout(), "");

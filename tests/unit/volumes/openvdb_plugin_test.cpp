@@ -46,7 +46,7 @@ Result<volumes::ParticleFile> try_points(const std::filesystem::path& path,
                                          const volumes::ParticleReadOptions& options = {},
                                          const volumes::ParticleFormat& format = points_with_plugin()) {
   try {
-    return format.read(volumes::must(files::InputFile::open(path)), options);
+    return format.read(volumes::must(files::InputFile::open(path, Context())), options);
   } catch (const volumes::DamagedParticles& damaged) {
     return fail(ErrorKind::input, damaged.what(), damaged.hint);
   } catch (const volumes::Refused& refused) {
@@ -418,7 +418,7 @@ TEST(OpenVdbPoints, FilesOfPointsAloneAreParticles) {
   const auto kind = [&](const std::string& name, const std::string& grid = "") {
     volumes::ParticleReadOptions options;
     if (!grid.empty()) options.grid = grid;
-    const auto found = volumes::detect_particles((folder / name).string(), options);
+    const auto found = volumes::detect_particles((folder / name).string(), options, Context());
     return found && *found ? (*found)->id : "none";
   };
   EXPECT_EQ(kind("points.vdb"), "openvdb");

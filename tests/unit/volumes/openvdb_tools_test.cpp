@@ -55,13 +55,13 @@ TEST(OpenVdbTools, AFileHoldsSeveralGrids) {
   fields[1].name = "fog";
   fields[1].index_to_world = {};
   const TempFolder folder;
-  const auto written = volumes::write_vdb(folder / "w.vdb", fields);
+  const auto written = volumes::write_vdb(folder / "w.vdb", fields, Context());
   ASSERT_TRUE(written) << written.error().message;
   EXPECT_EQ(*written, std::filesystem::file_size(folder / "w.vdb"));
   for (const field::ScalarField& field : fields) {
     volumes::ReadOptions options;
     options.grid = field.name;
-    const auto read = volumes::read_volume(folder / "w.vdb", options);
+    const auto read = volumes::read_volume(folder / "w.vdb", options, Context());
     ASSERT_TRUE(read) << read.error().message;
     EXPECT_EQ(read->index_to_world, field.index_to_world);
     EXPECT_EQ(samples_of(*read).blocks.size(), samples_of(field).blocks.size());
@@ -74,7 +74,7 @@ TEST(OpenVdbTools, SparseFieldsAreWrittenBitForBit) {
   std::vector<float> values;
   const field::ScalarField field = sparse_field(values);
   const TempFolder folder;
-  const auto written = volumes::write_vdb(folder / "w.vdb", field);
+  const auto written = volumes::write_vdb(folder / "w.vdb", field, {}, Context());
   ASSERT_TRUE(written) << written.error().message;
   const field::ScalarField read = must_read(folder / "w.vdb");
   EXPECT_EQ(read.name, "smoke");
@@ -91,7 +91,7 @@ TEST(OpenVdbTools, SparseFieldsAreWrittenBitForBit) {
   volumes::VdbWriteOptions half;
   half.as_half = true;
   half.name = "other";
-  ASSERT_TRUE(volumes::write_vdb(folder / "h.vdb", field, half));
+  ASSERT_TRUE(volumes::write_vdb(folder / "h.vdb", field, half, Context()));
   const field::ScalarField halves = must_read(folder / "h.vdb");
   EXPECT_EQ(halves.name, "other");
   const auto* rounded = static_cast<const float*>(samples_of(halves).blocks[0].values);
@@ -115,7 +115,7 @@ TEST(OpenVdbTools, DenseFieldsAreWrittenAndNoPartOfAFileStays) {
   field.scale = {2, -1};
   field.samples = dense;
   const TempFolder folder;
-  ASSERT_TRUE(volumes::write_vdb(folder / "d.vdb", field));
+  ASSERT_TRUE(volumes::write_vdb(folder / "d.vdb", field, {}, Context()));
   const field::ScalarField read = must_read(folder / "d.vdb");
   const auto& samples = samples_of(read);
   EXPECT_EQ(samples.background, 9);  // the least value
@@ -219,7 +219,7 @@ TEST(OpenVdbTools, ASmoothSphereAloneIsASphere) {
   options.radius = 1;
   options.search_radius = 2;
   options.voxel = 0.125;
-  const auto field = volumes::spheres_to_field(two_balls(), options);
+  const auto field = volumes::spheres_to_field(two_balls(), options, Context());
   ASSERT_TRUE(field) << field.error().message;
   EXPECT_NEAR(inner_volume(field->field, 2), 4.0 / 3 * std::numbers::pi, 0.03);
 }
@@ -237,7 +237,7 @@ TEST(OpenVdbTools, FiltersMoveALevelSetLittleAndSmoothIt) {
   const field::ScalarField field = must_read(folder / "b.vdb");
   for (const auto filter :
        {volumes::LevelSetFilter::gaussian, volumes::LevelSetFilter::median, volumes::LevelSetFilter::mean}) {
-    const auto filtered = volumes::filter_level_set(field, filter, 1, 2);
+    const auto filtered = volumes::filter_level_set(field, filter, 1, 2, Context());
     ASSERT_TRUE(filtered) << filtered.error().message;
     EXPECT_EQ(filtered->kind, field::FieldKind::level_set);
     EXPECT_EQ(filtered->name, "ball");
@@ -248,12 +248,12 @@ TEST(OpenVdbTools, FiltersMoveALevelSetLittleAndSmoothIt) {
     const double radius = std::sqrt(1 - 4.0 / 64 * boxes / 3);
     EXPECT_NEAR(inner_volume(*filtered, 2), 4.0 / 3 * std::numbers::pi * std::pow(radius, 3), 0.12) << boxes;
   }
-  const auto none = volumes::filter_level_set(field, volumes::LevelSetFilter::mean, 1, 0);
+  const auto none = volumes::filter_level_set(field, volumes::LevelSetFilter::mean, 1, 0, Context());
   ASSERT_TRUE(none);
   EXPECT_EQ(sparse_value<float>(samples_of(*none), {8, 0, 0}), static_cast<double>(0.2F));
   field::ScalarField density = field;
   density.kind = field::FieldKind::density;
-  expect_in(volumes::filter_level_set(density, volumes::LevelSetFilter::mean, 1, 1).error().message,
+  expect_in(volumes::filter_level_set(density, volumes::LevelSetFilter::mean, 1, 1, Context()).error().message,
             "expected a level set, found a density");
 }
 
@@ -268,12 +268,12 @@ TEST(OpenVdbTools, WithoutThePluginTheMessageNamesIt) {
     EXPECT_EQ(error.kind, ErrorKind::unavailable);
     expect_in(error.message, "isoextract-grids-openvdb.so, which is in none of: /nowhere");
   };
-  expect_missing(volumes::write_vdb(folder / "w.vdb", field).error());
-  expect_missing(volumes::filter_level_set(field, volumes::LevelSetFilter::mean, 1, 1).error());
-  expect_missing(volumes::spheres_to_field(two_balls(), options).error());
+  expect_missing(volumes::write_vdb(folder / "w.vdb", field, {}, Context()).error());
+  expect_missing(volumes::filter_level_set(field, volumes::LevelSetFilter::mean, 1, 1, Context()).error());
+  expect_missing(volumes::spheres_to_field(two_balls(), options, Context()).error());
   EXPECT_FALSE(std::filesystem::exists(folder / "w.vdb"));
   options.voxel = 0;
-  EXPECT_EQ(volumes::spheres_to_field(two_balls(), options).error().kind, ErrorKind::usage);
+  EXPECT_EQ(volumes::spheres_to_field(two_balls(), options, Context()).error().kind, ErrorKind::usage);
 }
 
 }  // namespace

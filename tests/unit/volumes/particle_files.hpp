@@ -45,7 +45,7 @@ inline Error particle_refusal(const ParticleInput& input, const volumes::Particl
 inline volumes::ParticleInfo must_inform(const ParticleInput& input, const volumes::ParticleReadOptions& options = {}) {
   const TempFolder folder;
   write_bytes(folder / input.name, input.bytes);
-  auto info = volumes::particle_info((folder / input.name).string(), options);
+  auto info = volumes::particle_info((folder / input.name).string(), options, Context());
   if (!info) throw std::runtime_error(info.error().message + "\n" + info.error().hint.text);
   return std::move(*info);
 }

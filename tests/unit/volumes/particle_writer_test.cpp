@@ -59,7 +59,7 @@ TEST_P(ParticleWriter, WritesWhatIsReadAgain) {
     EXPECT_EQ(*bytes, std::filesystem::file_size(path()));
     ParticleReadOptions options;
     options.all_attributes = true;
-    const auto read = read_particles(path().string(), options);
+    const auto read = read_particles(path().string(), options, Context());
     ASSERT_TRUE(read) << read.error().message;
     EXPECT_EQ(read->format, extension_of(GetParam()));
     ASSERT_EQ(read->particles.size(), count);

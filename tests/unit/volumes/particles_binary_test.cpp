@@ -264,7 +264,7 @@ TEST(ParticlesBgeo, FilesThatChangeBetweenTheWalksAreFoundOut) {
   const std::string three = houdini_geometry();
   const auto read_after = [&](const std::string& changed) {
     write_bytes(path, three);
-    const auto file = files::InputFile::open(path);
+    const auto file = files::InputFile::open(path, Context());
     if (!file) throw std::runtime_error(file.error().message);
     const volumes::HoudiniFile surveyed = volumes::survey_houdini(*file);
     write_bytes(path, changed);

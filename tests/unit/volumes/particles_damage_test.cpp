@@ -130,7 +130,7 @@ TEST(ParticlesFormat, ByContentThenByName) {
   const auto detect = [](const ParticleInput& input) {
     const TempFolder folder;
     write_bytes(folder / input.name, input.bytes);
-    const auto found = volumes::detect_particles((folder / input.name).string(), {});
+    const auto found = volumes::detect_particles((folder / input.name).string(), {}, Context());
     if (!found) throw std::runtime_error(found.error().message);
     return *found ? (*found)->id : "none";
   };

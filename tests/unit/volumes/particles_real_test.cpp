@@ -8,7 +8,7 @@ namespace isoextract::test {
 namespace {
 
 volumes::ParticleFile read_real(const std::string& name, const volumes::ParticleReadOptions& options = {}) {
-  auto read = volumes::read_particles(data_file(name).string(), options);
+  auto read = volumes::read_particles(data_file(name).string(), options, Context());
   if (!read) throw std::runtime_error(read.error().message);
   return std::move(*read);
 }

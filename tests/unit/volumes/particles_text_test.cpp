@@ -334,7 +334,8 @@ std::uint64_t bytes_for_all_frames(const std::string& name, const std::vector<st
     EXPECT_EQ(read->length_unit, name.ends_with("xyz") ? "" : "angstrom");
     bytes += context.counters().bytes_read;
   }
-  const auto beyond = volumes::read_particles(folder / name, of_frame(static_cast<std::int64_t>(frames.size())));
+  const auto beyond =
+      volumes::read_particles(folder / name, of_frame(static_cast<std::int64_t>(frames.size())), Context());
   if (beyond) throw std::runtime_error("read beyond the last frame");
   expect_in(beyond.error().hint.text, fmt::format("there are {} frames in the file", frames.size()));
   return bytes;
@@ -368,7 +369,7 @@ TEST(ParticlesText, FramesThatWereKnownAreNotThoseOfAFileThatChanged) {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
   };
   const auto x_of = [&](std::int64_t frame) {
-    const auto read = volumes::read_particles(path, of_frame(frame));
+    const auto read = volumes::read_particles(path, of_frame(frame), Context());
     if (!read) throw std::runtime_error(read.error().message);
     return read->particles.positions[0].x;
   };

@@ -52,14 +52,14 @@ TEST(ParticlesPlugin, KnownWhereTheirPluginIsMissing) {
   ASSERT_EQ(missing.size(), 2U);
   EXPECT_EQ(missing.front()->about().id, "vtk");
   try {
-    static_cast<void>(missing.front()->read(volumes::must(files::InputFile::open(folder / "a.vtk")), {}));
+    static_cast<void>(missing.front()->read(volumes::must(files::InputFile::open(folder / "a.vtk", Context())), {}));
     FAIL();
   } catch (const volumes::Refused& refused) {
     EXPECT_EQ(refused.error.kind, ErrorKind::unavailable);
     expect_in(refused.error.message, "a.vtk: the format vtk is read by the plug-in isoextract-particles-vtk.so");
   }
   const auto kind = [&](const std::string& name) {
-    const auto found = volumes::detect_particles((folder / name).string(), {});
+    const auto found = volumes::detect_particles((folder / name).string(), {}, Context());
     return found && *found ? (*found)->id : "none";
   };
   EXPECT_EQ(kind("a.vtk"), "vtk");

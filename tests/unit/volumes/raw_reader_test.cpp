@@ -44,7 +44,7 @@ TEST(RawReaderSize, SeveralVolumesOfOneSize) {
   second[0] = static_cast<char>(second[0] + 1);
   write_bytes(folder / "v.raw", "head" + first + second);
   volumes::ReadOptions options = raw_options(field::SampleType::i16, std::endian::little, 4);
-  const auto count = volumes::count_volumes((folder / "v.raw").string(), options);
+  const auto count = volumes::count_volumes((folder / "v.raw").string(), options, Context());
   ASSERT_TRUE(count) << count.error().message;
   EXPECT_EQ(*count, 2U);
   const Error error = refusal(folder / "v.raw", options);
@@ -82,7 +82,7 @@ TEST(RawReaderSize, DimsBelowOneAreAUsageError) {
   write_bytes(folder / "v.raw", "12345678");
   volumes::ReadOptions options = raw_options(field::SampleType::u8);
   options.raw->dims = {2, -4, -1};
-  const auto field = volumes::read_volume((folder / "v.raw").string(), options);
+  const auto field = volumes::read_volume((folder / "v.raw").string(), options, Context());
   ASSERT_FALSE(field);
   EXPECT_EQ(field.error().kind, ErrorKind::usage);
 }
@@ -160,7 +160,7 @@ TEST(RawReaderPlace, SpacingMustBePositive) {
   for (const double bad : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
     volumes::ReadOptions options = raw_options(field::SampleType::u8);
     options.spacing = glm::dvec3(1, bad, 1);
-    const auto field = volumes::read_volume((folder / "v.raw").string(), options);
+    const auto field = volumes::read_volume((folder / "v.raw").string(), options, Context());
     ASSERT_FALSE(field);
     EXPECT_EQ(field.error().kind, ErrorKind::usage);
   }

@@ -76,7 +76,7 @@ TEST(RealFiles, HeadIsRaw) {
   const field::ScalarField field = read_data("med/HeadMRVolume.raw", options);
   EXPECT_EQ(scaled_range(field).min, 0);
   EXPECT_EQ(scaled_range(field).max, 255);
-  EXPECT_FALSE(volumes::read_volume(data_file("med/HeadMRVolume.raw").string(), {}));
+  EXPECT_FALSE(volumes::read_volume(data_file("med/HeadMRVolume.raw").string(), {}, Context()));
 }
 
 TEST(RealFiles, BetaGalIsNpy) {
@@ -147,7 +147,7 @@ TEST(RealFiles, GasSequenceListsItsGridsAndReadsDensity) {
   for (const char* frame : {"0002", "0004", "0006", "0008", "0010"}) {
     const std::string name = std::string("vdb/c42_gas_seq/fluid_data_") + frame + ".vdb";
     ISOEXTRACT_NEEDS_DATA(name);
-    const auto grids = volumes::list_grids(data_file(name).string(), {});
+    const auto grids = volumes::list_grids(data_file(name).string(), {}, Context());
     ASSERT_TRUE(grids);
     EXPECT_EQ(grids->size(), 24U);
     for (const volumes::GridInfo& grid : *grids) {

@@ -98,7 +98,7 @@ TEST(VdbDamage, TruncationsOfStreamsAreErrors) {
     for (std::size_t length = 1; length < good.size(); length += length < 700 ? 5 : step) {
       write_bytes(folder / "v.vdb", good.substr(0, length));
       EXPECT_EQ(refusal(folder / "v.vdb").kind, ErrorKind::input);
-      EXPECT_FALSE(volumes::list_grids((folder / "v.vdb").string(), {})) << length;
+      EXPECT_FALSE(volumes::list_grids((folder / "v.vdb").string(), {}, Context())) << length;
     }
     write_bytes(folder / "v.vdb", good.substr(0, good.size() - 1));
     expect_in(refusal(folder / "v.vdb").message, "the VDB file is damaged: expected");

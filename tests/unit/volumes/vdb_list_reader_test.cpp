@@ -40,7 +40,7 @@ TEST(VdbGridList, NoTwoLabelsAreEqualAndEachChoosesItsGrid) {
   for (std::size_t i = 0; i < names.size(); ++i) grids.push_back(one_voxel(names[i], static_cast<int>(i)));
   const TempFolder folder;
   write_vdb(folder / "v.vdb", grids);
-  const auto listed = volumes::list_grids((folder / "v.vdb").string(), {});
+  const auto listed = volumes::list_grids((folder / "v.vdb").string(), {}, Context());
   ASSERT_TRUE(listed);
   ASSERT_EQ(listed->size(), names.size());
   const auto x_of = [&](const std::string& wanted) {
@@ -74,7 +74,7 @@ TEST(VdbGridList, WhatIsNotCountedIsNotTakenForEmpty) {
   const std::size_t map = bytes.rfind("UniformScaleMap");
   put(bytes, map + 15 + 15 * sizeof(double), 2);
   write_bytes(folder / "v.vdb", bytes);
-  const auto grids = volumes::list_grids((folder / "v.vdb").string(), {});
+  const auto grids = volumes::list_grids((folder / "v.vdb").string(), {}, Context());
   ASSERT_TRUE(grids);
   EXPECT_FALSE(grids->at(0).voxels);
   EXPECT_EQ(grids->at(1).voxels, 0U);
@@ -99,7 +99,7 @@ TEST(VdbGridList, KindsOfVectorsAreTold) {
   grids.push_back(openvdb::Vec3SGrid::create());  // which says nothing
   const TempFolder folder;
   write_vdb(folder / "v.vdb", {grids.begin(), grids.end()});
-  const auto listed = volumes::list_grids((folder / "v.vdb").string(), {});
+  const auto listed = volumes::list_grids((folder / "v.vdb").string(), {}, Context());
   ASSERT_TRUE(listed);
   const std::array<std::optional<AttributeKind>, 6> kinds{
       std::nullopt, std::nullopt, AttributeKind::normal, AttributeKind::vector, AttributeKind::point, std::nullopt};
@@ -119,7 +119,7 @@ TEST(VdbGridList, ATransformThatCannotBeUsedHidesNoOtherGrid) {
   std::string bytes = read_bytes(folder / "v.vdb");
   bytes[bytes.rfind("UniformScaleMap")] = 'X';
   write_bytes(folder / "v.vdb", bytes);
-  const auto grids = volumes::list_grids((folder / "v.vdb").string(), {});
+  const auto grids = volumes::list_grids((folder / "v.vdb").string(), {}, Context());
   ASSERT_TRUE(grids);
   const std::array<std::string, 3> problems{"", "expected a linear transform, found NonlinearFrustumMap",
                                             "expected a linear transform, found 'XniformScaleMap'"};
@@ -141,7 +141,7 @@ TEST(VdbGridList, ADamagedTransformHidesNoOtherGrid) {
   std::string bytes = read_bytes(folder / "v.vdb");
   bytes.replace(bytes.rfind("UniformScaleMap") - 4, 4, "\xff\xff\xff\xff");  // the length of that name
   write_bytes(folder / "v.vdb", bytes);
-  const auto grids = volumes::list_grids((folder / "v.vdb").string(), {});
+  const auto grids = volumes::list_grids((folder / "v.vdb").string(), {}, Context());
   ASSERT_TRUE(grids);
   EXPECT_EQ(grids->at(0).frame_problem, "");
   expect_in(grids->at(1).frame_problem, "it is damaged: a name is said to be 4294967295 characters long");
@@ -175,7 +175,7 @@ TEST(VdbGridList, TheCreatorIsThatOfTheGridOrOfTheFile) {
   openvdb::io::File file((folder / "v.vdb").string());
   file.write(openvdb::GridCPtrVec{own, one_voxel("plain")}, of_file);
   file.close();
-  const auto listed = volumes::list_grids((folder / "v.vdb").string(), {});
+  const auto listed = volumes::list_grids((folder / "v.vdb").string(), {}, Context());
   ASSERT_TRUE(listed);
   EXPECT_EQ(listed->at(0).creator, R"(Houdini/SOP_\x1b)");
   EXPECT_EQ(listed->at(1).creator, "Blender/Smoke");

@@ -127,7 +127,7 @@ TEST(VdbReaderKind, ClassDecidesUnlessTheOptionsDo) {
   EXPECT_EQ(kind_of(openvdb::GRID_UNKNOWN), field::FieldKind::density);
   EXPECT_EQ(kind_of(openvdb::GRID_LEVEL_SET, field::FieldKind::density), field::FieldKind::density);
   EXPECT_EQ(kind_of(openvdb::GRID_UNKNOWN, field::FieldKind::level_set), field::FieldKind::level_set);
-  const auto grids = volumes::list_grids((folder / "v.vdb").string(), {});
+  const auto grids = volumes::list_grids((folder / "v.vdb").string(), {}, Context());
   ASSERT_TRUE(grids);
   EXPECT_FALSE(grids->front().kind);
 }
@@ -241,7 +241,7 @@ struct ManyGrids {
 
 TEST(VdbReaderGrids, ListTellsTypesClassesCountsAndBoxes) {
   const ManyGrids file;
-  const auto grids = volumes::list_grids(file.path.string(), {});
+  const auto grids = volumes::list_grids(file.path.string(), {}, Context());
   ASSERT_TRUE(grids);
   const auto find = [&](const std::string& label) {
     const auto found = std::ranges::find(*grids, label, &volumes::GridInfo::label);
@@ -324,7 +324,7 @@ TEST(VdbReaderGrids, TheOnlyScalarGridIsTakenAndTheOthersNoted) {
 TEST(VdbReaderGrids, CountsAreTakenFromTheTreeWhereTheFileHasNone) {
   const TempFolder folder;
   write_vdb(folder / "v.vdb", {ball("a"), ball("b", 5)}, openvdb::io::COMPRESS_BLOSC, false);
-  const auto grids = volumes::list_grids((folder / "v.vdb").string(), {});
+  const auto grids = volumes::list_grids((folder / "v.vdb").string(), {}, Context());
   ASSERT_TRUE(grids);
   EXPECT_EQ(grids->at(0).voxels, ball("a")->activeVoxelCount());
   EXPECT_EQ(grids->at(1).voxels, ball("b", 5)->activeVoxelCount());

@@ -346,7 +346,7 @@ TYPED_TEST(VdbTree, StreamsHaveTheSameTreesBehindGridsOfAllTypes) {
       const TempFolder folder;
       const auto path = folder / "v.vdb";
       write_vdb_stream(path, grids, compression, !half);
-      const auto listed = volumes::list_grids(path.string(), {});
+      const auto listed = volumes::list_grids(path.string(), {}, Context());
       ASSERT_TRUE(listed) << listed.error().message;
       ASSERT_EQ(listed->size(), grids.size());
       for (std::size_t i = 0; i < grids.size(); ++i) EXPECT_EQ(listed->at(i).name, grids[i]->getName());

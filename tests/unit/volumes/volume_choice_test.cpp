@@ -93,15 +93,15 @@ void expect_series(const std::filesystem::path& path) {
     const Error error = refusal(path, volume(wrong));
     expect_in(error.message, "there is no volume " + std::to_string(wrong));
     EXPECT_EQ(error.hint.remedy, Remedy::choose_volume);
-    EXPECT_FALSE(volumes::list_grids(path.string(), volume(wrong)));
+    EXPECT_FALSE(volumes::list_grids(path.string(), volume(wrong), Context()));
   }
-  const auto grids = volumes::list_grids(path.string(), {});
+  const auto grids = volumes::list_grids(path.string(), {}, Context());
   ASSERT_TRUE(grids) << grids.error().message;
   ASSERT_EQ(grids->size(), 1U);
   EXPECT_EQ(grids->front().volumes, 4U);
   EXPECT_EQ(grids->front().voxels, 60U);
   EXPECT_EQ(grids->front().box, (field::IndexBox{{0, 0, 0}, {2, 3, 4}}));
-  EXPECT_EQ(volumes::count_volumes(path.string(), volume(99)).value(), 4U);
+  EXPECT_EQ(volumes::count_volumes(path.string(), volume(99), Context()).value(), 4U);
 }
 
 std::string npy(const std::string& descr, const std::string& shape, const std::string& samples, bool fortran = false) {
@@ -266,17 +266,17 @@ TEST(Series, OneVolumeIsNumberNought) {
     const Error error = refusal(folder / name, volume(1));
     expect_in(error.message, "there is no volume 1");
     EXPECT_EQ(error.hint.remedy, Remedy::leave_out_volume);
-    EXPECT_EQ(volumes::count_volumes((folder / name).string(), {}).value(), 1U);
+    EXPECT_EQ(volumes::count_volumes((folder / name).string(), {}, Context()).value(), 1U);
   }
 }
 
 TEST(Series, FormatsWithoutVolumesRefuseTheChoice) {
-  const auto field = volumes::read_volume("demo:sphere?size=8", volume(0));
+  const auto field = volumes::read_volume("demo:sphere?size=8", volume(0), Context());
   ASSERT_FALSE(field);
   EXPECT_EQ(field.error().kind, ErrorKind::usage);
   EXPECT_EQ(field.error().hint.remedy, Remedy::leave_out_volume);
-  EXPECT_EQ(volumes::count_volumes("demo:sphere?size=8", {}).value(), 1U);
-  EXPECT_FALSE(volumes::count_volumes("missing.npy", {}));
+  EXPECT_EQ(volumes::count_volumes("demo:sphere?size=8", {}, Context()).value(), 1U);
+  EXPECT_FALSE(volumes::count_volumes("missing.npy", {}, Context()));
 }
 
 TEST(Series, SizesThatLieAreRefusedBeforeMemoryIsTaken) {

@@ -11,9 +11,9 @@ const std::string kNrrd =
     "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 3 4 5\nencoding: raw\n\n" + ramp_bytes<std::uint8_t>();
 
 ErrorKind kind_of_refusal(const std::string& input, const volumes::ReadOptions& options) {
-  const auto field = volumes::read_volume(input, options);
+  const auto field = volumes::read_volume(input, options, Context());
   if (field) throw std::runtime_error(input + " was read");
-  const auto grids = volumes::list_grids(input, options);
+  const auto grids = volumes::list_grids(input, options, Context());
   EXPECT_FALSE(grids) << "list_grids must refuse what read_volume refuses";
   return field.error().kind;
 }
@@ -141,7 +141,7 @@ TEST(VolumeReader, OneByteFilesAreRefused) {
   const TempFolder folder;
   for (const char* name : {"v.vdb", "v.nrrd", "v.nii", "v.nii.gz", "v.hdr", "v.img", "v.npy", "v.raw", "v"}) {
     write_bytes(folder / name, "\x1f");
-    EXPECT_FALSE(volumes::read_volume((folder / name).string(), {})) << name;
+    EXPECT_FALSE(volumes::read_volume((folder / name).string(), {}, Context())) << name;
   }
 }
 
@@ -149,7 +149,7 @@ TEST(VolumeReader, ListsDenseVolumesWithoutReadingThem) {
   const TempFolder folder;
   // The header alone is enough.
   write_bytes(folder / "vol.nrrd", kNrrd);
-  const auto grids = volumes::list_grids((folder / "vol.nrrd").string(), {});
+  const auto grids = volumes::list_grids((folder / "vol.nrrd").string(), {}, Context());
   ASSERT_TRUE(grids);
   ASSERT_EQ(grids->size(), 1U);
   const volumes::GridInfo& grid = grids->front();
@@ -168,7 +168,7 @@ TEST(VolumeReader, DemoFields) {
   const field::ScalarField field = must_read("demo:sphere?size=8", options);
   EXPECT_EQ(field.source, "demo:sphere?size=8");
   expect_near(field.index_to_world({1, 1, 1}), {3, 4, 5});
-  const auto grids = volumes::list_grids("demo:sphere?size=8", {});
+  const auto grids = volumes::list_grids("demo:sphere?size=8", {}, Context());
   ASSERT_TRUE(grids);
   EXPECT_EQ(grids->front().voxels, 512U);
   EXPECT_EQ(kind_of_refusal("demo:nothing", {}), ErrorKind::usage);

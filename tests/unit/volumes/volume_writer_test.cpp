@@ -47,15 +47,15 @@ TEST(VolumeWriter, WhatIsWrittenIsRead) {
   const TempFolder folder;
   const auto try_type = [&]<class T>(T /*of*/) {
     const field::ScalarField field = ramp_field<T>();
-    const auto nrrd = volumes::write_volume(folder / "a.nrrd", {&field, 1}, VolumeFileFormat::nrrd);
+    const auto nrrd = volumes::write_volume(folder / "a.nrrd", {&field, 1}, VolumeFileFormat::nrrd, Context());
     ASSERT_TRUE(nrrd) << nrrd.error().message;
     EXPECT_EQ(*nrrd, std::filesystem::file_size(folder / "a.nrrd"));
     const field::ScalarField read = must_read(folder / "a.nrrd");
     expect_ramp<T>(read);
     EXPECT_EQ(read.index_to_world, field.index_to_world) << "to the last bit";
-    ASSERT_TRUE(volumes::write_volume(folder / "a.npy", {&field, 1}, VolumeFileFormat::npy));
+    ASSERT_TRUE(volumes::write_volume(folder / "a.npy", {&field, 1}, VolumeFileFormat::npy, Context()));
     expect_ramp<T>(must_read(folder / "a.npy"));
-    ASSERT_TRUE(volumes::write_volume(folder / "a.raw", {&field, 1}, VolumeFileFormat::raw));
+    ASSERT_TRUE(volumes::write_volume(folder / "a.raw", {&field, 1}, VolumeFileFormat::raw, Context()));
     EXPECT_EQ(bytes_of_file(folder / "a.raw"), ramp_bytes<T>(std::endian::native));
   };
   try_type(std::uint8_t{});
@@ -68,7 +68,7 @@ TEST(VolumeWriter, WhatIsWrittenIsRead) {
 TEST(VolumeWriter, ArraysOfOneLayerHaveTwoAxes) {
   const TempFolder folder;
   const field::ScalarField field = ramp_field<double>({3, 4, 1});
-  ASSERT_TRUE(volumes::write_volume(folder / "a.npy", {&field, 1}, VolumeFileFormat::npy));
+  ASSERT_TRUE(volumes::write_volume(folder / "a.npy", {&field, 1}, VolumeFileFormat::npy, Context()));
   const std::string bytes = bytes_of_file(folder / "a.npy");
   ASSERT_EQ(bytes.size(), 128U + 12 * 8);
   EXPECT_EQ(bytes.substr(0, 10), std::string("\x93NUMPY\1\0\x76\0", 10));
@@ -86,7 +86,7 @@ TEST(VolumeWriter, FormatsAreKnownByTheirExtension) {
 TEST(VolumeWriter, WhatAFormatDoesNotHoldIsRefused) {
   const TempFolder folder;
   const auto refused = [&](std::span<const field::ScalarField> fields, VolumeFileFormat format) {
-    const auto written = volumes::write_volume(folder / "a.out", fields, format);
+    const auto written = volumes::write_volume(folder / "a.out", fields, format, Context());
     EXPECT_FALSE(std::filesystem::exists(folder / "a.out"));
     return written ? std::string() : written.error().message;
   };
@@ -101,7 +101,7 @@ TEST(VolumeWriter, WhatAFormatDoesNotHoldIsRefused) {
   field = ramp_field<float>();
   std::get<field::DenseSamples>(field.samples).type = field::SampleType::f16;
   EXPECT_NE(refused({&field, 1}, VolumeFileFormat::nrrd).find("16-bit floats"), std::string::npos);
-  const auto nowhere = volumes::write_volume(folder / "none" / "a.raw", {&field, 1}, VolumeFileFormat::raw);
+  const auto nowhere = volumes::write_volume(folder / "none" / "a.raw", {&field, 1}, VolumeFileFormat::raw, Context());
   EXPECT_EQ(nowhere.error().kind, ErrorKind::output);
 }
 
