@@ -133,6 +133,8 @@ T taken(const tl::expected<T, E>& result) {
 }  // namespace detail
 }  // namespace isoextract
 
+// `result` is declared there: no parentheses.
+// NOLINTBEGIN(bugprone-macro-parentheses)
 #define ISOEXTRACT_JOINED(a, b) a##b
 #define ISOEXTRACT_TRY(expression, result)                                              \
   __extension__({                                                                       \
@@ -140,6 +142,7 @@ T taken(const tl::expected<T, E>& result) {
     if (!result) return tl::unexpected(std::forward<decltype(result)>(result).error()); \
     ::isoextract::detail::taken(std::forward<decltype(result)>(result));                \
   })
+// NOLINTEND(bugprone-macro-parentheses)
 #define ISOEXTRACT_TRY_AS(expression, number) ISOEXTRACT_TRY(expression, ISOEXTRACT_JOINED(try_result_, number))
 
 // The value of a result; where it is an error, the function around returns that error.
