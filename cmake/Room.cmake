@@ -1,6 +1,8 @@
 # A room is a folder of src: one static library that sees the headers of the rooms it links and of no other.
 #
-# isoextract_room(NAME SOURCES a.cpp ... ROOMS base field ... LIBRARIES Some::lib ...)
+# isoextract_room(NAME [SHELL] SOURCES a.cpp ... ROOMS base field ... LIBRARIES Some::lib ...)
+#
+# SHELL: no loop over samples, vertices or triangles is in it. Optimising it takes compile time and makes nothing faster.
 #
 # Headers are included as "room/header.hpp". What other rooms see of a room is an include directory that holds links to the
 # headers at its top and to nothing else: an include that crosses the link line, or one of what lies in a subfolder of
@@ -23,7 +25,7 @@ if(ISOEXTRACT_SANITIZE)
 endif()
 
 function(isoextract_room name)
-  cmake_parse_arguments(ROOM "" "" "SOURCES;ROOMS;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ROOM "SHELL" "" "SOURCES;ROOMS;LIBRARIES" ${ARGN})
   set(target isoextract_${name})
   set(public_dir ${PROJECT_BINARY_DIR}/include/${name})
   set(private_dir ${PROJECT_BINARY_DIR}/include-all/${name})
@@ -38,6 +40,9 @@ function(isoextract_room name)
   target_include_directories(${target} PRIVATE ${private_dir} INTERFACE ${public_dir})
   list(TRANSFORM ROOM_ROOMS PREPEND isoextract_)
   target_link_libraries(${target} PUBLIC ${ROOM_ROOMS} ${ROOM_LIBRARIES} PRIVATE isoextract_options)
+  if(ROOM_SHELL)
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  endif()
   isoextract_precompile(${target})
 endfunction()
 
