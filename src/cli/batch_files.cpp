@@ -67,9 +67,10 @@ Result<std::optional<files::ReadFiles>> check_batch_files(const BatchPlan& plan)
     TRY(read->check(file));
   }
   const PagesPlan& pages = plan.common.pages;
-  for (const auto& file : {plan.flags.table, plan.flags.plot, pages.html, pages.contact_sheet}) {
-    if (!file) continue;
-    TRY(convert::check_output_file(*file, read.value_or(files::ReadFiles())));
+  for (const std::optional<std::string>* file : std::initializer_list<const std::optional<std::string>*>{
+           &plan.flags.table, &plan.flags.plot, &pages.html, &pages.contact_sheet}) {
+    if (!*file) continue;
+    TRY(convert::check_output_file(**file, read.value_or(files::ReadFiles())));
   }
   return read;
 }

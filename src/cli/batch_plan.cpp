@@ -242,13 +242,8 @@ std::string name_after_shard(const batch::Shard& shard, ConvertFlags& flags) {
 
 bool is_batch(const ConvertFlags& flags) {
   const std::vector<std::string>& inputs = flags.input.inputs;
-  const BatchFlags& batch = flags.batch;
   if (inputs.empty()) return false;
-  if (inputs.size() > 1 || wants_all_volumes(flags) || batch.frames || batch.missing || batch.iso_table ||
-      batch.animate || batch.fps || batch.jobs || batch.shard || batch.table || batch.plot || batch.progress ||
-      batch.resume || batch.fail_fast || batch.no_clobber || batch.make_folders || batch.dry_run) {
-    return true;
-  }
+  if (inputs.size() > 1 || wants_all_volumes(flags) || flags.batch.any_set()) return true;
   return names_frames(inputs.front());
 }
 

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -20,17 +19,7 @@ Result<PictureFormat> picture_format_of(const std::string& path) {
 }
 
 static Result<BenchPlan> plan_gpu_threads(const BenchFlags& flags, BenchPlan plan) {
-  const std::array<std::pair<bool, std::string_view>, 8> others{{{flags.iso.has_value(), "--iso"},
-                                                                 {flags.coarser.has_value(), "--coarser"},
-                                                                 {flags.methods.has_value(), "--methods"},
-                                                                 {flags.nan.has_value(), "--nan"},
-                                                                 {flags.backends.has_value(), "--backends"},
-                                                                 {flags.threads.has_value(), "--threads"},
-                                                                 {flags.csv.has_value(), "--csv"},
-                                                                 {flags.plot.has_value(), "--plot"}}};
-  for (const auto& [given, name] : others) {
-    if (given) return refuse_usage(fmt::format("bench gpu-threads extracts no surface: leave out {}", name));
-  }
+  TRY(flags.refuse(About::extraction, "bench gpu-threads extracts no surface: leave out {}"));
   plan.gpu_threads = true;
   plan.gpu = plan_gpu(flags.device);
   plan.sizes = flags.sizes.value_or(std::vector<int>{32, 64, 128, 256});

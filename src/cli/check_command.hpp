@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/error.hpp"
-#include "cli/check_options.hpp"
+#include "cli/check_plan.hpp"
 #include "cli/messages.hpp"
 
 namespace isoextract::cli {

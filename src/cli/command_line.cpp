@@ -88,8 +88,8 @@ bool takes_inputs(const CommandLine& line, const CLI::App& command) {
 
 // The volume, then the mesh.
 bool take_verify_input(VerifyFlags& flags, const std::string& word) {
-  if (flags.input.inputs.empty()) {
-    flags.input.inputs.push_back(word);
+  if (flags.conversion.input.inputs.empty()) {
+    flags.conversion.input.inputs.push_back(word);
   } else if (!flags.mesh) {
     flags.mesh = word;
   } else {

@@ -83,15 +83,29 @@ int run_info_command(const InfoFlags& flags, const CLI::App& command) {
   return failure ? exit_code(*failure) : kDone;
 }
 
+template <class Flags>
+const RunFlags& run_flags(const Flags& flags) {
+  if constexpr (requires { flags.conversion; }) {
+    return flags.conversion.run;
+  } else {
+    return flags.run;
+  }
+}
+
 // Of a command whose options become a plan: all of it is checked before any work.
 template <class Flags, class Plan, class Run>
 int plan_and_run(const Flags& flags, const Plan& plan_of, const Run& run) {
-  if constexpr (requires { flags.input; }) choose_process(flags.input);
-  const auto verbosity = plan_verbosity(flags.run);
+  if constexpr (requires { flags.conversion; }) {
+    choose_process(flags.conversion.input);
+  } else if constexpr (requires { flags.input; }) {
+    choose_process(flags.input);
+  }
+  const RunFlags& asked = run_flags(flags);
+  const auto verbosity = plan_verbosity(asked);
   if (!verbosity) return report(verbosity.error());
   const auto plan = plan_of(flags);
   if (!plan) return report(plan.error());
-  if (auto limited = limit_threads(flags.run.threads); !limited) return report(limited.error());
+  if (auto limited = limit_threads(asked.threads); !limited) return report(limited.error());
   return done_or_reported(run(*plan, Messages(*verbosity)));
 }
 
@@ -146,12 +160,12 @@ int run_arguments(const std::vector<std::string>& arguments) {
     case Request::help_flag:
       return print(parsed->command == &line->app ? help_overview(line->app) : help_of_command(*parsed->command));
     case Request::help:
-      return print(line->help_topic ? help_of(line->app, *line->help_topic) : help_overview(line->app));
+      return print(line->help_flags.topic ? help_of(line->app, *line->help_flags.topic) : help_overview(line->app));
     case Request::generate:
-      if (!line->document) {
+      if (!line->generate_flags.document) {
         return report({ErrorKind::usage, "generate needs the name of a document", synopsis(*line->generate)});
       }
-      return print(generate_document(line->app, *line->document));
+      return print(generate_document(line->app, *line->generate_flags.document));
     case Request::info: return run_info_command(line->info_flags, *line->info);
     case Request::verify: return plan_and_run(line->verify_flags, plan_verify, run_verify);
     case Request::compare: return plan_and_run(line->compare_flags, plan_compare, run_compare);

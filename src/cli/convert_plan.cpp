@@ -167,10 +167,9 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   TRY(plan_voxels(flags, plan.notes, job.surface));
   job.verify = flags.verify;
   job.backend = {flags.backend.value_or(convert::Backend::cpu), plan_gpu(flags.device)};
-  if (job.backend.backend == convert::Backend::cpu && !job.verify && (flags.device.device || flags.device.gpu_memory)) {
-    return refuse_usage(fmt::format("{} is about the GPU, which --backend cpu does not use",
-                                    flags.device.device ? "--device" : "--gpu-memory"),
-                        "give --backend gpu or --backend auto");
+  if (job.backend.backend == convert::Backend::cpu && !job.verify) {
+    TRY(flags.refuse(About::gpu, "{} is about the GPU, which --backend cpu does not use",
+                     "give --backend gpu or --backend auto"));
   }
   job.source.away_from_zero = flags.input.inside == InsideChoice::away_from_zero;
   TRY(plan_region(flags.surface, job.source));

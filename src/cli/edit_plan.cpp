@@ -10,14 +10,6 @@
 
 namespace isoextract::cli {
 
-std::string_view edit_option(const EditFlags& flags) {
-  if (flags.least) return "--drop-components";
-  if (flags.fill_cavities) return "--fill-cavities";
-  if (flags.largest) return "--largest";
-  if (flags.split) return "--split-components";
-  return flags.smooth ? "--smooth" : "";
-}
-
 Result<void> plan_edits(const ConvertFlags& flags, convert::ConversionJob& job) {
   const EditFlags& edits = flags.edits;
   if (!flags.surface.blurs.empty() && flags.labels) {

@@ -16,8 +16,4 @@ namespace isoextract::cli {
 // Whether pieces can go where -o says; `path` is what it says.
 [[nodiscard]] Result<void> check_piece_outputs(const ConvertFlags& flags, const std::string& path,
                                                const meshes::MeshFormatInfo& format);
-
-// The first of these options that was given, by its name; or nothing.
-[[nodiscard]] std::string_view edit_option(const EditFlags& flags);
-
 }  // namespace isoextract::cli

@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "base/error.hpp"
-#include "cli/option_group.hpp"
 #include "cli/options.hpp"
 
 namespace isoextract::cli {

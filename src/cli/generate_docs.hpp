@@ -1,7 +1,10 @@
 // The man page and the shell completions, made from the declarations of the command line.
 #pragma once
 
+#include <array>
 #include <string>
+
+#include "base/words.hpp"
 
 namespace CLI {
 class App;
@@ -10,6 +13,10 @@ class App;
 namespace isoextract::cli {
 
 enum class Document { man, bash, zsh, fish };
+constexpr auto words_of(Document /*type*/) {
+  return std::array{Word{Document::man, "man"}, Word{Document::bash, "bash"}, Word{Document::zsh, "zsh"},
+                    Word{Document::fish, "fish"}};
+}
 
 [[nodiscard]] std::string generate_document(const CLI::App& app, Document document);
 

@@ -11,9 +11,6 @@
 
 namespace isoextract::cli {
 
-inline constexpr std::uint64_t kJetFrames = 120;
-inline constexpr const char* kJetExample = "jet_{:04}.ply";
-
 struct JetPlan {
   simulate::JetOptions jet;
   volumes::ParticleFileFormat format = volumes::ParticleFileFormat::ply;

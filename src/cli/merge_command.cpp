@@ -14,7 +14,7 @@ Result<void> run_merge(const MergeFlags& flags) {
     return fail(ErrorKind::usage, "merge needs the folder of the shards' outputs", "isoextract merge FOLDER");
   }
   const auto merged = TRY(batch::merge_shards(*flags.folder));
-  Messages(flags.quiet ? Verbosity::quiet : Verbosity::normal)
+  Messages(flags.run.quiet ? Verbosity::quiet : Verbosity::normal)
       .summary(fmt::format("{}: {} frame{} of {} shard{}{}", printable(merged.manifest.string()), merged.frames,
                            merged.frames == 1 ? "" : "s", merged.shards, merged.shards == 1 ? "" : "s",
                            merged.absent.empty() ? ", all there" : ""));

@@ -16,10 +16,10 @@ namespace {
 Result<void> check_method(const ParticleFlags& flags, points::Method method, bool has_attributes) {
   const bool weighs = method == points::Method::weight;
   const bool has_kernels = !weighs && method != points::Method::spheres;
-  if (!weighs && (flags.weight || flags.deposit)) {
-    return refuse_usage(fmt::format("{} is about --particles weight, and the method is {}",
-                                    flags.weight ? "--weight" : "--deposit", word_of(method)),
-                        "give --particles weight");
+  if (!weighs) {
+    TRY(flags.refuse(About::weights,
+                     fmt::format("{{}} is about --particles weight, and the method is {}", word_of(method)),
+                     "give --particles weight"));
   }
   // Attributes are interpolated by such kernels whatever makes the field.
   if (!has_kernels && flags.smoothing_length && !has_attributes) {
@@ -35,8 +35,7 @@ Result<void> check_method(const ParticleFlags& flags, points::Method method, boo
 Result<convert::ParticleOptions> plan_particles(const ParticleFlags& flags, std::optional<extract::NanPolicy> nan,
                                                 bool has_attributes) {
   convert::ParticleOptions options;
-  options.expected = flags.method || flags.radius || flags.smoothing_length || flags.cell_size || flags.weight ||
-                     flags.deposit || flags.columns;
+  options.expected = flags.any_set();
   options.method = flags.method.value_or(options.method);
   TRY(check_method(flags, options.method, has_attributes));
   if (options.expected && nan == extract::NanPolicy::hole) {

@@ -1,9 +1,5 @@
 #include "cli/picture_plan.hpp"
 
-#include <algorithm>
-#include <array>
-#include <utility>
-
 #include <fmt/format.h>
 
 #include "cli/field_plan.hpp"
@@ -17,30 +13,12 @@ bool writes_picture(const ConvertFlags& flags) {
 }
 
 Result<std::optional<convert::PictureFileOptions>> plan_picture(const ConvertFlags& flags) {
-  using Given = std::pair<bool, std::string_view>;
-  const auto first_given = [](const auto& options) {
-    const auto* const found = std::ranges::find(options, true, &Given::first);
-    return found == options.end() ? std::string_view() : found->second;
-  };
   if (!writes_picture(flags)) {
-    const std::array<Given, 3> of_pictures{{{flags.size.has_value(), "--size"},
-                                            {flags.camera.has_value(), "--camera"},
-                                            {flags.look_at.has_value(), "--look-at"}}};
-    const std::string_view option = first_given(of_pictures);
-    if (option.empty()) return std::nullopt;
-    return refuse_usage(fmt::format("{} is about a picture, and none is drawn", option), "name the output .png");
+    TRY(flags.refuse(About::picture, "{} is about a picture, and none is drawn", "name the output .png"));
+    return std::nullopt;
   }
-  const std::array<Given, 7> of_files{{{flags.ascii, "--ascii"},
-                                       {flags.placement.up_out.has_value(), "--up-out"},
-                                       {flags.draco.has_value(), "--draco"},
-                                       {flags.quantize, "--quantize"},
-                                       {flags.meshopt, "--meshopt"},
-                                       {flags.optimize_order, "--optimize-order"},
-                                       {flags.batch.animate, "--animate"}}};
-  if (const std::string_view option = first_given(of_files); !option.empty()) {
-    return refuse_usage(fmt::format("{} is about the file of a mesh, and the output is a picture", option),
-                        fmt::format("leave {} out, or name the output as a mesh", option));
-  }
+  TRY(flags.refuse(About::mesh_file, "{} is about the file of a mesh, and the output is a picture",
+                   "leave {} out, or name the output as a mesh"));
   convert::PictureFileOptions picture;
   if (flags.size) {
     picture.width = flags.size->width;

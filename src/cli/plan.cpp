@@ -101,18 +101,8 @@ Result<convert::Placement> plan_placement(const PlacementFlags& flags, meshes::M
   placement.space = flags.space.value_or(convert::Space::world);
   placement.up = flags.up.value_or(convert::UpAxis::z);
   if (placement.space == convert::Space::index) {
-    const std::string_view other = flags.up         ? "--up"
-                                   : flags.scale    ? "--scale"
-                                   : flags.unit     ? "--unit"
-                                   : flags.to_unit  ? "--to-unit"
-                                   : flags.up_out   ? "--up-out"
-                                   : flags.to_space ? "--to-space"
-                                   : flags.center   ? "--center"
-                                                    : "";
-    if (!other.empty()) {
-      return refuse_usage(fmt::format("--space index gives voxel coordinates, which {} cannot change", other),
-                          fmt::format("leave out {} or --space index", other));
-    }
+    TRY(flags.refuse(About::world, "--space index gives voxel coordinates, which {} cannot change",
+                     "leave out {} or --space index"));
     return placement;
   }
   if (flags.scale && flags.unit) return refuse_usage("--scale and --unit exclude each other");
@@ -192,11 +182,8 @@ Result<volumes::ReadOptions> plan_read(const InputFlags& flags) {
     raw.endian = flags.endian.value_or(raw.endian);
     raw.skip = flags.skip.value_or(raw.skip);
     read.raw = raw;
-  } else if (flags.dtype || flags.endian || flags.skip) {
-    return refuse_usage(fmt::format("{} describes a raw file, which needs --dims as well", flags.dtype    ? "--dtype"
-                                                                                           : flags.endian ? "--endian"
-                                                                                                          : "--skip"),
-                        "give --dims NX,NY,NZ");
+  } else {
+    TRY(flags.refuse(About::raw_file, "{} describes a raw file, which needs --dims as well", "give --dims NX,NY,NZ"));
   }
   return read;
 }

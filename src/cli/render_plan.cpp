@@ -135,16 +135,11 @@ Result<void> name_pictures(const RenderFlags& flags, const Inputs& inputs, std::
   return {};
 }
 
-// What does nothing is not taken.
+// Rejects options that have no effect on what is drawn.
 Result<void> check_useful(const RenderFlags& flags, const Inputs& inputs, const RenderPlan& plan) {
   const bool surfaces = !plan.isos.empty();
-  const std::array of_surfaces{std::pair{flags.surface.method.has_value(), "--method"},
-                               std::pair{flags.surface.cap, "--cap"}, std::pair{flags.colour.has_value(), "--color-by"},
-                               std::pair{flags.surface.roi.has_value(), "--roi"},
-                               std::pair{flags.surface.roi_snap, "--roi-snap"}};
-  for (const auto& [given, name] : of_surfaces) {
-    if (given && !surfaces)
-      return refuse_usage(fmt::format("{} is for surfaces of the volume, and none is asked for", name), "give --iso V");
+  if (!surfaces) {
+    TRY(flags.refuse(About::drawn_surface, "{} is for surfaces of the volume, and none is asked for", "give --iso V"));
   }
   if (surfaces && inputs.volumes.empty()) return refuse_usage("--iso is for volumes, and only meshes were given");
   if (flags.opacity && !surfaces && inputs.meshes.empty()) {
@@ -157,9 +152,8 @@ Result<void> check_useful(const RenderFlags& flags, const Inputs& inputs, const 
   if (flags.opacity && flags.opacity->size() != 1 && flags.opacity->size() != parts) {
     return refuse_usage(fmt::format("--opacity: expected one value or {}, found {}", parts, flags.opacity->size()));
   }
-  if (!plan.draws_volume && (flags.transfer_range || flags.unit_length)) {
-    return refuse_usage(fmt::format("{} is for the volume, which --tf none leaves out",
-                                    flags.transfer_range ? "--tf-range" : "--unit-length"));
+  if (!plan.draws_volume) {
+    TRY(flags.refuse(About::drawn_volume, "{} is for the volume, which --tf none leaves out"));
   }
   if (plan.transfer_file && flags.transfer_range) {
     return refuse_usage("--tf-range is for transfer functions by name, and a file has values of its own");

@@ -15,10 +15,6 @@
 
 namespace isoextract::cli {
 
-inline constexpr std::uint64_t kWaterSteps = 400;
-inline constexpr std::uint64_t kWaterEvery = 10;
-inline constexpr const char* kWaterExample = "water_{:04}.nrrd";
-
 // One state that is written: after so many steps, to these files, in the order of what they hold.
 struct SequenceFrame {
   std::uint64_t step = 0;

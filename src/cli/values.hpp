@@ -56,6 +56,10 @@ using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
 [[nodiscard]] Result<int> parse_thread_count(std::string_view text);                    // 1..1024
 [[nodiscard]] Result<std::uint64_t> parse_size(std::string_view text);  // bytes, with or without K, M, G, T
 
+[[nodiscard]] Result<convert::LeastPiece> parse_least_piece(std::string_view text);  // 100, area:40, volume:5world
+[[nodiscard]] Result<convert::SmoothChoice> parse_smoothing(std::string_view text);  // 20, 20:sinc, 20:taubin:0.05
+[[nodiscard]] Result<convert::BlurStep> parse_blur(std::string_view text);           // 2, 2voxel, 0.5world, median:1
+
 // Finite numbers separated by commas, at least one; nothing for what is anything else.
 [[nodiscard]] std::optional<std::vector<double>> parse_numbers(std::string_view text);
 

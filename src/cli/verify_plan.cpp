@@ -1,9 +1,7 @@
-#include <array>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "cli/edit_plan.hpp"
 #include "cli/output_folders.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/plan.hpp"
@@ -13,22 +11,12 @@
 namespace isoextract::cli {
 namespace {
 
-// Of what is done to a surface after its extraction, the first that was given; or nothing.
-std::string_view change_option(const ConvertFlags& flags) {
-  if (!flags.surface.clip.empty()) return "--clip";
-  if (const std::string_view edit = edit_option(flags.edits); !edit.empty()) return edit;
-  return flags.simplify ? "--simplify" : flags.triangles ? "--triangles" : "";
-}
-
 // Without a mesh, where the backends' surfaces are compared as they are extracted.
 Result<void> check_backends_only(const ConvertFlags& flags) {
-  if (const std::string_view option = change_option(flags); !option.empty()) {
-    return refuse_usage(
-        fmt::format("{} changes a surface after it is extracted, and without MESH the backends are compared, "
-                    "which only extract",
-                    option),
-        fmt::format("leave {} out, or give the mesh that was written with it", option));
-  }
+  TRY(flags.refuse(About::edit,
+                   "{} changes a surface after it is extracted, and without MESH the backends are compared, which only "
+                   "extract",
+                   "leave {} out, or give the mesh that was written with it"));
   if (flags.labels) {
     return refuse_usage("--labels needs MESH: the GPU backend has no surfaces of labels to compare",
                         "give the mesh that was written with it");
@@ -56,14 +44,14 @@ Result<void> check_mesh_path(const std::string& path, const ConvertFlags& flags,
 }  // namespace
 
 Result<VerifyPlan> plan_verify(const VerifyFlags& given) {
-  if (given.input.inputs.empty()) return refuse_usage("no INPUT was given", "isoextract verify INPUT --iso V [MESH]");
-  TRY(refuse_several_grids(given.input, "verify"));
-  const std::string& input = given.input.inputs.front();
+  ConvertFlags flags = given.conversion;
+  if (flags.input.inputs.empty()) return refuse_usage("no INPUT was given", "isoextract verify INPUT --iso V [MESH]");
+  TRY(refuse_several_grids(flags.input, "verify"));
+  const std::string input = flags.input.inputs.front();
   VerifyPlan plan;
   plan.mesh = given.mesh;
   plan.json = given.json;
-  plan.is_placed = given.placement.any();
-  ConvertFlags flags = given;
+  plan.is_placed = flags.placement.any_set();
   meshes::MeshFormat format = meshes::MeshFormat::glb;  // backends are compared where the default output would be
   if (plan.mesh) {
     format = TRY(format_of_path(*plan.mesh, meshes::mesh_format_by_path(input)

@@ -13,13 +13,6 @@
 
 namespace isoextract::cli {
 
-// NAME[?][=FROM], and behind it in any order :KIND, :spacing=SX,SY,SZ, :origin=X,Y,Z, :nodata=V, :volume=K and
-// :component=N.
-[[nodiscard]] Result<convert::AttributeChoice> parse_attribute(std::string_view text);
-// Likewise without a kind, and with :MAP and then :MIN,MAX among these.
-[[nodiscard]] Result<ColourFlag> parse_colour(std::string_view text);
-[[nodiscard]] Result<std::vector<double>> parse_opacity(std::string_view text);  // A[,B...], above 0, at most 1
-
 // What they say, into the job, whose format is known. Formats that have no place for it are refused. `isos` is how many
 // iso values the first file has.
 [[nodiscard]] Result<void> plan_vertices(const ConvertFlags& flags, std::size_t isos, convert::ConversionJob& job);

@@ -90,9 +90,9 @@ Result<void> plan_voxels(const ConvertFlags& flags, std::vector<std::string>& no
     return refuse_usage("--no-merge and --t-junctions exclude each other: faces by themselves have no T-junctions");
   }
   if (surface.method != extract::Method::voxels) {
-    return refuse_usage(fmt::format("{} does not go with {}, which has no faces to merge",
-                                    flags.no_merge ? "--no-merge" : "--t-junctions", method.title),
-                        "give --method voxels");
+    TRY(flags.refuse(About::voxel_faces,
+                     fmt::format("{{}} does not go with {}, which has no faces to merge", method.title),
+                     "give --method voxels"));
   }
   surface.voxel_faces = flags.no_merge ? extract::VoxelFaces::plain : extract::VoxelFaces::rectangles;
   return {};

@@ -1,4 +1,4 @@
-// The options of `check`, and what they make: a plan.
+// From the options of `check` to a plan.
 #pragma once
 
 #include <optional>
@@ -7,8 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/memory_budget.hpp"
-#include "cli/options.hpp"
-#include "measure/mesh_check.hpp"
+#include "cli/options/meshes.hpp"
 
 namespace isoextract::cli {
 
@@ -20,11 +19,6 @@ struct CheckPlan {
   MemoryBudget memory;
   bool json = false;
 };
-
-void declare_check(CLI::App& app, CheckFlags& flags);
-
-// Words of measure::Requirement separated by commas, or "printable" for what a slicer needs; each once.
-[[nodiscard]] Result<std::vector<measure::Requirement>> parse_requirements(std::string_view text);
 
 [[nodiscard]] Result<CheckPlan> plan_check(const CheckFlags& flags);
 

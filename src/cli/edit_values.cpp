@@ -1,5 +1,3 @@
-#include "cli/edit_options.hpp"
-
 #include <cmath>
 #include <optional>
 #include <string>
@@ -7,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/values.hpp"
 #include "field/blur.hpp"
 
 namespace isoextract::cli {
@@ -103,39 +102,6 @@ Result<convert::BlurStep> parse_blur(std::string_view text) {
                   "units of the input such as 0.7world; or median:1 to median:{}",
                   field::kMaxBlurSigma, field::kMaxMedianWidth),
       text);
-}
-
-void declare_blur(const Group& group, SurfaceFlags& flags) {
-  group.values(
-      "--blur", "SIGMA|median:N", flags.blurs, parse_blur,
-      "Blur the samples of any field, dense or sparse, before its surface is looked for: by a Gaussian with this "
-      "standard deviation, in voxels (1.5) or the input's units (0.7world), or by the median of the samples up to N "
-      "voxels away. Samples that are not numbers are left out of what is around them. Several times for several, "
-      "after --filter.");
-}
-
-void declare_edits(CLI::App& app, EditFlags& flags) {
-  const Group group(app, "Pieces");
-  group.value("--drop-components", "MIN", flags.least, parse_least_piece,
-              "Drop components of fewer triangles than MIN (100), or of less area or volume (area:40, volume:5 in "
-              "voxels, volume:5world in the units of the written mesh). A body goes with the cavities in it; a "
-              "cavity that goes is filled.");
-  group.flag("--fill-cavities", flags.fill_cavities, "Drop the walls of all cavities, and what lies loose in them.");
-  group
-      .value("--largest", "N", flags.largest, parse_positive_count,
-             "Keep the N bodies of the largest area, with the cavities in them (default: 1). --drop-components and "
-             "--fill-cavities come first.")
-      ->expected(0, 1)
-      ->default_str("1");
-  group.flag("--split-components", flags.split,
-             "Write each body, with the cavities in it, as a mesh of its own, the largest first: in one file as "
-             "'NAME piece 1' and so on, or with {piece} in the name after -o as a file each.");
-  group.value(
-      "--smooth", "N[:taubin|sinc[:BAND]]", flags.smooth, parse_smoothing,
-      "Smooth the surface by N passes of Taubin's filter (the default) or of a windowed sinc, which keep its size. "
-      "BAND is what passes, between 0 and 1 (default: 0.1): a smaller one smooths more. Vertices of open "
-      "borders stay where they are, and those of caps in their plane. How far vertices moved, and by how much "
-      "the volume changed, is told.");
 }
 
 }  // namespace isoextract::cli

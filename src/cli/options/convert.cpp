@@ -1,0 +1,42 @@
+#include "cli/options/convert.hpp"
+
+#include <fmt/ranges.h>
+
+#include "cli/field_plan.hpp"
+#include "cli/picture_plan.hpp"
+
+namespace isoextract::cli {
+
+std::vector<Choice<OutputFormat>> output_formats() {
+  std::vector<Choice<OutputFormat>> formats;
+  for (const meshes::MeshFormatInfo& info : meshes::mesh_formats()) {
+    formats.push_back({std::string(info.name), {info.format}});
+  }
+  formats.push_back({std::string(kPictureFormat), {std::nullopt, true}});
+  formats.push_back({std::string(kFieldFormat), {}});
+  return formats;
+}
+
+std::string colormap_list() {
+  std::vector<std::string_view> maps;
+  for (const auto& word : words_of(convert::Colormap{})) maps.push_back(word.word);
+  return fmt::format("{}", fmt::join(maps, ", "));
+}
+
+std::vector<Choice<DracoBits>> draco_bits() {
+  std::vector<Choice<DracoBits>> bits{{"auto", DracoBits()}};
+  for (std::uint64_t b = meshes::kMinPositionBits; b <= meshes::kMaxPositionBits; ++b) {
+    bits.push_back({fmt::format("{}", b), b});
+  }
+  return bits;
+}
+
+BatchFlags::BatchFlags(OptionSet* command) : OptionSet(command, OptionGroup::frames) {}
+
+ConvertFlags::ConvertFlags(Of command) : of_(command) {}
+
+ConvertFlags::ConvertFlags(OptionSet& command, Of of) : OptionSet(command, OptionGroup::run), of_(of) {}
+
+VerifyFlags::VerifyFlags() = default;
+
+}  // namespace isoextract::cli

@@ -1,0 +1,42 @@
+#include "cli/options/surface.hpp"
+
+#include <cctype>
+
+#include <fmt/ranges.h>
+
+#include "cli/options/placement.hpp"
+#include "cli/options/run.hpp"
+
+namespace isoextract::cli {
+
+std::string method_help() {
+  std::vector<std::string_view> methods;
+  for (const extract::MethodInfo& method : extract::kMethods) methods.push_back(method.help);
+  std::string text = fmt::format("{}", fmt::join(methods, ", or "));
+  text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
+  return text;
+}
+
+std::vector<Choice<convert::LengthUnit>> units() {
+  std::vector<Choice<convert::LengthUnit>> choices;
+  for (const convert::LengthUnit& unit : convert::length_units()) choices.push_back({std::string(unit.name), unit});
+  return choices;
+}
+
+std::vector<Choice<UnitChoice>> units_of_input() {
+  std::vector<Choice<UnitChoice>> choices{{std::string(convert::kUnitOfFile), {}}};
+  for (const convert::LengthUnit& unit : convert::length_units()) choices.push_back({std::string(unit.name), {unit}});
+  return choices;
+}
+
+SurfaceFlags::SurfaceFlags(OptionSet& command) : OptionSet(command, OptionGroup::surface) {}
+
+EditFlags::EditFlags(OptionSet& command) : OptionSet(command, OptionGroup::pieces) {}
+
+PlacementFlags::PlacementFlags(OptionSet& command) : OptionSet(command, OptionGroup::placement) {}
+
+RunFlags::RunFlags(OptionSet& command, Taken taken) : OptionSet(command, OptionGroup::run), taken_(taken) {}
+
+DeviceFlags::DeviceFlags(OptionSet& command) : OptionSet(command, OptionGroup::run) {}
+
+}  // namespace isoextract::cli
