@@ -333,7 +333,7 @@ class FieldFileTest(FieldsTest):
             run = self.run_program(SPHERE, *options, "-o", "a.vdb")
             self.assert_fails(1, run, f"{options[0]} is about a surface, and the output is the field itself")
         run = self.run_program(SPHERE, "--cap", "--iso", "0", "--smooth", "3", "--center", "-o", "a.vdb")
-        self.assert_fails(1, run, "--iso, --cap, --smooth, --center are about a surface", "leave --iso, --cap, --center, --")
+        self.assert_fails(1, run, "--iso, --cap, --smooth, --center are about a surface", "leave --iso, --cap, --smooth, --")
         self.assert_fails(1, self.run_program(SPHERE, "--nan", "hole", "-o", "a.vdb"), "--nan hole")
         self.assert_fails(1, self.run_program(SPHERE, "-o", "a_{iso}.vdb"), "a field has no iso value")
         self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "-o", "a.xyz"), "or vdb for the field itself")
