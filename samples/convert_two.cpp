@@ -18,11 +18,14 @@ using namespace isoextract;
 class Listener final : public convert::Events {
  public:
   void note(const std::string& text) override { told += "note: " + text + "\n"; }
-  void read(const std::string& input, const field::ScalarField& field, const StageTime& time) override {
-    told += "read " + input + " (" + field.format + ") in " + std::to_string(time.wall_seconds) + " s\n";
-  }
-  void written(const convert::WrittenOutput& output) override {
-    told += "wrote " + output.job.path + ": " + std::to_string(output.triangles) + " triangles\n";
+  void end(const convert::StageReport& report) override {
+    if (report.stage == convert::StageName::read && report.time) {
+      const auto format = value_at<std::string>(report.entries.front(), {convert::Key::format});
+      told += "read " + report.subject + " (" + *format + ") in " + std::to_string(report.time->wall_seconds) + " s\n";
+    }
+    if (report.output) {
+      told += "wrote " + report.subject + ": " + std::to_string(report.output->triangles) + " triangles\n";
+    }
   }
 
   std::string told;

@@ -13,6 +13,11 @@
 namespace isoextract::batch {
 namespace {
 
+using convert::Figures;
+using convert::Key;
+using convert::StageName;
+using convert::StageReport;
+
 using convert::Json;
 
 Result<std::vector<FileRecord>> states_of(const std::vector<std::string>& paths) {
@@ -151,20 +156,15 @@ FrameFigures figures_of(const Json& json) {
   return figures;
 }
 
-// Whether a record is of the surface.
-template <class Record>
-bool is_of(const Record& record, const SurfaceFigures& surface) {
-  return record.iso == surface.iso && record.grid == surface.grid;
+// Whether something is of the surface.
+bool is_of(double iso, const std::string& grid, const SurfaceFigures& surface) {
+  return iso == surface.iso && grid == surface.grid;
 }
-
-// The unit that was asked for, else that of the input where the mesh has its lengths.
-std::string unit_of(const convert::Outcome& outcome) {
-  if (!outcome.placed) return {};
-  const convert::Placement& placement = outcome.placed->placement.placement;
-  if (!placement.to_unit.empty()) return placement.to_unit;
-  const bool as_in_file = placement.space == convert::Space::world && placement.unit.empty() && placement.scale == 1;
-  const auto unit = as_in_file && outcome.input ? convert::find_length_unit(outcome.input->length_unit) : std::nullopt;
-  return unit ? std::string(unit->name) : placement.unit;
+bool is_of(const convert::WrittenSurface& written, const SurfaceFigures& surface) {
+  return is_of(written.iso, written.grid, surface);
+}
+bool is_of(const Figures& mesh, const SurfaceFigures& surface) {
+  return is_of(*value_at<double>(mesh, {Key::iso}), value_at<std::string>(mesh, {Key::grid}).value_or(""), surface);
 }
 
 // What was written of a surface. The same one may be in a second output, which does not count.
@@ -185,33 +185,45 @@ void add_written(const convert::Outcome& outcome, SurfaceFigures& figures) {
 }
 
 void add_error(const convert::Outcome& outcome, SurfaceFigures& figures) {
-  const auto error = std::ranges::find_if(outcome.errors, [&](const auto& found) { return is_of(found, figures); });
-  if (error == outcome.errors.end()) return;
-  const auto take = [](const measure::ErrorStatistics& from, std::optional<double>& rms, std::optional<double>& max) {
-    if (from.points == 0) return;
-    rms = from.rms.voxels;
-    max = from.max.voxels;
-  };
-  take(error->field.interior, figures.error_rms, figures.error_max);
-  if (error->field.coverage) take(error->field.coverage->distances, figures.coverage_rms, figures.coverage_max);
+  const auto error = std::ranges::find_if(outcome.reports, [&](const StageReport& report) {
+    return report.stage == StageName::error && is_of(*report.iso, report.grid, figures);
+  });
+  if (error == outcome.reports.end()) return;
+  const Figures& found = error->entries.front();
+  figures.error_rms = value_at<double>(found, {Key::interior, Key::rms, Key::voxels});
+  figures.error_max = value_at<double>(found, {Key::interior, Key::max, Key::voxels});
+  figures.coverage_rms = value_at<double>(found, {Key::coverage, Key::distances, Key::rms, Key::voxels});
+  figures.coverage_max = value_at<double>(found, {Key::coverage, Key::distances, Key::max, Key::voxels});
 }
 
-void add_mesh(const convert::MeshRecord& mesh, SurfaceFigures& surface) {
-  surface.vertices = surface.vertices.value_or(0) + mesh.vertices;
-  surface.components = surface.components.value_or(0) + mesh.topology.components;
-  surface.closed = surface.closed.value_or(true) && mesh.topology.is_closed_oriented_manifold();
-  surface.area = surface.area.value_or(0) + mesh.size.area;
-  surface.volume = surface.volume.value_or(0) + mesh.size.volume;
+// Of all meshes that were written.
+std::vector<const Figures*> meshes_of(const convert::Outcome& outcome) {
+  std::vector<const Figures*> meshes;
+  for (const StageReport& report : outcome.reports) {
+    if (report.stage != StageName::mesh_facts) continue;
+    for (const Figures& mesh : report.entries) meshes.push_back(&mesh);
+  }
+  return meshes;
+}
+
+void add_mesh(const Figures& mesh, SurfaceFigures& surface) {
+  const auto count = [&](Key key) { return value_at<std::uint64_t>(mesh, {key}).value_or(0); };
+  surface.vertices = surface.vertices.value_or(0) + count(Key::vertices);
+  surface.components = surface.components.value_or(0) + count(Key::components);
+  surface.closed = surface.closed.value_or(true) && value_at<bool>(mesh, {Key::closed}).value_or(false);
+  surface.area = surface.area.value_or(0) + value_at<double>(mesh, {Key::area}).value_or(0);
+  surface.volume = surface.volume.value_or(0) + value_at<double>(mesh, {Key::volume}).value_or(0);
 }
 
 // What is known of the meshes that a surface was written as: several where its pieces are meshes of their own.
 void add_meshes(const convert::Outcome& outcome, SurfaceFigures& surface) {
   // The same surface may be in a second file, and pieces with names of their own may each have a file.
-  std::unordered_map<std::string_view, std::string_view> file_of_name;
-  for (const convert::MeshRecord& mesh : outcome.meshes) {
-    if (!is_of(mesh, surface)) continue;
-    if (file_of_name.try_emplace(mesh.name, mesh.file).first->second != mesh.file) continue;
-    add_mesh(mesh, surface);
+  std::unordered_map<std::string, std::string> file_of_name;
+  for (const Figures* mesh : meshes_of(outcome)) {
+    if (!is_of(*mesh, surface)) continue;
+    const std::string file = *value_at<std::string>(*mesh, {Key::file});
+    if (file_of_name.try_emplace(*value_at<std::string>(*mesh, {Key::name}), file).first->second != file) continue;
+    add_mesh(*mesh, surface);
   }
   if (!surface.closed.value_or(false)) surface.volume.reset();
 }
@@ -220,8 +232,8 @@ void add_meshes(const convert::Outcome& outcome, SurfaceFigures& surface) {
 void add_files(const convert::Outcome& outcome, SurfaceFigures& surface) {
   const auto first =
       std::ranges::find_if(outcome.written, [&](const auto& written) { return is_of(written, surface); });
-  std::unordered_map<std::string_view, const convert::MeshRecord*> mesh_of_file;
-  for (const convert::MeshRecord& mesh : outcome.meshes) mesh_of_file.emplace(mesh.file, &mesh);
+  std::unordered_map<std::string, const Figures*> mesh_of_file;
+  for (const Figures* mesh : meshes_of(outcome)) mesh_of_file.emplace(*value_at<std::string>(*mesh, {Key::file}), mesh);
   std::vector<SurfaceFigures> files;
   std::size_t end = 0;  // of the files so far
   for (auto piece = first; piece != outcome.written.end(); ++piece) {
@@ -245,23 +257,37 @@ void add_files(const convert::Outcome& outcome, SurfaceFigures& surface) {
   if (files.size() > 1) surface.files = std::move(files);
 }
 
+// Optional attributes that the input does not have. The same one may be asked for twice: as it is, and for colors.
+void add_lacked(const StageReport& report, std::vector<std::string>& lacked) {
+  for (const Figures& attribute : report.entries) {
+    const auto name = value_at<std::string>(attribute, {Key::attribute}).value_or("");
+    if (std::ranges::find(lacked, name) == lacked.end()) lacked.push_back(name);
+  }
+}
+
+std::string text_at(const convert::Outcome& outcome, StageName stage, Key key) {
+  const StageReport* const report = outcome.first(stage);
+  return report != nullptr ? value_at<std::string>(report->entries.front(), {key}).value_or("") : "";
+}
+
 }  // namespace
 
 FrameFigures figures_of(const convert::Outcome& outcome) {
   FrameFigures figures;
-  for (const convert::ExtractionRecord& extraction : outcome.extractions) {
+  for (const StageReport& report : outcome.reports) {
+    if (report.stage == StageName::read_attributes) add_lacked(report, figures.lacked_attributes);
+    if (report.stage != StageName::extract) continue;
     SurfaceFigures& surface = figures.surfaces.emplace_back();
-    surface.iso = extraction.iso;
-    surface.grid = extraction.grid;
-    if (!extraction.asked.is_number()) surface.asked = text_of(extraction.asked);
+    surface.iso = *report.iso;
+    surface.grid = report.grid;
+    surface.asked = value_at<std::string>(report.entries.front(), {Key::asked}).value_or("");
     add_written(outcome, surface);
     add_meshes(outcome, surface);
     add_error(outcome, surface);
     add_files(outcome, surface);
   }
-  if (outcome.particles) figures.time_step = outcome.particles->time_step;
-  figures.lacked_attributes = outcome.lacked_attributes;
-  figures.unit = unit_of(outcome);
+  figures.time_step = text_at(outcome, StageName::particles_to_field, Key::time_step);
+  figures.unit = text_at(outcome, StageName::place, Key::unit_of_lengths);
   for (const meshes::WrittenFile& file : outcome.files) figures.bytes += file.bytes;
   figures.wall_seconds = outcome.total.wall_seconds;
   figures.memory = outcome.reserved_memory;

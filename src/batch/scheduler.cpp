@@ -16,6 +16,7 @@
 #include "base/no_memory.hpp"
 #include "base/stopwatch.hpp"
 #include "batch/detail/frame_queue.hpp"
+#include "convert/mesh_packing.hpp"
 
 namespace isoextract::batch {
 namespace {
@@ -149,7 +150,9 @@ class Scheduler {
       const Stopwatch watch;
       if (auto done = take(which_[place], handed, outcome); !done) outcome.error = std::move(done.error());
       const StageTime time = watch.elapsed();
-      outcome.stages.back().time += time;  // which is "write"
+      const auto written = std::ranges::find(outcome.reports.rbegin(), outcome.reports.rend(),
+                                             convert::StageName::write, &convert::StageReport::stage);
+      if (written != outcome.reports.rend() && written->time) *written->time += time;
       outcome.total += time;
     }
     handed.meshes.clear();
@@ -162,8 +165,11 @@ class Scheduler {
       const auto packed = TRY(receiver_->take(frame, handed));
       for (std::size_t m = 0; m < packed.size(); ++m) {
         if (packed[m].bytes_before == 0) continue;  // it has no triangles
-        outcome.packings.push_back(
-            {handed.isos[m], handed.output.path, batch_.frames[frame].job.packing, handed.packing.voxel, packed[m]});
+        outcome.reports.push_back(convert::report_of({.iso = handed.isos[m],
+                                                      .file = handed.output.path,
+                                                      .asked = batch_.frames[frame].job.packing,
+                                                      .voxel = handed.packing.voxel,
+                                                      .facts = packed[m]}));
       }
       return {};
     } catch (const std::bad_alloc&) {

@@ -23,7 +23,7 @@
 #include "cli/batch_files.hpp"
 #include "cli/batch_plan.hpp"
 #include "cli/batch_progress.hpp"
-#include "cli/edit_text.hpp"
+#include "cli/convert_command.hpp"
 #include "cli/frame_plot.hpp"
 #include "cli/gnuplot.hpp"
 #include "cli/html_page.hpp"
@@ -386,7 +386,7 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
       .fail_fast = plan.flags.fail_fast,
       .extras = {.mesh_facts = plan.flags.table || plan.flags.plot || plan.report || plan.common.pages.html,
                  .note_of_field = note_of_field,
-                 .note_of_relaxing = relaxing_note,
+                 .how_to_keep_volumes = std::string(kHowToKeepVolumes),
                  .read = read ? &*read : nullptr}};
   const batch::BatchCounts counts =
       batch::run(plan.batch, which, options, context, keeper, animation ? &*animation : nullptr);

@@ -17,28 +17,21 @@
 #include "base/printable.hpp"
 #include "base/stopwatch.hpp"
 #include "batch/manifest.hpp"
-#include "cli/edit_text.hpp"
 #include "cli/field_plan.hpp"
-#include "cli/mesh_error_text.hpp"
 #include "cli/messages.hpp"
 #include "cli/output_folders.hpp"
 #include "cli/output_plan.hpp"
-#include "cli/packing_text.hpp"
 #include "cli/pages_plan.hpp"
 #include "cli/picture_plan.hpp"
 #include "cli/plan.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/remedies.hpp"
 #include "cli/report_file.hpp"
-#include "cli/simplify_text.hpp"
 #include "cli/surface_ends.hpp"
 #include "cli/threads.hpp"
 #include "cli/up_axis_note.hpp"
-#include "cli/verification_text.hpp"
 #include "convert/conversion.hpp"
-#include "convert/field_label.hpp"
 #include "convert/output_checks.hpp"
-#include "convert/placement_record.hpp"
 #include "files/output_file.hpp"
 #include "files/read_files.hpp"
 
@@ -47,13 +40,6 @@ namespace {
 
 std::string times_text(const StageTime& time) {
   return fmt::format("{:.2f} s ({:.2f} s of processor time)", time.wall_seconds, time.cpu_seconds);
-}
-
-// "world coordinates, turned from z up to y up, scaled by 0.001 (mm to m)"
-std::string describe(const convert::ResolvedPlacement& placed) {
-  const std::string done = convert::placement_text(placed);
-  if (placed.placement.space == convert::Space::index) return done;
-  return fmt::format("world coordinates{}{}", done.empty() ? "" : ", ", done);
 }
 
 // What would have been done besides, had it been asked for.
@@ -83,150 +69,28 @@ std::vector<T> each_once(const std::vector<T>& values) {
 class Narrator final : public convert::Events {
  public:
   Narrator(const ConvertPlan& plan, const Messages& messages, ProgressBar& bar)
-      : plan_(plan), messages_(messages), bar_(bar), word_(surface_word(plan.job)), ends_(plan.job) {}
+      : plan_(plan), messages_(messages), bar_(bar), word_(surface_word(plan.job)) {}
 
   void note(const std::string& text) override {
     bar_.above([&] { messages_.note(text); });
   }
 
-  void read(const std::string& /*input*/, const field::ScalarField& field, const StageTime& time) override {
-    label_ = convert::field_label(field);
-    tell_stage(fmt::format("{}: read in {}", label_, times_text(time)));
-  }
-
-  void worked(const convert::WorkFact& fact) override { explain(fact); }
-
-  void made_field(const convert::ParticleRecord& record) override {
-    tell_stage(fmt::format("{}: particles to field in {}", label_, times_text(record.time)));
-  }
-
-  void filtered(const convert::WorkFact& fact, const StageTime& time) override {
-    tell_stage(fmt::format("{}: filtered in {}", label_, times_text(time)));
-    edited_.push_back(of_grid(fmt::format("{}: {}", word_of(fact.done), fact.text)));
-  }
-
-  void resolved(const std::vector<convert::ResolvedIso>& /*isos*/, const std::optional<StageTime>& time) override {
-    if (time) tell_stage(fmt::format("{}: iso values found in {}", label_, times_text(*time)));
-  }
-
-  void resampled(const field::ScalarField& /*grid*/, const convert::WorkFact& fact, const StageTime& time) override {
-    tell_stage(fmt::format("{}: resampled in {}", label_, times_text(time)));
-    edited_.push_back(of_grid(fmt::format("{}: {}", word_of(fact.done), fact.text)));
-  }
-
-  void placed(const convert::PlacedField& placed) override { placed_ = placed.placement; }
-
-  void clipped(double iso, const edit::ClipFacts& facts) override { ends_.clipped(label_, iso, facts); }
-
-  void extracted(const convert::ExtractedSurface& surface) override {
-    const extract::ExtractStats& stats = surface.stats;
-    ends_.extracted(label_, surface);
-    tell_stage(
-        fmt::format("{} {} {}: extracted in {}: {:.3f} s to compare samples, {:.3f} s to count, {:.3f} s "
-                    "to make the mesh",
-                    label_, word_, surface.iso, times_text(surface.time), stats.classify.wall_seconds,
-                    stats.count.wall_seconds, stats.emit.wall_seconds));
-    if (stats.device) {
-      tell_stage(fmt::format(
-          "{} iso {}: of that {:.3f} s to upload {}, {:.3f} s to capture {}, {:.3f} s to read "
-          "it back, {:.3f} s to weld",
-          label_, surface.iso, stats.device->upload.wall_seconds, format_byte_size(stats.device->bytes_uploaded),
-          stats.device->capture.wall_seconds, format_byte_size(stats.device->bytes_captured),
-          stats.device->read_back.wall_seconds, stats.device->weld.wall_seconds));
+  void end(const convert::StageReport& report) override {
+    if (!report.did.empty() && report.time) {
+      const bool has_details = !report.details.empty();
+      tell_stage(fmt::format("{}: {} in {}{}{}", report.subject, report.did, times_text(*report.time),
+                             has_details ? ": " : "", has_details ? report.details.front() : ""));
+      for (std::size_t i = 1; i < report.details.size(); ++i) {
+        tell_stage(fmt::format("{}: {}", report.subject, report.details[i]));
+      }
     }
-    for (const convert::WorkFact& fact : surface.work) explain(fact);
-  }
-
-  void verified(const convert::VerificationRecord& record) override {
-    if (record.not_applicable.empty()) {
-      tell_stage(fmt::format("{} iso {}: verified in {}", label_, record.iso, times_text(record.time)));
+    if (report.lines.empty()) {
+      for (const convert::WorkFact& fact : report.work) explain(fact);
     }
-    verified_.push_back(of_grid(verification_summary(record)));
-  }
-
-  void carried(const convert::CarriedAttributes& attributes) override {
-    tell_stage(fmt::format("{} {} {}: attributes of {} vertices in {}", label_, word_, attributes.iso,
-                           attributes.vertices, times_text(attributes.time)));
-  }
-
-  void read_attributes(const StageTime& time) override {
-    tell_stage(fmt::format("{}: attributes read in {}", label_, times_text(time)));
-  }
-
-  void coloured(const convert::ColourRecord& record) override {
-    colours_.push_back(of_grid(fmt::format("colours of {} {}: {}, {} from {:.6g} to {:.6g}{}", word_, record.iso,
-                                           printable(record.attribute), word_of(record.map), record.min, record.max,
-                                           record.own_range ? ", the range of its vertices" : "")));
-  }
-
-  void picked(const convert::PieceRecord& record) override {
-    tell_stage(fmt::format("{} {} {}: pieces found in {}", label_, word_, record.iso, times_text(record.facts.time)));
-    edited_.push_back(of_grid(pieces_summary(record, word_)));
-  }
-
-  void smoothed(const convert::SmoothRecord& record) override {
-    tell_stage(fmt::format("{} {} {}: smoothed in {}", label_, word_, record.iso, times_text(record.facts.time)));
-    edited_.push_back(of_grid(smoothing_summary(record, word_)));
-  }
-
-  void shaded(double iso, const convert::WorkFact& fact, const StageTime& time) override {
-    tell_stage(fmt::format("{} {} {}: normals in {}", label_, word_, iso, times_text(time)));
-    explain(fact);
-  }
-
-  void simplified(const convert::MeshSimplification& simplification) override {
-    tell_stage(fmt::format("{} {} {}: simplified in {}: {}", label_, word_, simplification.iso,
-                           times_text(simplification.facts.time), simplification_details(simplification)));
-    edited_.push_back(of_grid(simplification_summary(simplification, word_)));
-  }
-
-  void measured(const convert::MeshError& error, const StageTime& time) override {
-    tell_stage(fmt::format("{} iso {}: error measured in {}", label_, error.iso, times_text(time)));
-    for (const std::string& line : error_summary(error)) errors_.push_back({of_grid(line), false});
-    for (const std::string& line : error_details(error)) errors_.push_back({of_grid(line), true});
-  }
-
-  void packed(const convert::MeshPackingRecord& record) override {
-    tell_stage(fmt::format("{} {} {}: packed in {}: {}", label_, word_, record.iso, times_text(record.facts.time),
-                           packing_details(record)));
-    packed_.push_back(packing_summary(record));
-  }
-
-  void written(const convert::WrittenOutput& output) override {
-    if (output.isos.empty()) {
-      forget();
-      return;
+    for (const convert::StageReport::Line& line : report.lines) {
+      lines_.push_back({of_grid(report.label, line.text), line.explains, stage_info(report.stage).line_rank});
     }
-    const std::string path = files::shown_output_name(output.job.path);
-    tell_stage(fmt::format("{}: written in {}", path, times_text(output.time)));
-    const std::vector<double> isos = each_once(output.isos);  // pieces and grids have the same several times
-    std::uint64_t bytes = 0;
-    for (const meshes::WrittenFile& file : output.files) bytes += file.bytes;
-    bar_.above([&] {
-      messages_.summary(fmt::format("{} {} {} -> {}: {} triangles, {} vertices, {}; {}; {}; {:.2f} s",
-                                    fmt::join(each_once(output.labels), ", "), word_, fmt::join(isos, ", "), path,
-                                    output.triangles, output.vertices, format_byte_size(bytes), ends_.text_of(output),
-                                    describe(placed_), watch_.elapsed().wall_seconds));
-      for (const std::string& line : edited_) messages_.summary("  " + line);
-      for (const std::string& line : colours_) messages_.summary("  " + line);
-      for (const std::string& line : packed_) messages_.summary("  " + line);
-      for (const ErrorLine& line : errors_) tell_error(line);
-      for (const std::string& line : verified_) messages_.summary("  " + line);
-    });
-    forget();
-  }
-
-  void wrote_field(const convert::WrittenField& field) override {
-    const std::string path = files::shown_output_name(field.job.path);
-    tell_stage(fmt::format("{}: written in {}", path, times_text(field.time)));
-    for (const convert::WorkFact& fact : field.work) explain(fact);
-    bar_.above([&] {
-      messages_.summary(fmt::format("{} -> {}: {}, as {} bits each; {}; {:.2f} s", label_, path, field.samples,
-                                    field.as_half ? 16 : 32, format_byte_size(field.bytes),
-                                    watch_.elapsed().wall_seconds));
-      for (const std::string& line : edited_) messages_.summary("  " + line);
-    });
-    forget();
+    if (report.output) tell_written(report, *report.output);
   }
 
  private:
@@ -240,44 +104,59 @@ class Narrator final : public convert::Events {
         [&] { messages_.explanation(fmt::format("  {}: {}{}", word_of(fact.done), fact.text, option_for(fact))); });
   }
 
-  struct ErrorLine {
+  // One line about the file, and those of the stages that made it.
+  void tell_written(const convert::StageReport& report, const convert::WrittenOutput& output) {
+    const std::string& path = report.subject;
+    const double seconds = watch_.elapsed().wall_seconds;
+    const std::string bytes = format_byte_size(output.bytes);
+    std::string line;
+    if (!output.samples.empty()) {
+      line = fmt::format("{} -> {}: {}; {}; {:.2f} s", report.label, path, output.samples, bytes, seconds);
+    } else if (!output.surfaces.empty()) {
+      std::vector<std::string> labels;
+      std::vector<double> isos;
+      for (const convert::WrittenOutput::Part& part : output.surfaces) {
+        labels.push_back(part.label);
+        isos.push_back(part.iso);
+      }
+      line = fmt::format("{} {} {} -> {}: {} triangles, {} vertices, {}; {}; {}; {:.2f} s",
+                         fmt::join(each_once(labels), ", "), word_, fmt::join(each_once(isos), ", "), path,
+                         output.triangles, output.vertices, bytes, ends_text(output, plan_.job), output.placement,
+                         seconds);
+    }
+    std::ranges::stable_sort(lines_, {}, &Line::rank);
+    if (!line.empty()) {
+      bar_.above([&] {
+        messages_.summary(line);
+        for (const Line& other : lines_) tell(other);
+      });
+    }
+    lines_.clear();
+    watch_.restart();
+  }
+
+  struct Line {
     std::string text;
-    bool is_detail;  // for --explain
+    bool explains = false;
+    int rank = 0;
   };
 
-  void tell_error(const ErrorLine& line) const {
-    if (!line.is_detail) messages_.summary("  " + line.text);
-    if (line.is_detail && plan_.explain) messages_.explanation("  " + line.text);
+  void tell(const Line& line) const {
+    if (!line.explains) messages_.summary("  " + line.text);
+    if (line.explains && plan_.explain) messages_.explanation("  " + line.text);
   }
 
   // Names the grid in a line about a surface, where the file has those of several.
-  [[nodiscard]] std::string of_grid(const std::string& line) const {
-    return plan_.job.source.more_grids.empty() ? line : fmt::format("{}: {}", label_, line);
-  }
-
-  // What was about the file that is done.
-  void forget() {
-    verified_.clear();
-    edited_.clear();
-    colours_.clear();
-    packed_.clear();
-    errors_.clear();
-    watch_.restart();
+  [[nodiscard]] std::string of_grid(const std::string& label, const std::string& line) const {
+    return plan_.job.source.more_grids.empty() || label.empty() ? line : fmt::format("{}: {}", label, line);
   }
 
   const ConvertPlan& plan_;
   const Messages& messages_;
   ProgressBar& bar_;
   std::string_view word_;
-  Stopwatch watch_;  // since the start, or since the last file
-  std::string label_;
-  convert::ResolvedPlacement placed_;
-  SurfaceEnds ends_;
-  std::vector<std::string> verified_;
-  std::vector<std::string> edited_;
-  std::vector<std::string> colours_;
-  std::vector<std::string> packed_;
-  std::vector<ErrorLine> errors_;
+  Stopwatch watch_;          // since the start, or since the last file
+  std::vector<Line> lines_;  // of the file that is made
 };
 
 Result<void> check_stdout(const convert::ConversionJob& job) {
@@ -346,7 +225,7 @@ convert::Outcome convert_as_planned(const ConvertPlan& plan, const Messages& mes
     ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     Narrator narrator(plan, messages, bar);
     outcome = convert::run(plan.job, context, narrator,
-                           {plan.report || plan.pages.html, note_of_up_axis(plan), relaxing_note});
+                           {plan.report || plan.pages.html, note_of_up_axis(plan), std::string(kHowToKeepVolumes)});
     return {};
   });
   return begun ? outcome : failed(begun.error());

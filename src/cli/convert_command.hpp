@@ -2,12 +2,16 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/error.hpp"
 #include "cli/options.hpp"
 
 namespace isoextract::cli {
+
+// Ends the note that relaxing changed volumes.
+inline constexpr std::string_view kHowToKeepVolumes = ": --relax 0 keeps the volumes of the voxels";
 
 // From the options to the report, which is written however the conversion ends: also where the options make none.
 // `arguments` are the words of the command line, for the report.

@@ -116,10 +116,19 @@ std::string frames_section(std::span<const batch::FrameRow> rows) {
 }  // namespace
 
 void HtmlPage::add(std::int64_t frame, const convert::Outcome& outcome) {
-  for (const convert::MeshRecord& mesh : outcome.meshes) {
-    if (!mesh.error || mesh.error->field.interior.points == 0) continue;
-    const measure::ErrorStatistics& found = mesh.error->field.interior;
-    errors_.push_back({frame, mesh.grid, mesh.iso, found.rms.world, found.max.world, found.max.voxels});
+  using convert::Key;
+  for (const convert::StageReport& report : outcome.reports) {
+    if (report.stage != convert::StageName::mesh_facts) continue;
+    for (const convert::Figures& mesh : report.entries) {
+      const auto number = [&](Key statistic, Key unit) {
+        return value_at<double>(mesh, {Key::error, Key::interior, statistic, unit});
+      };
+      const auto rms = number(Key::rms, Key::world);
+      if (!rms) continue;
+      errors_.push_back({frame, value_at<std::string>(mesh, {Key::grid}).value_or(""),
+                         value_at<double>(mesh, {Key::iso}).value_or(0), *rms, number(Key::max, Key::world).value_or(0),
+                         number(Key::max, Key::voxels).value_or(0)});
+    }
   }
   const auto take = [&](const convert::WorkFact& fact) {
     LeftOut& all = left_out_[{std::string(word_of(fact.what)), std::string(word_of(fact.done))}];
@@ -127,12 +136,8 @@ void HtmlPage::add(std::int64_t frame, const convert::Outcome& outcome) {
     all.total += fact.total.value_or(0);
     if (++all.times == 1) all.first = fact.text;
   };
-  for (const convert::WorkFact& fact : outcome.work) take(fact);
-  for (const convert::ExtractionRecord& extraction : outcome.extractions) {
-    for (const convert::WorkFact& fact : extraction.work) take(fact);
-  }
-  for (const convert::StageRecord& stage : outcome.stages)
-    stages_[std::string(word_of(stage.stage))] += stage.time.wall_seconds;
+  for (const convert::StageReport& report : outcome.reports) std::ranges::for_each(report.work, take);
+  for (const auto& part : outcome.times()) stages_[std::string(word_of(part.stage))] += part.time.wall_seconds;
   if (!outcome.device.empty()) devices_.insert(fmt::format("{} ({})", outcome.device, outcome.backend));
   for (const std::string& note : outcome.notes) notes_.emplace_back(frame, note);
 }

@@ -19,19 +19,6 @@ std::string worst_text(double worst, std::string_view unit, double allowed, cons
 
 }  // namespace
 
-std::string verification_summary(const convert::VerificationRecord& record) {
-  if (!record.not_applicable.empty()) {
-    return fmt::format("not verified at iso {}: not applicable: {}", record.iso, record.not_applicable);
-  }
-  const measure::ExtractionComparison& found = record.comparison;
-  std::string text = fmt::format(
-      "verified at iso {}: {} gives the same {} triangles and {} vertices as {}, at most "
-      "{:.3g} ulps apart",
-      record.iso, record.backends[1], found.triangles.total[1], found.vertices[1], record.backends[0], found.ulps);
-  if (found.normals_compared) text += fmt::format(", normals at most {:.3g} degrees", found.degrees);
-  return text + fmt::format("; {:.2f} s", record.time.wall_seconds);
-}
-
 std::string verification_table(const std::string& label, const convert::VerificationRecord& record) {
   const measure::ExtractionComparison& found = record.comparison;
   NamedLines lines;

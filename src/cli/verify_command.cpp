@@ -35,48 +35,45 @@ struct MadeAnew {
   std::vector<std::string> stages;  // that the job asks for, in their order
 };
 
-// Tells notes alone, and keeps what made the surface: the rest is told by what is found.
+// Tells notes alone: the rest is told by what is found.
 class Notes final : public convert::Events {
  public:
   Notes(const Messages& messages, ProgressBar& bar) : messages_(messages), bar_(bar) {}
   void note(const std::string& text) override {
     bar_.above([&] { messages_.note(text); });
   }
-  void opened(const extract::Extractor& extractor, const StageTime&) override { backend_ = extractor.name(); }
-  void read(const std::string&, const field::ScalarField& field, const StageTime&) override {
-    label_ = convert::field_label(field);
-  }
-  void extracted(const convert::ExtractedSurface& surface) override {
-    are_labels_ = surface.asked.is_label();
-    surfaces_.push_back(are_labels_ ? fmt::format("{}", surface.iso)
-                                    : text_of(convert::ResolvedIso{surface.asked, surface.iso, {}}));
-  }
-
-  [[nodiscard]] MadeAnew made_anew(const convert::ConversionJob& job) const {
-    MadeAnew anew;
-    const std::size_t told = surfaces_.size() > kMostTold ? kMostTold : surfaces_.size();
-    anew.surface = fmt::format("{} {} {}", label_, are_labels_ ? "label" : "iso",
-                               fmt::join(std::span(surfaces_).first(told), ", "));
-    if (told < surfaces_.size()) anew.surface += fmt::format(" and {} others", surfaces_.size() - told);
-    anew.backend = backend_;
-    anew.stages = {"extracted"};
-    if (!job.source.clip.empty()) anew.stages.emplace_back("clipped");
-    if (job.pieces.drops()) anew.stages.emplace_back("pieces dropped");
-    if (job.smooth) anew.stages.emplace_back("smoothed");
-    if (job.simplify) anew.stages.emplace_back("simplified");
-    return anew;
-  }
 
  private:
-  static constexpr std::size_t kMostTold = 10;
-
   const Messages& messages_;
   ProgressBar& bar_;
-  bool are_labels_ = false;
-  std::string label_;
-  std::string backend_;
-  std::vector<std::string> surfaces_;
 };
+
+MadeAnew made_anew(const convert::ConversionJob& job, const convert::Outcome& outcome) {
+  constexpr std::size_t kMostTold = 10;
+  const bool are_labels = job.isos().front().is_label();
+  std::string label;
+  std::vector<std::string> surfaces;
+  for (const convert::StageReport& report : outcome.reports) {
+    if (report.stage != convert::StageName::extract) continue;
+    label = report.label;
+    const auto asked = value_at<std::string>(report.entries.front(), {convert::Key::asked});
+    surfaces.push_back(asked && !are_labels ? fmt::format("{} ({})", *asked, *report.iso)
+                                            : fmt::format("{}", *report.iso));
+  }
+  const std::size_t told = surfaces.size() > kMostTold ? kMostTold : surfaces.size();
+  MadeAnew anew;
+  anew.surface =
+      fmt::format("{} {} {}", label, are_labels ? "label" : "iso", fmt::join(std::span(surfaces).first(told), ", "));
+  if (told < surfaces.size()) anew.surface += fmt::format(" and {} others", surfaces.size() - told);
+  anew.backend = outcome.backend;
+  for (const convert::StageInfo& stage : convert::kStages) {
+    const bool is_of_mesh = stage.name >= convert::StageName::extract;
+    if (is_of_mesh && !stage.done.empty() && (stage.asked == nullptr || stage.asked(job))) {
+      anew.stages.emplace_back(stage.done);
+    }
+  }
+  return anew;
+}
 
 // The samples of the source with the iso values that were asked for.
 Result<convert::Source> open_source(const VerifyPlan& plan, const Context& context, convert::Events& events) {
@@ -100,9 +97,13 @@ Result<convert::VerificationRecord> compare_surface(const VerifyPlan& plan, doub
 
 // One surface as an object, several as an array of them.
 std::string records_json(const std::vector<convert::VerificationRecord>& records) {
-  if (records.size() == 1) return convert::json_text(convert::json_of(records.front()));
+  const auto json_of = [](const convert::VerificationRecord& record) {
+    const convert::StageReport report = convert::report_of(record, "");
+    return entry_of(report, report.entries.front());
+  };
+  if (records.size() == 1) return convert::json_text(json_of(records.front()));
   convert::Json array = convert::Json::array();
-  for (const convert::VerificationRecord& record : records) array.push_back(convert::json_of(record));
+  for (const convert::VerificationRecord& record : records) array.push_back(json_of(record));
   return convert::json_text(array);
 }
 
@@ -201,9 +202,9 @@ class MadeMeshes final : public convert::MeshSink {
 };
 
 // All surfaces that were asked for, as one mesh.
-Result<mesh::Mesh> make_anew(const VerifyPlan& plan, const Context& context, Notes& events) {
+Result<mesh::Mesh> make_anew(const VerifyPlan& plan, const Context& context, Notes& events, convert::Outcome& outcome) {
   MadeMeshes made;
-  convert::Outcome outcome = convert::run(plan.job, context, events, {}, nullptr, &made);
+  outcome = convert::run(plan.job, context, events, {}, nullptr, &made);
   if (outcome.error) return tl::unexpected(about_volume_file(std::move(*outcome.error), plan.job.source.input));
   if (made.meshes.size() == 1) return std::move(made.meshes.front());
   return mesh::join_meshes(made.meshes, context);
@@ -236,13 +237,14 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
                              *plan.mesh, text.empty() ? "as the world is" : text));
       placed.job.source.placement = record->placement;
     }
-    auto made = make_anew(placed, context, notes);
+    convert::Outcome outcome;
+    auto made = make_anew(placed, context, notes, outcome);
     if (!made && record && made.error().kind == ErrorKind::usage) {
       return fail(ErrorKind::input,
                   fmt::format("{}: the volume cannot be placed as it says: {}", *plan.mesh, made.error().message));
     }
     if (!made) return tl::unexpected(made.error());
-    anew = notes.made_anew(plan.job);
+    anew = made_anew(plan.job, outcome);
     match = TRY(measure::match_meshes(file->mesh, *made, plan.float32_world, context, file->is_quantised));
   }
   const std::vector<std::string> found = measure::differences(match, {"the file", "the volume's surface"});

@@ -11,6 +11,8 @@
 
 #include "base/printable.hpp"
 #include "base/reserved_buffer.hpp"
+#include "base/stopwatch.hpp"
+#include "convert/surface_stages.hpp"
 #include "field/point_samples.hpp"
 #include "mesh/attribute_map.hpp"
 #include "points/attribute_sampling.hpp"
@@ -40,7 +42,7 @@ mesh::Attribute float_attribute(const std::string& name, std::size_t components,
   return made;
 }
 
-using Records = std::vector<AttributeRecord>;
+using Records = std::vector<CarriedAttribute>;
 
 void take_attributes(std::vector<mesh::Attribute>&& added, Reservation memory, mesh::Mesh& mesh) {
   std::ranges::move(added, std::back_inserter(mesh.attributes));
@@ -69,7 +71,7 @@ Result<Records> add_of_particles(const ParticleAttributes& source, std::span<con
     mesh::Attribute& made =
         added.emplace_back(float_attribute(source.choices[a].name, attribute.components, places.size()));
     if (!made.values.empty()) std::memcpy(made.values.data(), attribute.values.data(), attribute.values.size_bytes());
-    AttributeRecord& record = records.emplace_back();
+    CarriedAttribute& record = records.emplace_back();
     record.name = made.name;
     record.source = fmt::format("{}: {}", printable(source.particles.label), printable(source.choices[a].from));
     record.components = made.components;
@@ -96,7 +98,7 @@ Result<Records> add_of_volumes(const AttributeSource& source, std::span<const gl
     const std::size_t count = attribute.components.size();
     mesh::Attribute& made = added.emplace_back(float_attribute(attribute.choice.name, count, places.size()));
     const std::span<float> values(reinterpret_cast<float*>(made.values.data()), count * places.size());
-    AttributeRecord& record = records.emplace_back();
+    CarriedAttribute& record = records.emplace_back();
     record.name = made.name;
     record.source = attribute.components.front().name;
     record.components = count;
@@ -162,15 +164,15 @@ std::vector<NamedKind> written_kinds(const AttributeSource& source) {
   return kinds;
 }
 
-Result<std::vector<AttributeRecord>> add_attributes(const AttributeSource& source, mesh::Mesh& mesh,
-                                                    const Context& context) {
+Result<std::vector<CarriedAttribute>> add_attributes(const AttributeSource& source, mesh::Mesh& mesh,
+                                                     const Context& context) {
   const auto places = TRY(world_positions(source.world_from_output, mesh, context));
   const std::span<const glm::dvec3> at = places->values.span();
   const auto* particles = std::get_if<ParticleAttributes>(&source.from);
   auto records = particles != nullptr ? add_of_particles(*particles, at, mesh, context)
                                       : add_of_volumes(source, at, mesh, context);
   if (!records) return records;
-  for (AttributeRecord& record : *records) {
+  for (CarriedAttribute& record : *records) {
     record.vertices = at.size();
     record.kind = kind_of(source, record.name);
     record.changed =
@@ -179,18 +181,49 @@ Result<std::vector<AttributeRecord>> add_attributes(const AttributeSource& sourc
   return records;
 }
 
-std::vector<std::string> notes_of(const AttributeRecord& record, const std::string& label) {
-  const std::string start = fmt::format("{} iso {}: ", label, record.iso);
-  std::vector<std::string> notes;
-  if (record.outside > 0) {
-    notes.push_back(fmt::format("{}{} of {} vertices lie outside of {}; their '{}' is that at its border", start,
-                                record.outside, record.vertices, record.source, printable(record.name)));
+Result<StageReport> carry_attributes(Surface& surface, const StageContext& stage) {
+  const auto& attributes = stage.source.attributes;
+  if (!attributes) return StageReport();
+  StageReport report = stage.report_on(StageName::attributes, surface);
+  for (const MissingAttribute& missing : attributes->missing) {
+    if (missing.choice.optional) continue;
+    if (!surface.mesh.triangles.empty()) return tl::unexpected(missing.error);
+    report.notes.push_back(fmt::format("{}: there is no surface, and no attribute '{}' either", report.subject,
+                                       printable(missing.choice.name)));
   }
-  if (record.not_finite > 0) {
-    notes.push_back(fmt::format("{}the attribute '{}' is no finite number at {} of {} vertices, as {} has some", start,
-                                printable(record.name), record.not_finite, record.vertices, record.source));
+  const Stopwatch watch;
+  const std::vector<CarriedAttribute> carried = TRY(add_attributes(*attributes, surface.mesh, stage.context));
+  report.time = watch.elapsed();
+  report.did = fmt::format("attributes of {} vertices", surface.mesh.positions.size());
+  for (const CarriedAttribute& one : carried) {
+    report.entries.push_back({{Key::name, one.name},
+                              {Key::source, one.source},
+                              {Key::components, one.components},
+                              {Key::kind, word_of(one.kind)},
+                              {Key::changed, one.changed},
+                              {Key::vertices, one.vertices},
+                              {Key::outside, one.outside},
+                              {Key::not_finite, one.not_finite},
+                              {Key::out_of_reach, one.out_of_reach}});
+    const std::string start = fmt::format("{} iso {}: ", stage.source.label, surface.iso);
+    if (one.outside > 0) {
+      report.notes.push_back(fmt::format("{}{} of {} vertices lie outside of {}; their '{}' is that at its border",
+                                         start, one.outside, one.vertices, one.source, printable(one.name)));
+    }
+    if (one.not_finite > 0) {
+      report.notes.push_back(
+          fmt::format("{}the attribute '{}' is no finite number at {} of {} vertices, as {} has some", start,
+                      printable(one.name), one.not_finite, one.vertices, one.source));
+    }
   }
-  return notes;
+  // Of particles all attributes have the same reach.
+  if (!carried.empty() && carried.front().out_of_reach > 0) {
+    report.notes.push_back(
+        fmt::format("{}: {} of {} vertices have the attributes of the nearest particle, as none is near enough to be "
+                    "interpolated",
+                    report.subject, carried.front().out_of_reach, surface.mesh.positions.size()));
+  }
+  return report;
 }
 
 }  // namespace isoextract::convert

@@ -38,8 +38,7 @@ struct AttributeSource {
 [[nodiscard]] std::vector<NamedKind> written_kinds(const AttributeSource& source);
 
 // How one attribute came to the vertices of a surface.
-struct AttributeRecord {
-  double iso = 0;
+struct CarriedAttribute {
   std::string name;
   std::string source;  // what its values are of, for messages: "fire.vdb: temperature"
   std::size_t components = 1;
@@ -49,15 +48,11 @@ struct AttributeRecord {
   std::uint64_t outside = 0;       // of dense samples: they have the value at the border
   std::uint64_t not_finite = 0;    // with a value that is no finite number
   std::uint64_t out_of_reach = 0;  // of particles: they have the values of the nearest one
-  std::string grid = {};           // whose surface it is, where the job has several
 };
 
-// Adds the attributes to the vertices of `mesh`, as float32, and tells how it went; `iso` is left to the caller. Fails
-// as points::sample_attributes() and field::sample_points() do; the mesh is then without them.
-[[nodiscard]] Result<std::vector<AttributeRecord>> add_attributes(const AttributeSource& source, mesh::Mesh& mesh,
-                                                                  const Context& context);
-
-// What there is to tell of it: a sentence without its full stop each.
-[[nodiscard]] std::vector<std::string> notes_of(const AttributeRecord& record, const std::string& label);
+// Adds the attributes to the vertices of `mesh`, as float32, and tells how it went. Fails as
+// points::sample_attributes() and field::sample_points() do; the mesh is then without them.
+[[nodiscard]] Result<std::vector<CarriedAttribute>> add_attributes(const AttributeSource& source, mesh::Mesh& mesh,
+                                                                   const Context& context);
 
 }  // namespace isoextract::convert

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <exception>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <new>
 #include <span>
@@ -15,14 +16,15 @@
 #include "base/machine.hpp"
 #include "base/no_memory.hpp"
 #include "base/stopwatch.hpp"
+#include "convert/detail/output_meshes.hpp"
 #include "convert/detail/recorder.hpp"
 #include "convert/error_memory.hpp"
 #include "convert/field_file.hpp"
 #include "convert/label_looks.hpp"
-#include "convert/mesh_clip.hpp"
 #include "convert/mesh_normals.hpp"
 #include "convert/mesh_packing.hpp"
 #include "convert/mesh_pieces.hpp"
+#include "convert/mesh_relax.hpp"
 #include "convert/no_surface.hpp"
 #include "convert/output_checks.hpp"
 #include "convert/picture_file.hpp"
@@ -30,6 +32,7 @@
 #include "convert/several_grids.hpp"
 #include "convert/skipped_surfaces.hpp"
 #include "convert/surface_stages.hpp"
+#include "convert/verification.hpp"
 #include "extract/voxels.hpp"
 #include "files/file_bytes.hpp"
 #include "files/output_file.hpp"
@@ -69,21 +72,14 @@ class Conversion {
       TRY(write(output));
       ++output_;
     }
-    const auto& note_of_relaxing = extras_.note_of_relaxing;
-    if (const auto text = note_of_relaxing ? note_of_relaxing(outcome_.relaxations) : std::nullopt) events_.note(*text);
+    if (const auto text = note_of_relaxing(outcome_.reports); text && !extras_.how_to_keep_volumes.empty()) {
+      events_.note(*text + extras_.how_to_keep_volumes);
+    }
     if (sink_ != nullptr && sink_->wants_source()) sink_->take_source(std::move(source_));
     return {};
   }
 
  private:
-  // A file while its surfaces are made.
-  struct OutputFile {
-    WrittenOutput written;
-    meshes::MeshWriter writer;
-    std::vector<mesh::Mesh> held;     // for the sink or the picture, which have no writer
-    std::vector<MeshRecord> records;  // where they were asked for
-  };
-
   // Before the input is read: a missing GPU is told at once.
   Result<void> open_backends() {
     outcome_.backend = word_of(job_.backend.backend);
@@ -110,8 +106,10 @@ class Conversion {
 
   Result<void> write_samples(const OutputFileJob& output) {
     TRY(context_.check());
-    if (!source_.empty || job_.empty == EmptyPolicy::write)
-      return write_field(source_, job_, output, context_, events_);
+    if (!source_.empty || job_.empty == EmptyPolicy::write) {
+      outcome_.files.push_back(TRY(write_field(source_, job_, output, context_, events_)));
+      return {};
+    }
     if (job_.empty == EmptyPolicy::error) return tl::unexpected(empty_source(source_));
     const auto removed = TRY(remove_old_meshes(output, job_.format, context_));
     events_.note(fmt::format("{}: {}; {} was not written{}", source_.label, source_.why_empty(),
@@ -123,7 +121,11 @@ class Conversion {
   // From now on.
   void extract_with(OpenedBackend backend, const StageTime& time) {
     extractor_ = std::move(backend.extractor);
-    events_.opened(*extractor_, time);
+    outcome_.backend = extractor_->name();
+    outcome_.device = extractor_->device();
+    if (outcome_.backend == word_of(Backend::gpu)) {
+      events_.end({.stage = StageName::open, .subject = outcome_.device, .time = time});
+    }
     if (!backend.reason.empty()) events_.note("backend: " + backend.reason);
   }
 
@@ -141,8 +143,10 @@ class Conversion {
     if (!job_.source.more_grids.empty()) events_.begin_grid(grid);
     source_ = TRY(open_source(with_grid(job_.source, grid), use, context_, events_));
     opened_ = grid;
+    const field::ScalarField& field = source_.field;
+    if (!job_.source.more_grids.empty()) events_.name_grid(field.grid.empty() ? field.name : field.grid);
     const auto& note_of = extras_.note_of_field;
-    if (const auto text = note_of ? note_of(source_.field) : std::nullopt) events_.note(*text);
+    if (const auto text = note_of ? note_of(field) : std::nullopt) events_.note(*text);
     events_.end_reading();
     TRY(find_labels());
     all_isos_.clear();
@@ -153,30 +157,34 @@ class Conversion {
 
   // One surface is made, written and let go after the other, where the format allows, and one grid after the other.
   Result<void> write(const OutputFileJob& output) {
-    std::optional<OutputFile> file;
+    std::optional<OutputMeshes> file;
     std::vector<SkippedSurfaces> skipped;
     bool in_pieces = false;
     for (const std::optional<std::string>& grid : grids_of(job_.source, output)) {
       TRY(open_grid(grid));
       if (job_.field_file) return write_samples(output);
       if (!file) file.emplace(open(output));
-      const std::size_t before = file->written.isos.size();
+      const std::size_t before = file->written.surfaces.size();
       const auto asked =
           std::span<const ResolvedIso>(source_.isos).subspan(first_iso_of(job_, output_, grid), output.isos.size());
       const std::vector<ResolvedIso> isos = labels_ ? each_label(asked, labels_->labels()) : each_once(asked);
-      if (isos.size() < asked.size()) tell_repeated(output, asked);
+      if (isos.size() < asked.size()) {
+        const std::string path = files::shown_output_name(output.path);
+        for (const std::string& text : repeated_notes(source_.label, asked, path)) events_.note(text);
+      }
       for (const ResolvedIso& iso : isos) {
         TRY(add_surface(iso, *file, in_pieces));
       }
-      skipped.push_back(skipped_of(isos, std::span<const double>(file->written.isos).subspan(before)));
+      skipped.push_back(skipped_of(isos, std::span<const double>(file->isos()).subspan(before)));
     }
     // Then each of the pieces has a file, and this one is not there.
-    if (in_pieces && file->written.isos.empty()) return {};
-    return file->written.isos.empty() ? leave_out(output, skipped) : finish(*file, skipped);
+    const bool is_empty = file->written.surfaces.empty();
+    if (in_pieces && is_empty) return {};
+    return is_empty ? leave_out(output, skipped) : finish(*file, skipped);
   }
 
   // Makes the surface at one iso value and adds it to the file, as a whole or in pieces.
-  Result<void> add_surface(const ResolvedIso& iso, OutputFile& file, bool& in_pieces) {
+  Result<void> add_surface(const ResolvedIso& iso, OutputMeshes& file, bool& in_pieces) {
     TRY(context_.check());
     auto surface = TRY(make_surface(iso));
     if (!surface) return {};
@@ -184,7 +192,7 @@ class Conversion {
     if (!events_.grid().empty()) mesh.name = events_.grid();
     if (labels_) {
       mesh.name = looks_.name(mesh.name, label_of(iso));
-    } else if (file.written.job.isos.size() > 1) {
+    } else if (file.job.isos.size() > 1) {
       mesh.name = fmt::format("{} {}", mesh.name, surface_text(iso.asked));
     }
     if (!job_.pieces.split) return add(std::move(*surface), file);
@@ -192,33 +200,37 @@ class Conversion {
     return add_pieces(std::move(*surface), iso, file);
   }
 
-  [[nodiscard]] OutputFile open(const OutputFileJob& output) const {
-    return {{output, {}, {}, 0, 0, {}, {}, {}}, meshes::MeshWriter(output.path, write_options(), context_), {}, {}};
+  [[nodiscard]] OutputMeshes open(const OutputFileJob& output) const {
+    return {output, meshes::MeshWriter(output.path, write_options(), context_)};
   }
 
   // As meshes of one file, or each as a file.
-  Result<void> add_pieces(Surface surface, const ResolvedIso& iso, OutputFile& file) {
-    const std::string& pattern = file.written.job.path;
+  Result<void> add_pieces(Surface surface, const ResolvedIso& iso, OutputMeshes& file) {
+    const std::string& pattern = file.job.path;
     const bool into_files = sink_ == nullptr && pattern.find(kPieceWord) != std::string::npos;
     auto pieces = TRY(split_mesh(std::move(surface.mesh), into_files, context_));
     for (std::size_t i = 0; into_files && i < pieces.size(); ++i) {
       TRY(check_mesh_files({piece_path(pattern, i + 1), {}}, job_.format, read()));
     }
     for (std::size_t i = 0; i < pieces.size(); ++i) {
-      Surface piece{surface.iso, std::move(pieces[i]), {}, {}, {}, surface.counts_open_edges, {}};
-      TRY(shade_surface(job_, source_, extras_.mesh_facts, context_, events_, piece));
+      Surface piece{.asked = surface.asked,
+                    .iso = surface.iso,
+                    .mesh = std::move(pieces[i]),
+                    .end = surface.end,
+                    .counts_open_edges = surface.counts_open_edges};
+      TRY(run_stage(stage_info(StageName::normals), {job_, source_, facts(), context_}, events_, piece));
       if (!into_files) {
         TRY(add(std::move(piece), file));
         continue;
       }
       const OutputFileJob own_job{piece_path(pattern, i + 1), {iso.asked}};
-      OutputFile own = open(own_job);
+      OutputMeshes own = open(own_job);
       TRY(add(std::move(piece), own));
       TRY(finish(own, {}));
     }
     if (!into_files) return {};
-    if (pieces.empty()) return leave_out(file.written.job, {skipped_of({&iso, 1}, {})});
-    const auto removed = TRY(remove_old_pieces(file.written.job, pieces.size() + 1, job_.format, read(), context_));
+    if (pieces.empty()) return leave_out(file.job, {skipped_of({&iso, 1}, {})});
+    const auto removed = TRY(remove_old_pieces(file.job, pieces.size() + 1, job_.format, read(), context_));
     if (!removed.empty()) {
       events_.note(fmt::format("{}: there are {} pieces; removed, as they are of an earlier run: {}", source_.label,
                                pieces.size(), first_and_last(removed)));
@@ -264,15 +276,13 @@ class Conversion {
   // Nothing where it is empty and empty surfaces are skipped.
   Result<std::optional<Surface>> make_surface(const ResolvedIso& asked) {
     source_.face_outward(asked.value);
-    auto mesh = TRY(extract(asked));
-    if (mesh.triangles.empty() && job_.empty != EmptyPolicy::write) {
+    Surface surface = TRY(extract(asked));
+    if (surface.mesh.triangles.empty() && job_.empty != EmptyPolicy::write) {
       if (job_.empty == EmptyPolicy::error) return tl::unexpected(no_surface(asked));
       if (cut_away_) lost_.push_back({asked.value, "nothing is where the surface is kept"});
       return std::optional<Surface>();
     }
-    Surface surface{asked.value, std::move(mesh), {}, {}, {}, counts_open_edges_, {}};
-    const SurfaceFacts facts{all_isos_, open_, extras_.mesh_facts, labels_ ? &looks_ : nullptr};
-    TRY(finish_surface(job_, source_, facts, context_, events_, surface));
+    TRY(edit_surface({job_, source_, facts(), context_}, events_, surface));
     if (!surface.mesh.triangles.empty() || job_.empty == EmptyPolicy::write) return surface;
     lost_.push_back({asked.value, "no component is as large as asked for"});
     return std::optional<Surface>();
@@ -280,36 +290,42 @@ class Conversion {
 
   [[nodiscard]] const extract::MethodInfo& method() const { return extract::method_info(job_.surface.method); }
 
-  Result<mesh::Mesh> extract(const ResolvedIso& asked_iso) {
-    const double iso = asked_iso.value;
+  [[nodiscard]] SurfaceFacts facts() const {
+    return {all_isos_, open_, extras_.mesh_facts, labels_ ? &looks_ : nullptr};
+  }
+
+  // Cut, and compared with the other backend where that is asked for.
+  Result<Surface> extract(const ResolvedIso& asked) {
     const Stopwatch watch;
-    const extract::ExtractOptions options = extract_options_of(job_, source_, iso);
-    auto extraction =
-        labels_ ? extract_label(asked_iso, options) : extractor_->extract(source_.field, options, context_);
+    const extract::ExtractOptions options = extract_options_of(job_, source_, asked.value);
+    auto extraction = labels_ ? extract_label(asked, options) : extractor_->extract(source_.field, options, context_);
     if (!extraction && gave_way(extraction.error())) extraction = extractor_->extract(source_.field, options, context_);
     if (!extraction) return tl::unexpected(std::move(extraction.error()));
     TRY(volumes::check_not_lost(source_.field));
-    open_ = may_be_open(extraction->stats, options) || (!source_.clip.empty() && !options.cap);
-    const AskedFor asked{.triangle_normals = are_of_triangles(job_.normals), .error = job_.error.has_value()};
-    events_.extracted({iso, asked_iso.asked, extraction->mesh.triangles.size(), extraction->stats,
-                       extraction_facts(extraction->stats, options, asked), watch.elapsed()});
+    const extract::ExtractStats& stats = extraction->stats;
+    const bool is_cut_open = !source_.clip.empty() && !options.cap;
+    open_ = may_be_open(stats, options) || is_cut_open;
+    Surface surface{.asked = asked.asked,
+                    .iso = asked.value,
+                    .mesh = std::move(extraction->mesh),
+                    .end = {.at_border = stats.meets_border && !options.cap, .hole_cells = stats.hole_cells},
+                    .counts_open_edges = stats.hole_cells > 0 || is_cut_open};
+    const StageContext stage{job_, source_, facts(), context_};
+    outcome_.bytes_uploaded += stats.device ? stats.device->bytes_uploaded : 0;
+    events_.end(extraction_report(stats, options, surface, stage, watch.elapsed()));
     if (other_extractor_ != nullptr) {
-      auto record = TRY(compare_backends(source_.field, options, method(), extraction->mesh, *extractor_,
-                                         *other_extractor_, context_));
+      const auto record = TRY(
+          compare_backends(source_.field, options, method(), surface.mesh, *extractor_, *other_extractor_, context_));
       TRY(volumes::check_not_lost(source_.field));
-      extraction->mesh.edges = {};  // they have done their work
-      events_.verified(record);
-      TRY(check_verification(source_.label, record));
+      surface.mesh.edges = {};  // they have done their work
+      TRY(tell(convert::report_of(record, source_.label), events_));
     }
     std::optional<mesh::Bounds> whole;  // of what there is to cut
-    if (!source_.clip.empty() && !extraction->mesh.triangles.empty()) whole = mesh::measure_bounds(extraction->mesh);
-    auto clipped =
-        TRY(clip_mesh(extraction->mesh, job_, source_,
-                      fmt::format("{} {}", source_.label, surface_text(asked_iso.asked)), context_, events_));
-    if (!source_.clip.empty()) events_.clipped(iso, clipped);
-    counts_open_edges_ = extraction->stats.hole_cells > 0 || (!source_.clip.empty() && !options.cap);
-    cut_away_ = extraction->mesh.triangles.empty() ? whole : std::nullopt;
-    return std::move(extraction->mesh);
+    if (!source_.clip.empty() && !surface.mesh.triangles.empty()) whole = mesh::measure_bounds(surface.mesh);
+    const StageReport clipped = TRY(clip_surface(surface, stage));
+    TRY(tell(clipped, events_));
+    cut_away_ = surface.mesh.triangles.empty() ? whole : std::nullopt;
+    return surface;
   }
 
   Result<extract::Extraction> extract_label(const ResolvedIso& asked, const extract::ExtractOptions& options) {
@@ -331,68 +347,76 @@ class Conversion {
   Error no_surface(const ResolvedIso& asked) {
     const Stopwatch watch;
     Error error = convert::no_surface(job_, source_, asked, labels_.has_value(), cut_away_);
-    outcome_.stages.push_back({StageName::statistics, std::nullopt, watch.elapsed()});
+    StageReport report = report_on(StageName::statistics, source_.label);
+    report.time = watch.elapsed();
+    events_.end(report);
     return error;
   }
 
-  Result<void> add(Surface surface, OutputFile& file) {
-    if (surface.record) {
-      recording_ += surface.recording;
-      file.records.push_back(
-          record_as_written(std::move(*surface.record), file.written.job.path, surface.mesh, surface.error));
-      file.records.back().grid = events_.grid();
-    }
+  Result<void> add(Surface surface, OutputMeshes& file) {
+    looking_ += surface.looking;
     context_.progress().begin("writing", 0);
     const Stopwatch watch;
-    file.written.isos.push_back(surface.iso);
-    file.written.labels.push_back(source_.label);
+    file.note(surface, source_.label, events_.grid());
     outcome_.written.push_back({surface.iso, output_, surface.mesh.triangles.size(), 0, 0, events_.grid()});
-    file.written.triangles += surface.mesh.triangles.size();
-    file.written.vertices += surface.mesh.positions.size();
-    if (surface.open_edges) file.written.open_edges = file.written.open_edges.value_or(0) + *surface.open_edges;
     Result<void> added;
     if (sink_ != nullptr || job_.picture_file) {
       file.held.push_back(std::move(surface.mesh));
     } else {
       added = file.writer.add(std::move(surface.mesh));
     }
-    file.written.time += watch.elapsed();
+    file.time += watch.elapsed();
     return added;
   }
 
-  Result<meshes::MeshWriteResult> complete(OutputFile& file) {
+  Result<meshes::MeshWriteResult> complete(OutputMeshes& file) {
     if (sink_ == nullptr && job_.picture_file) {
-      auto picture = TRY(write_picture(file.held, job_, source_.placement.placement, file.written.job, context_));
-      if (picture.misses_surfaces) events_.drew_nothing();
+      auto picture = TRY(write_picture(file.held, job_, source_.placement.placement, file.job, context_));
+      if (picture.misses_surfaces) outcome_.empty_picture = true;
       return std::move(picture.written);
     }
     if (sink_ == nullptr) return file.writer.finish();
     meshes::MeshWriteOptions options = write_options();
-    TRY(sink_->take(
-        {file.written.job, file.written.isos, std::move(file.held), options.packing, std::move(options.placement)}));
+    TRY(sink_->take({file.job, file.isos(), std::move(file.held), options.packing, std::move(options.placement)}));
     return meshes::MeshWriteResult();
   }
 
-  Result<void> finish(OutputFile& file, const std::vector<SkippedSurfaces>& skipped) {
+  Result<void> finish(OutputMeshes& file, const std::vector<SkippedSurfaces>& skipped) {
     context_.progress().begin("writing", 0);
     const Stopwatch watch;
     auto result = TRY(complete(file));
-    file.written.files = std::move(result.files);
-    tell_packed(file.written, result.packed);
-    file.written.time += watch.elapsed();
-    if (extras_.mesh_facts) events_.recorded(file.records, std::exchange(recording_, {}));
+    const double voxel = shortest_voxel_side(source_.output_from_index);
+    for (const StageReport& packed : file.packed(result.packed, job_.packing, voxel, labels_ ? "label" : "iso")) {
+      events_.end(packed);
+    }
+    file.time += watch.elapsed();
+    if (extras_.mesh_facts) {
+      events_.end({.stage = StageName::mesh_facts,
+                   .subject = files::shown_output_name(file.job.path),
+                   .time = std::exchange(looking_, {}),
+                   .entries = std::move(file.facts)});
+    }
     for (const std::string& text : result.notes) events_.note(text);
-    tell_skipped(file.written.job, skipped, true, "");
-    events_.written(file.written);
+    tell_skipped(file.job, skipped, true, "");
+    for (const meshes::WrittenFile& written : result.files) file.written.bytes += written.bytes;
+    file.written.placement = world_text(source_.placement);
+    tell_written(std::move(file.written), file.job, file.time, std::move(result.files));
     return {};
   }
 
-  void tell_packed(const WrittenOutput& written, const std::vector<meshes::PackedFacts>& packed) {
-    for (std::size_t m = 0; m < packed.size(); ++m) {
-      if (packed[m].bytes_before == 0) continue;  // it has no triangles
-      events_.packed(
-          {written.isos[m], written.job.path, job_.packing, shortest_voxel_side(source_.output_from_index), packed[m]});
+  // Of a file without surfaces no time is told.
+  void tell_written(WrittenOutput output, const OutputFileJob& job, const std::optional<StageTime>& time,
+                    std::vector<meshes::WrittenFile> files) {
+    for (; located_ < outcome_.written.size(); ++located_) {
+      outcome_.written[located_].first_file = outcome_.files.size();
+      outcome_.written[located_].files = files.size();
     }
+    std::ranges::move(files, std::back_inserter(outcome_.files));
+    events_.end({.stage = StageName::write,
+                 .subject = files::shown_output_name(job.path),
+                 .time = time,
+                 .did = time ? "written" : "",
+                 .output = std::move(output)});
   }
 
   Result<void> leave_out(const OutputFileJob& output, const std::vector<SkippedSurfaces>& skipped) {
@@ -404,16 +428,11 @@ class Conversion {
                  removed.empty() ? ""
                                  : fmt::format("; the old {} {} removed", first_and_last(removed),
                                                removed.size() < 3 ? "was" : "were"));
-    events_.written({output, {}, {}, 0, 0, {}, {}, {}});
+    tell_written({}, output, std::nullopt, {});
     return {};
   }
 
   [[nodiscard]] const files::ReadFiles& read() const { return extras_.read != nullptr ? *extras_.read : own_read_; }
-
-  void tell_repeated(const OutputFileJob& output, std::span<const ResolvedIso> asked) {
-    const std::string path = files::shown_output_name(output.path);
-    for (const std::string& text : repeated_notes(source_.label, asked, path)) events_.note(text);
-  }
 
   [[nodiscard]] SkippedSurfaces skipped_of(std::span<const ResolvedIso> asked, std::span<const double> written) const {
     return skipped_surfaces(source_.label, asked, written, lost_, labels_.has_value());
@@ -443,9 +462,9 @@ class Conversion {
   std::vector<double> all_isos_;                // of the surfaces of this grid
   LabelLooks looks_;                            // likewise
   std::size_t output_ = 0;                      // of the job's, which is at hand
-  StageTime recording_;                         // of the file at hand, what reports ask for
+  std::size_t located_ = 0;                     // of Outcome::written: those whose files are known
+  StageTime looking_;                           // at the meshes of the file at hand, for reports
   bool open_ = false;                           // the surface at hand may have a border
-  bool counts_open_edges_ = false;              // and whether it has one, is to be counted
   std::optional<mesh::Bounds> cut_away_;        // of that surface, where cuts left nothing of it
   std::vector<LostSurface> lost_;               // of the grid at hand
   std::unique_ptr<extract::Extractor> extractor_;

@@ -4,7 +4,6 @@
 
 #include <functional>
 #include <optional>
-#include <span>
 #include <string>
 
 #include "base/context.hpp"
@@ -23,8 +22,9 @@ struct OutcomeExtras {
   // Returns a note about the field that is read, in words that only the caller has; null: there is none. Every thread
   // that converts may call it.
   std::function<std::optional<std::string>(const field::ScalarField&)> note_of_field = nullptr;
-  // Returns a note about the volumes of the surface nets that were made; null, or nothing: there is none.
-  std::function<std::optional<std::string>(std::span<const RelaxRecord>)> note_of_relaxing = nullptr;
+  // How the volumes of surface nets are kept, in words that only the caller has: ends the note that relaxing changed
+  // them; empty: there is none.
+  std::string how_to_keep_volumes = {};
   // What is not to be overwritten, the job's own inputs among it; null: those alone.
   const files::ReadFiles* read = nullptr;
 };

@@ -50,9 +50,10 @@ Result<void> blur_field(const std::vector<BlurStep>& steps, const std::string& l
     const std::string in_voxels =
         step.in_world_units ? fmt::format(", {:.4g} x {:.4g} x {:.4g} voxels", sigma.x, sigma.y, sigma.z) : "";
     field = std::move(blurred);
-    events.filtered({WorkTopic::blur, WorkDone::blurred, std::nullopt, std::nullopt,
-                     fmt::format("the samples by {}{}: {}", text_of(step), in_voxels, blurred_text(field))},
-                    watch.elapsed());
+    events.end(report_on_field(StageName::filter, label,
+                               {WorkTopic::blur, WorkDone::blurred, std::nullopt, std::nullopt,
+                                fmt::format("the samples by {}{}: {}", text_of(step), in_voxels, blurred_text(field))},
+                               watch.elapsed()));
     TRY(context.check());
   }
   return {};

@@ -9,6 +9,7 @@
 
 #include "base/stopwatch.hpp"
 #include "field/statistics.hpp"
+#include "files/output_file.hpp"
 #include "volumes/grid_tools.hpp"
 
 namespace isoextract::convert {
@@ -56,8 +57,8 @@ std::string samples_text(const field::ScalarField& field) {
 
 }  // namespace
 
-Result<void> write_field(const Source& source, const ConversionJob& job, const OutputFileJob& output,
-                         const Context& context, Events& events) {
+Result<meshes::WrittenFile> write_field(const Source& source, const ConversionJob& job, const OutputFileJob& output,
+                                        const Context& context, Events& events) {
   const field::ScalarField& field = source.field;
   const bool as_half = job.field_file->as_half;
   context.progress().begin("writing", 0);
@@ -65,13 +66,18 @@ Result<void> write_field(const Source& source, const ConversionJob& job, const O
   if (as_half) {
     TRY(check_range(field, source.label, kLargestHalf, "half floats", Remedy::store_floats));
   } else if (!fits_float(field)) {
-    auto fits = check_range(field, source.label, std::numeric_limits<float>::max(), "floats", {});
-    if (!fits) return fits;
+    TRY(check_range(field, source.label, std::numeric_limits<float>::max(), "floats", {}));
   }
   const auto bytes = TRY(volumes::write_vdb(output.path, field, {field.name, as_half}, context));
-  WrittenField written{output, samples_text(field), as_half, bytes, {}, watch.elapsed()};
+  StageReport report{
+      .stage = StageName::write, .subject = files::shown_output_name(output.path), .label = source.label};
+  report.time = watch.elapsed();
+  report.did = "written";
+  report.output.emplace();
+  report.output->samples = fmt::format("{}, as {} bits each", samples_text(field), as_half ? 16 : 32);
+  report.output->bytes = bytes;
   if (as_half ? !fits_half(field) : !fits_float(field)) {
-    written.work.push_back(
+    report.work.push_back(
         {WorkTopic::samples, WorkDone::rounded, std::nullopt, std::nullopt,
          fmt::format("values of {}{} to {}", field::sample_type_name(field.type()),
                      field.scale.is_identity() ? "" : " with a scale", as_half ? "16-bit floats" : "32-bit floats")});
@@ -79,8 +85,8 @@ Result<void> write_field(const Source& source, const ConversionJob& job, const O
   if (!source.of_particles && job.surface.nan != extract::NanPolicy::error) {
     events.note(fmt::format("{}: samples that are not numbers are stored as they are", source.label));
   }
-  events.wrote_field(written);
-  return {};
+  events.end(report);
+  return meshes::WrittenFile{output.path, bytes};
 }
 
 }  // namespace isoextract::convert

@@ -56,12 +56,6 @@ std::string text_of(const ResolvedIso& iso) {
 
 std::string surface_text(const IsoChoice& asked) { return asked.is_label() ? text_of(asked) : "iso " + text_of(asked); }
 
-Json json_of(const ResolvedIso& iso) {
-  return {{"asked", json_of(iso.asked)},
-          {"iso", iso.value},
-          {"found_by", !iso.asked.is_found() ? Json(nullptr) : Json(iso.found_by)}};
-}
-
 bool all_known(std::span<const IsoChoice> choices) { return std::ranges::none_of(choices, &IsoChoice::is_found); }
 
 Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices, const field::ScalarField& field,

@@ -28,7 +28,6 @@ struct ResolvedIso {
 [[nodiscard]] std::string text_of(const ResolvedIso& iso);
 // "iso 0.3", "label 5".
 [[nodiscard]] std::string surface_text(const IsoChoice& asked);
-[[nodiscard]] Json json_of(const ResolvedIso& iso);
 
 // None is found in the samples.
 [[nodiscard]] bool all_known(std::span<const IsoChoice> choices);

@@ -31,10 +31,11 @@ Result<void> filter_field(const std::vector<FilterStep>& steps, const std::strin
     const auto& samples = std::get<field::SparseSamples>(field.samples);
     const std::string rounded =
         before == field.type() ? "" : fmt::format(", as {}", field::sample_type_name(field.type()));
-    events.filtered(
+    events.end(report_on_field(
+        StageName::filter, label,
         {WorkTopic::filter, WorkDone::filtered, samples.active_voxels, std::nullopt,
          fmt::format("the level set by {}{}: {} active voxels", text_of(step), rounded, samples.active_voxels)},
-        watch.elapsed());
+        watch.elapsed()));
     TRY(context.check());
   }
   return {};

@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "convert/surface_stages.hpp"
+#include "edit/half_space_clip.hpp"
+
 namespace isoextract::convert {
 
 std::vector<mesh::HalfSpace> half_spaces_of(const field::ScalarField& field, const field::Affine& output_from_index,
@@ -18,40 +21,48 @@ std::vector<mesh::HalfSpace> half_spaces_of(const field::ScalarField& field, con
   return kept;
 }
 
-Result<edit::ClipFacts> clip_mesh(mesh::Mesh& mesh, const ConversionJob& job, const Source& source,
-                                  const std::string& label, const Context& context, Events& events) {
-  if (source.clip.empty()) return edit::ClipFacts{};
-  const auto ends = job.surface.cap ? edit::CutEnds::capped : edit::CutEnds::open;
-  auto facts = edit::clip_to_half_spaces(mesh, source.clip, ends, context);
-  if (!facts) {
-    Error error = facts.error();
-    error.message = fmt::format("{}: {}", label, error.message);
-    return tl::unexpected(std::move(error));
+Result<StageReport> clip_surface(Surface& surface, const StageContext& stage) {
+  if (stage.source.clip.empty()) return StageReport();
+  const bool capped = stage.job.surface.cap;
+  const auto ends = capped ? edit::CutEnds::capped : edit::CutEnds::open;
+  StageReport report = stage.report_on(StageName::clip, surface);
+  report.subject = fmt::format("{} {}", stage.source.label, surface_text(surface.asked));
+  auto clipped = edit::clip_to_half_spaces(surface.mesh, stage.source.clip, ends, stage.context);
+  if (!clipped) {
+    clipped.error().message = fmt::format("{}: {}", report.subject, clipped.error().message);
+    return tl::unexpected(std::move(clipped.error()));
   }
-  if (facts->triangles_cut == 0 && facts->triangles_after == facts->triangles_before) {
+  const edit::ClipFacts& facts = *clipped;
+  if (!capped) {
+    surface.end.cut = facts.triangles_cut > 0;
+    surface.end.counted = true;
+  }
+  if (facts.triangles_cut == 0 && facts.triangles_after == facts.triangles_before) {
     // A region may hold all of the surface, and mostly does.
-    if (!job.source.clip.empty())
-      events.note(fmt::format("{}: nothing was cut off, all {} triangles are left", label, facts->triangles_after));
-    return facts;
+    if (!stage.job.source.clip.empty()) {
+      report.notes.push_back(
+          fmt::format("{}: nothing was cut off, all {} triangles are left", report.subject, facts.triangles_after));
+    }
+    return report;
   }
   // Cut triangles may become several: there may be more than before.
-  std::string text = facts->triangles_cut > 0
-                         ? fmt::format("{}: {} triangles were cut; {} are left in place of {}", label,
-                                       facts->triangles_cut, facts->triangles_after, facts->triangles_before)
-                         : fmt::format("{}: {} of {} triangles are left, and none was cut", label,
-                                       facts->triangles_after, facts->triangles_before);
-  if (facts->cap_triangles > 0) {
-    text += fmt::format("; the surface is closed by {} triangles there", facts->cap_triangles);
-  } else if (facts->triangles_cut > 0 && facts->triangles_after > 0) {
+  std::string text = facts.triangles_cut > 0
+                         ? fmt::format("{}: {} triangles were cut; {} are left in place of {}", report.subject,
+                                       facts.triangles_cut, facts.triangles_after, facts.triangles_before)
+                         : fmt::format("{}: {} of {} triangles are left, and none was cut", report.subject,
+                                       facts.triangles_after, facts.triangles_before);
+  if (facts.cap_triangles > 0) {
+    text += fmt::format("; the surface is closed by {} triangles there", facts.cap_triangles);
+  } else if (facts.triangles_cut > 0 && facts.triangles_after > 0) {
     text += "; the surface is open there";
   }
-  events.note(text);
-  if (facts->caps_overlap > 0) {
-    events.note(
+  report.notes.push_back(std::move(text));
+  if (facts.caps_overlap > 0) {
+    report.notes.push_back(
         fmt::format("{}: {} triangles of the cut overlap others, as the surface passes through or touches itself there",
-                    label, facts->caps_overlap));
+                    report.subject, facts.caps_overlap));
   }
-  return facts;
+  return report;
 }
 
 }  // namespace isoextract::convert

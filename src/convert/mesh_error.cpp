@@ -1,74 +1,208 @@
-#include "convert/mesh_error.hpp"
-
+// The stage that measures how far a mesh is from its isosurface.
+#include <algorithm>
 #include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/stopwatch.hpp"
+#include "convert/surface_stages.hpp"
+#include "measure/analytic_error.hpp"
+#include "measure/field_error.hpp"
+#include "volumes/volume_reader.hpp"
 
 namespace isoextract::convert {
 namespace {
 
-Json json_of(const measure::Length& length) { return {{"voxels", length.voxels}, {"world", length.world}}; }
+struct MeshError {
+  measure::FieldError field;
+  std::optional<measure::AnalyticError> analytic;  // of demo fields with a formula
+  std::optional<field::SurfaceSize> exact;  // likewise, where their size is known, in the mesh's units; not of a part
+  bool of_part = false;                     // then: a region or a clip may have left some of it out
+};
 
-Json json_of(const measure::ErrorStatistics& error) {
-  Json json{{"points", error.points}};
+Figures figures_of(const measure::Length& length) { return {{Key::voxels, length.voxels}, {Key::world, length.world}}; }
+
+Figures figures_of(const measure::ErrorStatistics& error) {
+  Figures figures{{Key::points, error.points}};
   if (error.points > 0) {
-    json["rms"] = json_of(error.rms);
-    json["percentile99"] = json_of(error.percentile99);
-    json["max"] = json_of(error.max);
-    json["worst"] = convert::json_of(error.worst);
+    figures.insert(figures.end(), {{Key::rms, figures_of(error.rms)},
+                                   {Key::percentile99, figures_of(error.percentile99)},
+                                   {Key::max, figures_of(error.max)},
+                                   {Key::worst, convert::json_of(error.worst)}});
   }
-  json["not_finite"] = error.not_finite;
-  json["outside"] = error.outside;
-  json["unreached"] = error.unreached;
-  json["corrected"] = error.corrected;
-  return json;
+  figures.insert(figures.end(), {{Key::not_finite, error.not_finite},
+                                 {Key::outside, error.outside},
+                                 {Key::unreached, error.unreached},
+                                 {Key::corrected, error.corrected}});
+  return figures;
 }
 
-Json json_of(const measure::AngleStatistics& angles) {
+Json angles_json(const measure::AngleStatistics& angles) {
   if (angles.points == 0) return nullptr;
-  return {{"points", angles.points}, {"rms_degrees", angles.rms_degrees}, {"max_degrees", angles.max_degrees}};
+  return json_of(Figures{
+      {Key::points, angles.points}, {Key::rms_degrees, angles.rms_degrees}, {Key::max_degrees, angles.max_degrees}});
 }
 
-Json json_of_size(double measured, double exact) {
-  return {{"measured", measured}, {"exact", exact}, {"relative_error", measured / exact - 1}};
+Json size_json(double measured, double exact) {
+  return json_of(Figures{{Key::measured, measured}, {Key::exact, exact}, {Key::relative_error, measured / exact - 1}});
 }
 
-Json json_of(const measure::AnalyticError& analytic, const std::optional<field::SurfaceSize>& exact) {
-  return {{"closed_form", analytic.closed_form},
-          {"interior", json_of(analytic.interior)},
-          {"vertices", json_of(analytic.vertices)},
-          {"smooth_normals", json_of(analytic.smooth_normals)},
-          {"flat_normals", json_of(analytic.flat_normals)},
-          {"area", exact ? json_of_size(analytic.area, exact->area) : Json(nullptr)},
-          {"volume", exact && analytic.volume ? json_of_size(*analytic.volume, exact->volume) : Json(nullptr)}};
+Figures figures_of(const measure::AnalyticError& analytic, const std::optional<field::SurfaceSize>& exact) {
+  return {{Key::closed_form, analytic.closed_form},
+          {Key::interior, figures_of(analytic.interior)},
+          {Key::vertices, figures_of(analytic.vertices)},
+          {Key::smooth_normals, angles_json(analytic.smooth_normals)},
+          {Key::flat_normals, angles_json(analytic.flat_normals)},
+          {Key::area, exact ? size_json(analytic.area, exact->area) : Json(nullptr)},
+          {Key::volume, exact && analytic.volume ? size_json(*analytic.volume, exact->volume) : Json(nullptr)}};
 }
 
-Json json_of(const measure::SurfaceCoverage& coverage, int parts) {
-  Json json{{"distances", json_of(coverage.distances)},
-            {"parts", parts},
-            {"components", coverage.components},
-            {"lost_components", coverage.lost}};
-  if (coverage.distances.points > 0) json["max_at_most"] = json_of(coverage.max_at_most);
-  return json;
+Figures figures_of(const measure::SurfaceCoverage& coverage, int parts) {
+  Figures figures{{Key::distances, figures_of(coverage.distances)},
+                  {Key::parts, parts},
+                  {Key::components, coverage.components},
+                  {Key::lost_components, coverage.lost}};
+  if (coverage.distances.points > 0) figures.emplace_back(Key::max_at_most, figures_of(coverage.max_at_most));
+  return figures;
 }
 
-}  // namespace
+Figures figures_of(const MeshError& error) {
+  const measure::FieldError& field = error.field;
+  return {{Key::interpolant, word_of(field.interpolation)},
+          {Key::interior, figures_of(field.interior)},
+          {Key::vertices, figures_of(field.vertices)},
+          {Key::storage, figures_of(field.storage)},
+          {Key::cap_triangles, field.cap_triangles},
+          {Key::coverage, field.coverage ? json_of(figures_of(*field.coverage, field.parts)) : Json(nullptr)},
+          {Key::analytic, error.analytic ? json_of(figures_of(*error.analytic, error.exact)) : Json(nullptr)}};
+}
 
-Result<MeshError> measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& field,
-                                     const extract::ExtractOptions& extracted, field::Interpolation interpolation,
-                                     const field::ScalarField* grid, std::span<const mesh::HalfSpace> clipped,
-                                     const MeshChanges& changes, const Context& context) {
+std::string sizes_text(const measure::ErrorStatistics& error) {
+  return fmt::format("rms {:.3g}, 99 % {:.3g}, max {:.3g} voxels", error.rms.voxels, error.percentile99.voxels,
+                     error.max.voxels);
+}
+
+std::string world_text(const measure::ErrorStatistics& error) {
+  return fmt::format("in the mesh's units rms {:.3g}, 99 % {:.3g}, max {:.3g} at ({:.6g}, {:.6g}, {:.6g})",
+                     error.rms.world, error.percentile99.world, error.max.world, error.worst.x, error.worst.y,
+                     error.worst.z);
+}
+
+// "3 beside samples that are not finite, 1 where the field is constant"
+std::string unmeasured_text(const measure::ErrorStatistics& error) {
+  std::vector<std::string> parts;
+  if (error.not_finite > 0) parts.push_back(fmt::format("{} beside samples that are not finite", error.not_finite));
+  if (error.outside > 0) parts.push_back(fmt::format("{} beyond the outermost samples", error.outside));
+  if (error.unreached > 0) parts.push_back(fmt::format("{} with no isosurface to measure to", error.unreached));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+void add_unmeasured(std::vector<std::string>& lines, std::string_view what, const measure::ErrorStatistics& error) {
+  if (error.unmeasured() == 0) return;
+  lines.push_back(fmt::format("not in this: {} of {} {}: {}", error.unmeasured(), error.unmeasured() + error.points,
+                              what, unmeasured_text(error)));
+}
+
+std::string percent_text(double measured, double exact) {
+  return fmt::format("{:+.3g} %", 100 * (measured / exact - 1));
+}
+
+std::string analytic_text(const MeshError& error, double iso) {
+  const measure::AnalyticError& analytic = *error.analytic;
+  std::string text = fmt::format(
+      "error at iso {} against the formula: {}; normals rms {}{:.3g} degrees flat", iso, sizes_text(analytic.interior),
+      analytic.smooth_normals.points == 0 ? ""
+                                          : fmt::format("{:.3g} degrees smooth, ", analytic.smooth_normals.rms_degrees),
+      analytic.flat_normals.rms_degrees);
+  if (error.exact) text += "; area " + percent_text(analytic.area, error.exact->area);
+  if (error.exact && analytic.volume) text += ", volume " + percent_text(*analytic.volume, error.exact->volume);
+  if (error.of_part) text += "; area and volume are those of a part, and the formula's are of the whole: not compared";
+  return text;
+}
+
+std::string coverage_text(double iso, const measure::SurfaceCoverage& coverage) {
+  const measure::ErrorStatistics& distances = coverage.distances;
+  std::string sizes;
+  if (distances.points > 0) {
+    sizes = fmt::format("{}, nowhere more than {:.3g}; {}; ", sizes_text(distances), coverage.max_at_most.voxels,
+                        world_text(distances));
+  }
+  return fmt::format("error at iso {} from the surface of the data to the mesh: {}{}", iso, sizes,
+                     coverage.lost == 0
+                         ? fmt::format("all of its {} components are there", coverage.components)
+                         : fmt::format("{} of its {} components are lost", coverage.lost, coverage.components));
+}
+
+std::vector<std::string> summary_of(const MeshError& error, double iso) {
+  const measure::ErrorStatistics& interior = error.field.interior;
+  std::vector<std::string> lines;
+  lines.push_back(interior.points == 0
+                      ? fmt::format("error at iso {}: nothing could be measured", iso)
+                      : fmt::format("error at iso {} against the {} interpolant: {}; {}", iso,
+                                    word_of(error.field.interpolation), sizes_text(interior), world_text(interior)));
+  add_unmeasured(lines, "points", interior);
+  if (error.field.coverage && error.field.coverage->components > 0) {
+    lines.push_back(coverage_text(iso, *error.field.coverage));
+  }
+  if (error.analytic && error.analytic->interior.points > 0) {
+    lines.push_back(analytic_text(error, iso));
+    add_unmeasured(lines, "points", error.analytic->interior);
+  }
+  return lines;
+}
+
+std::vector<std::string> details_of(const MeshError& error) {
+  const measure::FieldError& field = error.field;
+  std::vector<std::string> lines;
+  lines.push_back(fmt::format(
+      "measured: the distance to the nearest point of the isosurface, at {} points inside the triangles, by area",
+      field.interior.points));
+  if (field.coverage && field.coverage->distances.points > 0) {
+    lines.push_back(fmt::format(
+        "  and back from {} points of the isosurface, found with cells divided into {} parts along each axis, by area",
+        field.coverage->distances.points, field.parts));
+  }
+  if (field.interior.corrected > 0) {
+    lines.push_back(
+        fmt::format("  of which {} have a gradient so uneven that |f - iso| / |grad f| alone is off by half",
+                    field.interior.corrected));
+  }
+  if (field.cap_triangles > 0) {
+    lines.push_back(
+        fmt::format("left out: {} triangles of caps and beyond the outermost samples, which are not on the isosurface",
+                    field.cap_triangles));
+  }
+  if (field.vertices.points > 0) {
+    lines.push_back(fmt::format("at the {} vertices: {}", field.vertices.points, sizes_text(field.vertices)));
+  }
+  add_unmeasured(lines, "vertices", field.vertices);
+  if (field.storage.points > 0) {
+    lines.push_back(fmt::format("storage error (float32, at the {} vertices on edges along the axes): {}",
+                                field.storage.points, sizes_text(field.storage)));
+  }
+  return lines;
+}
+
+// `extracted` is how the mesh was extracted from `field`, or from `grid` if there is one, which was made of it by
+// resample() or by blurring. Fails as measure_field_error() does.
+Result<MeshError> measure_mesh_error(const Surface& surface, const StageContext& stage, const field::ScalarField& field,
+                                     const field::ScalarField* grid) {
+  const mesh::Mesh& mesh = surface.mesh;
+  const Context& context = stage.context;
+  const std::span<const mesh::HalfSpace> clipped = stage.source.clip;
+  const extract::ExtractOptions extracted = extract_options_of(stage.job, stage.source, surface.iso);
   MeshError error;
-  error.iso = extracted.iso;
   measure::FieldErrorOptions options;
-  options.interpolation = interpolation;
+  options.interpolation = *stage.job.error;
   options.grid = grid;
   if (extracted.cap) options.caps.cuts = clipped;
   options.vertices_on_edges = extract::method_info(extracted.method).traits.vertices_on_edges;
-  if (changes.off_edges) options.vertices_on_edges = false;
-  options.caps.moved = changes.simplified_by;
+  if (stage.job.smooth) options.vertices_on_edges = false;
+  options.caps.moved = surface.simplified_by;
   options.clipped = clipped;
   error.field = TRY(measure::measure_field_error(mesh, field, extracted, options, context));
-  auto analytic = TRY(measure::measure_analytic_error(mesh, field, extracted, grid, options.caps, context));
-  error.analytic = analytic;
+  error.analytic = TRY(measure::measure_analytic_error(mesh, field, extracted, grid, options.caps, context));
   if (error.analytic && field.kind == field::FieldKind::density) {
     const double unit = error.analytic->unit;
     error.exact = field::find_analytic_field(field.name)->size(extracted.iso);
@@ -83,14 +217,27 @@ Result<MeshError> measure_mesh_error(const mesh::Mesh& mesh, const field::Scalar
   return error;
 }
 
-Json json_of(const MeshError& error) {
-  return {{"interpolant", word_of(error.field.interpolation)},
-          {"interior", json_of(error.field.interior)},
-          {"vertices", json_of(error.field.vertices)},
-          {"storage", json_of(error.field.storage)},
-          {"cap_triangles", error.field.cap_triangles},
-          {"coverage", error.field.coverage ? json_of(*error.field.coverage, error.field.parts) : Json(nullptr)},
-          {"analytic", error.analytic ? json_of(*error.analytic, error.exact) : Json(nullptr)}};
+}  // namespace
+
+Result<StageReport> measure_error(Surface& surface, const StageContext& stage) {
+  if (!stage.job.error) return StageReport();
+  StageReport report = stage.report_on(StageName::error, surface);
+  if (stage.is_label()) {
+    report.notes.emplace_back("the error of the mesh is not measured: labels have no isosurface between the samples");
+    return report;
+  }
+  const Stopwatch watch;
+  const bool has_data = stage.source.data.has_value();
+  const field::ScalarField& data = has_data ? *stage.source.data : stage.source.field;
+  const MeshError error = TRY(measure_mesh_error(surface, stage, data, has_data ? &stage.source.field : nullptr));
+  TRY(volumes::check_not_lost(data));
+  surface.error = figures_of(error);
+  report.entries.push_back(*surface.error);
+  report.time = watch.elapsed();
+  report.did = "error measured";
+  for (std::string& line : summary_of(error, surface.iso)) report.lines.push_back({std::move(line)});
+  for (std::string& line : details_of(error)) report.lines.push_back({std::move(line), true});
+  return report;
 }
 
 }  // namespace isoextract::convert

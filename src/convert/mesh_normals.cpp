@@ -13,6 +13,9 @@
 #include <tbb/parallel_for.h>
 
 #include "base/buffer.hpp"
+#include "base/stopwatch.hpp"
+#include "convert/mesh_facts.hpp"
+#include "convert/surface_stages.hpp"
 #include "mesh/metrics.hpp"
 #include "mesh/shading_normals.hpp"
 
@@ -92,18 +95,18 @@ class CapFaces {
   double cut_tolerance_ = 0;   // of the mesh's coordinates
 };
 
-}  // namespace
-
-bool copies_vertices(const ConversionJob& job) { return has_vertex_normals(job) && (job.surface.cap || job.simplify); }
-
-Result<void> fit_normals(mesh::Mesh& mesh, const ConversionJob& job, const Source& source, double iso,
-                         const Context& context, Events& events) {
-  if (!has_vertex_normals(job) || mesh.triangles.empty()) return {};
-  const auto box = capped_box(source.field, source.extract_options(job.surface, iso));
+// Makes the normals fit the triangles, where they are to.
+Result<StageReport> fit_normals(Surface& surface, const StageContext& stage) {
+  const ConversionJob& job = stage.job;
+  const Source& source = stage.source;
+  const Context& context = stage.context;
+  mesh::Mesh& mesh = surface.mesh;
+  if (!has_vertex_normals(job) || mesh.triangles.empty()) return StageReport();
+  const auto box = capped_box(source.field, source.extract_options(job.surface, surface.iso));
   const std::span<const mesh::HalfSpace> cuts =
       job.surface.cap ? std::span<const mesh::HalfSpace>(source.clip) : std::span<const mesh::HalfSpace>();
   const bool has_caps = box || !cuts.empty();
-  if (job.normals == Normals::smooth && !job.simplify && !has_caps) return {};
+  if (job.normals == Normals::smooth && !job.simplify && !has_caps) return StageReport();
   const Stopwatch watch;
   context.progress().begin("normals", 0);
   mesh::ShadingOptions options;
@@ -121,11 +124,36 @@ Result<void> fit_normals(mesh::Mesh& mesh, const ConversionJob& job, const Sourc
   }
   const std::uint64_t before = mesh.positions.size();
   const auto copies = TRY(mesh::shade_by_triangles(mesh, options, source.label, context));
-  events.shaded(iso,
-                {WorkTopic::normal_copies, WorkDone::copied, copies, before,
-                 fmt::format("{} of {} vertices, for another normal on each side of a crease", copies, before)},
-                watch.elapsed());
-  return {};
+  StageReport report = stage.report_on(StageName::normals, surface);
+  report.time = watch.elapsed();
+  report.did = "normals";
+  report.work.push_back(
+      {WorkTopic::normal_copies, WorkDone::copied, copies, before,
+       fmt::format("{} of {} vertices, for another normal on each side of a crease", copies, before)});
+  return report;
+}
+
+}  // namespace
+
+bool copies_vertices(const ConversionJob& job) { return has_vertex_normals(job) && (job.surface.cap || job.simplify); }
+
+Result<StageReport> shade_surface(Surface& surface, const StageContext& stage) {
+  if (stage.facts.recorded) {
+    // Only for reports: finding components and open edges takes longer than to extract the mesh.
+    const Stopwatch watch;
+    surface.facts = TRY(mesh_facts(surface, stage.context));
+    surface.looking += watch.elapsed();
+  }
+  if (surface.counts_open_edges) {
+    const auto known = surface.facts ? value_at<std::uint64_t>(*surface.facts, {Key::open_edges}) : std::nullopt;
+    if (!known) {
+      const mesh::Topology topology = TRY(mesh::measure_topology(surface.mesh, stage.context));
+      surface.open_edges = topology.open_edges;
+    } else {
+      surface.open_edges = known;
+    }
+  }
+  return fit_normals(surface, stage);
 }
 
 bool may_be_open(const extract::ExtractStats& stats, const extract::ExtractOptions& extracted) {

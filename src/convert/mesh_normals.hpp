@@ -6,7 +6,6 @@
 #include "base/error.hpp"
 #include "convert/conversion_job.hpp"
 #include "convert/events.hpp"
-#include "convert/source.hpp"
 #include "extract/extractor.hpp"
 #include "mesh/mesh.hpp"
 
@@ -17,12 +16,6 @@ constexpr double kCreaseDegrees = 30;
 
 // Whether vertices may be copied for their normals.
 [[nodiscard]] bool copies_vertices(const ConversionJob& job);
-
-// `mesh` was extracted from the source's field as the job says, and simplified where that says so. Where the job has
-// normals of the field, and neither a cap nor simplification, nothing is done, and nothing told. Fails as
-// mesh::shade_by_triangles() does.
-[[nodiscard]] Result<void> fit_normals(mesh::Mesh& mesh, const ConversionJob& job, const Source& source, double iso,
-                                       const Context& context, Events& events);
 
 // Whether a surface that was extracted so may have a border.
 [[nodiscard]] bool may_be_open(const extract::ExtractStats& stats, const extract::ExtractOptions& extracted);

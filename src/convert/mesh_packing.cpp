@@ -1,10 +1,57 @@
 #include "convert/mesh_packing.hpp"
 
 #include <algorithm>
+#include <utility>
 
+#include <fmt/format.h>
+
+#include "base/byte_size.hpp"
 #include "convert/source.hpp"
 
 namespace isoextract::convert {
+namespace {
+
+std::string means(const PackingOptions& asked) {
+  if (asked.compression == meshes::Compression::draco) return "by Draco";
+  if (asked.compression == meshes::Compression::none) return "by quantising";
+  return asked.quantize ? "by quantising and meshoptimizer" : "by meshoptimizer";
+}
+
+std::string line_of(const PackedMesh& mesh) {
+  const meshes::PackedFacts& facts = mesh.facts;
+  std::string text =
+      fmt::format("packed {} at iso {}: {} of {} left ({:.1f} %)", means(mesh.asked), mesh.iso,
+                  format_byte_size(facts.bytes_after), format_byte_size(facts.bytes_before),
+                  100.0 * static_cast<double>(facts.bytes_after) / static_cast<double>(facts.bytes_before));
+  if (facts.positions) {
+    const auto& positions = *facts.positions;
+    text += fmt::format("; vertices measured at most {:.4g} voxels from where they were, in the mesh's units {:.4g}",
+                        positions.largest / mesh.voxel, positions.largest);
+    if (facts.flattened_triangles > 0) {
+      text += fmt::format("; {} triangles have lost their area", facts.flattened_triangles);
+    }
+    text += "; the error, area, volume and bounds given are those of the mesh before packing";
+  } else {
+    text += "; nothing is lost";
+  }
+  return text + fmt::format("; {:.2f} s", facts.time.wall_seconds);
+}
+
+std::string details_of(const PackedMesh& mesh) {
+  const meshes::PackedFacts& facts = mesh.facts;
+  std::string text = fmt::format("{:.2f} s of processor time", facts.time.cpu_seconds);
+  if (facts.positions) {
+    text += fmt::format("; positions of {} bits in steps of {} ({:.4g} voxels), moved by at most {:.4g} along an axis",
+                        facts.positions->bits, facts.positions->step, facts.positions->step / mesh.voxel,
+                        facts.positions->largest_axis);
+  }
+  if (facts.largest_normal_turn)
+    text += fmt::format("; normals turned by at most {:.2f} degrees", *facts.largest_normal_turn);
+  if (facts.one_by_one) text += "; triangle by triangle, as they do not join as on a manifold";
+  return text;
+}
+
+}  // namespace
 
 double shortest_voxel_side(const field::Affine& output_from_index) {
   const glm::dmat3& sides = output_from_index.linear;
@@ -26,6 +73,32 @@ meshes::MeshPacking mesh_packing(const PackingOptions& options, const Source& so
   const field::Box box = field::image_of(source.output_from_index, samples);
   packing.box = mesh::Bounds{box.min, box.max};
   return packing;
+}
+
+StageReport report_of(const PackedMesh& mesh) {
+  const meshes::PackedFacts& facts = mesh.facts;
+  Json positions = nullptr;
+  if (facts.positions) {
+    const auto length = [&](double world) { return Figures{{Key::voxels, world / mesh.voxel}, {Key::world, world}}; };
+    positions = json_of(Figures{{Key::bits, facts.positions->bits},
+                                {Key::step, length(facts.positions->step)},
+                                {Key::measured, Figures{{Key::axis, length(facts.positions->largest_axis)},
+                                                        {Key::distance, length(facts.positions->largest)}}}});
+  }
+  StageReport report{.stage = StageName::pack, .subject = mesh.surface, .iso = mesh.iso};
+  report.add_timed({{Key::file, mesh.file},
+                    {Key::compression, word_of(mesh.asked.compression)},
+                    {Key::bytes_before, facts.bytes_before},
+                    {Key::bytes_after, facts.bytes_after},
+                    {Key::positions, std::move(positions)},
+                    {Key::normal_degrees, optional_json(facts.largest_normal_turn)},
+                    {Key::flattened_triangles, facts.flattened_triangles},
+                    {Key::one_by_one, facts.one_by_one}},
+                   facts.time);
+  report.did = "packed";
+  report.details.push_back(details_of(mesh));
+  report.lines.push_back({line_of(mesh)});
+  return report;
 }
 
 }  // namespace isoextract::convert

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "convert/conversion_job.hpp"
+#include "convert/stage_report.hpp"
 #include "field/affine.hpp"
 #include "meshes/mesh_packing.hpp"
 
@@ -12,13 +13,15 @@ namespace isoextract::convert {
 struct Source;
 
 // Of a mesh that was packed into its file.
-struct MeshPackingRecord {
+struct PackedMesh {
+  std::string surface = {};  // "fire.vdb iso 0.5"
   double iso = 0;
   std::string file;
   PackingOptions asked;
   double voxel = 0;  // the shortest side of one, in the mesh's units
   meshes::PackedFacts facts;
 };
+[[nodiscard]] StageReport report_of(const PackedMesh& mesh);
 
 // The box is that of the whole volume, whatever region is extracted, so that regions of one volume meet.
 [[nodiscard]] meshes::MeshPacking mesh_packing(const PackingOptions& options, const Source& source);

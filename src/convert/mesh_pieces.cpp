@@ -2,64 +2,33 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <new>
 #include <utility>
 
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include "convert/source.hpp"
+#include "convert/surface_stages.hpp"
 #include "mesh/half_space.hpp"
 #include "mesh/metrics.hpp"
-
-#include "base/no_memory.hpp"
 
 namespace isoextract::convert {
 namespace {
 
-Json json_of(const edit::PieceCounts& counts) {
-  return {{"triangles", counts.triangles}, {"components", counts.components}, {"bodies", counts.bodies}};
+Figures figures_of(const edit::PieceCounts& counts) {
+  return {{Key::triangles, counts.triangles}, {Key::components, counts.components}, {Key::bodies, counts.bodies}};
 }
 
-Json json_of(const mesh::ComponentFacts& facts) {
-  const bool closed = facts.is_closed();
-  return {{"triangles", facts.triangles},
-          {"closed", closed},
-          {"cavity", facts.is_cavity()},
-          {"genus", closed ? Json(facts.topology.genus()) : Json(nullptr)},
-          {"area", facts.area},
-          {"volume", closed ? Json(facts.volume) : Json(nullptr)},
-          {"bounds", convert::json_of(field::Box{facts.bounds.min, facts.bounds.max})}};
-}
-
-Result<ComponentTable> measure_table(const mesh::Mesh& mesh, const Context& context) {
-  const std::string what = mesh.name + ": the components of its surface";
-  const auto labels = TRY(context.reserve(mesh::Components::bytes(mesh.positions.size()), what));
-  const mesh::Components components(mesh.triangles.span(), mesh.positions.size());
-  const auto list = TRY(context.reserve(components.count() * sizeof(mesh::ComponentFacts), what));
-  auto facts = TRY(measure_components(mesh, components, glm::dmat3(1.0), context));
-  std::ranges::stable_sort(facts, std::greater<>(), &mesh::ComponentFacts::area);
-  ComponentTable table;
-  for (std::size_t i = ComponentTable::kMostTold; i < facts.size(); ++i) {
-    ++table.others;
-    table.triangles_of_others += facts[i].triangles;
-  }
-  const std::size_t told = std::min(facts.size(), ComponentTable::kMostTold);
-  table.largest.assign(facts.begin(), facts.begin() + static_cast<std::ptrdiff_t>(told));
-  return table;
+std::string line_of(const edit::PieceFacts& facts, const std::string& surface) {
+  const edit::PieceCounts& before = facts.before;
+  const edit::PieceCounts& after = facts.after;
+  const auto cavities = [](const edit::PieceCounts& counts) { return counts.components - counts.bodies; };
+  return fmt::format("pieces at {}: {} of {} bodies left, {} of {} cavities, {} of {} triangles; {:.2f} s", surface,
+                     after.bodies, before.bodies, cavities(after), cavities(before), after.triangles, before.triangles,
+                     facts.time.wall_seconds);
 }
 
 }  // namespace
-
-Json json_of(const PieceRecord& record) {
-  return {{"iso", record.iso},
-          {"before", json_of(record.facts.before)},
-          {"after", json_of(record.facts.after)},
-          {"without_volume", record.facts.without_volume},
-          {"time", json_of(record.facts.time)}};
-}
 
 Result<edit::Sites> voxel_sites(const mesh::Mesh& mesh, const Source& source, const SurfaceOptions& surface,
                                 const Context& context) {
@@ -80,21 +49,41 @@ Result<edit::Sites> voxel_sites(const mesh::Mesh& mesh, const Source& source, co
   return sites;
 }
 
-Result<PieceRecord> drop_pieces(mesh::Mesh& mesh, double iso, const PieceChoice& choice, const Source& source,
-                                edit::Sites sites, const Context& context) {
+Result<StageReport> drop_pieces(Surface& surface, const StageContext& stage) {
+  const PieceChoice& choice = stage.job.pieces;
+  if (!choice.drops()) return StageReport();
+  const bool was_empty = surface.mesh.triangles.empty();
+  auto sites = TRY(voxel_sites(surface.mesh, stage.source, stage.job.surface, stage.context));
   edit::PieceOptions options;
-  const bool in_voxels = choice.least && !choice.least->in_world_units;
   if (choice.least) {
     options.least = choice.least->amount;
     options.measure = choice.least->measure;
+    if (!choice.least->in_world_units) options.to_metric = glm::inverse(stage.source.output_from_index.linear);
   }
   options.fill_cavities = choice.fill_cavities;
   options.largest = choice.largest;
-  if (in_voxels) options.to_metric = glm::inverse(source.output_from_index.linear);
-  context.progress().begin("finding pieces", 0);
-  auto kept = TRY(edit::keep_pieces(std::move(mesh), options, context, std::move(sites)));
-  mesh = std::move(kept.mesh);
-  return PieceRecord{iso, kept.facts};
+  stage.context.progress().begin("finding pieces", 0);
+  auto kept = TRY(edit::keep_pieces(std::move(surface.mesh), options, stage.context, std::move(sites)));
+  surface.mesh = std::move(kept.mesh);
+  const edit::PieceFacts& facts = kept.facts;
+  StageReport report = stage.report_on(StageName::pieces, surface);
+  report.add_timed({{Key::before, figures_of(facts.before)},
+                    {Key::after, figures_of(facts.after)},
+                    {Key::without_volume, facts.without_volume}},
+                   facts.time);
+  report.did = "pieces found";
+  report.lines.push_back({line_of(facts, stage.at(surface))});
+  if (facts.without_volume > 0) {
+    report.notes.push_back(
+        fmt::format("{}: {} open components have no volume, and stay", report.subject, facts.without_volume));
+  }
+  if (!was_empty && surface.mesh.triangles.empty() && stage.job.empty == EmptyPolicy::error) {
+    report.error = Error{ErrorKind::input,
+                         fmt::format("{}: none of the {} components at {} is as large as asked for", stage.source.label,
+                                     facts.before.components, stage.at(surface)),
+                         Remedy::allow_empty, Reason::no_surface};
+  }
+  return report;
 }
 
 Result<std::vector<mesh::Mesh>> split_mesh(mesh::Mesh mesh, bool into_files, const Context& context) {
@@ -113,22 +102,6 @@ std::string piece_path(std::string pattern, std::size_t number) {
     at += text.size();
   }
   return pattern;
-}
-
-Result<ComponentTable> component_table(const mesh::Mesh& mesh, const Context& context) {
-  try {
-    return measure_table(mesh, context);
-  } catch (const std::bad_alloc&) {
-    return tl::unexpected(
-        no_memory(ErrorKind::input, mesh.name + ": the components of its surface need more memory than there is"));
-  }
-}
-
-Json json_of(const ComponentTable& table) {
-  Json largest = Json::array();
-  for (const mesh::ComponentFacts& facts : table.largest) largest.push_back(json_of(facts));
-  return {{"largest", std::move(largest)},
-          {"others", {{"components", table.others}, {"triangles", table.triangles_of_others}}}};
 }
 
 }  // namespace isoextract::convert

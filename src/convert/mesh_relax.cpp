@@ -1,16 +1,48 @@
 #include "convert/mesh_relax.hpp"
 
 #include <algorithm>
-#include <span>
+#include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "base/reserved_buffer.hpp"
+#include "convert/mesh_pieces.hpp"
+#include "convert/surface_stages.hpp"
 #include "mesh/components.hpp"
 
 namespace isoextract::convert {
 namespace {
 
-Json json_of(const RelaxedVolume& volume) { return {{"before", volume.before}, {"after", volume.after}}; }
+constexpr double kSmallShare = 0.05;
+constexpr double kSmallPercent = 100 * kSmallShare;
+
+// In the mesh's units; negative of cavities.
+struct RelaxedVolume {
+  double before = 0;  // of the voxels
+  double after = 0;   // of the mesh
+
+  // By how much of itself the volume changed; 0 where there was none.
+  [[nodiscard]] double change() const { return before != 0 ? after / before - 1 : 0; }
+  [[nodiscard]] bool is_large() const { return std::abs(change()) > kSmallShare; }
+  [[nodiscard]] bool is_larger_than(const RelaxedVolume& other) const {
+    return std::abs(change()) > std::abs(other.change());
+  }
+};
+
+Figures figures_of(const RelaxedVolume& volume) { return {{Key::before, volume.before}, {Key::after, volume.after}}; }
+
+RelaxedVolume volume_at(const Figures& figures, Key key) {
+  return {value_at<double>(figures, {key, Key::before}).value_or(0),
+          value_at<double>(figures, {key, Key::after}).value_or(0)};
+}
+
+// "from 30 to 3.29 (89 % less)"
+std::string text_of(const RelaxedVolume& volume) {
+  const double sign = volume.before < 0 ? -1 : 1;  // a cavity's are negative
+  return fmt::format("from {:.4g} to {:.4g} ({:.3g} % {})", sign * volume.before, sign * volume.after,
+                     100 * std::abs(volume.change()), volume.change() > 0 ? "more" : "less");
+}
 
 // Of the tetrahedron from the apex to a triangle. The apex is a vertex of the component, so that little cancels.
 double volume_to(std::span<const glm::vec3> positions, const glm::uvec3& triangle, const glm::dvec3& apex) {
@@ -27,19 +59,12 @@ struct Component {
 
 }  // namespace
 
-Json json_of(const RelaxRecord& record) {
-  return {{"iso", record.iso},
-          {"volume", json_of(record.whole)},
-          {"components", record.components},
-          {"changed_components", record.changed_components},
-          {"worst_component", record.components > 0 ? json_of(record.worst_component) : Json(nullptr)}};
-}
-
-Result<RelaxRecord> relax_record(const mesh::Mesh& mesh, double iso, std::string surface, const edit::Sites& sites,
-                                 const Context& context) {
-  RelaxRecord record;
-  record.iso = iso;
-  record.surface = std::move(surface);
+Result<StageReport> measure_relaxing(Surface& surface, const StageContext& stage) {
+  const bool is_open = !stage.source.clip.empty() && !stage.job.surface.cap;  // and has no volume
+  if (!stage.job.surface.relaxes() || is_open) return StageReport();
+  const mesh::Mesh& mesh = surface.mesh;
+  const Context& context = stage.context;
+  const edit::Sites sites = TRY(voxel_sites(mesh, stage.source, stage.job.surface, context));
   const std::string what = mesh.name + ": the volumes of its components";
   const auto labels = TRY(context.reserve(mesh::Components::bytes(mesh.positions.size()), what));
   const mesh::Components components(mesh.triangles.span(), mesh.positions.size());
@@ -55,16 +80,67 @@ Result<RelaxRecord> relax_record(const mesh::Mesh& mesh, double iso, std::string
     component.volume.before += volume_to(sites.span(), triangle, glm::dvec3(sites[component.apex]));
     component.volume.after += volume_to(mesh.positions.span(), triangle, glm::dvec3(mesh.positions[component.apex]));
   }
-  record.components = components.count();
+  RelaxedVolume whole;
+  RelaxedVolume worst;  // whose volume changed by the greatest share of itself
+  std::uint64_t changed = 0;
   for (const Component& component : list) {
-    record.whole.before += component.volume.before;
-    record.whole.after += component.volume.after;
-    record.changed_components += component.volume.is_large() ? 1 : 0;
-    if (std::abs(component.volume.change()) > std::abs(record.worst_component.change())) {
-      record.worst_component = component.volume;
-    }
+    whole.before += component.volume.before;
+    whole.after += component.volume.after;
+    changed += component.volume.is_large() ? 1 : 0;
+    if (component.volume.is_larger_than(worst)) worst = component.volume;
   }
-  return record;
+  StageReport report = stage.report_on(StageName::relax, surface);
+  report.entries.push_back(
+      {{Key::volume, figures_of(whole)},
+       {Key::components, components.count()},
+       {Key::changed_components, changed},
+       {Key::worst_component, components.count() > 0 ? json_of(figures_of(worst)) : Json(nullptr)}});
+  return report;
+}
+
+std::optional<std::string> note_of_relaxing(std::span<const StageReport> reports) {
+  struct Worst {
+    std::string surface;
+    RelaxedVolume volume;
+    void look_at(const std::string& other, const RelaxedVolume& of_it) {
+      if (surface.empty() || of_it.is_larger_than(volume)) *this = {other, of_it};
+    }
+  };
+  Worst whole;
+  Worst component;
+  std::uint64_t surfaces = 0;
+  std::uint64_t components = 0;
+  std::uint64_t changed_components = 0;
+  for (const StageReport& report : reports) {
+    if (report.stage != StageName::relax) continue;
+    const Figures& figures = report.entries.front();
+    if (const RelaxedVolume volume = volume_at(figures, Key::volume); volume.is_large()) {
+      ++surfaces;
+      whole.look_at(report.subject, volume);
+    }
+    component.look_at(report.subject, volume_at(figures, Key::worst_component));
+    components += value_at<std::uint64_t>(figures, {Key::components}).value_or(0);
+    changed_components += value_at<std::uint64_t>(figures, {Key::changed_components}).value_or(0);
+  }
+  if (changed_components == 0 && surfaces == 0) return std::nullopt;
+  std::string text = "relaxing changed the volume of ";
+  if (surfaces > 0) text += fmt::format("{} {}", whole.surface, text_of(whole.volume));
+  if (surfaces > 1) text += fmt::format(", that of {} others by more than {} %", surfaces - 1, kSmallPercent);
+  // Of a surface that is one component, or of many that all are, there is no more to tell.
+  if (changed_components > surfaces) {
+    text +=
+        fmt::format("{}{} of {} components by more than {} %, most in {}{}, {}", surfaces == 0 ? "" : ", and of ",
+                    changed_components, components, kSmallPercent, component.volume.before < 0 ? "a cavity of " : "",
+                    component.surface, text_of(component.volume));
+  }
+  return text;
+}
+
+Result<StageReport> mark_bodies(Surface& surface, const StageContext& stage) {
+  if (!stage.job.pieces.split) return StageReport();
+  auto sites = TRY(voxel_sites(surface.mesh, stage.source, stage.job.surface, stage.context));
+  TRY(edit::mark_bodies(surface.mesh, stage.context, std::move(sites)));
+  return StageReport();
 }
 
 }  // namespace isoextract::convert

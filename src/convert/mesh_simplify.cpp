@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "convert/surface_stages.hpp"
+#include "edit/bounded_simplify.hpp"
 #include "measure/shells.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/components.hpp"
@@ -92,6 +94,98 @@ Result<ComponentCount> count_components(const mesh::Mesh& mesh, const Context& c
   return count;
 }
 
+std::string bound_text(const SimplifyBound& bound) {
+  return fmt::format("{} {}", bound.distance, bound.in_world_units ? "of the mesh's units" : "voxels");
+}
+
+std::string asked_text(const SimplifyChoice& asked) {
+  std::string text;
+  if (asked.triangles) {
+    text = triangle_count_text(*asked.triangles);
+    if (!asked.triangles->in_percent) text += " triangles";
+  }
+  if (asked.triangles && asked.within) text += " and ";
+  if (asked.within) text += "at most " + bound_text(*asked.within);
+  return text;
+}
+
+struct DistanceRange {
+  double lower = 0;
+  double upper = 0;
+};
+
+Figures figures_of(const DistanceRange& range) { return {{Key::lower, range.lower}, {Key::upper, range.upper}}; }
+
+// The Hausdorff distance of a simplified mesh to what it was, at least and at most, and what became of its components.
+struct Simplified {
+  edit::Simplification facts;
+  std::uint64_t asked = 0;  // triangles; 0: no number was
+  DistanceRange voxels;
+  DistanceRange world;  // in the mesh's units
+  std::uint64_t components = 0;
+  std::uint64_t turned = 0;       // of them inside out, which shells thinner than the distance may be: at least so many
+  std::uint64_t left_bodies = 0;  // closed components that face inward and lie in no body any more
+};
+
+std::string why_unchanged(const SimplifyChoice& asked, const Simplified& done) {
+  const std::uint64_t before = done.facts.triangles_before;
+  if (before == 0) return "it has no triangles";
+  if (done.asked >= before && done.asked > 0) {
+    return fmt::format("it has {} triangles, and was to keep {}", before, done.asked);
+  }
+  if (!asked.within) {
+    return fmt::format("none of its {} triangles can go, or its topology would change", before);
+  }
+  return fmt::format("none of its {} triangles can go within {}", before, bound_text(*asked.within));
+}
+
+std::string line_of(const SimplifyChoice& asked, const Simplified& done, const std::string& surface) {
+  const edit::Simplification& facts = done.facts;
+  const double seconds = facts.time.wall_seconds;
+  if (facts.triangles_after == facts.triangles_before) {
+    return fmt::format("not simplified at {}: {}; {:.2f} s", surface, why_unchanged(asked, done), seconds);
+  }
+  std::string text = fmt::format(
+      "simplified at {}: {} of {} triangles left ({:.1f} %); asked for {}, measured {:.4g} to {:.4g} voxels, "
+      "in the mesh's units {:.4g} to {:.4g}; {:.2f} s",
+      surface, facts.triangles_after, facts.triangles_before,
+      100.0 * static_cast<double>(facts.triangles_after) / static_cast<double>(facts.triangles_before),
+      asked_text(asked), done.voxels.lower, done.voxels.upper, done.world.lower, done.world.upper, seconds);
+  if (done.asked > 0 && facts.triangles_after > done.asked) {
+    text += asked.within ? "; fewer would be farther away, or change the topology"
+                         : "; fewer would change the topology, or turn triangles over";
+  }
+  return text;
+}
+
+std::vector<std::string> notes_of(const Simplified& done, const std::string& surface) {
+  const edit::Simplification& facts = done.facts;
+  std::vector<std::string> notes;
+  if (done.turned > 0) {
+    notes.push_back(fmt::format(
+        "{}: simplification turned {} of {} components inside out, or more: they are thinner than the surface "
+        "may move; with a smaller distance, more triangles, or without the smallest components it does not",
+        surface, done.turned, done.components));
+  }
+  if (done.left_bodies > 0) {
+    notes.push_back(
+        fmt::format("{}: simplification moved {} out of the body around: the wall between is thinner than the surface "
+                    "may move; with a "
+                    "smaller distance, more triangles, or cavities filled it does not",
+                    surface, done.left_bodies == 1 ? "1 cavity" : fmt::format("{} cavities", done.left_bodies)));
+  }
+  // A closed component has four triangles at least.
+  const std::uint64_t asked = done.asked;
+  const bool is_much = done.components > 1 && 4 * done.components > asked / 2;
+  if (asked > 0 && is_much && (facts.triangles_after > asked || done.voxels.lower > 1)) {
+    notes.push_back(
+        fmt::format("{}: {} components, each of which stays, take many of the {} triangles that are left: without the "
+                    "smallest ones the others are nearer",
+                    surface, done.components, facts.triangles_after));
+  }
+  return notes;
+}
+
 }  // namespace
 
 std::string triangle_count_text(const TriangleCount& count) {
@@ -102,40 +196,16 @@ std::string simplify_bound_text(const SimplifyBound& bound) {
   return fmt::format("{}{}", bound.distance, bound.in_world_units ? "world" : "voxel");
 }
 
-std::vector<std::string> notes_of(const MeshSimplification& simplification) {
-  const edit::Simplification& facts = simplification.facts;
-  std::vector<std::string> notes;
-  if (simplification.turned > 0) {
-    notes.push_back(
-        fmt::format("simplification turned {} of {} components inside out, or more: they are thinner than the surface "
-                    "may move; with a smaller distance, more triangles, or without the smallest components it does not",
-                    simplification.turned, simplification.components));
-  }
-  if (simplification.left_bodies > 0) {
-    notes.push_back(fmt::format(
-        "simplification moved {} out of the body around: the wall between is thinner than the surface may move; with a "
-        "smaller distance, more triangles, or cavities filled it does not",
-        simplification.left_bodies == 1 ? "1 cavity" : fmt::format("{} cavities", simplification.left_bodies)));
-  }
-  // A closed component has four triangles at least.
-  const std::uint64_t asked = simplification.triangles_asked;
-  const bool is_much = simplification.components > 1 && 4 * simplification.components > asked / 2;
-  if (asked > 0 && is_much && (facts.triangles_after > asked || simplification.voxels.lower > 1)) {
-    notes.push_back(
-        fmt::format("{} components, each of which stays, take many of the {} triangles that are left: without the "
-                    "smallest ones the others are nearer",
-                    simplification.components, facts.triangles_after));
-  }
-  return notes;
-}
-
-Result<MeshSimplification> simplify_mesh(mesh::Mesh& mesh, double iso, const SimplifyChoice& choice,
-                                         const field::Affine& output_from_index, const Context& context) {
+// `output_from_index` says what a voxel is.
+Result<StageReport> simplify_surface(Surface& surface, const StageContext& stage) {
+  if (!stage.job.simplify) return StageReport();
+  const SimplifyChoice& choice = *stage.job.simplify;
+  const field::Affine& output_from_index = stage.source.output_from_index;
   const Stretch voxel = stretch_of(output_from_index.linear);
   edit::SimplifyOptions options;
   options.max_distance = choice.within ? choice.within->distance : std::numeric_limits<double>::infinity();
   options.patch_size = kPatchVoxels * std::cbrt(std::abs(output_from_index.determinant()));
-  if (choice.triangles) options.triangles = wanted(*choice.triangles, mesh.triangles.size());
+  if (choice.triangles) options.triangles = wanted(*choice.triangles, surface.mesh.triangles.size());
   const bool in_world_units = choice.within && choice.within->in_world_units;
   if (!in_world_units && voxel.is_even()) {
     options.max_distance *= voxel.least;
@@ -143,15 +213,13 @@ Result<MeshSimplification> simplify_mesh(mesh::Mesh& mesh, double iso, const Sim
     options.to_metric = glm::inverse(output_from_index.linear);
     options.patch_size = kPatchVoxels;
   }
-  const auto before = TRY(count_components(mesh, context));
-  auto simplified = TRY(edit::simplify_within(std::move(mesh), options, context));
-  mesh = std::move(simplified.mesh);
-  const auto after = TRY(count_components(mesh, context));
+  const auto before = TRY(count_components(surface.mesh, stage.context));
+  auto simplified = TRY(edit::simplify_within(std::move(surface.mesh), options, stage.context));
+  surface.mesh = std::move(simplified.mesh);
+  const auto after = TRY(count_components(surface.mesh, stage.context));
 
-  MeshSimplification result;
-  result.iso = iso;
-  result.asked = choice;
-  result.triangles_asked = options.triangles;
+  Simplified result;
+  result.asked = options.triangles;
   result.facts = simplified.facts;
   result.components = after.components;
   result.turned = std::max(before.hollows, after.hollows) - std::min(before.hollows, after.hollows);
@@ -166,7 +234,32 @@ Result<MeshSimplification> simplify_mesh(mesh::Mesh& mesh, double iso, const Sim
     result.world = measured;
     result.voxels = {measured.lower / voxel.most, measured.upper / voxel.least};
   }
-  return result;
+  surface.simplified_by = result.voxels.upper;
+
+  const edit::Simplification& facts = result.facts;
+  const auto& within = choice.within;
+  const Json asked = !within ? Json(nullptr)
+                             : json_of(Figures{{Key::distance, within->distance},
+                                               {Key::unit, within->in_world_units ? "world" : "voxel"}});
+  StageReport report = stage.report_on(StageName::simplify, surface);
+  report.add_timed(
+      {{Key::asked, asked},
+       {Key::asked_triangles, choice.triangles ? Json(triangle_count_text(*choice.triangles)) : Json(nullptr)},
+       {Key::measured, Figures{{Key::voxels, figures_of(result.voxels)}, {Key::world, figures_of(result.world)}}},
+       {Key::triangles_before, facts.triangles_before},
+       {Key::triangles_after, facts.triangles_after},
+       {Key::passes, facts.passes},
+       {Key::components, result.components},
+       {Key::turned_inside_out, result.turned},
+       {Key::left_bodies, result.left_bodies}},
+      facts.time);
+  report.did = "simplified";
+  report.details.push_back(fmt::format(
+      "{} rounds over {} patches; {} of {} collapses taken back in {} passes; {:.2f} s of processor time", facts.rounds,
+      facts.patches, facts.taken_back, facts.collapses, facts.passes, facts.time.cpu_seconds));
+  report.lines.push_back({line_of(choice, result, stage.at(surface))});
+  report.notes = notes_of(result, report.subject);
+  return report;
 }
 
 }  // namespace isoextract::convert

@@ -1,40 +1,70 @@
-#include "convert/mesh_smooth.hpp"
-
+// The stage that smooths a mesh.
 #include <cmath>
 #include <utility>
 
-namespace isoextract::convert {
+#include <fmt/format.h>
 
-Json json_of(const SmoothRecord& record) {
-  const edit::SmoothFacts& facts = record.facts;
-  return {{"iso", record.iso},
-          {"method", word_of(record.asked.method)},
-          {"passes", record.asked.passes},
-          {"pass_band", record.asked.pass_band},
-          {"vertices", facts.vertices},
-          {"border_vertices", facts.border_vertices},
-          {"cap_vertices", facts.wall_vertices},
-          {"greatest_move", {{"voxels", facts.greatest_move}, {"world", facts.greatest_move_world}}},
-          {"volume", {{"before", facts.volume_before}, {"after", facts.volume_after}}},
-          {"time", json_of(facts.time)}};
+#include "convert/surface_stages.hpp"
+
+namespace isoextract::convert {
+namespace {
+
+// The samples whose outermost the caps go through, where there are caps.
+std::optional<field::IndexBox> capped_box(const Source& source) {
+  if (source.region) return source.region;
+  if (std::holds_alternative<field::SparseSamples>(source.field.samples)) return std::nullopt;
+  return source.field.extents();
 }
 
-Result<SmoothRecord> smooth_mesh(mesh::Mesh& mesh, double iso, const SmoothChoice& choice,
-                                 const field::Affine& output_from_index, const std::optional<field::IndexBox>& data,
-                                 std::span<const mesh::HalfSpace> cuts, const Context& context) {
-  edit::SmoothOptions options;
-  options.method = choice.method;
-  options.passes = choice.passes;
-  options.pass_band = choice.pass_band;
-  const field::Affine index_from_output = output_from_index.inverse();
-  options.to_metric = index_from_output.linear;
-  options.cuts = cuts;
-  if (data) {
-    options.walls = edit::SmoothWalls{index_from_output.linear, index_from_output.offset, glm::dvec3(data->min),
-                                      glm::dvec3(data->max)};
+std::string line_of(const SmoothChoice& asked, const edit::SmoothFacts& facts, const std::string& surface) {
+  std::string text = fmt::format(
+      "smoothed at {}: {} passes of {}, pass band {}; vertices moved by at most {:.4g} voxels, in the mesh's units "
+      "{:.4g}",
+      surface, asked.passes, word_of(asked.method), asked.pass_band, facts.greatest_move, facts.greatest_move_world);
+  if (facts.border_vertices == 0) {
+    const double change = facts.volume_before != 0 ? facts.volume_after / facts.volume_before - 1 : 0;
+    text += fmt::format("; volume {:.4g} % {}", 100 * std::abs(change), change > 0 ? "more" : "less");
+  } else {
+    text += fmt::format("; {} vertices of open borders stayed", facts.border_vertices);
   }
-  auto facts = TRY(edit::smooth(mesh, options, context));
-  return SmoothRecord{iso, choice, facts};
+  if (facts.wall_vertices > 0) text += fmt::format("; {} vertices of caps stayed in their planes", facts.wall_vertices);
+  return text + fmt::format("; {:.2f} s", facts.time.wall_seconds);
+}
+
+}  // namespace
+
+// Caps stay on the sides of the box of samples, and in the planes of cuts.
+Result<StageReport> smooth_surface(Surface& surface, const StageContext& stage) {
+  if (!stage.job.smooth || surface.mesh.triangles.empty()) return StageReport();
+  const SmoothChoice& asked = *stage.job.smooth;
+  edit::SmoothOptions options;
+  options.method = asked.method;
+  options.passes = asked.passes;
+  options.pass_band = asked.pass_band;
+  const field::Affine index_from_output = stage.source.output_from_index.inverse();
+  options.to_metric = index_from_output.linear;
+  if (stage.job.surface.cap) {
+    options.cuts = stage.source.clip;
+    if (const auto data = capped_box(stage.source)) {
+      options.walls = edit::SmoothWalls{index_from_output.linear, index_from_output.offset, glm::dvec3(data->min),
+                                        glm::dvec3(data->max)};
+    }
+  }
+  const edit::SmoothFacts facts = TRY(edit::smooth(surface.mesh, options, stage.context));
+  StageReport report = stage.report_on(StageName::smooth, surface);
+  report.add_timed(
+      {{Key::method, word_of(asked.method)},
+       {Key::passes, asked.passes},
+       {Key::pass_band, asked.pass_band},
+       {Key::vertices, facts.vertices},
+       {Key::border_vertices, facts.border_vertices},
+       {Key::cap_vertices, facts.wall_vertices},
+       {Key::greatest_move, Figures{{Key::voxels, facts.greatest_move}, {Key::world, facts.greatest_move_world}}},
+       {Key::volume, Figures{{Key::before, facts.volume_before}, {Key::after, facts.volume_after}}}},
+      facts.time);
+  report.did = "smoothed";
+  report.lines.push_back({line_of(asked, facts, stage.at(surface))});
+  return report;
 }
 
 }  // namespace isoextract::convert

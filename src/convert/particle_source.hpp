@@ -35,17 +35,6 @@ namespace isoextract::convert {
 // How it becomes a field. `only_iso` is FieldOptions::leave_out_inside.
 [[nodiscard]] points::FieldOptions field_options(const ParticleOptions& options, std::optional<double> only_iso);
 
-// What particles were made of them.
-struct ParticleRecord {
-  std::string format;       // "bgeo"
-  std::string length_unit;  // of the positions, where the file says so
-  std::string time_step;    // the number that the file gives this frame; empty where it has none
-  points::Method method = points::Method::sph;
-  std::optional<double> smoothing_length;  // in radii, of methods that have one
-  points::FieldFigures figures;
-  StageTime time;  // from particles to the field
-};
-
 // Particles that are kept for the attributes of vertices.
 struct ParticleAttributes {
   points::ParticleSet particles;

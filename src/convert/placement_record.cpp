@@ -204,4 +204,10 @@ void move_mesh(mesh::Mesh& mesh, const field::Affine& map, const std::vector<Nam
   for (glm::uvec3& triangle : mesh.triangles) std::swap(triangle.y, triangle.z);
 }
 
+std::string world_text(const ResolvedPlacement& resolved) {
+  const std::string done = placement_text(resolved);
+  if (resolved.placement.space == Space::index) return done;
+  return fmt::format("world coordinates{}{}", done.empty() ? "" : ", ", done);
+}
+
 }  // namespace isoextract::convert

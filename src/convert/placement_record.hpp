@@ -36,6 +36,8 @@ namespace isoextract::convert {
 // "voxel coordinates", or what was done to the world's: "turned from z up to y up, scaled by 0.001 (mm to m), moved by
 // (1, 2, 3)"; empty where nothing was done.
 [[nodiscard]] std::string placement_text(const ResolvedPlacement& resolved);
+// "world coordinates, turned from z up to y up, scaled by 0.001 (mm to m)", "voxel coordinates".
+[[nodiscard]] std::string world_text(const ResolvedPlacement& resolved);
 
 // Puts the vertices of a mesh without normals where `map` says, changes its attributes by their kinds, and winds its
 // triangles the other way round where that mirrors. Turns by right angles round nothing.

@@ -22,6 +22,69 @@
 namespace isoextract::convert {
 namespace {
 
+StageReport report_of_reading(const std::string& input, const field::ScalarField& field, const StageTime& time) {
+  const field::IndexBox box = field.extents();
+  const std::size_t size = field::sample_size(field.type());
+  std::uint64_t samples = 0;  // all of them, or the active voxels
+  std::uint64_t stored = 0;
+  const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
+  if (dense != nullptr) {
+    samples = stored = dense->count();
+  } else {
+    constexpr std::uint64_t kSide = field::SparseBlock::kSize;
+    const auto& sparse = std::get<field::SparseSamples>(field.samples);
+    samples = sparse.active_voxels;
+    stored = sparse.blocks.size() * kSide * kSide * kSide;
+  }
+  std::error_code none;
+  const std::uintmax_t file_bytes = std::filesystem::file_size(input, none);
+  const glm::i64vec3 dims = box.empty() ? glm::i64vec3(0) : box.dims();
+  StageReport report = report_on(StageName::read, field_label(field));
+  report.time = time;
+  report.did = "read";
+  report.entries.push_back(
+      {{Key::path, input},
+       {Key::format, field.format},
+       {Key::name, field.name},
+       {Key::file_bytes, none ? Json(nullptr) : Json(file_bytes)},
+       {Key::sparse, dense == nullptr},
+       {Key::sample_type, field::sample_type_name(field.type())},
+       {Key::samples, samples},
+       {Key::stored_bytes, stored * size},
+       {Key::box, convert::json_of(box)},
+       {Key::dims, Json{dims.x, dims.y, dims.z}},
+       {Key::kind, kind_name(field.kind)},
+       {Key::inside, word_of(field.kind)},
+       {Key::value_scale, Figures{{Key::slope, field.scale.slope}, {Key::intercept, field.scale.intercept}}},
+       {Key::index_to_world, convert::json_of(field.index_to_world)},
+       {Key::world_space, field.world_space},
+       {Key::length_unit, field.length_unit},
+       {Key::creator, field.creator}});
+  return report;
+}
+
+// The unit that was asked for, else that of the input where the mesh has its lengths.
+std::string unit_of_lengths(const Placement& placement, const field::ScalarField& field) {
+  if (!placement.to_unit.empty()) return placement.to_unit;
+  const bool as_in_file = placement.space == Space::world && placement.unit.empty() && placement.scale == 1;
+  const auto unit = as_in_file ? find_length_unit(field.length_unit) : std::nullopt;
+  return unit ? std::string(unit->name) : placement.unit;
+}
+
+StageReport report_of_placing(const PlacedField& placed, const field::ScalarField& field) {
+  const Placement& placement = placed.placement.placement;
+  StageReport report = report_on(StageName::place, field_label(field));
+  report.entries.push_back(
+      {{Key::output_from_index, convert::json_of(placed.output_from_index)},
+       {Key::region, placed.region ? convert::json_of(*placed.region) : Json(nullptr)},
+       {Key::placement, Figures{{Key::unit, placement.unit.empty() ? Json(nullptr) : Json(placement.unit)},
+                                {Key::to_unit, placement.to_unit.empty() ? Json(nullptr) : Json(placement.to_unit)},
+                                {Key::scale, placement.scale},
+                                {Key::moved_by, convert::json_of(placed.placement.moved_by)}}},
+       Figure::of_tables(Key::unit_of_lengths, unit_of_lengths(placement, field))});
+  return report;
+}
+
 // The voxels that came of those asked for, where they are not the same but for rounding.
 void tell_voxel_size(const glm::dvec3& asked, const field::ScalarField& grid, Events& events) {
   const glm::dmat3& axes = grid.index_to_world.linear;
@@ -48,9 +111,11 @@ void tell_lost_labels(const field::ScalarField& map, const field::ScalarField& g
   const std::string ids = fmt::format("{}{}", fmt::join(told, ", "), lost.size() > kMostTold ? ", ..." : "");
   events.note(fmt::format("{}: no mesh for {} of {} labels ({}): the coarser grid has no sample of them",
                           field_label(map), lost.size(), labels.size(), ids));
-  events.worked(
+  StageReport report = report_on(StageName::resample, field_label(map));
+  report.work.push_back(
       {WorkTopic::labels, WorkDone::left_out, lost.size(), labels.size(),
        fmt::format("{} of {} labels, of which the coarser grid has no sample: {}", lost.size(), labels.size(), ids)});
+  events.end(report);
 }
 
 // The grid of another resolution takes the place of the data.
@@ -60,9 +125,10 @@ Result<void> change_resolution(const SourceOptions& options, const SourceUse& us
   auto resolution = TRY(options.resolution ? Result<glm::ivec3>(*options.resolution)
                                            : field::resolution_of_voxel_size(source.field, *options.voxel_size));
   auto grid = TRY(field::resample(source.field, resolution, options.kernel, use.nan, context));
-  const StageTime time = watch.elapsed();
+  const StageReport report = report_on_field(StageName::resample, field_label(source.field),
+                                             resolution_fact(source.field, grid), watch.elapsed());
   for (const std::string& text : grid.notes) events.note(text);
-  events.resampled(grid, resolution_fact(source.field, grid), time);
+  events.end(report);
   const auto is_all = [](const IsoChoice& iso) { return iso.kind == IsoChoice::Kind::all_labels; };
   if (std::ranges::any_of(use.isos, is_all)) tell_lost_labels(source.field, grid, context, events);
   if (options.voxel_size) tell_voxel_size(*options.voxel_size, grid, events);
@@ -74,7 +140,15 @@ Result<void> change_resolution(const SourceOptions& options, const SourceUse& us
 // The iso values of what was read.
 void tell_isos(const std::optional<StageTime>& time, Events& events, const Source& source) {
   if (std::ranges::all_of(source.isos, [](const ResolvedIso& iso) { return !iso.asked.is_found(); })) return;
-  events.resolved(source.isos, time);
+  StageReport report = report_on(StageName::statistics, field_label(source.field));
+  report.time = time;
+  if (time) report.did = "iso values found";
+  for (const ResolvedIso& iso : source.isos) {
+    report.entries.push_back({{Key::asked, json_of(iso.asked)},
+                              {Key::iso, iso.value},
+                              {Key::found_by, iso.asked.is_found() ? Json(iso.found_by) : Json(nullptr)}});
+  }
+  events.end(report);
   for (const ResolvedIso& iso : source.isos) {
     if (!iso.asked.is_found()) continue;
     events.note(
@@ -86,17 +160,24 @@ Result<void> read_volume_field(const SourceOptions& options, const SourceUse& us
                                Events& events, Source& source) {
   auto field = TRY(read_field(options.input, options.read, context, events));
   source.field = std::move(field);
-  for (const WorkFact& fact : reading_facts(source.field, options.more_grids.size())) events.worked(fact);
+  StageReport facts = report_on(StageName::read, field_label(source.field));
+  facts.work = reading_facts(source.field, options.more_grids.size());
+  if (!facts.work.empty()) events.end(facts);
   const Stopwatch watch;
   source.isos = TRY(resolve_isos(use.isos, source.field, use.empty_is_fine, context));
   tell_isos(watch.elapsed(), events, source);
   if (options.attributes.empty()) return {};
   const Stopwatch reading;
   auto attributes = TRY(read_volume_attributes(options, source.field, use.empty_is_fine, context));
-  events.read_attributes(reading.elapsed());
+  StageReport report = report_on(StageName::read_attributes, field_label(source.field));
+  report.time = reading.elapsed();
+  report.did = "attributes read";
+  events.end(report);
   for (const VolumeAttribute& attribute : attributes.found) {
     for (const std::string& text : attribute.notes) events.note(text);
-    events.worked(attribute_fact(attribute));
+    report = report_on(StageName::read_attributes, field_label(source.field));
+    report.work.push_back(attribute_fact(attribute));
+    events.end(report);
   }
   source.attributes.emplace();
   source.attributes->from = std::move(attributes.found);
@@ -110,7 +191,9 @@ void tell_missing(const std::vector<MissingAttribute>& missing, const std::strin
     if (!attribute.choice.optional) continue;
     events.note(fmt::format("{}: converted without the optional attribute '{}': {}", label,
                             printable(attribute.choice.name), attribute.error.message));
-    events.lacked(attribute.choice.name);
+    StageReport report = report_on(StageName::read_attributes, label);
+    report.entries.push_back({{Key::attribute, attribute.choice.name}});
+    events.end(report);
   }
 }
 
@@ -137,13 +220,31 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   made.field.name = stem_of_file(files::shown_input_name(options.input));
   made.field.length_unit = file.length_unit;
   made.field.creator = std::move(file.creator);
-  events.read(options.input, made.field, reading);
+  events.end(report_of_reading(options.input, made.field, reading));
   const points::FieldFigures& figures = made.figures;
-  ParticleRecord record{file.format, file.length_unit, file.time_step, options.particles.method,
-                        {},          figures,          watch.elapsed()};
-  const bool has_kernels = record.method != points::Method::weight && record.method != points::Method::spheres;
-  if (has_kernels) record.smoothing_length = options.particles.smoothing_length;
-  events.made_field(record);
+  const points::Method method = options.particles.method;
+  const bool has_kernels = method != points::Method::weight && method != points::Method::spheres;
+  StageReport report = report_on(StageName::particles_to_field, field_label(made.field));
+  report.did = "particles to field";
+  report.add_timed(
+      {{Key::format, file.format},
+       {Key::length_unit, file.length_unit},
+       Figure::of_tables(Key::time_step, file.time_step),
+       {Key::method, word_of(method)},
+       {Key::radius, figures.radius},
+       {Key::radius_suggested, figures.radius_suggested},
+       {Key::smoothing_length, has_kernels ? Json(options.particles.smoothing_length) : Json(nullptr)},
+       {Key::spacing, figures.spacing},
+       {Key::support, figures.support},
+       {Key::particles, figures.particles},
+       {Key::not_finite, figures.particles_dropped},
+       {Key::left_out_inside, figures.particles_left_out},
+       {Key::too_small, figures.particles_too_small},
+       {Key::radius_attribute, figures.radius_attribute.empty() ? Json(nullptr) : Json(figures.radius_attribute)},
+       {Key::bricks_stored, figures.bricks_stored},
+       {Key::bricks_inside, figures.bricks_inside}},
+      watch.elapsed());
+  events.end(report);
   if (figures.particles_dropped > 0) {
     events.note(fmt::format("{}: {} particles at places that are no numbers were left out",
                             printable(file.particles.label), figures.particles_dropped));
@@ -151,7 +252,9 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   for (const std::string& text : made.field.notes) {
     events.note(fmt::format("{}: {}", printable(file.particles.label), text));
   }
-  for (const WorkFact& fact : particle_facts(figures)) events.worked(fact);
+  report = report_on(StageName::particles_to_field, field_label(made.field));
+  report.work = particle_facts(figures);
+  events.end(report);
   source.field = std::move(made.field);
   tell_isos(std::nullopt, events, source);
   if (!options.attributes.empty()) {
@@ -173,7 +276,7 @@ Result<field::ScalarField> read_field(const std::string& input, const volumes::R
   if (!field) return field;
   const StageTime time = watch.elapsed();
   for (const std::string& text : field->notes) events.note(text);
-  events.read(input, *field, time);
+  events.end(report_of_reading(input, *field, time));
   TRY(context.check());
   TRY(volumes::check_not_lost(*field));
   return field;
@@ -240,7 +343,7 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
   }
   if (options.away_from_zero) source.kind_at_zero = source.field.kind;
   auto placed = TRY(place_field(source.field, options.placement, options.roi, use.region_ends));
-  events.placed(placed);
+  events.end(report_of_placing(placed, source.field));
   for (const std::string& text : placed.notes) events.note(text);
   source.placement = placed.placement;
   source.output_from_index = placed.output_from_index;

@@ -9,6 +9,7 @@
 #include "base/context.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/json_values.hpp"
+#include "convert/stage_report.hpp"
 #include "extract/extractor.hpp"
 #include "measure/extraction_comparison.hpp"
 #include "measure/mesh_match.hpp"
@@ -23,7 +24,6 @@ struct VerificationRecord {
   measure::ExtractionComparison comparison;
   std::vector<std::string> differences;  // none if it passed
   StageTime time;                        // of the second extraction and the comparison
-  std::string grid = {};                 // whose surface it is, where the job has several
 };
 
 // Why the surfaces of a method by `first` and `second` cannot be compared, likewise: a backend does not have it, or
@@ -31,7 +31,8 @@ struct VerificationRecord {
 [[nodiscard]] std::string why_not_comparable(const extract::MethodInfo& method, const extract::Extractor& first,
                                              const extract::Extractor& second);
 
-[[nodiscard]] Json json_of(const VerificationRecord& record);
+// Of a surface of the field that `label` names.
+[[nodiscard]] StageReport report_of(const VerificationRecord& record, const std::string& label);
 
 // Extracts with `second` what `first` made `mesh` of, and compares, where that can be. `options` are those of `mesh`:
 // by `method`, and with edge keys where it has them. Fails as the extraction and the comparison do; what differs is no

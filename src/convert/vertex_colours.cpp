@@ -9,11 +9,14 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
+#include "base/printable.hpp"
 #include "base/srgb.hpp"
+#include "convert/surface_stages.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -110,9 +113,44 @@ double opacity_of(const ConversionJob& job, std::span<const double> isos, double
   return kOutermostOpacity + (1 - kOutermostOpacity) * depth_of(around, iso, kind);
 }
 
+// Removes the attributes that only give colors.
+void drop_unwritten(const ConversionJob& job, mesh::Mesh& mesh) {
+  for (const AttributeChoice& choice : job.source.attributes) {
+    if (choice.written) continue;
+    std::erase_if(mesh.attributes, [&](const mesh::Attribute& a) {
+      return a.role != mesh::AttributeRole::colour && a.name == choice.name;
+    });
+  }
+}
+
+Result<StageReport> color_by_attribute(Surface& surface, const StageContext& stage) {
+  const ConversionJob& job = stage.job;
+  if (!job.colour || !job.colour->attribute) return StageReport();
+  const std::string& attribute = *job.colour->attribute;
+  const auto is_meant = [&](const MissingAttribute& missing) { return missing.choice.name == attribute; };
+  if (std::ranges::any_of(stage.source.attributes->missing, is_meant)) return StageReport();  // it was told
+  const auto made = TRY(add_colours(*job.colour, job.format, surface.mesh, stage.context));
+  const bool own_range = !job.colour->range;
+  StageReport report = stage.report_on(StageName::color, surface);
+  report.entries.push_back({{Key::attribute, attribute},
+                            {Key::map, word_of(job.colour->map)},
+                            {Key::range, Json(made.range)},
+                            {Key::own_range, own_range},
+                            {Key::not_numbers, made.not_numbers}});
+  report.lines.push_back({fmt::format("colours of {}: {}, {} from {:.6g} to {:.6g}{}", stage.at(surface),
+                                      printable(attribute), word_of(job.colour->map), made.range[0], made.range[1],
+                                      own_range ? ", the range of its vertices" : "")});
+  if (made.not_numbers > 0) {
+    report.notes.push_back(fmt::format("{}: {} of {} vertices are grey, as '{}' is no number there", report.subject,
+                                       made.not_numbers, surface.mesh.positions.size(), printable(attribute)));
+  }
+  drop_unwritten(job, surface.mesh);
+  return report;
+}
+
 }  // namespace
 
-Result<ColourRecord> add_colours(const ColourChoice& choice, meshes::MeshFormat format, mesh::Mesh& mesh,
+Result<VertexColors> add_colours(const ColourChoice& choice, meshes::MeshFormat format, mesh::Mesh& mesh,
                                  const Context& context) {
   const auto from = std::ranges::find(mesh.attributes, choice.attribute.value_or(""), &mesh::Attribute::name);
   const bool linear = meshes::is_gltf(format);
@@ -140,7 +178,7 @@ Result<ColourRecord> add_colours(const ColourChoice& choice, meshes::MeshFormat 
   });
   mesh.attributes.push_back(std::move(made));
   mesh.memory.take(std::move(memory));
-  return ColourRecord{0, *choice.attribute, choice.map, range[0], range[1], !choice.range, not_numbers.load()};
+  return VertexColors{range, not_numbers.load()};
 }
 
 std::optional<mesh::Material> material_of(const ConversionJob& job, std::span<const double> isos, double iso,
@@ -156,6 +194,20 @@ std::optional<mesh::Material> material_of(const ConversionJob& job, std::span<co
       colour_at(job.colour->map, place_in(job.colour->range.value_or(Range{least, greatest}), iso));
   material.colour = glm::dvec3(linear_of_srgb(colour.x), linear_of_srgb(colour.y), linear_of_srgb(colour.z));
   return material;
+}
+
+Result<StageReport> color_surface(Surface& surface, const StageContext& stage) {
+  const SurfaceFacts& facts = stage.facts;
+  surface.mesh.material = material_of(stage.job, facts.isos, surface.iso, stage.source.field.kind, facts.may_be_open);
+  if (facts.labels != nullptr) {
+    TRY(facts.labels->colour(stage.job, static_cast<std::int64_t>(surface.iso), surface.mesh, stage.context));
+  }
+  auto report = color_by_attribute(surface, stage);
+  // Colors, which go by the values of the input, are made.
+  if (const auto& attributes = stage.source.attributes; report && attributes) {
+    change_attributes(surface.mesh, attributes->kinds, attributes->output_from_world);
+  }
+  return report;
 }
 
 }  // namespace isoextract::convert

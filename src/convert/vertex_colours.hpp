@@ -1,6 +1,7 @@
 // Colours of vertices from their attributes, and of whole surfaces from their iso values.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -13,22 +14,15 @@
 
 namespace isoextract::convert {
 
-// How the vertices of a surface were coloured.
-struct ColourRecord {
-  double iso = 0;
-  std::string attribute;
-  Colormap map = Colormap::viridis;
-  double min = 0;  // of the map
-  double max = 0;
-  bool own_range = false;         // of the surface's vertices; else it was given
+struct VertexColors {
+  std::array<double, 2> range{};  // the values at the ends of the map
   std::uint64_t not_numbers = 0;  // vertices that are grey, as their value is NaN
-  std::string grid = {};          // whose surface it is, where the job has several
 };
 
 // Adds colours by the attribute that `choice` names, which the mesh has, as float32. glTF wants linear light, and gets
 // it as u16 with an alpha of 1; other formats get sRGB as u8. Where all values are alike, without a range of their own,
 // they have the middle of the map. Fails with ErrorKind::input where the memory is not there.
-[[nodiscard]] Result<ColourRecord> add_colours(const ColourChoice& choice, meshes::MeshFormat format, mesh::Mesh& mesh,
+[[nodiscard]] Result<VertexColors> add_colours(const ColourChoice& choice, meshes::MeshFormat format, mesh::Mesh& mesh,
                                                const Context& context);
 
 // Of the surface at `iso`, one of `isos`, which the job's choices came to: the colour by its place between the least

@@ -4,6 +4,7 @@
 
 #include "base/byte_size.hpp"
 #include "base/printable.hpp"
+#include "convert/surface_stages.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -23,6 +24,14 @@ std::string dense_text(const field::DenseSamples& samples) {
 }
 
 }  // namespace
+
+Json json_of(const WorkFact& fact) {
+  Json json{{"what", word_of(fact.what)}, {"done", word_of(fact.done)}};
+  if (fact.count) json["count"] = *fact.count;
+  if (fact.total) json["total"] = *fact.total;
+  json["text"] = fact.text;
+  return json;
+}
 
 std::vector<WorkFact> reading_facts(const field::ScalarField& field, std::size_t more_grids) {
   std::vector<WorkFact> facts;
@@ -90,8 +99,10 @@ WorkFact resolution_fact(const field::ScalarField& data, const field::ScalarFiel
                       format_byte_size(made.count() * field::sample_size(made.type)))};
 }
 
+namespace {
+
 std::vector<WorkFact> extraction_facts(const extract::ExtractStats& stats, const extract::ExtractOptions& options,
-                                       const AskedFor& asked) {
+                                       const ConversionJob& job) {
   std::vector<WorkFact> facts{bricks_left_out(stats)};
   if (stats.places_visited > 0) {
     facts.push_back({WorkTopic::places, WorkDone::visited, stats.places_visited, std::nullopt,
@@ -129,11 +140,11 @@ std::vector<WorkFact> extraction_facts(const extract::ExtractStats& stats, const
         {WorkTopic::roi, WorkDone::left_out, std::nullopt, std::nullopt,
          fmt::format("what the region does not hold; it holds {} x {} x {} samples", dims.x, dims.y, dims.z)});
   }
-  if (!options.smooth_normals && !asked.triangle_normals) {
+  if (!options.smooth_normals && !are_of_triangles(job.normals)) {
     facts.push_back(
         {WorkTopic::normals, WorkDone::left_out, std::nullopt, std::nullopt, "normals, which nobody asked for"});
   }
-  if (!asked.error) {
+  if (!job.error) {
     facts.push_back({WorkTopic::error, WorkDone::left_out, std::nullopt, std::nullopt, "the error of the mesh"});
   }
   if (options.method == extract::Method::voxels && options.voxel_faces == extract::VoxelFaces::rectangles) {
@@ -146,6 +157,37 @@ std::vector<WorkFact> extraction_facts(const extract::ExtractStats& stats, const
                                         : "caps around the data, all of whose border is inside"});
   }
   return facts;
+}
+
+}  // namespace
+
+StageReport extraction_report(const extract::ExtractStats& stats, const extract::ExtractOptions& options,
+                              const Surface& surface, const StageContext& stage, const StageTime& time) {
+  StageReport report = stage.report_on(StageName::extract, surface);
+  report.work = extraction_facts(stats, options, stage.job);
+  Json work = Json::array();
+  for (const WorkFact& fact : report.work) work.push_back(json_of(fact));
+  Figures figures;
+  if (!surface.asked.is_number()) figures.emplace_back(Key::asked, json_of(surface.asked));
+  figures.emplace_back(Key::triangles, surface.mesh.triangles.size());
+  figures.emplace_back(Key::work, std::move(work));
+  report.entries.push_back(std::move(figures));
+  report.time = time;
+  report.did = "extracted";
+  report.details.push_back(fmt::format("{:.3f} s to compare samples, {:.3f} s to count, {:.3f} s to make the mesh",
+                                       stats.classify.wall_seconds, stats.count.wall_seconds, stats.emit.wall_seconds));
+  report.parts.push_back({StageName::classify, surface.iso, stats.classify});
+  if (const auto& device = stats.device) {
+    report.parts.push_back({StageName::compile, surface.iso, device->compile});
+    report.parts.push_back({StageName::upload, surface.iso, device->upload});
+    report.details.push_back(fmt::format(
+        "of that {:.3f} s to upload {}, {:.3f} s to capture {}, {:.3f} s to read it back, {:.3f} s to weld",
+        device->upload.wall_seconds, format_byte_size(device->bytes_uploaded), device->capture.wall_seconds,
+        format_byte_size(device->bytes_captured), device->read_back.wall_seconds, device->weld.wall_seconds));
+  }
+  report.parts.push_back({StageName::count, surface.iso, stats.count});
+  report.parts.push_back({StageName::emit, surface.iso, stats.emit});
+  return report;
 }
 
 }  // namespace isoextract::convert

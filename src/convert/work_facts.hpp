@@ -9,7 +9,8 @@
 #include <vector>
 
 #include "base/words.hpp"
-#include "convert/attribute_source.hpp"
+#include "convert/attribute_volumes.hpp"
+#include "convert/json_values.hpp"
 #include "extract/extractor.hpp"
 #include "points/particle_field.hpp"
 
@@ -110,6 +111,7 @@ struct WorkFact {
   std::optional<std::uint64_t> total;  // out of how many
   std::string text;                    // the rest of the sentence: "12 of 64 bricks (...), which ..."
 };
+[[nodiscard]] Json json_of(const WorkFact& fact);
 
 // Of reading `field`, where the conversion reads `more_grids` others of the file.
 [[nodiscard]] std::vector<WorkFact> reading_facts(const field::ScalarField& field, std::size_t more_grids);
@@ -122,15 +124,5 @@ struct WorkFact {
 
 // Of resample(), which made `grid` of `data`.
 [[nodiscard]] WorkFact resolution_fact(const field::ScalarField& data, const field::ScalarField& grid);
-
-// What was asked for besides the extraction.
-struct AskedFor {
-  bool triangle_normals = false;  // made of the triangles when the mesh is written, or before
-  bool error = false;
-};
-
-// Of one extraction.
-[[nodiscard]] std::vector<WorkFact> extraction_facts(const extract::ExtractStats& stats,
-                                                     const extract::ExtractOptions& options, const AskedFor& asked);
 
 }  // namespace isoextract::convert

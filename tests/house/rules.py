@@ -65,15 +65,14 @@ TOKEN = re.compile(
 )
 
 
+def blanked(match):
+    return "\n" * match.group().count("\n") or " "
+
+
 def without_comments_and_text(source):
     """C++ source with comments and the insides of literals blanked; line numbers stay. Include paths are kept."""
-
-    def blank(match):
-        if match.lastgroup in ("include", "number"):
-            return match.group()
-        return "\n" * match.group().count("\n") or " "
-
-    return TOKEN.sub(blank, source)
+    kept = ("include", "number")
+    return TOKEN.sub(lambda match: match.group() if match.lastgroup in kept else blanked(match), source)
 
 
 def literals(source):
@@ -241,9 +240,26 @@ def check_remedies(root):
             yield f"src/cli/remedies.cpp: no words for the remedy {remedy}"
 
 
+STAGE_AS_STRING = re.compile(
+    r"word_of\([^;()]*\b(stage|key)\w*\b[^;()]*\)\s*[!=]="
+    r"|[!=]=\s*word_of\([^;()]*\b(stage|key)\w*\b|[!=]=\s*word_of\((StageName|Key)::"
+    r"|\bword_of\((StageName|Key)::\w+\)\s*[!=]="
+    r'|\bstage\w*\s*[!=]=\s*"|"\s*[!=]=\s*(\w+(\.|->))*stage'
+)
+
+
+def check_stage_names(root):
+    """Stages and figures are told apart by the values of StageName and Key; their words are for documents."""
+    for path in sorted((root / "src").rglob("*.[ch]pp")):
+        code = TOKEN.sub(lambda found: blanked(found) if found.lastgroup == "comment" else found.group(), path.read_text())
+        for place, line in numbered(root, path, code):
+            if STAGE_AS_STRING.search(line):
+                yield f"{place}: `{line.strip()}`: compares a stage or a figure as a string"
+
+
 CHECKS = [
     check_includes, check_links, check_namespaces, check_reserved, check_reservations, check_option_names, check_map, check_length,
-    check_machine_paths, check_remedies,
+    check_machine_paths, check_remedies, check_stage_names,
 ]
 
 

@@ -174,6 +174,15 @@ class RulesTest(unittest.TestCase):
         self.plant("src/cli/remedies.cpp", words.replace("Remedy::one", "Remedy::One"))
         self.expect_one("cli/remedies.cpp", "no words for the remedy one")
 
+    def test_stages_compared_as_strings(self):
+        for code in ('if (word_of(report.stage) == "smooth") f();', 'if (stage != "smooth") f();', 'x = "a" == r->stage_;',
+                     "x = word == word_of(StageName::smooth);", "x = word_of(Key::iso) != word;"):
+            with self.subTest(code=code):
+                self.plant_in_room("volumes", f"int x;\n{code}\n")
+                self.expect_one("src/volumes/planted.cpp:2", "as a string")
+        self.plant_in_room("volumes", 'x = a.stage == Stage::b; f(word_of(stage)); // stage == "a"\ng("stage == 1");\n')
+        self.assertEqual(self.findings(), [])
+
     def test_a_table_without_cycles(self):
         for room in rules.MAY_INCLUDE:
             neighbours = [rules.reach(other) for other in rules.MAY_INCLUDE[room]]

@@ -15,6 +15,7 @@
 
 #include "convert/source.hpp"
 #include "field/sparse_lookup.hpp"
+#include "support/outcomes.hpp"
 #include "support/temp_folder.hpp"
 
 namespace isoextract::convert {
@@ -26,20 +27,18 @@ namespace fs = std::filesystem;
 class Log final : public Events {
  public:
   void note(const std::string& text) override { lines.push_back("note " + text); }
-  void opened(const extract::Extractor& extractor, const StageTime&) override {
-    lines.push_back("opened " + std::string(extractor.name()));
-  }
-  void read(const std::string& input, const field::ScalarField&, const StageTime&) override {
-    lines.push_back("read " + input);
-    if (cancel_at_read != nullptr) cancel_at_read->cancel();
-    if (no_memory_after_read) throw std::bad_alloc();
-  }
-  void extracted(const ExtractedSurface& surface) override {
-    lines.push_back("extracted " + std::to_string(surface.triangles));
-    if (memory != nullptr) reserved.push_back(memory->reserved());
-  }
-  void written(const WrittenOutput& output) override {
-    lines.push_back("written " + std::to_string(output.isos.size()) + " of " + std::to_string(output.job.isos.size()));
+  void end(const StageReport& report) override {
+    const auto of_figures = [&](Key key) { return find(report.entries.at(0), {key})->dump(); };
+    if (report.stage == StageName::read) {
+      lines.push_back("read " + of_figures(Key::path));
+      if (cancel_at_read != nullptr) cancel_at_read->cancel();
+      if (no_memory_after_read) throw std::bad_alloc();
+    }
+    if (report.stage == StageName::extract) {
+      lines.push_back("extracted " + of_figures(Key::triangles));
+      if (memory != nullptr) reserved.push_back(memory->reserved());
+    }
+    if (report.output) lines.push_back("written " + std::to_string(report.output->surfaces.size()));
   }
 
   std::vector<std::string> lines;
@@ -83,6 +82,10 @@ class ConversionTest : public testing::Test {
     return outcome.reserved_memory;
   }
 
+  static std::vector<std::uint64_t> triangles_of(const Outcome& outcome, StageName stage) {
+    return test::figures<std::uint64_t>(outcome, stage, Key::triangles);
+  }
+
   Outcome run(const ConversionJob& job) { return convert::run(job, Context(), log_, {true}); }
 
   test::TempFolder folder_;
@@ -92,13 +95,12 @@ class ConversionTest : public testing::Test {
 TEST_F(ConversionTest, TellsItsStagesInOrderAndRecordsThem) {
   const Outcome outcome = run(job("demo:sphere?size=16", 0, "a.ply"));
   ASSERT_TRUE(outcome.done()) << outcome.error->message;
-  ASSERT_EQ(log_.lines.size(), 4U);
-  EXPECT_EQ(log_.lines[0], "opened cpu");
-  EXPECT_EQ(log_.lines[1], "read demo:sphere?size=16");
-  EXPECT_EQ(log_.lines[2], "extracted " + std::to_string(outcome.extractions.at(0).triangles));
-  EXPECT_EQ(log_.lines[3], "written 1 of 1");
-  ASSERT_EQ(outcome.meshes.size(), 1U);
-  EXPECT_TRUE(outcome.meshes[0].topology.is_closed_oriented_manifold());
+  const std::vector<std::uint64_t> extracted = triangles_of(outcome, StageName::extract);
+  ASSERT_EQ(extracted.size(), 1U);
+  EXPECT_EQ(log_.lines, (std::vector<std::string>{"read \"demo:sphere?size=16\"",
+                                                  "extracted " + std::to_string(extracted[0]), "written 1"}));
+  EXPECT_EQ(triangles_of(outcome, StageName::mesh_facts), extracted);
+  EXPECT_EQ(test::figures<bool>(outcome, StageName::mesh_facts, Key::closed), std::vector<bool>{true});
   ASSERT_EQ(outcome.files.size(), 1U);
   EXPECT_EQ(outcome.files[0].bytes, fs::file_size(folder_ / "a.ply"));
   EXPECT_EQ(outcome.backend, "cpu");
@@ -153,7 +155,7 @@ TEST_F(ConversionTest, ASinkGetsTheSourceOfOneReadingWithAllItsSamples) {
   log_.lines.clear();
   HandedWithSource sink;
   ASSERT_TRUE(convert::run(wanted, Context(), log_, {}, nullptr, &sink).done());
-  EXPECT_EQ(sink.triangles, written.meshes[0].triangles);
+  EXPECT_EQ(sink.triangles, triangles_of(written, StageName::mesh_facts).at(0));
   EXPECT_EQ(std::ranges::count_if(log_.lines, [](const std::string& line) { return line.starts_with("read "); }), 1);
   ASSERT_TRUE(sink.source.has_value());
   EXPECT_TRUE(sink.source->of_particles);
@@ -182,8 +184,8 @@ TEST_F(ConversionTest, ASinkGetsTheMeshesInPlaceOfFiles) {
   ASSERT_TRUE(outcome.done()) << outcome.error->message;
   EXPECT_EQ(sink.paths, std::vector<std::string>{wanted.outputs[0].path});
   EXPECT_EQ(sink.names, (std::vector<std::string>{"gyroid iso 0.1", "gyroid iso 0.3"}));
-  EXPECT_EQ(sink.triangles, (std::vector<std::size_t>{written.meshes[0].triangles, written.meshes[1].triangles}));
-  EXPECT_EQ(outcome.meshes.size(), 2U);
+  EXPECT_EQ(sink.triangles, triangles_of(written, StageName::mesh_facts));
+  EXPECT_EQ(test::entries(outcome, StageName::mesh_facts).size(), 2U);
   EXPECT_TRUE(outcome.files.empty());
   EXPECT_EQ(test::read_bytes(folder_ / "several"), "old");
 
@@ -234,12 +236,12 @@ TEST_F(ConversionTest, SkippedSurfacesAreTold) {
   two.empty = EmptyPolicy::skip;
   two.outputs[0].isos = {0, 9};
   ASSERT_TRUE(run(two).done());
-  EXPECT_EQ(log_.lines.back(), "written 1 of 2");
+  EXPECT_EQ(log_.lines.back(), "written 1");
   two.outputs[0] = {(folder_ / "b.glb").string(), {9}};
   const Outcome outcome = run(two);
   ASSERT_TRUE(outcome.done());
   EXPECT_FALSE(fs::exists(folder_ / "b.glb"));
-  EXPECT_EQ(log_.lines.back(), "written 0 of 1");
+  EXPECT_EQ(log_.lines.back(), "written 0");
   EXPECT_NE(outcome.notes.at(0).find("was not written"), std::string::npos);
 }
 
@@ -260,8 +262,9 @@ TEST_F(ConversionTest, CapsAreLeftOutWhereThereIsSomethingToCap) {
   const auto tells_of_caps = [&](const std::string& input, bool cap) {
     ConversionJob one = job(input, 0, "a.ply");
     one.surface.cap = cap;
-    const std::vector<WorkFact> work = run(one).extractions.at(0).work;
-    return std::ranges::any_of(work, [](const WorkFact& fact) { return fact.what == WorkTopic::caps; });
+    const Outcome outcome = run(one);
+    return std::ranges::any_of(outcome.first(StageName::extract)->work,
+                               [](const WorkFact& fact) { return fact.what == WorkTopic::caps; });
   };
   EXPECT_FALSE(tells_of_caps("demo:sphere?size=16", false));
   EXPECT_TRUE(tells_of_caps("demo:gyroid?size=16", false));
@@ -290,18 +293,19 @@ TEST_F(ConversionTest, ALaterSurfaceThatFailsLeavesNoFile) {
 
 TEST_F(ConversionTest, RecordsEverySurfaceOfAFile) {
   const Outcome outcome = run(several(meshes::MeshFormat::obj, {0, 0.5}));
-  ASSERT_EQ(outcome.meshes.size(), 2U);
+  ASSERT_EQ(test::entries(outcome, StageName::mesh_facts).size(), 2U);
   std::vector<std::string> stages;
-  for (const StageRecord& stage : outcome.stages) stages.emplace_back(word_of(stage.stage));
+  for (const StageReport::Part& stage : outcome.times()) stages.emplace_back(word_of(stage.stage));
   const std::vector<std::string> once{"classify", "count", "emit"};
   std::vector<std::string> expected{"read"};
   for (int surface = 0; surface < 2; ++surface) expected.insert(expected.end(), once.begin(), once.end());
   expected.insert(expected.end(), {"mesh facts", "write"});
   EXPECT_EQ(stages, expected);
-  EXPECT_EQ(outcome.meshes[0].triangles, outcome.extractions.at(0).triangles);
-  EXPECT_EQ(outcome.meshes[1].iso, 0.5);
-  EXPECT_EQ(outcome.meshes[1].name, "gyroid iso 0.5");
-  EXPECT_EQ(log_.lines.back(), "written 2 of 2");
+  EXPECT_EQ(triangles_of(outcome, StageName::mesh_facts), triangles_of(outcome, StageName::extract));
+  const Figures second = test::entries(outcome, StageName::mesh_facts).at(1);
+  EXPECT_EQ(value_at<double>(second, {Key::iso}), 0.5);
+  EXPECT_EQ(value_at<std::string>(second, {Key::name}), "gyroid iso 0.5");
+  EXPECT_EQ(log_.lines.back(), "written 2");
 }
 
 TEST_F(ConversionTest, EndsWhereItIsCancelled) {
@@ -334,8 +338,8 @@ TEST_F(ConversionTest, TwoAtOnceDoNotMix) {
     }
     for (std::size_t i = 0; i < inputs.size(); ++i) {
       ASSERT_TRUE(outcomes[i].done()) << outcomes[i].error->message;
-      EXPECT_EQ(outcomes[i].meshes.size(), 1U);
-      EXPECT_EQ(logs[i].lines.at(1), "read " + inputs[i]);
+      EXPECT_EQ(test::entries(outcomes[i], StageName::mesh_facts).size(), 1U);
+      EXPECT_EQ(logs[i].lines.at(0), "read \"" + inputs[i] + "\"");
       EXPECT_EQ(test::read_bytes(folder_ / (std::to_string(i) + ".ply")), alone[i]);
     }
   }

@@ -9,6 +9,7 @@
 
 #include "convert/conversion.hpp"
 #include "field/statistics.hpp"
+#include "support/outcomes.hpp"
 #include "support/temp_folder.hpp"
 
 namespace isoextract::convert {
@@ -134,6 +135,12 @@ class IsoConversionTest : public testing::Test {
     Events unheard;
     return convert::run(job_, Context(), unheard);
   }
+  static std::vector<double> found(const Outcome& outcome) {
+    return test::figures<double>(outcome, StageName::statistics, Key::iso);
+  }
+  static std::vector<std::string> asked(const Outcome& outcome) {
+    return test::figures<std::string>(outcome, StageName::extract, Key::asked);
+  }
   test::TempFolder folder_;
   ConversionJob job_;
 };
@@ -141,24 +148,22 @@ class IsoConversionTest : public testing::Test {
 TEST_F(IsoConversionTest, TheValueDoesNotDependOnRegionAndResolution) {
   const Outcome whole = run({choice("p80")});
   ASSERT_TRUE(whole.done()) << whole.error->message;
-  const double iso = whole.isos.at(0).value;
-  EXPECT_EQ(whole.extractions.at(0).iso, iso);
-  EXPECT_EQ(whole.extractions.at(0).asked, choice("p80"));
+  const std::vector<double> iso = found(whole);
+  EXPECT_EQ(whole.first(StageName::extract)->iso, iso.at(0));
+  EXPECT_EQ(asked(whole), std::vector<std::string>{"p80"});
   EXPECT_NE(whole.notes.at(0).find("iso p80 is "), std::string::npos) << whole.notes.at(0);
   job_.source.roi = field::Box{{-0.5, -0.5, -0.5}, {0.2, 0.2, 0.2}};
-  EXPECT_EQ(run({choice("p80")}).isos.at(0).value, iso);
+  EXPECT_EQ(found(run({choice("p80")})), iso);
   job_.source.resolution = glm::ivec3(9);
-  EXPECT_EQ(run({choice("p80")}).isos.at(0).value, iso);
+  EXPECT_EQ(found(run({choice("p80")})), iso);
 }
 
 TEST_F(IsoConversionTest, OneSurfaceWhereTwoAreTheSame) {
   const Outcome outcome = run({0, choice("auto"), choice("p50")});
   ASSERT_TRUE(outcome.done()) << outcome.error->message;
-  ASSERT_EQ(outcome.isos.size(), 3U);
-  EXPECT_EQ(outcome.isos[1].value, 0);
-  ASSERT_EQ(outcome.extractions.size(), 2U);
-  EXPECT_EQ(outcome.extractions[0].asked, IsoChoice(0));
-  EXPECT_EQ(outcome.extractions[1].asked, choice("p50"));
+  ASSERT_EQ(found(outcome).size(), 3U);
+  EXPECT_EQ(found(outcome)[1], 0);
+  EXPECT_EQ(asked(outcome), (std::vector<std::string>{"", "p50"})) << "a number is what it is";
   const auto tells = [](const std::string& note) {
     return note.find("iso 0 and auto are the same value, 0") != note.npos;
   };
@@ -168,8 +173,7 @@ TEST_F(IsoConversionTest, OneSurfaceWhereTwoAreTheSame) {
 TEST_F(IsoConversionTest, NumbersAskNothing) {
   const Outcome outcome = run({0, 0.5});
   ASSERT_TRUE(outcome.done());
-  EXPECT_TRUE(outcome.isos.empty());
-  for (const StageRecord& stage : outcome.stages) EXPECT_NE(stage.stage, StageName::statistics);
+  for (const StageReport& report : outcome.reports) EXPECT_NE(report.stage, StageName::statistics);
 }
 
 }  // namespace

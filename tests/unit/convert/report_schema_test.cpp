@@ -44,6 +44,14 @@ Words reasons_of_errors() {
 
 Words kind_names() { return {kind_name(field::FieldKind::level_set), kind_name(field::FieldKind::density)}; }
 
+Words timed_stages() {
+  Words all;
+  for (const StageInfo& stage : kStages) {
+    if (stage.is_timed) all.insert(stage.word);
+  }
+  return all;
+}
+
 Words units() {
   Words all{nullptr};
   for (const LengthUnit& unit : length_units()) all.insert(unit.name);
@@ -87,7 +95,7 @@ const std::map<std::string, Words>& words_of_report() {
       {"/properties/input/properties/kind", kind_names()},
       {"/properties/input/properties/inside", words<field::FieldKind>()},
       {"/properties/particles/properties/method", words<points::Method>()},
-      {"/properties/stages/items/properties/stage", words<StageName>()},
+      {"/properties/stages/items/properties/stage", timed_stages()},
       {"/properties/verification/items/properties/backends/items", {"cpu", "gpu"}},
       {"/properties/smoothings/items/properties/method", words<edit::SmoothMethod>()},
       {"/properties/simplifications/items/properties/asked/properties/unit", {"voxel", "world"}},

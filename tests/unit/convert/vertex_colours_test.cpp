@@ -58,8 +58,7 @@ TEST(VertexColours, GltfIsLinearAndPlyIsSrgb) {
   mesh::Mesh mesh = with_values({0, 1, 0.5});
   const auto record = add_colours(by_heat(), meshes::MeshFormat::glb, mesh, Context());
   ASSERT_TRUE(record);
-  EXPECT_TRUE(record->own_range);
-  EXPECT_EQ((std::array{record->min, record->max}), (std::array{0.0, 1.0}));
+  EXPECT_EQ(record->range, (std::array{0.0, 1.0}));
   EXPECT_EQ(mesh.attributes.back().type, mesh::ComponentType::u16);
   EXPECT_TRUE(mesh.attributes.back().normalised);
   const auto linear = colours_of<std::uint16_t>(mesh);
@@ -77,14 +76,13 @@ TEST(VertexColours, RangesLengthsAndNumbersThatAreNone) {
   auto record = add_colours(by_heat(Colormap::gray, std::array{0.0, 10.0}), meshes::MeshFormat::ply, mesh, Context());
   ASSERT_TRUE(record);
   EXPECT_EQ(record->not_numbers, 1U);
-  EXPECT_FALSE(record->own_range);
   const auto grey = colours_of<std::uint8_t>(mesh);
   EXPECT_EQ((std::array{grey[0], grey[3], grey[6], grey[9]}), (std::array<std::uint8_t, 4>{128, 128, 255, 255}));
 
   mesh::Mesh vectors = with_values({3, 4, 0, 0, 0, 0, 0, -5, 12}, 3);
   record = add_colours(by_heat(), meshes::MeshFormat::ply, vectors, Context());
   ASSERT_TRUE(record);
-  EXPECT_EQ((std::array{record->min, record->max}), (std::array{0.0, 13.0}));
+  EXPECT_EQ(record->range, (std::array{0.0, 13.0}));
 
   mesh::Mesh high = with_values({4, 8, 6});
   ASSERT_TRUE(add_colours(by_heat(), meshes::MeshFormat::ply, high, Context()));

@@ -1,0 +1,54 @@
+// A file while its surfaces are made.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "convert/mesh_facts.hpp"
+#include "convert/mesh_packing.hpp"
+#include "convert/surface_stages.hpp"
+#include "meshes/mesh_writer.hpp"
+
+namespace isoextract::convert {
+
+struct OutputMeshes {
+  const OutputFileJob& job;
+  meshes::MeshWriter writer;
+  WrittenOutput written = {};
+  StageTime time = {};
+  std::vector<mesh::Mesh> held = {};  // for the sink or the picture, which have no writer
+  std::vector<Figures> facts = {};    // of its meshes, where they were asked for
+
+  [[nodiscard]] std::vector<double> isos() const {
+    std::vector<double> all;
+    for (const WrittenOutput::Part& part : written.surfaces) all.push_back(part.iso);
+    return all;
+  }
+
+  // Before the surface goes to the writer. `label` and `grid` are those of its field.
+  void note(const Surface& surface, const std::string& label, const std::string& grid) {
+    if (surface.facts) facts.push_back(facts_as_written(*surface.facts, job.path, surface.mesh, surface.error, grid));
+    written.surfaces.push_back({label, surface.iso, surface.end});
+    written.triangles += surface.mesh.triangles.size();
+    written.vertices += surface.mesh.positions.size();
+    if (surface.open_edges) written.open_edges = written.open_edges.value_or(0) + *surface.open_edges;
+  }
+
+  // What packing did to each mesh that has triangles. `voxel` is the shortest side of one.
+  [[nodiscard]] std::vector<StageReport> packed(const std::vector<meshes::PackedFacts>& done,
+                                                const PackingOptions& asked, double voxel,
+                                                std::string_view word) const {
+    std::vector<StageReport> reports;
+    for (std::size_t m = 0; m < done.size(); ++m) {
+      if (done[m].bytes_before == 0) continue;
+      const auto& [label, iso, end] = written.surfaces[m];
+      reports.push_back(report_of({fmt::format("{} {} {}", label, word, iso), iso, job.path, asked, voxel, done[m]}));
+    }
+    return reports;
+  }
+};
+
+}  // namespace isoextract::convert

@@ -1,0 +1,163 @@
+// What a stage of a conversion reports when it ends: figures with names, the sentences that go with them, and its time.
+// Documents, tables, pages and lines are made of reports alone.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/stopwatch.hpp"
+#include "base/words.hpp"
+#include "convert/json_values.hpp"
+#include "convert/stages.hpp"
+#include "convert/work_facts.hpp"
+
+namespace isoextract::convert {
+
+// The names of figures. The words of documents are the names.
+// clang-format off
+#define ISOEXTRACT_FIGURES(NAME) \
+  NAME(after) NAME(analytic) NAME(area) NAME(asked) NAME(asked_triangles) NAME(attribute) NAME(axis) \
+  NAME(backends) NAME(before) NAME(bits) NAME(bodies) NAME(border_vertices) NAME(bounds) NAME(box) \
+  NAME(bricks_inside) NAME(bricks_stored) NAME(bytes_after) NAME(bytes_before) NAME(cap_triangles) \
+  NAME(cap_vertices) NAME(cavity) NAME(changed) NAME(changed_components) NAME(closed) NAME(closed_form) \
+  NAME(component_table) NAME(components) NAME(compression) NAME(corrected) NAME(coverage) NAME(creator) \
+  NAME(degrees) NAME(degrees_allowed) NAME(differences) NAME(dims) NAME(distance) NAME(distances) NAME(error) \
+  NAME(euler) NAME(exact) NAME(file) NAME(file_bytes) NAME(flat_normals) NAME(flattened_triangles) NAME(format) \
+  NAME(found_by) NAME(genus) NAME(greatest_move) NAME(grid) NAME(index_to_world) NAME(inside) NAME(intercept) \
+  NAME(interior) NAME(interpolant) NAME(iso) NAME(kind) NAME(largest) NAME(left_bodies) NAME(left_out_inside) \
+  NAME(length_unit) NAME(lost_components) NAME(lower) NAME(map) NAME(max) NAME(max_at_most) NAME(max_degrees) \
+  NAME(measured) NAME(method) NAME(misoriented_edges) NAME(moved_by) NAME(name) NAME(nonmanifold_edges) \
+  NAME(nonmanifold_vertices) NAME(normal_degrees) NAME(not_applicable) NAME(not_finite) NAME(not_numbers) \
+  NAME(one_by_one) NAME(open_edges) NAME(origin) NAME(others) NAME(out_of_reach) NAME(output_from_index) \
+  NAME(outside) NAME(own_range) NAME(particles) NAME(parts) NAME(pass_band) NAME(passed) NAME(passes) NAME(path) \
+  NAME(percentile99) NAME(placement) NAME(points) NAME(positions) NAME(radius) NAME(radius_attribute) \
+  NAME(radius_suggested) NAME(range) NAME(region) NAME(relative_error) NAME(rms) NAME(rms_degrees) \
+  NAME(sample_type) NAME(samples) NAME(scale) NAME(slope) NAME(smooth_normals) NAME(smoothing_length) \
+  NAME(source) NAME(spacing) NAME(sparse) NAME(step) NAME(storage) NAME(stored_bytes) NAME(support) NAME(time) \
+  NAME(time_step) NAME(to_unit) NAME(too_small) NAME(triangles) NAME(triangles_after) NAME(triangles_before) \
+  NAME(triangles_only) NAME(turned_inside_out) NAME(ulps) NAME(ulps_allowed) NAME(unit) NAME(unit_of_lengths) \
+  NAME(unreached) NAME(upper) NAME(value_scale) NAME(vertices) NAME(vertices_only) NAME(volume) NAME(voxels) \
+  NAME(without_volume) NAME(work) NAME(world) NAME(world_space) NAME(worst) NAME(worst_component) \
+  NAME(zero_area_triangles)
+// clang-format on
+#define ISOEXTRACT_NAME(name) name,
+#define ISOEXTRACT_WORD(name) Word{Key::name, #name},
+enum class Key { ISOEXTRACT_FIGURES(ISOEXTRACT_NAME) };
+constexpr auto words_of(Key /*type*/) { return std::array{ISOEXTRACT_FIGURES(ISOEXTRACT_WORD)}; }
+#undef ISOEXTRACT_FIGURES
+#undef ISOEXTRACT_NAME
+#undef ISOEXTRACT_WORD
+
+struct Figure;
+using Figures = std::vector<Figure>;
+[[nodiscard]] Json json_of(const Figures& figures);
+
+// A number, a word, yes or no, a list of these, or figures by name.
+struct Figure {
+  Figure(Key name, Json number) : key(name), value(std::move(number)) {}
+  Figure(Key name, const Figures& parts) : key(name), value(json_of(parts)) {}
+  // For tables alone: documents do not have it.
+  [[nodiscard]] static Figure of_tables(Key name, Json number) {
+    Figure figure(name, std::move(number));
+    figure.is_told = false;
+    return figure;
+  }
+
+  Key key;
+  Json value;
+  bool is_told = true;
+};
+
+// The figure behind a path of names; null where there is none, or where it is null in documents.
+[[nodiscard]] const Json* find(const Figures& figures, std::initializer_list<Key> path);
+template <class T>
+[[nodiscard]] std::optional<T> value_at(const Figures& figures, std::initializer_list<Key> path) {
+  const Json* const found = find(figures, path);
+  return found != nullptr ? std::optional<T>(found->get<T>()) : std::nullopt;
+}
+
+// Changes the figure of that name.
+void set(Figures& figures, Key key, Json value);
+
+// "24 triangles, greatest move 0.5 voxels, method taubin": the line of a stage that has no sentences of its own.
+[[nodiscard]] std::string text_of(const Figures& figures);
+
+// Where a surface is open, as far as its extraction and its cuts tell.
+struct SurfaceEnd {
+  bool at_border = false;        // of the data or the region
+  bool cut = false;              // at a plane, and left open there
+  bool counted = false;          // its boundary edges are among WrittenOutput::open_edges
+  std::uint64_t hole_cells = 0;  // around samples that are not numbers
+};
+
+// A file that was written, or that was not because none of its surfaces has triangles: there are no `surfaces` then.
+struct WrittenOutput {
+  struct Part {
+    std::string label;  // of its field
+    double iso = 0;
+    SurfaceEnd end;
+  };
+  std::vector<Part> surfaces;  // in the job's order
+  std::string samples;         // in place of them, of a file of the field: "8 x 8 x 8 samples, as 32 bits each"
+  std::string placement;       // "world coordinates, turned from z up to y up"
+  std::uint64_t triangles = 0;
+  std::uint64_t vertices = 0;
+  std::uint64_t bytes = 0;
+  std::optional<std::uint64_t> open_edges;  // of its meshes, where they were counted
+};
+
+struct StageReport {
+  StageName stage = StageName::open;
+  std::string subject = {};        // "fire.vdb", "fire.vdb iso 0.5", or a file
+  std::string label = {};          // of the field; empty where the report is about a file
+  std::optional<double> iso = {};  // where the stage is about one surface
+  std::string grid = {};           // whose surface it is, where the job has several
+  std::optional<StageTime> time = {};
+  std::vector<Figures> entries = {};  // as many as documents list: one, or one for each attribute or mesh
+
+  struct Part {
+    StageName stage = StageName::open;
+    std::optional<double> iso;
+    StageTime time;
+  };
+  std::vector<Part> parts = {};  // stages whose times are told in place of the whole one
+
+  // In words; none names an option.
+  std::string did = {};                   // "smoothed": begins the line about the stage's time; empty: there is none
+  std::vector<std::string> details = {};  // the end of that line; all after the first are lines of their own
+  struct Line {
+    std::string text;
+    bool explains = false;  // for those who ask for explanations
+  };
+  std::vector<Line> lines = {};         // below the line about the file that the surface is in
+  std::vector<WorkFact> work = {};      // explained where there are no lines
+  std::vector<std::string> notes = {};  // each a sentence without its full stop
+
+  std::optional<Error> error = {};           // why the conversion ends with this stage
+  std::optional<WrittenOutput> output = {};  // of StageName::write
+
+  // The figures of the stage with its time as the last of them.
+  void add_timed(Figures figures, const StageTime& taken);
+};
+
+// Of a stage that works on the field.
+[[nodiscard]] StageReport report_on(StageName stage, const std::string& label);
+
+// Of one that changed the field, as the fact says.
+[[nodiscard]] StageReport report_on_field(StageName stage, const std::string& label, WorkFact fact,
+                                          const StageTime& time);
+
+// As documents list it.
+[[nodiscard]] Json entry_of(const StageReport& report, const Figures& figures);
+
+// What is told in place of the times of a report.
+[[nodiscard]] std::vector<StageReport::Part> times_of(const StageReport& report);
+
+}  // namespace isoextract::convert

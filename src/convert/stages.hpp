@@ -1,0 +1,164 @@
+// The stages of a conversion, in their order, and the keys of the figures that they report. An edit of surfaces is a
+// row of kStages and a function; documents, pages, tables and lines follow from the row.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string_view>
+
+#include "base/error.hpp"
+#include "base/words.hpp"
+#include "convert/conversion_job.hpp"
+
+namespace isoextract::convert {
+
+struct StageContext;
+struct StageReport;
+struct Surface;
+
+enum class StageName {
+  open,
+  read,
+  particles_to_field,
+  read_attributes,
+  filter,
+  resample,
+  statistics,
+  place,
+  classify,
+  compile,
+  upload,
+  count,
+  emit,
+  extract,
+  verify,
+  clip,
+  attributes,
+  pieces,
+  relax,
+  bodies,
+  smooth,
+  simplify,
+  color,
+  normals,
+  error,
+  pack,
+  mesh_facts,
+  write,
+};
+
+// Changes a surface, or looks at it. Each does nothing and reports nothing where the job does not ask for it. Fails as
+// the algorithm does that it calls.
+using EditSurface = Result<StageReport>(Surface& surface, const StageContext& context);
+EditSurface clip_surface;      // keeps what lies in all of Source::clip, closed there where surfaces are capped
+EditSurface carry_attributes;  // while every vertex is where the field puts it
+EditSurface drop_pieces;
+EditSurface measure_relaxing;  // while all vertices are where relaxing left them
+EditSurface mark_bodies;  // while shells are where the field puts them: later stages may move them through each other
+EditSurface smooth_surface;
+EditSurface simplify_surface;
+EditSurface color_surface;  // when the vertices are those that are written
+EditSurface shade_surface;  // last of all edits: vertices may be copied for their normals, which makes open edges
+EditSurface measure_error;
+
+struct StageInfo {
+  StageName name = StageName::open;
+  std::string_view word;                              // in documents
+  std::string_view section = {};                      // of the report: the list of what the stage reports
+  bool (*asked)(const ConversionJob& job) = nullptr;  // null: every job asks for it
+  bool is_listed = false;                             // the section is there even where the job does not ask
+  EditSurface* edit = nullptr;                        // of stages between the extraction of a surface and its file
+  std::string_view done = {};                         // what it did to the field or the mesh: "smoothed"
+  bool is_timed = true;                               // its time is told; else it is a part of another stage's
+  int line_rank = 0;                                  // lines of higher ranks stand below
+};
+
+// In the order in which they run and documents list them.
+inline constexpr std::array kStages{
+    StageInfo{StageName::open, "open"},
+    StageInfo{StageName::read, "read"},
+    StageInfo{StageName::particles_to_field, "particles to field"},
+    StageInfo{StageName::read_attributes, "read attributes"},
+    StageInfo{.name = StageName::filter, .word = "filter", .done = "filtered"},
+    StageInfo{.name = StageName::resample, .word = "resample", .done = "resampled"},
+    StageInfo{StageName::statistics, "statistics"},
+    StageInfo{.name = StageName::place, .word = "place", .is_timed = false},
+    StageInfo{StageName::classify, "classify"},
+    StageInfo{StageName::compile, "compile"},
+    StageInfo{StageName::upload, "upload"},
+    StageInfo{StageName::count, "count"},
+    StageInfo{StageName::emit, "emit"},
+    StageInfo{.name = StageName::extract,
+              .word = "extract",
+              .section = "extractions",
+              .done = "extracted",
+              .is_timed = false},
+    StageInfo{.name = StageName::verify,
+              .word = "verify",
+              .section = "verification",
+              .asked = [](const ConversionJob& job) { return job.verify; },
+              .line_rank = 4},
+    StageInfo{.name = StageName::clip,
+              .word = "clip",
+              .asked = [](const ConversionJob& job) { return !job.source.clip.empty(); },
+              .done = "clipped",
+              .is_timed = false},
+    StageInfo{.name = StageName::attributes,
+              .word = "attributes",
+              .section = "attributes",
+              .asked = [](const ConversionJob& job) { return !job.source.attributes.empty(); },
+              .edit = carry_attributes},
+    StageInfo{.name = StageName::pieces,
+              .word = "pieces",
+              .section = "pieces",
+              .asked = [](const ConversionJob& job) { return job.pieces.drops(); },
+              .edit = drop_pieces,
+              .done = "pieces dropped"},
+    StageInfo{.name = StageName::relax,
+              .word = "relax",
+              .section = "relaxations",
+              .asked = [](const ConversionJob& job) { return job.surface.relaxes(); },
+              .edit = measure_relaxing,
+              .is_timed = false},
+    StageInfo{.name = StageName::bodies, .word = "bodies", .edit = mark_bodies, .is_timed = false},
+    StageInfo{.name = StageName::smooth,
+              .word = "smooth",
+              .section = "smoothings",
+              .asked = [](const ConversionJob& job) { return job.smooth.has_value(); },
+              .edit = smooth_surface,
+              .done = "smoothed"},
+    StageInfo{.name = StageName::simplify,
+              .word = "simplify",
+              .section = "simplifications",
+              .asked = [](const ConversionJob& job) { return job.simplify.has_value(); },
+              .is_listed = true,
+              .edit = simplify_surface,
+              .done = "simplified"},
+    StageInfo{.name = StageName::color,
+              .word = "color",
+              .section = "colours",
+              .asked = [](const ConversionJob& job) { return job.colour && job.colour->attribute; },
+              .edit = color_surface,
+              .is_timed = false,
+              .line_rank = 1},
+    StageInfo{.name = StageName::normals, .word = "normals", .edit = shade_surface},
+    StageInfo{.name = StageName::error, .word = "error", .edit = measure_error, .line_rank = 3},
+    StageInfo{.name = StageName::pack,
+              .word = "pack",
+              .section = "packings",
+              .asked = [](const ConversionJob& job) { return job.packing.packs(); },
+              .is_timed = false,
+              .line_rank = 2},
+    StageInfo{.name = StageName::mesh_facts, .word = "mesh facts", .section = "meshes"},
+    StageInfo{StageName::write, "write"},
+};
+
+[[nodiscard]] constexpr const StageInfo& stage_info(StageName name) { return kStages[static_cast<std::size_t>(name)]; }
+
+constexpr auto words_of(StageName /*type*/) {
+  std::array<Word<StageName>, kStages.size()> words{};
+  for (std::size_t i = 0; i < words.size(); ++i) words[i] = {kStages[i].name, kStages[i].word};
+  return words;
+}
+
+}  // namespace isoextract::convert

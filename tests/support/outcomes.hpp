@@ -1,0 +1,26 @@
+// What an outcome holds of a stage.
+#pragma once
+
+#include <vector>
+
+#include "convert/outcome.hpp"
+
+namespace isoextract::test {
+
+inline std::vector<convert::Figures> entries(const convert::Outcome& outcome, convert::StageName stage) {
+  std::vector<convert::Figures> all;
+  for (const convert::StageReport& report : outcome.reports) {
+    if (report.stage == stage) all.insert(all.end(), report.entries.begin(), report.entries.end());
+  }
+  return all;
+}
+
+// Of a stage that reports several surfaces or meshes: the figure of each.
+template <class T>
+std::vector<T> figures(const convert::Outcome& outcome, convert::StageName stage, convert::Key key) {
+  std::vector<T> all;
+  for (const convert::Figures& entry : entries(outcome, stage)) all.push_back(value_at<T>(entry, {key}).value_or(T()));
+  return all;
+}
+
+}  // namespace isoextract::test
