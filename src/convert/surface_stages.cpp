@@ -35,7 +35,11 @@ Result<void> tell(const StageReport& report, Events& events) {
 }
 
 Result<void> run_stage(const StageInfo& stage, const StageContext& context, Events& events, Surface& surface) {
-  const StageReport report = TRY(stage.edit(surface, context));
+  StageReport report = TRY(stage.edit(surface, context));
+  if (report.lines.empty() && !report.entries.empty() && !stage.done.empty()) {
+    report.lines.push_back(
+        {fmt::format("{} at {}: {}", stage.done, context.at(surface), text_of(report.entries.front()))});
+  }
   return tell(report, events);
 }
 
