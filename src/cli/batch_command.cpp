@@ -345,7 +345,7 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
   if (plan.flags.dry_run) return print_batch_plan(plan, messages);
   if (plan.flags.fail_fast && plan.needs_all && !plan.gaps.empty()) return fail_missing(plan.gaps);
   if (plan.flags.plot || (plan.common.pages.html && plan.frames.size() > 1)) {
-    TRY(check_gnuplot(plan.flags.plot ? "--plot" : "--html"));
+    TRY(check_gnuplot(plan.flags.plot ? plan.flags.plot.name() : ConvertFlags().html.name()));
   }
   TRY(limit_threads(plan.common.threads));
   TRY(make_folders(plan));

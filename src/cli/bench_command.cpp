@@ -60,7 +60,7 @@ class Bench {
       }
       files.push_back(*file);
     }
-    return plan_.plot ? check_gnuplot("--plot") : Result<void>();
+    return plan_.plot ? check_gnuplot(BenchFlags().plot.name()) : Result<void>();
   }
 
   Result<void> measure_gpu_threads() const {

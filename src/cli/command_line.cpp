@@ -208,7 +208,7 @@ Result<const CLI::App*> inner_command(const CLI::App& command, const std::vector
                 synopsis(command));
   }
   const std::string& word = arguments[1];
-  if (word == "-h" || word == "--help") return &command;
+  if (command.get_help_ptr()->check_name(word)) return &command;
   if (contains(names, word)) return command.get_subcommand(word);
   const std::string near = nearest_name(word, names);
   return fail(ErrorKind::usage,
@@ -232,7 +232,7 @@ const CLI::App& innermost_command_of(const CommandLine& line, const std::vector<
 Result<Parsed> parse_command_line(CommandLine& line, std::vector<std::string> arguments) {
   const std::vector<std::string> names = command_names(line.app);
   const std::string first = arguments.front();
-  const bool asks_program = first == "-h" || first == "--help" || first == "--version";
+  const bool asks_program = line.app.get_help_ptr()->check_name(first) || line.app.get_version_ptr()->check_name(first);
   if (!asks_program && !contains(names, first)) arguments.insert(arguments.begin(), "convert");
   const CLI::App* command = &line.app;
   if (!asks_program) {

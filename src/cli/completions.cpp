@@ -265,7 +265,8 @@ _isoextract() {{
 complete -F _isoextract isoextract
 )",
                      fmt::join(names_of_commands(app), "|"), commands, fmt::join(demo_names(), " "),
-                     fmt::join(names_of_commands(app), " "), "--version", fmt::join(quoted_inner_names(app), "|"));
+                     fmt::join(names_of_commands(app), " "), app.get_version_ptr()->get_name(),
+                     fmt::join(quoted_inner_names(app), "|"));
 }
 
 std::string zsh_completion(const CLI::App& app) {

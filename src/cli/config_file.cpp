@@ -32,7 +32,8 @@ struct ConfigFile {
 
 class ConfigReader {
  public:
-  ConfigReader(const std::string& path, const CLI::App& command) : path_(path), command_(command) {}
+  ConfigReader(const ConvertFlags& flags, const CLI::App& command)
+      : path_(*flags.config), config_(flags.config), command_(command) {}
 
   Result<ConfigFile> read() {
     const auto text = TRY(files::read_text_file(path_, "a file of options", kMostBytes, Context()));
@@ -66,7 +67,7 @@ class ConfigReader {
   }
 
   [[nodiscard]] bool may_stand_in_file(const CLI::Option& option) const {
-    return &option != command_.get_help_ptr() && &option != command_.get_option_no_throw("--config");
+    return &option != command_.get_help_ptr() && &option != command_.get_option_no_throw(config_.name());
   }
 
   [[nodiscard]] tl::unexpected<Error> unknown(const std::string& key, const toml::node& node) const {
@@ -158,6 +159,7 @@ class ConfigReader {
   }
 
   const std::string& path_;
+  const Option& config_;  // which the file itself cannot have
   const CLI::App& command_;
   ConfigFile file_;
 };
@@ -171,7 +173,7 @@ void append(std::vector<std::string>& words, const std::vector<std::string>& mor
 Result<ConfiguredLine> with_config(const CommandLine& line, const std::vector<std::string>& arguments) {
   const std::string& path = *line.convert_flags.config;
   if (files::is_standard_input(path)) return fail(ErrorKind::usage, "--config needs the name of a file, found '-'");
-  const auto file = TRY(ConfigReader(path, *line.convert).read());
+  const auto file = TRY(ConfigReader(line.convert_flags, *line.convert).read());
   const std::string& command = line.convert->get_name();
   std::vector<std::string> all{command};  // that the file has
   std::vector<std::string> words{command};

@@ -245,18 +245,19 @@ Result<void> write_pages_of(const ConvertPlan& plan, const convert::Outcome& out
 }  // namespace
 
 void report_unread_words(const std::vector<std::string>& arguments, const Error& error) {
-  constexpr std::string_view kOption = "--report";
   ConvertFlags named;  // what the words may name
+  const std::string& report = named.report.name();
+  const std::vector<std::string>& output = named.output.row().names;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string& word = arguments[i];
     const std::size_t equals = word.starts_with('-') ? word.find('=') : std::string::npos;
     const std::string value = equals == std::string::npos ? word : word.substr(equals + 1);
-    if (word == kOption && i + 1 < arguments.size()) {
+    if (word == report && i + 1 < arguments.size()) {
       named.report = arguments[++i];
-    } else if (equals != std::string::npos && word.substr(0, equals) == kOption) {
+    } else if (equals != std::string::npos && word.substr(0, equals) == report) {
       named.report = value;
     } else {
-      if (i > 0 && (arguments[i - 1] == "-o" || arguments[i - 1] == "--output")) named.output = word;
+      if (i > 0 && std::ranges::find(output, arguments[i - 1]) != output.end()) named.output = word;
       named.input.inputs.push_back(value);
     }
   }

@@ -110,7 +110,7 @@ std::optional<std::string> if_on_side(const ConvertFlags& flags, const convert::
   if (job.picture_file) return "the picture shows it on its side";
   if (placement.turn_z_up_to_y_up) return "the mesh lies on its side";
   if (flags.html || flags.contact_sheet) {
-    return fmt::format("{} shows it on its side", flags.html ? "--html" : "--contact-sheet");
+    return fmt::format("{} shows it on its side", flags.html ? flags.html.name() : flags.contact_sheet.name());
   }
   return std::nullopt;
 }

@@ -214,7 +214,7 @@ class InfoPage {
       sequence.first_json = json_of(report);
       if (!report.field) continue;
       if (const auto up = convert::up_axis_of(report.field->field.creator)) {
-        sequence.arguments.insert(sequence.arguments.end(), {"--up", std::string(word_of(*up))});
+        sequence.arguments.push_back(fmt::format("--up {}", word_of(*up)));
       }
     }
     if (has_nan && !plan_.read.no_data) sequence.arguments.emplace_back("--nan outside");

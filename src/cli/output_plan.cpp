@@ -36,20 +36,23 @@ batch::OtherFiles other_files(const ConvertFlags& flags, std::span<const batch::
   const auto reads = [&](const std::optional<std::string>& path, const char* what) {
     if (path) others.read.push_back({*path, what, {}});
   };
-  const auto writes = [&](const std::optional<std::string>& path, const std::string& what, const char* option) {
-    if (path) others.written.push_back({*path, what, fmt::format("choose another name with {}", option)});
+  const auto writes = [&](const Option& option, const std::string& path, const std::string& what) {
+    others.written.push_back({path, what, fmt::format("choose another name with {}", option.name())});
+  };
+  const auto may_write = [&](const Value<std::string>& option, const std::string& what) {
+    if (option) writes(option, *option, what);
   };
   reads(flags.config, "has the options");
   reads(flags.batch.iso_table, "has the iso values");
   reads(flags.label_names, "has the names of labels");
-  writes(flags.batch.table, "the table", "--table");
-  writes(flags.batch.plot, "the plot", "--plot");
-  writes(flags.html, "the page", "--html");
-  writes(flags.contact_sheet, "the contact sheet", "--contact-sheet");
+  may_write(flags.batch.table, "the table");
+  may_write(flags.batch.plot, "the plot");
+  may_write(flags.html, "the page");
+  may_write(flags.contact_sheet, "the contact sheet");
   if (!report) return others;
   for (const batch::OutputSource& source : sources) {
-    writes(report_path(*report, source),
-           source.alone ? "the report" : fmt::format("the report of frame {}", source.frame), "--report");
+    writes(flags.report, report_path(*report, source),
+           source.alone ? "the report" : fmt::format("the report of frame {}", source.frame));
   }
   return others;
 }

@@ -12,17 +12,17 @@ Result<convert::PackingOptions> plan_packing(const ConvertFlags& flags, meshes::
   const std::string_view name = meshes::mesh_format_info(format).name;
   const bool is_drc = format == meshes::MeshFormat::drc;
   if (format != meshes::MeshFormat::glb && format != meshes::MeshFormat::gltf) {
-    const std::string_view option = flags.draco && !is_drc ? "--draco"
-                                    : flags.quantize       ? "--quantize"
-                                    : flags.meshopt        ? "--meshopt"
-                                                           : "";
-    if (!option.empty()) {
-      return refuse_usage(fmt::format("{} does not go with {}, which has no such packing", option, name),
+    const Option* const option = flags.draco && !is_drc ? static_cast<const Option*>(&flags.draco)
+                                 : flags.quantize       ? &flags.quantize
+                                 : flags.meshopt        ? &flags.meshopt
+                                                        : nullptr;
+    if (option != nullptr) {
+      return refuse_usage(fmt::format("{} does not go with {}, which has no such packing", option->name(), name),
                           is_drc ? "drc is Draco's already; glb and gltf have it" : "glb and gltf have it");
     }
   }
   const bool draco = flags.draco || is_drc;
-  const std::string_view by_draco = flags.draco ? "--draco" : "drc";
+  const std::string_view by_draco = flags.draco ? std::string_view(flags.draco.name()) : "drc";
   if (draco && flags.meshopt) {
     return refuse_usage("--draco and --meshopt exclude each other: a mesh is compressed once", "leave out one of them");
   }

@@ -42,7 +42,7 @@ std::vector<WrittenMesh> meshes_of(std::span<const batch::FrameRow> rows) {
 Result<PagesPlan> plan_pages(const ConvertFlags& flags, const convert::ConversionJob& job) {
   PagesPlan plan{flags.html, flags.contact_sheet};
   if (!plan.any()) return plan;
-  const std::string_view option = plan.html ? "--html" : "--contact-sheet";
+  const std::string_view option = flags.html ? flags.html.name() : flags.contact_sheet.name();
   if (plan.html && (plan.html->empty() || *plan.html == "-")) return refuse_usage("--html needs the name of a file");
   if (plan.contact_sheet && extension_of(*plan.contact_sheet) != fmt::format(".{}", kPictureFormat)) {
     return refuse_usage(fmt::format("--contact-sheet {}: expected a name that ends in .png", *plan.contact_sheet));

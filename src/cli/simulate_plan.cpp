@@ -68,7 +68,7 @@ Result<std::vector<std::uint64_t>> frame_steps(const SequenceFlags& flags, const
   return frames;
 }
 
-Result<void> check_taps(const std::vector<simulate::Tap>& taps, glm::ivec2 size, const char* option) {
+Result<void> check_taps(const std::vector<simulate::Tap>& taps, glm::ivec2 size, std::string_view option) {
   for (const simulate::Tap& tap : taps) {
     if (tap.cell.x >= 0 && tap.cell.y >= 0 && tap.cell.x < size.x && tap.cell.y < size.y) continue;
     return refuse_usage(fmt::format("{} {},{},{}: expected a cell of the grid of {} x {}, counted from 0,0", option,
@@ -121,8 +121,8 @@ Result<WaterPlan> plan_water(const WaterFlags& flags) {
   plan.water.flow_div = flags.flow_div.value_or(plan.water.flow_div);
   plan.water.sources = flags.sources;
   plan.water.drains = flags.drains;
-  TRY(check_taps(flags.sources, plan.terrain.size, "--source"));
-  TRY(check_taps(flags.drains, plan.terrain.size, "--drain"));
+  TRY(check_taps(flags.sources, plan.terrain.size, flags.sources.name()));
+  TRY(check_taps(flags.drains, plan.terrain.size, flags.drains.name()));
   plan.what = flags.what.value_or(plan.what);
   plan.spacing = flags.spacing.value_or(plan.spacing);
   SequenceKind kind{"water", kWaterExample, "", simulate::field_names(plan.what), kWaterSteps, kWaterEvery};

@@ -33,7 +33,7 @@ std::string ends_text(const convert::WrittenOutput& output, const convert::Conve
   }
   std::string text = closed ? "closed" : "open";
   if (!closed && !at_border.empty()) {
-    text += fmt::format(" at the border of the {}", job.source.roi ? "--roi" : "data");
+    text += job.source.roi ? " at the border of the --roi" : " at the border of the data";
     if (at_border.size() < surfaces.size()) {
       text += fmt::format(" {}{}", of_one_field ? "at iso " : "of ", fmt::join(at_border, ", "));
     }

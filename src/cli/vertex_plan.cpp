@@ -149,15 +149,16 @@ Result<void> check_formats(const ConvertFlags& flags, const meshes::MeshFormatIn
     for (const meshes::MeshFormatInfo& info : meshes::mesh_formats()) {
       if (info.has_attributes) names.push_back(info.name);
     }
-    return refuse_usage(fmt::format("{}: {} has no attributes of vertices",
-                                    flags.attributes.empty() ? "--color-by" : "--attribute", format.name),
-                        fmt::format("{} have them", fmt::join(names, ", ")));
+    return refuse_usage(
+        fmt::format("{}: {} has no attributes of vertices",
+                    flags.attributes.empty() ? flags.colour.name() : flags.attributes.name(), format.name),
+        fmt::format("{} have them", fmt::join(names, ", ")));
   }
   const bool of_surfaces = flags.colour && !flags.colour->attribute;
   if ((of_surfaces || flags.opacity) && !is_gltf(format.format)) {
-    return refuse_usage(
-        fmt::format("{}: {} has no materials", of_surfaces ? "--color-by iso" : "--opacity", format.name),
-        "glb and gltf have them");
+    return refuse_usage(fmt::format("{}: {} has no materials",
+                                    of_surfaces ? flags.colour.name() + " iso" : flags.opacity.name(), format.name),
+                        "glb and gltf have them");
   }
   return {};
 }

@@ -72,9 +72,9 @@ Result<void> plan_voxels(const ConvertFlags& flags, std::vector<std::string>& no
   if (flags.labels && (flags.simplify || flags.triangles || flags.edits.smooth)) {
     notes.push_back(
         fmt::format("{} changes the mesh of each label by itself: borders that they share part from each other",
-                    flags.simplify    ? "--simplify"
-                    : flags.triangles ? "--triangles"
-                                      : "--smooth"));
+                    flags.simplify    ? flags.simplify.name()
+                    : flags.triangles ? flags.triangles.name()
+                                      : flags.edits.smooth.name()));
   }
   if (flags.edits.smooth && flags.t_junctions) {
     return refuse_usage("--smooth does not go with --t-junctions: corners in the middle of edges would leave them",

@@ -189,6 +189,27 @@ def check_option_names(root):
                 yield f"{path.relative_to(root)}:{number}: `{text}`: names an option"
 
 
+# A text that is the name of an option, or its names: "--iso", "-o,--output".
+WHOLE_NAME = re.compile(r"(-[A-Za-z],)?--[A-Za-z][A-Za-z-]*")
+# What comes before the text in a declaration: the type and the name of a member, or the base of an option's own type.
+DECLARATION = re.compile(r"(?:(?:Value|Values|Flag)(?:<[^;{}]*>)?(?:\s+\w+\{|\()[^;\"]*|set_version_flag\(|kHelpNames = )$")
+WORDS_HINTS = ["cli/remedies.cpp", "cli/foreign_words.cpp", "cli/gnuplot.cpp"]  # gnuplot's are options of gnuplot
+
+
+def check_options_once(root):
+    """An option is named where it is declared (src/cli/options): elsewhere its member is asked for its name."""
+    for path in sorted((root / "src" / "cli").rglob("*.[ch]pp")):
+        if path.relative_to(root / "src").as_posix() in WORDS_HINTS:
+            continue
+        source = re.sub(r"//[^\n]*", "", path.read_text())
+        for found in re.finditer(r'"([^"\\\n]*)"', source):
+            if not WHOLE_NAME.fullmatch(found.group(1)):
+                continue
+            if not DECLARATION.search(source[max(0, found.start() - 300) : found.start()]):
+                number = source.count("\n", 0, found.start()) + 1
+                yield f"{path.relative_to(root)}:{number}: `{found.group(0)}`: an option is named a second time"
+
+
 def check_map(root):
     """src/README.md names every file of every room under its room's heading, and none that is not there."""
     page = root / "src" / "README.md"
@@ -258,8 +279,8 @@ def check_stage_names(root):
 
 
 CHECKS = [
-    check_includes, check_links, check_namespaces, check_reserved, check_reservations, check_option_names, check_map, check_length,
-    check_machine_paths, check_remedies, check_stage_names,
+    check_includes, check_links, check_namespaces, check_reserved, check_reservations, check_option_names, check_options_once, check_map,
+    check_length, check_machine_paths, check_remedies, check_stage_names,
 ]
 
 

@@ -135,6 +135,18 @@ class RulesTest(unittest.TestCase):
                 self.plant_in_room("volumes", f"int x;\nauto s = {text};\n".replace("\\n", "\n"))
                 self.expect_one("src/volumes/planted.cpp:", "names an option")
 
+    def test_options_named_a_second_time(self):
+        main = CLEAN["src/cli/main.cpp"]
+        for code in ('bool b = given("--iso");', 'Pair p{flags.cap, "--cap"};', 'auto s = is_long ? "-o,--output" : "";'):
+            with self.subTest(code=code):
+                self.plant("src/cli/main.cpp", main + code + "\n")
+                self.expect_one("src/cli/main.cpp:", "an option is named a second time")
+        for code in ('Value<int> n{*this, "--threads", "N"};', 'Flag cap{in(Group::surface), "--cap"};',
+                     'struct Nan : Value<int> { Nan(Place place) : Value(place, "--nan") {} };', 'auto s = "give --iso V";'):
+            with self.subTest(code=code):
+                self.plant("src/cli/main.cpp", main + code + "\n")
+                self.assertEqual(self.findings(), [])
+
     def test_what_looks_like_an_option_and_is_none(self):
         code = '// the words of --iso are in cli\nint i = n--a; auto s = "a--b -- c -d ----";\n/* "--iso" */\n'
         self.plant_in_room("volumes", code)
