@@ -37,7 +37,6 @@
 #include "files/file_bytes.hpp"
 #include "files/output_file.hpp"
 #include "mesh/metrics.hpp"
-#include "meshes/mesh_reader.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -124,7 +123,9 @@ class Conversion {
     outcome_.backend = extractor_->name();
     outcome_.device = extractor_->device();
     if (outcome_.backend == word_of(Backend::gpu)) {
-      events_.end({.stage = StageName::open, .subject = outcome_.device, .time = time});
+      StageReport report(StageName::open, outcome_.device);
+      report.time = time;
+      events_.end(report);
     }
     if (!backend.reason.empty()) events_.note("backend: " + backend.reason);
   }
@@ -177,10 +178,9 @@ class Conversion {
       }
       skipped.push_back(skipped_of(isos, std::span<const double>(file->isos()).subspan(before)));
     }
-    // Then each of the pieces has a file, and this one is not there.
-    const bool is_empty = file->written.surfaces.empty();
-    if (in_pieces && is_empty) return {};
-    return is_empty ? leave_out(output, skipped) : finish(*file, skipped);
+    if (!file->written.surfaces.empty()) return finish(*file, skipped);
+    // Of pieces each has a file, and this one is not there.
+    return in_pieces ? Result<void>() : leave_out(output, skipped);
   }
 
   // Makes the surface at one iso value and adds it to the file, as a whole or in pieces.
@@ -391,10 +391,10 @@ class Conversion {
     }
     file.time += watch.elapsed();
     if (extras_.mesh_facts) {
-      events_.end({.stage = StageName::mesh_facts,
-                   .subject = files::shown_output_name(file.job.path),
-                   .time = std::exchange(looking_, {}),
-                   .entries = std::move(file.facts)});
+      StageReport report(StageName::mesh_facts, files::shown_output_name(file.job.path));
+      report.time = std::exchange(looking_, {});
+      report.entries = std::move(file.facts);
+      events_.end(report);
     }
     for (const std::string& text : result.notes) events_.note(text);
     tell_skipped(file.job, skipped, true, "");
@@ -412,11 +412,11 @@ class Conversion {
       outcome_.written[located_].files = files.size();
     }
     std::ranges::move(files, std::back_inserter(outcome_.files));
-    events_.end({.stage = StageName::write,
-                 .subject = files::shown_output_name(job.path),
-                 .time = time,
-                 .did = time ? "written" : "",
-                 .output = std::move(output)});
+    StageReport report(StageName::write, files::shown_output_name(job.path));
+    report.time = time;
+    if (time) report.did = "written";
+    report.output = std::move(output);
+    events_.end(report);
   }
 
   Result<void> leave_out(const OutputFileJob& output, const std::vector<SkippedSurfaces>& skipped) {

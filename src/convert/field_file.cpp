@@ -69,8 +69,7 @@ Result<meshes::WrittenFile> write_field(const Source& source, const ConversionJo
     TRY(check_range(field, source.label, std::numeric_limits<float>::max(), "floats", {}));
   }
   const auto bytes = TRY(volumes::write_vdb(output.path, field, {field.name, as_half}, context));
-  StageReport report{
-      .stage = StageName::write, .subject = files::shown_output_name(output.path), .label = source.label};
+  StageReport report(StageName::write, files::shown_output_name(output.path), source.label);
   report.time = watch.elapsed();
   report.did = "written";
   report.output.emplace();

@@ -29,7 +29,7 @@ Figures figures_of(const measure::ErrorStatistics& error) {
     figures.insert(figures.end(), {{Key::rms, figures_of(error.rms)},
                                    {Key::percentile99, figures_of(error.percentile99)},
                                    {Key::max, figures_of(error.max)},
-                                   {Key::worst, convert::json_of(error.worst)}});
+                                   {Key::worst, Value(error.worst)}});
   }
   figures.insert(figures.end(), {{Key::not_finite, error.not_finite},
                                  {Key::outside, error.outside},
@@ -38,24 +38,24 @@ Figures figures_of(const measure::ErrorStatistics& error) {
   return figures;
 }
 
-Json angles_json(const measure::AngleStatistics& angles) {
-  if (angles.points == 0) return nullptr;
-  return json_of(Figures{
+Value angles_value(const measure::AngleStatistics& angles) {
+  if (angles.points == 0) return Value();
+  return Value(Figures{
       {Key::points, angles.points}, {Key::rms_degrees, angles.rms_degrees}, {Key::max_degrees, angles.max_degrees}});
 }
 
-Json size_json(double measured, double exact) {
-  return json_of(Figures{{Key::measured, measured}, {Key::exact, exact}, {Key::relative_error, measured / exact - 1}});
+Value size_value(double measured, double exact) {
+  return Value(Figures{{Key::measured, measured}, {Key::exact, exact}, {Key::relative_error, measured / exact - 1}});
 }
 
 Figures figures_of(const measure::AnalyticError& analytic, const std::optional<field::SurfaceSize>& exact) {
   return {{Key::closed_form, analytic.closed_form},
           {Key::interior, figures_of(analytic.interior)},
           {Key::vertices, figures_of(analytic.vertices)},
-          {Key::smooth_normals, angles_json(analytic.smooth_normals)},
-          {Key::flat_normals, angles_json(analytic.flat_normals)},
-          {Key::area, exact ? size_json(analytic.area, exact->area) : Json(nullptr)},
-          {Key::volume, exact && analytic.volume ? size_json(*analytic.volume, exact->volume) : Json(nullptr)}};
+          {Key::smooth_normals, angles_value(analytic.smooth_normals)},
+          {Key::flat_normals, angles_value(analytic.flat_normals)},
+          {Key::area, exact ? size_value(analytic.area, exact->area) : Value()},
+          {Key::volume, exact && analytic.volume ? size_value(*analytic.volume, exact->volume) : Value()}};
 }
 
 Figures figures_of(const measure::SurfaceCoverage& coverage, int parts) {
@@ -74,8 +74,8 @@ Figures figures_of(const MeshError& error) {
           {Key::vertices, figures_of(field.vertices)},
           {Key::storage, figures_of(field.storage)},
           {Key::cap_triangles, field.cap_triangles},
-          {Key::coverage, field.coverage ? json_of(figures_of(*field.coverage, field.parts)) : Json(nullptr)},
-          {Key::analytic, error.analytic ? json_of(figures_of(*error.analytic, error.exact)) : Json(nullptr)}};
+          {Key::coverage, field.coverage ? Value(figures_of(*field.coverage, field.parts)) : Value()},
+          {Key::analytic, error.analytic ? Value(figures_of(*error.analytic, error.exact)) : Value()}};
 }
 
 std::string sizes_text(const measure::ErrorStatistics& error) {

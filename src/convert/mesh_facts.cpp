@@ -23,10 +23,10 @@ Figures figures_of(const mesh::ComponentFacts& facts) {
   return {{Key::triangles, facts.triangles},
           {Key::closed, closed},
           {Key::cavity, facts.is_cavity()},
-          {Key::genus, closed ? Json(facts.topology.genus()) : Json(nullptr)},
+          {Key::genus, closed ? Value(facts.topology.genus()) : Value()},
           {Key::area, facts.area},
-          {Key::volume, closed ? Json(facts.volume) : Json(nullptr)},
-          {Key::bounds, convert::json_of(field::Box{facts.bounds.min, facts.bounds.max})}};
+          {Key::volume, closed ? Value(facts.volume) : Value()},
+          {Key::bounds, Value(field::Box{facts.bounds.min, facts.bounds.max})}};
 }
 
 // The components: the largest by area, and how many others there are.
@@ -38,8 +38,8 @@ Result<Figures> measure_table(const mesh::Mesh& mesh, const Context& context) {
   auto facts = TRY(measure_components(mesh, components, glm::dmat3(1.0), context));
   std::ranges::stable_sort(facts, std::greater<>(), &mesh::ComponentFacts::area);
   const std::size_t told = std::min(facts.size(), kMostComponentsTold);
-  Json largest = Json::array();
-  for (std::size_t i = 0; i < told; ++i) largest.push_back(json_of(figures_of(facts[i])));
+  Value::List largest;
+  for (std::size_t i = 0; i < told; ++i) largest.push_back(Value(figures_of(facts[i])));
   std::uint64_t triangles_of_others = 0;
   for (std::size_t i = told; i < facts.size(); ++i) triangles_of_others += facts[i].triangles;
   return Figures{{Key::largest, std::move(largest)},
@@ -65,26 +65,25 @@ Result<Figures> mesh_facts(const Surface& surface, const Context& context) {
   const mesh::MeshSize size = mesh::measure_size(mesh);
   const mesh::Bounds bounds = mesh::measure_bounds(mesh);
   const bool closed = topology.is_closed_oriented_manifold();
-  return Figures{
-      {Key::iso, surface.iso},
-      {Key::file, ""},
-      {Key::name, mesh.name},
-      {Key::vertices, mesh.positions.size()},
-      {Key::triangles, mesh.triangles.size()},
-      {Key::closed, closed},
-      {Key::open_edges, topology.open_edges},
-      {Key::nonmanifold_edges, topology.nonmanifold_edges},
-      {Key::misoriented_edges, topology.misoriented_edges},
-      {Key::nonmanifold_vertices, topology.nonmanifold_vertices},
-      {Key::components, topology.components},
-      {Key::genus, closed ? Json(topology.genus()) : Json(nullptr)},
-      {Key::area, size.area},
-      {Key::volume, closed ? Json(size.volume) : Json(nullptr)},
-      {Key::zero_area_triangles, size.zero_area_triangles},
-      {Key::euler, topology.euler},
-      {Key::bounds, mesh.positions.empty() ? Json(nullptr) : convert::json_of(field::Box{bounds.min, bounds.max})},
-      {Key::origin, convert::json_of(mesh.origin)},
-      {Key::component_table, components}};
+  return Figures{{Key::iso, surface.iso},
+                 {Key::file, ""},
+                 {Key::name, mesh.name},
+                 {Key::vertices, mesh.positions.size()},
+                 {Key::triangles, mesh.triangles.size()},
+                 {Key::closed, closed},
+                 {Key::open_edges, topology.open_edges},
+                 {Key::nonmanifold_edges, topology.nonmanifold_edges},
+                 {Key::misoriented_edges, topology.misoriented_edges},
+                 {Key::nonmanifold_vertices, topology.nonmanifold_vertices},
+                 {Key::components, topology.components},
+                 {Key::genus, closed ? Value(topology.genus()) : Value()},
+                 {Key::area, size.area},
+                 {Key::volume, closed ? Value(size.volume) : Value()},
+                 {Key::zero_area_triangles, size.zero_area_triangles},
+                 {Key::euler, topology.euler},
+                 {Key::bounds, mesh.positions.empty() ? Value() : Value(field::Box{bounds.min, bounds.max})},
+                 {Key::origin, Value(mesh.origin)},
+                 {Key::component_table, components}};
 }
 
 Figures facts_as_written(Figures facts, const std::string& file, const mesh::Mesh& mesh,

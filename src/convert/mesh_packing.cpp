@@ -77,21 +77,21 @@ meshes::MeshPacking mesh_packing(const PackingOptions& options, const Source& so
 
 StageReport report_of(const PackedMesh& mesh) {
   const meshes::PackedFacts& facts = mesh.facts;
-  Json positions = nullptr;
+  Value positions;
   if (facts.positions) {
     const auto length = [&](double world) { return Figures{{Key::voxels, world / mesh.voxel}, {Key::world, world}}; };
-    positions = json_of(Figures{{Key::bits, facts.positions->bits},
-                                {Key::step, length(facts.positions->step)},
-                                {Key::measured, Figures{{Key::axis, length(facts.positions->largest_axis)},
-                                                        {Key::distance, length(facts.positions->largest)}}}});
+    positions = Value(Figures{{Key::bits, facts.positions->bits},
+                              {Key::step, length(facts.positions->step)},
+                              {Key::measured, Figures{{Key::axis, length(facts.positions->largest_axis)},
+                                                      {Key::distance, length(facts.positions->largest)}}}});
   }
-  StageReport report{.stage = StageName::pack, .subject = mesh.surface, .iso = mesh.iso};
+  StageReport report(StageName::pack, mesh.surface, {}, mesh.iso);
   report.add_timed({{Key::file, mesh.file},
                     {Key::compression, word_of(mesh.asked.compression)},
                     {Key::bytes_before, facts.bytes_before},
                     {Key::bytes_after, facts.bytes_after},
                     {Key::positions, std::move(positions)},
-                    {Key::normal_degrees, optional_json(facts.largest_normal_turn)},
+                    {Key::normal_degrees, Value(facts.largest_normal_turn)},
                     {Key::flattened_triangles, facts.flattened_triangles},
                     {Key::one_by_one, facts.one_by_one}},
                    facts.time);

@@ -90,11 +90,10 @@ Result<StageReport> measure_relaxing(Surface& surface, const StageContext& stage
     if (component.volume.is_larger_than(worst)) worst = component.volume;
   }
   StageReport report = stage.report_on(StageName::relax, surface);
-  report.entries.push_back(
-      {{Key::volume, figures_of(whole)},
-       {Key::components, components.count()},
-       {Key::changed_components, changed},
-       {Key::worst_component, components.count() > 0 ? json_of(figures_of(worst)) : Json(nullptr)}});
+  report.entries.push_back({{Key::volume, figures_of(whole)},
+                            {Key::components, components.count()},
+                            {Key::changed_components, changed},
+                            {Key::worst_component, components.count() > 0 ? Value(figures_of(worst)) : Value()}});
   return report;
 }
 

@@ -238,13 +238,14 @@ Result<StageReport> simplify_surface(Surface& surface, const StageContext& stage
 
   const edit::Simplification& facts = result.facts;
   const auto& within = choice.within;
-  const Json asked = !within ? Json(nullptr)
-                             : json_of(Figures{{Key::distance, within->distance},
-                                               {Key::unit, within->in_world_units ? "world" : "voxel"}});
+  const Value asked =
+      !within
+          ? Value()
+          : Value(Figures{{Key::distance, within->distance}, {Key::unit, within->in_world_units ? "world" : "voxel"}});
   StageReport report = stage.report_on(StageName::simplify, surface);
   report.add_timed(
       {{Key::asked, asked},
-       {Key::asked_triangles, choice.triangles ? Json(triangle_count_text(*choice.triangles)) : Json(nullptr)},
+       {Key::asked_triangles, choice.triangles ? Value(triangle_count_text(*choice.triangles)) : Value()},
        {Key::measured, Figures{{Key::voxels, figures_of(result.voxels)}, {Key::world, figures_of(result.world)}}},
        {Key::triangles_before, facts.triangles_before},
        {Key::triangles_after, facts.triangles_after},

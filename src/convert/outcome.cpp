@@ -83,10 +83,10 @@ void add_input(const Outcome& outcome, Json& json) {
   if (!particles.empty()) json["particles"] = particles.front();
   const StageReport* const place = outcome.first(StageName::place);
   for (const Key key : {Key::output_from_index, Key::region}) {
-    const Json* const found = place != nullptr ? find(place->entries.front(), {key}) : nullptr;
-    json[std::string(word_of(key))] = found != nullptr ? *found : Json(nullptr);
+    const Value* const found = place != nullptr ? find(place->entries.front(), {key}) : nullptr;
+    json[std::string(word_of(key))] = found != nullptr ? found->json() : Json(nullptr);
   }
-  if (place != nullptr) json["placement"] = *find(place->entries.front(), {Key::placement});
+  if (place != nullptr) json["placement"] = find(place->entries.front(), {Key::placement})->json();
   Json isos = entries_of(outcome, StageName::statistics);
   if (!isos.empty()) json["iso_values"] = std::move(isos);
 }

@@ -46,17 +46,17 @@ StageReport report_of_reading(const std::string& input, const field::ScalarField
       {{Key::path, input},
        {Key::format, field.format},
        {Key::name, field.name},
-       {Key::file_bytes, none ? Json(nullptr) : Json(file_bytes)},
+       {Key::file_bytes, none ? Value() : Value(file_bytes)},
        {Key::sparse, dense == nullptr},
        {Key::sample_type, field::sample_type_name(field.type())},
        {Key::samples, samples},
        {Key::stored_bytes, stored * size},
-       {Key::box, convert::json_of(box)},
-       {Key::dims, Json{dims.x, dims.y, dims.z}},
+       {Key::box, Value(box)},
+       {Key::dims, Value::List{dims.x, dims.y, dims.z}},
        {Key::kind, kind_name(field.kind)},
        {Key::inside, word_of(field.kind)},
        {Key::value_scale, Figures{{Key::slope, field.scale.slope}, {Key::intercept, field.scale.intercept}}},
-       {Key::index_to_world, convert::json_of(field.index_to_world)},
+       {Key::index_to_world, Value(field.index_to_world)},
        {Key::world_space, field.world_space},
        {Key::length_unit, field.length_unit},
        {Key::creator, field.creator}});
@@ -75,12 +75,12 @@ StageReport report_of_placing(const PlacedField& placed, const field::ScalarFiel
   const Placement& placement = placed.placement.placement;
   StageReport report = report_on(StageName::place, field_label(field));
   report.entries.push_back(
-      {{Key::output_from_index, convert::json_of(placed.output_from_index)},
-       {Key::region, placed.region ? convert::json_of(*placed.region) : Json(nullptr)},
-       {Key::placement, Figures{{Key::unit, placement.unit.empty() ? Json(nullptr) : Json(placement.unit)},
-                                {Key::to_unit, placement.to_unit.empty() ? Json(nullptr) : Json(placement.to_unit)},
+      {{Key::output_from_index, Value(placed.output_from_index)},
+       {Key::region, placed.region ? Value(*placed.region) : Value()},
+       {Key::placement, Figures{{Key::unit, placement.unit.empty() ? Value() : Value(placement.unit)},
+                                {Key::to_unit, placement.to_unit.empty() ? Value() : Value(placement.to_unit)},
                                 {Key::scale, placement.scale},
-                                {Key::moved_by, convert::json_of(placed.placement.moved_by)}}},
+                                {Key::moved_by, Value(placed.placement.moved_by)}}},
        Figure::of_tables(Key::unit_of_lengths, unit_of_lengths(placement, field))});
   return report;
 }
@@ -144,9 +144,9 @@ void tell_isos(const std::optional<StageTime>& time, Events& events, const Sourc
   report.time = time;
   if (time) report.did = "iso values found";
   for (const ResolvedIso& iso : source.isos) {
-    report.entries.push_back({{Key::asked, json_of(iso.asked)},
+    report.entries.push_back({{Key::asked, iso.asked.is_number() ? Value(iso.asked.number) : Value(text_of(iso.asked))},
                               {Key::iso, iso.value},
-                              {Key::found_by, iso.asked.is_found() ? Json(iso.found_by) : Json(nullptr)}});
+                              {Key::found_by, iso.asked.is_found() ? Value(iso.found_by) : Value()}});
   }
   events.end(report);
   for (const ResolvedIso& iso : source.isos) {
@@ -233,14 +233,14 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
        {Key::method, word_of(method)},
        {Key::radius, figures.radius},
        {Key::radius_suggested, figures.radius_suggested},
-       {Key::smoothing_length, has_kernels ? Json(options.particles.smoothing_length) : Json(nullptr)},
+       {Key::smoothing_length, has_kernels ? Value(options.particles.smoothing_length) : Value()},
        {Key::spacing, figures.spacing},
        {Key::support, figures.support},
        {Key::particles, figures.particles},
        {Key::not_finite, figures.particles_dropped},
        {Key::left_out_inside, figures.particles_left_out},
        {Key::too_small, figures.particles_too_small},
-       {Key::radius_attribute, figures.radius_attribute.empty() ? Json(nullptr) : Json(figures.radius_attribute)},
+       {Key::radius_attribute, figures.radius_attribute.empty() ? Value() : Value(figures.radius_attribute)},
        {Key::bricks_stored, figures.bricks_stored},
        {Key::bricks_inside, figures.bricks_inside}},
       watch.elapsed());

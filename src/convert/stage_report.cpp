@@ -8,42 +8,83 @@
 namespace isoextract::convert {
 namespace {
 
-std::string value_text(const Json& value) {
-  if (value.is_number_float()) return fmt::format("{:.4g}", value.get<double>());
-  return value.is_string() ? value.get<std::string>() : value.dump();
+std::string value_text(const Value& value) {
+  const Json json = value.json();
+  if (json.is_number_float()) return fmt::format("{:.4g}", json.get<double>());
+  return json.is_string() ? json.get<std::string>() : json.dump();
 }
 
 std::string figure_text(const Figure& figure) {
   std::string name(word_of(figure.key));
   std::ranges::replace(name, '_', ' ');
-  if (figure.value.is_number_integer()) return fmt::format("{} {}", value_text(figure.value), name);
-  if (!figure.value.is_object()) return fmt::format("{} {}", name, value_text(figure.value));
-  std::vector<std::string> parts;
-  for (const auto& [part, value] : figure.value.items()) parts.push_back(fmt::format("{} {}", value_text(value), part));
-  return fmt::format("{} {}", name, fmt::join(parts, ", "));
+  if (figure.value.is_integer()) return fmt::format("{} {}", value_text(figure.value), name);
+  const Figures* const parts = figure.value.parts();
+  if (parts == nullptr) return fmt::format("{} {}", name, value_text(figure.value));
+  std::vector<std::string> texts;
+  for (const Figure& part : *parts) {
+    texts.push_back(fmt::format("{} {}", value_text(part.value), word_of(part.key)));
+  }
+  return fmt::format("{} {}", name, fmt::join(texts, ", "));
 }
 
 }  // namespace
 
+Value::Value(const field::Box& box) : Value(Figures{{Key::min, box.min}, {Key::max, box.max}}) {}
+
+Value::Value(const field::IndexBox& box) {
+  if (box.empty()) return;
+  const auto corner = [](const auto& v) { return List{v.x, v.y, v.z}; };
+  *this = Value(Figures{{Key::min, corner(box.min)}, {Key::max, corner(box.max)}});
+}
+
+Value::Value(const field::Affine& map) {
+  const glm::dmat3& m = map.linear;
+  kind_ = Kind::list;
+  for (int row = 0; row < 3; ++row) list_.emplace_back(List{m[0][row], m[1][row], m[2][row], map.offset[row]});
+}
+
+Value::Value(const StageTime& time)
+    : Value(Figures{{Key::wall_seconds, time.wall_seconds}, {Key::cpu_seconds, time.cpu_seconds}}) {}
+
+Json Value::json() const {
+  switch (kind_) {
+    case Kind::none: break;
+    case Kind::yes_or_no: return integer_ != 0;
+    case Kind::integer: return integer_;
+    case Kind::number: return number_;
+    case Kind::text: return text_;
+    case Kind::list: {
+      Json list = Json::array();
+      for (const Value& value : list_) list.push_back(value.json());
+      return list;
+    }
+    case Kind::parts: return json_of(parts_);
+  }
+  return nullptr;
+}
+
 Json json_of(const Figures& figures) {
   Json json = Json::object();
   for (const Figure& figure : figures) {
-    if (figure.is_told) json[std::string(word_of(figure.key))] = figure.value;
+    if (figure.is_told) json[std::string(word_of(figure.key))] = figure.value.json();
   }
   return json;
 }
 
-const Json* find(const Figures& figures, std::initializer_list<Key> path) {
-  const auto first = std::ranges::find(figures, *path.begin(), &Figure::key);
-  const Json* found = first != figures.end() ? &first->value : nullptr;
-  for (const Key* key = path.begin() + 1; found != nullptr && key != path.end(); ++key) {
-    const auto part = found->find(std::string(word_of(*key)));
-    found = part != found->end() ? &*part : nullptr;
+const Value* find(const Figures& figures, std::initializer_list<Key> path) {
+  const Figures* parts = &figures;
+  const Value* found = nullptr;
+  for (const Key key : path) {
+    if (parts == nullptr) return nullptr;
+    const auto figure = std::ranges::find(*parts, key, &Figure::key);
+    if (figure == parts->end() || figure->value.is_none()) return nullptr;
+    found = &figure->value;
+    parts = found->parts();
   }
-  return found != nullptr && !found->is_null() ? found : nullptr;
+  return found;
 }
 
-void set(Figures& figures, Key key, Json value) {
+void set(Figures& figures, Key key, Value value) {
   const auto found = std::ranges::find(figures, key, &Figure::key);
   if (found != figures.end()) found->value = std::move(value);
 }
@@ -57,14 +98,12 @@ std::string text_of(const Figures& figures) {
 }
 
 void StageReport::add_timed(Figures figures, const StageTime& taken) {
-  figures.emplace_back(Key::time, json_of(taken));
+  figures.emplace_back(Key::time, taken);
   entries.push_back(std::move(figures));
   time = taken;
 }
 
-StageReport report_on(StageName stage, const std::string& label) {
-  return {.stage = stage, .subject = label, .label = label};
-}
+StageReport report_on(StageName stage, const std::string& label) { return StageReport(stage, label, label); }
 
 StageReport report_on_field(StageName stage, const std::string& label, WorkFact fact, const StageTime& time) {
   StageReport report = report_on(stage, label);
@@ -79,6 +118,10 @@ Json entry_of(const StageReport& report, const Figures& figures) {
   Json json = Json::object();
   if (report.iso) json[std::string(word_of(Key::iso))] = *report.iso;
   json.update(json_of(figures));
+  if (report.stage == StageName::extract) {
+    Json& work = json[std::string(word_of(Key::work))] = Json::array();
+    for (const WorkFact& fact : report.work) work.push_back(json_of(fact));
+  }
   if (!report.grid.empty()) json[std::string(word_of(Key::grid))] = report.grid;
   return json;
 }

@@ -3,13 +3,18 @@
 #pragma once
 
 #include <array>
+#include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
+
+#include <glm/glm.hpp>
 
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
@@ -27,13 +32,13 @@ namespace isoextract::convert {
   NAME(backends) NAME(before) NAME(bits) NAME(bodies) NAME(border_vertices) NAME(bounds) NAME(box) \
   NAME(bricks_inside) NAME(bricks_stored) NAME(bytes_after) NAME(bytes_before) NAME(cap_triangles) \
   NAME(cap_vertices) NAME(cavity) NAME(changed) NAME(changed_components) NAME(closed) NAME(closed_form) \
-  NAME(component_table) NAME(components) NAME(compression) NAME(corrected) NAME(coverage) NAME(creator) \
+  NAME(component_table) NAME(components) NAME(compression) NAME(corrected) NAME(coverage) NAME(cpu_seconds) NAME(creator) \
   NAME(degrees) NAME(degrees_allowed) NAME(differences) NAME(dims) NAME(distance) NAME(distances) NAME(error) \
   NAME(euler) NAME(exact) NAME(file) NAME(file_bytes) NAME(flat_normals) NAME(flattened_triangles) NAME(format) \
   NAME(found_by) NAME(genus) NAME(greatest_move) NAME(grid) NAME(index_to_world) NAME(inside) NAME(intercept) \
   NAME(interior) NAME(interpolant) NAME(iso) NAME(kind) NAME(largest) NAME(left_bodies) NAME(left_out_inside) \
   NAME(length_unit) NAME(lost_components) NAME(lower) NAME(map) NAME(max) NAME(max_at_most) NAME(max_degrees) \
-  NAME(measured) NAME(method) NAME(misoriented_edges) NAME(moved_by) NAME(name) NAME(nonmanifold_edges) \
+  NAME(measured) NAME(method) NAME(min) NAME(misoriented_edges) NAME(moved_by) NAME(name) NAME(nonmanifold_edges) \
   NAME(nonmanifold_vertices) NAME(normal_degrees) NAME(not_applicable) NAME(not_finite) NAME(not_numbers) \
   NAME(one_by_one) NAME(open_edges) NAME(origin) NAME(others) NAME(out_of_reach) NAME(output_from_index) \
   NAME(outside) NAME(own_range) NAME(particles) NAME(parts) NAME(pass_band) NAME(passed) NAME(passes) NAME(path) \
@@ -44,7 +49,7 @@ namespace isoextract::convert {
   NAME(time_step) NAME(to_unit) NAME(too_small) NAME(triangles) NAME(triangles_after) NAME(triangles_before) \
   NAME(triangles_only) NAME(turned_inside_out) NAME(ulps) NAME(ulps_allowed) NAME(unit) NAME(unit_of_lengths) \
   NAME(unreached) NAME(upper) NAME(value_scale) NAME(vertices) NAME(vertices_only) NAME(volume) NAME(voxels) \
-  NAME(without_volume) NAME(work) NAME(world) NAME(world_space) NAME(worst) NAME(worst_component) \
+  NAME(wall_seconds) NAME(without_volume) NAME(work) NAME(world) NAME(world_space) NAME(worst) NAME(worst_component) \
   NAME(zero_area_triangles)
 // clang-format on
 #define ISOEXTRACT_NAME(name) name,
@@ -57,34 +62,85 @@ constexpr auto words_of(Key /*type*/) { return std::array{ISOEXTRACT_FIGURES(ISO
 
 struct Figure;
 using Figures = std::vector<Figure>;
-[[nodiscard]] Json json_of(const Figures& figures);
 
-// A number, a word, yes or no, a list of these, or figures by name.
+// A number, a word, yes or no, nothing, a list of these, or figures by name. Made while memory may run out, and so not
+// of JSON, whose destructor takes some.
+class Value {
+ public:
+  using List = std::vector<Value>;
+
+  // Implicit, so that figures read as they are meant.
+  // NOLINTBEGIN(google-explicit-constructor)
+  Value() = default;
+  Value(bool yes) : kind_(Kind::yes_or_no), integer_(yes ? 1 : 0) {}
+  template <std::integral T>
+  Value(T number) : kind_(Kind::integer), integer_(static_cast<std::int64_t>(number)) {}
+  Value(double number) : kind_(Kind::number), number_(number) {}
+  Value(std::string text) : kind_(Kind::text), text_(std::move(text)) {}
+  Value(std::string_view text) : kind_(Kind::text), text_(text) {}
+  Value(const char* text) : kind_(Kind::text), text_(text) {}
+  Value(List list) : kind_(Kind::list), list_(std::move(list)) {}
+  Value(Figures parts) : kind_(Kind::parts), parts_(std::move(parts)) {}
+  Value(const glm::dvec3& v) : kind_(Kind::list), list_{v.x, v.y, v.z} {}
+  Value(const field::Box& box);
+  Value(const field::IndexBox& box);  // nothing if it is empty
+  Value(const field::Affine& map);    // three rows of four numbers: the matrix, then the offset
+  Value(const StageTime& time);
+  template <class T>
+  Value(const std::optional<T>& value) {
+    if (value) *this = Value(*value);
+  }
+  template <class T, std::size_t N>
+  Value(const std::array<T, N>& all) : kind_(Kind::list), list_(all.begin(), all.end()) {}
+  // NOLINTEND(google-explicit-constructor)
+
+  [[nodiscard]] bool is_none() const { return kind_ == Kind::none; }
+  [[nodiscard]] bool is_integer() const { return kind_ == Kind::integer; }
+  [[nodiscard]] const Figures* parts() const { return kind_ == Kind::parts ? &parts_ : nullptr; }
+  template <class T>
+  [[nodiscard]] T as() const {
+    if constexpr (std::is_same_v<T, std::string>) return text_;
+    if constexpr (std::is_arithmetic_v<T>)
+      return kind_ == Kind::number ? static_cast<T>(number_) : static_cast<T>(integer_);
+  }
+  [[nodiscard]] Json json() const;
+
+ private:
+  enum class Kind { none, yes_or_no, integer, number, text, list, parts };
+
+  Kind kind_ = Kind::none;
+  std::int64_t integer_ = 0;
+  double number_ = 0;
+  std::string text_;
+  List list_;
+  Figures parts_;
+};
+
 struct Figure {
-  Figure(Key name, Json number) : key(name), value(std::move(number)) {}
-  Figure(Key name, const Figures& parts) : key(name), value(json_of(parts)) {}
+  Figure(Key name, Value figure) : key(name), value(std::move(figure)) {}
   // For tables alone: documents do not have it.
-  [[nodiscard]] static Figure of_tables(Key name, Json number) {
-    Figure figure(name, std::move(number));
-    figure.is_told = false;
-    return figure;
+  [[nodiscard]] static Figure of_tables(Key name, Value figure) {
+    Figure made(name, std::move(figure));
+    made.is_told = false;
+    return made;
   }
 
   Key key;
-  Json value;
+  Value value;
   bool is_told = true;
 };
+[[nodiscard]] Json json_of(const Figures& figures);
 
-// The figure behind a path of names; null where there is none, or where it is null in documents.
-[[nodiscard]] const Json* find(const Figures& figures, std::initializer_list<Key> path);
+// The figure behind a path of names; null where there is none, or nothing in it.
+[[nodiscard]] const Value* find(const Figures& figures, std::initializer_list<Key> path);
 template <class T>
 [[nodiscard]] std::optional<T> value_at(const Figures& figures, std::initializer_list<Key> path) {
-  const Json* const found = find(figures, path);
-  return found != nullptr ? std::optional<T>(found->get<T>()) : std::nullopt;
+  const Value* const found = find(figures, path);
+  return found != nullptr ? std::optional<T>(found->as<T>()) : std::nullopt;
 }
 
 // Changes the figure of that name.
-void set(Figures& figures, Key key, Json value);
+void set(Figures& figures, Key key, Value value);
 
 // "24 triangles, greatest move 0.5 voxels, method taubin": the line of a stage that has no sentences of its own.
 [[nodiscard]] std::string text_of(const Figures& figures);
@@ -114,6 +170,12 @@ struct WrittenOutput {
 };
 
 struct StageReport {
+  StageReport() = default;
+  // No aggregate: where a member of one throws, GCC forgets those before it.
+  explicit StageReport(StageName name, std::string about = {}, std::string field = {},
+                       std::optional<double> surface = {})
+      : stage(name), subject(std::move(about)), label(std::move(field)), iso(surface) {}
+
   StageName stage = StageName::open;
   std::string subject = {};        // "fire.vdb", "fire.vdb iso 0.5", or a file
   std::string label = {};          // of the field; empty where the report is about a file

@@ -15,7 +15,7 @@ std::string StageContext::subject(const Surface& surface) const {
 }
 
 StageReport StageContext::report_on(StageName stage, const Surface& surface) const {
-  return {.stage = stage, .subject = subject(surface), .label = source.label, .iso = surface.iso};
+  return StageReport(stage, subject(surface), source.label, surface.iso);
 }
 
 extract::ExtractOptions extract_options_of(const ConversionJob& job, const Source& source, double iso) {

@@ -13,23 +13,23 @@ namespace {
 // What both kinds of verification count; each pair is of the first and of the second mesh.
 Figures counts(const measure::TriangleDifference& triangles, const std::array<std::uint64_t, 2>& vertices,
                const std::array<std::uint64_t, 2>& vertices_only, const std::vector<std::string>& differences) {
-  return {{Key::passed, differences.empty()},      {Key::differences, Json(differences)},
-          {Key::triangles, Json(triangles.total)}, {Key::triangles_only, Json(triangles.only)},
-          {Key::vertices, Json(vertices)},         {Key::vertices_only, Json(vertices_only)}};
+  return {{Key::passed, differences.empty()}, {Key::differences, Value::List(differences.begin(), differences.end())},
+          {Key::triangles, triangles.total},  {Key::triangles_only, triangles.only},
+          {Key::vertices, vertices},          {Key::vertices_only, vertices_only}};
 }
 
 Figures figures_of(const VerificationRecord& record) {
   const measure::ExtractionComparison& found = record.comparison;
-  Figures figures{{Key::backends, Json(record.backends)}};
+  Figures figures{{Key::backends, record.backends}};
   if (!record.not_applicable.empty()) {
-    figures.insert(figures.end(), {{Key::passed, Json(nullptr)}, {Key::not_applicable, record.not_applicable}});
+    figures.insert(figures.end(), {{Key::passed, Value()}, {Key::not_applicable, record.not_applicable}});
     return figures;
   }
   const Figures counted = counts(found.triangles, found.vertices, found.vertices_only, record.differences);
   figures.insert(figures.end(), counted.begin(), counted.end());
   figures.insert(figures.end(), {{Key::ulps, found.ulps},
                                  {Key::ulps_allowed, measure::kStabilityUlps},
-                                 {Key::degrees, found.normals_compared ? Json(found.degrees) : Json(nullptr)},
+                                 {Key::degrees, found.normals_compared ? Value(found.degrees) : Value()},
                                  {Key::degrees_allowed, measure::kNormalDegrees}});
   return figures;
 }
@@ -51,10 +51,7 @@ std::string line_of(const VerificationRecord& record) {
 }  // namespace
 
 StageReport report_of(const VerificationRecord& record, const std::string& label) {
-  StageReport report{.stage = StageName::verify,
-                     .subject = fmt::format("{} iso {}", label, record.iso),
-                     .label = label,
-                     .iso = record.iso};
+  StageReport report(StageName::verify, fmt::format("{} iso {}", label, record.iso), label, record.iso);
   report.add_timed(figures_of(record), record.time);
   if (record.not_applicable.empty()) report.did = "verified";
   report.lines.push_back({line_of(record)});

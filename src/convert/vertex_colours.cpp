@@ -134,7 +134,7 @@ Result<StageReport> color_by_attribute(Surface& surface, const StageContext& sta
   StageReport report = stage.report_on(StageName::color, surface);
   report.entries.push_back({{Key::attribute, attribute},
                             {Key::map, word_of(job.colour->map)},
-                            {Key::range, Json(made.range)},
+                            {Key::range, Value(made.range)},
                             {Key::own_range, own_range},
                             {Key::not_numbers, made.not_numbers}});
   report.lines.push_back({fmt::format("colours of {}: {}, {} from {:.6g} to {:.6g}{}", stage.at(surface),

@@ -165,12 +165,9 @@ StageReport extraction_report(const extract::ExtractStats& stats, const extract:
                               const Surface& surface, const StageContext& stage, const StageTime& time) {
   StageReport report = stage.report_on(StageName::extract, surface);
   report.work = extraction_facts(stats, options, stage.job);
-  Json work = Json::array();
-  for (const WorkFact& fact : report.work) work.push_back(json_of(fact));
   Figures figures;
-  if (!surface.asked.is_number()) figures.emplace_back(Key::asked, json_of(surface.asked));
+  if (!surface.asked.is_number()) figures.emplace_back(Key::asked, text_of(surface.asked));
   figures.emplace_back(Key::triangles, surface.mesh.triangles.size());
-  figures.emplace_back(Key::work, std::move(work));
   report.entries.push_back(std::move(figures));
   report.time = time;
   report.did = "extracted";

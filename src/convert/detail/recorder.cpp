@@ -19,7 +19,8 @@ void Recorder::note(const std::string& text) {
 void Recorder::end(const StageReport& report) {
   StageReport told = report;
   if (again_) {
-    told = {.stage = report.stage, .subject = report.subject, .label = report.label, .time = report.time};
+    told = StageReport(report.stage, report.subject, report.label);
+    told.time = report.time;
     if (report.stage == StageName::read || report.stage == StageName::read_attributes) told.did = report.did;
   } else if (report.iso && !report.label.empty()) {
     told.grid = grid_;

@@ -28,7 +28,7 @@ class Log final : public Events {
  public:
   void note(const std::string& text) override { lines.push_back("note " + text); }
   void end(const StageReport& report) override {
-    const auto of_figures = [&](Key key) { return find(report.entries.at(0), {key})->dump(); };
+    const auto of_figures = [&](Key key) { return find(report.entries.at(0), {key})->json().dump(); };
     if (report.stage == StageName::read) {
       lines.push_back("read " + of_figures(Key::path));
       if (cancel_at_read != nullptr) cancel_at_read->cancel();

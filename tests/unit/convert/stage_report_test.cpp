@@ -9,7 +9,7 @@ const Figures kFigures{{Key::method, "taubin"},
                        {Key::vertices, 24},
                        {Key::greatest_move, Figures{{Key::voxels, 0.5}, {Key::world, 2.0}}},
                        Figure::of_tables(Key::time_step, "7"),
-                       {Key::genus, Json(nullptr)}};
+                       {Key::genus, Value()}};
 
 TEST(StageReport, FindsFiguresByTheirNames) {
   EXPECT_EQ(value_at<std::string>(kFigures, {Key::method}), "taubin");
