@@ -29,6 +29,8 @@ std::string figure_text(const Figure& figure) {
 
 }  // namespace
 
+Value::Value(Figures parts) : kind_(Kind::parts), parts_(std::make_shared<const Figures>(std::move(parts))) {}
+
 Value::Value(const field::Box& box) : Value(Figures{{Key::min, box.min}, {Key::max, box.max}}) {}
 
 Value::Value(const field::IndexBox& box) {
@@ -58,7 +60,7 @@ Json Value::json() const {
       for (const Value& value : list_) list.push_back(value.json());
       return list;
     }
-    case Kind::parts: return json_of(parts_);
+    case Kind::parts: return json_of(*parts_);
   }
   return nullptr;
 }

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -80,7 +81,7 @@ class Value {
   Value(std::string_view text) : kind_(Kind::text), text_(text) {}
   Value(const char* text) : kind_(Kind::text), text_(text) {}
   Value(List list) : kind_(Kind::list), list_(std::move(list)) {}
-  Value(Figures parts) : kind_(Kind::parts), parts_(std::move(parts)) {}
+  Value(Figures parts);
   Value(const glm::dvec3& v) : kind_(Kind::list), list_{v.x, v.y, v.z} {}
   Value(const field::Box& box);
   Value(const field::IndexBox& box);  // nothing if it is empty
@@ -96,7 +97,7 @@ class Value {
 
   [[nodiscard]] bool is_none() const { return kind_ == Kind::none; }
   [[nodiscard]] bool is_integer() const { return kind_ == Kind::integer; }
-  [[nodiscard]] const Figures* parts() const { return kind_ == Kind::parts ? &parts_ : nullptr; }
+  [[nodiscard]] const Figures* parts() const { return parts_.get(); }
   template <class T>
   [[nodiscard]] T as() const {
     if constexpr (std::is_same_v<T, std::string>) return text_;
@@ -113,7 +114,7 @@ class Value {
   double number_ = 0;
   std::string text_;
   List list_;
-  Figures parts_;
+  std::shared_ptr<const Figures> parts_;  // shared by copies; behind a pointer, as Figure is not complete yet
 };
 
 struct Figure {
