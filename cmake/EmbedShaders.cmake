@@ -1,6 +1,6 @@
 # cmake -DOUTPUT=file.cpp -DFOLDER=shaders -DNAMES=a.glsl,b.vert -P EmbedShaders.cmake: the shaders' text as C++.
 string(REPLACE "," ";" names "${NAMES}")
-set(text "// Generated from the folder shaders.\n#include \"gl/shader_text.hpp\"\n\n#include <array>\n#include <utility>\n\n")
+set(text "// Generated from the folder shaders.\n#include \"gl/detail/shader_text.hpp\"\n\n#include <array>\n#include <utility>\n\n")
 string(APPEND text "namespace isoextract::gl {\nnamespace {\n\n")
 string(APPEND text "constexpr std::pair<std::string_view, std::string_view> kShaders[] = {\n")
 foreach(name IN LISTS names)

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "gl/shader_text.hpp"
+#include "gl/detail/shader_text.hpp"
 
 namespace isoextract::gl {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "field/samples.hpp"
 #include "points/cell_grid.hpp"
-#include "points/cubic_spline.hpp"
+#include "points/detail/cubic_spline.hpp"
 #include "points/detail/nearest_tree.hpp"
 #include "points/detail/spot_density.hpp"
 #include "points/particle_statistics.hpp"

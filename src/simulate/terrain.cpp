@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include "simulate/perlin_noise.hpp"
+#include "simulate/detail/perlin_noise.hpp"
 
 namespace isoextract::simulate {
 namespace {

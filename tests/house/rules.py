@@ -30,6 +30,9 @@ MAY_INCLUDE = {
 
 LINE_LIMIT = 500
 
+# Rooms at the top, which nobody includes.
+OPEN_ROOMS = ("cli/",)
+
 # What only some places may use: pattern, the rooms or files that may, what to do instead.
 RESERVED = [
     (r"#\s*include\s*[<\"](GL|GLES\d?|EGL|epoxy)/", ["gl", "gpu", "render"], "GL and EGL belong to gl, gpu and render"),
@@ -211,19 +214,38 @@ def check_options_once(root):
 
 
 def check_map(root):
-    """src/README.md names every file of every room under its room's heading, and none that is not there."""
+    """src/README.md has a heading for every room, and the headers that it names as doors of a room are there."""
     page = root / "src" / "README.md"
-    sections = re.split(r"^## (\w+)", page.read_text() if page.exists() else "", flags=re.MULTILINE)
-    named = {
-        (room, name) for room, text in zip(sections[1::2], sections[2::2]) for name in re.findall(r"^\| `([\w/]+)`", text, re.M)
-    }
-    there = {
-        (room, path.relative_to(root / "src" / room).with_suffix("").as_posix()) for room, path, _ in room_sources(root)
-    }
-    for room, name in sorted(there - named):
-        yield f"src/README.md: no line for {room}/{name}"
-    for room, name in sorted(named - there):
-        yield f"src/README.md: names {room}/{name}, which is not there"
+    sections = re.split(r"^### (\w+)", page.read_text() if page.exists() else "", flags=re.MULTILINE)
+    named = dict(zip(sections[1::2], sections[2::2]))
+    rooms = {room for room, _, _ in room_sources(root)}
+    for room in sorted(rooms - set(named)):
+        yield f"src/README.md: no heading for {room}"
+    for room in sorted(set(named) - rooms):
+        yield f"src/README.md: names the room {room}, which is not there"
+    for room in sorted(rooms & set(named)):
+        for header in re.findall(r"`(\w+\.hpp)`", re.split(r"^## ", named[room], flags=re.MULTILINE)[0]):
+            if not (root / "src" / room / header).exists():
+                yield f"src/README.md: names {room}/{header}, which is not there"
+
+
+def check_doors(root):
+    """A header at the top of a room is one that other rooms use, themselves or by another that they use."""
+    included_by = {}
+    for place in ("src", "plugins", "samples"):
+        for path in (root / place).rglob("*.[ch]pp") if (root / place).exists() else []:
+            inside = path.relative_to(root / "src").as_posix() if place == "src" else place
+            for header in re.findall(r'^\s*#\s*include\s*"([\w/]+\.hpp)"', path.read_text(), re.MULTILINE):
+                included_by.setdefault(header, set()).add(inside)
+    headers = {path.relative_to(root / "src").as_posix() for path in (root / "src").glob("*/*.hpp")}
+    headers = {header for header in headers if not header.startswith(OPEN_ROOMS)}
+    used = {h for h in headers if any(user.split("/")[0] != h.split("/")[0] for user in included_by.get(h, ()))}
+    found = True
+    while found:
+        found = {h for h in headers - used if included_by.get(h, set()) & used}
+        used |= found
+    for header in sorted(headers - used):
+        yield f"src/{header}: no other room uses it: it belongs into {header.split('/')[0]}/detail"
 
 
 def check_length(root):
@@ -279,8 +301,8 @@ def check_stage_names(root):
 
 
 CHECKS = [
-    check_includes, check_links, check_namespaces, check_reserved, check_reservations, check_option_names, check_options_once, check_map,
-    check_length, check_machine_paths, check_remedies, check_stage_names,
+    check_includes, check_links, check_namespaces, check_reserved, check_reservations, check_option_names, check_options_once,
+    check_map, check_doors, check_length, check_machine_paths, check_remedies, check_stage_names,
 ]
 
 

@@ -20,7 +20,7 @@ CLEAN = {
     "src/cli/CMakeLists.txt": "isoextract_room(cli SOURCES c.cpp ROOMS base volumes)\n",
     "src/cli/main.cpp": "#include <cstdio>\nint main(int, char** argv) { std::puts(argv[0]); std::exit(0); }\n",
 }
-CLEAN["src/README.md"] = "## base: x\n| `error` | x |\n## volumes: x\n| `reader` | x |\n## cli: x\n| `main` | x |\n"
+CLEAN["src/README.md"] = "## The rooms\n### base: x\n`error.hpp`\n### volumes: x\n### cli: x\n## The ways\n`no.hpp`\n"
 SLASH = "/"
 
 
@@ -37,9 +37,9 @@ class RulesTest(unittest.TestCase):
         path.write_text(text)
 
     def plant_in_room(self, room, text):
-        """A file that the map of the rooms knows."""
+        """A file of a room that the map knows."""
         self.plant(f"src/{room}/planted.cpp", text)
-        self.plant("src/README.md", CLEAN["src/README.md"] + f"## {room}: x\n| `planted` | x |\n")
+        self.plant("src/README.md", CLEAN["src/README.md"] + f"### {room}: x\n")
 
     def findings(self):
         return [finding for check in rules.CHECKS for finding in check(self.root)]
@@ -154,12 +154,29 @@ class RulesTest(unittest.TestCase):
         self.assertEqual(self.findings(), [])
 
     def test_map_of_the_rooms(self):
-        self.plant("src/volumes/new.cpp", "int x;\n")
-        self.expect_one("no line for volumes/new")
-        (self.root / "src/volumes/new.cpp").rename(self.root / "src/volumes/reader.hpp")
+        page = CLEAN["src/README.md"]
+        self.plant("src/README.md", page.replace("### volumes: x\n", ""))
+        self.expect_one("no heading for volumes")
+        self.plant("src/README.md", page + "### points: x\n")
+        self.expect_one("names the room points")
+        self.plant("src/README.md", page.replace("### cli: x\n", "### cli: x\n`plan.hpp`\n"))
+        self.expect_one("names cli/plan.hpp")
+
+    def test_headers_that_no_other_room_uses(self):
+        self.plant("src/volumes/open.hpp", '#include "volumes/part.hpp"\n')
+        self.plant("src/volumes/part.hpp", "int x;\n")
+        self.plant("src/cli/main.cpp", '#include "volumes/open.hpp"\n')
         self.assertEqual(self.findings(), [])
-        (self.root / "src/base/error.hpp").unlink()
-        self.expect_one("names base/error")
+        self.plant("src/cli/main.cpp", "")
+        self.plant("src/volumes/reader.cpp", '#include "volumes/open.hpp"\n')
+        findings = self.findings()
+        self.assertEqual(len(findings), 2, findings)
+        self.assertIn("src/volumes/open.hpp", findings[0])
+        self.assertIn("src/volumes/part.hpp", findings[1])
+        (self.root / "src/volumes/detail").mkdir()
+        for name in ("open", "part"):
+            (self.root / f"src/volumes/{name}.hpp").rename(self.root / f"src/volumes/detail/{name}.hpp")
+        self.assertEqual(self.findings(), [])
 
     def test_length(self):
         self.plant("tests/long_test.cpp", "int x;\n" * rules.LINE_LIMIT)
@@ -176,8 +193,6 @@ class RulesTest(unittest.TestCase):
         self.plant("src/base/error.hpp", error)
         self.plant_in_room("volumes", "f(Remedy::one); g(Remedy::two);\n")
         words = "switch (r) {\n  case Remedy::none: break;\n  case Remedy::one: return x;\n  case Remedy::two: return y;\n}\n"
-        readme = (self.root / "src/README.md").read_text() + "## cli: x\n| `remedies` | x |\n"
-        self.plant("src/README.md", readme)
         self.plant("src/cli/remedies.cpp", words)
         self.assertEqual(self.findings(), [])
         self.plant("src/volumes/planted.cpp", "f(Remedy::one);  // Remedy::two\n")

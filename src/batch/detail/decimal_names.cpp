@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "base/ascii.hpp"
+#include "batch/detail/natural_order.hpp"
 #include "batch/detail/sequences.hpp"
 #include "batch/frame_pattern.hpp"
-#include "batch/natural_order.hpp"
 
 namespace isoextract::batch {
 namespace {

@@ -1,4 +1,4 @@
-#include "batch/natural_order.hpp"
+#include "batch/detail/natural_order.hpp"
 
 #include <algorithm>
 #include <string>

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "points/cubic_spline.hpp"
+#include "points/detail/cubic_spline.hpp"
 #include "unit/points/particles.hpp"
 
 namespace isoextract::points {

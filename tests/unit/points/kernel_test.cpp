@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
-#include "points/cubic_spline.hpp"
+#include "points/detail/cubic_spline.hpp"
 #include "points/detail/spline_sums.hpp"
 #include "points/detail/symmetric_eigen.hpp"
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "simulate/perlin_noise.hpp"
+#include "simulate/detail/perlin_noise.hpp"
 
 namespace isoextract::simulate {
 namespace {

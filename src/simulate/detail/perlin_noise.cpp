@@ -1,4 +1,4 @@
-#include "simulate/perlin_noise.hpp"
+#include "simulate/detail/perlin_noise.hpp"
 
 #include <cassert>
 #include <cmath>
