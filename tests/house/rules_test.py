@@ -168,7 +168,7 @@ class RulesTest(unittest.TestCase):
         self.plant("src/cli/main.cpp", '#include "volumes/open.hpp"\n')
         self.assertEqual(self.findings(), [])
         self.plant("src/cli/main.cpp", "")
-        self.plant("src/volumes/reader.cpp", '#include "volumes/open.hpp"\n')
+        self.plant("src/volumes/reader.cpp", '#include "volumes/open.hpp"\n#include "base/error.hpp"\n')
         findings = self.findings()
         self.assertEqual(len(findings), 2, findings)
         self.assertIn("src/volumes/open.hpp", findings[0])
