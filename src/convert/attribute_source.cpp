@@ -12,7 +12,7 @@
 #include "base/printable.hpp"
 #include "base/reserved_buffer.hpp"
 #include "base/stopwatch.hpp"
-#include "convert/surface_stages.hpp"
+#include "convert/stages/surface_stages.hpp"
 #include "field/point_samples.hpp"
 #include "mesh/attribute_map.hpp"
 #include "points/attribute_sampling.hpp"

@@ -14,8 +14,8 @@
 
 #include "base/buffer.hpp"
 #include "base/stopwatch.hpp"
-#include "convert/mesh_facts.hpp"
-#include "convert/surface_stages.hpp"
+#include "convert/stages/mesh_facts.hpp"
+#include "convert/stages/surface_stages.hpp"
 #include "mesh/metrics.hpp"
 #include "mesh/shading_normals.hpp"
 

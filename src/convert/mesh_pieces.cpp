@@ -8,7 +8,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include "convert/surface_stages.hpp"
+#include "convert/stages/surface_stages.hpp"
 #include "mesh/half_space.hpp"
 #include "mesh/metrics.hpp"
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "base/version.hpp"
-#include "convert/mesh_simplify.hpp"
+#include "convert/stages/mesh_simplify.hpp"
 
 namespace isoextract::convert {
 namespace {

@@ -10,11 +10,11 @@
 #include <fmt/ranges.h>
 
 #include "base/printable.hpp"
-#include "convert/field_blur.hpp"
 #include "convert/field_label.hpp"
-#include "convert/level_set_filter.hpp"
-#include "convert/mesh_clip.hpp"
 #include "convert/particle_field.hpp"
+#include "convert/stages/field_blur.hpp"
+#include "convert/stages/level_set_filter.hpp"
+#include "convert/stages/mesh_clip.hpp"
 #include "field/distinct.hpp"
 #include "field/resample.hpp"
 #include "files/file_bytes.hpp"

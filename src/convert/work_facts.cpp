@@ -4,7 +4,7 @@
 
 #include "base/byte_size.hpp"
 #include "base/printable.hpp"
-#include "convert/surface_stages.hpp"
+#include "convert/stages/surface_stages.hpp"
 
 namespace isoextract::convert {
 namespace {

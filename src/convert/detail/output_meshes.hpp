@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "convert/mesh_facts.hpp"
 #include "convert/mesh_packing.hpp"
-#include "convert/surface_stages.hpp"
+#include "convert/stages/mesh_facts.hpp"
+#include "convert/stages/surface_stages.hpp"
 #include "meshes/mesh_writer.hpp"
 
 namespace isoextract::convert {

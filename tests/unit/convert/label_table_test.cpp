@@ -3,7 +3,7 @@
 
 #include <fstream>
 
-#include "convert/label_looks.hpp"
+#include "convert/detail/label_looks.hpp"
 #include "support/temp_folder.hpp"
 
 namespace isoextract::convert {

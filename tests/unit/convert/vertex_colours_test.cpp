@@ -1,4 +1,4 @@
-#include "convert/vertex_colours.hpp"
+#include "convert/stages/vertex_colours.hpp"
 
 #include <cmath>
 #include <cstring>

@@ -1,4 +1,4 @@
-#include "convert/field_blur.hpp"
+#include "convert/stages/field_blur.hpp"
 
 #include <utility>
 

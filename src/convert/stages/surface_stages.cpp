@@ -1,4 +1,4 @@
-#include "convert/surface_stages.hpp"
+#include "convert/stages/surface_stages.hpp"
 
 #include <fmt/format.h>
 

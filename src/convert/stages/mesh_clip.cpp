@@ -1,10 +1,10 @@
-#include "convert/mesh_clip.hpp"
+#include "convert/stages/mesh_clip.hpp"
 
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "convert/surface_stages.hpp"
+#include "convert/stages/surface_stages.hpp"
 #include "edit/half_space_clip.hpp"
 
 namespace isoextract::convert {

@@ -1,4 +1,4 @@
-#include "convert/label_looks.hpp"
+#include "convert/detail/label_looks.hpp"
 
 #include <cmath>
 #include <utility>

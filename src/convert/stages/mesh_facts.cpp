@@ -1,4 +1,4 @@
-#include "convert/mesh_facts.hpp"
+#include "convert/stages/mesh_facts.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "base/no_memory.hpp"
-#include "convert/surface_stages.hpp"
+#include "convert/stages/surface_stages.hpp"
 #include "mesh/component_facts.hpp"
 #include "mesh/components.hpp"
 #include "mesh/metrics.hpp"

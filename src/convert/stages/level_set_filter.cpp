@@ -1,4 +1,4 @@
-#include "convert/level_set_filter.hpp"
+#include "convert/stages/level_set_filter.hpp"
 
 #include <utility>
 

@@ -1,4 +1,4 @@
-#include "convert/no_surface.hpp"
+#include "convert/detail/no_surface.hpp"
 
 #include <fmt/format.h>
 

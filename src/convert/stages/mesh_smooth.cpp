@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "convert/surface_stages.hpp"
+#include "convert/stages/surface_stages.hpp"
 
 namespace isoextract::convert {
 namespace {

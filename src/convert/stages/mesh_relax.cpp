@@ -1,4 +1,4 @@
-#include "convert/mesh_relax.hpp"
+#include "convert/stages/mesh_relax.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "base/reserved_buffer.hpp"
 #include "convert/mesh_pieces.hpp"
-#include "convert/surface_stages.hpp"
+#include "convert/stages/surface_stages.hpp"
 #include "mesh/components.hpp"
 
 namespace isoextract::convert {

@@ -1,4 +1,4 @@
-#include "convert/vertex_colours.hpp"
+#include "convert/stages/vertex_colours.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -16,7 +16,7 @@
 
 #include "base/printable.hpp"
 #include "base/srgb.hpp"
-#include "convert/surface_stages.hpp"
+#include "convert/stages/surface_stages.hpp"
 
 namespace isoextract::convert {
 namespace {

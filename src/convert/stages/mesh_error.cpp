@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "base/stopwatch.hpp"
-#include "convert/surface_stages.hpp"
+#include "convert/stages/surface_stages.hpp"
 #include "measure/analytic_error.hpp"
 #include "measure/field_error.hpp"
 #include "volumes/volume_reader.hpp"

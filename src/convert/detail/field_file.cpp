@@ -1,4 +1,4 @@
-#include "convert/field_file.hpp"
+#include "convert/detail/field_file.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "convert/mesh_simplify.hpp"
+#include "convert/stages/mesh_simplify.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "convert/surface_stages.hpp"
+#include "convert/stages/surface_stages.hpp"
 #include "edit/bounded_simplify.hpp"
 #include "measure/shells.hpp"
 #include "mesh/adjacency.hpp"

@@ -1,4 +1,4 @@
-#include "convert/skipped_surfaces.hpp"
+#include "convert/detail/skipped_surfaces.hpp"
 
 #include <algorithm>
 
