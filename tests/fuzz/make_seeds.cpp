@@ -186,10 +186,9 @@ void write_vdbs(const fs::path& folder) {
   openvdb::initialize();
   const auto sphere = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(2, {8, 4, 4}, 1, 1.5F);
   sphere->setName("surface");
-  write_vdb(folder / "level_set", {sphere}, {}, Context());
-  write_vdb(folder / "level_set_zip", {sphere}, openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK,
-            Context());
-  write_vdb(folder / "level_set_blosc", {sphere}, openvdb::io::COMPRESS_BLOSC, Context());
+  write_vdb(folder / "level_set", {sphere});
+  write_vdb(folder / "level_set_zip", {sphere}, openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK);
+  write_vdb(folder / "level_set_blosc", {sphere}, openvdb::io::COMPRESS_BLOSC);
 
   const auto fog = openvdb::FloatGrid::create();
   fog->setName("density");
@@ -207,8 +206,8 @@ void write_vdbs(const fs::path& folder) {
   precise->fill({{0, 0, 0}, {2, 1, 1}}, 0.5);
   const auto velocity = openvdb::Vec3SGrid::create();
   velocity->setName("velocity");
-  write_vdb(folder / "half", {fog}, {}, Context());
-  write_vdb(folder / "several", {fog, counts, precise, velocity}, {}, Context());
+  write_vdb(folder / "half", {fog});
+  write_vdb(folder / "several", {fog, counts, precise, velocity});
   const auto flags = openvdb::BoolGrid::create();
   flags->fill({{0, 0, 0}, {1, 1, 1}}, true);
   const auto places = openvdb::MaskGrid::create();
