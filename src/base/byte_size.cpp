@@ -10,7 +10,7 @@ namespace isoextract {
 
 Result<std::uint64_t> parse_byte_size(std::string_view text) {
   const auto bad = [&] {
-    return fail(ErrorKind::usage, fmt::format("expected a size such as 512M or 2G, found '{}'", text));
+    return fail(ErrorCode::usage, fmt::format("expected a size such as 512M or 2G, found '{}'", text));
   };
   double number = 0;
   const auto [rest, status] = std::from_chars(text.data(), text.data() + text.size(), number);

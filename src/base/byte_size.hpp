@@ -9,7 +9,7 @@
 
 namespace isoextract {
 
-// "512", "16M", "2G", "1.5GiB": bytes with an optional binary suffix K, M, G, T. Fails with ErrorKind::usage.
+// "512", "16M", "2G", "1.5GiB": bytes with an optional binary suffix K, M, G, T. Fails with ErrorCode::usage.
 [[nodiscard]] Result<std::uint64_t> parse_byte_size(std::string_view text);
 
 // 1536 -> "1.5 KiB"

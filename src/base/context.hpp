@@ -30,13 +30,13 @@ class Context {
   [[nodiscard]] Counters& counters() const { return state_->counters; }
   [[nodiscard]] Progress& progress() const { return state_->progress; }
 
-  // Asks what runs in this context to end soon, with ErrorKind::cancelled. May be called from a signal handler's
+  // Asks what runs in this context to end soon, with ErrorCode::cancelled. May be called from a signal handler's
   // thread, not from the handler itself.
   void cancel() const { state_->cancelled.store(true, std::memory_order_relaxed); }
   [[nodiscard]] bool cancelled() const { return state_->cancelled.load(std::memory_order_relaxed); }
   // Fails where the end was asked for. Called between stages, and in long ones now and then.
   [[nodiscard]] Result<void> check() const {
-    if (cancelled()) return fail(ErrorKind::cancelled, "cancelled");
+    if (cancelled()) return fail(ErrorCode::cancelled, "cancelled");
     return {};
   }
 

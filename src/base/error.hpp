@@ -1,6 +1,6 @@
 // Errors are values: every function that can fail below `cli` returns Result<T>; nothing there prints or exits, and all
 // that it throws across a room's border is std::bad_alloc. `cli` turns an Error into a message on stderr and the exit
-// code of its kind.
+// code that exit_code_of() tells.
 //
 // Below `cli` nobody knows what an option is called: what helps is told by code (Remedy), and `cli` puts it into words.
 #pragma once
@@ -13,23 +13,41 @@
 
 namespace isoextract {
 
-// The numeric values are the program's exit codes.
-enum class ErrorKind {
-  usage = 1,         // the options or their combination make no sense
-  input = 2,         // the input cannot be read, or does not hold what was asked for
-  unavailable = 3,   // a feature or device that was asked for is not there
-  output = 4,        // the result cannot be written
-  frames = 5,        // some of many frames failed
-  verification = 6,  // what was to be verified does not hold
-  cancelled = 130,   // somebody asked for the end (128 + SIGINT)
+// What failed. The code is for branching; the message is for people, the hint for whoever words it.
+enum class ErrorCode {
+  usage,          // the options or their combination make no sense
+  input,          // the input cannot be read, or does not hold what was asked for
+  empty_grid,     // the input was read and is sound, but its grid has no voxels
+  no_surface,     // likewise, but its values do not pass the iso value
+  out_of_memory,  // the memory limit or the machine does not allow it now; it may when less runs beside it
+  unavailable,    // a feature or device that was asked for is not there
+  output,         // the result cannot be written
+  frames,         // some of many frames failed
+  verification,   // what was to be verified does not hold
+  cancelled,      // somebody asked for the end
 };
 
-// Why there is no mesh although the input was read and is sound, for programs: to them that may be no error.
-enum class Reason {
-  other,
-  empty_grid,  // the grid has no voxels
-  no_surface,  // the values do not pass the iso value
-};
+// The program's exit code.
+[[nodiscard]] constexpr int exit_code_of(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::usage: return 1;
+    case ErrorCode::input:
+    case ErrorCode::empty_grid:
+    case ErrorCode::no_surface:
+    case ErrorCode::out_of_memory: return 2;
+    case ErrorCode::unavailable: return 3;
+    case ErrorCode::output: return 4;
+    case ErrorCode::frames: return 5;
+    case ErrorCode::verification: return 6;
+    case ErrorCode::cancelled: break;
+  }
+  return 130;  // 128 + SIGINT
+}
+
+// Whether the input was read and is sound, and there is no mesh all the same: to programs that may be no error.
+[[nodiscard]] constexpr bool has_no_surface(ErrorCode code) {
+  return code == ErrorCode::empty_grid || code == ErrorCode::no_surface;
+}
 
 // What helps. A code with a list behind it expects that in Hint::text, as a clause of its own.
 enum class Remedy {
@@ -92,7 +110,7 @@ struct Hint {
   Remedy remedy = Remedy::none;
   std::string text;  // a sentence without a full stop that names no option; may be empty
 
-  // Implicit, so that fail(kind, message, "...") and fail(kind, message, Remedy::...) read as they are meant.
+  // Implicit, so that fail(code, message, "...") and fail(code, message, Remedy::...) read as they are meant.
   // NOLINTBEGIN(google-explicit-constructor)
   Hint() = default;
   Hint(std::string words) : text(std::move(words)) {}
@@ -105,18 +123,17 @@ struct Hint {
 };
 
 struct Error {
-  ErrorKind kind;
+  ErrorCode code;
   std::string message;  // names the file, what was expected and what was found; no trailing full stop or newline
   Hint hint;            // the step that helps; may be empty
-  Reason reason = Reason::other;
 };
 
 template <class T>
 using Result = tl::expected<T, Error>;
 
-// return fail(ErrorKind::input, "a.nrrd: expected ..., found ...", Remedy::place_by_hand);
-[[nodiscard]] inline tl::unexpected<Error> fail(ErrorKind kind, std::string message, Hint hint = {}) {
-  return tl::unexpected<Error>(Error{kind, std::move(message), std::move(hint)});
+// return fail(ErrorCode::input, "a.nrrd: expected ..., found ...", Remedy::place_by_hand);
+[[nodiscard]] inline tl::unexpected<Error> fail(ErrorCode code, std::string message, Hint hint = {}) {
+  return tl::unexpected<Error>(Error{code, std::move(message), std::move(hint)});
 }
 
 namespace detail {

@@ -50,8 +50,8 @@ class MemoryBudget {
   // of many has one of its own.
   [[nodiscard]] MemoryBudget part() const;
 
-  // Fails with ErrorKind::input and Remedy::raise_memory_limit where that is more than is left. `what` starts the
-  // message, for example "in.nrrd: 4096x4096x4096 f32 samples". Kept blocks of Buffer give way first.
+  // Fails with ErrorCode::out_of_memory and Remedy::raise_memory_limit where that is more than is left. `what` starts
+  // the message, for example "in.nrrd: 4096x4096x4096 f32 samples". Kept blocks of Buffer give way first.
   [[nodiscard]] Result<Reservation> reserve(std::uint64_t bytes, const std::string& what) const;
 
   [[nodiscard]] std::uint64_t limit() const;

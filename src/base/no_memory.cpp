@@ -14,10 +14,11 @@ std::optional<std::uint64_t> address_space_limit() {
   return limit.rlim_cur;
 }
 
-Error no_memory(ErrorKind kind, std::string message, Hint hint) {
+Error no_memory(std::string message, Hint hint) {
   const auto limit = address_space_limit();
-  if (!limit) return {kind, std::move(message), std::move(hint)};
-  return {kind, fmt::format("{}: the address space of the process is limited to {}", message, format_byte_size(*limit)),
+  if (!limit) return {ErrorCode::out_of_memory, std::move(message), std::move(hint)};
+  return {ErrorCode::out_of_memory,
+          fmt::format("{}: the address space of the process is limited to {}", message, format_byte_size(*limit)),
           Hint(Remedy::extract_part, kRaiseAddressSpace)};
 }
 

@@ -18,6 +18,6 @@ inline constexpr const char* kRaiseAddressSpace =
 
 // Returns the error of a failed allocation. Where the address space is limited, the message says so and the hint is to
 // raise that limit: the machine's memory and the memory budget have nothing to do with it.
-[[nodiscard]] Error no_memory(ErrorKind kind, std::string message, Hint hint = {});
+[[nodiscard]] Error no_memory(std::string message, Hint hint = {});
 
 }  // namespace isoextract

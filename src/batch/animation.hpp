@@ -25,7 +25,7 @@ class Animation final : public FrameReceiver {
   // Of the batch's animation, which outlives it. `largest_file` is for tests.
   Animation(const BatchJob& batch, const Context& context, std::uint64_t largest_file = meshes::kLargestGlb);
 
-  // Whether it could be written, before any work. Fails with ErrorKind::usage or ErrorKind::output.
+  // Whether it could be written, before any work. Fails with ErrorCode::usage or ErrorCode::output.
   [[nodiscard]] Result<void> check() const;
 
   // The frame's node is named after the file and the frame: water_0012.

@@ -48,14 +48,14 @@ std::vector<FrameRun> gaps_between(std::span<const Frame> frames) {
 }
 
 tl::unexpected<Error> fail_too_many(const std::string& input) {
-  return fail(ErrorKind::usage,
+  return fail(ErrorCode::usage,
               fmt::format("{}: expected at most {} frames, found more", printable(input), kMaxFrames));
 }
 
 Result<Frames> chosen_frames(FoundFrames found, const std::optional<FrameRange>& range, const std::string& input) {
   if (range) std::erase_if(found.frames, [&](const Frame& frame) { return !range->contains(frame.number); });
   if (found.frames.empty()) {
-    return fail(ErrorKind::input, fmt::format("{}: none of the frames {} is there", printable(input),
+    return fail(ErrorCode::input, fmt::format("{}: none of the frames {} is there", printable(input),
                                               text_of(range->runs(), kShownRuns)));
   }
   if (found.frames.size() > kMaxFrames) return fail_too_many(input);
@@ -65,7 +65,7 @@ Result<Frames> chosen_frames(FoundFrames found, const std::optional<FrameRange>&
     std::string first = twice->input;
     std::string second = std::next(twice)->input;
     if (second < first) std::swap(first, second);  // folders have no order
-    return fail(ErrorKind::input, fmt::format("expected one file for frame {}, found {} and {}", twice->number,
+    return fail(ErrorCode::input, fmt::format("expected one file for frame {}, found {} and {}", twice->number,
                                               printable(first), printable(second)));
   }
   Frames frames;
@@ -82,7 +82,7 @@ Result<Frames> chosen_frames(FoundFrames found, const std::optional<FrameRange>&
 Result<Frames> without_files(const FramePattern& pattern, const std::optional<FrameRange>& range,
                              const std::string& input) {
   if (!range) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: there is no folder in which to look for the frames", printable(input)),
                 Remedy::name_frames);
   }
@@ -129,7 +129,7 @@ void add_note_of_unclear(const FramePattern& pattern, std::span<const std::strin
 
 tl::unexpected<Error> fail_decimals(const std::string& input, const EntryPattern& entries,
                                     std::span<const std::string> names) {
-  return fail(ErrorKind::usage,
+  return fail(ErrorCode::usage,
               fmt::format("{}: expected whole numbers of frames, found parts of decimal numbers: {} and {}",
                           printable(input), printable(names.front()), printable(names.back())),
               fmt::format("list the files, without quotes: {}*{}; they are ordered by their decimal numbers",
@@ -164,7 +164,7 @@ Result<FoundFrames> matching_files(const FramePattern& pattern, const std::optio
   if (!found.frames.empty()) return found;
   std::string message = fmt::format("{}: no file has such a name", printable(input));
   if (range) message += fmt::format(" with a number of {}", text_of(range->runs(), kShownRuns));
-  return fail(ErrorKind::input, std::move(message),
+  return fail(ErrorCode::input, std::move(message),
               other_width.empty() ? "" : fmt::format("{{}} would match {}", printable(other_width)));
 }
 
@@ -208,7 +208,7 @@ tl::unexpected<Error> fail_several(const std::string& folder, std::span<const Se
   }
   if (sequences.size() > kShownSequences) list += ", ...";
   return fail(
-      ErrorKind::usage,
+      ErrorCode::usage,
       fmt::format("{}: expected one sequence in the folder, found {}: {}", printable(folder), sequences.size(), list),
       "name one of them by its pattern, with the folder before it");
 }
@@ -222,7 +222,7 @@ tl::unexpected<Error> fail_no_names(const std::string& folder, const std::string
     message += fmt::format("; {}", known->message);
     hint = known->hint;
   }
-  return fail(ErrorKind::input, std::move(message), std::move(hint));
+  return fail(ErrorCode::input, std::move(message), std::move(hint));
 }
 
 // Volumes, or particles where there are none: tables and meshes often lie beside volumes.
@@ -270,7 +270,7 @@ Result<FoundFrames> listed_files(std::span<const std::string> inputs) {
   bool all_files = true;
   for (const std::string& input : inputs) {
     if (!known.insert(input).second) {
-      return fail(ErrorKind::usage, fmt::format("{}: the input was given twice", printable(input)));
+      return fail(ErrorCode::usage, fmt::format("{}: the input was given twice", printable(input)));
     }
     fs::file_status status;
     if (std::error_code none; is_file_name(input)) {
@@ -285,7 +285,7 @@ Result<FoundFrames> listed_files(std::span<const std::string> inputs) {
       several = pattern.has_value();
     }
     if (!several) continue;
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: expected files, found a {} as one of {} inputs", printable(input),
                             fs::is_directory(status) ? "folder" : "pattern", inputs.size()),
                 "give it alone");
@@ -314,7 +314,7 @@ std::vector<FrameRun> gaps_of(const FrameRange& range, std::span<const Frame> fr
 }
 
 Result<Frames> find_frames(std::span<const std::string> inputs, const std::optional<FrameRange>& range) {
-  if (inputs.empty()) return fail(ErrorKind::usage, "expected an input, found none");
+  if (inputs.empty()) return fail(ErrorCode::usage, "expected an input, found none");
   const std::string& input = inputs.front();
   const auto choose = [&](Result<FoundFrames> found) -> Result<Frames> {
     if (!found) return tl::unexpected(std::move(found.error()));
@@ -331,7 +331,7 @@ Result<Frames> find_frames(std::span<const std::string> inputs, const std::optio
     if (pattern) return choose(matching_files(*pattern, range, input));
   }
   if (range) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: expected a sequence from which to take the frames {}, found one input",
                             printable(input), text_of(range->runs(), kShownRuns)),
                 "{} or {:04} in the name stands for the number");

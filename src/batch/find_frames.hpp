@@ -43,8 +43,8 @@ struct Frames {
 // apart throughout (1, 3, 7), only multiples of that count as gaps (5). Without `range` all frames are taken, with it
 // those that it has.
 //
-// Fails with ErrorKind::input where a folder cannot be read, where no frame is found, and where two files have one
-// number (f_1.vdb and f_01.vdb); with ErrorKind::usage where a folder holds several sequences, which are listed, where
+// Fails with ErrorCode::input where a folder cannot be read, where no frame is found, and where two files have one
+// number (f_1.vdb and f_01.vdb); with ErrorCode::usage where a folder holds several sequences, which are listed, where
 // one file is given twice, where a pattern or a folder is one of several inputs, where the number of a pattern is a
 // part of decimal numbers (t_0.{}.vdb with t_0.25.vdb and t_0.5.vdb), for a range of a single file, and for more than
 // kMaxFrames frames.

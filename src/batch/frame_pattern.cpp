@@ -22,7 +22,7 @@ Result<std::optional<FramePattern>> FramePattern::parse(std::string_view name) {
       number = &part;
     } else {
       return fail(
-          ErrorKind::usage,
+          ErrorCode::usage,
           fmt::format("{}: expected one numbering, found '{}' and '{}'", printable(name), number->text, part.text),
           "{{, }}, %% and {#} stand for the characters themselves");
     }

@@ -30,7 +30,7 @@ inline constexpr std::int64_t kMaxFrameNumber = 999'999'999'999'999'999;
 class FramePattern {
  public:
   // Nothing where the name has no numbering; escapes then stand for nothing else than what is written. Fails with
-  // ErrorKind::usage for more than one numbering, for widths above kMaxFrameDigits and for {:x}. Anything else in
+  // ErrorCode::usage for more than one numbering, for widths above kMaxFrameDigits and for {:x}. Anything else in
   // braces is text, and so is what looks like none of the above.
   [[nodiscard]] static Result<std::optional<FramePattern>> parse(std::string_view name);
 

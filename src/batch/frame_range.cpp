@@ -34,7 +34,7 @@ bool take_character(std::string_view& text, char c) {
 
 Result<FrameRun> run_of(std::string_view text) {
   const auto misread = [&] {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("frames: expected A, A-B or A-BxS, found '{}'", printable(text, kShownText)),
                 "for example 1-240, 1-240x2 or 1-10,20,30-40x5");
   };
@@ -47,7 +47,7 @@ Result<FrameRun> run_of(std::string_view text) {
   const auto last = take_number(rest);
   if (!last) return misread();
   if (*last < *first) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("frames {}: expected the smaller number first, found {} before {}",
                             printable(text, kShownText), *first, *last),
                 "frames come in rising order");
@@ -56,7 +56,7 @@ Result<FrameRun> run_of(std::string_view text) {
     const auto step = take_number(rest);
     if (!step) return misread();
     if (*step < 1) {
-      return fail(ErrorKind::usage, fmt::format("frames {}: expected a step of at least 1, found {}",
+      return fail(ErrorCode::usage, fmt::format("frames {}: expected a step of at least 1, found {}",
                                                 printable(text, kShownText), *step));
     }
     run.step = *step;
@@ -112,7 +112,7 @@ Result<FrameRange> FrameRange::parse(std::string_view text) {
     const auto run = TRY(run_of(trimmed(text.substr(at, comma - at))));
     count = checked_sum(*count, run.count());
     if (!count || *count > kMaxFrames) {
-      return fail(ErrorKind::usage, fmt::format("frames {}: expected at most {} frames, found more",
+      return fail(ErrorCode::usage, fmt::format("frames {}: expected at most {} frames, found more",
                                                 printable(text, kShownText), kMaxFrames));
     }
     range.runs_.push_back(run);

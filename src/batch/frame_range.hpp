@@ -40,7 +40,7 @@ inline constexpr std::size_t kShownFrameRuns = 20;
 class FrameRange {
  public:
   // A, A-B or A-BxS, separated by commas; blanks around those do not matter. A and B belong to it, B only where the
-  // steps meet it; both may be negative. Fails with ErrorKind::usage for anything else, for B below A, a step below 1,
+  // steps meet it; both may be negative. Fails with ErrorCode::usage for anything else, for B below A, a step below 1,
   // numbers beyond kMaxFrameNumber and more than kMaxFrames frames, before memory is taken for them.
   [[nodiscard]] static Result<FrameRange> parse(std::string_view text);
 

@@ -122,7 +122,7 @@ Result<TableColumns> columns_of(std::string_view header, const std::string& plac
     }
   }
   if (frames == 1 && isos == 1) return columns;
-  return fail(ErrorKind::input,
+  return fail(ErrorCode::input,
               fmt::format("{}: expected a header with one column 'frame' and one 'iso', found '{}'", place,
                           printable(trimmed(header), kShownField)),
               "for example 'frame,iso', and a line '1,0.15' for frame 1");
@@ -152,19 +152,19 @@ Result<IsoTable> IsoTable::parse(std::string_view text, const std::string& name)
     }
     const auto fields = fields_of(line, columns->separator);
     if (!fields) {
-      return fail(ErrorKind::input, fmt::format("{}: expected quotes around whole fields, found '{}'", place,
+      return fail(ErrorCode::input, fmt::format("{}: expected quotes around whole fields, found '{}'", place,
                                                 printable(content, kShownField)));
     }
     if (fields->size() != columns->count) {
       return fail(
-          ErrorKind::input,
+          ErrorCode::input,
           fmt::format("{}: expected {} fields as in the header, found {}", place, columns->count, fields->size()),
           "decimals have a point");
     }
     const std::string& frame_field = (*fields)[columns->frame];
     const auto frame = field_number<std::int64_t>(frame_field);
     if (!frame || *frame < -kMaxFrameNumber || *frame > kMaxFrameNumber) {
-      return fail(ErrorKind::input, fmt::format("{}: expected the number of a frame, found '{}'", place,
+      return fail(ErrorCode::input, fmt::format("{}: expected the number of a frame, found '{}'", place,
                                                 printable(frame_field, kShownField)));
     }
     const std::string& iso_field = (*fields)[columns->iso];
@@ -174,7 +174,7 @@ Result<IsoTable> IsoTable::parse(std::string_view text, const std::string& name)
     if (mark != '\0') decimal_mark = mark;
     const auto iso = fits ? iso_of(iso_field, mark) : std::nullopt;
     if (!iso) {
-      return fail(ErrorKind::input,
+      return fail(ErrorCode::input,
                   fmt::format("{}: expected a finite iso value, auto or a percentile such as p99, found '{}'", place,
                               printable(iso_field, kShownField)),
                   iso_field.find(',') == std::string::npos ? "" : "decimals have a point, or a comma in all rows");
@@ -182,7 +182,7 @@ Result<IsoTable> IsoTable::parse(std::string_view text, const std::string& name)
     table.rows_.push_back({*frame, number, *iso});
   }
   if (!columns) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: expected a header with the columns 'frame' and 'iso', found no line", table.name_));
   }
   TRY(table.sort_rows());
@@ -195,7 +195,7 @@ Result<void> IsoTable::sort_rows() {
   const auto repeats = [](const Row& a, const Row& b) { return a.frame == b.frame && a.iso == b.iso; };
   const auto twice = std::ranges::adjacent_find(rows_, repeats);
   if (twice != rows_.end()) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}:{}: expected iso {} of frame {} once, found it in line {} as well", name_,
                             std::next(twice)->line, text_of(twice->iso), twice->frame, twice->line));
   }
@@ -219,7 +219,7 @@ Result<void> IsoTable::check_covers(std::span<const std::int64_t> frames) const 
   if (missing.empty()) return {};
   std::ranges::sort(missing);
   missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
-  return fail(ErrorKind::input, fmt::format("{}: expected a row for every frame, found none for {}", name_,
+  return fail(ErrorCode::input, fmt::format("{}: expected a row for every frame, found none for {}", name_,
                                             text_of(runs_of(missing), kShownFrames)));
 }
 

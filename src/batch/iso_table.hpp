@@ -30,17 +30,17 @@ namespace isoextract::batch {
 
 class IsoTable {
  public:
-  // Fails with ErrorKind::input for a file that cannot be read or is larger than 256 MiB, and as parse() does.
+  // Fails with ErrorCode::input for a file that cannot be read or is larger than 256 MiB, and as parse() does.
   [[nodiscard]] static Result<IsoTable> read(const std::filesystem::path& path, const Context& context);
 
-  // `name` is what messages call the text. Fails with ErrorKind::input for columns or fields that are missing, for what
+  // `name` is what messages call the text. Fails with ErrorCode::input for columns or fields that are missing, for what
   // is no iso value or no frame, and for a row that is there twice; the message begins with "name:line".
   [[nodiscard]] static Result<IsoTable> parse(std::string_view text, const std::string& name);
 
   // In the order of the rows; empty where the frame has none.
   [[nodiscard]] std::span<const convert::IsoChoice> isos_of(std::int64_t frame) const;
 
-  // Fails with ErrorKind::input where a frame has no row. Rows of other frames are no error: there may be more of them
+  // Fails with ErrorCode::input where a frame has no row. Rows of other frames are no error: there may be more of them
   // than are converted this time.
   [[nodiscard]] Result<void> check_covers(std::span<const std::int64_t> frames) const;
 

@@ -32,7 +32,7 @@ constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 28;  // a frame takes a
 constexpr const char* kBegun = "begun_anew";
 
 tl::unexpected<Error> output_error(const fs::path& path, std::string_view action, int code) {
-  return fail(ErrorKind::output,
+  return fail(ErrorCode::output,
               fmt::format("{}: cannot {}: {}", path.string(), action, std::generic_category().message(code)));
 }
 
@@ -162,7 +162,7 @@ Result<std::vector<fs::path>> manifest_paths(const fs::path& folder) {
     if (is_manifest_name(entry->path().filename().string())) paths.push_back(entry->path());
   }
   if (error) {
-    return fail(ErrorKind::input, fmt::format("{}: the folder cannot be read: {}", folder.string(), error.message()));
+    return fail(ErrorCode::input, fmt::format("{}: the folder cannot be read: {}", folder.string(), error.message()));
   }
   std::ranges::sort(paths);
   return paths;
@@ -171,7 +171,7 @@ Result<std::vector<fs::path>> manifest_paths(const fs::path& folder) {
 Result<ManifestContent> read_manifest(const fs::path& path) {
   const auto text = TRY(text_of_file(path));
   auto content = content_of(text);
-  if (!content) return fail(ErrorKind::input, fmt::format("{}: it is no manifest of a batch", path.string()));
+  if (!content) return fail(ErrorCode::input, fmt::format("{}: it is no manifest of a batch", path.string()));
   return std::move(*content);
 }
 
@@ -220,7 +220,7 @@ Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& he
                                 const std::unordered_set<std::string>& jobs) {
   auto state = std::make_unique<State>();
   const auto in_use = [&] {
-    return fail(ErrorKind::output,
+    return fail(ErrorCode::output,
                 fmt::format("{}: another run writes into this folder", folder.empty() ? "." : folder.string()),
                 "wait for its end, or choose another folder");
   };
@@ -239,10 +239,10 @@ Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& he
   struct stat status {};
   if (::fstat(state->file, &status) != 0) return output_error(state->path, "read it", errno);
   const auto text = status.st_size == 0 ? Result<std::string>("") : text_of_file(state->path);
-  if (!text) return fail(ErrorKind::output, text.error().message, "choose another folder, or move the file away");
+  if (!text) return fail(ErrorCode::output, text.error().message, "choose another folder, or move the file away");
   auto old = content_of(*text);
   if (!old && !may_be_torn(*text)) {
-    return fail(ErrorKind::output,
+    return fail(ErrorCode::output,
                 fmt::format("{}: it is no manifest of a batch; it is not overwritten", state->path.string()),
                 "choose another folder, or move the file away");
   }

@@ -42,7 +42,7 @@ struct ManifestContent {
   std::vector<FrameRecord> records;  // the last of each job, in the order of the file
 };
 
-// Fails with ErrorKind::input where there is no such file, or it is no manifest.
+// Fails with ErrorCode::input where there is no such file, or it is no manifest.
 [[nodiscard]] Result<ManifestContent> read_manifest(const std::filesystem::path& path);
 
 // The file's name in the folder of the outputs: "isoextract.manifest", with the shard's number where there are several.
@@ -51,7 +51,7 @@ struct ManifestContent {
 // Whether a run keeps its records under such a name: that of the whole batch or of one of its shards.
 [[nodiscard]] bool is_manifest_name(std::string_view name);
 
-// The manifests in a folder, of whole batches and of shards, by name. Fails with ErrorKind::input where the folder
+// The manifests in a folder, of whole batches and of shards, by name. Fails with ErrorCode::input where the folder
 // cannot be read.
 [[nodiscard]] Result<std::vector<std::filesystem::path>> manifest_paths(const std::filesystem::path& folder);
 
@@ -60,7 +60,7 @@ class Manifest {
   // Opens or makes the file in `folder` and locks it, and the folder against a run with other shards. Records of the
   // same program stay until their frame is begun anew; in a shard's manifest, which is of one batch, only those of
   // `jobs`, the hashes of the run's. With `resume` the run takes over what the folder's other manifests have of these,
-  // so that another number of shards goes on where the first one was ended. Fails with ErrorKind::output where
+  // so that another number of shards goes on where the first one was ended. Fails with ErrorCode::output where
   // that is not possible, or another run has the lock.
   [[nodiscard]] static Result<Manifest> open(const std::filesystem::path& folder, const ManifestHeader& header,
                                              bool resume, const std::unordered_set<std::string>& jobs);
@@ -73,9 +73,9 @@ class Manifest {
   // The record of a job by its hash: of earlier runs, and only where `resume` asks for them. Those that are added are
   // on disk only, so that a run takes no memory for each frame.
   [[nodiscard]] const FrameRecord* find(const std::string& job) const;
-  // Before a job's outputs are touched: what was known of them holds no more. Fails with ErrorKind::output.
+  // Before a job's outputs are touched: what was known of them holds no more. Fails with ErrorCode::output.
   [[nodiscard]] Result<void> begin(const std::string& job);
-  // Fails with ErrorKind::output.
+  // Fails with ErrorCode::output.
   [[nodiscard]] Result<void> add(const FrameRecord& record);
 
  private:

@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 tl::unexpected<Error> bad(const fs::path& path, const std::string& what, Hint hint = {}) {
-  return fail(ErrorKind::input, fmt::format("{}: {}", path.string(), what), std::move(hint));
+  return fail(ErrorCode::input, fmt::format("{}: {}", path.string(), what), std::move(hint));
 }
 
 struct ShardManifest {
@@ -302,7 +302,7 @@ Result<void> check_replaced_shard(const fs::path& folder, const BatchJob& batch,
   });
   if (lost == 0) return {};
   return fail(
-      ErrorKind::output,
+      ErrorCode::output,
       fmt::format("{}: it has {} frame{} of another batch that is not joined yet, and this run would replace it",
                   path.string(), lost, lost == 1 ? "" : "s"),
       fmt::format("join that batch first: isoextract merge {}; or give it up by removing its manifests, or "

@@ -57,16 +57,16 @@ class FileUses {
 
   void add_read(const fs::path& file, const FileUse& use) { readers_.try_emplace(places_.key(file), use); }
 
-  // Fails with ErrorKind::usage where the file is read, is written already, or has the name of a manifest.
+  // Fails with ErrorCode::usage where the file is read, is written already, or has the name of a manifest.
   Result<void> add_written(const fs::path& file, const FileUse& use) {
     const std::string shown = printable(files::shown_output_name(file));
     const Hint hint = use.source != nullptr ? Hint(Remedy::other_output_name) : use.other->hint;
     if (is_manifest_name(file.filename().string())) {
-      return fail(ErrorKind::usage, fmt::format("{}: a batch keeps its record in files of this name", shown), hint);
+      return fail(ErrorCode::usage, fmt::format("{}: a batch keeps its record in files of this name", shown), hint);
     }
     const std::string key = places_.key(file);
     if (const auto reader = readers_.find(key); reader != readers_.end()) {
-      return fail(ErrorKind::usage, over_read(shown, use, reader_text(reader->second)), hint);
+      return fail(ErrorCode::usage, over_read(shown, use, reader_text(reader->second)), hint);
     }
     const auto [writer, fresh] = writers_.try_emplace(key, use);
     const bool is_lost = !files::same_place(file, file);  // /dev/null
@@ -85,13 +85,13 @@ class FileUses {
 
   static tl::unexpected<Error> twice(const std::string& shown, const FileUse& first, const FileUse& second) {
     if (second.source == nullptr) {
-      return fail(ErrorKind::usage,
+      return fail(ErrorCode::usage,
                   fmt::format("{}: {} would be written there, and this is {} as well", shown, second.other->what,
                               first.source != nullptr ? mesh_text(*first.source) : first.other->what),
                   second.other->hint);
     }
     const std::string label = label_of_source(*second.source);
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 first.source == second.source
                     ? fmt::format("{}: two outputs of {} would be this file", shown, label)
                     : fmt::format("{}: {} and {} would both write it", shown, label_of_source(*first.source), label),
@@ -125,7 +125,7 @@ std::string name_in_folder(std::span<const OutputSource> sources, std::string_vi
 Result<OutputTemplate> template_of(std::span<const OutputSource> sources, const std::optional<std::string>& output,
                                    std::string_view extension) {
   if (!output) return OutputTemplate::parse(name_in_folder(sources, extension));
-  if (output->empty()) return fail(ErrorKind::usage, "expected the name of an output, found an empty one");
+  if (output->empty()) return fail(ErrorCode::usage, "expected the name of an output, found an empty one");
   std::error_code none;
   if (fs::is_directory(*output, none)) {
     const std::string slash = output->ends_with('/') ? "" : "/";
@@ -136,32 +136,32 @@ Result<OutputTemplate> template_of(std::span<const OutputSource> sources, const 
 
 Result<void> check_words(const OutputSource& source, const OutputTemplate& names, meshes::MeshFormat format) {
   if (names.uses(OutputWord::grid) && source.grid.empty()) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: expected a grid to name the output after, found none chosen", label_of_source(source)),
                 "choose the grid by its name");
   }
   const meshes::MeshFormatInfo& info = meshes::mesh_format_info(format);
   const bool all_labels = !source.isos.empty() && source.isos.front().kind == convert::IsoChoice::Kind::all_labels;
   if (names.uses(OutputWord::piece) && (source.isos.size() > 1 || all_labels) && !names.uses(OutputWord::iso)) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: pieces of several surfaces would have the same names", label_of_source(source)),
                 "put {iso} into the name as well");
   }
   if (all_labels && names.uses(OutputWord::iso)) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: which labels there are is known once they are read", label_of_source(source)),
                 "list the labels, which 'isoextract info' shows, or write all into a glb");
   }
   if (info.holds_several_meshes) return {};
   if (!source.more_grids.empty() && !names.uses(OutputWord::grid)) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: one {} file holds one surface, found {} grids", label_of_source(source), info.name,
                             source.more_grids.size() + 1),
                 "put {grid} into the name to get a file for each, or write all into a glb");
   }
   if ((source.isos.size() < 2 && !all_labels) || names.uses(OutputWord::iso)) return {};
   if (all_labels) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: one {} file holds one surface, and all labels may be several", label_of_source(source),
                             info.name),
                 "write all into a glb, or list the labels, which 'isoextract info' shows, and put {iso} into the name");
@@ -170,7 +170,7 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
   for (const meshes::MeshFormatInfo& other : meshes::mesh_formats()) {
     if (other.holds_several_meshes) others.push_back(other.name);
   }
-  return fail(ErrorKind::usage,
+  return fail(ErrorCode::usage,
               fmt::format("{}: one {} file holds one surface, found {} {}", label_of_source(source), info.name,
                           source.isos.size(), source.isos.front().is_label() ? "labels" : "iso values"),
               {Remedy::one_file_per_surface, fmt::format("{}", fmt::join(others, ", "))});
@@ -209,11 +209,11 @@ Result<void> check_piece_files(std::span<const OutputSource> sources, std::span<
         const auto first = names.add(places.by_name(file), i);
         if (!first) continue;
         if (*first == i) {
-          return fail(ErrorKind::usage,
+          return fail(ErrorCode::usage,
                       fmt::format("{}: pieces of two surfaces may have one name", printable(file.string())),
                       "put something that is no digit before and behind {piece}");
         }
-        return fail(ErrorKind::usage,
+        return fail(ErrorCode::usage,
                     fmt::format("{}: pieces of {} and of {} may have one name", printable(file.string()),
                                 label_of_source(sources[*first]), label_of_source(sources[i])),
                     "put something that is no digit before and behind {piece}, and {frame} into the name");
@@ -224,7 +224,7 @@ Result<void> check_piece_files(std::span<const OutputSource> sources, std::span<
     const auto writer = names.could_be(places.by_name(others.written[i].path));
     if (!writer) continue;
     return fail(
-        ErrorKind::usage,
+        ErrorCode::usage,
         fmt::format("{}: a piece of {} may have this name, and {} would be written there",
                     printable(others.written[i].path), label_of_source(sources[*writer]), others.written[i].what),
         others.written[i].hint);
@@ -235,7 +235,7 @@ Result<void> check_piece_files(std::span<const OutputSource> sources, std::span<
     if (!writer) continue;
     const std::string reader =
         sources[i].alone ? "this is the input" : "it is the input of " + label_of_source(sources[i]);
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: a piece of {} may have this name, and {}; it is not overwritten",
                             printable(sources[i].input), label_of_source(sources[*writer]), reader),
                 Remedy::other_output_name);

@@ -50,7 +50,7 @@ using OutputFiles = std::vector<convert::OutputFileJob>;  // of one conversion
 // stem, with more digits where a frame needs them, and with _{grid} after that where one frame has several grids.
 // EXTENSION is that of the format unless another is given: what is written need not be a mesh.
 //
-// Fails with ErrorKind::usage for a template that cannot be read, for {grid} where no grid was chosen, for several iso
+// Fails with ErrorCode::usage for a template that cannot be read, for {grid} where no grid was chosen, for several iso
 // values in one file of a format that holds one, for {piece} with several iso values and no {iso}, and as
 // check_outputs() does. Folders need not exist.
 [[nodiscard]] Result<std::vector<OutputFiles>> name_outputs(std::span<const OutputSource> sources,
@@ -66,7 +66,7 @@ using OutputFiles = std::vector<convert::OutputFileJob>;  // of one conversion
 // Whether every file is written once, none of them is read, and none has the name of a manifest; `outputs` are those of
 // the sources, and `others` belong to the same set. Compared is the
 // place on the disk: links and different ways of writing a path make no difference, as far as they exist by now.
-// Files of a format that come in pairs (.gltf and .bin) count both. Fails with ErrorKind::usage; the message names the
+// Files of a format that come in pairs (.gltf and .bin) count both. Fails with ErrorCode::usage; the message names the
 // file and whoever would write it. Names with {piece} in them are refused where some numbers of pieces could make two
 // of them the same, or the name of an input. Data files that an input's header names are convert::check_mesh_files()'s.
 // Takes time as n log n does, and two looks at the disk a file.

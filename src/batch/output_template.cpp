@@ -23,7 +23,7 @@ Result<OutputTemplate> OutputTemplate::parse(std::string_view name) {
     const auto word = part.kind == NamePart::Kind::number ? OutputWord::frame : value_of<OutputWord>(part.word);
     if (!word) {
       return fail(
-          ErrorKind::usage,
+          ErrorCode::usage,
           fmt::format("{}: expected {{stem}}, {{frame}}, {{frame:04}}, {{grid}}, {{iso}} or {{piece}}, found '{}'",
                       printable(name), printable(part.text)),
           "{{ and }} stand for braces");

@@ -29,7 +29,7 @@ struct OutputWords {
 class OutputTemplate {
  public:
   // Numbering and escapes are those of frame_pattern.hpp, except that a number may be there more than once:
-  // "{frame:04}/mesh_####.ply". Nothing in braces is text unless the braces are escaped. Fails with ErrorKind::usage
+  // "{frame:04}/mesh_####.ply". Nothing in braces is text unless the braces are escaped. Fails with ErrorCode::usage
   // for words that are unknown or have a width, and for what FramePattern::parse() refuses.
   [[nodiscard]] static Result<OutputTemplate> parse(std::string_view name);
 

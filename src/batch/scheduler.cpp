@@ -122,7 +122,8 @@ class Scheduler {
     memory_of_one_ = std::max(memory_of_one_, outcome.reserved_memory);
     const bool turned_away = receiver_ != nullptr && outcome.done() && !hand_over(place, held.handed, outcome, lock);
     // Packing it may have been too much as well.
-    const bool for_memory = running->beside_others && outcome.error && is_for_memory(*outcome.error) && !ended();
+    const bool for_memory =
+        running->beside_others && outcome.error && outcome.error->code == ErrorCode::out_of_memory && !ended();
     running_.erase(running);
     if (for_memory || turned_away) {
       for_memory ? queue_.run_again_alone(place) : queue_.run_again(place);
@@ -145,7 +146,7 @@ class Scheduler {
     const bool ends = ended();
     const bool taken = !ends && queue_.turn(place) == Turn::now;
     lock.unlock();
-    if (ends) outcome.error = Error{ErrorKind::cancelled, "cancelled", {}};
+    if (ends) outcome.error = Error{ErrorCode::cancelled, "cancelled", {}};
     if (taken) {
       const Stopwatch watch;
       if (auto done = take(which_[place], handed, outcome); !done) outcome.error = std::move(done.error());
@@ -173,12 +174,8 @@ class Scheduler {
       }
       return {};
     } catch (const std::bad_alloc&) {
-      return tl::unexpected(no_memory(ErrorKind::output, "not enough memory to write the frame", Remedy::extract_part));
+      return tl::unexpected(no_memory("not enough memory to write the frame", Remedy::extract_part));
     }
-  }
-
-  static bool is_for_memory(const Error& error) {
-    return error.hint.remedy == Remedy::raise_memory_limit || error.hint.remedy == Remedy::extract_part;
   }
 
   void end() {

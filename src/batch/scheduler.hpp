@@ -64,7 +64,7 @@ struct BatchCounts {
 // With a `receiver` no frame is written to files. A frame that is converted waits until those before it were taken, and
 // holds its meshes, and its place among those that run, meanwhile: so there is one frame a job in memory, however many
 // there are. One that fails has no turn. Where one fails for want of memory beside others, those that come after it
-// are converted again as well, after it. Where the batch ends early, frames that wait fail with ErrorKind::cancelled.
+// are converted again as well, after it. Where the batch ends early, frames that wait fail with ErrorCode::cancelled.
 [[nodiscard]] BatchCounts run(const BatchJob& batch, std::span<const std::size_t> which,
                               const SchedulerOptions& options, const Context& context, FrameEvents& events,
                               FrameReceiver* receiver = nullptr);

@@ -39,7 +39,7 @@ Result<std::optional<int>> variable(const std::function<const char*(const char*)
   const char* const text = get(name);
   if (text == nullptr || *text == '\0') return std::nullopt;
   const auto number = whole(text);
-  if (!number) return fail(ErrorKind::usage, fmt::format("{}: expected a whole number, found '{}'", name, text));
+  if (!number) return fail(ErrorCode::usage, fmt::format("{}: expected a whole number, found '{}'", name, text));
   return number;
 }
 
@@ -51,7 +51,7 @@ Result<ShardChoice> parse_shard(const std::string& text) {
   const std::string_view after = std::string_view(text).substr(std::min(slash + 1, text.size()));
   const Shard shard{whole(std::string_view(text).substr(0, slash)).value_or(0), whole(after).value_or(0)};
   if (shard.number < 1 || shard.count < shard.number) {
-    return fail(ErrorKind::usage, fmt::format("expected auto or a shard K/N with K from 1 to N, found '{}'", text));
+    return fail(ErrorCode::usage, fmt::format("expected auto or a shard K/N with K from 1 to N, found '{}'", text));
   }
   return ShardChoice{shard};
 }
@@ -67,14 +67,14 @@ Result<std::optional<Shard>> shard_of_environment(const std::function<const char
     const auto [number, count, first, step] = found;
     if (!number) continue;
     if (!count) {
-      return fail(ErrorKind::usage,
+      return fail(ErrorCode::usage,
                   fmt::format("{} is {}, and {} does not say how many there are", scheme.number, *number, scheme.count),
                   scheme.hint);
     }
     const std::int64_t from_first = std::int64_t{*number} - first.value_or(0);
     const std::int64_t index = step.value_or(1) > 0 ? from_first / step.value_or(1) : -1;
     if (from_first < 0 || index < 0 || index >= *count || index * step.value_or(1) != from_first) {
-      return fail(ErrorKind::usage, fmt::format("{} is {}, which is none of {} (from {} on)", scheme.number, *number,
+      return fail(ErrorCode::usage, fmt::format("{} is {}, which is none of {} (from {} on)", scheme.number, *number,
                                                 *count, first.value_or(0)));
     }
     return Shard{static_cast<int>(index) + 1, *count};

@@ -27,12 +27,12 @@ struct ShardChoice {
   friend bool operator==(const ShardChoice&, const ShardChoice&) = default;
 };
 
-// "2/3" or "auto". Fails with ErrorKind::usage.
+// "2/3" or "auto". Fails with ErrorCode::usage.
 [[nodiscard]] Result<ShardChoice> parse_shard(const std::string& text);
 
 // What a job scheduler says of this process, by the variables of its environment: of an array of Slurm
 // (SLURM_ARRAY_TASK_ID, _MIN, _COUNT, _STEP) or an indexed job of Kubernetes (JOB_COMPLETION_INDEX, with
-// JOB_COMPLETIONS, which its author has to set). None where there is none; fails with ErrorKind::usage where they make
+// JOB_COMPLETIONS, which its author has to set). None where there is none; fails with ErrorCode::usage where they make
 // no sense. `get` is std::getenv. Nobody but who asked for it may take a part of the frames: a job of one task that
 // converts a whole sequence has these variables as well.
 [[nodiscard]] Result<std::optional<Shard>> shard_of_environment(const std::function<const char*(const char*)>& get);

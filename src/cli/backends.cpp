@@ -20,7 +20,7 @@ Result<std::vector<NamedBackend>> parse_backends(std::string_view text) {
     const bool known = std::ranges::find(kNames, backend.name) != kNames.end();
     const bool again = std::ranges::find(backends, backend.name, &NamedBackend::name) != backends.end();
     if (!known || again) {
-      return fail(ErrorKind::usage,
+      return fail(ErrorCode::usage,
                   fmt::format("expected some of {}, each once, found '{}'", fmt::join(kNames, ", "), text));
     }
     backends.push_back(std::move(backend));

@@ -22,7 +22,7 @@ struct NamedBackend {
   std::optional<extract::Method> only;  // the method that it is a variant of
 };
 
-// Names separated by commas, each once. Fails with ErrorKind::usage.
+// Names separated by commas, each once. Fails with ErrorCode::usage.
 [[nodiscard]] Result<std::vector<NamedBackend>> parse_backends(std::string_view text);
 
 // All of a list, in its order. Fails as convert::open_backend() does.

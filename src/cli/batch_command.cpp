@@ -130,7 +130,7 @@ class FrameKeeper final : public batch::FrameEvents {
     remark_lacking(row);
     if (outcome.empty_picture) progress_.remark(job.number, "in whose picture the camera sees nothing of the surfaces");
     for (const meshes::WrittenFile& file : outcome.files) row.outputs.push_back(file.path);
-    const bool was_cancelled = error && error->kind == ErrorKind::cancelled;
+    const bool was_cancelled = error && error->code == ErrorCode::cancelled;
     row.status = was_cancelled ? batch::FrameStatus::cancelled
                  : error       ? batch::FrameStatus::failed
                                : done_or_empty(outcome, row.figures);
@@ -283,7 +283,7 @@ std::string missing_text(std::span<const batch::FrameRun> gaps) {
 }
 
 tl::unexpected<Error> fail_missing(std::span<const batch::FrameRun> gaps) {
-  return fail(ErrorKind::frames, missing_text(gaps), "--missing note makes this no error");
+  return fail(ErrorCode::frames, missing_text(gaps), "--missing note makes this no error");
 }
 
 // Tells the keeper of the frames that are done already, and returns the others.
@@ -432,7 +432,7 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
   if (cancelled > 0) text += fmt::format(", {} {} cancelled", cancelled, cancelled == 1 ? "was" : "were");
   if (counts.not_started > 0) text += fmt::format(", and {} were not started", counts.not_started);
   if (missing > 0) text += fmt::format("; {}", missing_text(plan.gaps));
-  return fail(ErrorKind::frames, text, "--resume does what is not done yet, once that is mended");
+  return fail(ErrorCode::frames, text, "--resume does what is not done yet, once that is mended");
 }
 
 }  // namespace

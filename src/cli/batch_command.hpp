@@ -9,7 +9,7 @@
 
 namespace isoextract::cli {
 
-// ErrorKind::frames where some frames failed; each of them was told on stderr. `arguments` are the words of the command
+// ErrorCode::frames where some frames failed; each of them was told on stderr. `arguments` are the words of the command
 // line, for the manifest and the reports.
 [[nodiscard]] Result<void> run_batch(const ConvertFlags& flags, const std::vector<std::string>& arguments);
 

@@ -13,11 +13,11 @@
 
 namespace isoextract::cli {
 
-// Sees to the folders of all outputs of this run's frames. Fails with ErrorKind::output.
+// Sees to the folders of all outputs of this run's frames. Fails with ErrorCode::output.
 [[nodiscard]] Result<void> make_folders(const BatchPlan& plan);
 
 // What all frames read, among it files that only the inputs name, where some file that would be written is there
-// already, or names are known late (pieces): nothing else could be replaced. Fails with ErrorKind::usage where a file
+// already, or names are known late (pieces): nothing else could be replaced. Fails with ErrorCode::usage where a file
 // that would be written is read, and as convert::check_output_file() for those besides the frames.
 [[nodiscard]] Result<std::optional<files::ReadFiles>> check_batch_files(const BatchPlan& plan);
 

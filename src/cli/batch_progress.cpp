@@ -72,7 +72,7 @@ void BatchProgress::tell_folded() {
     std::ranges::sort(reason.untold);
     const std::size_t count = reason.untold.size();
     messages_.error(
-        {ErrorKind::frames,
+        {ErrorCode::frames,
          fmt::format("{} more frame{} failed for the reason of frame {}: {}", count, count == 1 ? "" : "s",
                      reason.told.front(), batch::text_of(batch::runs_of(reason.untold), batch::kShownFrameRuns)),
          {}});

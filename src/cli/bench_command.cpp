@@ -55,7 +55,7 @@ class Bench {
       TRY(convert::check_output_file(*file, read));
       for (const std::string& other : files) {
         if (!files::same_place(*file, other)) continue;
-        return fail(ErrorKind::usage, fmt::format("{}: this is the name of two files to write", *file),
+        return fail(ErrorCode::usage, fmt::format("{}: this is the name of two files to write", *file),
                     "choose another name for one");
       }
       files.push_back(*file);
@@ -74,7 +74,7 @@ class Bench {
     for (const gpu::ThreadCreationLevel& level : result.levels) {
       const auto failed = std::ranges::find_if(level.makers, [](const auto& row) { return row.problem.has_value(); });
       if (failed == level.makers.end()) continue;
-      return fail(ErrorKind::unavailable, fmt::format("{}^3 cells: {}", level.size, *failed->problem),
+      return fail(ErrorCode::unavailable, fmt::format("{}^3 cells: {}", level.size, *failed->problem),
                   "leave out grids that are too large with --sizes");
     }
     return {};
@@ -113,7 +113,7 @@ class Bench {
     source.input = input;
     source.read = plan_.read;
     if (!convert::is_particles(source, context).value_or(false)) return {};  // the reader says best what else is wrong
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: expected a volume, found particles: bench compares resolutions of a volume's samples, "
                             "and particles have none",
                             printable(files::shown_input_name(input))),

@@ -47,7 +47,7 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   if (file != plan.inputs.end() && !flags.iso) {
     std::error_code unknown;
     if (!files::is_standard_input(*file) && !std::filesystem::exists(*file, unknown)) {
-      return fail(ErrorKind::input, fmt::format("{}: there is no such file", *file));
+      return fail(ErrorCode::input, fmt::format("{}: there is no such file", *file));
     }
     return refuse_usage(fmt::format("{}: a file needs --iso V, the value whose surface is extracted", *file),
                         fmt::format("'isoextract info {}' shows the values and suggests one", shell_quoted(*file)));

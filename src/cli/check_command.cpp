@@ -101,7 +101,7 @@ Result<void> meet_requirements(const CheckReport& report) {
   if (words.empty()) return {};
   const auto& joined = report.whole.joined;
   const bool would_close = joined && joined->open_edges == 0 && report.whole.topology.open_edges > 0;
-  return fail(ErrorKind::verification,
+  return fail(ErrorCode::verification,
               fmt::format("{}: it is not {}: {}", report.file, fmt::join(words, ", "), fmt::join(found, "; ")),
               would_close ? "--weld joins vertices at one place, and then it is closed" : "");
 }

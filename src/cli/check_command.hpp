@@ -7,7 +7,7 @@
 
 namespace isoextract::cli {
 
-// Fails with ErrorKind::verification, after the report, if the mesh is not what --require asks for.
+// Fails with ErrorCode::verification, after the report, if the mesh is not what --require asks for.
 [[nodiscard]] Result<void> run_check(const CheckPlan& plan, const Messages& messages);
 
 }  // namespace isoextract::cli

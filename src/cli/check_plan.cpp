@@ -18,7 +18,7 @@ Result<CheckPlan> plan_check(const CheckFlags& flags) {
     files::ReadFiles read;
     convert::add_read_mesh(read, flags.meshes.front(), Context(plan_memory(flags.memory_limit)));
     if (auto checked = convert::check_output_file(*flags.report, read); !checked) {
-      if (checked.error().kind == ErrorKind::usage) checked.error().hint = "choose another name with --report";
+      if (checked.error().code == ErrorCode::usage) checked.error().hint = "choose another name with --report";
       return tl::unexpected(checked.error());
     }
   }

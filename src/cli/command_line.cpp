@@ -34,11 +34,11 @@ Result<void> check_short_option(const CLI::App& command, const std::string& argu
     const CLI::Option* option = command.get_option_no_throw(name);
     if (option == nullptr) return {};
     const bool has_equals = at + 1 < argument.size() && argument[at + 1] == '=';
-    if (!takes_value(*option) && has_equals) return fail(ErrorKind::usage, fmt::format("{} takes no value", name));
+    if (!takes_value(*option) && has_equals) return fail(ErrorCode::usage, fmt::format("{} takes no value", name));
     if (takes_value(*option) && has_equals) {
       const std::string value = argument.substr(at + 2);
       return fail(
-          ErrorKind::usage, fmt::format("{}: {} takes no '='", argument, name),
+          ErrorCode::usage, fmt::format("{}: {} takes no '='", argument, name),
           fmt::format("write {} {} or {}={}", name, shell_quoted(value), option->get_name(), shell_quoted(value)));
     }
     if (takes_value(*option)) return {};
@@ -59,9 +59,9 @@ Result<void> check_equals_signs(const CLI::App& command, const std::vector<std::
     const std::string name = argument.substr(0, equals);
     const CLI::Option* option = command.get_option_no_throw(name);
     if (option == nullptr) continue;
-    if (!takes_value(*option)) return fail(ErrorKind::usage, fmt::format("{} takes no value", name));
+    if (!takes_value(*option)) return fail(ErrorCode::usage, fmt::format("{} takes no value", name));
     if (equals + 1 == argument.size()) {
-      return fail(ErrorKind::usage, fmt::format("{} needs a value: {}", name, spelling(*option)));
+      return fail(ErrorCode::usage, fmt::format("{} needs a value: {}", name, spelling(*option)));
     }
   }
   return {};
@@ -119,11 +119,11 @@ Result<void> take_trailing(CommandLine& line, const CLI::App& command, std::span
     std::error_code unknown;
     if (name.starts_with('-') && command.get_option_no_throw(name) != nullptr &&
         !std::filesystem::exists(word, unknown)) {
-      return fail(ErrorKind::usage, fmt::format("'{}' comes after '--', where all words are names of files", word),
+      return fail(ErrorCode::usage, fmt::format("'{}' comes after '--', where all words are names of files", word),
                   "options come before '--'");
     }
     if (!take_input(line, &command, word)) {
-      return fail(ErrorKind::usage, fmt::format("unexpected argument '{}'", word), help_hint(command));
+      return fail(ErrorCode::usage, fmt::format("unexpected argument '{}'", word), help_hint(command));
     }
   }
   return {};
@@ -135,7 +135,7 @@ Result<void> take_remaining(CommandLine& line, const CLI::App& command) {
     if (word == "--") continue;  // of a command without inputs: CLI11 keeps it although it has done its work
     if (!word.starts_with('-') || word == "-") {
       if (take_input(line, &command, word)) continue;
-      return fail(ErrorKind::usage, fmt::format("unexpected argument '{}'", word), help_hint(command));
+      return fail(ErrorCode::usage, fmt::format("unexpected argument '{}'", word), help_hint(command));
     }
     const std::string name = word.substr(0, word.find('='));
     std::vector<std::string> known;
@@ -155,7 +155,7 @@ Result<void> take_remaining(CommandLine& line, const CLI::App& command) {
                                             name)
                                       : fmt::format("{} is an option of convert; {}", name, help_hint(command));
     }
-    return fail(ErrorKind::usage, fmt::format("unknown option '{}' for '{}'", name, full_name(command)),
+    return fail(ErrorCode::usage, fmt::format("unknown option '{}' for '{}'", name, full_name(command)),
                 is_file          ? fmt::format("the file of that name is written {}", shell_quoted("./" + word))
                 : !meant.empty() ? meant
                 : !near.empty()  ? fmt::format("did you mean '{}'?", near)
@@ -169,16 +169,16 @@ tl::unexpected<Error> explain(const CLI::ParseError& error, const CLI::App& comm
   for (const CLI::Option* option : command.get_options()) {
     const bool repeatable = option->get_items_expected_max() > 1;
     if (option->count() > 1 && takes_value(*option) && !repeatable) {
-      return fail(ErrorKind::usage,
+      return fail(ErrorCode::usage,
                   fmt::format("{} was given {} times; it takes one value",
                               option->get_positional() ? spelling(*option) : option->get_name(), option->count()));
     }
   }
   const CLI::Option* last = last_argument.starts_with('-') ? command.get_option_no_throw(last_argument) : nullptr;
   if (last != nullptr && takes_value(*last)) {
-    return fail(ErrorKind::usage, fmt::format("{} needs a value: {}", last_argument, spelling(*last)));
+    return fail(ErrorCode::usage, fmt::format("{} needs a value: {}", last_argument, spelling(*last)));
   }
-  return fail(ErrorKind::usage, error.what(), help_hint(command));
+  return fail(ErrorCode::usage, error.what(), help_hint(command));
 }
 
 Request request_of(const CommandLine& line, const CLI::App* command) {
@@ -203,7 +203,7 @@ Result<const CLI::App*> inner_command(const CLI::App& command, const std::vector
   const std::vector<std::string> names = command_names(command);
   if (names.empty()) return &command;
   if (arguments.size() == 1) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{} needs one of {} after it", command.get_name(), fmt::join(names, ", ")),
                 synopsis(command));
   }
@@ -211,7 +211,7 @@ Result<const CLI::App*> inner_command(const CLI::App& command, const std::vector
   if (command.get_help_ptr()->check_name(word)) return &command;
   if (contains(names, word)) return command.get_subcommand(word);
   const std::string near = nearest_name(word, names);
-  return fail(ErrorKind::usage,
+  return fail(ErrorCode::usage,
               fmt::format("{}: expected one of {}, found '{}'", command.get_name(), fmt::join(names, ", "), word),
               near.empty() ? synopsis(command) : fmt::format("did you mean '{}'?", near));
 }
@@ -266,7 +266,7 @@ Result<Parsed> parse_command_line(CommandLine& line, std::vector<std::string> ar
   if (command == line.convert && inputs.size() > 1 && !std::filesystem::exists(inputs.front())) {
     const std::string near = nearest_name(inputs.front(), names);
     if (!near.empty()) {
-      return fail(ErrorKind::usage, fmt::format("'{}' is neither a command nor a file", inputs.front()),
+      return fail(ErrorCode::usage, fmt::format("'{}' is neither a command nor a file", inputs.front()),
                   fmt::format("did you mean 'isoextract {}'?", near));
     }
   }

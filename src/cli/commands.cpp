@@ -48,11 +48,9 @@ namespace {
 
 constexpr int kDone = 0;
 
-int exit_code(const Error& error) { return static_cast<int>(error.kind); }
-
 int report(const Error& error) {
   Messages(Verbosity::quiet).error(error);
-  return exit_code(error);
+  return exit_code_of(error.code);
 }
 
 int done_or_reported(const Result<void>& done) { return done ? kDone : report(done.error()); }
@@ -80,7 +78,7 @@ int run_info_command(const InfoFlags& flags, const CLI::App& command) {
   if (!plan) return report(plan.error());
   if (auto limited = limit_threads(flags.run.threads); !limited) return report(limited.error());
   const auto failure = run_info(*plan, Messages(*verbosity));
-  return failure ? exit_code(*failure) : kDone;
+  return failure ? exit_code_of(failure->code) : kDone;
 }
 
 template <class Flags>
@@ -133,7 +131,7 @@ int run_stability_command(const StabilityFlags& flags) {
 int run_convert_command(const ConvertFlags& flags, const std::vector<std::string>& arguments) {
   choose_process(flags.input);
   auto done = is_batch(flags) ? run_batch(flags, arguments) : run_convert(flags, arguments);
-  if (!done && done.error().kind == ErrorKind::usage && flags.config) {
+  if (!done && done.error().code == ErrorCode::usage && flags.config) {
     done.error().message += fmt::format(" (options come from {}, too)", printable(*flags.config));
   }
   return done_or_reported(done);
@@ -143,7 +141,7 @@ int run_arguments(const std::vector<std::string>& arguments) {
   const auto line = declare_command_line();
   if (arguments.empty()) {
     fmt::print(stderr, "{}", short_usage(line->app));
-    return static_cast<int>(ErrorKind::usage);
+    return exit_code_of(ErrorCode::usage);
   }
   std::vector<std::string> options;
   for (const CLI::Option* option : innermost_command_of(*line, arguments).get_options()) {
@@ -163,7 +161,7 @@ int run_arguments(const std::vector<std::string>& arguments) {
       return print(line->help_flags.topic ? help_of(line->app, *line->help_flags.topic) : help_overview(line->app));
     case Request::generate:
       if (!line->generate_flags.document) {
-        return report({ErrorKind::usage, "generate needs the name of a document", synopsis(*line->generate)});
+        return report({ErrorCode::usage, "generate needs the name of a document", synopsis(*line->generate)});
       }
       return print(generate_document(line->app, *line->generate_flags.document));
     case Request::info: return run_info_command(line->info_flags, *line->info);

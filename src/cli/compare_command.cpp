@@ -59,7 +59,7 @@ Result<void> measure_side(Side& side, const Context& context) {
 
 // Places `mine`, which another program wrote, as if it had been made of `other`, which is ours. `up` says which axis
 // points up in that of the two that is not glTF, whatever the record of `other` says of its world. Fails with
-// ErrorKind::usage where `other` was turned to another axis.
+// ErrorCode::usage where `other` was turned to another axis.
 Result<convert::ResolvedPlacement> placement_from(const Side& mine, const Side& other,
                                                   const std::optional<convert::UpAxis>& up) {
   if (mine.file.y_up == other.file.y_up) return other.placement;
@@ -68,7 +68,7 @@ Result<convert::ResolvedPlacement> placement_from(const Side& mine, const Side& 
   if (!mine.file.y_up) return convert::placed_like(origin, up.value_or(of_origin.up));
   if (up && (of_origin.turn_z_up_to_y_up || of_origin.turn_y_up_to_z_up)) {
     if (convert::output_up(of_origin) != *up) {
-      return fail(ErrorKind::usage,
+      return fail(ErrorCode::usage,
                   fmt::format("{} says that it was {}, and --up {} was given", other.path,
                               convert::placement_text(other.placement), word_of(*up)),
                   "leave --up out");
@@ -269,7 +269,7 @@ Result<void> check_distance(const ComparePlan& plan, const std::array<Side, 2>& 
                                ? ""
                                : fmt::format("{} was turned from y up to z up; --up y leaves it as it is in its file",
                                              printable(turned->path));
-  return fail(ErrorKind::verification,
+  return fail(ErrorCode::verification,
               fmt::format("{} and {}: their Hausdorff distance is {} {:.6g}, and --max-distance is {}", plan.meshes[0],
                           plan.meshes[1], surely ? "at least" : "not known to be below",
                           surely ? distance.hausdorff_lower : distance.hausdorff_upper, *plan.max_distance),

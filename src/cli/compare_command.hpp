@@ -7,7 +7,7 @@
 
 namespace isoextract::cli {
 
-// Fails with ErrorKind::verification, after the report, if the meshes may be farther apart than --max-distance.
+// Fails with ErrorCode::verification, after the report, if the meshes may be farther apart than --max-distance.
 [[nodiscard]] Result<void> run_compare(const ComparePlan& plan, const Messages& messages);
 
 }  // namespace isoextract::cli

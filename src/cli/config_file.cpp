@@ -42,7 +42,7 @@ class ConfigReader {
         TRY(take(std::string(key.str()), node));
       }
     } catch (const toml::parse_error& error) {
-      return fail(ErrorKind::usage, fmt::format("{}:{}: {}", printable(path_), error.source().begin.line,
+      return fail(ErrorCode::usage, fmt::format("{}:{}: {}", printable(path_), error.source().begin.line,
                                                 printable(error.description())));
     }
     return std::move(file_);
@@ -50,7 +50,7 @@ class ConfigReader {
 
  private:
   [[nodiscard]] tl::unexpected<Error> bad(const toml::node& node, const std::string& what, Hint hint = {}) const {
-    return fail(ErrorKind::usage, fmt::format("{}:{}: {}", printable(path_), node.source().begin.line, what),
+    return fail(ErrorCode::usage, fmt::format("{}:{}: {}", printable(path_), node.source().begin.line, what),
                 std::move(hint));
   }
 
@@ -172,7 +172,7 @@ void append(std::vector<std::string>& words, const std::vector<std::string>& mor
 
 Result<ConfiguredLine> with_config(const CommandLine& line, const std::vector<std::string>& arguments) {
   const std::string& path = *line.convert_flags.config;
-  if (files::is_standard_input(path)) return fail(ErrorKind::usage, "--config needs the name of a file, found '-'");
+  if (files::is_standard_input(path)) return fail(ErrorCode::usage, "--config needs the name of a file, found '-'");
   const auto file = TRY(ConfigReader(line.convert_flags, *line.convert).read());
   const std::string& command = line.convert->get_name();
   std::vector<std::string> all{command};  // that the file has

@@ -21,8 +21,8 @@ struct ConfiguredLine {
 };
 
 // `line` was parsed from `arguments` and has --config. What the command line has itself, the inputs among it, is not
-// taken from the file; all of the file is checked all the same. Fails with ErrorKind::input where the file cannot be
-// read, and with ErrorKind::usage where it is not TOML, has a key that is no option, or a value that its option does
+// taken from the file; all of the file is checked all the same. Fails with ErrorCode::input where the file cannot be
+// read, and with ErrorCode::usage where it is not TOML, has a key that is no option, or a value that its option does
 // not take; messages begin with its name.
 [[nodiscard]] Result<ConfiguredLine> with_config(const CommandLine& line, const std::vector<std::string>& arguments);
 

@@ -163,7 +163,7 @@ Result<void> check_stdout(const convert::ConversionJob& job) {
   const bool to_stdout = std::ranges::find(job.outputs, "-", &convert::OutputFileJob::path) != job.outputs.end();
   const bool is_text = !job.field_file && !job.picture_file && (job.ascii || job.format == meshes::MeshFormat::obj);
   if (!to_stdout || is_text || ::isatty(STDOUT_FILENO) == 0) return {};
-  return fail(ErrorKind::usage,
+  return fail(ErrorCode::usage,
               fmt::format("stdout is a terminal, and {} is binary data",
                           job.field_file     ? kFieldFormat
                           : job.picture_file ? kPictureFormat

@@ -6,7 +6,7 @@
 
 namespace isoextract::cli {
 
-// Fails with ErrorKind::unavailable where there is no device at all. Devices that cannot be used are listed with why.
+// Fails with ErrorCode::unavailable where there is no device at all. Devices that cannot be used are listed with why.
 [[nodiscard]] Result<void> run_devices(const DevicesFlags& flags);
 
 }  // namespace isoextract::cli

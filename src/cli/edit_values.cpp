@@ -31,7 +31,7 @@ std::optional<Measure> measure_of(std::string_view text) {
 }
 
 tl::unexpected<Error> expected_but(const std::string& expected, std::string_view found) {
-  return fail(ErrorKind::usage, fmt::format("expected {}, found '{}'", expected, found));
+  return fail(ErrorCode::usage, fmt::format("expected {}, found '{}'", expected, found));
 }
 
 }  // namespace

@@ -120,7 +120,7 @@ std::string first_line(const std::string& text) {
 Result<void> check_gnuplot(std::string_view option) {
   const Finished finished = run("exit\n");
   if (ended_well(finished)) return {};
-  return fail(ErrorKind::unavailable,
+  return fail(ErrorCode::unavailable,
               fmt::format("{} needs gnuplot, which {}", option,
                           finished.error == ENOENT ? "is not installed"
                           : finished.error != 0    ? fmt::format("cannot be run: {}", std::strerror(finished.error))
@@ -131,7 +131,7 @@ Result<void> check_gnuplot(std::string_view option) {
 Result<std::string> run_gnuplot(const std::string& script) {
   Finished finished = run(script);
   if (ended_well(finished) && !finished.out.empty()) return std::move(finished.out);
-  return fail(ErrorKind::unavailable, fmt::format("gnuplot made no picture: {}", first_line(finished.err)),
+  return fail(ErrorCode::unavailable, fmt::format("gnuplot made no picture: {}", first_line(finished.err)),
               finished.error != 0 ? kHint : "please report it with the command");
 }
 

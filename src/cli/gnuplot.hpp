@@ -9,10 +9,10 @@
 
 namespace isoextract::cli {
 
-// Fails with ErrorKind::unavailable where there is no gnuplot to run for `option`; the hint names its package.
+// Fails with ErrorCode::unavailable where there is no gnuplot to run for `option`; the hint names its package.
 [[nodiscard]] Result<void> check_gnuplot(std::string_view option);
 
-// What `script` writes to its standard output, without the user's settings. Fails with ErrorKind::unavailable, and
+// What `script` writes to its standard output, without the user's settings. Fails with ErrorCode::unavailable, and
 // gnuplot's own words, if it does not end well or writes nothing.
 [[nodiscard]] Result<std::string> run_gnuplot(const std::string& script);
 

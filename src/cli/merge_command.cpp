@@ -11,7 +11,7 @@ namespace isoextract::cli {
 
 Result<void> run_merge(const MergeFlags& flags) {
   if (!flags.folder || flags.folder->empty()) {
-    return fail(ErrorKind::usage, "merge needs the folder of the shards' outputs", "isoextract merge FOLDER");
+    return fail(ErrorCode::usage, "merge needs the folder of the shards' outputs", "isoextract merge FOLDER");
   }
   const auto merged = TRY(batch::merge_shards(*flags.folder));
   Messages(flags.run.quiet ? Verbosity::quiet : Verbosity::normal)
@@ -21,7 +21,7 @@ Result<void> run_merge(const MergeFlags& flags) {
   if (merged.absent.empty()) return {};
   const auto absent = TRY(batch::FrameRange::parse(merged.absent));
   const bool is_one = absent.count() == 1;
-  return fail(ErrorKind::frames,
+  return fail(ErrorCode::frames,
               fmt::format("{} frame{} asked for and {} no input: {}", absent.count(), is_one ? " was" : "s were",
                           is_one ? "has" : "have", batch::text_of(absent.runs(), batch::kShownFrameRuns)),
               "once their files are there, run the shards again with --resume; with --missing note they are no error");

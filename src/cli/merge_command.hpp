@@ -6,7 +6,7 @@
 
 namespace isoextract::cli {
 
-// ErrorKind::frames where all shards are done, but frames that were asked for have no input.
+// ErrorCode::frames where all shards are done, but frames that were asked for have no input.
 [[nodiscard]] Result<void> run_merge(const MergeFlags& flags);
 
 }  // namespace isoextract::cli

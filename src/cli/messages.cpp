@@ -60,9 +60,9 @@ Error error_of_exception() {
   try {
     throw;
   } catch (const std::bad_alloc&) {
-    return no_memory(ErrorKind::input, "not enough memory", Remedy::extract_part);
+    return no_memory("not enough memory", Remedy::extract_part);
   } catch (const std::exception& error) {
-    return {ErrorKind::input, fmt::format("unexpected: {}", error.what()), ""};
+    return {ErrorCode::input, fmt::format("unexpected: {}", error.what()), ""};
   }
 }
 

@@ -35,7 +35,7 @@ class Messages {
 // The exception that is being handled, as an error: for use in a catch block.
 [[nodiscard]] Error error_of_exception();
 
-// Writes `text` to stdout as a whole. Fails with ErrorKind::output, for example on a closed pipe or a full disk.
+// Writes `text` to stdout as a whole. Fails with ErrorCode::output, for example on a closed pipe or a full disk.
 [[nodiscard]] Result<void> print_to_stdout(std::string_view text);
 
 }  // namespace isoextract::cli

@@ -26,7 +26,7 @@ bool has_content(const std::string& path) {
 Error about_mesh_file(Error error, const std::string& path) {
   const bool is_mesh = meshes::mesh_format_by_path(path).has_value();
   const bool is_named = volumes::has_volume_extension(path) || volumes::has_particle_extension(path);
-  if (error.kind != ErrorKind::input || !error.hint.empty() || is_mesh || !has_content(path) || !is_named) return error;
+  if (error.code != ErrorCode::input || !error.hint.empty() || is_mesh || !has_content(path) || !is_named) return error;
   error.hint = fmt::format("its name is that of a volume or of particles: 'isoextract info {}' tells what it holds",
                            shell_quoted(path));
   return error;
@@ -40,7 +40,7 @@ Error about_volume_file(Error error, const std::string& path) {
   }
   const auto format = meshes::mesh_format_by_path(path);
   // Points are stored as PLY, too.
-  if (error.kind != ErrorKind::input || !format || *format == meshes::MeshFormat::ply || !has_content(path)) {
+  if (error.code != ErrorCode::input || !format || *format == meshes::MeshFormat::ply || !has_content(path)) {
     return error;
   }
   error.hint = fmt::format("its name is that of a mesh: 'isoextract check {}' tells about it", shell_quoted(path));

@@ -75,7 +75,7 @@ Result<void> OptionSet::refuse(About what, std::string_view why, std::string_vie
   const auto given = set_about(what);
   if (given.empty()) return {};
   const std::string& name = given.front()->name();
-  return fail(ErrorKind::usage, fmt::format(fmt::runtime(why), name), fmt::format(fmt::runtime(hint), name));
+  return fail(ErrorCode::usage, fmt::format(fmt::runtime(why), name), fmt::format(fmt::runtime(hint), name));
 }
 
 Option::Option(const Place& place, OptionRow row) : row_(std::make_shared<const OptionRow>(std::move(row))) {
@@ -106,7 +106,7 @@ Result<std::size_t> place_among(const std::vector<std::string>& words, std::stri
   const auto found = std::ranges::find(words, text);
   if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
   const std::string near = nearest_name(text, words);
-  return fail(ErrorKind::usage, fmt::format("expected one of {}, found '{}'", fmt::join(words, ", "), text),
+  return fail(ErrorCode::usage, fmt::format("expected one of {}, found '{}'", fmt::join(words, ", "), text),
               near.empty() ? "" : fmt::format("did you mean '{}'?", near));
 }
 

@@ -107,7 +107,7 @@ class OptionSet {
 
   // All that are set, and about `what`.
   [[nodiscard]] std::vector<const Option*> set_about(About what) const;
-  // Fails with ErrorKind::usage where there is one. In `why` and `hint` the first of them takes the place of {}.
+  // Fails with ErrorCode::usage where there is one. In `why` and `hint` the first of them takes the place of {}.
   [[nodiscard]] Result<void> refuse(About what, std::string_view why, std::string_view hint = "") const;
 
  protected:

@@ -19,13 +19,13 @@ Result<void> see_to_folders(std::span<const fs::path> files, bool make) {
   for (const fs::path& folder : folders) {
     if (folder.empty() || is_there(folder)) continue;
     if (!make) {
-      return fail(ErrorKind::output, fmt::format("{}: there is no such folder", folder.string()),
+      return fail(ErrorCode::output, fmt::format("{}: there is no such folder", folder.string()),
                   "--mkdir makes the folders of the outputs");
     }
     std::error_code error;
     fs::create_directories(folder, error);
     if (error) {
-      return fail(ErrorKind::output, fmt::format("{}: cannot make the folder: {}", folder.string(), error.message()));
+      return fail(ErrorCode::output, fmt::format("{}: cannot make the folder: {}", folder.string(), error.message()));
     }
   }
   return {};

@@ -15,13 +15,13 @@
 namespace isoextract::cli {
 
 // Names the outputs of every source after -o, and checks them and `others` as one set (batch::name_outputs). Fails with
-// ErrorKind::usage.
+// ErrorCode::usage.
 [[nodiscard]] Result<std::vector<batch::OutputFiles>> plan_outputs(const ConvertFlags& flags,
                                                                    std::span<const batch::OutputSource> sources,
                                                                    meshes::MeshFormat format,
                                                                    const batch::OtherFiles& others);
 
-// Reads what --report names. Fails with ErrorKind::usage.
+// Reads what --report names. Fails with ErrorCode::usage.
 [[nodiscard]] Result<batch::OutputTemplate> plan_report_name(const std::string& report);
 
 // The report of one source.

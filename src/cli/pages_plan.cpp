@@ -68,7 +68,7 @@ Result<void> write_pages(const PagesPlan& plan, std::span<const batch::FrameRow>
   if (plan.contact_sheet) {
     const auto pictures = TRY(MeshPictures::open(some_of(meshes_of(rows), kPicturesOfSheet), kOnSheet, up, context));
     if (pictures.count() == 0) {
-      return fail(ErrorKind::output, fmt::format("{}: there is no mesh to draw", *plan.contact_sheet));
+      return fail(ErrorCode::output, fmt::format("{}: there is no mesh to draw", *plan.contact_sheet));
     }
     TRY(write_contact_sheet(*plan.contact_sheet, pictures, context));
   }

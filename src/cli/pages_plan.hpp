@@ -20,8 +20,8 @@ namespace isoextract::cli {
 [[nodiscard]] Result<PagesPlan> plan_pages(const ConvertFlags& flags, const convert::ConversionJob& job);
 
 // Once all is converted: `rows` are all frames, with the files that they wrote. `page` knows what they did. Fails as
-// MeshPictures does, with ErrorKind::unavailable where there is no gnuplot to plot several frames, and with
-// ErrorKind::output.
+// MeshPictures does, with ErrorCode::unavailable where there is no gnuplot to plot several frames, and with
+// ErrorCode::output.
 [[nodiscard]] Result<void> write_pages(const PagesPlan& plan, std::span<const batch::FrameRow> rows,
                                        const HtmlPage& page, convert::UpAxis up,
                                        const std::vector<std::string>& arguments, const Context& context);

@@ -73,7 +73,7 @@ Result<std::string> take_usual_iso(ConvertFlags& flags, const std::string& input
     source.read = std::move(read);
     source.particles = std::move(particles);
     const auto of_particles = convert::is_particles(source, Context());
-    if (!of_particles && of_particles.error().kind == ErrorKind::usage) return tl::unexpected(of_particles.error());
+    if (!of_particles && of_particles.error().code == ErrorCode::usage) return tl::unexpected(of_particles.error());
     if (!of_particles.value_or(false)) return take_zero();  // what cannot be read is told where it is read
   }
   flags.isos.emplace_back(method.iso);

@@ -105,7 +105,7 @@ Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source
   Stopwatch making;
   auto made = convert::make_particle_field(file.particles, asked.particles, std::nullopt, context);
   if (!made) {
-    if (made.error().kind == ErrorKind::cancelled) return tl::unexpected(std::move(made.error()));
+    if (made.error().code == ErrorCode::cancelled) return tl::unexpected(std::move(made.error()));
     report.no_field = std::move(made.error());
     return measured;
   }

@@ -17,7 +17,7 @@
 namespace isoextract::cli {
 
 [[nodiscard]] inline tl::unexpected<Error> refuse_usage(std::string message, Hint hint = {}) {
-  return fail(ErrorKind::usage, std::move(message), std::move(hint));
+  return fail(ErrorCode::usage, std::move(message), std::move(hint));
 }
 
 // `besides` is what else than formats of meshes is expected.

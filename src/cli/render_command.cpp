@@ -136,7 +136,7 @@ class Pictures {
         kept.forget();
         auto read = source.read_volume(*picture.input, picture.output, context_, notes);
         if (!read) {
-          if (!plan_.is_sequence || read.error().reason == Reason::other) return read;
+          if (!plan_.is_sequence || !has_no_surface(read.error().code)) return read;
           notes.note(fmt::format("frame {}: {}: the picture shows none of it", picture.frame, read.error().message));
           if (!nothing) nothing = read.error();
           source.leave_volume_out();
@@ -231,7 +231,7 @@ Result<void> check_outputs(const RenderPlan& plan, const Context& context) {
     if (picture.output == "-") continue;
     TRY(convert::check_output_file(picture.output, read));
     if (plan.json && files::same_place(*plan.json, picture.output)) {
-      return fail(ErrorKind::usage,
+      return fail(ErrorCode::usage,
                   fmt::format("{}: it would be written twice, as a picture and by --json", *plan.json));
     }
   }
@@ -252,7 +252,7 @@ Result<void> run_render(const RenderPlan& plan, const Messages& messages) {
     TRY(files::write_file(*plan.json, convert::json_text(json)));
   }
   if (plan.missing.empty()) return {};
-  return fail(ErrorKind::frames,
+  return fail(ErrorCode::frames,
               fmt::format("frames that are not there: {}", batch::text_of(plan.missing, batch::kShownFrameRuns)),
               "name frames that are there with --frames");
 }

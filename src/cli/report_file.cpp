@@ -8,7 +8,7 @@ namespace isoextract::cli {
 
 Result<void> check_report_file(const std::string& path, const convert::ConversionJob& job) {
   auto checked = convert::check_other_file(path, job);
-  if (!checked && checked.error().kind == ErrorKind::usage) checked.error().hint = "choose another name with --report";
+  if (!checked && checked.error().code == ErrorCode::usage) checked.error().hint = "choose another name with --report";
   return checked;
 }
 

@@ -94,7 +94,7 @@ Result<render::TransferFunction> read_transfer(const std::string& path, const Co
   const std::string name = files::shown_input_name(path);
   const auto points = TRY(render::parse_transfer_function(text, name));
   auto transfer = render::TransferFunction::create(points);
-  if (!transfer) return fail(ErrorKind::input, fmt::format("{}: {}", name, transfer.error().message));
+  if (!transfer) return fail(ErrorCode::input, fmt::format("{}: {}", name, transfer.error().message));
   return transfer;
 }
 
@@ -149,7 +149,7 @@ Result<void> SceneSource::read_volume(const std::string& input, const std::strin
     convert::Outcome outcome = convert::run(job, context, events, {.note_of_field = note_of_field}, nullptr, &kept);
     if (outcome.error) {  // of a sequence, frames without a surface show the volume
       const bool shows_volume = plan_->is_sequence && plan_->draws_volume;
-      const bool goes_on = shows_volume && outcome.error->reason == Reason::no_surface;
+      const bool goes_on = shows_volume && outcome.error->code == ErrorCode::no_surface;
       if (!goes_on) return tl::unexpected(std::move(*outcome.error));
       events.note(outcome.error->message);
     }

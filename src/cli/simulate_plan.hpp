@@ -40,7 +40,7 @@ struct SequenceKind {
   std::uint64_t first = 0;  // the number of the first frame
 };
 
-// Every name once, and a place for the frame's number in it where there are several. Fails with ErrorKind::usage.
+// Every name once, and a place for the frame's number in it where there are several. Fails with ErrorCode::usage.
 [[nodiscard]] Result<SequencePlan> plan_sequence(const SequenceFlags& flags, const SequenceKind& kind);
 
 struct WaterPlan {

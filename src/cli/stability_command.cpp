@@ -39,7 +39,7 @@ Result<std::vector<const measure::StabilityCase*>> chosen_cases(const std::vecto
   for (const std::string& name : names) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     const std::string near = nearest_name(name, known);
-    return fail(ErrorKind::usage, fmt::format("--case: there is no case '{}'", name),
+    return fail(ErrorCode::usage, fmt::format("--case: there is no case '{}'", name),
                 near.empty() ? "'isoextract stability --list' names them" : fmt::format("did you mean '{}'?", near));
   }
   std::vector<const measure::StabilityCase*> chosen;
@@ -200,7 +200,7 @@ Result<void> run_stability(const StabilityFlags& flags, const Messages& messages
   if (water) text += (text.empty() ? "" : "\n") + water_table(water_rows);
   TRY(print_to_stdout(flags.json ? convert::json_text(json) : text));
   if (failed == 0) return {};
-  return fail(ErrorKind::verification, fmt::format("{} of {} cases failed", failed, rows.size() + water_rows.size()),
+  return fail(ErrorCode::verification, fmt::format("{} of {} cases failed", failed, rows.size() + water_rows.size()),
               "the verdicts say how; please report them");
 }
 

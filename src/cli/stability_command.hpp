@@ -7,8 +7,8 @@
 
 namespace isoextract::cli {
 
-// Prints the table, the JSON or the list of cases. Fails with ErrorKind::usage for a case that is not there, and with
-// ErrorKind::verification, after the table, where a case does not pass.
+// Prints the table, the JSON or the list of cases. Fails with ErrorCode::usage for a case that is not there, and with
+// ErrorCode::verification, after the table, where a case does not pass.
 [[nodiscard]] Result<void> run_stability(const StabilityFlags& flags, const Messages& messages);
 
 }  // namespace isoextract::cli

@@ -21,7 +21,7 @@ Result<void> limit_threads(const std::optional<int>& threads) {
   const StartedThreads others = try_threads(wanted - 1);  // as oneTBB has them
   if (others.refusal.empty()) return {};
   const int could = others.count + 1;
-  return fail(ErrorKind::unavailable,
+  return fail(ErrorCode::unavailable,
               fmt::format("cannot start {} threads, no more than {}: {}", wanted, could, others.refusal),
               fmt::format("use no more with --threads {}, or raise the limit (ulimit {})", could,
                           address_space_limit() ? "-v: a thread's stack takes address space, too" : "-u"));

@@ -19,7 +19,7 @@ namespace {
 constexpr int kMaxThreads = 1024;
 
 tl::unexpected<Error> expected_found(std::string_view expected, std::string_view found) {
-  return fail(ErrorKind::usage, fmt::format("expected {}, found '{}'", expected, found));
+  return fail(ErrorCode::usage, fmt::format("expected {}, found '{}'", expected, found));
 }
 
 template <class T>

@@ -1,4 +1,4 @@
-// The values of options: from text to checked values. Errors are ErrorKind::usage; their messages say what was
+// The values of options: from text to checked values. Errors are ErrorCode::usage; their messages say what was
 // expected and what was found, and the caller puts the option's name in front.
 #pragma once
 

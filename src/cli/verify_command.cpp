@@ -239,8 +239,8 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
     }
     convert::Outcome outcome;
     auto made = make_anew(placed, context, notes, outcome);
-    if (!made && record && made.error().kind == ErrorKind::usage) {
-      return fail(ErrorKind::input,
+    if (!made && record && made.error().code == ErrorCode::usage) {
+      return fail(ErrorCode::input,
                   fmt::format("{}: the volume cannot be placed as it says: {}", *plan.mesh, made.error().message));
     }
     if (!made) return tl::unexpected(made.error());
@@ -257,7 +257,7 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
     return printed;
   }
   if (found.empty()) return {};
-  return fail(ErrorKind::verification,
+  return fail(ErrorCode::verification,
               fmt::format("{}: it is not the surface of {}: {}", *plan.mesh, anew.surface, fmt::join(found, "; ")),
               hint_for(plan.job, match));
 }

@@ -7,7 +7,7 @@
 
 namespace isoextract::cli {
 
-// Fails with ErrorKind::verification, after the report on stdout, if something differs.
+// Fails with ErrorCode::verification, after the report on stdout, if something differs.
 [[nodiscard]] Result<void> run_verify(const VerifyPlan& plan, const Messages& messages);
 
 }  // namespace isoextract::cli

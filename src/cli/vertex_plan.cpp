@@ -41,8 +41,8 @@ template <class T>
 Result<void> put_setting(std::string_view key, std::string_view text, Result<T> (*parse)(std::string_view),
                          std::optional<T>& target) {
   auto value = parse(text);
-  if (!value) return fail(ErrorKind::usage, fmt::format("{}: {}", key, value.error().message), value.error().hint);
-  if (target) return fail(ErrorKind::usage, fmt::format("{}= was given twice", key));
+  if (!value) return fail(ErrorCode::usage, fmt::format("{}: {}", key, value.error().message), value.error().hint);
+  if (target) return fail(ErrorCode::usage, fmt::format("{}= was given twice", key));
   target = *value;
   return {};
 }
@@ -57,12 +57,12 @@ std::vector<std::string> kind_names() {
 // colons.
 Result<bool> take_kind(std::string_view word, convert::AttributeChoice& choice) {
   const auto kind = value_of<AttributeKind>(word);
-  if (kind && choice.kind) return fail(ErrorKind::usage, "a kind was given twice");
+  if (kind && choice.kind) return fail(ErrorCode::usage, "a kind was given twice");
   if (kind) choice.kind = kind;
   if (kind) return true;
   const std::string near = nearest_name(word, kind_names());
   if (near.empty()) return false;
-  return fail(ErrorKind::usage,
+  return fail(ErrorCode::usage,
               fmt::format("expected a kind ({}) behind the colon, found '{}'", fmt::join(kind_names(), ", "), word),
               fmt::format("did you mean '{}'?", near));
 }
@@ -87,7 +87,7 @@ Result<bool> take_setting(std::string_view word, convert::AttributeChoice& choic
   } else {
     const std::string near = nearest_name(key, {kSettings.begin(), kSettings.end()});
     if (near.empty()) return false;
-    put = fail(ErrorKind::usage,
+    put = fail(ErrorCode::usage,
                fmt::format("expected one of {} before '=', found '{}'", fmt::join(kSettings, ", "), key),
                fmt::format("did you mean '{}'?", near));
   }
@@ -115,10 +115,10 @@ Result<void> take_name(std::string_view text, convert::AttributeChoice& choice) 
   choice.name = name;
   choice.from = equals == std::string_view::npos ? name : text.substr(equals + 1);
   if (choice.name.empty() || choice.from.empty()) {
-    return fail(ErrorKind::usage, fmt::format("expected NAME or NAME=FROM, found '{}'", text));
+    return fail(ErrorCode::usage, fmt::format("expected NAME or NAME=FROM, found '{}'", text));
   }
   if (choice.from.ends_with('?')) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("expected the '?' of an optional attribute behind its name, found '{}'", text),
                 fmt::format("{}?={}", choice.name, choice.from.substr(0, choice.from.size() - 1)));
   }
@@ -132,11 +132,11 @@ Result<void> check_name_of_map(std::string_view text, convert::Colormap map) {
   if (colon == std::string_view::npos || !from.empty()) return {};
   const std::string word(text.substr(colon + 1));
   if (parse_range(word)) {
-    return fail(ErrorKind::usage, fmt::format("expected MIN,MAX once, behind the colour map, found {} before it", word),
+    return fail(ErrorCode::usage, fmt::format("expected MIN,MAX once, behind the colour map, found {} before it", word),
                 fmt::format("as in {}:{}:{}", printable(text.substr(0, colon)), word_of(map), printable(word)));
   }
   const std::string near = nearest_name(word, colormap_names());
-  return fail(ErrorKind::usage,
+  return fail(ErrorCode::usage,
               fmt::format("expected a colour map ({}) or MIN,MAX after the colon, found '{}'",
                           fmt::join(colormap_names(), ", "), word),
               near.empty() ? "" : fmt::format("did you mean '{}'?", near));
@@ -191,20 +191,20 @@ Result<ColourFlag> parse_colour(std::string_view text) {
       return true;
     }
     if (value_of<AttributeKind>(word)) {
-      return fail(ErrorKind::usage, fmt::format("'{}' has no effect: colours go by the values of the input", word),
+      return fail(ErrorCode::usage, fmt::format("'{}' has no effect: colours go by the values of the input", word),
                   "give the kind to the attribute, and the attribute's name to its colours");
     }
     return take_setting(word, choice);
   };
   TRY(take_from_end(text, take));
   if (flag.range && !((*flag.range)[0] < (*flag.range)[1])) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("expected MIN below MAX, found {} and {}", (*flag.range)[0], (*flag.range)[1]));
   }
   TRY(check_name_of_map(text, flag.map));
   if (text == kIso) {
     if (choice == convert::AttributeChoice()) return flag;
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{} stands for the iso values, which have no {}", kIso, fmt::join(kSettings, ", ")));
   }
   TRY(take_name(text, choice));
@@ -215,7 +215,7 @@ Result<ColourFlag> parse_colour(std::string_view text) {
 Result<std::vector<double>> parse_opacity(std::string_view text) {
   auto values = parse_numbers(text);
   if (!values || !std::ranges::all_of(*values, [](double value) { return value > 0 && value <= 1; })) {
-    return fail(ErrorKind::usage, fmt::format("expected numbers above 0 and at most 1, found '{}'", text));
+    return fail(ErrorCode::usage, fmt::format("expected numbers above 0 and at most 1, found '{}'", text));
   }
   return std::move(*values);
 }

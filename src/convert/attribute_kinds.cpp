@@ -40,7 +40,7 @@ std::vector<NamedKind> kinds_in(std::string_view placement) {
 Result<std::optional<AttributeKind>> find_kind(const AttributeChoice& choice, std::size_t components,
                                                std::optional<AttributeKind> stated) {
   if (choice.kind && changes_with_mesh(*choice.kind) && components != 3) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("the attribute '{}': expected three components of a {}, found {}", printable(choice.name),
                             word_of(*choice.kind), components),
                 "leave the kind out");

@@ -23,7 +23,7 @@ struct NamedKind {
 };
 
 // The kind of an attribute of so many components: the one that was chosen, else the one that the file `stated`, else by
-// its name, or by that of where it comes from. Nothing where none of these says anything. Fails with ErrorKind::usage
+// its name, or by that of where it comes from. Nothing where none of these says anything. Fails with ErrorCode::usage
 // where a kind was chosen that needs three components.
 [[nodiscard]] Result<std::optional<AttributeKind>> find_kind(const AttributeChoice& choice, std::size_t components,
                                                              std::optional<AttributeKind> stated);

@@ -187,7 +187,7 @@ Result<VolumeAttribute> read_volume_attribute(const SourceOptions& options, cons
                                               const field::ScalarField& input, const Context& context) {
   const AttributePlace place = attribute_place(choice);
   if (place.file.empty() && input.grids == 0) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: expected a file with grids, of which '{}' would be one, found {}", input.source,
                             printable(choice.from), input.format),
                 "an attribute can be read from another file");

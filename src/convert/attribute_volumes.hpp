@@ -51,7 +51,7 @@ struct VolumeAttributes {
   std::vector<MissingAttribute> missing;
 };
 
-// Reads those of a volume, of which `input` is what was read. Fails as read_volume() does, and with ErrorKind::input
+// Reads those of a volume, of which `input` is what was read. Fails as read_volume() does, and with ErrorCode::input
 // where the input's format names no grids. A grid or file that is not there is no failure of optional attributes, and
 // with `missing_is_fine` of none.
 [[nodiscard]] Result<VolumeAttributes> read_volume_attributes(const SourceOptions& options,

@@ -29,7 +29,7 @@ struct OpenedBackend {
   std::string reason;  // for automatic: "cpu, because ...", "gpu, NAME"; else empty
 };
 
-// cpu cannot fail; gpu fails with ErrorKind::unavailable where there is none, and never turns into the CPU. automatic
+// cpu cannot fail; gpu fails with ErrorCode::unavailable where there is none, and never turns into the CPU. automatic
 // takes a GPU if there is one that is not software, which is never faster than the CPU backend. A GPU's extractor is
 // used and dropped on the thread that opened it.
 [[nodiscard]] Result<OpenedBackend> open_backend(Backend backend, const gpu::GpuOptions& options);

@@ -258,7 +258,7 @@ class Conversion {
     if (source_.isos.empty()) return {};
     looks_ = TRY(LabelLooks::open(job_, context_));
     if (!extractor_->has(job_.surface.method)) {
-      const Error error{ErrorKind::unavailable,
+      const Error error{ErrorCode::unavailable,
                         fmt::format("the {} backend does not have {}", extractor_->name(), method().title),
                         Remedy::use_cpu};
       if (!gave_way(error)) return tl::unexpected(error);
@@ -269,8 +269,8 @@ class Conversion {
     for (const std::string& note : labels_->notes()) events_.note(note);
     if (!labels_->labels().empty() || job_.empty != EmptyPolicy::error) return {};
     return tl::unexpected(source_.empty ? empty_source(source_)
-                                        : Error{ErrorKind::input, source_.label + ": no sample has a label but 0",
-                                                Remedy::allow_empty, Reason::no_surface});
+                                        : Error{ErrorCode::no_surface, source_.label + ": no sample has a label but 0",
+                                                Remedy::allow_empty});
   }
 
   // Nothing where it is empty and empty surfaces are skipped.
@@ -339,7 +339,7 @@ class Conversion {
   bool gave_way(const Error& error) {
     const bool may = job_.backend.backend == Backend::automatic && extractor_->name() == word_of(Backend::gpu) &&
                      other_extractor_ == nullptr;
-    if (!may || error.kind != ErrorKind::unavailable) return false;
+    if (!may || error.code != ErrorCode::unavailable) return false;
     extract_with({extract::make_cpu_extractor(), fmt::format("cpu, because {}", error.message)}, {});
     return true;
   }
@@ -482,11 +482,10 @@ Outcome run(const ConversionJob& job, const Context& context, Events& events, co
   try {
     done = Conversion(job, context, outcome, events, extras, kept, sink).run();
   } catch (const std::bad_alloc&) {
-    done = tl::unexpected(no_memory(ErrorKind::input,
-                                    fmt::format("{}: not enough memory", files::shown_input_name(job.source.input)),
+    done = tl::unexpected(no_memory(fmt::format("{}: not enough memory", files::shown_input_name(job.source.input)),
                                     Remedy::extract_part));
   } catch (const std::exception& error) {
-    done = fail(ErrorKind::input,
+    done = fail(ErrorCode::input,
                 fmt::format("{}: unexpected: {}", files::shown_input_name(job.source.input), error.what()));
   }
   if (!done) outcome.error = std::move(done.error());

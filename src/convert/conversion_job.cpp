@@ -20,7 +20,7 @@ Json json_of(const ConversionJob& job) { return JobJson::encode(job); }
 Result<ConversionJob> job_of(const Json& json) {
   ConversionJob job;
   const JobJson::Expected problem = JobJson::decode(json, job);
-  if (!problem.empty()) return fail(ErrorKind::usage, fmt::format("a conversion job: expected {}", problem));
+  if (!problem.empty()) return fail(ErrorCode::usage, fmt::format("a conversion job: expected {}", problem));
   return job;
 }
 

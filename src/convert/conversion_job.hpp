@@ -46,7 +46,7 @@ constexpr auto words_of(Normals /*type*/) {
 
 // What becomes of a surface without triangles.
 enum class EmptyPolicy {
-  error,  // ErrorKind::input
+  error,  // ErrorCode::input
   skip,   // it is left out; a file without any surface is not written, and an old one of its name is removed
   write,  // an empty mesh
 };
@@ -205,7 +205,7 @@ struct ConversionJob {
 [[nodiscard]] Json json_of(const ConversionJob& job);
 
 // The other way. Members that are left out have their defaults; one that is not known, or that has another type or word
-// than expected, is ErrorKind::usage and named in the message.
+// than expected, is ErrorCode::usage and named in the message.
 [[nodiscard]] Result<ConversionJob> job_of(const Json& json);
 
 // 32 hexadecimal digits that stand for everything in the job: the same for equal jobs, on every machine and in every

@@ -29,7 +29,7 @@ Result<void> check_error_memory(const ConversionJob& job, const Source& source, 
     const std::uint64_t used = std::min(limit, context.memory().reserved());
     if (bytes <= limit - used) continue;
     return fail(
-        ErrorKind::input,
+        ErrorCode::out_of_memory,
         fmt::format("{}: the surface at iso {} and the measuring of its error need at least {}, the limit is {}, "
                     "of which {} are in use",
                     source.label, iso.value, format_byte_size(bytes), format_byte_size(limit), format_byte_size(used)),

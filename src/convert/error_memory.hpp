@@ -11,7 +11,7 @@
 namespace isoextract::convert {
 
 // Before any surface is extracted: whether the memory is left that extracting and measuring the surfaces of `source`
-// needs at least. Fails with ErrorKind::input and Remedy::raise_memory_limit.
+// needs at least. Fails with ErrorCode::out_of_memory and Remedy::raise_memory_limit.
 [[nodiscard]] Result<void> check_error_memory(const ConversionJob& job, const Source& source, const Context& context);
 
 // About what measuring takes beside the mesh, at an iso value.

@@ -29,12 +29,12 @@ Result<ResolvedIso> suggested_iso(const IsoChoice& choice, const field::ScalarFi
     return ResolvedIso{choice, suggestion.iso, std::move(suggestion.method)};
   }
   return tl::unexpected(Error{
-      ErrorKind::input,
+      ErrorCode::no_surface,
       fmt::format("{}: expected samples of two kinds, to take an iso value between them; found {}", field_label(field),
                   statistics.min == statistics.max
                       ? fmt::format("{:.6g} everywhere", statistics.min)
                       : fmt::format("values from {:.6g} to {:.6g}", statistics.min, statistics.max)),
-      Remedy::no_surface_or_skip, Reason::no_surface});
+      Remedy::no_surface_or_skip});
 }
 
 Hint suggested_by_info() { return {Remedy::other_iso, "auto, the value that 'isoextract info' suggests"}; }
@@ -42,7 +42,7 @@ Hint suggested_by_info() { return {Remedy::other_iso, "auto, the value that 'iso
 Result<ResolvedIso> zero_of(const IsoChoice& choice, const field::ScalarField& field) {
   if (field.kind == field::FieldKind::level_set) return ResolvedIso{choice, 0, "the zero of the level set"};
   return fail(
-      ErrorKind::usage,
+      ErrorCode::usage,
       fmt::format("{}: expected a level set, whose surface is at 0, where no iso value is given; found a density",
                   field_label(field)),
       suggested_by_info());
@@ -93,18 +93,18 @@ Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices
   std::vector<ResolvedIso> isos;
   for (const IsoChoice& choice : choices) {
     if (choice.kind == IsoChoice::Kind::percentile) {
-      return fail(ErrorKind::usage,
+      return fail(ErrorCode::usage,
                   fmt::format("{}: expected a number or '{}' as the iso value of particles, found '{}': percentiles of "
                               "their field tell how far its samples reach, not where the surface is",
                               label, text_of(IsoChoice::suggested()), text_of(choice)),
                   fmt::format("the usual value of {} is {}", info.title, info.iso));
     }
     if (choice.is_label()) {
-      return fail(ErrorKind::usage,
+      return fail(ErrorCode::usage,
                   fmt::format("{}: expected a label map, a volume of integers, found particles", label));
     }
     if (choice.kind == IsoChoice::Kind::zero && info.kind != field::FieldKind::level_set) {
-      return fail(ErrorKind::usage, fmt::format("{}: no iso value is given", label), suggested_by_info());
+      return fail(ErrorCode::usage, fmt::format("{}: no iso value is given", label), suggested_by_info());
     }
     if (choice.is_number()) {
       isos.push_back({choice, choice.number, {}});

@@ -34,8 +34,8 @@ struct ResolvedIso {
 
 // One a choice, in their order; a label's value is its number. The samples are looked at only for choices that are no
 // numbers and that the kind of the field does not settle. Where no sample is finite, values that need one are 0. Fails
-// with ErrorKind::usage where IsoChoice::zero() is asked of a field that is no level set, and with ErrorKind::input,
-// Reason::no_surface where a value is to be suggested and none separates the samples; with
+// with ErrorCode::usage where IsoChoice::zero() is asked of a field that is no level set, and with ErrorCode::input,
+// ErrorCode::no_surface where a value is to be suggested and none separates the samples; with
 // `empty_is_fine` it is then one that gives no surface. As Context::reserve() does, and where the context is cancelled
 // or the field is lost.
 [[nodiscard]] Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices,

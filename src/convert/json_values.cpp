@@ -5,26 +5,31 @@
 namespace isoextract::convert {
 namespace {
 
-std::string_view name_of(ErrorKind kind) {
-  switch (kind) {
-    case ErrorKind::usage: return "usage";
-    case ErrorKind::input: return "input";
-    case ErrorKind::unavailable: return "unavailable";
-    case ErrorKind::output: return "output";
-    case ErrorKind::frames: return "frames";
-    case ErrorKind::verification: return "verification";
-    case ErrorKind::cancelled: break;
+// Codes of one exit code have one kind.
+std::string_view kind_of(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::usage: return "usage";
+    case ErrorCode::input:
+    case ErrorCode::empty_grid:
+    case ErrorCode::no_surface:
+    case ErrorCode::out_of_memory: return "input";
+    case ErrorCode::unavailable: return "unavailable";
+    case ErrorCode::output: return "output";
+    case ErrorCode::frames: return "frames";
+    case ErrorCode::verification: return "verification";
+    case ErrorCode::cancelled: break;
   }
   return "cancelled";
 }
 
-Json reason_name(Reason reason) {
-  switch (reason) {
-    case Reason::empty_grid: return "empty_grid";
-    case Reason::no_surface: return "no_surface";
-    case Reason::other: break;
+// Tells codes of one kind apart.
+Json reason_of(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::empty_grid: return "empty_grid";
+    case ErrorCode::no_surface: return "no_surface";
+    case ErrorCode::out_of_memory: return "out_of_memory";
+    default: return nullptr;
   }
-  return nullptr;
 }
 
 }  // namespace
@@ -50,9 +55,9 @@ Json json_of(const field::Affine& map) {
 }
 
 Json json_of(const Error& error) {
-  return {{"kind", name_of(error.kind)},
-          {"exit_code", static_cast<int>(error.kind)},
-          {"reason", reason_name(error.reason)},
+  return {{"kind", kind_of(error.code)},
+          {"exit_code", exit_code_of(error.code)},
+          {"reason", reason_of(error.code)},
           {"message", error.message},
           {"hint", error.hint.text}};
 }

@@ -87,7 +87,7 @@ Result<LabelTable> LabelTable::parse(std::string_view text, const std::string& s
     if (line.empty() || line.front() == '#') continue;
     auto entry = entry_of(line);
     if (!entry) {
-      return fail(ErrorKind::input,
+      return fail(ErrorCode::input,
                   fmt::format("{}: line {}: expected a label as ITK-SNAP (number, red, green, blue, alpha, two flags, "
                               "\"name\") or FreeSurfer (number, name, red, green, blue, alpha) write it, with colours "
                               "from 0 to 255, found '{}'",
@@ -96,12 +96,12 @@ Result<LabelTable> LabelTable::parse(std::string_view text, const std::string& s
     table.entries_.push_back(std::move(*entry));
   }
   if (table.entries_.empty()) {
-    return fail(ErrorKind::input, fmt::format("{}: expected a table of labels, found none in it", source));
+    return fail(ErrorCode::input, fmt::format("{}: expected a table of labels, found none in it", source));
   }
   std::ranges::stable_sort(table.entries_, {}, &LabelEntry::label);
   const auto twice = std::ranges::adjacent_find(table.entries_, {}, &LabelEntry::label);
   if (twice != table.entries_.end()) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: expected each label once, found {} as '{}' and as '{}'", source, twice->label,
                             printable(twice->name, kMaxShown), printable((twice + 1)->name, kMaxShown)));
   }

@@ -31,7 +31,7 @@ class LabelTable {
   //   number name red green blue alpha                   FreeSurfer's look-up tables, and 3D Slicer's
   //
   // Colours are whole numbers from 0 to 255. What alpha means differs between those who write such tables, and what is
-  // visible is for a viewer: both are read past. Fails with ErrorKind::input where a line is anything else, with its
+  // visible is for a viewer: both are read past. Fails with ErrorCode::input where a line is anything else, with its
   // number; where a label comes twice; and where there is none. `source` starts the message.
   [[nodiscard]] static Result<LabelTable> parse(std::string_view text, const std::string& source);
 

@@ -78,10 +78,10 @@ Result<StageReport> drop_pieces(Surface& surface, const StageContext& stage) {
         fmt::format("{}: {} open components have no volume, and stay", report.subject, facts.without_volume));
   }
   if (!was_empty && surface.mesh.triangles.empty() && stage.job.empty == EmptyPolicy::error) {
-    report.error = Error{ErrorKind::input,
+    report.error = Error{ErrorCode::no_surface,
                          fmt::format("{}: none of the {} components at {} is as large as asked for", stage.source.label,
                                      facts.before.components, stage.at(surface)),
-                         Remedy::allow_empty, Reason::no_surface};
+                         Remedy::allow_empty};
   }
   return report;
 }

@@ -54,7 +54,7 @@ void add_read_mesh(files::ReadFiles& read, const std::string& path, const Contex
 [[nodiscard]] Result<void> check_mesh_files(const OutputFileJob& output, meshes::MeshFormat format,
                                             const files::ReadFiles& read);
 
-// A file that is written at the end: writable, and not read. Fails with ErrorKind::usage and ErrorKind::output.
+// A file that is written at the end: writable, and not read. Fails with ErrorCode::usage and ErrorCode::output.
 [[nodiscard]] Result<void> check_output_file(const std::filesystem::path& path, const files::ReadFiles& read);
 
 }  // namespace isoextract::convert

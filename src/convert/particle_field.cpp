@@ -37,7 +37,7 @@ Result<points::ParticleField> make_level_set(const points::ParticleSet& particle
     const auto& samples = std::get<field::SparseSamples>(made.field.samples);
     figures.bricks_stored = samples.blocks.size();
     if (figures.particles == 0) {
-      return fail(ErrorKind::input,
+      return fail(ErrorCode::input,
                   fmt::format("{}: expected particles of a radius of at least {} samples, which are {:.6g} apart; all "
                               "{} are smaller",
                               particles.label, points::kLeastSphere, figures.spacing, field->left_out),

@@ -24,7 +24,7 @@ Result<void> check_no_volume_options(const SourceOptions& options, const Format&
   const bool describes_place = read.spacing || read.origin || read.kind || options.away_from_zero;
   if (!names_other_grid && !describes_samples && !describes_place) return {};
   return fail(
-      ErrorKind::usage,
+      ErrorCode::usage,
       fmt::format("{}: this is read as particles, which have no grid, layout, component, order of axes, value for no "
                   "data, spacing, origin or inside to be chosen",
                   files::shown_input_name(options.input)),
@@ -55,7 +55,7 @@ Result<bool> is_particles(const SourceOptions& options, const Context& context) 
   // Where a file may hold grids of both, its content says what it is of, or the name of the grid that is asked for.
   if (volume && !expected && !(particles && particles->has_grids)) return false;
   if (!particles && volume) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: this is a volume, and options of particles were given",
                             files::shown_input_name(options.input)),
                 Remedy::leave_out_particles);
@@ -120,7 +120,7 @@ Result<FoundAttributes> find_attributes(const points::ParticleSet& particles,
   FoundAttributes found;
   for (const AttributeChoice& choice : choices) {
     if (choice.says_how_to_read()) {
-      return fail(ErrorKind::usage,
+      return fail(ErrorCode::usage,
                   fmt::format("{}: the attribute '{}' was given a spacing, an origin, a value for no data, a volume "
                               "or a component, which volumes have; this is read as particles",
                               particles.label, printable(choice.name)),
@@ -130,7 +130,7 @@ Result<FoundAttributes> find_attributes(const points::ParticleSet& particles,
     const auto at = std::ranges::find(particles.attributes, name, &points::ParticleAttribute::name);
     if (at == particles.attributes.end()) {
       Error error{
-          ErrorKind::input,
+          ErrorCode::input,
           fmt::format("{}: expected an attribute '{}', found none of that name", particles.label, printable(name)),
           {}};
       if (!choice.optional && !missing_is_fine) return tl::unexpected(std::move(error));
@@ -138,7 +138,7 @@ Result<FoundAttributes> find_attributes(const points::ParticleSet& particles,
       continue;
     }
     if (at->components > mesh::kMaxComponents) {
-      return fail(ErrorKind::input,
+      return fail(ErrorCode::input,
                   fmt::format("{}: expected attributes of at most {} components, which a vertex can carry; '{}' has {}",
                               particles.label, mesh::kMaxComponents, printable(name), at->components),
                   Remedy::fewer_attributes);

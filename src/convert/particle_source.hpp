@@ -19,7 +19,7 @@ namespace isoextract::convert {
 
 // Whether the input is read as particles: where that is expected, and else where its content or, of formats that only
 // their names tell, its name says so. Volumes come first, but for files of points alone in a format that holds both,
-// and for sets of points in one that are chosen by name. Fails with ErrorKind::usage where particles are expected and
+// and for sets of points in one that are chosen by name. Fails with ErrorCode::usage where particles are expected and
 // the input is a volume, and where it is of particles and options are about volumes; and where it cannot be read.
 [[nodiscard]] Result<bool> is_particles(const SourceOptions& options, const Context& context);
 
@@ -51,8 +51,8 @@ struct FoundAttributes {
   std::vector<MissingAttribute> missing;
 };
 
-// Fails with ErrorKind::input where an attribute has more components than a vertex can carry or is not there, unless it
-// is optional or `missing_is_fine`, and with ErrorKind::usage where a choice is about volumes.
+// Fails with ErrorCode::input where an attribute has more components than a vertex can carry or is not there, unless it
+// is optional or `missing_is_fine`, and with ErrorCode::usage where a choice is about volumes.
 [[nodiscard]] Result<FoundAttributes> find_attributes(const points::ParticleSet& particles,
                                                       const std::vector<AttributeChoice>& choices,
                                                       bool missing_is_fine);

@@ -25,7 +25,7 @@ namespace isoextract::convert {
 // The picture is lent.
 [[nodiscard]] images::LightImage light_of(const render::Picture& picture);
 
-// Whole or not at all; gives the bytes of the file. Fails as images::write_png() does, and with ErrorKind::output.
+// Whole or not at all; gives the bytes of the file. Fails as images::write_png() does, and with ErrorCode::output.
 [[nodiscard]] Result<std::uint64_t> write_png(const std::string& path, const render::Picture& picture,
                                               const Context& context);
 
@@ -36,7 +36,7 @@ struct WrittenPicture {
 
 // Draws `meshes`, which are placed so, on the processor, the same picture for any number of threads, and writes it to
 // `output`, whole or not at all. A note tells where it misses all surfaces. Fails as render::draw_preview() does, and
-// with ErrorKind::output.
+// with ErrorCode::output.
 [[nodiscard]] Result<WrittenPicture> write_picture(std::span<const mesh::Mesh> meshes, const ConversionJob& job,
                                                    const Placement& placement, const OutputFileJob& output,
                                                    const Context& context);

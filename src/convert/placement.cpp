@@ -60,7 +60,7 @@ Result<Placement> with_unit_of_file(const field::ScalarField& field, const Place
     const std::string found = field.length_unit.empty()
                                   ? "states none"
                                   : fmt::format("states '{}'", printable(field.length_unit, kMaxShownUnit));
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: the unit that the file states was asked for, and it {}{}", field_label(field), found,
                             field.length_unit.empty() ? "" : ", which is none of those that are known"),
                 Remedy::name_unit);
@@ -160,7 +160,7 @@ Result<field::IndexBox> samples_in_box(const field::ScalarField& field, const fi
   }
   for (int axis = 0; axis < 3; ++axis) {
     if (samples.max[axis] - samples.min[axis] >= 1) continue;
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: the region {} holds {} along {}; the data is at {}", field.source, box_text(box),
                             covering ? "no cell of the data" : "fewer than two samples", "xyz"[axis],
                             box_text(bounds_in(field, space))),
@@ -253,7 +253,7 @@ Result<PlacedField> place_field(const field::ScalarField& field, const Placement
                                 const std::optional<field::Box>& roi, RegionEnds ends) {
   if (placement.to_space && !ras_signs(field.world_space)) {
     const std::string found = field.world_space.empty() ? "does not say" : fmt::format("says '{}'", field.world_space);
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: {} was asked for, which needs a file that says whether its world is RAS, LAS or LPS; "
                             "this one {}",
                             field_label(field), word_of(*placement.to_space), found),
@@ -270,7 +270,7 @@ Result<PlacedField> place_field(const field::ScalarField& field, const Placement
   placed.output_from_index =
       placement.space == Space::index ? field.index_to_file : placed_after(field.index_to_world, resolved);
   if (field.index_to_world.is_regular() && !placed.output_from_index.is_regular()) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: scaled by {}, coordinates leave the range of numbers", field_label(field),
                             resolved.placement.scale),
                 Remedy::choose_scale);

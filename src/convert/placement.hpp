@@ -102,7 +102,7 @@ enum class RegionEnds {
 
 // The samples of `field` in `box` (world or voxel coordinates, as `space` says), to a millionth of a voxel: the
 // smallest index box that holds them all; or, `covering` the box, that holds all cells that it touches. Fails with
-// ErrorKind::input if that is less than one cell of the data.
+// ErrorCode::input if that is less than one cell of the data.
 [[nodiscard]] Result<field::IndexBox> samples_in_box(const field::ScalarField& field, const field::Box& box,
                                                      Space space, bool covering = false);
 
@@ -116,7 +116,7 @@ struct PlacedField {
 };
 
 // A region is a box in the coordinates of Placement::space. A note tells where it ends at samples that are not on its
-// faces. Fails with ErrorKind::usage where an anatomical space or a unit is asked for and the file does not say which
+// faces. Fails with ErrorCode::usage where an anatomical space or a unit is asked for and the file does not say which
 // one its world is, where the scale leads out of the range of numbers, and as samples_in_box does.
 [[nodiscard]] Result<PlacedField> place_field(const field::ScalarField& field, const Placement& placement,
                                               const std::optional<field::Box>& roi, RegionEnds ends);

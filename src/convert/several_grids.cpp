@@ -58,14 +58,14 @@ Result<void> check_grids(const SourceOptions& source, const Context& context) {
     const SourceOptions options = with_grid(source, grid);
     const auto particles = TRY(is_particles(options, context));
     if (particles) {
-      return fail(ErrorKind::usage,
+      return fail(ErrorCode::usage,
                   fmt::format("{}: expected volumes, as several grids were chosen; found particles in '{}'",
                               files::shown_input_name(source.input), printable(grid.value_or(""))),
                   "convert the particles in a run of their own");
     }
     auto label = TRY(volumes::grid_label(source.input, options.read, context));
     if (std::ranges::find(labels, label) != labels.end()) {
-      return fail(ErrorKind::usage,
+      return fail(ErrorCode::usage,
                   fmt::format("{}: the grid '{}' was chosen twice", files::shown_input_name(source.input), label),
                   "choose each grid once");
     }

@@ -94,7 +94,7 @@ Result<VerificationRecord> compare_backends(const field::ScalarField& field, con
 
 Result<void> check_verification(const std::string& label, const VerificationRecord& record) {
   if (record.differences.empty()) return {};
-  return fail(ErrorKind::verification,
+  return fail(ErrorCode::verification,
               fmt::format("{} iso {}: {} and {} differ: {}", label, record.iso, record.backends[0], record.backends[1],
                           fmt::join(record.differences, "; ")),
               "this is a defect of one of them; please report it");

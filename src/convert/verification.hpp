@@ -43,7 +43,7 @@ struct VerificationRecord {
                                                           const extract::Extractor& first, extract::Extractor& second,
                                                           const Context& context);
 
-// Fails with ErrorKind::verification if the record says that something differs. `label` names the field.
+// Fails with ErrorCode::verification if the record says that something differs. `label` names the field.
 [[nodiscard]] Result<void> check_verification(const std::string& label, const VerificationRecord& record);
 
 // Of a written mesh against what its volume gives. The distance is null where no vertex matched.

@@ -211,7 +211,7 @@ class Simplifier {
     TRY(context_.check());
     std::vector<Place> places = split(size);
     if (numbers_ + places.size() >= kNone) {
-      return fail(ErrorKind::input,
+      return fail(ErrorCode::input,
                   mesh_.name + ": simplifying it takes more rounds than collapses can be numbered in");
     }
     std::vector<std::size_t> first;  // of each patch, and where they end
@@ -416,7 +416,7 @@ Result<SimplifiedMesh> simplify_within(mesh::Mesh mesh, const SimplifyOptions& o
   try {
     return simplified(std::move(mesh), options, context);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(ErrorKind::input, what + " need more memory than there is", Remedy::extract_part));
+    return tl::unexpected(no_memory(what + " need more memory than there is", Remedy::extract_part));
   }
 }
 

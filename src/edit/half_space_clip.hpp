@@ -39,7 +39,7 @@ struct ClipFacts {
 // others, which face out of the half-space, before the next plane cuts; triangles in a plane whose outside is on its
 // kept side, on which there is nothing left to bound, go. The edges of a cap's loops are those of the cut, and it has
 // their vertices: what was closed, oriented and a manifold is so afterwards, and has lost the volume outside. A cut
-// that ends at a border of the surface is refused, with ErrorKind::input.
+// that ends at a border of the surface is refused, with ErrorCode::input.
 [[nodiscard]] Result<ClipFacts> clip_to_half_spaces(mesh::Mesh& mesh, std::span<const mesh::HalfSpace> kept,
                                                     CutEnds ends, const Context& context);
 

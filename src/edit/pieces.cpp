@@ -291,7 +291,7 @@ Result<std::vector<mesh::Mesh>> split(mesh::Mesh mesh, std::uint64_t most, const
   std::erase_if(mesh.attributes, [](const mesh::Attribute& attribute) { return attribute.name == kBodyMarks; });
   const auto bodies = bodies_by_area(shells, std::vector<bool>(shells.count(), true));
   if (bodies.size() > most) {
-    return fail(ErrorKind::input, fmt::format("{}: the surface has {} pieces, more than the {} that are split",
+    return fail(ErrorCode::input, fmt::format("{}: the surface has {} pieces, more than the {} that are split",
                                               mesh.name, bodies.size(), most));
   }
   if (bodies.size() <= 1) {
@@ -343,8 +343,8 @@ auto with_memory(const std::string& name, const Work& work) -> decltype(work()) 
   try {
     return work();
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(
-        ErrorKind::input, name + ": the pieces of its surface need more memory than there is", Remedy::extract_part));
+    return tl::unexpected(
+        no_memory(name + ": the pieces of its surface need more memory than there is", Remedy::extract_part));
   }
 }
 

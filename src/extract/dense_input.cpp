@@ -8,7 +8,7 @@ Result<field::IndexBox> dense_region(const field::ScalarField& field, const fiel
                                      const ExtractOptions& options) {
   constexpr int kMaxDim = 1 << 30;  // positions in a row are ints
   if (glm::any(glm::greaterThan(samples.dims, glm::ivec3(kMaxDim)))) {
-    return fail(ErrorKind::input, fmt::format("{}: expected at most {} samples along an axis, found {} x {} x {}",
+    return fail(ErrorCode::input, fmt::format("{}: expected at most {} samples along an axis, found {} x {} x {}",
                                               field.source, kMaxDim, samples.dims.x, samples.dims.y, samples.dims.z));
   }
   return clip_region(field, {glm::ivec3(0), samples.dims - 1}, options);

@@ -9,7 +9,7 @@
 
 namespace isoextract::extract {
 
-// The samples to extract from. Fails with ErrorKind::input for more samples along an axis than an extractor can number,
+// The samples to extract from. Fails with ErrorCode::input for more samples along an axis than an extractor can number,
 // and where options.region holds no cell.
 [[nodiscard]] Result<field::IndexBox> dense_region(const field::ScalarField& field, const field::DenseSamples& samples,
                                                    const ExtractOptions& options);
@@ -33,7 +33,7 @@ template <class T>
                                             const Context& context);
 // Fills `masks` and the figures of classification. `view` is the part of the field from sample `low` on. Returns the
 // inside numbers, or nothing where no number of the type is inside; then the masks are not filled. Fails with
-// ErrorKind::input for NaN, if that is an error.
+// ErrorCode::input for NaN, if that is an error.
 template <class T>
 [[nodiscard]] Result<std::optional<InsideThreshold<T>>> classify_dense(const field::ScalarField& field,
                                                                        const DenseView<T>& view, const glm::ivec3& low,

@@ -15,7 +15,7 @@ Result<Extraction> Extractor::extract(const field::ScalarField& field, const Ext
   TRY(check_request(field, options));
   const MethodInfo& method = method_info(options.method);
   if (!has(options.method)) {
-    return fail(ErrorKind::unavailable, fmt::format("the {} backend does not have {}", name(), method.title),
+    return fail(ErrorCode::unavailable, fmt::format("the {} backend does not have {}", name(), method.title),
                 Remedy::use_cpu);
   }
   TRY(check_method(method, options));
@@ -25,10 +25,9 @@ Result<Extraction> Extractor::extract(const field::ScalarField& field, const Ext
     if (result) result->mesh.name = field.name;
     return result;
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(
-        no_memory(ErrorKind::input, field.source + ": not enough memory for the surface", Remedy::extract_part));
+    return tl::unexpected(no_memory(field.source + ": not enough memory for the surface", Remedy::extract_part));
   } catch (const std::length_error&) {
-    return fail(ErrorKind::input, field.source + ": the surface is larger than memory can be", Remedy::extract_part);
+    return fail(ErrorCode::input, field.source + ": the surface is larger than memory can be", Remedy::extract_part);
   }
 }
 

@@ -27,7 +27,7 @@
 namespace isoextract::extract {
 
 enum class NanPolicy {
-  error,    // a NaN sample is ErrorKind::input; the message says where the first one is
+  error,    // a NaN sample is ErrorCode::input; the message says where the first one is
   outside,  // a NaN sample is outside; the surface passes halfway between it and its inside neighbours
   hole,     // a cell with a NaN corner draws nothing, nor does a square of the cap; all else is as if none were NaN.
             // Where only a point would join what is left on both sides, each side has a vertex of its own there. Not of
@@ -111,9 +111,9 @@ class Extractor {
   [[nodiscard]] virtual bool has(Method method) const = 0;
 
   // What takes memory by the size of the field or of the surface is reserved in the context while it lives, the mesh
-  // exactly (Mesh::memory). Fails with ErrorKind::usage for an iso value that is not finite and as check_method() does,
-  // with ErrorKind::unavailable for a method that it does not have, with ErrorKind::input for a placement that flattens
-  // space and where memory runs out, with ErrorKind::cancelled between the passes.
+  // exactly (Mesh::memory). Fails with ErrorCode::usage for an iso value that is not finite and as check_method() does,
+  // with ErrorCode::unavailable for a method that it does not have, with ErrorCode::input for a placement that flattens
+  // space and where memory runs out, with ErrorCode::cancelled between the passes.
   [[nodiscard]] Result<Extraction> extract(const field::ScalarField& field, const ExtractOptions& options,
                                            const Context& context);
 

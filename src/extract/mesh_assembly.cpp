@@ -13,10 +13,10 @@ namespace isoextract::extract {
 
 Result<void> check_request(const field::ScalarField& field, const ExtractOptions& options) {
   if (!std::isfinite(options.iso)) {
-    return fail(ErrorKind::usage, fmt::format("the iso value must be a finite number, found {}", options.iso));
+    return fail(ErrorCode::usage, fmt::format("the iso value must be a finite number, found {}", options.iso));
   }
   if (!options.output_from_index.is_regular()) {
-    return fail(ErrorKind::input, fmt::format("{}: its transform flattens space or is not finite", field.source),
+    return fail(ErrorCode::input, fmt::format("{}: its transform flattens space or is not finite", field.source),
                 Remedy::place_by_hand);
   }
   return {};
@@ -32,11 +32,11 @@ Result<field::IndexBox> clip_region(const field::ScalarField& field, const field
   if (glm::all(glm::greaterThan(region.max, region.min))) return region;
   if (!options.region) {
     const auto dims = box.dims();
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: a surface needs at least 2 samples along each axis, found {} x {} x {}", field.source,
                             dims.x, dims.y, dims.z));
   }
-  return fail(ErrorKind::input,
+  return fail(ErrorCode::input,
               fmt::format("{}: the region holds no cell of the field, whose samples are ({}, {}, {}) to ({}, {}, {})",
                           field.source, box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z),
               Remedy::widen_region);
@@ -45,13 +45,13 @@ Result<field::IndexBox> clip_region(const field::ScalarField& field, const field
 Result<void> check_placement(const field::ScalarField& field, const OutputFrame& placement) {
   if (placement.fits_float32()) return {};
   if (placement.reaches_too_far()) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: its samples reach too far, more than about 2^20 of them along an axis, for float32 "
                             "positions to hold them apart",
                             field.source),
                 Remedy::extract_part);
   }
-  return fail(ErrorKind::input,
+  return fail(ErrorCode::input,
               fmt::format("{}: its placed coordinates leave what float32 positions can hold apart", field.source),
               Remedy::rescale);
 }
@@ -59,7 +59,7 @@ Result<void> check_placement(const field::ScalarField& field, const OutputFrame&
 Result<Reservation> reserve_mesh(const field::ScalarField& field, const MeshSizes& sizes, const ExtractOptions& options,
                                  const Context& context) {
   if (sizes.vertices > std::numeric_limits<std::uint32_t>::max()) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: the surface has {} vertices, a mesh holds {}", field.source, sizes.vertices,
                             std::numeric_limits<std::uint32_t>::max()),
                 Remedy::extract_part);
@@ -89,7 +89,7 @@ Result<Reservation> reserve_cap(const field::ScalarField& field, const BorderCap
 
 tl::unexpected<Error> nan_error(const field::ScalarField& field, std::uint64_t count, const glm::ivec3& first) {
   const glm::dvec3 voxel = field.index_to_file(first);
-  return fail(ErrorKind::input,
+  return fail(ErrorCode::input,
               fmt::format("{}: {} of the samples {} not a number (NaN), the first at index ({:.10g}, {:.10g}, {:.10g})",
                           field.source, count, count == 1 ? "is" : "are", voxel.x, voxel.y, voxel.z),
               Remedy::choose_nan_policy);

@@ -11,19 +11,19 @@ struct MeshSizes {
   std::uint64_t triangles = 0;
 };
 
-// What no extraction can be made with: ErrorKind::usage for an iso value that is not finite, ErrorKind::input for a
+// What no extraction can be made with: ErrorCode::usage for an iso value that is not finite, ErrorCode::input for a
 // placement that flattens space.
 [[nodiscard]] Result<void> check_request(const field::ScalarField& field, const ExtractOptions& options);
 
-// The samples to extract from: the part of options.region within `box`. Fails with ErrorKind::input where that holds no
+// The samples to extract from: the part of options.region within `box`. Fails with ErrorCode::input where that holds no
 // cell (two samples along each axis).
 [[nodiscard]] Result<field::IndexBox> clip_region(const field::ScalarField& field, const field::IndexBox& box,
                                                   const ExtractOptions& options);
 
-// Fails with ErrorKind::input where float32 cannot hold the mesh (OutputFrame::fits_float32).
+// Fails with ErrorCode::input where float32 cannot hold the mesh (OutputFrame::fits_float32).
 [[nodiscard]] Result<void> check_placement(const field::ScalarField& field, const OutputFrame& placement);
 
-// For what allocate_mesh() takes. Fails with ErrorKind::input where there is no memory, and for more vertices than
+// For what allocate_mesh() takes. Fails with ErrorCode::input where there is no memory, and for more vertices than
 // 32-bit numbers count.
 [[nodiscard]] Result<Reservation> reserve_mesh(const field::ScalarField& field, const MeshSizes& sizes,
                                                const ExtractOptions& options, const Context& context);

@@ -49,12 +49,12 @@ std::string why_no_holes(const MethodInfo& method) {
 }
 
 Result<void> check_method(const MethodInfo& method, const ExtractOptions& options) {
-  if (options.edge_keys && !method.traits.vertices_on_edges) return fail(ErrorKind::usage, why_no_edges(method));
+  if (options.edge_keys && !method.traits.vertices_on_edges) return fail(ErrorCode::usage, why_no_edges(method));
   if (options.smooth_normals && !method.traits.gradient_normals) {
-    return fail(ErrorKind::usage, why_no_gradient_normals(method));
+    return fail(ErrorCode::usage, why_no_gradient_normals(method));
   }
   if (options.nan == NanPolicy::hole && method.traits.always_closed) {
-    return fail(ErrorKind::usage, why_no_holes(method));
+    return fail(ErrorCode::usage, why_no_holes(method));
   }
   return {};
 }

@@ -139,7 +139,7 @@ constexpr auto words_of(Method /*type*/) {
 [[nodiscard]] std::string why_no_gradient_normals(const MethodInfo& method);  // no normals from gradients
 [[nodiscard]] std::string why_no_holes(const MethodInfo& method);             // no holes where samples are not numbers
 
-// Fails with ErrorKind::usage where `options` ask for what the method does not have: edge keys without vertices on
+// Fails with ErrorCode::usage where `options` ask for what the method does not have: edge keys without vertices on
 // edges, normals from gradients, holes.
 [[nodiscard]] Result<void> check_method(const MethodInfo& method, const ExtractOptions& options);
 

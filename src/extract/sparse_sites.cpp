@@ -28,7 +28,7 @@ Result<field::IndexBox> sparse_region(const field::ScalarField& field, const fie
   if (stored.empty()) return stored;
   if (glm::any(glm::lessThan(stored.min, glm::ivec3(-field::kMaxSparseIndex))) ||
       glm::any(glm::greaterThan(stored.max, glm::ivec3(field::kMaxSparseIndex)))) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: voxels lie farther than {} from index 0", field.source, field::kMaxSparseIndex));
   }
   field::IndexBox reach{stored.min - 1, stored.max + 1};

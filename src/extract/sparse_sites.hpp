@@ -17,7 +17,7 @@
 namespace isoextract::extract {
 
 // The samples to extract from, and one of background all round, which closes every surface. Empty if nothing is stored.
-// Fails with ErrorKind::input where voxels lie too far from index 0, and where options.region holds no cell.
+// Fails with ErrorCode::input where voxels lie too far from index 0, and where options.region holds no cell.
 [[nodiscard]] Result<field::IndexBox> sparse_region(const field::ScalarField& field,
                                                     const field::SparseSamples& samples, const ExtractOptions& options);
 
@@ -35,8 +35,8 @@ class SparseSites {
   SparseSites(const field::ScalarField& field, const field::SparseSamples& samples, const field::IndexBox& region,
               const ExtractOptions& options, const Context& context);
 
-  // Compares every sample with iso, then lists the sites. Fails with ErrorKind::input for NaN samples in the region, if
-  // those are errors, and where there is no memory for it; with ErrorKind::cancelled between the two.
+  // Compares every sample with iso, then lists the sites. Fails with ErrorCode::input for NaN samples in the region, if
+  // those are errors, and where there is no memory for it; with ErrorCode::cancelled between the two.
   [[nodiscard]] Result<void> find(ExtractStats& stats);
 
   // The first part of that, for who needs no sites: what is inside, and the figures of it.

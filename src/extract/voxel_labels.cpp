@@ -198,7 +198,7 @@ tl::unexpected<Error> refuse_sample(const field::ScalarField& field, double valu
   const bool is_double = field.type() == field::SampleType::f64;
   const bool is_large = std::abs(value) > most;
   return fail(
-      ErrorKind::input,
+      ErrorCode::input,
       fmt::format("{}: expected the samples of a label map, whole numbers from -{} to {} where they are {}, found "
                   "{} {}",
                   field.source, text_of_sample(most), text_of_sample(most),
@@ -236,7 +236,7 @@ std::optional<std::int64_t> label_around(const field::SparseSamples* sparse) {
 
 Result<void> check_label_map(const field::ScalarField& field, const LabelChoice& choice, NanPolicy nan) {
   if (!field.scale.is_identity()) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: expected samples that are labels as they are stored, found a scale of {} and {}",
                             field.source, field.scale.slope, field.scale.intercept));
   }
@@ -245,7 +245,7 @@ Result<void> check_label_map(const field::ScalarField& field, const LabelChoice&
   if (auto whole = check_constants(field, *sparse, nan); !whole || choice.all) return whole;
   const auto around = label_around(sparse);
   if (!around || std::ranges::find(choice.values, *around) == choice.values.end()) return {};
-  return fail(ErrorKind::usage,
+  return fail(ErrorCode::usage,
               fmt::format("{}: label {} is the background of a sparse grid, which has no end", field.source, *around));
 }
 

@@ -33,8 +33,8 @@ class LabelVoxels {
   // whichever are asked for, so that the choice changes no mesh. What is found is reserved for as long as it lives.
   // Floating-point samples are labels where all of the region are whole numbers, up to which their type has every one;
   // with NanPolicy::outside, NaN has no label.
-  // Fails with ErrorKind::usage where a scale makes something else of the samples, and for a label that a sparse field
-  // has all around; with ErrorKind::input where a sample is no label or memory runs out; with ErrorKind::cancelled.
+  // Fails with ErrorCode::usage where a scale makes something else of the samples, and for a label that a sparse field
+  // has all around; with ErrorCode::input where a sample is no label or memory runs out; with ErrorCode::cancelled.
   [[nodiscard]] static Result<LabelVoxels> find(const field::ScalarField& field, const ExtractOptions& options,
                                                 const LabelChoice& choice, const Context& context);
 

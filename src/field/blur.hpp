@@ -25,7 +25,7 @@ inline constexpr int kMaxMedianWidth = 8;
 // surface a level set stays constant, and no distances are made anew. Blocks come about where a stored value reaches.
 // Which voxels are active stays as it was.
 //
-// Fails with ErrorKind::usage for other deviations, with ErrorKind::input where the memory is not there, and where the
+// Fails with ErrorCode::usage for other deviations, with ErrorCode::input where the memory is not there, and where the
 // context is cancelled. The same for any number of threads.
 [[nodiscard]] Result<ScalarField> blur_gaussian(const ScalarField& field, const glm::dvec3& sigma,
                                                 const Context& context);

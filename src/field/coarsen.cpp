@@ -40,7 +40,7 @@ Result<Samples> coarsen_dense(const ScalarField& field, const DenseSamples& fine
   coarse.type = sample_type_of<Coarse<T>>();
   coarse.dims = fine.dims / factor;
   if (glm::any(glm::lessThan(coarse.dims, glm::ivec3(2)))) {
-    return fail(ErrorKind::input, fmt::format("{}: of its {} x {} x {} samples, one for each {}^3 is too few",
+    return fail(ErrorCode::input, fmt::format("{}: of its {} x {} x {} samples, one for each {}^3 is too few",
                                               field.source, fine.dims.x, fine.dims.y, fine.dims.z, factor));
   }
   auto made = TRY(make_reserved_buffer<Coarse<T>>(coarse.count(), context,

@@ -155,7 +155,7 @@ std::optional<T> parse_number(std::string_view text) {
 Result<void> set_size(std::string_view spec, std::string_view text, DemoSpec& demo) {
   const auto size = parse_number<int>(text);
   if (!size || *size < 2 || *size > kMaxSize) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: size must be a number from 2 to {}, found '{}'", spec, kMaxSize, text));
   }
   demo.size = *size;
@@ -168,14 +168,14 @@ Result<void> set_time(std::string_view spec, std::string_view text, DemoSpec& de
     for (const DemoDescription& description : kDescriptions) {
       if (!description.motion.empty()) moving.push_back(description.name);
     }
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: {} does not move, so it has no time; those that do are {}", spec, demo.name,
                             fmt::join(moving, ", ")),
                 Remedy::list_demo_fields);
   }
   const auto time = parse_number<double>(text);
   if (!time || !std::isfinite(*time)) {
-    return fail(ErrorKind::usage, fmt::format("{}: time must be a number, found '{}'", spec, text));
+    return fail(ErrorCode::usage, fmt::format("{}: time must be a number, found '{}'", spec, text));
   }
   // What rounding takes up to the whole period is its end, which is its start.
   const double phase = *time - std::floor(*time);
@@ -191,7 +191,7 @@ Result<void> parse_settings(std::string_view spec, std::string_view settings, De
     const std::size_t equals = std::min(setting.find('='), setting.size());
     const std::string_view key = setting.substr(0, equals);
     if (equals == setting.size() || (key != "size" && key != "time")) {
-      return fail(ErrorKind::usage, fmt::format("{}: expected size=N or time=T, found '{}'", spec, setting),
+      return fail(ErrorCode::usage, fmt::format("{}: expected size=N or time=T, found '{}'", spec, setting),
                   Remedy::list_demo_fields);
     }
     const std::string_view text = setting.substr(equals + 1);
@@ -216,7 +216,7 @@ Result<DemoSpec> parse_demo_spec(std::string_view spec) {
   if (find_demo(name) == nullptr) {
     std::vector<std::string_view> names;
     for (const DemoDescription& demo : kDescriptions) names.push_back(demo.name);
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: no demo field '{}'; there are {}", spec, name, fmt::join(names, ", ")),
                 Remedy::list_demo_fields);
   }

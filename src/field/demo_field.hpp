@@ -31,12 +31,12 @@ struct DemoSpec {
   double time = 0;  // from 0 to below 1; fields that move come back to where they were after a time of 1
 };
 
-// Fails with ErrorKind::usage for an unknown name or key, and for the time of a field that does not move.
+// Fails with ErrorCode::usage for an unknown name or key, and for the time of a field that does not move.
 [[nodiscard]] Result<DemoSpec> parse_demo_spec(std::string_view spec);
 
 // `spec` is "demo:NAME[?key=value[&key=value...]]", keys: size (samples along each axis, 2..2048, default 64), and
 // time (any number, of which whole periods of 1 are dropped; default 0). Fails
-// like parse_demo_spec, and with ErrorKind::input where the samples need more memory than is left. The samples keep
+// like parse_demo_spec, and with ErrorCode::input where the samples need more memory than is left. The samples keep
 // theirs reserved.
 [[nodiscard]] Result<ScalarField> make_demo_field(std::string_view spec, const Context& context);
 

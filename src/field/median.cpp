@@ -97,7 +97,7 @@ void median_block(int width, const glm::ivec3& dims, const double* values, T* bl
 
 Result<ScalarField> blur_median(const ScalarField& field, int width, const Context& context) {
   if (width < 1 || width > kMaxMedianWidth) {
-    return fail(ErrorKind::usage, fmt::format("{}: a median of {} voxels on either side, from 1 to {} are taken",
+    return fail(ErrorCode::usage, fmt::format("{}: a median of {} voxels on either side, from 1 to {} are taken",
                                               field.source, width, kMaxMedianWidth));
   }
   context.progress().begin("blurring", 0);

@@ -81,7 +81,7 @@ Result<void> mark(ScalarField& field, const DenseSamples& samples, double value,
     }
   });
   if (samples.lost()) {
-    return fail(ErrorKind::input, field.source + ": became shorter, or could not be read further, while it was read");
+    return fail(ErrorCode::input, field.source + ": became shorter, or could not be read further, while it was read");
   }
   field.notes.push_back(
       fmt::format("{} of {} samples are {} and count as not a number", found.load(), samples.count(), value));
@@ -99,7 +99,7 @@ Result<void> mark(ScalarField& field, const DenseSamples& samples, double value,
 Result<void> mark_no_data(ScalarField& field, double value, const Context& context) {
   const auto* dense = std::get_if<DenseSamples>(&field.samples);
   if (dense == nullptr) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 field.source +
                     ": a value for no data is for full boxes of samples; this grid is sparse, and has none "
                     "where it has no voxels");

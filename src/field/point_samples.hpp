@@ -25,7 +25,7 @@ struct PointCounts {
 // place has that. Sparse samples are everywhere, so beyond the stored ones it is their background.
 //
 // The same bits for any number of threads. Reserves and takes memory to find sparse blocks, for as long as it works.
-// `values` has at least stride * (places - 1) + 1 elements; the others are left alone. Fails with ErrorKind::input
+// `values` has at least stride * (places - 1) + 1 elements; the others are left alone. Fails with ErrorCode::input
 // where the memory is not there, and as Context::check() does.
 [[nodiscard]] Result<PointCounts> sample_points(const ScalarField& field, std::span<const glm::dvec3> places,
                                                 std::span<float> values, std::size_t stride, const Context& context);

@@ -400,7 +400,7 @@ Result<Reservation> reserve_weights(const ScalarField& field, const glm::ivec3& 
 Result<void> check_has_steps(const ScalarField& field, std::string_view what) {
   const auto* dense = std::get_if<DenseSamples>(&field.samples);
   if (dense == nullptr || glm::all(glm::greaterThanEqual(dense->dims, glm::ivec3(2)))) return {};
-  return fail(ErrorKind::input, fmt::format("{}: {} needs at least 2 samples along each axis, found {}", field.source,
+  return fail(ErrorCode::input, fmt::format("{}: {} needs at least 2 samples along each axis, found {}", field.source,
                                             what, dims_text(dense->dims)));
 }
 
@@ -457,7 +457,7 @@ Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolu
 Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolution, ResampleKernel kernel,
                              NanSamples nan, const Context& context) {
   if (glm::any(glm::lessThan(resolution, glm::ivec3(2)))) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("a resolution needs at least 2 samples along each axis, found {}", dims_text(resolution)));
   }
   TRY(check_has_steps(field, "another resolution"));
@@ -476,7 +476,7 @@ Result<glm::ivec3> resolution_of_voxel_size(const ScalarField& field, const glm:
     const double steps = std::round(length / voxel_size[axis]);
     if (!(voxel_size[axis] > 0 && steps >= 1 && steps < std::numeric_limits<int>::max())) {
       return fail(
-          ErrorKind::usage,
+          ErrorCode::usage,
           fmt::format("{}: expected voxels that are at most as long along {} as its samples reach, {:.6g}, and "
                       "no more than {} of them, found voxels of {}",
                       field.source, "xyz"[axis], length, std::numeric_limits<int>::max() - 1, voxel_size[axis]));

@@ -59,7 +59,7 @@ enum class NanSamples {
 // how large; where the box is so large that means would take minutes, another says that values at the places of the new
 // samples are taken. Their memory is reserved before it is taken.
 //
-// Fails with ErrorKind::usage where `resolution` is below 2 along an axis, with ErrorKind::input where `field` is, or
+// Fails with ErrorCode::usage where `resolution` is below 2 along an axis, with ErrorCode::input where `field` is, or
 // where the memory for it is not there.
 [[nodiscard]] Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolution,
                                            ResampleKernel kernel, NanSamples nan, const Context& context);
@@ -68,8 +68,8 @@ enum class NanSamples {
 // be that divide the box that resample() covers: so that nothing of it is left out. They are those of the field where
 // they are asked for. Sparse samples are looked through for their box.
 //
-// Fails with ErrorKind::usage where a length is not above 0 or no two samples along an axis are so far apart, and where
-// the samples along one are more than an int holds; with ErrorKind::input where `field` has but one along an axis.
+// Fails with ErrorCode::usage where a length is not above 0 or no two samples along an axis are so far apart, and where
+// the samples along one are more than an int holds; with ErrorCode::input where `field` has but one along an axis.
 [[nodiscard]] Result<glm::ivec3> resolution_of_voxel_size(const ScalarField& field, const glm::dvec3& voxel_size);
 
 }  // namespace isoextract::field

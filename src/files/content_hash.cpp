@@ -63,7 +63,7 @@ Result<FileState> state_of_file(const std::filesystem::path& path) {
   FileState state;
   state.bytes = file.size();
   const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> hash(XXH3_createState(), XXH3_freeState);
-  if (hash == nullptr) return fail(ErrorKind::input, fmt::format("{}: not enough memory", path.string()));
+  if (hash == nullptr) return fail(ErrorCode::input, fmt::format("{}: not enough memory", path.string()));
   XXH3_128bits_reset(hash.get());
   Buffer<std::byte> piece(std::min(kPiece, state.bytes));
   for (std::uint64_t at = 0; at < state.bytes; at += piece.size()) {

@@ -18,7 +18,7 @@ struct FileState {
   friend bool operator==(const FileState&, const FileState&) = default;
 };
 
-// Fails with ErrorKind::input where the file cannot be read, or changes meanwhile.
+// Fails with ErrorCode::input where the file cannot be read, or changes meanwhile.
 [[nodiscard]] Result<FileState> state_of_file(const std::filesystem::path& path);
 
 // 32 hexadecimal digits of a text, the same way.

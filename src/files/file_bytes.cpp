@@ -30,7 +30,7 @@ std::string shown_input_name(const std::filesystem::path& path) {
 Result<InputFile> InputFile::open(const std::filesystem::path& path, const Context& context) {
   const std::string name = shown_input_name(path);
   const auto cannot_read = [&](int error) {
-    return fail(ErrorKind::input, fmt::format("{}: cannot be read: {}", name, system_message(error)));
+    return fail(ErrorCode::input, fmt::format("{}: cannot be read: {}", name, system_message(error)));
   };
   InputFile file(path, -1, 0, context);  // before there is a descriptor that could be lost
   if (is_standard_input(path)) {
@@ -43,13 +43,13 @@ Result<InputFile> InputFile::open(const std::filesystem::path& path, const Conte
 
   struct stat status {};
   if (::fstat(file.descriptor_, &status) != 0) return cannot_read(errno);
-  if (S_ISDIR(status.st_mode)) return fail(ErrorKind::input, name + ": expected a file, found a directory");
+  if (S_ISDIR(status.st_mode)) return fail(ErrorCode::input, name + ": expected a file, found a directory");
   if (!S_ISREG(status.st_mode)) {
-    return fail(ErrorKind::input, name + ": expected a regular file, found a pipe or device",
+    return fail(ErrorCode::input, name + ": expected a regular file, found a pipe or device",
                 "write the data to a file first");
   }
   if (status.st_size == 0)
-    return fail(ErrorKind::input, name + (is_standard_input(path) ? ": it is empty" : ": the file is empty"));
+    return fail(ErrorCode::input, name + (is_standard_input(path) ? ": it is empty" : ": the file is empty"));
   file.size_ = static_cast<std::uint64_t>(status.st_size);
   return file;
 }
@@ -81,11 +81,11 @@ Result<void> InputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes
     const ssize_t got = ::pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) {
-      return fail(ErrorKind::input,
+      return fail(ErrorCode::input,
                   fmt::format("{}: reading from byte {} failed: {}", name(), offset, system_message(errno)));
     }
     if (got == 0) {
-      return fail(ErrorKind::input,
+      return fail(ErrorCode::input,
                   fmt::format("{}: ends at byte {}, expected {} more bytes", name(), offset, bytes.size()));
     }
     count_bytes_read(static_cast<std::uint64_t>(got));
@@ -130,11 +130,11 @@ Result<std::filesystem::path> resolve_beside(const std::filesystem::path& header
   namespace fs = std::filesystem;
   const auto names = fmt::format("{}: names the data file '{}'", shown_input_name(header), printable(data_file, 200));
   if (is_standard_input(header)) {
-    return fail(ErrorKind::input, names + ", which can only be found beside a header that is a file",
+    return fail(ErrorCode::input, names + ", which can only be found beside a header that is a file",
                 "give the path of the header");
   }
   const auto outside = [&] {
-    return fail(ErrorKind::input, names + ", which is not beside or below the header",
+    return fail(ErrorCode::input, names + ", which is not beside or below the header",
                 "put the data file into the header's folder and name it there");
   };
   const auto is_within = [](const fs::path& folder, const fs::path& path) {
@@ -143,12 +143,12 @@ Result<std::filesystem::path> resolve_beside(const std::filesystem::path& header
 
   std::error_code error;
   const fs::path folder = fs::canonical(header.has_parent_path() ? header.parent_path() : fs::path("."), error);
-  if (error) return fail(ErrorKind::input, fmt::format("{}: {}", header.string(), error.message()));
+  if (error) return fail(ErrorCode::input, fmt::format("{}: {}", header.string(), error.message()));
   // By name first, so that nothing outside the folder is even looked for.
   const fs::path named = folder / data_file;
   if (fs::path(data_file).is_relative() && !is_within(folder, named.lexically_normal())) return outside();
   const fs::path resolved = fs::canonical(named, error);
-  if (error) return fail(ErrorKind::input, fmt::format("{}, which cannot be read: {}", names, error.message()));
+  if (error) return fail(ErrorCode::input, fmt::format("{}, which cannot be read: {}", names, error.message()));
   if (!is_within(folder, resolved)) return outside();
   return resolved;
 }

@@ -21,13 +21,13 @@ inline constexpr std::string_view kStandardInputName = "standard input";
 // What messages call an input.
 [[nodiscard]] std::string shown_input_name(const std::filesystem::path& path);
 
-// An open, regular file with at least one byte. Its errors are ErrorKind::input and start with its name. What is read
+// An open, regular file with at least one byte. Its errors are ErrorCode::input and start with its name. What is read
 // of it counts in the context that it was opened in.
 class InputFile {
  public:
   // Standard input is read to its end when it is opened first, unless it is a file, and kept until the process ends: so
   // it can be opened again like any file. What is kept is reserved in the context that it was opened in first; a
-  // terminal is ErrorKind::usage.
+  // terminal is ErrorCode::usage.
   [[nodiscard]] static Result<InputFile> open(const std::filesystem::path& path, const Context& context);
 
   InputFile(InputFile&& other) noexcept;
@@ -61,7 +61,7 @@ class InputFile {
 // shorter or cannot be inflated.
 [[nodiscard]] Result<std::vector<std::byte>> first_bytes(const InputFile& file, std::size_t count);
 
-// The path of a data file that a header names. Fails with ErrorKind::input where it does not exist, or where it lies
+// The path of a data file that a header names. Fails with ErrorCode::input where it does not exist, or where it lies
 // neither beside nor below the header once links and ".." are resolved: a header must not reach for other files. A
 // header from standard input lies nowhere.
 [[nodiscard]] Result<std::filesystem::path> resolve_beside(const std::filesystem::path& header,

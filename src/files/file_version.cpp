@@ -31,7 +31,7 @@ bool FileVersion::is_settled() const {
 Result<FileVersion> version_of(const InputFile& file) {
   struct stat status {};
   if (::fstat(file.descriptor(), &status) != 0) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: cannot be read: {}", file.name(), std::generic_category().message(errno)));
   }
   return FileVersion{status.st_dev, status.st_ino, static_cast<std::uint64_t>(status.st_size),
@@ -41,7 +41,7 @@ Result<FileVersion> version_of(const InputFile& file) {
 Result<void> check_unchanged(const InputFile& file, const FileVersion& before) {
   const auto now = TRY(version_of(file));
   if (now.bytes == before.bytes && now.modified == before.modified) return {};
-  return fail(ErrorKind::input, fmt::format("{}: it was written to while it was read", file.name()),
+  return fail(ErrorCode::input, fmt::format("{}: it was written to while it was read", file.name()),
               "convert it when nothing writes to it");
 }
 

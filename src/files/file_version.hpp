@@ -23,10 +23,10 @@ struct FileVersion {
   friend bool operator==(const FileVersion&, const FileVersion&) = default;
 };
 
-// What the file is now. Fails with ErrorKind::input where the system does not tell.
+// What the file is now. Fails with ErrorCode::input where the system does not tell.
 [[nodiscard]] Result<FileVersion> version_of(const InputFile& file);
 
-// Fails with ErrorKind::input where the file was written to since it was `before`; for readers that go through it
+// Fails with ErrorCode::input where the file was written to since it was `before`; for readers that go through it
 // twice.
 [[nodiscard]] Result<void> check_unchanged(const InputFile& file, const FileVersion& before);
 

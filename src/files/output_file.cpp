@@ -33,7 +33,7 @@ constexpr const char* kAnotherPlace = "choose another place for the file";
 
 Error system_error(const std::string& shown, std::string_view action, int code) {
   const auto error = [&](std::string_view reason, std::string hint) {
-    return Error{ErrorKind::output, fmt::format("{}: cannot {}: {}", shown, action, reason), std::move(hint)};
+    return Error{ErrorCode::output, fmt::format("{}: cannot {}: {}", shown, action, reason), std::move(hint)};
   };
   switch (code) {
     case ENOSPC: return error("no space left on the device", fmt::format("free some space or {}", kAnotherPlace));
@@ -126,12 +126,12 @@ Result<void> OutputFile::State::open_file(const fs::path& path, const std::optio
   target = follow_links(path);
   folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   if (!target.has_filename()) {
-    return fail(ErrorKind::output, fmt::format("{}: expected a file name, found the name of a folder", shown),
+    return fail(ErrorCode::output, fmt::format("{}: expected a file name, found the name of a folder", shown),
                 "add a file name");
   }
   std::error_code error;
   if (!fs::is_directory(folder, error)) {
-    return fail(ErrorKind::output, fmt::format("{}: there is no folder {}", shown, folder.string()),
+    return fail(ErrorCode::output, fmt::format("{}: there is no folder {}", shown, folder.string()),
                 fmt::format("make it (mkdir -p) or {}", kAnotherPlace));
   }
   replaces = old_mode.has_value();
@@ -288,7 +288,7 @@ Result<OutputFile> OutputFile::create(const fs::path& path) {
   const bool exists = ::stat(path.c_str(), &found) == 0;
   if (!exists && errno != ENOENT) return state->failed("write", errno);
   if (exists && S_ISDIR(found.st_mode)) {
-    return fail(ErrorKind::output, fmt::format("{}: expected a file, found a folder", state->shown), "add a file name");
+    return fail(ErrorCode::output, fmt::format("{}: expected a file, found a folder", state->shown), "add a file name");
   }
   const auto old_mode = exists ? std::optional<mode_t>(found.st_mode & kPermissionBits) : std::nullopt;
   auto opened = exists && !S_ISREG(found.st_mode) ? state->open_device(path) : state->open_file(path, old_mode);

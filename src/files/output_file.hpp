@@ -27,7 +27,7 @@ namespace isoextract::files {
 [[nodiscard]] std::string shown_output_name(const std::filesystem::path& path);
 
 // Takes away the regular file that an OutputFile of this name would replace, through symbolic links. False where there
-// is none: nothing, a folder, a device or a pipe, standard output. Fails with ErrorKind::output.
+// is none: nothing, a folder, a device or a pipe, standard output. Fails with ErrorCode::output.
 [[nodiscard]] Result<bool> remove_old_file(const std::filesystem::path& path);
 
 // The same, but the file stays under another name: NAME.old or, where that is taken, NAME.old.2 and so on. Nothing
@@ -45,7 +45,7 @@ class OutputFile {
  public:
   // `path` may name a regular file (replaced on commit, through symbolic links, with its permission bits), something
   // that does not exist yet (made with the permissions the umask leaves), or a device or pipe (written directly).
-  // "-" is standard output; SIGPIPE must be ignored for a closed pipe to be an error. Fails with ErrorKind::output.
+  // "-" is standard output; SIGPIPE must be ignored for a closed pipe to be an error. Fails with ErrorCode::output.
   [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& path);
 
   OutputFile(OutputFile&&) noexcept;

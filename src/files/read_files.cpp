@@ -19,7 +19,7 @@ Result<void> ReadFiles::check(const std::filesystem::path& written) const {
   if (written == "-" || ::stat(written.c_str(), &status) != 0) return {};
   const auto found = files_.find({status.st_dev, status.st_ino});
   if (found == files_.end()) return {};
-  return fail(ErrorKind::usage, fmt::format("{}: this {}; it is not overwritten", written.string(), found->second),
+  return fail(ErrorCode::usage, fmt::format("{}: this {}; it is not overwritten", written.string(), found->second),
               Remedy::other_output_name);
 }
 

@@ -17,7 +17,7 @@ class ReadFiles {
   // `what` it does stands in messages: "is the input". "-" is what standard input is; what is not there is left out.
   void add(const std::filesystem::path& file, const std::string& what);
 
-  // Fails with ErrorKind::usage where `written` is one of them on the disk, whatever names and links lead there.
+  // Fails with ErrorCode::usage where `written` is one of them on the disk, whatever names and links lead there.
   [[nodiscard]] Result<void> check(const std::filesystem::path& written) const;
 
  private:

@@ -13,7 +13,7 @@ Result<std::string> read_text_file(const std::filesystem::path& path, std::strin
                                    const Context& context) {
   const auto file = TRY(InputFile::open(path, context));
   if (file.size() > most) {
-    return fail(ErrorKind::input, fmt::format("{}: expected {} of at most {}, found {}", file.name(), what,
+    return fail(ErrorCode::input, fmt::format("{}: expected {} of at most {}, found {}", file.name(), what,
                                               format_byte_size(most), format_byte_size(file.size())));
   }
   auto memory = TRY(context.reserve(file.size(), file.name()));

@@ -11,7 +11,7 @@
 
 namespace isoextract::files {
 
-// All of a text file. Fails with ErrorKind::input where it is longer than `most` bytes, before memory is taken; `what`
+// All of a text file. Fails with ErrorCode::input where it is longer than `most` bytes, before memory is taken; `what`
 // stands for it in the message: "a table of labels".
 [[nodiscard]] Result<std::string> read_text_file(const std::filesystem::path& path, std::string_view what,
                                                  std::uint64_t most, const Context& context);

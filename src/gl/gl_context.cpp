@@ -22,7 +22,7 @@ constexpr int kMajor = 4;
 constexpr int kMinor = 3;
 
 tl::unexpected<Error> unavailable(std::string message, Hint hint = Remedy::use_cpu) {
-  return fail(ErrorKind::unavailable, std::move(message), std::move(hint));
+  return fail(ErrorCode::unavailable, std::move(message), std::move(hint));
 }
 
 std::string_view egl_error_words(EGLint code) {
@@ -355,7 +355,7 @@ Result<void> GlContext::check(const std::string& doing) const {
 }
 
 Error GlContext::lost(std::string_view why, const std::string& doing) const {
-  return {ErrorKind::unavailable,
+  return {ErrorCode::unavailable,
           fmt::format("{}: the GPU was reset {} while {}", device_.renderer, why, doing),
           {Remedy::use_cpu, "try again"}};
 }

@@ -23,7 +23,7 @@ struct ContextOptions {
 // framebuffer without attachments is bound, because without one every draw fails.
 class GlContext {
  public:
-  // Core profile 4.3 or newer. Fails with ErrorKind::unavailable.
+  // Core profile 4.3 or newer. Fails with ErrorCode::unavailable.
   [[nodiscard]] static Result<std::unique_ptr<GlContext>> open(const ContextOptions& options);
 
   GlContext(const GlContext&) = delete;
@@ -33,11 +33,11 @@ class GlContext {
   [[nodiscard]] const GpuDevice& device() const { return device_; }
 
   // For threads with several contexts: GL calls go to the one that was made current last. Fails with
-  // ErrorKind::unavailable where the context was lost.
+  // ErrorCode::unavailable where the context was lost.
   Result<void> make_current() const;
 
   // What GL has to say since the last call, as a sentence: out of memory and a lost context are
-  // ErrorKind::unavailable with the option that helps. `doing` completes "while ...".
+  // ErrorCode::unavailable with the option that helps. `doing` completes "while ...".
   [[nodiscard]] Result<void> check(const std::string& doing) const;
 
   // Errors, undefined behaviour and what is severe, but no hints about speed, since the context was opened. Only with

@@ -20,7 +20,7 @@ std::string log_of(GLuint object, decltype(glGetShaderiv) parameter, decltype(gl
 }
 
 Error broken(const GlContext& context, std::string_view what, const std::string& log) {
-  return {ErrorKind::unavailable, fmt::format("{}: the driver refused {}: {}", context.device().renderer, what, log),
+  return {ErrorCode::unavailable, fmt::format("{}: the driver refused {}: {}", context.device().renderer, what, log),
           Hint(Remedy::use_cpu, "please report it")};
 }
 

@@ -29,7 +29,7 @@ struct ProgramSource {
 // Uniforms that a variant of a program does not use are set without effect.
 class CellProgram {
  public:
-  // Fails with ErrorKind::unavailable, the driver's log in the message.
+  // Fails with ErrorCode::unavailable, the driver's log in the message.
   [[nodiscard]] static Result<CellProgram> link(const GlContext& context, const ProgramSource& source);
 
   void use() const { glUseProgram(program_.name()); }

@@ -38,11 +38,11 @@ std::string words(const DeviceChoice& choice) {
 
 Result<DeviceChoice> parse_device_choice(const std::string& text) {
   constexpr std::string_view kCuda = "cuda:";
-  if (text.empty()) return fail(ErrorKind::usage, "expected a number, cuda:N or a name", Remedy::list_gpus);
+  if (text.empty()) return fail(ErrorCode::usage, "expected a number, cuda:N or a name", Remedy::list_gpus);
   if (text.starts_with(kCuda)) {
     const auto number = parse_index(std::string_view(text).substr(kCuda.size()));
     if (!number) {
-      return fail(ErrorKind::usage, fmt::format("expected a number after cuda:, found '{}'", text), Remedy::list_gpus);
+      return fail(ErrorCode::usage, fmt::format("expected a number after cuda:, found '{}'", text), Remedy::list_gpus);
     }
     return CudaIndex{*number};
   }
@@ -68,7 +68,7 @@ Result<GpuDevice> choose_device(std::span<const GpuDevice> devices, const Device
   for (const GpuDevice& device : devices) {
     list += fmt::format("{}{}: {}", list.empty() ? "" : ", ", device.index, describe(device));
   }
-  return fail(ErrorKind::unavailable, fmt::format("there is no device {}; there are {}", words(choice), list),
+  return fail(ErrorCode::unavailable, fmt::format("there is no device {}; there are {}", words(choice), list),
               Remedy::other_gpu);
 }
 

@@ -23,7 +23,7 @@ struct GpuDevice {
   std::optional<Error> problem;               // why it cannot be used; then only the index is sure
 };
 
-// Every device, usable or not; looking makes a context on each. Fails with ErrorKind::unavailable where EGL or OpenGL
+// Every device, usable or not; looking makes a context on each. Fails with ErrorCode::unavailable where EGL or OpenGL
 // is not installed, or lists no device.
 [[nodiscard]] Result<std::vector<GpuDevice>> list_gpu_devices();
 
@@ -42,10 +42,10 @@ struct DeviceName {
 using DeviceChoice = std::variant<std::monostate, int, CudaIndex, DeviceName>;  // monostate: the first usable one that
                                                                                 // is not software, else the first
 
-// "1", "cuda:0", or a name. Fails with ErrorKind::usage.
+// "1", "cuda:0", or a name. Fails with ErrorCode::usage.
 [[nodiscard]] Result<DeviceChoice> parse_device_choice(const std::string& text);
 
-// The device that is meant, or ErrorKind::unavailable with the list in the message.
+// The device that is meant, or ErrorCode::unavailable with the list in the message.
 [[nodiscard]] Result<GpuDevice> choose_device(std::span<const GpuDevice> devices, const DeviceChoice& choice);
 
 // "llvmpipe (LLVM 15.0.6, 256 bits)", with "cuda:0" where known.

@@ -36,7 +36,7 @@ class DrawingThread::Owner {
     try {
       thread_ = std::thread([this] { work(); });
     } catch (const std::system_error& error) {
-      return fail(ErrorKind::unavailable, fmt::format("the thread that draws cannot be started: {}", error.what()),
+      return fail(ErrorCode::unavailable, fmt::format("the thread that draws cannot be started: {}", error.what()),
                   Remedy::use_cpu);
     }
     std::unique_lock lock(mutex_);

@@ -13,7 +13,7 @@ namespace isoextract::gpu {
 // A handle: copies and extractors share the thread, which ends with the last of them.
 class DrawingThread {
  public:
-  // Starts the thread and opens the device on it. Fails as make_gpu_extractor() does, and with ErrorKind::unavailable
+  // Starts the thread and opens the device on it. Fails as make_gpu_extractor() does, and with ErrorCode::unavailable
   // where the thread cannot be started.
   [[nodiscard]] static Result<DrawingThread> start(const GpuOptions& options);
 

@@ -191,7 +191,7 @@ class GpuExtractor final : public extract::Extractor {
 
 Result<GpuExtractorAndDevice> make_gpu_extractor(const GpuOptions& options) {
   if (options.memory_bytes && *options.memory_bytes < kMiB) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("the GPU's share of memory: expected 1 MiB or more, found {}",
                             format_byte_size(*options.memory_bytes)),
                 Remedy::more_gpu_memory);

@@ -31,7 +31,7 @@ struct GpuOptions : GpuChoice {
   bool swizzle = true;        // cells in groups of 2 x 2 x 2
   bool keep_samples = false;  // dense ones that fit stay on the device, and the next extraction uploads what is not
                               // there as it is by then: for several surfaces of a field, and for its frames
-  bool debug = false;         // ErrorKind::unavailable for whatever the driver complains about; for tests
+  bool debug = false;         // ErrorCode::unavailable for whatever the driver complains about; for tests
 };
 
 struct GpuExtractorAndDevice {
@@ -39,7 +39,7 @@ struct GpuExtractorAndDevice {
   gl::GpuDevice device;
 };
 
-// Opens the device. Fails with ErrorKind::unavailable where there is none, ErrorKind::usage for too little memory. The
+// Opens the device. Fails with ErrorCode::unavailable where there is none, ErrorCode::usage for too little memory. The
 // extractor is used and dropped on this thread.
 [[nodiscard]] Result<GpuExtractorAndDevice> make_gpu_extractor(const GpuOptions& options);
 

@@ -59,7 +59,7 @@ class ThreadPass {
     const std::uint64_t threads = count_points(true);
     TRY(context_.check("making threads"));
     if (threads == cells()) return {};
-    return fail(ErrorKind::unavailable,
+    return fail(ErrorCode::unavailable,
                 fmt::format("{} threads for {} cells, by {}", threads, cells(), thread_maker_name(maker_)),
                 "please report it");
   }
@@ -181,7 +181,7 @@ Result<void> measure(const gl::GlContext& context, int size, int repeats, Thread
   row.max_seconds = std::ranges::max(seconds);
   row.buffer_bytes = pass.buffer_bytes();
   if (const auto after = free_memory(); before && after && *before >= *after) row.driver_bytes = *before - *after;
-  if (points != 0) return fail(ErrorKind::unavailable, "threads that were to end at once made points");
+  if (points != 0) return fail(ErrorCode::unavailable, "threads that were to end at once made points");
   return context.check("timing threads");
 }
 

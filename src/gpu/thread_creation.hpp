@@ -35,7 +35,7 @@ struct ThreadCreationResult {
   std::vector<ThreadCreationLevel> levels;
 };
 
-// Every maker is first checked to start exactly one thread a cell. Fails with ErrorKind::unavailable where there is no
+// Every maker is first checked to start exactly one thread a cell. Fails with ErrorCode::unavailable where there is no
 // such device; a grid that does not fit is a `problem` of its row.
 [[nodiscard]] Result<ThreadCreationResult> measure_thread_creation(const gl::DeviceChoice& device,
                                                                    const std::vector<int>& sizes, int repeats);

@@ -10,8 +10,8 @@ namespace isoextract::images {
 
 // Scan lines with ZIP compression, premultiplied linear light as it is: R, G, B, A as half floats (beyond 65504 they
 // are infinite); where there are depths, Z as float; where there are normals, N.X, N.Y, N.Z as half floats. Reserves
-// what encoding takes; `file` is left to be committed. Fails with ErrorKind::input where memory is missing, and
-// ErrorKind::output.
+// what encoding takes; `file` is left to be committed. Fails with ErrorCode::input where memory is missing, and
+// ErrorCode::output.
 [[nodiscard]] Result<void> write_exr(files::OutputFile& file, const LightImage& image, const Context& context);
 
 }  // namespace isoextract::images

@@ -24,10 +24,10 @@ struct EncodedImage {
 
 // 8 bits a channel, sRGB: light is divided by alpha, cut off at 0 and 1, encoded and rounded to the nearest; alpha is
 // straight and linear, and left out where every pixel's rounds to 1. NaN counts as 0. Depth and normals have no place
-// in a PNG. Reserves what encoding takes; `name` starts messages. Fails with ErrorKind::input where memory is missing.
+// in a PNG. Reserves what encoding takes; `name` starts messages. Fails with ErrorCode::input where memory is missing.
 [[nodiscard]] Result<EncodedImage> encode_png(const LightImage& image, const std::string& name, const Context& context);
 
-// The same into a file, which is left to be committed. Fails with ErrorKind::output as well.
+// The same into a file, which is left to be committed. Fails with ErrorCode::output as well.
 [[nodiscard]] Result<void> write_png(files::OutputFile& file, const LightImage& image, const Context& context);
 
 }  // namespace isoextract::images

@@ -163,10 +163,10 @@ struct Specimen {
 tl::unexpected<Error> no_surface(const field::ScalarField& field, double iso, bool in_finer) {
   const field::FieldStatistics statistics = field::measure_statistics(field);
   if (statistics.samples == 0) {
-    return fail(ErrorKind::input, fmt::format("{}: there is no surface: no sample is a finite number", field.source));
+    return fail(ErrorCode::input, fmt::format("{}: there is no surface: no sample is a finite number", field.source));
   }
   return fail(
-      ErrorKind::input,
+      ErrorCode::input,
       fmt::format("{}: no surface at iso {} with {} samples along an axis; the values run from {:.6g} to {:.6g}",
                   field.source, iso, size_text(field), statistics.min, statistics.max),
       in_finer ? Hint(Remedy::leave_out_coarsest)
@@ -350,7 +350,7 @@ Result<void> check_thread_counts(std::span<const int> threads) {
   const int most = tbb::this_task_arena::max_concurrency();
   for (const int count : threads) {
     if (count <= most) continue;
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("expected at most {} threads, which can run at a time here, found {}", most, count),
                 "more would run no faster, and the times would have the wrong name");
   }
@@ -361,7 +361,7 @@ Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& si
                                const Context& context) {
   const field::AnalyticField* formula = field::find_analytic_field(name);
   if (formula == nullptr) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}{}: there is no formula to measure errors against", field::kDemoPrefix, name),
                 "take another demo field, or a file");
   }

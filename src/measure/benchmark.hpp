@@ -111,12 +111,12 @@ struct BenchResult {
   std::vector<BenchOrders> orders;
 };
 
-// More threads than this process may run at a time would be those threads in name only: ErrorKind::usage.
+// More threads than this process may run at a time would be those threads in name only: ErrorCode::usage.
 [[nodiscard]] Result<void> check_thread_counts(std::span<const int> threads);
 
 // A demo field with a formula at `sizes` samples along each axis. Areas and volumes are compared with
-// find_reference_size(); volumes are those of capped meshes. Fails with ErrorKind::usage for a demo without formula
-// or for too many threads, and as extraction does; with ErrorKind::input where there is no surface.
+// find_reference_size(); volumes are those of capped meshes. Fails with ErrorCode::usage for a demo without formula
+// or for too many threads, and as extraction does; with ErrorCode::input where there is no surface.
 [[nodiscard]] Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& sizes,
                                              const BenchOptions& options, const Context& context);
 

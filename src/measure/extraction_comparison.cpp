@@ -167,7 +167,7 @@ class VertexMatcher {
 Result<ExtractionComparison> compare_extractions(const mesh::Mesh& a, const mesh::Mesh& b, const Context& context) {
   for (const mesh::Mesh* mesh : {&a, &b}) {
     if (mesh->edges.size() == mesh->positions.size()) continue;
-    return fail(ErrorKind::verification,
+    return fail(ErrorCode::verification,
                 fmt::format("{}: expected the edge of each of the {} vertices, found those of {}", mesh->name,
                             mesh->positions.size(), mesh->edges.size()));
   }

@@ -45,7 +45,7 @@ struct ExtractionComparison {
 };
 
 // Where a hole parts a vertex, its copies share a key: how many there are is compared, not which triangles each has.
-// Fails with ErrorKind::verification if a mesh lacks edge keys, with ErrorKind::input if the comparison needs more
+// Fails with ErrorCode::verification if a mesh lacks edge keys, with ErrorCode::input if the comparison needs more
 // memory than there is. Indices of vertices that are not there are a difference like any other.
 [[nodiscard]] Result<ExtractionComparison> compare_extractions(const mesh::Mesh& a, const mesh::Mesh& b,
                                                                const Context& context);

@@ -9,6 +9,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "base/no_memory.hpp"
 #include "mesh/adjacency.hpp"
 
 namespace isoextract::measure {
@@ -166,7 +167,7 @@ Result<MeshBorders> find_borders(const mesh::Mesh& mesh, const mesh::Topology& t
     borders.components.resize(components.count());
     return borders;
   } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::input, what + " need more memory than there is");
+    return tl::unexpected(no_memory(what + " need more memory than there is"));
   }
 }
 

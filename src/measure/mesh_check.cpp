@@ -8,6 +8,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "base/no_memory.hpp"
 #include "measure/detail/places.hpp"
 #include "mesh/components.hpp"
 
@@ -137,7 +138,7 @@ Result<MeshCheck> check_mesh(const mesh::Mesh& mesh, const Context& context) {
   try {
     return look_at_all(mesh, context);
   } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::input, fmt::format("{}: checking it needs more memory than there is", mesh.name));
+    return tl::unexpected(no_memory(fmt::format("{}: checking it needs more memory than there is", mesh.name)));
   }
 }
 
@@ -161,7 +162,7 @@ Result<void> join_repeated_vertices(mesh::Mesh& mesh, const Context& context) {
     for (glm::uvec3& t : mesh.triangles) t = {new_of_old[t.x], new_of_old[t.y], new_of_old[t.z]};
     return {};
   } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::input, what + " need more memory than there is");
+    return tl::unexpected(no_memory(what + " need more memory than there is"));
   }
 }
 

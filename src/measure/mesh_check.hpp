@@ -39,7 +39,7 @@ struct MeshCheck {
 
 // Positions are finite, and indices of vertices that are there. A mesh without triangles is none that cannot be
 // checked. The same for any number of threads. Fails where its working memory is more than is left, and with
-// ErrorKind::cancelled.
+// ErrorCode::cancelled.
 [[nodiscard]] Result<MeshCheck> check_mesh(const mesh::Mesh& mesh, const Context& context);
 
 // Makes one vertex of all that have the same coordinates: the first of them, whose attributes stay. Fails as

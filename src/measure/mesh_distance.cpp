@@ -163,13 +163,13 @@ Result<MeshDistance> measure_distance(const mesh::Mesh& a, const mesh::Mesh& b, 
                                       const Context& context) {
   for (const mesh::Mesh* mesh : {&a, &b}) {
     if (!mesh->triangles.empty()) continue;
-    return fail(ErrorKind::input, fmt::format("{} mesh{} has no triangles, so there is no distance to it",
+    return fail(ErrorCode::input, fmt::format("{} mesh{} has no triangles, so there is no distance to it",
                                               mesh == &a ? "the first" : "the second",
                                               mesh->name.empty() ? "" : fmt::format(", {},", mesh->name)));
   }
   constexpr double kFarthest = 1e150;
   if (const double apart = glm::length(a.origin - b.origin); !(apart <= kFarthest)) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("expected meshes at most {:g} apart, found {} and {} farther from each other", kFarthest,
                             a.name, b.name));
   }

@@ -50,7 +50,7 @@ struct MeshDistance {
   double resolution = 0;
 };
 
-// Fails with ErrorKind::input if a mesh has no triangles: nothing has a distance to nothing; if the origins
+// Fails with ErrorCode::input if a mesh has no triangles: nothing has a distance to nothing; if the origins
 // are more than 1e150 apart, where squared distances leave the range of double; or if there is not the memory for it.
 // Positions must be finite.
 [[nodiscard]] Result<MeshDistance> measure_distance(const mesh::Mesh& a, const mesh::Mesh& b,

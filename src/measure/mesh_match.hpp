@@ -48,7 +48,7 @@ struct MeshMatch {
 };
 
 // `float32_world`: the file's format has float32 world coordinates only. `quantised`: its positions were quantised.
-// Fails with ErrorKind::input if matching needs more memory than there is.
+// Fails with ErrorCode::input if matching needs more memory than there is.
 [[nodiscard]] Result<MeshMatch> match_meshes(const mesh::Mesh& written, const mesh::Mesh& extracted, bool float32_world,
                                              const Context& context, bool quantised = false);
 

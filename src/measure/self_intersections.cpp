@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
 
+#include "base/no_memory.hpp"
 #include "measure/detail/places.hpp"
 #include "measure/detail/triangle_boxes.hpp"
 #include "measure/detail/triangle_overlap.hpp"
@@ -175,7 +176,7 @@ Result<SelfIntersections> find_self_intersections(const mesh::Mesh& mesh, const 
     context.progress().begin("looking for self-intersections", mesh.triangles.size());
     return IntersectionSearch(mesh, options, context).run();
   } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::input, what + " needs more memory than there is");
+    return tl::unexpected(no_memory(what + " needs more memory than there is"));
   }
 }
 

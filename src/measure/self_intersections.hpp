@@ -40,8 +40,8 @@ struct SelfIntersections {
 };
 
 // Where there are more pairs than may be, in_one_plane, neighbours and triangles are 0: nobody counted them. The same
-// for any number of threads. Positions are finite. Fails with ErrorKind::input where there is no memory for it,
-// and with ErrorKind::cancelled.
+// for any number of threads. Positions are finite. Fails with ErrorCode::input where there is no memory for it,
+// and with ErrorCode::cancelled.
 [[nodiscard]] Result<SelfIntersections> find_self_intersections(const mesh::Mesh& mesh,
                                                                 const IntersectionOptions& options,
                                                                 const Context& context);

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include "base/no_memory.hpp"
 #include "measure/detail/triangle_boxes.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/exact_sign.hpp"
@@ -262,7 +263,7 @@ Result<std::vector<std::uint32_t>> count_surrounding_shells(const mesh::Mesh& me
     TRY(context.check());
     return within;
   } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::input, what + " need more memory than there is");
+    return tl::unexpected(no_memory(what + " need more memory than there is"));
   }
 }
 
@@ -281,7 +282,7 @@ Result<std::vector<Component>> describe_components(const mesh::Mesh& mesh, const
     for (Component& component : all) component.shell = shell_of(component);
     return all;
   } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::input, what + " need more memory than there is");
+    return tl::unexpected(no_memory(what + " need more memory than there is"));
   }
 }
 

@@ -47,7 +47,7 @@ struct Component {
 // In the order of `components`. What lies within what is decided exactly for a vertex of each shell, by a ray, or where
 // that vertex is on another shell, for a point beside it on the side of the material: of walls that two bodies share
 // neither is around the other. Shells that intersect may be told either way. The same for any number of threads. Fails
-// where its working memory is more than is left, and with ErrorKind::cancelled.
+// where its working memory is more than is left, and with ErrorCode::cancelled.
 [[nodiscard]] Result<std::vector<Component>> describe_components(const mesh::Mesh& mesh,
                                                                  const mesh::Components& components,
                                                                  const MeshBorders& borders, const Context& context);

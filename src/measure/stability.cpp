@@ -24,7 +24,7 @@ void run_once(const StabilityScene& scene, const extract::ExtractOptions& option
   };
   const auto extraction = extractor.extract(scene.field, options, context);
   if (scene.outcome == StabilityOutcome::refusal && !traits.always_closed) {
-    if (extraction || extraction.error().kind != ErrorKind::input) add("the samples were not refused");
+    if (extraction || extraction.error().code != ErrorCode::input) add("the samples were not refused");
     return;
   }
   if (!extraction) return add(extraction.error().message);

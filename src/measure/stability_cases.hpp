@@ -12,7 +12,7 @@ enum class StabilityOutcome {
   surface,   // there is one
   cap_only,  // all is inside: only a cap
   nothing,   // no sample is inside
-  refusal,   // ErrorKind::input: the samples span no cell; of methods that always close the surface there is one
+  refusal,   // ErrorCode::input: the samples span no cell; of methods that always close the surface there is one
 };
 
 struct StabilityScene {

@@ -298,7 +298,7 @@ class Shading {
       all += count;
     }
     if (vertices_ + all > std::numeric_limits<std::uint32_t>::max()) {
-      return fail(ErrorKind::input, fmt::format("{}: the surface has more vertices than a mesh can number", source_),
+      return fail(ErrorCode::input, fmt::format("{}: the surface has more vertices than a mesh can number", source_),
                   Remedy::extract_part);
     }
     const std::uint64_t row = vertex_bytes(mesh_) + (had_normals ? 0 : sizeof(glm::vec3));
@@ -401,8 +401,8 @@ Result<std::uint64_t> shade_by_triangles(Mesh& mesh, const ShadingOptions& optio
   try {
     return Shading(mesh, options, source, context).run();
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(ErrorKind::input, fmt::format("{}: normals: there is not enough memory", source),
-                                    Remedy::extract_part));
+    return tl::unexpected(
+        no_memory(fmt::format("{}: normals: there is not enough memory", source), Remedy::extract_part));
   }
 }
 

@@ -38,7 +38,7 @@ struct ShadingOptions {
 
 // Gives the mesh such normals, one a vertex; one without normals gets means. Copies stand behind all other vertices, in
 // the order of those that they copy, and have all that belongs to them. Returns how many there are. The same for any
-// number of threads. Fails with ErrorKind::input where the memory is not there, or for more vertices than a mesh can
+// number of threads. Fails with ErrorCode::input where the memory is not there, or for more vertices than a mesh can
 // number; `source` starts the message.
 [[nodiscard]] Result<std::uint64_t> shade_by_triangles(Mesh& mesh, const ShadingOptions& options,
                                                        const std::string& source, const Context& context);

@@ -254,7 +254,7 @@ Result<Topology> measure_topology(const Mesh& mesh, const Context& context) {
     const auto memory = TRY(context.reserve(std::max(ranges.bytes(), Components::bytes(vertices)), what));
     return measure(mesh, ranges);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(ErrorKind::input, what + " need more memory than there is"));
+    return tl::unexpected(no_memory(what + " need more memory than there is"));
   }
 }
 
@@ -267,7 +267,7 @@ Result<std::vector<Topology>> measure_topology(const Mesh& mesh, const Component
         TRY(context.reserve(ranges.bytes() + (threads + 1) * components.count() * sizeof(Topology), what));
     return measure(mesh, ranges, components);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(ErrorKind::input, what + " need more memory than there is"));
+    return tl::unexpected(no_memory(what + " need more memory than there is"));
   }
 }
 

@@ -41,7 +41,7 @@ Result<void> part_fans(Mesh& mesh, const std::string& source) {
   source_of.reserve(vertices);
   for (std::uint32_t v = 0; v < vertices; ++v) {
     if (source_of.size() + first[v] > std::numeric_limits<std::uint32_t>::max()) {
-      return fail(ErrorKind::input, fmt::format("{}: the surface has more vertices than a mesh can number", source),
+      return fail(ErrorCode::input, fmt::format("{}: the surface has more vertices than a mesh can number", source),
                   Remedy::extract_part);
     }
     const auto number = static_cast<std::uint32_t>(source_of.size());
@@ -68,8 +68,7 @@ Result<void> make_one_vertex_a_fan(Mesh& mesh, const std::string& source, const 
   try {
     return part_fans(mesh, source);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(
-        no_memory(ErrorKind::input, fmt::format("{} need more memory than there is", what), Remedy::extract_part));
+    return tl::unexpected(no_memory(fmt::format("{} need more memory than there is", what), Remedy::extract_part));
   }
 }
 

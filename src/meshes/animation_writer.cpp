@@ -96,10 +96,10 @@ struct AnimationWriter::State {
 
 Result<void> AnimationWriter::State::check() const {
   const auto unusable = [&](const std::string& found, const char* hint) {
-    return fail(ErrorKind::usage, fmt::format("{}: {}", path.string(), found), hint);
+    return fail(ErrorCode::usage, fmt::format("{}: {}", path.string(), found), hint);
   };
   if (options.format != MeshFormat::glb || options.ascii) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: expected {} for an animation, found {}{}", path.string(),
                             mesh_format_info(MeshFormat::glb).name, mesh_format_info(options.format).name,
                             options.ascii ? " as text" : ""),
@@ -124,13 +124,13 @@ float AnimationWriter::State::time_of(std::int64_t frame, int later) const {
 
 Result<void> AnimationWriter::State::check_frame(std::int64_t frame) const {
   if (first && frame <= last) {
-    return fail(ErrorKind::usage, fmt::format("{}: expected a frame after {}, found {}", path.string(), last, frame));
+    return fail(ErrorCode::usage, fmt::format("{}: expected a frame after {}, found {}", path.string(), last, frame));
   }
   const float time = time_of(frame);
   const bool is_later = !first || time > time_of(last);
   if (is_later && time < time_of(frame, 1) && std::isfinite(time_of(frame, 1))) return {};
   return fail(
-      ErrorKind::output,
+      ErrorCode::output,
       fmt::format("{}: frame {} is at {} seconds, where float32 cannot tell it from its neighbours at {} frames "
                   "per second",
                   path.string(), frame, time, frames_per_second),
@@ -143,7 +143,7 @@ Result<std::vector<GltfPart>> AnimationWriter::State::pieces_of(std::span<const 
   with.packing = packing;
   std::vector<GltfPart> pieces;
   if (packing.quantizes() && !packing.box && std::any_of(surfaces.begin(), surfaces.end(), has_triangles)) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: expected a box to quantise positions in, found none", path.string()));
   }
   for (const mesh::Mesh& surface : surfaces) {
@@ -214,7 +214,7 @@ Result<std::optional<Error>> AnimationWriter::State::add(const std::string& name
   }
   if (!added) return tl::unexpected(std::move(added.error()));
   if (!*added) {
-    return Error{ErrorKind::output,
+    return Error{ErrorCode::output,
                  fmt::format("{}: frame {} does not fit into a file of {} bytes", path.string(), frame, largest_file),
                  "write each frame to a file of its own"};
   }
@@ -259,7 +259,7 @@ void AnimationWriter::State::tell_of_parts() {
 Result<MeshWriteResult> AnimationWriter::State::finish() {
   TRY(check());
   if (!first) {
-    return fail(ErrorKind::output, fmt::format("{}: an animation needs a frame, found none", path.string()));
+    return fail(ErrorCode::output, fmt::format("{}: an animation needs a frame, found none", path.string()));
   }
   const float end = time_of(span ? std::max(last, span->last) : last, 1);
   std::vector<files::OutputFile*> files;
@@ -303,7 +303,7 @@ Result<void> AnimationWriter::check_times(std::span<const std::int64_t> frames) 
   trial.frames_per_second = state_->frames_per_second;
   for (const std::int64_t frame : frames) {
     if (auto possible = trial.check_frame(frame); !possible) {
-      possible.error().kind = ErrorKind::usage;
+      possible.error().code = ErrorCode::usage;
       return possible;
     }
     if (!trial.first) trial.first = frame;

@@ -48,12 +48,12 @@ class AnimationWriter {
   // Makes the time line that of the frames from `first` to `last`, whichever of them come. Call before add().
   void span(std::int64_t first, std::int64_t last);
 
-  // Whether there can be such a file, before anything is made for it. Fails with ErrorKind::usage, as add() and
+  // Whether there can be such a file, before anything is made for it. Fails with ErrorCode::usage, as add() and
   // finish() then do.
   [[nodiscard]] Result<void> check() const;
 
   // Whether frames of these numbers, which grow, could be told apart in time, were they the first that come: else
-  // add() refuses some of them. Fails with ErrorKind::usage, naming the first.
+  // add() refuses some of them. Fails with ErrorCode::usage, naming the first.
   [[nodiscard]] Result<void> check_times(std::span<const std::int64_t> frames) const;
 
   // The surfaces of a frame, none of which is needed afterwards. Numbers grow from call to call. `name` is the node's;
@@ -62,10 +62,10 @@ class AnimationWriter {
   // mesh_packing.hpp says so. Neither does options.placement: the file has that of the first frame, and a note tells
   // where others differ.
   //
-  // A frame that cannot be written is refused with ErrorKind::output, and the rest may go on as if it had not come: one
+  // A frame that cannot be written is refused with ErrorCode::output, and the rest may go on as if it had not come: one
   // whose numbers would destroy its triangles (write/written_places.hpp), that is larger than a file can be, or that is
   // so far from the first that float32 cannot tell its time from its neighbours'. So is a number that does not grow,
-  // with ErrorKind::usage. After any other failure every later call fails alike.
+  // with ErrorCode::usage. After any other failure every later call fails alike.
   [[nodiscard]] Result<void> add(const std::string& name, std::int64_t frame, std::span<const mesh::Mesh> surfaces,
                                  const MeshPacking& packing = {}, const std::string& placement = {});
   [[nodiscard]] Result<void> add(const std::string& name, std::int64_t frame, const mesh::Mesh& surface);
@@ -76,7 +76,7 @@ class AnimationWriter {
   // Whether a failure has ended it, so that every later call fails like that one: it was none of a single frame.
   [[nodiscard]] bool has_failed() const;
 
-  // Gives all files their names. Call once, last. Fails with ErrorKind::output where no frame came.
+  // Gives all files their names. Call once, last. Fails with ErrorCode::output where no frame came.
   [[nodiscard]] Result<MeshWriteResult> finish();
 
  private:

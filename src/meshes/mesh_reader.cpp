@@ -252,11 +252,11 @@ Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& con
   } catch (const DamagedMesh& damage) {
     const std::string_view text = damage.what();
     const bool named = text.starts_with(name());
-    return fail(ErrorKind::input, named ? std::string(text) : fmt::format("{}: {}", name(), text), damage.hint);
+    return fail(ErrorCode::input, named ? std::string(text) : fmt::format("{}: {}", name(), text), damage.hint);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(ErrorKind::input, fmt::format("{}: not enough memory to read it", name())));
+    return tl::unexpected(no_memory(fmt::format("{}: not enough memory to read it", name())));
   } catch (const std::exception& error) {
-    return fail(ErrorKind::input, fmt::format("{}: cannot be read: {}", name(), error.what()));
+    return fail(ErrorCode::input, fmt::format("{}: cannot be read: {}", name(), error.what()));
   }
 }
 

@@ -71,7 +71,7 @@ struct MeshFile {
 // their coordinates are equal (-0 is 0), whatever their attributes: those of the first corner are kept, and a note
 // counts the others.
 //
-// Fails with ErrorKind::input: a file that cannot be read, is damaged, has coordinates that are not finite, indices of
+// Fails with ErrorCode::input: a file that cannot be read, is damaged, has coordinates that are not finite, indices of
 // vertices that are not there, or needs more memory than is left; or glTF that requires an extension which may change
 // its triangles and is not read. The mesh keeps its part reserved. A file without triangles is no error.
 [[nodiscard]] Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context,

@@ -43,23 +43,23 @@ Result<void> check(std::size_t meshes, const fs::path& path, const MeshWriteOpti
     return sound;
   }
   if (options.ascii && !info.has_ascii) {
-    return fail(ErrorKind::usage, fmt::format("{}: the format {} cannot be text", path.string(), info.name),
+    return fail(ErrorCode::usage, fmt::format("{}: the format {} cannot be text", path.string(), info.name),
                 {Remedy::ascii_formats, names_of_formats(&MeshFormatInfo::has_ascii)});
   }
   if (meshes != 1 && !info.holds_several_meshes) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: the format {} holds one mesh, found {}", path.string(), info.name, meshes),
                 {Remedy::one_file_per_surface, names_of_formats(&MeshFormatInfo::holds_several_meshes)});
   }
   if (info.can_stream) return {};
   if (files::is_stream(path)) {
     return fail(
-        ErrorKind::usage,
+        ErrorCode::usage,
         fmt::format("{}: the format {} makes two files and cannot be written to a stream", path.string(), info.name),
         {Remedy::choose_mesh_format, names_of_formats(&MeshFormatInfo::can_stream)});
   }
   if (path.extension() == ".bin") {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: the data of the format {} would get this name as well", path.string(), info.name),
                 "use a name that ends in .gltf");
   }
@@ -121,21 +121,21 @@ Result<void> check_packing(const MeshPacking& packing, MeshFormat format) {
   const std::string_view name = mesh_format_info(format).name;
   const bool draco = packing.compression == Compression::draco || format == MeshFormat::drc;
   if (packing.compression == Compression::draco && !is_gltf(format) && format != MeshFormat::drc) {
-    return fail(ErrorKind::usage, fmt::format("the format {} has no Draco compression", name),
+    return fail(ErrorCode::usage, fmt::format("the format {} has no Draco compression", name),
                 {Remedy::choose_mesh_format, "glb, gltf or drc"});
   }
   if ((packing.quantize || packing.compression == Compression::meshopt) && !is_gltf(format)) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("the format {} has no {}", name,
                             packing.quantize ? "quantised positions of 16 bits" : "compression by meshoptimizer"),
                 {Remedy::choose_mesh_format, "glb or gltf"});
   }
-  if (draco && packing.quantize) return fail(ErrorKind::usage, "Draco quantises by itself, with bits of its own");
-  if (draco && packing.optimize_order) return fail(ErrorKind::usage, "Draco has an order of its own");
+  if (draco && packing.quantize) return fail(ErrorCode::usage, "Draco quantises by itself, with bits of its own");
+  if (draco && packing.optimize_order) return fail(ErrorCode::usage, "Draco has an order of its own");
   if (!packing.position_bits) return {};
-  if (!draco) return fail(ErrorKind::usage, "only Draco's positions have a number of bits to choose");
+  if (!draco) return fail(ErrorCode::usage, "only Draco's positions have a number of bits to choose");
   if (*packing.position_bits < kMinPositionBits || *packing.position_bits > kMaxPositionBits) {
-    return fail(ErrorKind::usage, fmt::format("expected from {} to {} bits of positions, found {}", kMinPositionBits,
+    return fail(ErrorCode::usage, fmt::format("expected from {} to {} bits of positions, found {}", kMinPositionBits,
                                               kMaxPositionBits, *packing.position_bits));
   }
   return {};

@@ -70,7 +70,7 @@ struct MeshWriteResult {
   std::vector<PackedFacts> packed = {};  // one a mesh where they were packed; of a mesh without triangles nothing is
 };
 
-// What the format cannot do of it, or what makes no sense together, is ErrorKind::usage.
+// What the format cannot do of it, or what makes no sense together, is ErrorCode::usage.
 [[nodiscard]] Result<void> check_packing(const MeshPacking& packing, MeshFormat format);
 
 // One file (or, for .gltf, one pair of files) that takes its meshes one after another. Nothing is opened before the
@@ -89,9 +89,9 @@ class MeshWriter {
   ~MeshWriter();
 
   // Vertex normals and attributes are written where the mesh has them, or noted where the format cannot hold them.
-  // Fails with ErrorKind::output, also where the mesh is so far from the origin of its coordinates that the numbers of
+  // Fails with ErrorCode::output, also where the mesh is so far from the origin of its coordinates that the numbers of
   // the format would destroy its triangles (write/written_places.hpp says when), where it is outside of the box of its
-  // packing, or where what was packed does not come back; or with ErrorKind::usage for what the format cannot do. Then
+  // packing, or where what was packed does not come back; or with ErrorCode::usage for what the format cannot do. Then
   // every later call fails alike.
   [[nodiscard]] Result<void> add(mesh::Mesh mesh);
 

@@ -61,14 +61,14 @@ Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::s
                                             double smoothing_length, const Context& context) {
   const double support = 2 * smoothing_length * radius;
   if (!(radius > 0 && smoothing_length > 0 && std::isfinite(support))) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("expected a particle radius and a smoothing length above 0, found {} and {}", radius,
                             smoothing_length));
   }
   const std::span<const glm::dvec3> positions = particles.positions.span();
   const ParticleBounds bounds = measure_bounds(positions);
   if (bounds.finite == 0 && !vertices.empty()) {
-    return fail(ErrorKind::input, particles.label + ": expected particles to take attributes from, found none");
+    return fail(ErrorCode::input, particles.label + ": expected particles to take attributes from, found none");
   }
   std::size_t components = 0;
   for (const std::size_t a : attributes) components += particles.attributes[a].components;
@@ -86,7 +86,7 @@ Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::s
   const GridFrame frame{bounds.box.min / 2.0 + bounds.box.max / 2.0, support};
   const glm::dvec3 half = frame(bounds.box.max);
   if (!(std::max({half.x, half.y, half.z}) < field::kMaxSparseIndex)) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: the particles lie too far apart for kernels that reach {}", particles.label, support));
   }
   auto grid = TRY(CellGrid::make(positions, frame, 1, CellGrid::Coinciding::merged, context, particles.label));

@@ -37,8 +37,8 @@ struct SampledAttributes {
 // that are not finite make what they reach not finite. Vertices are in world units and finite. The same bits for any
 // number of threads.
 //
-// Fails with ErrorKind::usage where a length is not above 0, with ErrorKind::input where there is no particle but a
-// vertex, or where the memory is not there, and with ErrorKind::cancelled.
+// Fails with ErrorCode::usage where a length is not above 0, with ErrorCode::input where there is no particle but a
+// vertex, or where the memory is not there, and with ErrorCode::cancelled.
 [[nodiscard]] Result<SampledAttributes> sample_attributes(const ParticleSet& particles,
                                                           std::span<const std::size_t> attributes,
                                                           std::span<const glm::dvec3> vertices, double radius,

@@ -95,7 +95,7 @@ constexpr auto words_of(Deposit /*type*/) {
 
 // Particles whose position is not finite.
 enum class BadParticles {
-  error,  // ErrorKind::input; the message says which is the first
+  error,  // ErrorCode::input; the message says which is the first
   skip,   // left out and counted
 };
 constexpr auto words_of(BadParticles /*type*/) {

@@ -29,7 +29,7 @@ constexpr std::uint64_t kMostNear = 32768;
 
 Result<void> check_positive(double value, const char* what) {
   if (std::isfinite(value) && value > 0) return {};
-  return fail(ErrorKind::usage, fmt::format("expected {} above 0, found {}", what, value));
+  return fail(ErrorCode::usage, fmt::format("expected {} above 0, found {}", what, value));
 }
 
 // Where the samples are. Index coordinates of p: (p - origin) / unit.
@@ -42,14 +42,14 @@ Result<GridFrame> index_frame(const ParticleSet& particles, const ParticleBounds
   const double farthest = std::max({far.x, far.y, far.z});
   // Two bricks of room for rounding to bricks and for the reach of kernels.
   if (!(half_size / spacing + reach + 2 * kBrickSide < field::kMaxSparseIndex)) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: the particles lie within {} units, which is more than {} samples at a spacing of {}",
                             particles.label, 2 * half_size, 2LL * field::kMaxSparseIndex, spacing),
                 Hint("a larger radius or spacing, or particles without strays, would do"));
   }
   // A sample's place is rounded to a double: to a hundredth of the spacing at least.
   if (!(farthest * std::numeric_limits<double>::epsilon() < spacing / 100)) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: particles as far from 0 as {} cannot be told apart at a spacing of {}",
                             particles.label, farthest, spacing),
                 Hint("positions nearer to 0 would do"));
@@ -66,7 +66,7 @@ Result<void> check_crowding(const ParticleSet& particles, const CellGrid& grid, 
   if (count_near_pairs(grid, widening * figures.support / figures.spacing, most) <= most) return {};
   const auto statistics = TRY(measure_statistics(particles, context));
   const std::optional<double> usual = statistics.suggested_radius();
-  return fail(ErrorKind::input,
+  return fail(ErrorCode::input,
               fmt::format("{}: a particle radius of {:.6g}, whose neighbours are up to {:.6g} away, gives each of {} "
                           "particles more than {} neighbours on average; expected at most that many",
                           particles.label, figures.radius, widening * figures.support, figures.particles, kMostNear),
@@ -98,7 +98,7 @@ Result<field::SparseSamples> sum_kernels(const CellGrid& grid, double support, c
 
 Result<void> check_options(const FieldOptions& options) {
   if (options.cell_size && options.spacing) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 "expected the spacing of the samples in particle radii or in world units, found both");
   }
   const AnisotropyOptions& anisotropy = options.anisotropy;
@@ -113,19 +113,19 @@ Result<void> check_options(const FieldOptions& options) {
     TRY(check_positive(value, what));
   }
   if (!(anisotropy.lambda >= 0 && anisotropy.lambda <= 1)) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("expected a smoothing lambda of centres from 0 to 1, found {}", anisotropy.lambda));
   }
   if (!(std::isfinite(anisotropy.k_r) && anisotropy.k_r >= 1)) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("expected a ratio k_r of kernel axes of at least 1, found {}", anisotropy.k_r));
   }
   if (anisotropy.few < 0) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("expected a number of neighbours that are few from 0 on, found {}", anisotropy.few));
   }
   if (options.leave_out_inside && !std::isfinite(*options.leave_out_inside)) {
-    return fail(ErrorKind::usage, fmt::format("expected a finite iso value, found {}", *options.leave_out_inside));
+    return fail(ErrorCode::usage, fmt::format("expected a finite iso value, found {}", *options.leave_out_inside));
   }
   return {};
 }
@@ -134,7 +134,7 @@ Result<ParticleField> make_field(const ParticleSet& particles, const FieldOption
   TRY(check_options(options));
   const std::span<const glm::dvec3> positions = particles.positions.span();
   if (method_info(options.method).kind != field::FieldKind::density) {
-    return fail(ErrorKind::usage, fmt::format("{}: expected a method that sums what particles add, found {}",
+    return fail(ErrorCode::usage, fmt::format("{}: expected a method that sums what particles add, found {}",
                                               particles.label, method_info(options.method).title));
   }
   const ParticleBounds bounds = measure_bounds(positions);

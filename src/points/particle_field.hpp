@@ -82,10 +82,10 @@ struct ParticleField {
   FieldFigures figures;
 };
 
-// Fails with ErrorKind::usage where options make no sense, naming what is expected. With ErrorKind::input where a
+// Fails with ErrorCode::usage where options make no sense, naming what is expected. With ErrorCode::input where a
 // position is not finite (BadParticles::error), where the particles do not say their radius, where they are too far
-// apart or too far away for the spacing, and where the memory is not there. With ErrorKind::cancelled. make_field()
-// makes the densities of method.hpp; other methods are ErrorKind::usage.
+// apart or too far away for the spacing, and where the memory is not there. With ErrorCode::cancelled. make_field()
+// makes the densities of method.hpp; other methods are ErrorCode::usage.
 [[nodiscard]] Result<void> check_options(const FieldOptions& options);
 [[nodiscard]] Result<ParticleField> make_field(const ParticleSet& particles, const FieldOptions& options,
                                                const Context& context);

@@ -58,7 +58,7 @@ ParticleBounds measure_bounds(std::span<const glm::dvec3> positions) {
 Result<ParticleStatistics> measure_statistics(const ParticleSet& particles, const Context& context) {
   const std::span<const glm::dvec3> positions = particles.positions.span();
   if (positions.size() > std::numeric_limits<std::uint32_t>::max()) {
-    return fail(ErrorKind::input, fmt::format("{}: expected at most {} particles, found {}", particles.label,
+    return fail(ErrorCode::input, fmt::format("{}: expected at most {} particles, found {}", particles.label,
                                               std::numeric_limits<std::uint32_t>::max(), positions.size()));
   }
   ParticleStatistics statistics;

@@ -31,7 +31,7 @@ Result<std::shared_ptr<ReservedBuffer<float>>> radii_at(const ParticleSet& parti
     if (!is_finite(particles.positions[i])) continue;
     const float radius = radii.values[i];
     if (!(std::isfinite(radius) && radius >= 0)) {
-      return fail(ErrorKind::input,
+      return fail(ErrorCode::input,
                   fmt::format("{}: expected radii of 0 and more as '{}', found {} at particle {}", particles.label,
                               printable(radii.name), radius, i),
                   Remedy::choose_radius);

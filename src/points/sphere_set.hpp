@@ -41,7 +41,7 @@ class SphereSet {
 
 // Radii are FieldOptions::radius, else those of an attribute of kRadiusAttributes, else suggested by the distances.
 // What is in radii (the spacing, and for Method::smooth the support, twice the smoothing length) is in radii of their
-// median. Fails as make_field() does, and with ErrorKind::input where an attribute holds what is no radius. The same
+// median. Fails as make_field() does, and with ErrorCode::input where an attribute holds what is no radius. The same
 // for any number of threads.
 [[nodiscard]] Result<SphereSet> make_spheres(const ParticleSet& particles, const FieldOptions& options,
                                              const Context& context);

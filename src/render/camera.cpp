@@ -38,7 +38,7 @@ std::array<glm::dvec3, 3> axes_of(UpAxis up) {
 }  // namespace
 
 Result<void> Camera::check() const {
-  const auto refuse = [](const std::string& what) { return fail(ErrorKind::usage, "the camera: " + what); };
+  const auto refuse = [](const std::string& what) { return fail(ErrorCode::usage, "the camera: " + what); };
   if (!is_finite(eye) || !is_finite(target) || !is_finite(up)) return refuse("expected finite places and directions");
   if (!(unit() > 0) || !std::isfinite(unit())) return refuse("expected an eye and a target that are apart");
   const glm::dvec3 axis = (target - eye) / unit();
@@ -115,7 +115,7 @@ PixelBox pixels_of(const Camera& camera, const PictureSize& size, const field::A
 Result<ViewAngles> parse_view_angles(std::string_view words) {
   const auto refuse = [&] {
     return fail(
-        ErrorKind::usage,
+        ErrorCode::usage,
         fmt::format("expected azimuth and elevation in degrees and perhaps a distance above 0, AZ,EL[,DISTANCE] "
                     "with EL from -90 to 90, found '{}'",
                     words));

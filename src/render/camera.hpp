@@ -39,7 +39,7 @@ struct Camera {
   double near_depth = 0.01;      // in world units; what is nearer is not drawn
   double far_depth = 100;        // what is farther is not drawn
 
-  // Finite, eye and target apart, up not along the axis, 0 < near < far, fovy in range. ErrorKind::usage tells which
+  // Finite, eye and target apart, up not along the axis, 0 < near < far, fovy in range. ErrorCode::usage tells which
   // not.
   [[nodiscard]] Result<void> check() const;
 
@@ -91,7 +91,7 @@ struct ViewAngles {
   friend bool operator==(const ViewAngles&, const ViewAngles&) = default;
 };
 
-// "AZ,EL[,DISTANCE]". ErrorKind::usage, with what was expected, for anything else.
+// "AZ,EL[,DISTANCE]". ErrorCode::usage, with what was expected, for anything else.
 [[nodiscard]] Result<ViewAngles> parse_view_angles(std::string_view words);
 
 enum class UpAxis { x, y, z };

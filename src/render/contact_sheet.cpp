@@ -30,7 +30,7 @@ Result<ContactSheet> ContactSheet::create(const PictureSize& cell, std::size_t c
   const double columns = std::clamp(std::round(across), 1.0, static_cast<double>(count));
   const double rows = std::ceil(static_cast<double>(count) / columns);
   if (kGap + columns * wide > PictureSize::kMaxSide || kGap + rows * high > PictureSize::kMaxSide) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("expected a sheet of at most {0} x {0} pixels, found {1} pictures of {2} x {3}",
                             PictureSize::kMaxSide, count, cell.width, cell.height));
   }

@@ -13,8 +13,8 @@ namespace isoextract::render {
 
 class ContactSheet {
  public:
-  // For `count` pictures of one size, at least one. Fails with ErrorKind::usage where the sheet would be larger than a
-  // picture may be, and with ErrorKind::input where memory is missing.
+  // For `count` pictures of one size, at least one. Fails with ErrorCode::usage where the sheet would be larger than a
+  // picture may be, and with ErrorCode::input where memory is missing.
   [[nodiscard]] static Result<ContactSheet> create(const PictureSize& cell, std::size_t count, const Context& context);
 
   // The n-th from the upper left; `picture` has the size of a cell. Words that do not fit below it are cut off.

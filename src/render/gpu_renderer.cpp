@@ -28,7 +28,7 @@ class GpuRenderer final : public Renderer {
     const std::size_t known_messages = gl_->debug_messages().size();
     auto rendered = draw_current(scene, camera, options, context);
     if (rendered && options_.debug && gl_->debug_messages().size() > known_messages) {
-      return fail(ErrorKind::unavailable,
+      return fail(ErrorCode::unavailable,
                   fmt::format("{}: {}", gl_->device().renderer, gl_->debug_messages()[known_messages]),
                   Remedy::report_gpu);
     }

@@ -25,7 +25,7 @@ struct GpuRenderOptions {
                                               // default: three quarters of what it has; no limit where it does not tell
   std::uint64_t list_bytes = 256 << 20;  // of these, what fragments of see-through surfaces may take, 8 bytes each: a
                                          // part of the picture that has more is drawn in smaller ones
-  bool debug = false;                    // ErrorKind::unavailable for whatever the driver complains about; for tests
+  bool debug = false;                    // ErrorCode::unavailable for whatever the driver complains about; for tests
 
   friend bool operator==(const GpuRenderOptions&, const GpuRenderOptions&) = default;
 };
@@ -35,8 +35,8 @@ struct GpuRendererAndDevice {
   gl::GpuDevice device;
 };
 
-// Opens the device. Fails with ErrorKind::unavailable where there is none. The renderer is used and dropped on this
-// thread. It refuses, with ErrorKind::unavailable, what does not fit onto the device: bricks that are seen, triangles,
+// Opens the device. Fails with ErrorCode::unavailable where there is none. The renderer is used and dropped on this
+// thread. It refuses, with ErrorCode::unavailable, what does not fit onto the device: bricks that are seen, triangles,
 // or one pixel's see-through fragments. Memory of devices that draw on the processor is the context's as well.
 [[nodiscard]] Result<GpuRendererAndDevice> make_gpu_renderer(const GpuRenderOptions& options);
 

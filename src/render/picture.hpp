@@ -26,7 +26,7 @@ struct Picture {
   static constexpr std::size_t kBytesPerPixel = sizeof(glm::vec4) + sizeof(float) + sizeof(glm::vec3);
 };
 
-// One whose pixels are not written yet. Fails with ErrorKind::input where the memory is not there.
+// One whose pixels are not written yet. Fails with ErrorCode::input where the memory is not there.
 [[nodiscard]] Result<Picture> make_picture(int width, int height, const Context& context);
 
 }  // namespace isoextract::render

@@ -83,8 +83,8 @@ class Renderer {
   Renderer& operator=(const Renderer&) = delete;
   virtual ~Renderer() = default;
 
-  // Reserves the memory of the picture and all else from the context. Fails as check() does, with ErrorKind::input
-  // where memory is missing, ErrorKind::unavailable where a device gives up, and as Context::check(). Whether a file
+  // Reserves the memory of the picture and all else from the context. Fails as check() does, with ErrorCode::input
+  // where memory is missing, ErrorCode::unavailable where a device gives up, and as Context::check(). Whether a file
   // lost samples meanwhile is the caller's to ask, afterwards (DenseSamples::lost()).
   [[nodiscard]] virtual Result<Rendered> draw(const Scene& scene, const Camera& camera, const RenderOptions& options,
                                               const Context& context) = 0;

@@ -14,14 +14,14 @@
 namespace isoextract::render {
 namespace {
 
-Result<void> refuse(const std::string& what) { return fail(ErrorKind::usage, "the scene: " + what); }
+Result<void> refuse(const std::string& what) { return fail(ErrorCode::usage, "the scene: " + what); }
 
 bool is_light(const glm::dvec3& colour) { return is_finite(colour) && colour.r >= 0 && colour.g >= 0 && colour.b >= 0; }
 
 Result<void> check_volume(const Volume& volume) {
   TRY(box_of_volume(*volume.field));
   if (!volume.index_to_world.is_regular()) {
-    return fail(ErrorKind::input, fmt::format("{}: expected a transform that can be inverted", volume.field->source));
+    return fail(ErrorCode::input, fmt::format("{}: expected a transform that can be inverted", volume.field->source));
   }
   if (!(volume.unit_length > 0) || !std::isfinite(volume.unit_length)) {
     return refuse(fmt::format("expected a unit of length above 0, found {:g}", volume.unit_length));
@@ -36,7 +36,7 @@ Result<void> check_surface(const Surface& surface) {
     return refuse(fmt::format("expected an opacity above 0 and at most 1, found {:g}", surface.opacity));
   }
   if (!mesh.normals.empty() && mesh.normals.size() != mesh.positions.size()) {
-    return fail(ErrorKind::input, fmt::format("{}: expected a normal for each of {} vertices, found {}", mesh.name,
+    return fail(ErrorCode::input, fmt::format("{}: expected a normal for each of {} vertices, found {}", mesh.name,
                                               mesh.positions.size(), mesh.normals.size()));
   }
   if (surface.vertex_colours && std::ranges::none_of(mesh.attributes, [](const mesh::Attribute& attribute) {
@@ -45,7 +45,7 @@ Result<void> check_surface(const Surface& surface) {
                (attribute.type == ComponentType::u8 || attribute.type == ComponentType::u16 ||
                 attribute.type == ComponentType::f32);
       })) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: expected vertices with colours of type u8, u16 or f32, found none", mesh.name));
   }
   return {};
@@ -56,15 +56,14 @@ Result<void> check_surface(const Surface& surface) {
 Result<field::Box> box_of_volume(const field::ScalarField& field) {
   if (const auto* dense = std::get_if<field::DenseSamples>(&field.samples)) {
     if (dense->dims.x < 2 || dense->dims.y < 2 || dense->dims.z < 2) {
-      return fail(ErrorKind::input, fmt::format("{}: expected at least two samples along each axis, found {} x {} x {}",
+      return fail(ErrorCode::input, fmt::format("{}: expected at least two samples along each axis, found {} x {} x {}",
                                                 field.source, dense->dims.x, dense->dims.y, dense->dims.z));
     }
     return field::Box{glm::dvec3(0), glm::dvec3(dense->dims - 1)};
   }
   const field::IndexBox active = field.extents();
   if (active.empty()) {
-    return tl::unexpected(
-        Error{ErrorKind::input, fmt::format("{}: the grid has no voxels", field.source), {}, Reason::empty_grid});
+    return fail(ErrorCode::empty_grid, fmt::format("{}: the grid has no voxels", field.source));
   }
   return field::Box{glm::dvec3(active.min) - 1.0, glm::dvec3(active.max) + 1.0};
 }
@@ -86,9 +85,9 @@ Result<field::Box> box_of(const Scene& scene) {
     add({bounds.min, bounds.max});
   }
   if (!(box.min.x <= box.max.x))
-    return fail(ErrorKind::input, "there is nothing to be seen: no volume and no triangles");
+    return fail(ErrorCode::input, "there is nothing to be seen: no volume and no triangles");
   if (!is_finite(box.min) || !is_finite(box.max)) {
-    return fail(ErrorKind::input, "expected places that are finite, found some that are not");
+    return fail(ErrorCode::input, "expected places that are finite, found some that are not");
   }
   return box;
 }
@@ -129,15 +128,15 @@ double step_of(const Volume& volume, const RenderOptions& options) {
 Result<void> check(const Scene& scene, const Camera& camera, const RenderOptions& options) {
   const auto side = [](int pixels) { return pixels >= 1 && pixels <= PictureSize::kMaxSide; };
   if (!side(options.size.width) || !side(options.size.height)) {
-    return fail(ErrorKind::usage, fmt::format("expected a picture of 1 to {} pixels a side, found {} x {}",
+    return fail(ErrorCode::usage, fmt::format("expected a picture of 1 to {} pixels a side, found {} x {}",
                                               PictureSize::kMaxSide, options.size.width, options.size.height));
   }
   if (!(options.samples_per_voxel >= 1.0 / 64 && options.samples_per_voxel <= 64)) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("expected 1/64 to 64 samples a voxel, found {:g}", options.samples_per_voxel));
   }
   if (!(options.termination > 0 && options.termination < 1)) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("expected an end of rays between 0 and 1, found {:g}", options.termination));
   }
   TRY(camera.check());

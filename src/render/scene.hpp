@@ -28,7 +28,7 @@ struct Volume {
   double unit_length = 1;  // the unit of the transfer function's opacities, in the world; finite, above 0
 };
 
-// In index space. ErrorKind::input names the field where it has fewer than two samples along an axis, or no voxels.
+// In index space. ErrorCode::input names the field where it has fewer than two samples along an axis, or no voxels.
 [[nodiscard]] Result<field::Box> box_of_volume(const field::ScalarField& field);
 
 enum class Shading { smooth, flat };
@@ -87,10 +87,10 @@ struct Scene {
   glm::dvec4 background{0.0};  // linear, straight alpha: behind everything; (0, 0, 0, 0) leaves the picture transparent
 };
 
-// Everything that can be seen, in the world. ErrorKind::input where that is nothing, or not finite.
+// Everything that can be seen, in the world. ErrorCode::input where that is nothing, or not finite.
 [[nodiscard]] Result<field::Box> box_of(const Scene& scene);
 
-// What renderers ask first: everything that the contracts above ask for. ErrorKind::usage, or ErrorKind::input where a
+// What renderers ask first: everything that the contracts above ask for. ErrorCode::usage, or ErrorCode::input where a
 // field or a mesh does not have it.
 [[nodiscard]] Result<void> check(const Scene& scene);
 

@@ -52,7 +52,7 @@ TransferFunction::TransferFunction() { table_.fill(glm::vec4(0)); }
 
 Result<TransferFunction> TransferFunction::create(std::span<const ControlPoint> points) {
   const auto refuse = [](const std::string& found) {
-    return fail(ErrorKind::usage, "the transfer function: " + found);
+    return fail(ErrorCode::usage, "the transfer function: " + found);
   };
   if (points.size() < 2) return refuse(fmt::format("expected at least two values, found {}", points.size()));
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -131,7 +131,7 @@ Result<std::vector<ControlPoint>> parse_transfer_function(std::string_view text,
     line = line.substr(0, line.find('#'));
     const auto refuse = [&](const std::string& found) {
       return fail(
-          ErrorKind::input,
+          ErrorCode::input,
           fmt::format("{}: line {}: expected a value, red, green, blue and opacity, the last four from 0 to 1, {}",
                       source, line_number, found));
     };

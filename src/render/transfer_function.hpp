@@ -43,7 +43,7 @@ class TransferFunction {
   // Nothing is seen.
   TransferFunction();
   // At least two control points, values increasing (equal ones make a step), finite, first and last apart, colours and
-  // opacities in range. ErrorKind::usage tells which is not.
+  // opacities in range. ErrorCode::usage tells which is not.
   [[nodiscard]] static Result<TransferFunction> create(std::span<const ControlPoint> points);
 
   // Red, green, blue, sigma. Sigma of an entry is 0 exactly where the opacity there is.
@@ -84,7 +84,7 @@ constexpr auto words_of(BuiltInTransfer /*type*/) {
 [[nodiscard]] std::vector<ControlPoint> built_in(BuiltInTransfer name, double min, double max);
 
 // Lines of "VALUE RED GREEN BLUE OPACITY", by white space; `#` starts a comment. Red, green and blue are from 0 to 1 as
-// screens have them (sRGB); they become linear light. ErrorKind::input names `source`, the line, and what was expected.
+// screens have them (sRGB); they become linear light. ErrorCode::input names `source`, the line, and what was expected.
 [[nodiscard]] Result<std::vector<ControlPoint>> parse_transfer_function(std::string_view text,
                                                                         const std::string& source);
 

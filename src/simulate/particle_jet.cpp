@@ -27,17 +27,17 @@ constexpr double kHeight = 0.75;          // of the nozzle, in the tank
 
 Result<void> check_positive(double value, std::string_view what) {
   if (std::isfinite(value) && value > 0) return {};
-  return fail(ErrorKind::usage, fmt::format("expected {} above 0, found {}", what, value));
+  return fail(ErrorCode::usage, fmt::format("expected {} above 0, found {}", what, value));
 }
 
 Result<void> check_range(double value, double low, double high, std::string_view what) {
   if (value >= low && value <= high) return {};
-  return fail(ErrorKind::usage, fmt::format("expected {} from {} to {}, found {}", what, low, high, value));
+  return fail(ErrorCode::usage, fmt::format("expected {} from {} to {}, found {}", what, low, high, value));
 }
 
 Result<void> check_numbers(const JetOptions& o) {
   if (o.count < 1 || o.count > JetOptions::kMostParticles) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("expected 1 to {} particles, found {}", JetOptions::kMostParticles, o.count));
   }
   for (int axis = 0; axis < 3; ++axis) {
@@ -52,7 +52,7 @@ Result<void> check_numbers(const JetOptions& o) {
   TRY(check_positive(o.speed, "a speed"));
   TRY(check_positive(o.fps, "a number of frames a second"));
   if (!std::isfinite(o.gravity) || o.gravity < 0) {
-    return fail(ErrorKind::usage, fmt::format("expected a gravity of 0 or more, found {}", o.gravity));
+    return fail(ErrorCode::usage, fmt::format("expected a gravity of 0 or more, found {}", o.gravity));
   }
   TRY(check_range(o.viscosity, 0, 0.5, "a viscosity"));
   return check_range(o.iterations, 1, 1000, "a number of iterations");
@@ -79,7 +79,7 @@ double layer_estimate(const JetPlan& plan) {
 Result<void> check_sizes(const JetOptions& o, const JetPlan& plan) {
   const double widest = std::max({o.tank.x, o.tank.y, o.tank.z});
   if (!(widest <= kMostSpacings * plan.spacing)) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("expected particles of at least {:.3g} in radius in a tank of {}, found {}",
                             widest / kMostSpacings / 2, widest, plan.spacing / 2),
                 "larger particles, or a smaller tank");
@@ -87,7 +87,7 @@ Result<void> check_sizes(const JetOptions& o, const JetPlan& plan) {
   // Half of a spacing is left to each wall, and what a particle may be off its place at the nozzle.
   const double around = plan.spacing * (0.5 + Nozzle::kJitter);
   if (plan.nozzle + around > std::min(o.tank.y / 2, (1 - kHeight) * o.tank.z) || 2 * around > o.tank.x) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("a tank of {} x {} x {} is too small for a nozzle of {} in radius and particles of {}",
                             o.tank.x, o.tank.y, o.tank.z, plan.nozzle, plan.spacing / 2),
                 "a smaller nozzle, smaller particles or a larger tank; the nozzle is three quarters up");
@@ -95,7 +95,7 @@ Result<void> check_sizes(const JetOptions& o, const JetPlan& plan) {
   const double cube = plan.spacing * plan.spacing * plan.spacing;
   const double most = (1 - kFreeShare) * o.tank.x * o.tank.y * o.tank.z / cube;
   if (!(static_cast<double>(o.count) <= most)) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("a tank of {} x {} x {} holds {:.0f} particles of {} in radius, not {}", o.tank.x, o.tank.y,
                             o.tank.z, std::floor(most), plan.spacing / 2, o.count),
                 "fewer or smaller particles, or a larger tank");
@@ -103,7 +103,7 @@ Result<void> check_sizes(const JetOptions& o, const JetPlan& plan) {
   const double layer = layer_estimate(plan);
   if (!(layer <= static_cast<double>(std::max<std::uint64_t>(o.count, kLeastLayer)))) {
     return fail(
-        ErrorKind::usage,
+        ErrorCode::usage,
         fmt::format("a nozzle of {} in radius lets about {:.0f} particles of {} in at once; expected no more than the "
                     "{} that the tank is to hold",
                     plan.nozzle, layer, plan.spacing / 2, o.count),
@@ -112,7 +112,7 @@ Result<void> check_sizes(const JetOptions& o, const JetPlan& plan) {
   const double steps = 1 / (o.fps * longest_step(plan.top_speed, o.gravity, kCourant * plan.spacing));
   if (!(steps <= JetOptions::kMostSteps)) {
     return fail(
-        ErrorKind::usage,
+        ErrorCode::usage,
         fmt::format("a frame could take {:.0f} steps in which no particle moves too far; expected at most {:.0f}",
                     std::ceil(steps), JetOptions::kMostSteps),
         "more frames a second, larger particles, less speed or less gravity take fewer");

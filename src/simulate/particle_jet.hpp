@@ -53,17 +53,17 @@ struct JetFigures {
 
 class ParticleJet {
  public:
-  // Fails with ErrorKind::usage where a number is not finite or outside of what is said above, where the tank is too
+  // Fails with ErrorCode::usage where a number is not finite or outside of what is said above, where the tank is too
   // small for the nozzle or for the particles, where it is more than 2^20 spacings wide, or where a frame would take
-  // more than kMostSteps steps. With ErrorKind::input where the memory is not there.
+  // more than kMostSteps steps. With ErrorCode::input where the memory is not there.
   [[nodiscard]] static Result<ParticleJet> make(const JetOptions& options, const Context& context);
 
   ParticleJet(ParticleJet&&) noexcept;
   ParticleJet& operator=(ParticleJet&&) noexcept;
   ~ParticleJet();
 
-  // To the next frame; the first is 1 / fps after the nozzle was opened. Fails with ErrorKind::cancelled, and with
-  // ErrorKind::input where the memory is not there.
+  // To the next frame; the first is 1 / fps after the nozzle was opened. Fails with ErrorCode::cancelled, and with
+  // ErrorCode::input where the memory is not there.
   [[nodiscard]] Result<void> advance(const Context& context);
 
   // Those that are in the tank now, in the order in which they came, with the attributes `velocity` (3), `age` (since

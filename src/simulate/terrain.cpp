@@ -16,16 +16,16 @@ constexpr double kHills = 0.42;       // of the noise beside the slope into the 
 
 Result<void> check_terrain(const TerrainOptions& options) {
   if (std::min(options.size.x, options.size.y) < 2 || std::max(options.size.x, options.size.y) > kMaxGridSize) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("the size of the terrain: expected 2 to {} cells along x and y, found {} x {}",
                             kMaxGridSize, options.size.x, options.size.y));
   }
   if (!(std::isfinite(options.relief) && options.relief >= 0)) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("the relief of the terrain: expected cells, 0 or more, found {}", options.relief));
   }
   if (options.octaves < 1 || options.octaves > 16) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("the octaves of the terrain: expected 1 to 16, found {}", options.octaves));
   }
   return {};

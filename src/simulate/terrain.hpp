@@ -26,7 +26,7 @@ struct TerrainOptions {
 inline constexpr glm::dvec2 kBasin{0.68, 0.5};
 
 // The height of each cell above the floor of the world, from kLowestLand to kLowestLand + relief: that of cell (x, y)
-// is element x + size.x * y. Fails with ErrorKind::usage for options outside of what they say, and as
+// is element x + size.x * y. Fails with ErrorCode::usage for options outside of what they say, and as
 // MemoryBudget::reserve() does.
 inline constexpr double kLowestLand = 1;
 [[nodiscard]] Result<std::shared_ptr<ReservedBuffer<double>>> make_terrain(const TerrainOptions& options,

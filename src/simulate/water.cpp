@@ -30,11 +30,11 @@ double value_of_sum(const std::array<double, 2>& sum) { return sum[0] + sum[1]; 
 Result<void> check_taps(const std::vector<Tap>& taps, glm::ivec2 size, const char* what) {
   for (const Tap& tap : taps) {
     if (tap.cell.x < 0 || tap.cell.y < 0 || tap.cell.x >= size.x || tap.cell.y >= size.y) {
-      return fail(ErrorKind::usage, fmt::format("a {} of water: expected a cell from 0,0 to {},{}, found {},{}", what,
+      return fail(ErrorCode::usage, fmt::format("a {} of water: expected a cell from 0,0 to {},{}, found {},{}", what,
                                                 size.x - 1, size.y - 1, tap.cell.x, tap.cell.y));
     }
     if (!(std::isfinite(tap.rate) && tap.rate > 0)) {
-      return fail(ErrorKind::usage, fmt::format("a {} of water: expected a rate above 0, found {}", what, tap.rate));
+      return fail(ErrorCode::usage, fmt::format("a {} of water: expected a rate above 0, found {}", what, tap.rate));
     }
   }
   return {};
@@ -43,26 +43,26 @@ Result<void> check_taps(const std::vector<Tap>& taps, glm::ivec2 size, const cha
 Result<void> check_water(glm::ivec2 size, std::span<const double> terrain, std::span<const double> depth,
                          const WaterOptions& options) {
   if (std::min(size.x, size.y) < 1 || std::max(size.x, size.y) > kMaxGridSize) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("the grid of the water: expected 1 to {} cells along x and y, found {} x {}", kMaxGridSize,
                             size.x, size.y));
   }
   const std::size_t cells = static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y);
   if (terrain.size() != cells || (!depth.empty() && depth.size() != cells)) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("the grid of the water: expected a height and a depth for each of {} cells, "
                             "found {} and {}",
                             cells, terrain.size(), depth.size()));
   }
   if (!std::ranges::all_of(terrain, [](double height) { return std::isfinite(height); }) ||
       !std::ranges::all_of(depth, [](double value) { return std::isfinite(value) && value >= 0; })) {
-    return fail(ErrorKind::usage, "the grid of the water: expected finite heights, and depths of 0 or more");
+    return fail(ErrorCode::usage, "the grid of the water: expected finite heights, and depths of 0 or more");
   }
   if (!(options.friction >= 0 && options.friction <= 1)) {
-    return fail(ErrorKind::usage, fmt::format("the friction of water: expected 0 to 1, found {}", options.friction));
+    return fail(ErrorCode::usage, fmt::format("the friction of water: expected 0 to 1, found {}", options.friction));
   }
   if (!(std::isfinite(options.flow_div) && options.flow_div >= 1)) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("the divisor of flows of water: expected 1 or more, found {}", options.flow_div));
   }
   TRY(check_taps(options.sources, size, "source"));

@@ -96,14 +96,14 @@ struct WaterExtremes {
 class WaterAutomaton {
  public:
   // Element x + size.x * y of `terrain` and of `depth` (empty: dry) is that of cell (x, y); both are copied. Sources
-  // come before the flows of a step, drains after them. Fails with ErrorKind::usage for options outside of what they
+  // come before the flows of a step, drains after them. Fails with ErrorCode::usage for options outside of what they
   // say, for taps beside the grid or with a rate that is not above 0, and for depths below 0; as
   // MemoryBudget::reserve() does.
   [[nodiscard]] static Result<WaterAutomaton> create(glm::ivec2 size, std::span<const double> terrain,
                                                      std::span<const double> depth, WaterOptions options,
                                                      const Context& context);
 
-  // So many steps more; progress advances by one with each. Fails with ErrorKind::cancelled between two of them.
+  // So many steps more; progress advances by one with each. Fails with ErrorCode::cancelled between two of them.
   [[nodiscard]] Result<void> run(std::uint64_t steps);
 
   [[nodiscard]] glm::ivec2 size() const { return size_; }

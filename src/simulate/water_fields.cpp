@@ -83,7 +83,7 @@ Result<int> layers_for(const WaterAutomaton& automaton) {
   const double top = std::max(found.highest_land, found.highest_water);
   if (!found.finite || !(top < kMaxLayers)) {
     return fail(
-        ErrorKind::output,
+        ErrorCode::output,
         fmt::format("step {}: expected heights below {}, which a volume can hold; found {}", automaton.steps_done(),
                     kMaxLayers, found.finite ? fmt::format("{:.6g}", top) : "numbers that are infinite"));
   }

@@ -35,7 +35,7 @@ constexpr auto words_of(WaterContent /*type*/) {
 [[nodiscard]] std::vector<std::string> field_names(WaterContent content);
 
 // Layers of voxels that hold land and water, and an empty one above, so that surfaces close below the top. Fails with
-// ErrorKind::output where the numbers are infinite, or more layers than a volume has.
+// ErrorCode::output where the numbers are infinite, or more layers than a volume has.
 [[nodiscard]] Result<int> layers_for(const WaterAutomaton& automaton);
 
 // One field or two. `layers` is of volumes; land and water above them would be cut off, which is an error of the

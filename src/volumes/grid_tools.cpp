@@ -32,9 +32,9 @@ Result<const Tools*> grid_tools_for(const std::string& work) {
   return static_cast<const Tools*>(opened);
 }
 
-Error tools_failed(const Tools& tools, const std::string& work, ErrorKind kind = ErrorKind::input) {
+Error tools_failed(const Tools& tools, const std::string& work, ErrorCode code = ErrorCode::input) {
   const char* text = tools.error_text();
-  return {kind, fmt::format("{}: {}", work, text == nullptr ? "it cannot be done" : printable(text, 400)), {}};
+  return {code, fmt::format("{}: {}", work, text == nullptr ? "it cannot be done" : printable(text, 400)), {}};
 }
 
 // A grid that the plug-in made, and the memory that it asked for.
@@ -94,13 +94,13 @@ Result<field::ScalarField> made_field(std::shared_ptr<MadeGrid> made, const std:
   if (made->output.kind == ISOEXTRACT_LEVEL_SET) field.kind = field::FieldKind::level_set;
   const isoextract_sparse_samples& given = made->output.samples;
   auto samples = sparse_samples_of(given, std::move(made));
-  if (!samples) return fail(ErrorKind::input, fmt::format("{}: the plug-in gives {}", work, samples.error()));
+  if (!samples) return fail(ErrorCode::input, fmt::format("{}: the plug-in gives {}", work, samples.error()));
   field.samples = std::move(*samples);
   return field;
 }
 
 Result<void> check_sphere_options(const points::ParticleSet& particles, const SphereOptions& options) {
-  const auto refuse = [](const std::string& what) { return fail(ErrorKind::usage, what); };
+  const auto refuse = [](const std::string& what) { return fail(ErrorCode::usage, what); };
   const auto positive = [](double value) { return std::isfinite(value) && value > 0; };
   if (!options.radii.empty() && options.radii.size() != particles.size()) {
     return refuse(
@@ -178,7 +178,7 @@ Result<std::uint64_t> write_grids(const std::filesystem::path& path, std::span<c
   const PluginMemory memory(context, work);
   if (tools->write_vdb(&job, &memory.host()) != 0) {
     if (sink.error) return tl::unexpected(*sink.error);
-    return tl::unexpected(memory.failure_or(tools_failed(*tools, work, ErrorKind::output)));
+    return tl::unexpected(memory.failure_or(tools_failed(*tools, work, ErrorCode::output)));
   }
   for (const NamedField& named : fields) {
     TRY(check_not_lost(*named.field));
@@ -232,7 +232,7 @@ Result<field::ScalarField> filter_level_set(const field::ScalarField& field, Lev
                                             int iterations, const Context& context) {
   if (width < 1 || width > kMaxFilterWidth || iterations < 0) {
     return fail(
-        ErrorKind::usage,
+        ErrorCode::usage,
         fmt::format("a filter of level sets: expected a width of 1 to {} voxels and 0 iterations or more, found "
                     "{} and {}",
                     kMaxFilterWidth, width, iterations));

@@ -1,8 +1,8 @@
 // Work on grids with OpenVDB, which a plug-in does (plugins/grid_tools_plugin.h) that is opened when it is asked for:
 // particles to surfaces of spheres, filters of level sets, and fields as VDB files.
 //
-// All of them fail with ErrorKind::unavailable where the plug-in is missing or does not fit, with ErrorKind::usage for
-// options outside of what they say, and with ErrorKind::input for fields and particles that they cannot work on. Memory
+// All of them fail with ErrorCode::unavailable where the plug-in is missing or does not fit, with ErrorCode::usage for
+// options outside of what they say, and with ErrorCode::input for fields and particles that they cannot work on. Memory
 // is reserved in the context, in which the work can be cancelled.
 #pragma once
 
@@ -74,7 +74,7 @@ struct VdbWriteOptions {
 // Writes a file of grids of floats, one or more, whole or not at all; samples of other types are rounded to that. A
 // level set has the class "level set", a density "fog volume". Which voxels are active and what is beyond a dense field
 // says grid_tools_plugin.h. To standard output or a pipe it is written as a stream. Gives the number of bytes. Fails
-// with ErrorKind::output as well.
+// with ErrorCode::output as well.
 [[nodiscard]] Result<std::uint64_t> write_vdb(const std::filesystem::path& path, const field::ScalarField& field,
                                               const VdbWriteOptions& options, const Context& context);
 // Each grid has its field's name.

@@ -56,7 +56,7 @@ const ParticleFormat* format_of(const files::InputFile& file, const ParticleRead
   if (options.format) {
     const ParticleFormat* format = particles_by_id(*options.format);
     if (format != nullptr) return format;
-    throw Refused{{ErrorKind::usage,
+    throw Refused{{ErrorCode::usage,
                    fmt::format("{}: there is no particle format '{}'", file.name(), printable(*options.format, 40)),
                    {}}};
   }
@@ -80,7 +80,7 @@ const ParticleFormat* format_of(const files::InputFile& file, const ParticleRead
 void check_options(const files::InputFile& file, const ParticleFormatDescription& about,
                    const ParticleReadOptions& options) {
   const auto refuse = [&](std::string_view what, Hint hint) {
-    throw Refused{{ErrorKind::usage, fmt::format("{}: {}; this is read as {}", file.name(), what, about.id), hint}};
+    throw Refused{{ErrorCode::usage, fmt::format("{}: {}; this is read as {}", file.name(), what, about.id), hint}};
   };
   if (options.frame && !about.has_frames) {
     refuse("the number of a frame is for files that may hold several", Remedy::leave_out_volume);
@@ -103,11 +103,11 @@ auto with_input(const std::string& input, const Context& context, F&& work)
   } catch (const Refused& refused) {
     return tl::unexpected(refused.error);
   } catch (const DamagedParticles& damaged) {
-    return fail(ErrorKind::input, fmt::format("{}: {}", name, damaged.what()), damaged.hint);
+    return fail(ErrorCode::input, fmt::format("{}: {}", name, damaged.what()), damaged.hint);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(ErrorKind::input, name + ": not enough memory to read it"));
+    return tl::unexpected(no_memory(name + ": not enough memory to read it"));
   } catch (const std::exception& error) {
-    return fail(ErrorKind::input, fmt::format("{}: {}", name, error.what()));
+    return fail(ErrorCode::input, fmt::format("{}: {}", name, error.what()));
   }
 }
 

@@ -13,9 +13,9 @@
 
 namespace isoextract::volumes {
 
-// `input` is a path, or "-" for standard input. Files may be gzip. Failures are ErrorKind::input (unreadable, not what
-// the format asks for, no such frame, attribute or column; the hint lists what there is), ErrorKind::usage (options
-// that do not go with the format) or ErrorKind::unavailable (the plug-in of the format is missing or does not fit).
+// `input` is a path, or "-" for standard input. Files may be gzip. Failures are ErrorCode::input (unreadable, not what
+// the format asks for, no such frame, attribute or column; the hint lists what there is), ErrorCode::usage (options
+// that do not go with the format) or ErrorCode::unavailable (the plug-in of the format is missing or does not fit).
 
 // The format that an input would be read as: by ParticleReadOptions::format, by its content, or by its extension where
 // content tells nothing of a format. Nothing where it is none of particles, as far as that shows.

@@ -26,7 +26,7 @@ constexpr auto words_of(ParticleFileFormat /*type*/) {
 [[nodiscard]] std::optional<ParticleFileFormat> particle_file_format_by_path(const std::filesystem::path& path);
 
 // Gives the number of bytes; they do not depend on the number of threads. "-" is standard output. Fails with
-// ErrorKind::output where the file cannot be written, and for attributes whose names are anything else than A to Z, a
+// ErrorCode::output where the file cannot be written, and for attributes whose names are anything else than A to Z, a
 // to z, digits and underscores, more than 40 of those, that of another one or that of the position, and for more than
 // 100 attributes.
 [[nodiscard]] Result<std::uint64_t> write_particles(const std::filesystem::path& path,

@@ -132,7 +132,7 @@ struct FileStart {
 // Formats live as long as the program, keep nothing of a file between calls and may be used by several threads at once.
 // Where `input` is named, it is the path of a file, or a text that starts with the format's prefix. Options were
 // checked against the description. What they throw, std::bad_alloc for example, is caught by whoever calls them by way
-// of volume_reader.hpp. Failures are ErrorKind::input unless said otherwise, and messages name the file.
+// of volume_reader.hpp. Failures are ErrorCode::input unless said otherwise, and messages name the file.
 class VolumeFormat {
  public:
   explicit VolumeFormat(FormatDescription about) : about_(std::move(about)) {}

@@ -20,50 +20,50 @@ namespace {
 // Options that belong to one format are an error for the others: they would do nothing, in silence.
 Result<void> check_options(const std::string& input, const FormatDescription& about, const ReadOptions& options) {
   if (options.raw && !about.needs_layout) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: dims, type, byte order and bytes to skip are for raw files, this is read as {}", input,
                             about.id),
                 about.prefix.empty() ? Remedy::read_as_raw : Remedy::none);
   }
   if (options.grid && !about.has_grids) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: the name of a grid is for files that have grids, such as VDB; this is read as {}",
                             input, about.id),
                 Remedy::leave_out_grid);
   }
   if (options.volume && !about.has_volumes) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: the number of a volume is for files that may hold several; this is read as {}", input,
                             about.id),
                 Remedy::leave_out_volume);
   }
   if (options.component && !about.has_components) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: a component is chosen of files that may hold several numbers a sample; this is read "
                             "as {}",
                             input, about.id),
                 "leave {component} out");
   }
   if (options.axis_order && !about.has_axis_order) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: the order of axes is for arrays, which do not say theirs; this is read as {}", input,
                             about.id),
                 "leave {axis-order} out");
   }
   if (about.needs_layout && !options.raw) {
-    return fail(ErrorKind::usage, fmt::format("{}: a raw file does not say what is in it", input),
+    return fail(ErrorCode::usage, fmt::format("{}: a raw file does not say what is in it", input),
                 Remedy::describe_raw);
   }
   if (options.spacing) {
     for (int axis = 0; axis < 3; ++axis) {
       const double value = (*options.spacing)[axis];
       if (!(std::isfinite(value) && value > 0)) {
-        return fail(ErrorKind::usage, fmt::format("the spacing: expected numbers greater than 0, found {}", value));
+        return fail(ErrorCode::usage, fmt::format("the spacing: expected numbers greater than 0, found {}", value));
       }
     }
   }
   if (options.origin && !(std::isfinite(options.origin->x + options.origin->y + options.origin->z))) {
-    return fail(ErrorKind::usage, "the origin: expected finite numbers");
+    return fail(ErrorCode::usage, "the origin: expected finite numbers");
   }
   return {};
 }
@@ -77,10 +77,9 @@ auto with_format(const std::string& input, const ReadOptions& options, const Con
     TRY(check_options(files::shown_input_name(input), detected.format->about(), options));
     return work(detected);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(
-        no_memory(ErrorKind::input, files::shown_input_name(input) + ": not enough memory to read it"));
+    return tl::unexpected(no_memory(files::shown_input_name(input) + ": not enough memory to read it"));
   } catch (const std::exception& error) {
-    return fail(ErrorKind::input, fmt::format("{}: {}", files::shown_input_name(input), error.what()));
+    return fail(ErrorCode::input, fmt::format("{}: {}", files::shown_input_name(input), error.what()));
   }
 }
 
@@ -92,10 +91,9 @@ Result<bool> is_surely_volume(const std::string& input, const ReadOptions& optio
   try {
     return has_volume_content(input, context);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(
-        no_memory(ErrorKind::input, files::shown_input_name(input) + ": not enough memory to read it"));
+    return tl::unexpected(no_memory(files::shown_input_name(input) + ": not enough memory to read it"));
   } catch (const std::exception& error) {
-    return fail(ErrorKind::input, fmt::format("{}: {}", files::shown_input_name(input), error.what()));
+    return fail(ErrorCode::input, fmt::format("{}: {}", files::shown_input_name(input), error.what()));
   }
 }
 
@@ -114,13 +112,13 @@ Result<std::string> grid_label(const std::string& input, const ReadOptions& opti
     const bool is_part = std::ranges::find(grid.parts, *options.grid) != grid.parts.end();
     if (!is_part && !grid.is_called(*options.grid)) continue;
     if (grid.plugin_is_missing) {
-      return fail(ErrorKind::unavailable,
+      return fail(ErrorCode::unavailable,
                   fmt::format("{}: the grid '{}' holds {}, which the plug-in for {} reads; it is not there",
                               files::shown_input_name(input), grid.label, grid.type, grid.plugin),
                   "install it, or name the folder it is in with the environment variable ISOEXTRACT_PLUGINS");
     }
     if (is_part || grid.parts.empty()) return *options.grid;
-    return fail(ErrorKind::input, chosen.error().message,
+    return fail(ErrorCode::input, chosen.error().message,
                 Hint(Remedy::choose_grid, fmt::format("\n  {}", fmt::join(grid.parts, "\n  "))));
   }
   return tl::unexpected(chosen.error());
@@ -172,7 +170,7 @@ Result<field::ScalarField> read_volume(const std::string& input, const ReadOptio
 Result<void> check_not_lost(const field::ScalarField& field) {
   const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
   if (dense == nullptr || !dense->lost()) return {};
-  return fail(ErrorKind::input, "the input became shorter, or could not be read further, while it was in use",
+  return fail(ErrorCode::input, "the input became shorter, or could not be read further, while it was in use",
               "run again when nothing writes to the file, or on a copy of it");
 }
 

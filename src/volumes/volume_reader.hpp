@@ -48,13 +48,13 @@ namespace isoextract::volumes {
                                                                           const ReadOptions& options,
                                                                           const Context& context);
 
-// Reads one grid. Fails with ErrorKind::input (unreadable, unsupported, no such grid or volume; the hint lists what
-// there is where a choice is missing or wrong) or ErrorKind::usage (options that do not go with the format). Samples
+// Reads one grid. Fails with ErrorCode::input (unreadable, unsupported, no such grid or volume; the hint lists what
+// there is where a choice is missing or wrong) or ErrorCode::usage (options that do not go with the format). Samples
 // that are no mapping of a file stay reserved in the context's memory for as long as they live.
 [[nodiscard]] Result<field::ScalarField> read_volume(const std::string& input, const ReadOptions& options,
                                                      const Context& context);
 
-// Asked after each work on a field's samples: fails with ErrorKind::input where the file that they are mapped from was
+// Asked after each work on a field's samples: fails with ErrorCode::input where the file that they are mapped from was
 // cut off meanwhile, or could not be read. What came of the work is then to be thrown away.
 [[nodiscard]] Result<void> check_not_lost(const field::ScalarField& field);
 

@@ -15,7 +15,7 @@ namespace isoextract::volumes {
 namespace {
 
 tl::unexpected<Error> cannot_hold(const std::filesystem::path& path, VolumeFileFormat format, const std::string& what) {
-  return fail(ErrorKind::output, fmt::format("{}: {} files do not hold {}", path.string(), word_of(format), what));
+  return fail(ErrorCode::output, fmt::format("{}: {} files do not hold {}", path.string(), word_of(format), what));
 }
 
 Result<std::string> header_of(const std::filesystem::path& path, const field::ScalarField& field,

@@ -29,7 +29,7 @@ constexpr auto words_of(VolumeFileFormat /*type*/) {
 [[nodiscard]] std::optional<VolumeFileFormat> volume_file_format_by_path(const std::filesystem::path& path);
 
 // One field or, in a vdb, several. Of npy, nrrd and raw the samples are dense, keep their type and are written in the
-// machine's byte order; nrrd has none of 16-bit floats. Gives the number of bytes. Fails with ErrorKind::output where
+// machine's byte order; nrrd has none of 16-bit floats. Gives the number of bytes. Fails with ErrorCode::output where
 // the file cannot be written or its format does not hold the field, and as write_vdb() does.
 [[nodiscard]] Result<std::uint64_t> write_volume(const std::filesystem::path& path,
                                                  std::span<const field::ScalarField> fields, VolumeFileFormat format,

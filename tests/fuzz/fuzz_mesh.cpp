@@ -36,7 +36,7 @@ void read_one(const std::string& bytes) {
   {
     const auto read = meshes::read_mesh(files.input, context, {.normals = true});
     if (!read) {
-      require(read.error().kind == ErrorKind::input && read.error().message.starts_with(files.input.string()));
+      require(read.error().code == ErrorCode::input && read.error().message.starts_with(files.input.string()));
       return;
     }
     const mesh::Mesh& mesh = read->mesh;

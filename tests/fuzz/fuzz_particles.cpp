@@ -47,7 +47,7 @@ void read_one(const std::uint8_t* data, std::size_t size) {
     const auto info = volumes::particle_info(input, options, context);
     const auto read = volumes::read_particles(input, options, context);
     if (!read) {
-      require(read.error().kind == ErrorKind::input && read.error().message.starts_with(input));
+      require(read.error().code == ErrorCode::input && read.error().message.starts_with(input));
       return;
     }
     // What is told of a file counts its frames to the end; reading one of them looks no further.

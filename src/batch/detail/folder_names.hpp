@@ -12,7 +12,7 @@
 namespace isoextract::batch {
 
 // Calls visit(name, entry) for all that `folder` ("" is the current one) holds, in no order. Fails with
-// ErrorKind::input, also where reading breaks off.
+// ErrorCode::input, also where reading breaks off.
 template <class Visit>
 [[nodiscard]] Result<void> visit_folder(const std::string& folder, Visit&& visit) {
   std::error_code error;
@@ -22,7 +22,7 @@ template <class Visit>
     entries.increment(error);
   }
   if (!error) return {};
-  return fail(ErrorKind::input,
+  return fail(ErrorCode::input,
               fmt::format("{}: cannot read the folder: {}", folder.empty() ? "." : printable(folder), error.message()));
 }
 

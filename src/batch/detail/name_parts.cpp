@@ -86,12 +86,12 @@ class NameScanner {
   Result<bool> add_number(std::size_t length, std::optional<int> width) {
     const std::string_view written = name_.substr(at_, length);
     if (!width) {
-      return fail(ErrorKind::usage,
+      return fail(ErrorCode::usage,
                   fmt::format("{}: expected a width as in {{:04}}, found '{}'", printable(name_), printable(written)),
                   kBracesHint);
     }
     if (*width > kMaxFrameDigits) {
-      return fail(ErrorKind::usage, fmt::format("{}: expected at most {} digits for a frame, found '{}'",
+      return fail(ErrorCode::usage, fmt::format("{}: expected at most {} digits for a frame, found '{}'",
                                                 printable(name_), kMaxFrameDigits, printable(written, 40)));
     }
     parts_.push_back({NamePart::Kind::number, std::string(written), {}, *width});

@@ -51,7 +51,7 @@ Result<std::vector<Requirement>> parse_requirements(std::string_view text) {
       for (const Requirement part : kOfPrintable) add(part);
     } else {
       const std::string near = nearest_name(word, words);
-      return fail(ErrorKind::usage, fmt::format("expected some of {}, found '{}'", fmt::join(words, ", "), word),
+      return fail(ErrorCode::usage, fmt::format("expected some of {}, found '{}'", fmt::join(words, ", "), word),
                   near.empty() ? "" : fmt::format("did you mean '{}'?", near));
     }
   }

@@ -32,7 +32,7 @@ Result<glm::dvec4> parse_background(std::string_view text) {
   if (text == "none") return glm::dvec4(0);
   const auto colour = colour_in(text == "black" ? "000000" : text == "white" ? "ffffff" : text);
   if (colour) return glm::dvec4(*colour, 1);
-  return fail(ErrorKind::usage, fmt::format("expected none, black, white or a colour as RRGGBB, found '{}'", text));
+  return fail(ErrorCode::usage, fmt::format("expected none, black, white or a colour as RRGGBB, found '{}'", text));
 }
 
 Result<std::vector<glm::dvec3>> parse_colours(std::string_view text) {
@@ -40,7 +40,7 @@ Result<std::vector<glm::dvec3>> parse_colours(std::string_view text) {
   for (std::string_view rest = text;;) {
     const std::size_t comma = rest.find(',');
     const auto colour = colour_in(rest.substr(0, comma));
-    if (!colour) return fail(ErrorKind::usage, fmt::format("expected colours as RRGGBB[,RRGGBB...], found '{}'", text));
+    if (!colour) return fail(ErrorCode::usage, fmt::format("expected colours as RRGGBB[,RRGGBB...], found '{}'", text));
     colours.push_back(*colour);
     if (comma == std::string_view::npos) return colours;
     rest.remove_prefix(comma + 1);
@@ -50,25 +50,25 @@ Result<std::vector<glm::dvec3>> parse_colours(std::string_view text) {
 Result<std::array<double, 2>> parse_value_range(std::string_view text) {
   const auto numbers = parse_numbers(text);
   if (numbers && numbers->size() == 2 && (*numbers)[0] < (*numbers)[1]) return std::array{(*numbers)[0], (*numbers)[1]};
-  return fail(ErrorKind::usage, fmt::format("expected two values MIN,MAX with MIN below MAX, found '{}'", text));
+  return fail(ErrorCode::usage, fmt::format("expected two values MIN,MAX with MIN below MAX, found '{}'", text));
 }
 
 Result<double> parse_field_of_view(std::string_view text) {
   const auto degrees = parse_number(text);
   if (degrees && *degrees >= 1 && *degrees <= 170) return *degrees;
-  return fail(ErrorKind::usage, fmt::format("expected degrees from 1 to 170, found '{}'", text));
+  return fail(ErrorCode::usage, fmt::format("expected degrees from 1 to 170, found '{}'", text));
 }
 
 Result<double> parse_samples(std::string_view text) {
   const auto samples = parse_number(text);
   if (samples && *samples >= 1.0 / 64 && *samples <= 64) return *samples;
-  return fail(ErrorKind::usage, fmt::format("expected samples a voxel, from 0.015625 to 64, found '{}'", text));
+  return fail(ErrorCode::usage, fmt::format("expected samples a voxel, from 0.015625 to 64, found '{}'", text));
 }
 
 Result<double> parse_termination(std::string_view text) {
   const auto share = parse_number(text);
   if (share && *share >= 0 && *share < 1) return *share;
-  return fail(ErrorKind::usage, fmt::format("expected 0 or more and below 1, found '{}'", text));
+  return fail(ErrorCode::usage, fmt::format("expected 0 or more and below 1, found '{}'", text));
 }
 
 RenderFlags::RenderFlags() = default;

@@ -42,7 +42,7 @@ Result<void> check_range(const field::ScalarField& field, const std::string& lab
   }
   if (most <= largest) return {};
   return fail(
-      ErrorKind::output,
+      ErrorCode::output,
       fmt::format("{}: expected values up to {:.6g}, which {} hold; found {:.6g}", label, largest, numbers, most),
       hint);
 }

@@ -10,7 +10,7 @@
 namespace isoextract::convert {
 
 // Writes `source.field` to one output of `job`, whole or not at all, and tells of it. Values are 32-bit floats, or
-// 16-bit ones; where that rounds them, that is told. Fails with ErrorKind::output where values leave the range of their
+// 16-bit ones; where that rounds them, that is told. Fails with ErrorCode::output where values leave the range of their
 // numbers, and as volumes::write_vdb() does.
 [[nodiscard]] Result<meshes::WrittenFile> write_field(const Source& source, const ConversionJob& job,
                                                       const OutputFileJob& output, const Context& context,

@@ -38,7 +38,7 @@ Result<LabelLooks> LabelLooks::open(const ConversionJob& job, const Context& con
   if (!job.label_names) return looks;
   auto table = TRY(LabelTable::read(job.label_names->path, context));
   if (table.hash() != job.label_names->hash) {
-    return fail(ErrorKind::input, fmt::format("{}: the table of labels has changed since the conversion was planned",
+    return fail(ErrorCode::input, fmt::format("{}: the table of labels has changed since the conversion was planned",
                                               printable(job.label_names->path)));
   }
   looks.table_ = std::move(table);

@@ -15,7 +15,7 @@ namespace isoextract::convert {
 
 class LabelLooks {
  public:
-  // Reads the table of the job, where it has one. Fails as LabelTable::read() does, and with ErrorKind::input where the
+  // Reads the table of the job, where it has one. Fails as LabelTable::read() does, and with ErrorCode::input where the
   // file is no longer what it was when the job was made.
   [[nodiscard]] static Result<LabelLooks> open(const ConversionJob& job, const Context& context);
 
@@ -23,7 +23,7 @@ class LabelLooks {
   [[nodiscard]] std::string name(const std::string& field, std::int64_t label) const;
 
   // The colour in the table, or the usual one: of the material, and where the format has none but colours of vertices,
-  // and there is a table, of these. Nothing where the job colours by something else. Fails with ErrorKind::input where
+  // and there is a table, of these. Nothing where the job colours by something else. Fails with ErrorCode::input where
   // the memory is not there.
   [[nodiscard]] Result<void> colour(const ConversionJob& job, std::int64_t label, mesh::Mesh& mesh,
                                     const Context& context) const;

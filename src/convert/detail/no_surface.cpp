@@ -7,8 +7,7 @@
 namespace isoextract::convert {
 
 Error empty_source(const Source& source) {
-  return {ErrorKind::input, fmt::format("{}: {}", source.label, source.why_empty()), Remedy::allow_empty,
-          Reason::empty_grid};
+  return {ErrorCode::empty_grid, fmt::format("{}: {}", source.label, source.why_empty()), Remedy::allow_empty};
 }
 
 Error no_surface(const ConversionJob& job, const Source& source, const ResolvedIso& asked, bool are_labels,
@@ -18,36 +17,36 @@ Error no_surface(const ConversionJob& job, const Source& source, const ResolvedI
   if (cut_away) {
     const field::Affine given_from_output =
         given_from_index(source.field, job.source.placement.space).after(source.output_from_index.inverse());
-    return {ErrorKind::input,
+    return {ErrorCode::no_surface,
             fmt::format("{}: nothing of the surface at {} is where it is kept; it is in {}", source.label,
                         surface_text(asked.asked),
                         box_text(field::image_of(given_from_output, {cut_away->min, cut_away->max}))),
-            job.source.clip.empty() ? Remedy::widen_region_or_skip : Remedy::move_cut, Reason::no_surface};
+            job.source.clip.empty() ? Remedy::widen_region_or_skip : Remedy::move_cut};
   }
   if (are_labels) {
-    return {ErrorKind::input, fmt::format("{}: no sample has {}", source.label, text_of(asked)), Remedy::allow_empty,
-            Reason::no_surface};
+    return {ErrorCode::no_surface, fmt::format("{}: no sample has {}", source.label, text_of(asked)),
+            Remedy::allow_empty};
   }
   const field::FieldStatistics statistics = field::measure_statistics(source.field);
   if (statistics.samples == 0) {
     // Active voxels of the background's value are not stored.
     const bool all_alike = statistics.nan == 0 && statistics.infinite == 0;
-    return {ErrorKind::input,
+    return {ErrorCode::no_surface,
             fmt::format("{}: there is no surface: {}", source.label,
                         all_alike ? "every voxel has the background's value" : "no sample is a finite number"),
-            Remedy::allow_empty, Reason::no_surface};
+            Remedy::allow_empty};
   }
   const bool region_hides_it = source.region && statistics.min <= iso && iso <= statistics.max;
   const field::IsoSuggestion suggestion = field::suggest_iso(source.field, statistics);
   const Hint other = suggestion.separates
                          ? Hint(Remedy::try_iso, fmt::format("{} ({})", suggestion.iso, suggestion.method))
                          : Hint(Remedy::no_surface_or_skip);
-  return {ErrorKind::input,
+  return {ErrorCode::no_surface,
           fmt::format("{}: no surface at iso {}{}{}; the values {}run from {:.6g} to {:.6g}", source.label,
                       text_of(asked), source.region ? " in the region" : "",
                       job.source.resamples() ? " on the grid of another resolution" : "",
                       source.region ? "of the whole field " : "", statistics.min, statistics.max),
-          region_hides_it ? Hint(Remedy::widen_region_or_skip) : other, Reason::no_surface};
+          region_hides_it ? Hint(Remedy::widen_region_or_skip) : other};
 }
 
 }  // namespace isoextract::convert

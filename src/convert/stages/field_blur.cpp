@@ -40,7 +40,7 @@ Result<void> blur_field(const std::vector<BlurStep>& steps, const std::string& l
     const Stopwatch watch;
     const glm::dvec3 sigma = sigma_of(step, field);
     if (step.kind == BlurKind::gaussian && glm::any(glm::greaterThan(sigma, glm::dvec3(field::kMaxBlurSigma)))) {
-      return fail(ErrorKind::usage, fmt::format("{}: {} is {:.4g} x {:.4g} x {:.4g} voxels, and at most {} are taken",
+      return fail(ErrorCode::usage, fmt::format("{}: {} is {:.4g} x {:.4g} x {:.4g} voxels, and at most {} are taken",
                                                 label, text_of(step), sigma.x, sigma.y, sigma.z, field::kMaxBlurSigma));
     }
     auto blurred =

@@ -16,7 +16,7 @@ namespace isoextract::convert {
 [[nodiscard]] std::string text_of(const BlurStep& step);
 
 // Does one step after the other to `field`, and tells of each. Fails as blur_gaussian() and blur_median() do, and with
-// ErrorKind::usage where a width in world units is more voxels than they take.
+// ErrorCode::usage where a width in world units is more voxels than they take.
 [[nodiscard]] Result<void> blur_field(const std::vector<BlurStep>& steps, const std::string& label,
                                       const Context& context, Events& events, field::ScalarField& field);
 

@@ -18,7 +18,7 @@ Result<void> filter_field(const std::vector<FilterStep>& steps, const std::strin
   const bool is_sparse = std::holds_alternative<field::SparseSamples>(field.samples);
   if (field.kind != field::FieldKind::level_set || !is_sparse) {
     const char* found = field.kind != field::FieldKind::level_set ? "a density" : "samples of a full box";
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: expected the narrow band of a level set to filter, found {}", label, found),
                 Remedy::leave_out_filters);
   }

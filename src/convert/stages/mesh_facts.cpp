@@ -50,8 +50,7 @@ Result<Figures> component_table(const mesh::Mesh& mesh, const Context& context) 
   try {
     return measure_table(mesh, context);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(
-        no_memory(ErrorKind::input, mesh.name + ": the components of its surface need more memory than there is"));
+    return tl::unexpected(no_memory(mesh.name + ": the components of its surface need more memory than there is"));
   }
 }
 

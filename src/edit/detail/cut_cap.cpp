@@ -163,7 +163,7 @@ Result<CutCap> close_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, double o
   const auto memory = TRY(context.reserve(edges.border.size() * 192 + edges.others.size() * 16, what));
   const auto next = loops_of(edges.border);
   if (!next) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 "the surface cannot be closed where a plane cuts it: it has a border or a hole there, and the cut ends "
                 "at that");
   }

@@ -188,7 +188,7 @@ Result<LoopTriangles> triangulate_loops(std::span<const glm::dvec2> points, std:
   for (const std::uint32_t polygon : loops.polygons) {
     TRY(context.check());
     if (cut_ears(points, loops.nodes, polygon, ears, rounding)) continue;
-    return fail(ErrorKind::input, "the surface is cut along a line without an inside");
+    return fail(ErrorCode::input, "the surface is cut along a line without an inside");
   }
   for (const auto& [there, back] : loops.bridges) {
     ears.twins[ears.of_node[there]] = ears.of_node[back];

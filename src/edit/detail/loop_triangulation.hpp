@@ -33,7 +33,7 @@ struct LoopTriangles {
 // `points` have coordinates that float32 holds, and `next` says what follows each along its loop, a permutation without
 // cycles of fewer than three. What is filled lies on the left. No edge within will join what one of `taken` joins:
 // pairs of points, the smaller first. `rounding` is how far points may be from where they should be. Memory is
-// reserved; fails where it is not there, and with ErrorKind::cancelled.
+// reserved; fails where it is not there, and with ErrorCode::cancelled.
 [[nodiscard]] Result<LoopTriangles> triangulate_loops(std::span<const glm::dvec2> points,
                                                       std::span<const std::uint32_t> next,
                                                       std::span<const std::pair<std::uint32_t, std::uint32_t>> taken,

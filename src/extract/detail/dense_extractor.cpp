@@ -122,7 +122,7 @@ class DenseExtraction final : private CellDecider {
   Result<void> emit(mesh::Mesh& mesh) {
     emit_bricks(mesh);
     if (samples_changed_) {
-      return fail(ErrorKind::input, fmt::format("{}: the samples changed while they were looked at", field_.source),
+      return fail(ErrorCode::input, fmt::format("{}: the samples changed while they were looked at", field_.source),
                   "wait until whatever writes the file is done");
     }
     return {};

@@ -240,7 +240,7 @@ Result<void> NetPoints::list_chunks(const LabelChunks& labels, const Context& co
     }
   }
   if (points > ~std::uint32_t{0}) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 what + ": more places where labels meet than can be numbered, " + std::to_string(points),
                 Remedy::extract_part);
   }

@@ -42,7 +42,7 @@ Result<field::IndexBox> voxel_region(const field::ScalarField& field, const fiel
   if (!options.region) return box;
   const field::IndexBox region = common_part(box, *options.region);
   if (!region.empty()) return region;
-  return fail(ErrorKind::input,
+  return fail(ErrorCode::input,
               fmt::format("{}: the region holds no sample of the field, whose samples are ({}, {}, {}) to ({}, {}, {})",
                           field.source, box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z),
               Remedy::widen_region);

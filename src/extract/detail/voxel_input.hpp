@@ -10,7 +10,7 @@
 
 namespace isoextract::extract {
 
-// The part of options.region within `box`. Fails with ErrorKind::input where that holds no sample.
+// The part of options.region within `box`. Fails with ErrorCode::input where that holds no sample.
 [[nodiscard]] Result<field::IndexBox> voxel_region(const field::ScalarField& field, const field::IndexBox& box,
                                                    const ExtractOptions& options);
 

@@ -24,7 +24,7 @@ constexpr std::size_t kPart = std::size_t{1} << 20;
 constexpr std::uint64_t kReserved = std::uint64_t{16} << 20;
 
 tl::unexpected<Error> cannot_read(int error) {
-  return fail(ErrorKind::input,
+  return fail(ErrorCode::input,
               fmt::format("{}: cannot be read: {}", kStandardInputName, std::generic_category().message(error)));
 }
 
@@ -48,7 +48,7 @@ Result<void> write_all(int descriptor, std::span<const std::byte> bytes) {
     const ssize_t put = ::write(descriptor, bytes.data(), bytes.size());
     if (put < 0 && errno == EINTR) continue;
     if (put < 0) {
-      return fail(ErrorKind::input, fmt::format("{}: cannot be kept in memory: {}", kStandardInputName,
+      return fail(ErrorCode::input, fmt::format("{}: cannot be kept in memory: {}", kStandardInputName,
                                                 std::generic_category().message(errno)));
     }
     bytes = bytes.subspan(static_cast<std::size_t>(put));
@@ -91,7 +91,7 @@ Result<KeptInput> KeptInput::take(int descriptor, const Context& context) {
   struct stat status {};
   if (::fstat(descriptor, &status) != 0) return cannot_read(errno);
   if (::isatty(descriptor) == 1) {
-    return fail(ErrorKind::usage, fmt::format("{}: expected a pipe or a file, found a terminal", kStandardInputName),
+    return fail(ErrorCode::usage, fmt::format("{}: expected a pipe or a file, found a terminal", kStandardInputName),
                 "pipe a file into it, or give the path of a file");
   }
   // Only from its start: what somebody has read already is not meant.

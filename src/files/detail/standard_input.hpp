@@ -12,7 +12,7 @@ namespace isoextract::files::detail {
 class KeptInput {
  public:
   // What is left to read of `descriptor`, which stays open. Bytes that are kept are reserved in the context's memory as
-  // they come, and for as long as this lives. Fails with ErrorKind::usage for a terminal.
+  // they come, and for as long as this lives. Fails with ErrorCode::usage for a terminal.
   [[nodiscard]] static Result<KeptInput> take(int descriptor, const Context& context);
 
   KeptInput(KeptInput&& other) noexcept;

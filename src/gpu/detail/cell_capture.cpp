@@ -122,7 +122,7 @@ Result<void> CellCapture::draw(const gl::CellPass& pass, std::span<const glm::iv
       TRY(context_.check("capturing triangles"));
       if (written != triangles) {
         return fail(
-            ErrorKind::unavailable,
+            ErrorCode::unavailable,
             fmt::format("{}: counted {} triangles and captured {}", context_.device().renderer, triangles, written),
             {Remedy::use_cpu, "please report it"});
       }

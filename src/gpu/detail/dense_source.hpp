@@ -15,7 +15,7 @@ class DenseSource final : public FieldSource {
  public:
   // `region` holds the samples that cells may touch, and `sites` are the lowest samples of bricks of 8 x 8 x 8 of those
   // cells, from region.min on; by rising z, then y, then x. Context, samples and sites must outlive the source. What is
-  // taken on the device reaches no farther than the sites do, but for what stays there. Fails with ErrorKind::usage
+  // taken on the device reaches no farther than the sites do, but for what stays there. Fails with ErrorCode::usage
   // where the bytes are too few.
   [[nodiscard]] static Result<DenseSource> make(const gl::GlContext& context, const field::DenseSamples& samples,
                                                 std::span<const glm::ivec3> sites, const field::IndexBox& region,

@@ -115,7 +115,7 @@ Result<void> DrawnSurface::draw(const gl::CellPass& pass, CellCapture& capture) 
   }
   const auto& messages = tools_.gl->debug_messages();
   if (!tools_.options.debug || messages.empty()) return {};
-  return fail(ErrorKind::unavailable,
+  return fail(ErrorCode::unavailable,
               fmt::format("{}: the driver complains: {}", gl::describe(tools_.gl->device()), messages.front()));
 }
 

@@ -55,7 +55,7 @@ class FieldSource {
 // What sources share. A texture of samples as bits, nothing in it yet; fails as GlContext::check() does.
 [[nodiscard]] Result<gl::GlTexture> make_sample_texture(const gl::GlContext& context, field::SampleType type,
                                                         const glm::ivec3& size);
-// ErrorKind::usage.
+// ErrorCode::usage.
 [[nodiscard]] tl::unexpected<Error> too_few_bytes(std::uint64_t bytes, std::uint64_t least);
 
 }  // namespace isoextract::gpu

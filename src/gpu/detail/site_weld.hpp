@@ -30,7 +30,7 @@ class SiteWeld {
   // Triangles of some sites; the site number k in their keys stands for sites[batch[k]]. Each site comes whole, once.
   void add(std::span<const std::uint32_t> batch, const CapturedSoup& soup);
 
-  // Once all were added. Fails with ErrorKind::unavailable if what was captured cannot be: an edge that no site
+  // Once all were added. Fails with ErrorCode::unavailable if what was captured cannot be: an edge that no site
   // owns, a site that was not drawn.
   [[nodiscard]] Result<extract::MeshSizes> number();
 

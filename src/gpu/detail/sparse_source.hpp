@@ -14,7 +14,7 @@ namespace isoextract::gpu {
 
 class SparseSource final : public FieldSource {
  public:
-  // All arguments must outlive the source. Fails with ErrorKind::usage where the bytes are too few.
+  // All arguments must outlive the source. Fails with ErrorCode::usage where the bytes are too few.
   [[nodiscard]] static Result<SparseSource> make(const gl::GlContext& context, const field::SparseSamples& samples,
                                                  const extract::SparseSites& sites, const SourceOptions& options);
 

@@ -90,7 +90,7 @@ class Encoding {
     if (!input_.normals.empty()) encoder.SetAttributeQuantization(kDracoPositions + 1, kDracoNormalBits);
     draco::EncoderBuffer buffer;
     const draco::Status status = encoder.EncodeToBuffer(&buffer);
-    if (!status.ok()) return fail(ErrorKind::output, fmt::format("Draco: {}", status.error_msg_string()));
+    if (!status.ok()) return fail(ErrorCode::output, fmt::format("Draco: {}", status.error_msg_string()));
     std::vector<std::byte> bytes(buffer.size());
     if (!bytes.empty()) std::memcpy(bytes.data(), buffer.data(), buffer.size());
     return bytes;
@@ -228,7 +228,7 @@ Result<DracoAttribute> attribute_of(const draco::Mesh& mesh, int index, const Ta
   attribute.id = source.unique_id();
   attribute.components = source.num_components();
   if (!type || attribute.components == 0) {
-    return fail(ErrorKind::input, "Draco: expected attributes of numbers, found one of another type");
+    return fail(ErrorCode::input, "Draco: expected attributes of numbers, found one of another type");
   }
   attribute.type = *type;
   attribute.normalised = source.normalized();
@@ -244,7 +244,7 @@ Result<DracoAttribute> attribute_of(const draco::Mesh& mesh, int index, const Ta
   for (std::uint32_t p = 0; p < mesh.num_points(); ++p) {
     const draco::AttributeValueIndex value = source.mapped_index(draco::PointIndex(p));
     if (value.value() >= source.size()) {
-      return fail(ErrorKind::input, fmt::format("Draco: expected a value of an attribute at each of {} vertices, found "
+      return fail(ErrorCode::input, fmt::format("Draco: expected a value of an attribute at each of {} vertices, found "
                                                 "none at vertex {}",
                                                 mesh.num_points(), p));
     }
@@ -280,24 +280,24 @@ Result<DracoSurface> decode_draco(std::span<const std::byte> bytes, const TakeMe
   draco::DecoderBuffer ahead = buffer;
   draco::DracoHeader header;
   if (const draco::Status status = draco::PointCloudDecoder::DecodeHeader(&ahead, &header); !status.ok()) {
-    return fail(ErrorKind::input, "expected a Draco bit stream, found something else");
+    return fail(ErrorCode::input, "expected a Draco bit stream, found something else");
   }
   if (header.version_major != draco::kDracoMeshBitstreamVersionMajor ||
       header.version_minor != draco::kDracoMeshBitstreamVersionMinor) {
     return fail(
-        ErrorKind::input,
+        ErrorCode::input,
         fmt::format("expected a Draco bit stream of version {}.{}, found {}.{}", draco::kDracoMeshBitstreamVersionMajor,
                     draco::kDracoMeshBitstreamVersionMinor, header.version_major, header.version_minor));
   }
   if (header.encoder_type != draco::TRIANGULAR_MESH) {
-    return fail(ErrorKind::input, "expected triangles in a Draco bit stream, found a point cloud");
+    return fail(ErrorCode::input, "expected triangles in a Draco bit stream, found a point cloud");
   }
   draco::Mesh mesh;
   const draco::Status status = header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING
                                    ? decode<draco::MeshEdgebreakerDecoder>(buffer, take, mesh)
                                    : decode<draco::MeshSequentialDecoder>(buffer, take, mesh);
   if (!status.ok()) {
-    return fail(ErrorKind::input, fmt::format("the Draco bit stream is damaged: {}", status.error_msg_string()));
+    return fail(ErrorCode::input, fmt::format("the Draco bit stream is damaged: {}", status.error_msg_string()));
   }
   DracoSurface surface;
   surface.vertices = mesh.num_points();
@@ -307,7 +307,7 @@ Result<DracoSurface> decode_draco(std::span<const std::byte> bytes, const TakeMe
     const draco::Mesh::Face& face = mesh.face(draco::FaceIndex(f));
     const glm::uvec3 corners(face[0].value(), face[1].value(), face[2].value());
     if (std::max({corners.x, corners.y, corners.z}) >= surface.vertices) {
-      return fail(ErrorKind::input,
+      return fail(ErrorCode::input,
                   fmt::format("the Draco bit stream is damaged: expected indices below {}, the number "
                               "of vertices, found others in triangle {}",
                               surface.vertices, f));

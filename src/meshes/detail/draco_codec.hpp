@@ -45,7 +45,7 @@ inline constexpr std::uint32_t kDracoPositions = 0;
   return static_cast<std::uint32_t>((normals ? 2 : 1) + attribute);
 }
 
-// Fails with ErrorKind::output where the library does. Throws std::bad_alloc.
+// Fails with ErrorCode::output where the library does. Throws std::bad_alloc.
 [[nodiscard]] Result<std::vector<std::byte>> encode_draco(const DracoInput& input, DracoMethod method);
 
 struct DracoAttribute {
@@ -76,7 +76,7 @@ struct DracoSurface {
 // Asked for before memory is taken; throws what shall come of too much.
 using TakeMemory = std::function<void(std::uint64_t bytes)>;
 
-// Of bytes that may be anything. Fails with ErrorKind::input and a message without a file's name; throws what `take`
+// Of bytes that may be anything. Fails with ErrorCode::input and a message without a file's name; throws what `take`
 // throws, and std::bad_alloc. Indices of triangles are below `vertices`.
 [[nodiscard]] Result<DracoSurface> decode_draco(std::span<const std::byte> bytes, const TakeMemory& take);
 

@@ -27,10 +27,9 @@ template <class Step>
     if (!done) failure = done.error();
     return done;
   } catch (const std::bad_alloc&) {
-    failure = no_memory(ErrorKind::output, fmt::format("{}: not enough memory to write it", path.string()),
-                        Remedy::extract_part);
+    failure = no_memory(fmt::format("{}: not enough memory to write it", path.string()), Remedy::extract_part);
   } catch (const std::exception& error) {  // a library's own
-    failure = Error{ErrorKind::output, fmt::format("{}: cannot write: {}", path.string(), error.what()), {}};
+    failure = Error{ErrorCode::output, fmt::format("{}: cannot write: {}", path.string(), error.what()), {}};
   }
   return tl::unexpected<Error>(*failure);
 }

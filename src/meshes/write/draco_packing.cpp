@@ -209,7 +209,7 @@ Result<DracoPacked> pack_with_draco(const mesh::Mesh& mesh, const DracoPacking& 
     packed = attempt(mesh, packing, input, DracoMethod::sequential);
   }
   if (!packed) return tl::unexpected(std::move(packed.error()));
-  if (!*packed) return fail(ErrorKind::output, "what Draco unpacks of its own bytes is not the mesh that was packed");
+  if (!*packed) return fail(ErrorCode::output, "what Draco unpacks of its own bytes is not the mesh that was packed");
   DracoPacked result = std::move(**packed);
   result.facts.one_by_one = one_by_one;
   result.facts.bytes_after = result.bytes.size();

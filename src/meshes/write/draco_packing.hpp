@@ -32,7 +32,7 @@ struct DracoPacked {
   PackedFacts facts;         // without bytes_before
 };
 
-// Fails with ErrorKind::output where a vertex is outside of the lattice, where the memory is not there, and where what
+// Fails with ErrorCode::output where a vertex is outside of the lattice, where the memory is not there, and where what
 // was unpacked is not the mesh.
 [[nodiscard]] Result<DracoPacked> pack_with_draco(const mesh::Mesh& mesh, const DracoPacking& packing,
                                                   const Context& context);

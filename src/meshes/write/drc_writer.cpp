@@ -17,7 +17,7 @@ class DrcWriter final : public FormatWriter {
 
   Result<void> add(const mesh::Mesh& mesh, Notes& notes) override {
     if (mesh.triangles.empty()) {
-      return fail(ErrorKind::output, fmt::format("{}: Draco has no meshes without triangles", file_.shown_name()),
+      return fail(ErrorCode::output, fmt::format("{}: Draco has no meshes without triangles", file_.shown_name()),
                   {Remedy::choose_mesh_format, "ply or glb"});
     }
     const GltfPart part(mesh, options_.flat_normals, notes);

@@ -36,7 +36,7 @@ class ViewPacking {
       TRY(add_indices());
     }
     if (damaged_) {
-      return fail(ErrorKind::output, "what meshoptimizer unpacks of its own bytes is not the mesh that was packed");
+      return fail(ErrorCode::output, "what meshoptimizer unpacks of its own bytes is not the mesh that was packed");
     }
     return std::move(packed_);
   }

@@ -54,7 +54,7 @@ class GlbWriter final : public FormatWriter {
  private:
   [[nodiscard]] Result<void> check_length(std::uint64_t length) const {
     if (length <= std::numeric_limits<std::uint32_t>::max()) return {};
-    return fail(ErrorKind::output,
+    return fail(ErrorCode::output,
                 fmt::format("{}: a .glb holds less than 4 GiB, this one needs {} bytes", file_.shown_name(), length),
                 {Remedy::choose_mesh_format, "gltf or ply"});
   }

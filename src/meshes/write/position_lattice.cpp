@@ -104,7 +104,7 @@ Result<LatticePositions> put_on_lattice(const mesh::Mesh& mesh, const PositionLa
   if (moved.outside) {
     const glm::dvec3 low = lattice.first * lattice.step;
     const glm::dvec3 high = low + last * lattice.step;
-    return fail(ErrorKind::output,
+    return fail(ErrorCode::output,
                 fmt::format("expected vertices in the quantisation box ({:.9g}, {:.9g}, {:.9g}) .. ({:.9g}, {:.9g}, "
                             "{:.9g}), found some outside",
                             low.x, low.y, low.z, high.x, high.y, high.z));

@@ -41,7 +41,7 @@ struct LatticePositions {
   std::uint64_t flattened_triangles = 0;
 };
 
-// Fails with ErrorKind::output where a vertex is outside of the lattice.
+// Fails with ErrorCode::output where a vertex is outside of the lattice.
 [[nodiscard]] Result<LatticePositions> put_on_lattice(const mesh::Mesh& mesh, const PositionLattice& lattice);
 
 }  // namespace isoextract::meshes

@@ -102,7 +102,7 @@ Result<void> write_ascii(const mesh::Mesh& mesh, Position position, files::Outpu
 Result<void> write_stl(const mesh::Mesh& mesh, const MeshWriteOptions& options, files::OutputFile& file, Notes& notes) {
   constexpr std::uint64_t kMaxTriangles = std::numeric_limits<std::uint32_t>::max();
   if (!options.ascii && mesh.triangles.size() > kMaxTriangles) {
-    return fail(ErrorKind::output,
+    return fail(ErrorCode::output,
                 fmt::format("{}: {} triangles, binary STL holds at most {}", file.shown_name(), mesh.triangles.size(),
                             kMaxTriangles),
                 {Remedy::choose_mesh_format, "ply"});

@@ -126,7 +126,7 @@ Result<std::uint64_t> check_places(const mesh::Mesh& mesh, const std::filesystem
       others += fmt::format("{}{}", others.empty() ? "" : ", ", info.name);
     }
   }
-  return fail(ErrorKind::output, fmt::format("{}: {}", path.string(), loss.failure), {Remedy::place_nearer, others});
+  return fail(ErrorCode::output, fmt::format("{}: {}", path.string(), loss.failure), {Remedy::place_nearer, others});
 }
 
 }  // namespace isoextract::meshes

@@ -27,7 +27,7 @@
 namespace isoextract::meshes {
 
 // How many triangles have two corners at one place in the file, which they have not in the mesh. Fails with
-// ErrorKind::output and Remedy::place_nearer. Costs nothing where the mesh has no origin, a look at the
+// ErrorCode::output and Remedy::place_nearer. Costs nothing where the mesh has no origin, a look at the
 // vertices where rounding is less than that of the mesh's own numbers, and a look at the triangles otherwise.
 [[nodiscard]] Result<std::uint64_t> check_places(const mesh::Mesh& mesh, const std::filesystem::path& path,
                                                  MeshFormat format);

@@ -10,12 +10,12 @@ namespace isoextract::points {
 
 Result<void> check_places(const ParticleSet& particles, const ParticleBounds& bounds, BadParticles bad) {
   if (particles.size() > std::numeric_limits<std::uint32_t>::max()) {
-    return fail(ErrorKind::input, fmt::format("{}: expected at most {} particles, found {}", particles.label,
+    return fail(ErrorCode::input, fmt::format("{}: expected at most {} particles, found {}", particles.label,
                                               std::numeric_limits<std::uint32_t>::max(), particles.size()));
   }
   if (!bounds.first_broken || bad == BadParticles::skip) return {};
   const glm::dvec3& p = particles.positions[*bounds.first_broken];
-  return fail(ErrorKind::input,
+  return fail(ErrorCode::input,
               fmt::format("{}: expected finite positions, found ({}, {}, {}) at particle {}", particles.label, p.x, p.y,
                           p.z, *bounds.first_broken),
               Remedy::skip_particles);
@@ -29,7 +29,7 @@ Result<void> settle_lengths(const ParticleSet& particles, const FieldOptions& op
     auto statistics = TRY(measure_statistics(particles, context));
     const std::optional<double> radius = statistics.suggested_radius();
     if (!radius) {
-      return fail(ErrorKind::input,
+      return fail(ErrorCode::input,
                   fmt::format("{}: expected particles at two places at least, to take their radius from, or a radius; "
                               "found {} at one place",
                               particles.label, statistics.bounds.finite),
@@ -43,12 +43,12 @@ Result<void> settle_lengths(const ParticleSet& particles, const FieldOptions& op
   const bool has_kernels = options.method != Method::weight && options.method != Method::spheres;
   if (has_kernels) figures.support = 2 * options.smoothing_length * figures.radius;
   if (!(figures.spacing > 0) || !std::isfinite(figures.spacing) || !std::isfinite(figures.support)) {
-    return fail(ErrorKind::input, fmt::format("{}: a particle radius of {} leaves the range of numbers",
+    return fail(ErrorCode::input, fmt::format("{}: a particle radius of {} leaves the range of numbers",
                                               particles.label, figures.radius));
   }
   // Else particles between samples would leave no trace.
   if (has_kernels && !(figures.support >= figures.spacing)) {
-    return fail(ErrorKind::usage,
+    return fail(ErrorCode::usage,
                 fmt::format("{}: expected samples at most as far apart as a kernel reaches, {:.6g}; found a spacing of "
                             "{:.6g}",
                             particles.label, figures.support, figures.spacing),

@@ -8,7 +8,7 @@
 
 namespace isoextract::points {
 
-// Fails with ErrorKind::input where there are too many particles to be numbered, or where a position is not finite and
+// Fails with ErrorCode::input where there are too many particles to be numbered, or where a position is not finite and
 // that is an error. `bounds` is of the particles.
 [[nodiscard]] Result<void> check_places(const ParticleSet& particles, const ParticleBounds& bounds, BadParticles bad);
 

@@ -153,7 +153,7 @@ Result<field::SparseSamples> fill_bricks(const BrickSource& source, std::optiona
   counts.bricks_stored = list.size();
   counts.bricks_inside = deep ? deep->values.size() : 0;
   if (list.size() > std::size_t{std::numeric_limits<std::int32_t>::max()}) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: {} bricks of 8^3 samples are more than can be numbered", label, list.size()));
   }
 

@@ -11,7 +11,7 @@ Result<GpuArray> GpuArray::make(const gl::GlContext& context, GLenum format, std
   GLint most = 0;
   glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
   if (count > static_cast<std::uint64_t>(most)) {
-    return fail(ErrorKind::unavailable,
+    return fail(ErrorCode::unavailable,
                 fmt::format("{}: expected at most {} {}, found {}", context.device().renderer, most, what, count),
                 Remedy::use_cpu);
   }

@@ -40,7 +40,7 @@ inline void bind_texture(const gl::CellProgram& program, const char* name, Textu
 class GpuArray {
  public:
   GpuArray() = default;
-  // `what`, of elements, is for messages. Fails with ErrorKind::unavailable where a texture cannot have as many.
+  // `what`, of elements, is for messages. Fails with ErrorCode::unavailable where a texture cannot have as many.
   [[nodiscard]] static Result<GpuArray> make(const gl::GlContext& context, GLenum format, std::uint64_t count,
                                              std::uint64_t element_bytes, const std::string& what, GpuMemory& memory);
 

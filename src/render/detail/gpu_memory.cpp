@@ -17,7 +17,7 @@ GpuMemory::GpuMemory(const gl::GpuDevice& device, std::optional<std::uint64_t> l
 Result<void> GpuMemory::take(std::uint64_t bytes, const std::string& what) {
   if (limit_ && bytes > *limit_ - taken_) {
     return fail(
-        ErrorKind::unavailable,
+        ErrorCode::unavailable,
         fmt::format("{}: expected at most {} on the GPU, found {} for {} besides {} for the rest", device_.renderer,
                     format_byte_size(*limit_), format_byte_size(bytes), what, format_byte_size(taken_)),
         is_told_ ? Remedy::more_gpu_memory : Remedy::use_cpu);

@@ -19,7 +19,7 @@ class GpuMemory {
   GpuMemory(const gl::GpuDevice& device, std::optional<std::uint64_t> limit, std::uint64_t besides,
             const Context& context);
 
-  // Before it is taken on the device; `what` completes "... for". Fails with ErrorKind::unavailable beyond the limit,
+  // Before it is taken on the device; `what` completes "... for". Fails with ErrorCode::unavailable beyond the limit,
   // and as Context::reserve() where the device's memory is the program's own.
   [[nodiscard]] Result<void> take(std::uint64_t bytes, const std::string& what);
 

@@ -137,7 +137,7 @@ Result<void> GpuPicture::draw_tile(const PixelBox& tile, Rendered& rendered) {
     const auto count = TRY(count_fragments(tile));
     if (count > most_fragments_) {
       if (pixels_in(tile) == 1) {
-        return fail(ErrorKind::unavailable,
+        return fail(ErrorCode::unavailable,
                     fmt::format("{}: expected at most {} surfaces behind each other in a pixel, found {}",
                                 task_.gl.device().renderer, most_fragments_, count),
                     Remedy::use_cpu);
@@ -166,7 +166,7 @@ Result<void> GpuPicture::draw_tile(const PixelBox& tile, Rendered& rendered) {
   const bool whole = targets_->read(tile, rendered.picture, counts_, rendered.statistics);
   TRY(task_.gl.check("reading a picture"));
   if (whole) return {};
-  return fail(ErrorKind::unavailable,
+  return fail(ErrorCode::unavailable,
               fmt::format("{}: a ray has more samples, or more surfaces behind each other, than the driver lets a loop "
                           "have rounds",
                           task_.gl.device().renderer),

@@ -12,7 +12,7 @@ namespace isoextract::render::detail {
 
 class GpuSurfaces {
  public:
-  // Scene and view outlive this. Fails with ErrorKind::unavailable where the meshes do not fit onto the device.
+  // Scene and view outlive this. Fails with ErrorCode::unavailable where the meshes do not fit onto the device.
   [[nodiscard]] static Result<GpuSurfaces> upload(const gl::GlContext& gl, const Scene& scene, const SurfaceView& view,
                                                   GpuMemory& memory, const Context& context);
 

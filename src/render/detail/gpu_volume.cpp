@@ -113,7 +113,7 @@ Result<void> GpuVolume::make_atlas(const gl::GlContext& gl, const std::string& s
   const std::uint64_t row = divided(slots, rows * layers);
   const std::string what = fmt::format("{} bricks of {}", slots, source);
   if (layers > along) {
-    return fail(ErrorKind::unavailable, fmt::format("{}: no texture has room for {}", gl.device().renderer, what),
+    return fail(ErrorCode::unavailable, fmt::format("{}: no texture has room for {}", gl.device().renderer, what),
                 Remedy::use_cpu);
   }
   const std::uint64_t bytes = row * rows * layers * kBrickSamples * sizeof(float);
@@ -136,7 +136,7 @@ Result<GpuVolume> GpuVolume::upload(const gl::GlContext& gl, const Volume& volum
       extent.x * glm::length(axes[0]) + extent.y * glm::length(axes[1]) + extent.z * glm::length(axes[2]);
   if (!(way / made.step_ < kMostSlabs)) {
     return fail(
-        ErrorKind::unavailable,
+        ErrorCode::unavailable,
         fmt::format("{}: expected at most {:g} samples along a ray, found {:g}", source, kMostSlabs, way / made.step_),
         Remedy::use_cpu);
   }
@@ -158,7 +158,7 @@ Result<GpuVolume> GpuVolume::upload(const gl::GlContext& gl, const Volume& volum
   const glm::ivec3& dims = nodes.dims();
   if (std::max({dims.x, dims.y, dims.z}) > most) {
     return fail(
-        ErrorKind::unavailable,
+        ErrorCode::unavailable,
         fmt::format("{}: {}: expected at most {} voxels along an axis, found {:g} x {:g} x {:g}", gl.device().renderer,
                     source, std::int64_t{most} * VolumeNodes::kCells, extent.x, extent.y, extent.z),
         Remedy::use_cpu);

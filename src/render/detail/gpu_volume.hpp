@@ -13,7 +13,7 @@ namespace isoextract::render::detail {
 class GpuVolume {
  public:
   // Reads the samples of all bricks that can be seen, and puts what there is of them into `statistics`. Fails with
-  // ErrorKind::unavailable where they do not fit onto the device.
+  // ErrorCode::unavailable where they do not fit onto the device.
   [[nodiscard]] static Result<GpuVolume> upload(const gl::GlContext& gl, const Volume& volume,
                                                 const RenderOptions& options, RenderStatistics& statistics,
                                                 GpuMemory& memory, const Context& context);

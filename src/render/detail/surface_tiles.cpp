@@ -89,7 +89,7 @@ Result<SurfaceTiles> SurfaceTiles::sort(const SurfaceView& view, const Camera& c
   const std::uint64_t count = view.triangles();
   if (count == 0) return tiles;
   if (count > std::numeric_limits<std::uint32_t>::max()) {
-    return fail(ErrorKind::input, fmt::format("expected at most {} triangles in a picture, found {}",
+    return fail(ErrorCode::input, fmt::format("expected at most {} triangles in a picture, found {}",
                                               std::numeric_limits<std::uint32_t>::max(), count));
   }
   const PixelBox whole{{0, 0}, {size.width, size.height}};

@@ -44,7 +44,7 @@ class VolumeNodes::Lister {
     }
     const std::uint64_t bricks = std::max(count, 1) * std::uint64_t{kBricks};
     if (bricks > std::numeric_limits<std::int32_t>::max()) {
-      return fail(ErrorKind::unavailable, fmt::format("{}: its bricks are too many for a GPU", source_),
+      return fail(ErrorCode::unavailable, fmt::format("{}: its bricks are too many for a GPU", source_),
                   Remedy::use_cpu);
     }
     TRY(take(bricks * sizeof(std::int32_t), "places of bricks"));

@@ -48,14 +48,14 @@ Result<void> DeflateStream::refill() {
 
 Result<void> DeflateStream::check_end() const {
   if (stream_->avail_in > 0 || left_ > 0) {
-    return fail(ErrorKind::input, file_->name() + ": a packed member ends before its packed bytes do");
+    return fail(ErrorCode::input, file_->name() + ": a packed member ends before its packed bytes do");
   }
   if (inflated_ != member_.inflated) {
-    return fail(ErrorKind::input, fmt::format("{}: a packed member holds {} bytes, its directory says {}",
+    return fail(ErrorCode::input, fmt::format("{}: a packed member holds {} bytes, its directory says {}",
                                               file_->name(), inflated_, member_.inflated));
   }
   if (crc_ != member_.crc) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: a packed member is damaged: its checksum is {:08x}, its directory says {:08x}",
                             file_->name(), crc_, member_.crc));
   }
@@ -73,7 +73,7 @@ Result<std::size_t> DeflateStream::inflate(std::span<std::byte> out) {
     if (code == Z_MEM_ERROR) throw std::bad_alloc();
     ended_ = code == Z_STREAM_END;
     if (!ended_ && (code != Z_OK || (stream_->avail_in == 0 && left_ == 0 && stream_->avail_out > 0))) {
-      return fail(ErrorKind::input, fmt::format("{}: a packed member is damaged or cut off: {}", file_->name(),
+      return fail(ErrorCode::input, fmt::format("{}: a packed member is damaged or cut off: {}", file_->name(),
                                                 stream_->msg != nullptr ? stream_->msg : "its packed bytes end"));
     }
   }

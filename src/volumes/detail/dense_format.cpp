@@ -48,7 +48,7 @@ Result<glm::ivec3> checked_dims(const std::string& file, const std::array<std::u
   const auto bytes = checked_product(sizes[0], sizes[1], sizes[2], std::uint64_t{field::sample_size(type)});
   const bool fits = std::ranges::all_of(sizes, [](std::uint64_t size) { return size >= 1 && size <= kMaxSize; });
   if (!fits || !bytes || *bytes > kMaxBytes) {
-    return fail(ErrorKind::input, fmt::format("{}: expected sizes from 1 to {} along each axis, found {}x{}x{}", file,
+    return fail(ErrorCode::input, fmt::format("{}: expected sizes from 1 to {} along each axis, found {}x{}x{}", file,
                                               kMaxSize, sizes[0], sizes[1], sizes[2]));
   }
   return glm::ivec3(static_cast<int>(sizes[0]), static_cast<int>(sizes[1]), static_cast<int>(sizes[2]));
@@ -58,7 +58,7 @@ Result<void> check_volume_count(const std::string& file, const glm::ivec3& dims,
                                 std::uint64_t count) {
   const auto bytes = checked_product(sample_bytes(dims, type), count);
   if (count > 0 && bytes && *bytes <= kMaxBytes) return {};
-  return fail(ErrorKind::input, fmt::format("{}: expected from 1 to {} volumes of {}, found {}", file,
+  return fail(ErrorCode::input, fmt::format("{}: expected from 1 to {} volumes of {}, found {}", file,
                                             kMaxBytes / sample_bytes(dims, type), describe_samples(dims, type), count));
 }
 

@@ -56,7 +56,7 @@ Result<void> widen(const files::InputFile& file, const glm::ivec3& dims, std::sp
   const auto nx = static_cast<std::size_t>(dims.x);
   const auto ny = static_cast<std::size_t>(dims.y);
   return fail(
-      ErrorKind::input,
+      ErrorCode::input,
       fmt::format("{}: expected integers that are exact as doubles, as those up to 2^53 are, found {} at sample "
                   "({}, {}, {})",
                   file.name(), value, bad % nx, bad / nx % ny, bad / nx / ny),
@@ -140,7 +140,7 @@ Result<field::DenseSamples> read_lengths(const files::InputFile& file, const Den
       add_to_lengths<Length>(static_cast<const T*>(component->data), c == 0, dense.scale, lengths->values.span());
     });
     if (component->lost()) {
-      return fail(ErrorKind::input, file.name() + ": became shorter, or could not be read further, while it was read");
+      return fail(ErrorCode::input, file.name() + ": became shorter, or could not be read further, while it was read");
     }
   }
   result.data = lengths->values.data();
@@ -170,7 +170,7 @@ Result<field::ScalarField> read_dense(const files::InputFile& file, DenseFile de
   const auto extra = TRY(check_source(source, what, file.context()));
   if (extra > 0) {
     if (dense.size_is_exact) {
-      return fail(ErrorKind::input, fmt::format("{}: expected {} bytes ({}), found {} more after them", file.name(),
+      return fail(ErrorCode::input, fmt::format("{}: expected {} bytes ({}), found {} more after them", file.name(),
                                                 source.bytes, what, extra));
     }
     dense.notes.push_back(fmt::format("{} bytes after the samples were not read", extra));

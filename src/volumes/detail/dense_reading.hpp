@@ -11,7 +11,7 @@ namespace isoextract::volumes {
 
 // Mapped where the samples lie in the file as they are wanted; else read, into memory that is reserved for as long as
 // they live. The length of a vector is computed from values as the file's scale makes them; it is f64 where the
-// components are f64 or integers that float does not hold, and else f32. Fails with ErrorKind::input where the file is
+// components are f64 or integers that float does not hold, and else f32. Fails with ErrorCode::input where the file is
 // shorter than its header says, where no volume or component is chosen of several, where an integer of 64 bits is none
 // that a double holds, unless it is options.no_data, and where set_frame() does.
 [[nodiscard]] Result<field::ScalarField> read_dense(const files::InputFile& file, DenseFile dense, std::string name,

@@ -16,7 +16,7 @@ bool starts_with(std::span<const std::byte> content, std::string_view magic) {
 
 tl::unexpected<Error> fail_magic(const files::InputFile& file, std::string_view format, std::string_view expected) {
   const auto content = files::first_bytes(file, kStartBytes);
-  return fail(ErrorKind::input, fmt::format("{}: not {}: expected {} at the start, found '{}'", file.name(), format,
+  return fail(ErrorCode::input, fmt::format("{}: not {}: expected {} at the start, found '{}'", file.name(), format,
                                             expected, content ? printable(*content, 16) : std::string()));
 }
 

@@ -82,27 +82,27 @@ std::string grid_table(std::span<const GridInfo> grids) {
 Result<std::size_t> choose_grid(const std::string& file, std::span<const GridInfo> grids,
                                 const std::optional<std::string>& wanted) {
   const auto listed = [&](Remedy remedy) { return Hint(remedy, "\n" + grid_table(grids)); };
-  if (grids.empty()) return fail(ErrorKind::input, file + ": there is no grid in the file");
+  if (grids.empty()) return fail(ErrorCode::input, file + ": there is no grid in the file");
   const auto found =
       wanted ? grids_called(grids, *wanted) : indices_where(grids, [](const GridInfo& grid) { return grid.scalar; });
   if (!wanted) {
     if (found.size() == 1) return found.front();
     const auto message = found.empty() ? fmt::format("{}: expected a grid of float, double or int32, found none", file)
                                        : fmt::format("{}: {} of its grids are scalar", file, found.size());
-    return fail(ErrorKind::input, message,
+    return fail(ErrorCode::input, message,
                 found.empty() ? Hint("its grids are\n" + grid_table(grids)) : listed(Remedy::choose_grid));
   }
   if (found.empty()) {
-    return fail(ErrorKind::input, fmt::format("{}: there is no grid '{}'", file, printable(*wanted, kMaxLabel)),
+    return fail(ErrorCode::input, fmt::format("{}: there is no grid '{}'", file, printable(*wanted, kMaxLabel)),
                 listed(Remedy::choose_grid));
   }
   if (found.size() > 1) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: {} grids are named '{}'", file, found.size(), printable(*wanted, kMaxLabel)),
                 listed(Remedy::choose_grid_number));
   }
   if (!grids[found.front()].scalar) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: expected a grid of float, double or int32, '{}' holds {}", file,
                             grids[found.front()].label, grids[found.front()].type),
                 listed(Remedy::choose_grid));
@@ -118,11 +118,11 @@ Result<std::uint64_t> choose_volume(const std::string& file, std::uint64_t count
                                                           otherwise.text.empty() ? "" : "; ", otherwise.text));
   if (!wanted) {
     if (count == 1) return 0;
-    return fail(ErrorKind::input, fmt::format("{}: there are {} volumes in the file", file, count), hint);
+    return fail(ErrorCode::input, fmt::format("{}: there are {} volumes in the file", file, count), hint);
   }
   if (std::cmp_less(*wanted, 0) || std::cmp_greater_equal(*wanted, count)) {
     return fail(
-        ErrorKind::input,
+        ErrorCode::input,
         fmt::format("{}: there is no volume {}; expected {}", file, *wanted,
                     count == 1 ? std::string("0, the only one") : fmt::format("one of {}, counted from 0", count)),
         hint);
@@ -139,18 +139,18 @@ Result<std::optional<std::uint64_t>> choose_component(const std::string& file, s
       count - 1, names.empty() ? "" : ": ", names);
   if (!wanted) {
     if (count == 1) return 0;
-    return fail(ErrorKind::input, fmt::format("{}: expected one number a sample, found {} components", file, count),
+    return fail(ErrorCode::input, fmt::format("{}: expected one number a sample, found {} components", file, count),
                 choice);
   }
   if (count == 1) {
     if (wanted->number == 0) return 0;
-    return fail(ErrorKind::input, fmt::format("{}: expected several numbers a sample, found one", file),
+    return fail(ErrorCode::input, fmt::format("{}: expected several numbers a sample, found one", file),
                 "leave {component} out");
   }
   if (!wanted->number) return std::nullopt;
   if (std::cmp_less(*wanted->number, 0) || std::cmp_greater_equal(*wanted->number, count)) {
     return fail(
-        ErrorKind::input,
+        ErrorCode::input,
         fmt::format("{}: there is no component {}; expected one of {}, counted from 0", file, *wanted->number, count),
         choice);
   }

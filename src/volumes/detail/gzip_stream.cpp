@@ -16,7 +16,7 @@ void GzipStream::Close::operator()(gzFile_s* gzip) const {
 
 Result<GzipStream> GzipStream::open(const files::InputFile& file, std::uint64_t offset) {
   const int descriptor = ::dup(file.descriptor());
-  const auto cannot = [&] { return fail(ErrorKind::input, file.name() + ": cannot be read as gzip"); };
+  const auto cannot = [&] { return fail(ErrorCode::input, file.name() + ": cannot be read as gzip"); };
   if (descriptor < 0) return cannot();
   gzFile gzip = nullptr;
   if (::lseek(descriptor, static_cast<off_t>(offset), SEEK_SET) >= 0) gzip = ::gzdopen(descriptor, "rb");
@@ -36,9 +36,9 @@ Result<std::size_t> GzipStream::inflate(std::span<std::byte> out) {
   std::string_view text = ::gzerror(gzip_.get(), &code);
   if (const std::size_t colon = text.find(": "); colon != std::string_view::npos) text.remove_prefix(colon + 2);
   if (::gzdirect(gzip_.get()) != 0)
-    return fail(ErrorKind::input, file.name() + ": expected gzip data, found other bytes");
+    return fail(ErrorCode::input, file.name() + ": expected gzip data, found other bytes");
   if (got < 0 || (code != Z_OK && code != Z_STREAM_END)) {
-    return fail(ErrorKind::input, fmt::format("{}: the gzip data is damaged or cut off: {}", file.name(), text));
+    return fail(ErrorCode::input, fmt::format("{}: the gzip data is damaged or cut off: {}", file.name(), text));
   }
   return static_cast<std::size_t>(got);
 }

@@ -20,7 +20,7 @@ Result<field::Affine> place_beside(field::ScalarField& field, const VolumeBeside
                                      ? other.source + " is sparse, so that no shape says that it lies on its grid"
                                      : fmt::format("expected the {} samples of {}, on whose grid it would lie",
                                                    dims_text(other.dims), other.source);
-    return fail(ErrorKind::input, fmt::format("{}: {}, found {}", states_none, expected, dims_text(dims)),
+    return fail(ErrorCode::input, fmt::format("{}: {}, found {}", states_none, expected, dims_text(dims)),
                 "state a placement behind its name: NAME=FILE:spacing=SX,SY,SZ:origin=X,Y,Z");
   }
   if (other.source != field.source) {
@@ -46,7 +46,7 @@ Result<field::Affine> place_alone(field::ScalarField& field, const Frame& frame,
     }
     affine.linear = field::scaling(*options.spacing).linear;
   } else if (!frame.problem.empty()) {
-    return fail(ErrorKind::input, fmt::format("{}: {}", field.source, frame.problem), Remedy::place_by_hand);
+    return fail(ErrorCode::input, fmt::format("{}: {}", field.source, frame.problem), Remedy::place_by_hand);
   }
   if (options.origin) affine.offset = *options.origin;
   return affine;
@@ -60,7 +60,7 @@ Result<void> set_frame(field::ScalarField& field, const Frame& frame, const Read
   auto placed = TRY(beside ? place_beside(field, *options.beside) : place_alone(field, frame, options));
   const field::Affine& affine = placed;
   if (!affine.is_regular()) {
-    return fail(ErrorKind::input, field.source + ": the axes of the volume are flat or not finite in the world",
+    return fail(ErrorCode::input, field.source + ": the axes of the volume are flat or not finite in the world",
                 Remedy::place_by_hand);
   }
   field.index_to_world = affine;

@@ -19,7 +19,7 @@ struct Frame {
 };
 
 // Sets the field's index_to_world from its file and the options' spacing, origin and beside; its samples are there.
-// Messages name field.source. Fails with ErrorKind::input where nothing states a placement that can be used.
+// Messages name field.source. Fails with ErrorCode::input where nothing states a placement that can be used.
 [[nodiscard]] Result<void> set_frame(field::ScalarField& field, const Frame& frame, const ReadOptions& options);
 
 }  // namespace isoextract::volumes

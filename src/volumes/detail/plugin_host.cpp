@@ -72,7 +72,7 @@ class PluginFormat final : public VolumeFormat {
   // The plug-in's list of a file that it takes.
   Result<std::unique_ptr<VolumeVisit>> visit_file(const std::string& input, const Context& context) const {
     if (files::is_standard_input(input)) {
-      return fail(ErrorKind::input,
+      return fail(ErrorCode::input,
                   fmt::format("{}: plug-ins, such as the one for {}, read files by their paths",
                               files::kStandardInputName, about().id),
                   "write the data to a file first");
@@ -88,7 +88,7 @@ class PluginFormat final : public VolumeFormat {
 
   // What is wrong with what the plug-in gives, not with the file.
   tl::unexpected<Error> refused(const std::string& input, const std::string& what) const {
-    return fail(ErrorKind::input, fmt::format("{}: the plug-in for {} gives {}", input, about().id, what));
+    return fail(ErrorCode::input, fmt::format("{}: the plug-in for {} gives {}", input, about().id, what));
   }
 
   Result<std::vector<GridInfo>> describe(const std::string& input, const isoextract_volume_list& list) const {

@@ -21,7 +21,7 @@ extern const PluginKind kVolumePlugins;
 
 // What the tables in the folders say, by folder and then by name; the first of an id counts. kOpenVdbPlugin
 // is left out. Besides the errors of all
-// formats theirs are ErrorKind::unavailable: the plug-in is in none of the folders, cannot be opened, or is of another
+// formats theirs are ErrorCode::unavailable: the plug-in is in none of the folders, cannot be opened, or is of another
 // version.
 [[nodiscard]] std::vector<std::unique_ptr<const VolumeFormat>> find_plugin_formats(const PluginFolders& folders);
 

@@ -103,7 +103,7 @@ Result<std::string> PluginLibrary::found(const std::string& input) const {
     if (fs::exists(folder / name, none)) return (folder / name).string();
     looked.push_back(folder.string());
   }
-  return fail(ErrorKind::unavailable,
+  return fail(ErrorCode::unavailable,
               fmt::format("{}: {} by the plug-in {}, which is in none of: {}", input,
                           kind_.is_format ? fmt::format("the format {} is read", id_) : "this is done", name,
                           fmt::join(looked, ", ")),
@@ -113,7 +113,7 @@ Result<std::string> PluginLibrary::found(const std::string& input) const {
 namespace {
 
 tl::unexpected<Error> refuse(const std::string& input, const std::string& path, const sandbox::Refusal& refusal) {
-  return fail(ErrorKind::unavailable, fmt::format("{}: the plug-in {} {}", input, path, printable(refusal.what, 400)),
+  return fail(ErrorCode::unavailable, fmt::format("{}: the plug-in {} {}", input, path, printable(refusal.what, 400)),
               refusal.advice.empty() ? "install the plug-in that belongs to this version of isoextract"
                                      : printable(refusal.advice, 200));
 }

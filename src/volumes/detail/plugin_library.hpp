@@ -54,7 +54,7 @@ class PluginLibrary {
   [[nodiscard]] bool is_there() const { return found({}).has_value(); }
 
   // What its function gives, whose version and id are as they should be, in this process. `input` starts the message of
-  // a failure, which is ErrorKind::unavailable: it is in none of the folders, cannot be opened, or is of another
+  // a failure, which is ErrorCode::unavailable: it is in none of the folders, cannot be opened, or is of another
   // version.
   [[nodiscard]] Result<const void*> opened(const std::string& input) const;
 

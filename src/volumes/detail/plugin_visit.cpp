@@ -118,11 +118,11 @@ class ParticlesHere final : public ParticleVisit {
 void trust_files() { files_are_trusted = true; }
 
 Error plugin_failed(const std::string& input, const std::string& text) {
-  return {ErrorKind::input, fmt::format("{}: {}", input, text.empty() ? "cannot be read" : printable(text, 400)), {}};
+  return {ErrorCode::input, fmt::format("{}: {}", input, text.empty() ? "cannot be read" : printable(text, 400)), {}};
 }
 
 Error not_of_format(const std::string& input, const std::string& id, std::span<const std::byte> start) {
-  return {ErrorKind::input,
+  return {ErrorCode::input,
           fmt::format("{}: not a file of the format {}; it starts with '{}'", input, id, printable(start, 16)),
           {}};
 }

@@ -42,7 +42,7 @@ class VolumeVisit {
   [[nodiscard]] virtual std::string printed() const { return {}; }
 };
 
-// Lists what is in a file. Fails where the plug-in is not there (ErrorKind::unavailable), and where it takes the file
+// Lists what is in a file. Fails where the plug-in is not there (ErrorCode::unavailable), and where it takes the file
 // for none of its format, cannot read it, crashes over it, or wants more time or memory than it may have.
 [[nodiscard]] Result<std::unique_ptr<VolumeVisit>> visit_volume(const PluginLibrary& library, const std::string& id,
                                                                 const files::InputFile& file);

@@ -42,7 +42,7 @@ Result<sandbox::Limits> limits_for(const files::InputFile& file) {
     const std::string_view text(given);
     const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), seconds);
     if (status != std::errc{} || end != text.data() + text.size() || seconds == 0) {
-      return fail(ErrorKind::usage, fmt::format("the environment variable {}: expected seconds, 1 or more, found '{}'",
+      return fail(ErrorCode::usage, fmt::format("the environment variable {}: expected seconds, 1 or more, found '{}'",
                                                 kSecondsVariable, printable(text, 40)));
     }
   }
@@ -56,7 +56,7 @@ Result<sandbox::Limits> limits_for(const files::InputFile& file) {
 
 Result<SharedMemory> share_memory(const std::string& name, std::uint64_t bytes) {
   if (auto memory = SharedMemory::create(bytes)) return std::move(*memory);
-  return fail(ErrorKind::unavailable,
+  return fail(ErrorCode::unavailable,
               fmt::format("{}: the system gives no shared memory of {} (memfd_create) for the process that reads it",
                           name, format_byte_size(bytes)),
               Remedy::read_in_process);
@@ -89,6 +89,7 @@ class Talk {
     Error failed = plugin_failed(name_, heard.message.text());
     if (worker_->finish().lacked_memory) {
       failed.message += fmt::format("; {} are left for it", format_byte_size(limits_.memory));
+      failed.code = ErrorCode::out_of_memory;
       failed.hint = Remedy::raise_memory_limit;
     }
     return tl::unexpected(std::move(failed));
@@ -109,7 +110,7 @@ class Talk {
 
   // What comes is no answer, or one that cannot be true.
   [[nodiscard]] tl::unexpected<Error> refused(const std::string& what) const {
-    return fail(ErrorKind::input, fmt::format("{}: the plug-in for {} gives {}", name_, id_, what));
+    return fail(ErrorCode::input, fmt::format("{}: the plug-in for {} gives {}", name_, id_, what));
   }
 
   [[nodiscard]] const std::string& greeting() const { return greeting_; }
@@ -128,26 +129,26 @@ class Talk {
     const std::string who = fmt::format("{}: the process that read it with the plug-in for {}", name_, id_);
     constexpr const char* kDamaged = "the file is damaged, or holds what the plug-in's library does not expect";
     switch (ending.reason) {
-      case Ending::Reason::cancelled: return {ErrorKind::cancelled, "cancelled", {}};
+      case Ending::Reason::cancelled: return {ErrorCode::cancelled, "cancelled", {}};
       case Ending::Reason::too_long:
         return {
-            ErrorKind::input, fmt::format("{} was stopped after {} s: {}", who, limits_.seconds, kDamaged),
+            ErrorCode::input, fmt::format("{} was stopped after {} s: {}", who, limits_.seconds, kDamaged),
             fmt::format("if the file is sound, give it more time with the environment variable {}", kSecondsVariable)};
       case Ending::Reason::lost:
-        return {ErrorKind::unavailable, fmt::format("{} could not be started, or was lost", who),
+        return {ErrorCode::unavailable, fmt::format("{} could not be started, or was lost", who),
                 Remedy::read_in_process};
       case Ending::Reason::signal:
         if (ending.lacked_memory) {
-          return {ErrorKind::input,
+          return {ErrorCode::out_of_memory,
                   fmt::format("{} needs more memory than the {} that are left for it", who,
                               format_byte_size(limits_.memory)),
                   Remedy::raise_memory_limit};
         }
-        return {ErrorKind::input, fmt::format("{} crashed (signal {}): {}", who, ending.signal, kDamaged),
+        return {ErrorCode::input, fmt::format("{} crashed (signal {}): {}", who, ending.signal, kDamaged),
                 "write the file anew, or in another format"};
       case Ending::Reason::done: break;
     }
-    return {ErrorKind::input, fmt::format("{} {} without an answer: {}", who, otherwise, kDamaged), {}};
+    return {ErrorCode::input, fmt::format("{} {} without an answer: {}", who, otherwise, kDamaged), {}};
   }
 
   std::unique_ptr<sandbox::Worker> worker_;
@@ -277,7 +278,7 @@ class VolumeApart final : public VolumeVisit {
     for (const SharedMemory& memory : given->shared) {
       given->mapped.emplace_back(memory.descriptor(), memory.size(), Mapping::Access::read);
       if (given->mapped.back().bytes().size() != memory.size()) {
-        return fail(ErrorKind::input, talk_->name() + ": not enough memory for its samples");
+        return fail(ErrorCode::input, talk_->name() + ": not enough memory for its samples");
       }
     }
     given->shared.clear();

@@ -162,7 +162,7 @@ class PackedSamples {
     const auto got = TRY(inflate(bytes));
     at_ += got;
     if (got == bytes.size()) return {};
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: the {} data holds {} bytes, expected {}", file_.name(), word_, at_, expected_));
   }
 
@@ -190,12 +190,12 @@ Result<void> check_packed(const files::InputFile& file, const SamplePiece& piece
       piece.deflated ? piece.deflated->packed : file.size() - std::min(file.size(), piece.offset);
   const auto inflated = checked_sum(expected, piece.skip);
   if (!inflated || *inflated / kMostInflated > found) {
-    return fail(ErrorKind::input, fmt::format("{}: {} bytes of {} data cannot hold {} bytes ({})", file.name(), found,
+    return fail(ErrorCode::input, fmt::format("{}: {} bytes of {} data cannot hold {} bytes ({})", file.name(), found,
                                               packing_of(piece), inflated.value_or(expected), of_what));
   }
   if (piece.deflated && *inflated > piece.deflated->inflated) {
     return fail(
-        ErrorKind::input,
+        ErrorCode::input,
         fmt::format("{}: expected {} bytes ({}) from byte {} of the packed data on, found {}", file.name(), expected,
                     of_what, piece.skip, piece.deflated->inflated - std::min(piece.deflated->inflated, piece.skip)));
   }
@@ -213,11 +213,9 @@ Result<Buffer<std::byte>> allocate(std::uint64_t bytes, const SampleSource& sour
   try {
     return Buffer<std::byte>(bytes);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(
-        no_memory(ErrorKind::input,
-                  fmt::format("{}: no memory for {} bytes of samples{}",
-                              files::shown_input_name(source.pieces.front().path), source.bytes,
-                              is_mappable(source) ? ", neither as a mapping of the file (mmap) nor as a copy" : "")));
+    return tl::unexpected(no_memory(fmt::format(
+        "{}: no memory for {} bytes of samples{}", files::shown_input_name(source.pieces.front().path), source.bytes,
+        is_mappable(source) ? ", neither as a mapping of the file (mmap) nor as a copy" : "")));
   }
 }
 
@@ -228,7 +226,7 @@ Result<SampleSource> part_of(const SampleSource& all, const Share& lane, const S
   SampleSource one = all;
   one.bytes = all.bytes / run.count / lane.count;
   if (lane.count > kChunk / all.sample_size) {
-    return fail(ErrorKind::input, fmt::format("{}: expected at most {} volumes with their samples side by side, found "
+    return fail(ErrorCode::input, fmt::format("{}: expected at most {} volumes with their samples side by side, found "
                                               "{}",
                                               name, kChunk / all.sample_size, lane.count));
   }
@@ -242,7 +240,7 @@ Result<SampleSource> part_of(const SampleSource& all, const Share& lane, const S
     return one;
   }
   if (run.count % pieces != 0) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: {} volumes in {} data files of the same size", name, run.count, pieces));
   }
   const std::uint64_t in_piece = run.count / pieces;
@@ -265,7 +263,7 @@ Result<std::uint64_t> check_source(const SampleSource& source, const std::string
       TRY(check_packed(file, piece, expected, of_what));
       if (piece.deflated) extra += piece.deflated->inflated - piece.skip - expected;
     } else if (found < expected) {
-      return fail(ErrorKind::input, fmt::format("{}: expected {} bytes ({}) from byte {} on, found {}", file.name(),
+      return fail(ErrorCode::input, fmt::format("{}: expected {} bytes ({}) from byte {} on, found {}", file.name(),
                                                 expected, of_what, piece.offset, found));
     } else {
       extra += found - expected;

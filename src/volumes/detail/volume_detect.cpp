@@ -43,7 +43,7 @@ const VolumeFormat* format_by_extension(const std::filesystem::path& path) {
 std::optional<Error> error_of_unread(const files::InputFile& file, std::span<const std::byte> content) {
   const auto known = unread_format(file.path(), content);
   if (!known) return std::nullopt;
-  return Error{ErrorKind::input,
+  return Error{ErrorCode::input,
                fmt::format("{}: it is {} by its {}, which isoextract does not read", file.name(), known->title,
                            known->by_name ? "name" : "content"),
                Hint(known->way)};
@@ -57,7 +57,7 @@ tl::unexpected<Error> fail_unknown(const files::InputFile& file, std::span<const
     if (about.extensions.empty()) continue;
     hint += fmt::format("\n  {:<6} {} ({})", about.id, about.title, fmt::join(about.extensions, " "));
   }
-  return fail(ErrorKind::input,
+  return fail(ErrorCode::input,
               fmt::format("{}: not a volume format that isoextract reads; it starts with '{}'", file.name(),
                           printable(content, 16)),
               Hint(hint));
@@ -65,10 +65,10 @@ tl::unexpected<Error> fail_unknown(const files::InputFile& file, std::span<const
 
 Result<DetectedFormat> chosen_format(const std::string& input, const std::string& id) {
   const VolumeFormat* format = find_volume_format(id);
-  if (format == nullptr) return fail(ErrorKind::usage, fmt::format("{}: there is no volume format '{}'", input, id));
+  if (format == nullptr) return fail(ErrorCode::usage, fmt::format("{}: there is no volume format '{}'", input, id));
   const std::string& prefix = format->about().prefix;
   if (!prefix.empty()) {
-    return fail(ErrorKind::usage, fmt::format("{}: the format {} is for inputs named {}NAME", input, id, prefix));
+    return fail(ErrorCode::usage, fmt::format("{}: the format {} is for inputs named {}NAME", input, id, prefix));
   }
   return DetectedFormat{format, {}};
 }

@@ -15,7 +15,7 @@ struct DetectedFormat {
 };
 
 // A prefix such as demo: decides; else ReadOptions::format, where it is given. A raw layout makes a file raw that
-// nothing else claims. Fails with ErrorKind::input for what is not a volume, and with ErrorKind::usage for a format
+// nothing else claims. Fails with ErrorCode::input for what is not a volume, and with ErrorCode::usage for a format
 // that there is not or that has no files.
 [[nodiscard]] Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions& options,
                                                    const Context& context);

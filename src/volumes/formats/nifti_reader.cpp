@@ -110,13 +110,13 @@ std::optional<NiftiType> type_of_code(int datatype) {
 Result<glm::ivec3> read_dims(const std::string& file, const NiftiHeader& header, field::SampleType type) {
   const std::int64_t axes = header.dim[0];
   if (axes < 3 || axes > 7) {
-    return fail(ErrorKind::input, fmt::format("{}: expected 3 axes (dim[0]), found {}", file, axes));
+    return fail(ErrorCode::input, fmt::format("{}: expected 3 axes (dim[0]), found {}", file, axes));
   }
   std::array<std::uint64_t, 3> sizes{};
   for (std::size_t axis = 1; axis <= static_cast<std::size_t>(axes); ++axis) {
     const std::int64_t size = header.dim[axis];
     if (size < 1) {
-      return fail(ErrorKind::input, fmt::format("{}: expected sizes from 1 on, found dim[{}] = {}", file, axis, size));
+      return fail(ErrorCode::input, fmt::format("{}: expected sizes from 1 on, found dim[{}] = {}", file, axis, size));
     }
     if (axis <= 3) sizes[axis - 1] = static_cast<std::uint64_t>(size);
   }
@@ -223,7 +223,7 @@ std::optional<std::filesystem::path> pair_stem(const std::filesystem::path& path
 // The other half of a pair, beside the one that was given.
 Result<std::filesystem::path> find_partner(const files::InputFile& file, std::string_view extension) {
   if (files::is_standard_input(file.path())) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: one file of a NIfTI pair, whose other file can only be found beside it", file.name()),
                 "give its path, or join the two into one .nii");
   }
@@ -238,7 +238,7 @@ Result<std::filesystem::path> find_partner(const files::InputFile& file, std::st
     }
     tried += fmt::format("{}{}", tried.empty() ? "" : " or ", partner);
   }
-  return fail(ErrorKind::input, fmt::format("{}: one file of a NIfTI pair; expected {} beside it, found none",
+  return fail(ErrorCode::input, fmt::format("{}: one file of a NIfTI pair; expected {} beside it, found none",
                                             file.name(), stem ? tried : "a name ending in .hdr or .img"));
 }
 
@@ -249,7 +249,7 @@ Result<SamplePiece> locate_samples(const files::InputFile& file, const NiftiHead
   const double first = header.pair ? 0 : (header.version == 1 ? 352 : 544);
   if (!(header.vox_offset >= first && header.vox_offset <= kMaxOffset) ||
       header.vox_offset != std::floor(header.vox_offset)) {
-    return fail(ErrorKind::input, fmt::format("{}: expected samples from byte {} on, found vox_offset {}", file.name(),
+    return fail(ErrorCode::input, fmt::format("{}: expected samples from byte {} on, found vox_offset {}", file.name(),
                                               first, header.vox_offset));
   }
   if (header.pair) {
@@ -269,7 +269,7 @@ Result<SamplePiece> locate_samples(const files::InputFile& file, const NiftiHead
 Result<DenseFile> open_with_header(const files::InputFile& file, const NiftiHeader& header) {
   const auto type = type_of_code(header.datatype);
   if (!type) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: expected integers or floats up to 64 bits, found datatype {} ({})", file.name(),
                             header.datatype, ::nifti_datatype_to_string(header.datatype)),
                 "convert it to FLOAT32 or INT16 first");
@@ -278,7 +278,7 @@ Result<DenseFile> open_with_header(const files::InputFile& file, const NiftiHead
   const auto volumes = static_cast<std::uint64_t>(header.dim[0] >= 4 ? header.dim[4] : 1);
   const auto components = component_count(header);
   if (components != 1 && type->numbers > 1) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: expected numbers along the axes after the fourth, found {} ({} numbers) there",
                             file.name(), ::nifti_datatype_to_string(header.datatype), type->numbers),
                 "write the part to extract from into a file of its own");

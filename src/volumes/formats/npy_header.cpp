@@ -163,7 +163,7 @@ Result<NpyHeader> read_npy_header(const files::InputFile& file) {
   const auto known = static_cast<std::size_t>(std::min<std::uint64_t>(start.size(), file.size()));
   TRY(file.read_at(0, std::span(start).first(known)));
   if (files::is_gzip(std::span(start).first(known))) {
-    return fail(ErrorKind::input, file.name() + ": expected a NumPy file as it is, found it packed by gzip",
+    return fail(ErrorCode::input, file.name() + ": expected a NumPy file as it is, found it packed by gzip",
                 "unpack it first");
   }
   if (!starts_with(start, kNpyMagic)) return fail_magic(file, "a NumPy file", "'\\x93NUMPY'");
@@ -176,23 +176,23 @@ Result<NpyHeader> read_npy_header(const files::InputFile& file) {
 
 Result<NpyHeader> parse_npy_header(const std::string& name, std::span<const std::byte> start, std::uint64_t size) {
   if (!starts_with(start, kNpyMagic)) {
-    return fail(ErrorKind::input, fmt::format("{}: not a NumPy array: expected '\\x93NUMPY' at the start, found '{}'",
+    return fail(ErrorCode::input, fmt::format("{}: not a NumPy array: expected '\\x93NUMPY' at the start, found '{}'",
                                               name, printable(start, 16)));
   }
   const int version = start.size() > 6 ? std::to_integer<int>(start[6]) : 0;
   if (version < 1 || version > 3) {
-    return fail(ErrorKind::input, fmt::format("{}: expected NPY version 1, 2 or 3, found {}", name, version));
+    return fail(ErrorCode::input, fmt::format("{}: expected NPY version 1, 2 or 3, found {}", name, version));
   }
   const std::uint64_t begin = 8 + length_bytes(version);
   const std::uint64_t length = start.size() < begin ? 0 : dict_length(start, version);
   if (length == 0 || begin + length > size || begin + length > start.size()) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: the header should be {} bytes long, the file has {}", name, begin + length, size));
   }
   const std::string_view text(reinterpret_cast<const char*>(start.data()) + begin, static_cast<std::size_t>(length));
   auto header = NpyDictParser(text).parse();
   if (!header) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: expected a header with 'descr', 'fortran_order' and 'shape', found {}", name,
                             printable(std::string(text), 120)));
   }

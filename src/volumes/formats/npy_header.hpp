@@ -31,7 +31,7 @@ struct NpyHeader {
   std::uint64_t data_offset = 0;
 };
 
-// Fails with ErrorKind::input where there is no such header. What types and shape mean is not looked at.
+// Fails with ErrorCode::input where there is no such header. What types and shape mean is not looked at.
 [[nodiscard]] Result<NpyHeader> read_npy_header(const files::InputFile& file);
 
 // No header is longer than this, or it is refused.

@@ -69,7 +69,7 @@ Result<NpyAxes> find_axes(const std::string& name, const NpyHeader& header, bool
   const std::string_view letters = order == AxisOrder::zyx ? "z, y, x" : "x, y, z";
   if (kept != wanted && kept != wanted + 1) {
     const std::string_view c = has_component ? ", c" : "";
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: expected an array with {} axes [{}{}], or {} [t, {}{}], found shape ({})", name,
                             wanted, letters, c, wanted + 1, letters, c, fmt::join(header.shape, ", ")),
                 kept <= 2                     ? Hint(Remedy::read_as_particles)
@@ -119,7 +119,7 @@ class NpyFormat final : public DenseFormat {
 Result<DenseFile> npy_volume(const std::string& name, const NpyHeader& header, const ReadOptions& options) {
   const auto type = parse_descr(header.descr);
   if (!type) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: expected numbers of type b1, u1, i1, u2, i2, u4, i4, u8, i8, f2, f4, f8, c8 or c16, "
                             "found {}",
                             name, printable(header.descr, 40)),

@@ -44,7 +44,7 @@ Result<NpzArray> read_array(const files::InputFile& file, const ZipMember& membe
     if (header) return NpzArray{std::move(piece), std::move(*header)};
     if (start.size() < count || count == kMaxNpyHeader) return tl::unexpected(std::move(header.error()));
   }
-  return fail(ErrorKind::input, member_name(file, member) + ": no header");
+  return fail(ErrorCode::input, member_name(file, member) + ": no header");
 }
 
 // Of a member that is stored as it is: packed ones are checked as they are unpacked.
@@ -60,7 +60,7 @@ Result<void> check_stored(const files::InputFile& file, const ZipMember& member,
     crc = ::crc32_z(crc, reinterpret_cast<const Bytef*>(part.data()), part.size());
   }
   if (crc == member.sizes.crc) return {};
-  return fail(ErrorKind::input, fmt::format("{} is damaged: its checksum is {:08x}, its directory says {:08x}",
+  return fail(ErrorCode::input, fmt::format("{} is damaged: its checksum is {:08x}, its directory says {:08x}",
                                             member_name(file, member), crc, member.sizes.crc));
 }
 

@@ -35,7 +35,7 @@ class HeaderLines {
     while ((end = text_.find('\n', begin_)) == std::string::npos) {
       if (text_.size() == file_.size()) break;
       if (text_.size() >= kMaxHeader) {
-        return fail(ErrorKind::input,
+        return fail(ErrorCode::input,
                     fmt::format("{}: the header has no end within {} bytes", file_.name(), kMaxHeader));
       }
       TRY(grow());
@@ -47,7 +47,7 @@ class HeaderLines {
     ++number_;
     if (line.ends_with('\r')) line.pop_back();
     if (line.find('\0') != std::string::npos) {
-      return fail(ErrorKind::input, file_.name() + ": expected a header of text, found binary data");
+      return fail(ErrorCode::input, file_.name() + ": expected a header of text, found binary data");
     }
     return std::optional(std::move(line));
   }
@@ -101,13 +101,13 @@ std::size_t count_words(std::string_view text) {
 // Fails for lines that would overrun a buffer of teem.
 Result<void> check_line(const files::InputFile& file, std::uint64_t number, const std::string& line) {
   if (line.size() > kMaxLine) {
-    return fail(ErrorKind::input, fmt::format("{}: line {} of the header has {} bytes, the limit is {}: '{}'",
+    return fail(ErrorCode::input, fmt::format("{}: line {} of the header has {} bytes, the limit is {}: '{}'",
                                               file.name(), number, line.size(), kMaxLine, printable(line, 40)));
   }
   if (!has_value_per_axis(field_of(line))) return {};
   const std::size_t values = count_words(std::string_view(line).substr(line.find(": ") + 1));
   if (values <= NRRD_DIM_MAX) return {};
-  return fail(ErrorKind::input, fmt::format("{}: line {} of the header has {} values, a NRRD has at most {} axes: '{}'",
+  return fail(ErrorCode::input, fmt::format("{}: line {} of the header has {} values, a NRRD has at most {} axes: '{}'",
                                             file.name(), number, values, NRRD_DIM_MAX, printable(line, 40)));
 }
 
@@ -186,11 +186,11 @@ Result<NrrdDataFiles> parse_data_files(const files::InputFile& file, HeaderLines
   };
   if (is_word("LIST")) return read_list(lines, value.substr(4));
   if (is_word("SKIPLIST")) {
-    return fail(ErrorKind::input, file.name() + ": a SKIPLIST of data files is not supported",
+    return fail(ErrorCode::input, file.name() + ": a SKIPLIST of data files is not supported",
                 "write the samples into one file");
   }
   if (auto pattern = parse_pattern(value)) return *pattern;
-  if (value.empty()) return fail(ErrorKind::input, file.name() + ": the field 'data file' is empty");
+  if (value.empty()) return fail(ErrorCode::input, file.name() + ": the field 'data file' is empty");
   NrrdDataFiles single;
   single.names.emplace_back(value);
   return single;
@@ -213,7 +213,7 @@ Result<NrrdHeaderText> read_nrrd_header(const files::InputFile& file) {
     auto next = TRY(lines.next());
     if (!next) {
       if (header.detached) return header;
-      return fail(ErrorKind::input,
+      return fail(ErrorCode::input,
                   file.name() + ": the header ends without an empty line and samples after it, or a field 'data file'");
     }
     const std::string& line = *next;
@@ -228,7 +228,7 @@ Result<NrrdHeaderText> read_nrrd_header(const files::InputFile& file) {
       header.fields += line + '\n';
       continue;
     }
-    if (header.detached) return fail(ErrorKind::input, file.name() + ": two fields 'data file'");
+    if (header.detached) return fail(ErrorCode::input, file.name() + ": two fields 'data file'");
     header.detached = TRY(parse_data_files(file, lines, value));
     if (header.detached->several && !header.detached->pattern) return header;  // a LIST ends the header
   }

@@ -45,7 +45,7 @@ struct NrrdHeaderText {
   std::uint64_t data_offset = 0;          // of an attached file: behind the empty line
 };
 
-// Fails with ErrorKind::input where the text does not end, is binary, has a line that the library has no room for, or
+// Fails with ErrorCode::input where the text does not end, is binary, has a line that the library has no room for, or
 // names its data files in a way that is not understood.
 [[nodiscard]] Result<NrrdHeaderText> read_nrrd_header(const files::InputFile& file);
 

@@ -55,7 +55,7 @@ std::string innermost_message(std::string messages) {
 Result<void> check_fields(const std::string& file, const ParsedNrrd& parsed) {
   for (const int field : {nrrdField_type, nrrdField_dimension, nrrdField_sizes, nrrdField_encoding}) {
     if (parsed.has(field)) continue;
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: the header has no field '{}'", file, ::airEnumStr(nrrdField, field)));
   }
   return {};
@@ -79,7 +79,7 @@ Result<ParsedNrrd> parse_fields(const std::string& file, const std::string& fiel
     TRY(check_fields(file, parsed));
   }
   if (failed) {
-    return fail(ErrorKind::input, fmt::format("{}: not a valid NRRD header: {}", file, innermost_message(messages)));
+    return fail(ErrorCode::input, fmt::format("{}: not a valid NRRD header: {}", file, innermost_message(messages)));
   }
   return parsed;
 }
@@ -100,7 +100,7 @@ Result<field::SampleType> sample_type_of(const std::string& file, const Nrrd& nr
     default: break;
   }
   return fail(
-      ErrorKind::input,
+      ErrorCode::input,
       fmt::format("{}: expected integers, float or double, found type '{}'", file, ::airEnumStr(nrrdType, nrrd.type)),
       "convert it, for example with: unu convert -t float");
 }
@@ -143,7 +143,7 @@ Result<NrrdAxes> find_axes(const std::string& file, const ParsedNrrd& parsed, st
         axes.components = axis;
         continue;
       }
-      return fail(ErrorKind::input,
+      return fail(ErrorCode::input,
                   fmt::format("{}: expected one axis of volumes and one of components at most; {} is one more", file,
                               describe(axis)),
                   fmt::format("pick one value first, for example with: unu slice -a {} -p 0", axis));
@@ -157,12 +157,12 @@ Result<NrrdAxes> find_axes(const std::string& file, const ParsedNrrd& parsed, st
     kept.erase(std::next(last).base());
   }
   if (kept.size() != 3) {
-    return fail(ErrorKind::input, fmt::format("{}: expected 3 dimensions, found {}", file, kept.size()));
+    return fail(ErrorCode::input, fmt::format("{}: expected 3 dimensions, found {}", file, kept.size()));
   }
   for (const unsigned axis : dropped) notes.push_back(fmt::format("axis {} has length 1 and was dropped", axis));
   for (const auto& [axis, what] : {std::pair(axes.series, "volumes"), std::pair(axes.components, "components")}) {
     if (!axis || *axis < kept.front() || *axis > kept.back()) continue;
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: expected the axis of the {} before or after those of space; {} is between them", file,
                             what, describe(*axis)),
                 "put it first or last, for example with: unu permute");
@@ -256,7 +256,7 @@ Result<void> check_file_count(const std::string& file, const Nrrd& nrrd, const N
     expected = checked_product(*expected, std::uint64_t{nrrd.axis[axis].size});
   }
   if (dimension >= 1 && dimension < nrrd.dim && expected == found) return {};
-  return fail(ErrorKind::input,
+  return fail(ErrorCode::input,
               fmt::format("{}: expected as many data files as the slow axes have slices, found {}", file, found));
 }
 
@@ -264,7 +264,7 @@ Result<void> check_file_count(const std::string& file, const Nrrd& nrrd, const N
 Result<std::uint64_t> skip_lines(const files::InputFile& file, std::uint64_t offset, unsigned lines) {
   std::vector<char> block(std::size_t{64} << 10);
   while (lines > 0) {
-    if (offset >= file.size()) return fail(ErrorKind::input, file.name() + ": ends within the lines to skip");
+    if (offset >= file.size()) return fail(ErrorCode::input, file.name() + ": ends within the lines to skip");
     const auto part =
         std::span(block).first(static_cast<std::size_t>(std::min<std::uint64_t>(block.size(), file.size() - offset)));
     TRY(file.read_at(offset, std::as_writable_bytes(part)));
@@ -294,7 +294,7 @@ Result<SamplePiece> locate_piece(const std::filesystem::path& path, std::uint64_
   const std::uint64_t behind = static_cast<std::uint64_t>(-(state.byteSkip + 1));
   const auto from_end = checked_sum(piece_bytes, behind);
   if (piece.gzip || !from_end || *from_end > file.size()) {
-    return fail(ErrorKind::input, fmt::format("{}: 'byte skip' {} needs {} bytes of raw samples, found {} bytes",
+    return fail(ErrorCode::input, fmt::format("{}: 'byte skip' {} needs {} bytes of raw samples, found {} bytes",
                                               file.name(), state.byteSkip, piece_bytes, file.size()));
   }
   piece.offset = file.size() - *from_end;
@@ -324,7 +324,7 @@ Result<std::vector<SamplePiece>> locate_samples(const files::InputFile& file, co
 
 Result<void> check_encoding(const std::string& file, const NrrdIoState& state) {
   if (state.encoding == nrrdEncodingRaw || state.encoding == nrrdEncodingGzip) return {};
-  return fail(ErrorKind::input, fmt::format("{}: expected encoding raw or gzip, found {}", file, state.encoding->name),
+  return fail(ErrorCode::input, fmt::format("{}: expected encoding raw or gzip, found {}", file, state.encoding->name),
               "rewrite it, for example with: unu save -f nrrd -e gzip");
 }
 

@@ -35,7 +35,7 @@ Result<DenseFile> open_raw(const files::InputFile& file, const RawLayout& layout
   std::array<std::uint64_t, 3> sizes{};
   for (int axis = 0; axis < 3; ++axis) {
     if (layout.dims[axis] < 1) {
-      return fail(ErrorKind::usage,
+      return fail(ErrorCode::usage,
                   fmt::format("the dims of a raw file: expected three numbers from 1 on, found {},{},{}", layout.dims.x,
                               layout.dims.y, layout.dims.z));
     }
@@ -47,7 +47,7 @@ Result<DenseFile> open_raw(const files::InputFile& file, const RawLayout& layout
   const std::uint64_t found = file.size() - std::min(file.size(), layout.skip);
   if (!total || *total > file.size() || found % expected != 0) {
     return fail(
-        ErrorKind::input,
+        ErrorCode::input,
         fmt::format("{}: expected {} bytes ({} after {} bytes to skip), or a multiple of the samples for several "
                     "volumes, found {}",
                     file.name(), total ? std::to_string(*total) : "more than 2^64", describe_samples(dims, layout.type),

@@ -42,7 +42,7 @@ struct Directory {
 };
 
 tl::unexpected<Error> damaged(const files::InputFile& file, const std::string& what) {
-  return fail(ErrorKind::input, fmt::format("{}: not an intact ZIP file: {}", file.name(), what));
+  return fail(ErrorCode::input, fmt::format("{}: not an intact ZIP file: {}", file.name(), what));
 }
 
 // The end of the directory is before a comment of any length, so it is looked for from the end of the file.
@@ -141,11 +141,11 @@ Result<std::vector<ZipMember>> read_zip_directory(const files::InputFile& file) 
 
 Result<SamplePiece> locate_zip_member(const files::InputFile& file, const ZipMember& member) {
   const std::string name = printable(member.name, 100);
-  if (member.encrypted) return fail(ErrorKind::input, fmt::format("{}: '{}' is encrypted", file.name(), name));
+  if (member.encrypted) return fail(ErrorCode::input, fmt::format("{}: '{}' is encrypted", file.name(), name));
   constexpr int kStored = 0;
   constexpr int kDeflate = 8;
   if (member.method != kStored && member.method != kDeflate) {
-    return fail(ErrorKind::input, fmt::format("{}: '{}' is packed by method {}, expected 0 (stored) or 8 (Deflate)",
+    return fail(ErrorCode::input, fmt::format("{}: '{}' is packed by method {}, expected 0 (stored) or 8 (Deflate)",
                                               file.name(), name, member.method));
   }
   std::array<std::byte, kLocalBytes> local{};

@@ -21,12 +21,12 @@ struct ZipMember {
   std::uint64_t header = 0;  // where in the file its local header is
 };
 
-// All members, in the order of the directory. Fails with ErrorKind::input where the file has no directory at its end,
+// All members, in the order of the directory. Fails with ErrorCode::input where the file has no directory at its end,
 // or one that does not fit into it.
 [[nodiscard]] Result<std::vector<ZipMember>> read_zip_directory(const files::InputFile& file);
 
 // Its bytes: from their first one on, which content byte 0 is, to their last; packed or as they are. Fails with
-// ErrorKind::input where they are encrypted, packed by another method than Deflate, or not within the file.
+// ErrorCode::input where they are encrypted, packed by another method than Deflate, or not within the file.
 [[nodiscard]] Result<SamplePiece> locate_zip_member(const files::InputFile& file, const ZipMember& member);
 
 // At most `count` bytes from the start of what `piece`, of a ZIP file, holds; fewer where it holds no more.

@@ -20,7 +20,7 @@
 namespace isoextract::volumes {
 
 // A file that does not hold what it should: what was expected and what was found. Whoever calls a format puts the
-// file's name in front and makes an Error of ErrorKind::input of it.
+// file's name in front and makes an Error of ErrorCode::input of it.
 struct DamagedParticles : std::runtime_error {
   explicit DamagedParticles(const std::string& message, Hint the_hint = {})
       : std::runtime_error(message), hint(std::move(the_hint)) {}

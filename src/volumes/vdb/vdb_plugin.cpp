@@ -104,7 +104,7 @@ Result<field::ScalarField> read_by_plugin(const VolumeFormat& plugin, const std:
   asked.grid = wanted.grid;
   auto field = plugin.open(input, asked, context);
   const std::string start = input + ": ";
-  if (!field && field.error().kind == ErrorKind::unavailable && field.error().message.starts_with(start)) {
+  if (!field && field.error().code == ErrorCode::unavailable && field.error().message.starts_with(start)) {
     field.error().message.insert(start.size(), fmt::format("the grid {}; ", wanted.reason));
   }
   if (!field) return field;

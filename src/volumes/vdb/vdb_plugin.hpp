@@ -29,7 +29,7 @@ struct PluginGrid {
                                                         std::span<const GridInfo> grids, const ReadOptions& options);
 
 // Reads it: components of staggered grids where they are. Where the plug-in is missing the error is
-// ErrorKind::unavailable, and says what it is needed for.
+// ErrorCode::unavailable, and says what it is needed for.
 [[nodiscard]] Result<field::ScalarField> read_by_plugin(const VolumeFormat& plugin, const std::string& input,
                                                         const PluginGrid& wanted, const VdbHeader& header,
                                                         std::span<const GridInfo> grids, const ReadOptions& options,

@@ -182,7 +182,7 @@ auto with_messages(const files::InputFile& file, F&& work) -> decltype(work()) {
     return fail_magic(file, "a VDB file", "' BDV'");
   }
   const auto is = [&](const char* what, const std::exception& why) {
-    return fail(ErrorKind::input,
+    return fail(ErrorCode::input,
                 fmt::format("{}: the VDB file is {}: {}", file.name(), what, printable(why.what(), 300)));
   };
   try {

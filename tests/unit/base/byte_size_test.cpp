@@ -20,7 +20,7 @@ TEST(ByteSize, RefusesWhatIsNoSize) {
   for (const char* text : {"", "M", "-1", "1X", "1MBs", "nan", "inf", "1e30", "12 M", "1.5GiBi"}) {
     const auto result = parse_byte_size(text);
     ASSERT_FALSE(result) << text;
-    EXPECT_EQ(result.error().kind, ErrorKind::usage);
+    EXPECT_EQ(result.error().code, ErrorCode::usage);
   }
 }
 

@@ -19,7 +19,7 @@ TEST(MemoryBudget, IsSharedByAllThatIsReserved) {
   ASSERT_TRUE(first);
   const auto refused = budget.reserve(41, "in.raw: 41 samples");
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, ErrorKind::input);
+  EXPECT_EQ(refused.error().code, ErrorCode::out_of_memory);
   EXPECT_EQ(refused.error().message,
             "in.raw: 41 samples would take 41 B, the limit is 100 B, of which 60 B are in use");
   EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
@@ -100,7 +100,7 @@ TEST(Context, CopiesShareWhatTheyStandFor) {
   EXPECT_TRUE(context.check());
   copy.cancel();
   ASSERT_FALSE(context.check());
-  EXPECT_EQ(context.check().error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(context.check().error().code, ErrorCode::cancelled);
   copy.counters().bytes_read += 3;
   EXPECT_EQ(context.counters().bytes_read, 3U);
   EXPECT_FALSE(copy.reserve(11, "x"));

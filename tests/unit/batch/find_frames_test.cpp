@@ -35,7 +35,7 @@ class FindFrames : public testing::Test {
   // "1=a_1.vdb 3=a_3.vdb | gaps 2", or the error.
   static std::string found(const std::vector<std::string>& inputs, const std::string& range = {}) {
     const auto frames = find(inputs, range);
-    if (!frames) return fmt::format("{}: {}", static_cast<int>(frames.error().kind), frames.error().message);
+    if (!frames) return fmt::format("{}: {}", exit_code_of(frames.error().code), frames.error().message);
     std::string text;
     for (const Frame& frame : frames->frames) {
       text += fmt::format("{}{}={}", text.empty() ? "" : " ", frame.number, frame.input);
@@ -286,7 +286,7 @@ TEST_F(FindFrames, ADemoFieldIsNumberedByTheRange) {
             "16=demo:sphere?size=16 32=demo:sphere?size=32 48=demo:sphere?size=48");
   const auto frames = find({"demo:sphere?size={}"});
   ASSERT_FALSE(frames);
-  EXPECT_EQ(frames.error().kind, ErrorKind::usage);
+  EXPECT_EQ(frames.error().code, ErrorCode::usage);
   EXPECT_EQ(frames.error().hint.remedy, Remedy::name_frames);
 }
 

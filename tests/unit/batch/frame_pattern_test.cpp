@@ -20,7 +20,7 @@ FramePattern parsed_pattern(const std::string& name) {
 std::string pattern_refusal(const std::string& name) {
   const auto parsed = FramePattern::parse(name);
   if (parsed) return "accepted";
-  EXPECT_EQ(parsed.error().kind, ErrorKind::usage);
+  EXPECT_EQ(parsed.error().code, ErrorCode::usage);
   return parsed.error().message;
 }
 

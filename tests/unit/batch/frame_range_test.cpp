@@ -20,7 +20,7 @@ FrameRange parsed_range(const std::string& text) {
 std::string range_refusal(const std::string& text) {
   const auto parsed = FrameRange::parse(text);
   if (parsed) return "accepted";
-  EXPECT_EQ(parsed.error().kind, ErrorKind::usage);
+  EXPECT_EQ(parsed.error().code, ErrorCode::usage);
   return parsed.error().message;
 }
 

@@ -26,7 +26,7 @@ Isos isos_of_frame(const IsoTable& table, std::int64_t frame) {
 std::string table_refusal(const std::string& text) {
   const auto parsed = IsoTable::parse(text, "iso.csv");
   if (parsed) return "accepted";
-  EXPECT_EQ(parsed.error().kind, ErrorKind::input);
+  EXPECT_EQ(parsed.error().code, ErrorCode::input);
   return parsed.error().message;
 }
 
@@ -126,7 +126,7 @@ TEST(IsoTable, EveryFrameNeedsARow) {
   const auto covers = some.check_covers(std::vector<std::int64_t>{7, 1, 5, 4, 6, 2, 20});
   ASSERT_FALSE(covers);
   EXPECT_EQ(covers.error().message, "iso.csv: expected a row for every frame, found none for 4-7,20");
-  EXPECT_EQ(covers.error().kind, ErrorKind::input);
+  EXPECT_EQ(covers.error().code, ErrorCode::input);
 }
 
 TEST(IsoTable, IsReadFromAFile) {

@@ -199,7 +199,7 @@ TEST(Manifest, AnotherProgramsRecordsAreNotTrustedAndOtherFilesAreNotOverwritten
   write_bytes(folder / "isoextract.manifest", "my notes");
   const auto refused = Manifest::open(folder.path(), header, false, jobs_of(batch));
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, ErrorKind::output);
+  EXPECT_EQ(refused.error().code, ErrorCode::output);
   EXPECT_EQ(read_bytes(folder / "isoextract.manifest"), "my notes");
 }
 

@@ -42,7 +42,7 @@ TEST(OutputTemplate, OtherWordsAreRefused) {
        {"{Stem}.glb", "{iso:.2f}.glb", "{stem:04}", "{ iso}", "{frame:x}", "{frame:040}", "{:040}", "{1}"}) {
     const auto parsed = OutputTemplate::parse(name);
     ASSERT_FALSE(parsed) << name;
-    EXPECT_EQ(parsed.error().kind, ErrorKind::usage);
+    EXPECT_EQ(parsed.error().code, ErrorCode::usage);
   }
 }
 
@@ -91,7 +91,7 @@ class OutputNames : public testing::Test {
                      MeshFormat format = MeshFormat::glb) {
     const auto names = name_outputs(sources, output, format);
     if (!names) {
-      EXPECT_EQ(names.error().kind, ErrorKind::usage);
+      EXPECT_EQ(names.error().code, ErrorCode::usage);
       return {names.error().message};
     }
     Lines lines;

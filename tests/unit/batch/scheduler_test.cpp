@@ -6,6 +6,8 @@
 #include <map>
 #include <mutex>
 #include <numeric>
+#include <optional>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -152,10 +154,8 @@ class Basket final : public FrameReceiver {
   explicit Basket(const Context& context) : context_(context) {}
 
   Result<std::vector<meshes::PackedFacts>> take(std::size_t frame, const convert::HandedMeshes& handed) override {
-    if (frame == refused) return fail(ErrorKind::output, "refused");
-    if (std::exchange(has_no_memory, has_no_memory && frame != 1) && frame == 1) {
-      return fail(ErrorKind::input, "no memory", Remedy::raise_memory_limit);
-    }
+    if (frame == refused) return fail(ErrorCode::output, "refused");
+    if (frame == 1 && first_error) return tl::unexpected(*std::exchange(first_error, std::nullopt));
     if (frame == cancels_at) context_.cancel();
     frames.push_back(frame);
     for (const mesh::Mesh& surface : handed.meshes) triangles.push_back(surface.triangles.size());
@@ -164,7 +164,7 @@ class Basket final : public FrameReceiver {
   }
 
   std::size_t refused = std::string::npos;
-  bool has_no_memory = false;  // when it gets frame 1 for the first time
+  std::optional<Error> first_error;  // when it gets frame 1 for the first time
   std::size_t cancels_at = std::string::npos;
   std::vector<std::size_t> frames;
   std::vector<std::size_t> triangles;
@@ -233,12 +233,25 @@ TEST(Scheduler, AReceiverThatHasNoMemoryBesideOthersIsAskedAgainAlone) {
   const BatchJob batch = spheres(folder, 6, "demo:gyroid?size=48");
   const Context context;
   Basket basket(context);
-  basket.has_no_memory = true;
+  basket.first_error = Error{ErrorCode::out_of_memory, "no memory", {}};
   Watcher watcher;
   const BatchCounts counts = run(batch, every_frame(batch), {.jobs = 3, .threads = 2}, context, watcher, &basket);
   EXPECT_EQ(counts.done, 6U);
   EXPECT_GE(counts.repeated, 1U);
   EXPECT_EQ(basket.frames, every_frame(batch));
+}
+
+TEST(Scheduler, OnlyAFrameThatLackedMemoryIsDoneAgain) {
+  const TempFolder folder;
+  const BatchJob batch = spheres(folder, 6, "demo:gyroid?size=48");
+  const Context context;
+  Basket basket(context);
+  basket.first_error = Error{ErrorCode::input, "more vertices than a mesh can number", Remedy::extract_part};
+  Watcher watcher;
+  const BatchCounts counts = run(batch, every_frame(batch), {.jobs = 3, .threads = 2}, context, watcher, &basket);
+  EXPECT_EQ(counts.done, 5U);
+  EXPECT_EQ(counts.failed, 1U);
+  EXPECT_FALSE(watcher.ended.at(1));
 }
 
 TEST(Scheduler, AReceiverGetsTheSameWhereMemoryIsShort) {

@@ -21,7 +21,7 @@ TEST(Shard, IsReadAsItIsWritten) {
   for (const char* bad : {"", "1", "0/2", "3/2", "1/0", "-1/2", "1/2/3", "a/b", " 1/2", "1/99999999999"}) {
     const auto shard = parse_shard(bad);
     ASSERT_FALSE(shard) << bad;
-    EXPECT_EQ(shard.error().kind, ErrorKind::usage);
+    EXPECT_EQ(shard.error().code, ErrorCode::usage);
   }
 }
 
@@ -102,7 +102,7 @@ class Merge : public testing::Test {
   void expect_refused(const std::string& part) {
     const auto merged = merge_shards(folder_.path());
     ASSERT_FALSE(merged);
-    EXPECT_EQ(merged.error().kind, ErrorKind::input);
+    EXPECT_EQ(merged.error().code, ErrorCode::input);
     EXPECT_NE(merged.error().message.find(part), std::string::npos) << merged.error().message;
     EXPECT_FALSE(std::filesystem::exists(folder_ / "isoextract.manifest"));
   }

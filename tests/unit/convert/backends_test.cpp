@@ -75,7 +75,7 @@ TEST(KeptBackends, ADeviceThatIsNotThereIsAnErrorEachTime) {
   for (int again = 0; again < 2; ++again) {
     const auto opened = kept.open(Backend::gpu, {.device = 99, .memory_bytes = {}});
     ASSERT_FALSE(opened);
-    EXPECT_EQ(opened.error().kind, ErrorKind::unavailable);
+    EXPECT_EQ(opened.error().code, ErrorCode::unavailable);
   }
   EXPECT_TRUE(kept.open(Backend::gpu, {}));
 }

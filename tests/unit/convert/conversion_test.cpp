@@ -110,7 +110,7 @@ TEST_F(ConversionTest, TellsItsStagesInOrderAndRecordsThem) {
 class Handed final : public MeshSink {
  public:
   Result<void> take(HandedMeshes handed) override {
-    if (fails) return fail(ErrorKind::output, "the sink is full");
+    if (fails) return fail(ErrorCode::output, "the sink is full");
     paths.push_back(handed.output.path);
     EXPECT_EQ(handed.isos.size(), handed.meshes.size());
     for (const mesh::Mesh& surface : handed.meshes) {
@@ -202,10 +202,10 @@ TEST_F(ConversionTest, ASinkGetsTheMeshesInPlaceOfFiles) {
   EXPECT_TRUE(convert::run(skipping, Context(), log_, {}, nullptr, &sink).done());
   EXPECT_EQ(sink.triangles, std::vector<std::size_t>{0});
   skipping.empty = EmptyPolicy::error;
-  EXPECT_EQ(convert::run(skipping, Context(), log_, {}, nullptr, &sink).error->reason, Reason::no_surface);
+  EXPECT_EQ(convert::run(skipping, Context(), log_, {}, nullptr, &sink).error->code, ErrorCode::no_surface);
   sink.fails = true;
-  EXPECT_EQ(convert::run(wanted, Context(), log_, {}, nullptr, &sink).error->kind,
-            ErrorKind::input);  // before it is asked
+  EXPECT_EQ(convert::run(wanted, Context(), log_, {}, nullptr, &sink).error->code,
+            ErrorCode::input);  // before it is asked
   skipping.outputs[0].isos = {0.1};
   EXPECT_EQ(convert::run(skipping, Context(), log_, {}, nullptr, &sink).error->message, "the sink is full");
 }
@@ -224,7 +224,7 @@ TEST_F(ConversionTest, MemoryThatIsNotThereIsAnError) {
   log_.no_memory_after_read = true;
   const Outcome outcome = run(job("demo:sphere?size=16", 0, "a.ply"));
   ASSERT_FALSE(outcome.done());
-  EXPECT_EQ(outcome.error->kind, ErrorKind::input);
+  EXPECT_EQ(outcome.error->code, ErrorCode::input);
   EXPECT_EQ(outcome.error->message, "demo:sphere?size=16: not enough memory");
   EXPECT_EQ(outcome.error->hint.remedy, Remedy::extract_part);
   EXPECT_TRUE(folder_.names().empty());
@@ -313,7 +313,7 @@ TEST_F(ConversionTest, EndsWhereItIsCancelled) {
   log_.cancel_at_read = &context;
   const Outcome outcome = convert::run(job("demo:sphere?size=16", 0, "a.ply"), context, log_);
   ASSERT_FALSE(outcome.done());
-  EXPECT_EQ(outcome.error->kind, ErrorKind::cancelled);
+  EXPECT_EQ(outcome.error->code, ErrorCode::cancelled);
   EXPECT_TRUE(folder_.names().empty());
 }
 

@@ -83,8 +83,8 @@ TEST(ResolveIsos, NothingIsGuessedWhereNothingSeparates) {
   const std::vector<IsoChoice> asked{choice("auto")};
   const auto refused = resolve_isos(asked, constant_field(), false, Context());
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, ErrorKind::input);
-  EXPECT_EQ(refused.error().reason, Reason::no_surface);
+  EXPECT_EQ(refused.error().code, ErrorCode::input);
+  EXPECT_EQ(refused.error().code, ErrorCode::no_surface);
   EXPECT_EQ(refused.error().message,
             "flat.raw: expected samples of two kinds, to take an iso value between them; found 5 everywhere");
   const auto fine = resolve_isos(asked, constant_field(), true, Context());
@@ -110,7 +110,7 @@ TEST(ResolveIsos, ParticlesHaveTheValueOfTheirMethod) {
   EXPECT_EQ(found->at(1).value, 0.2);
   const auto refused = resolve_isos(std::vector{choice("p99")}, points::Method::sph, "a.csv");
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, ErrorKind::usage);
+  EXPECT_EQ(refused.error().code, ErrorCode::usage);
   EXPECT_NE(refused.error().message.find("a.csv: expected a number or 'auto'"), std::string::npos);
   EXPECT_NE(refused.error().message.find("found 'p99'"), std::string::npos);
 }

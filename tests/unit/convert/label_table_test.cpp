@@ -48,7 +48,7 @@ TEST(LabelTable, WhatIsNone) {
     SCOPED_TRACE(line);
     const auto table = LabelTable::parse("# first\n" + std::string(line) + "\n", "lut.txt");
     ASSERT_FALSE(table);
-    EXPECT_EQ(table.error().kind, ErrorKind::input);
+    EXPECT_EQ(table.error().code, ErrorCode::input);
     EXPECT_TRUE(table.error().message.starts_with("lut.txt: line 2: expected a label as ITK-SNAP"));
     EXPECT_EQ(table.error().message.find('\x1b'), std::string::npos);
   }

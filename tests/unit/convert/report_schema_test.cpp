@@ -27,17 +27,18 @@ Words words(std::initializer_list<Json> others = {}) {
 Words kinds_of_errors() {
   Words all;
   // A frame's own report never says that frames failed.
-  for (const ErrorKind kind : {ErrorKind::usage, ErrorKind::input, ErrorKind::unavailable, ErrorKind::output,
-                               ErrorKind::verification, ErrorKind::cancelled}) {
-    all.insert(json_of(Error{kind, "", {}})["kind"]);
+  for (const ErrorCode code : {ErrorCode::usage, ErrorCode::input, ErrorCode::unavailable, ErrorCode::output,
+                               ErrorCode::verification, ErrorCode::cancelled}) {
+    all.insert(json_of(Error{code, "", {}})["kind"]);
   }
   return all;
 }
 
 Words reasons_of_errors() {
   Words all;
-  for (const Reason reason : {Reason::other, Reason::empty_grid, Reason::no_surface}) {
-    all.insert(json_of(Error{ErrorKind::input, "", {}, reason})["reason"]);
+  for (const ErrorCode code :
+       {ErrorCode::input, ErrorCode::empty_grid, ErrorCode::no_surface, ErrorCode::out_of_memory, ErrorCode::output}) {
+    all.insert(json_of(Error{code, "", {}})["reason"]);
   }
   return all;
 }

@@ -304,7 +304,7 @@ TEST(BoundedSimplify, KeepsToItsContext) {
   cancelled.cancel();
   const auto ended = simplify_within(test::sphere(40, true), options, cancelled);
   ASSERT_FALSE(ended);
-  EXPECT_EQ(ended.error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(ended.error().code, ErrorCode::cancelled);
   // What the mesh no longer needs goes back.
   const Context context;
   mesh::Mesh mesh = test::sphere(40, true);

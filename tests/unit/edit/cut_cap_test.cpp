@@ -152,7 +152,7 @@ TEST(CutCap, WhatWasOpenIsRefused) {
   const std::vector<mesh::HalfSpace> kept{{{0.6, 0.8, 0}, 0.1}};
   const auto refused = clip_to_half_spaces(open, kept, CutEnds::capped, Context());
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, ErrorKind::input);
+  EXPECT_EQ(refused.error().code, ErrorCode::input);
   EXPECT_NE(refused.error().message.find("cannot be closed"), std::string::npos);
 }
 

@@ -244,7 +244,7 @@ TEST(LoopTriangulation, StaysWithinItsMemoryAndEndsWhereAsked) {
   EXPECT_FALSE(triangulate_loops(loops.points, loops.next, {}, 0, Context(MemoryBudget(1000))));
   const Context context;
   context.cancel();
-  EXPECT_EQ(triangulate_loops(loops.points, loops.next, {}, 0, context).error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(triangulate_loops(loops.points, loops.next, {}, 0, context).error().code, ErrorCode::cancelled);
 }
 
 }  // namespace

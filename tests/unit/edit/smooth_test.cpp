@@ -192,7 +192,7 @@ TEST(Smooth, FailsWithinItsMemoryAndLeavesTheMesh) {
   EXPECT_TRUE(std::ranges::equal(mesh.positions, before.positions));
   const Context cancelled;
   cancelled.cancel();
-  EXPECT_EQ(smooth(mesh, {}, cancelled).error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(smooth(mesh, {}, cancelled).error().code, ErrorCode::cancelled);
   mesh::Mesh empty;
   EXPECT_TRUE(smooth(empty, {}, Context()).has_value());
 }

@@ -336,7 +336,7 @@ TEST(LabelNets, MemoryAndTheWishToEnd) {
   const Context small{MemoryBudget(1 << 20)};
   const auto refused = LabelVoxels::find(field, net_options(), {true, {}}, small);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, ErrorKind::input);
+  EXPECT_EQ(refused.error().code, ErrorCode::input);
   EXPECT_EQ(small.memory().reserved(), 0U);
   Context enough{MemoryBudget(1 << 28)};
   {
@@ -346,7 +346,7 @@ TEST(LabelNets, MemoryAndTheWishToEnd) {
   }
   EXPECT_EQ(enough.memory().reserved(), 0U);
   enough.cancel();
-  EXPECT_EQ(LabelVoxels::find(field, net_options(), {true, {}}, enough).error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(LabelVoxels::find(field, net_options(), {true, {}}, enough).error().code, ErrorCode::cancelled);
 }
 
 }  // namespace

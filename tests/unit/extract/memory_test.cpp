@@ -75,7 +75,7 @@ TEST_P(Memory, ALimitJustBelowThePeakIsRefused) {
   const Context little(MemoryBudget{peak - 1});
   const auto refused = make_cpu_extractor()->extract(field_, options_, little);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, ErrorKind::input);
+  EXPECT_EQ(refused.error().code, ErrorCode::out_of_memory);
   EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit) << refused.error().message;
   EXPECT_EQ(little.memory().reserved(), 0U);
 }
@@ -85,7 +85,7 @@ TEST_P(Memory, NothingIsReservedAfterACancelledExtraction) {
   context.cancel();
   const auto refused = make_cpu_extractor()->extract(field_, options_, context);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(refused.error().code, ErrorCode::cancelled);
   EXPECT_EQ(context.memory().reserved(), 0U);
 }
 

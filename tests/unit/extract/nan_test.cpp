@@ -31,7 +31,7 @@ TEST(Nan, IsAnErrorThatSaysWhere) {
           0.0);
     const auto result = make_cpu_extractor()->extract(field, options, Context());
     ASSERT_FALSE(result);
-    EXPECT_EQ(result.error().kind, ErrorKind::input);
+    EXPECT_EQ(result.error().code, ErrorCode::input);
     EXPECT_NE(result.error().message.find("(3, 4, 5)"), std::string::npos) << result.error().message;
     EXPECT_EQ(result.error().hint.remedy, Remedy::choose_nan_policy);
   }

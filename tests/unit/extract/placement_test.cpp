@@ -94,7 +94,7 @@ TEST(Placement, RefusesWhatFloatsCannotHold) {
     options.output_from_index = field::scaling(glm::dvec3(scale));
     const auto result = make_cpu_extractor()->extract(sphere(8), options, Context());
     ASSERT_FALSE(result) << scale;
-    EXPECT_EQ(result.error().kind, ErrorKind::input);
+    EXPECT_EQ(result.error().code, ErrorCode::input);
     EXPECT_EQ(result.error().hint.remedy, Remedy::rescale);
   }
 }
@@ -110,7 +110,7 @@ TEST(Placement, RefusesFlatTransforms) {
   options.output_from_index = field::scaling({1, 0, 1});
   const auto result = make_cpu_extractor()->extract(sphere(8), options, Context());
   ASSERT_FALSE(result);
-  EXPECT_EQ(result.error().kind, ErrorKind::input);
+  EXPECT_EQ(result.error().code, ErrorCode::input);
 }
 
 }  // namespace

@@ -86,7 +86,7 @@ TEST_P(Region, OutsideTheDataIsAnError) {
     const auto result =
         make_cpu_extractor()->extract(test::random_field<float>({10, 10, 10}, 1, 9), options, Context());
     ASSERT_FALSE(result);
-    EXPECT_EQ(result.error().kind, ErrorKind::input);
+    EXPECT_EQ(result.error().code, ErrorCode::input);
     EXPECT_EQ(result.error().hint.remedy, Remedy::widen_region);
   }
 }

@@ -143,13 +143,13 @@ TEST(Voxels, WhatTheMethodDoesNotHave) {
   const field::ScalarField field = test::field_of({{1, 1, 1}, {1}});
   ExtractOptions options = test::voxel_options();
   options.nan = NanPolicy::hole;
-  EXPECT_EQ(make_cpu_extractor()->extract(field, options, Context()).error().kind, ErrorKind::usage);
+  EXPECT_EQ(make_cpu_extractor()->extract(field, options, Context()).error().code, ErrorCode::usage);
   options = test::voxel_options();
   options.smooth_normals = true;
-  EXPECT_EQ(make_cpu_extractor()->extract(field, options, Context()).error().kind, ErrorKind::usage);
+  EXPECT_EQ(make_cpu_extractor()->extract(field, options, Context()).error().code, ErrorCode::usage);
   options = test::voxel_options();
   options.edge_keys = true;
-  EXPECT_EQ(make_cpu_extractor()->extract(field, options, Context()).error().kind, ErrorKind::usage);
+  EXPECT_EQ(make_cpu_extractor()->extract(field, options, Context()).error().code, ErrorCode::usage);
 }
 
 TEST(Voxels, MemoryAndTheWishToEnd) {
@@ -157,7 +157,7 @@ TEST(Voxels, MemoryAndTheWishToEnd) {
   const Context small{MemoryBudget(1 << 20)};
   const auto refused = make_cpu_extractor()->extract(field, test::voxel_options(), small);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, ErrorKind::input);
+  EXPECT_EQ(refused.error().code, ErrorCode::input);
   EXPECT_EQ(small.memory().reserved(), 0U);
   Context enough{MemoryBudget(1 << 28)};
   {
@@ -166,7 +166,7 @@ TEST(Voxels, MemoryAndTheWishToEnd) {
     EXPECT_EQ(enough.memory().reserved(), made->mesh.memory.bytes());
   }
   enough.cancel();
-  EXPECT_EQ(make_cpu_extractor()->extract(field, test::voxel_options(), enough).error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(make_cpu_extractor()->extract(field, test::voxel_options(), enough).error().code, ErrorCode::cancelled);
 }
 
 }  // namespace

@@ -226,18 +226,18 @@ TEST(Blur, SameForAnyNumberOfThreads) {
 
 TEST(Blur, RefusesWhatItDoesNotTake) {
   const ScalarField field = test::random_field<float>({16, 16, 16}, 4, 1000);
-  EXPECT_EQ(blur_gaussian(field, {1, 17, 1}, Context()).error().kind, ErrorKind::usage);
-  EXPECT_EQ(blur_gaussian(field, {1, test::kNaN, 1}, Context()).error().kind, ErrorKind::usage);
-  EXPECT_EQ(blur_median(field, 9, Context()).error().kind, ErrorKind::usage);
-  EXPECT_EQ(blur_median(field, 0, Context()).error().kind, ErrorKind::usage);
+  EXPECT_EQ(blur_gaussian(field, {1, 17, 1}, Context()).error().code, ErrorCode::usage);
+  EXPECT_EQ(blur_gaussian(field, {1, test::kNaN, 1}, Context()).error().code, ErrorCode::usage);
+  EXPECT_EQ(blur_median(field, 9, Context()).error().code, ErrorCode::usage);
+  EXPECT_EQ(blur_median(field, 0, Context()).error().code, ErrorCode::usage);
   for (const ScalarField& data : {field, test::sparse_copy<float>(field, 0)}) {
     const Context little{MemoryBudget(1000)};
     EXPECT_EQ(blur_gaussian(data, glm::dvec3(1), little).error().hint.remedy, Remedy::raise_memory_limit);
     EXPECT_EQ(blur_median(data, 1, little).error().hint.remedy, Remedy::raise_memory_limit);
     const Context cancelled;
     cancelled.cancel();
-    EXPECT_EQ(blur_gaussian(data, glm::dvec3(1), cancelled).error().kind, ErrorKind::cancelled);
-    EXPECT_EQ(blur_median(data, 1, cancelled).error().kind, ErrorKind::cancelled);
+    EXPECT_EQ(blur_gaussian(data, glm::dvec3(1), cancelled).error().code, ErrorCode::cancelled);
+    EXPECT_EQ(blur_median(data, 1, cancelled).error().code, ErrorCode::cancelled);
   }
 }
 

@@ -24,7 +24,7 @@ TEST(Coarsen, KeepsALinearFieldWhereItWas) {
     EXPECT_NEAR(at(p).value, fine.x + 10 * fine.y - 3 * fine.z, 1e-9);
     EXPECT_NEAR(glm::length(coarse.index_to_file(p) - fine), 0, 1e-9);
   }
-  EXPECT_EQ(coarsen(field, 8, Context()).error().kind, ErrorKind::input) << "one sample along z";
+  EXPECT_EQ(coarsen(field, 8, Context()).error().code, ErrorCode::input) << "one sample along z";
 }
 
 TEST(Coarsen, SparseIsDenseWithinTheData) {

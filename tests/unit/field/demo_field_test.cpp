@@ -62,7 +62,7 @@ TEST(DemoField, RefusesWhatItDoesNotKnow) {
         "demo:sphere?depth=3", "demo:sphere?size", "demo:sphere?size=8&&"}) {
     const auto field = make_demo_field(spec, Context());
     ASSERT_FALSE(field) << spec;
-    EXPECT_EQ(field.error().kind, ErrorKind::usage);
+    EXPECT_EQ(field.error().code, ErrorCode::usage);
   }
 }
 
@@ -140,7 +140,7 @@ TEST(DemoField, ReservesItsSamples) {
   const Context context(MemoryBudget(std::uint64_t{1} << 20U));
   const auto large = make_demo_field("demo:sphere?size=512", context);
   ASSERT_FALSE(large);
-  EXPECT_EQ(large.error().kind, ErrorKind::input);
+  EXPECT_EQ(large.error().code, ErrorCode::input);
   EXPECT_EQ(large.error().hint, Hint(Remedy::raise_memory_limit));
   {
     const auto small = make_demo_field("demo:sphere?size=16", context);
@@ -155,7 +155,7 @@ TEST(DemoField, EndsWhereItIsCancelled) {
   context.cancel();
   const auto field = make_demo_field("demo:sphere?size=16", context);
   ASSERT_FALSE(field);
-  EXPECT_EQ(field.error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(field.error().code, ErrorCode::cancelled);
 }
 
 }  // namespace

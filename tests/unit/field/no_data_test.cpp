@@ -67,7 +67,7 @@ TEST(NoDataValue, OfSparseFieldsIsRefused) {
   field.samples = field::SparseSamples();
   const auto marked = field::mark_no_data(field, 0, Context());
   ASSERT_FALSE(marked);
-  EXPECT_EQ(marked.error().kind, ErrorKind::usage);
+  EXPECT_EQ(marked.error().code, ErrorCode::usage);
 }
 
 }  // namespace

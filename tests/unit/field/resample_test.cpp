@@ -80,11 +80,11 @@ TEST(Resample, RefusesVoxelSizesWithoutAStepInTheBox) {
   for (const double size : {0.0, -1.0, kInfinity, std::nan(""), 1e-12, 4.1}) {
     const auto refused = resolution_of_voxel_size(field, {1, 1, size});
     ASSERT_FALSE(refused) << size;
-    EXPECT_EQ(refused.error().kind, ErrorKind::usage);
+    EXPECT_EQ(refused.error().code, ErrorCode::usage);
   }
   const auto flat = resolution_of_voxel_size(test::random_field<float>({5, 1, 3}, 1, 1), glm::dvec3(1));
   ASSERT_FALSE(flat);
-  EXPECT_EQ(flat.error().kind, ErrorKind::input);
+  EXPECT_EQ(flat.error().code, ErrorCode::input);
 }
 
 TEST(Resample, ToItsOwnResolutionSharesTheSamples) {
@@ -388,23 +388,23 @@ TEST(Resample, SparseTakesNegativeIndicesTilesAndNothingAtAll) {
 TEST(Resample, SaysWhatItCannotDo) {
   const ScalarField field = test::dense_field<float>({4, 4, 4}, [](int i, int, int) { return i; });
   EXPECT_EQ(
-      resample(field, {4, 1, 4}, field::ResampleKernel::linear, field::NanSamples::left_out, Context()).error().kind,
-      ErrorKind::usage);
+      resample(field, {4, 1, 4}, field::ResampleKernel::linear, field::NanSamples::left_out, Context()).error().code,
+      ErrorCode::usage);
   const ScalarField flat = test::dense_field<float>({4, 4, 1}, [](int i, int, int) { return i; });
   EXPECT_EQ(
-      resample(flat, {4, 4, 4}, field::ResampleKernel::linear, field::NanSamples::left_out, Context()).error().kind,
-      ErrorKind::input);
+      resample(flat, {4, 4, 4}, field::ResampleKernel::linear, field::NanSamples::left_out, Context()).error().code,
+      ErrorCode::input);
   const Error large =
       resample(field, {100, 100, 100}, kLinear, NanSamples::left_out, Context(MemoryBudget(4'000'000 - 1))).error();
-  EXPECT_EQ(large.kind, ErrorKind::input);
+  EXPECT_EQ(large.code, ErrorCode::out_of_memory);
   EXPECT_EQ(large.hint.remedy, Remedy::raise_memory_limit);
   EXPECT_TRUE(resample(field, {100, 100, 100}, kLinear, NanSamples::left_out, Context(MemoryBudget(4'000'000))));
   EXPECT_TRUE(resample(field, {4, 4, 4}, kLinear, NanSamples::left_out, Context(MemoryBudget(0))))
       << "nothing is allocated";
   const int most = std::numeric_limits<int>::max();
   EXPECT_EQ(
-      resample(field, glm::ivec3(most), kLinear, NanSamples::left_out, Context(MemoryBudget(1ULL << 62))).error().kind,
-      ErrorKind::input);
+      resample(field, glm::ivec3(most), kLinear, NanSamples::left_out, Context(MemoryBudget(1ULL << 62))).error().code,
+      ErrorCode::input);
 }
 
 TEST(Resample, IsTheSameForAnyNumberOfThreads) {

@@ -79,7 +79,7 @@ TEST(OutputFileChange, StreamsCannotTakeBack) {
   ASSERT_TRUE(file.write("gone"));
   const auto changed = file.overwrite(0, bytes_of("x"));
   ASSERT_FALSE(changed);
-  EXPECT_EQ(changed.error().kind, ErrorKind::output);
+  EXPECT_EQ(changed.error().code, ErrorCode::output);
   EXPECT_FALSE(file.commit());
   EXPECT_FALSE(must_create("/dev/null").move_end(0, 0));
   EXPECT_TRUE(is_stream("/dev/null") && is_stream("-"));

@@ -182,7 +182,7 @@ TEST(OutputFile, AFullDeviceIsAnErrorThatStays) {
   auto file = must_create("/dev/full");
   const auto first = file.write(std::string(1 << 20, 'x'));
   ASSERT_FALSE(first);
-  EXPECT_EQ(first.error().kind, ErrorKind::output);
+  EXPECT_EQ(first.error().code, ErrorCode::output);
   EXPECT_EQ(first.error().message, "/dev/full: cannot write: no space left on the device");
   EXPECT_EQ(first.error().hint.text, "free some space or choose another place for the file");
   const auto later = file.write("y");
@@ -196,7 +196,7 @@ TEST(OutputFile, AFullDeviceIsFoundAtCommitAtTheLatest) {
   ASSERT_TRUE(file.write("in the buffer"));
   const auto committed = file.commit();
   ASSERT_FALSE(committed);
-  EXPECT_EQ(committed.error().kind, ErrorKind::output);
+  EXPECT_EQ(committed.error().code, ErrorCode::output);
 }
 
 TEST(OutputFile, AFailedWriteLeavesTheOldFile) {
@@ -207,7 +207,7 @@ TEST(OutputFile, AFailedWriteLeavesTheOldFile) {
     if (::setrlimit(RLIMIT_FSIZE, &limit) != 0 || ::signal(SIGXFSZ, SIG_IGN) == SIG_ERR) return 1;
     auto file = must_create(folder / "out.bin");
     const auto written = file.write(std::string(1 << 20, 'x'));
-    if (written || written.error().kind != ErrorKind::output) return 2;
+    if (written || written.error().code != ErrorCode::output) return 2;
     if (written.error().message.find("out.bin") == std::string::npos) return 3;
     return file.commit() ? 4 : 0;
   });
@@ -267,7 +267,7 @@ TEST(OutputFile, PathsThatCannotBeWrittenAreToldApart) {
   for (const BadPath& bad : cases) {
     const auto file = OutputFile::create(folder / bad.path);
     ASSERT_FALSE(file) << bad.path;
-    EXPECT_EQ(file.error().kind, ErrorKind::output);
+    EXPECT_EQ(file.error().code, ErrorCode::output);
     EXPECT_TRUE(file.error().message.starts_with((folder / bad.path).string() + ": ")) << file.error().message;
     EXPECT_NE(file.error().message.find(bad.expected), std::string::npos) << file.error().message;
     EXPECT_NE(file.error().hint.text.find("file"), std::string::npos) << file.error().message;
@@ -289,7 +289,7 @@ TEST(OutputFile, MissingPermissionIsAnError) {
     fs::permissions(folder / "closed", fs::perms(0555));
     if (::geteuid() == 0 && ::seteuid(kNobody) != 0) return 77;
     const auto in_closed = OutputFile::create(folder / "closed/out.bin");
-    if (in_closed || in_closed.error().kind != ErrorKind::output) return 1;
+    if (in_closed || in_closed.error().code != ErrorCode::output) return 1;
     if (in_closed.error().message.find("no permission") == std::string::npos) return 2;
     // A rename could replace it, as the folder is open; the file's own bits say that it should not.
     const auto replaced = OutputFile::create(folder / "open/protected.bin");
@@ -332,7 +332,7 @@ TEST_F(OutputFilePair, BothGetTheirNames) {
 TEST_F(OutputFilePair, IfTheLastFailsTheFirstIsNotThere) {
   const auto committed = commit_pair([this] { block_last(); });
   ASSERT_FALSE(committed);
-  EXPECT_EQ(committed.error().kind, ErrorKind::output);
+  EXPECT_EQ(committed.error().code, ErrorCode::output);
   EXPECT_EQ(folder_.names(), Names{"a.gltf"});
 }
 

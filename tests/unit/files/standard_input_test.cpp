@@ -132,7 +132,7 @@ TEST(StandardInput, TakesNoMoreMemoryThanThereIs) {
   writer.join();
   ::close(ends[0]);
   ASSERT_FALSE(input);
-  EXPECT_EQ(input.error().kind, ErrorKind::input);
+  EXPECT_EQ(input.error().code, ErrorCode::input);
   EXPECT_EQ(input.error().hint, Hint(Remedy::raise_memory_limit));
   EXPECT_TRUE(input.error().message.starts_with("standard input: "));
   EXPECT_EQ(little.memory().reserved(), 0U);
@@ -171,7 +171,7 @@ TEST(StandardInput, RefusesWhatIsNoData) {
   const Descriptor directory(::open(folder.path().c_str(), O_RDONLY | O_CLOEXEC));
   const auto of_folder = KeptInput::take(directory.get(), Context());
   ASSERT_FALSE(of_folder);
-  EXPECT_EQ(of_folder.error().kind, ErrorKind::input);
+  EXPECT_EQ(of_folder.error().code, ErrorCode::input);
   EXPECT_FALSE(KeptInput::take(-1, Context()));
 
   const Descriptor ours(::posix_openpt(O_RDWR | O_NOCTTY));
@@ -180,7 +180,7 @@ TEST(StandardInput, RefusesWhatIsNoData) {
   const Descriptor terminal(::open(::ptsname(ours.get()), O_RDWR | O_NOCTTY));
   const auto typed = KeptInput::take(terminal.get(), Context());
   ASSERT_FALSE(typed);
-  EXPECT_EQ(typed.error().kind, ErrorKind::usage);
+  EXPECT_EQ(typed.error().code, ErrorCode::usage);
   EXPECT_NE(typed.error().message.find("terminal"), std::string::npos);
 }
 
@@ -190,7 +190,7 @@ TEST(StandardInput, EndsWhereThatIsAskedFor) {
   context.cancel();
   const auto input = KeptInput::take(pipe.get(), context);
   ASSERT_FALSE(input);
-  EXPECT_EQ(input.error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(input.error().code, ErrorCode::cancelled);
 }
 
 // `body` in a process whose standard input is a pipe with `text` in it.

@@ -10,7 +10,7 @@ int main() {
     return 0;
   }
   const isoextract::Error& error = extractor.error();
-  std::printf("error %d|%s|%s%s\n", static_cast<int>(error.kind), error.message.c_str(), error.hint.text.c_str(),
+  std::printf("error %d|%s|%s%s\n", exit_code_of(error.code), error.message.c_str(), error.hint.text.c_str(),
               error.hint.remedy == isoextract::Remedy::use_cpu ? "|use_cpu" : "");
   // A device that cannot be used is listed all the same, and must be said to be so.
   const auto devices = isoextract::gl::list_gpu_devices();

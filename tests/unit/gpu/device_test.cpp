@@ -24,7 +24,7 @@ TEST(DeviceChoice, ReadsNumbersCudaNumbersAndNames) {
   for (const char* wrong : {"", "cuda:", "cuda:x", "cuda:-1", "cuda:1x"}) {
     const auto choice = gl::parse_device_choice(wrong);
     ASSERT_FALSE(choice) << wrong;
-    EXPECT_EQ(choice.error().kind, ErrorKind::usage);
+    EXPECT_EQ(choice.error().code, ErrorCode::usage);
     EXPECT_FALSE(choice.error().hint.empty());
   }
 }
@@ -42,7 +42,7 @@ gl::GpuDevice device(int index, std::string renderer, bool software = false, std
 gl::GpuDevice broken(int index) {
   gl::GpuDevice made;
   made.index = index;
-  made.problem = Error{ErrorKind::unavailable, "the driver could not be initialised", "ask its maker"};
+  made.problem = Error{ErrorCode::unavailable, "the driver could not be initialised", "ask its maker"};
   return made;
 }
 
@@ -70,7 +70,7 @@ TEST(DeviceChoice, SaysWhatThereIsWhereNothingFits) {
        {gl::DeviceChoice{7}, gl::DeviceChoice{gl::CudaIndex{0}}, gl::DeviceChoice{gl::DeviceName{"Radeon"}}}) {
     const auto found = gl::choose_device(devices, choice);
     ASSERT_FALSE(found);
-    EXPECT_EQ(found.error().kind, ErrorKind::unavailable);
+    EXPECT_EQ(found.error().code, ErrorCode::unavailable);
     for (const char* part : {"0: H100 (cuda:1)", "1: llvmpipe", "2: not usable"}) {
       EXPECT_NE(found.error().message.find(part), std::string::npos) << found.error().message;
     }
@@ -85,7 +85,7 @@ TEST(Devices, OutOfRangeIsAnErrorWithTheList) {
   options.device = 99;
   const auto extractor = make_gpu_extractor(options);
   ASSERT_FALSE(extractor);
-  EXPECT_EQ(extractor.error().kind, ErrorKind::unavailable);
+  EXPECT_EQ(extractor.error().code, ErrorCode::unavailable);
   EXPECT_NE(extractor.error().message.find("no device 99; there are 0: "), std::string::npos)
       << extractor.error().message;
   options.device = gl::DeviceName{"no such renderer"};
@@ -146,7 +146,7 @@ Answer probe(const std::string& environment) {
 void expect_unavailable(const std::string& environment, std::initializer_list<const char*> parts) {
   const Answer answer = probe(environment);
   EXPECT_TRUE(WIFEXITED(answer.status) && WEXITSTATUS(answer.status) == 0) << answer.text;
-  EXPECT_NE(answer.text.find("error 3|"), std::string::npos) << answer.text;  // ErrorKind::unavailable
+  EXPECT_NE(answer.text.find("error 3|"), std::string::npos) << answer.text;  // ErrorCode::unavailable
   for (const char* part : parts) EXPECT_NE(answer.text.find(part), std::string::npos) << answer.text;
 }
 

@@ -90,7 +90,7 @@ TEST(DrawingThread, WorksInTheContextOfWhoAsks) {
   over.cancel();
   const auto cancelled = extractor->extract(field, half(), over);
   ASSERT_FALSE(cancelled);
-  EXPECT_EQ(cancelled.error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(cancelled.error().code, ErrorCode::cancelled);
   const auto again = extractor->extract(field, half(), Context());
   ASSERT_TRUE(again) << again.error().message;
   test::expect_same_bytes(made->mesh, again->mesh);
@@ -101,7 +101,7 @@ TEST(DrawingThread, NoDeviceIsAnError) {
   options.device = 99;
   const auto drawing = DrawingThread::start(options);
   ASSERT_FALSE(drawing);
-  EXPECT_EQ(drawing.error().kind, ErrorKind::unavailable);
+  EXPECT_EQ(drawing.error().code, ErrorCode::unavailable);
 }
 
 }  // namespace

@@ -172,7 +172,7 @@ std::size_t expect_parity(const field::ScalarField& field, extract::ExtractOptio
     if (!expected || !found) {
       if (!found && expected) ADD_FAILURE() << found.error().message;
       if (!found && !expected) {
-        EXPECT_EQ(expected.error().kind, found.error().kind);
+        EXPECT_EQ(expected.error().code, found.error().code);
         EXPECT_EQ(expected.error().message, found.error().message);
       }
       continue;

@@ -216,7 +216,7 @@ TEST_P(Weld, RefusesWhatCannotBe) {
   const auto expect_refused = [](SiteWeld& weld, const char* what) {
     const auto sizes = weld.number();
     ASSERT_FALSE(sizes) << what;
-    EXPECT_EQ(sizes.error().kind, ErrorKind::unavailable);
+    EXPECT_EQ(sizes.error().code, ErrorCode::unavailable);
     EXPECT_EQ(sizes.error().hint.remedy, Remedy::report_gpu);
   };
   const HandMade made(GetParam());

@@ -149,7 +149,7 @@ TEST_P(Slabs, TooLittleMemoryIsAnErrorThatSaysHowMuchIsEnough) {
   EXPECT_TRUE(surface.source(kPlenty, 9));
   const auto bytes = surface.source(4 * product(glm::ivec3(9)) - 1, 2048);
   ASSERT_FALSE(bytes);
-  EXPECT_EQ(bytes.error().kind, ErrorKind::usage);
+  EXPECT_EQ(bytes.error().code, ErrorCode::usage);
   EXPECT_EQ(bytes.error().hint.remedy, Remedy::more_gpu_memory);
   EXPECT_NE(bytes.error().message.find(format_byte_size(4 * product(glm::ivec3(9)))), std::string::npos);
   EXPECT_FALSE(surface.source(kPlenty, 8));
@@ -157,7 +157,7 @@ TEST_P(Slabs, TooLittleMemoryIsAnErrorThatSaysHowMuchIsEnough) {
   options.memory_bytes = 1 << 19;
   const auto extractor = make_gpu_extractor(options);
   ASSERT_FALSE(extractor);
-  EXPECT_EQ(extractor.error().kind, ErrorKind::usage);
+  EXPECT_EQ(extractor.error().code, ErrorCode::usage);
 }
 
 TEST(DeviceMemory, IsNotTakenWhereThereIsNoSurface) {
@@ -187,7 +187,7 @@ TEST(DeviceMemory, TooLargeATextureIsAnError) {
   const auto source = DenseSource::make(context, samples, sites, {glm::ivec3(0), samples.dims - 1},
                                         {false, ~std::uint64_t{0}, samples.dims.x});
   ASSERT_FALSE(source);
-  EXPECT_EQ(source.error().kind, ErrorKind::unavailable);
+  EXPECT_EQ(source.error().code, ErrorCode::unavailable);
   EXPECT_NE(source.error().message.find("not enough GPU memory"), std::string::npos) << source.error().message;
   EXPECT_EQ(source.error().hint.remedy, Remedy::less_gpu_memory);
   EXPECT_TRUE(context.check("looking again"));

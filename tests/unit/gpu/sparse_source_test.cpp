@@ -185,7 +185,7 @@ TEST_P(Atlas, TooSmallIsAnError) {
   for (const auto& [bytes, max_texture] : {std::pair(27 * kLeaf - 1, 2048), {1000 * kLeaf, 16}, {27 * kLeaf, 23}}) {
     const auto source = surface.source(bytes, max_texture);
     ASSERT_FALSE(source);
-    EXPECT_EQ(source.error().kind, ErrorKind::usage);
+    EXPECT_EQ(source.error().code, ErrorCode::usage);
     EXPECT_EQ(source.error().hint.remedy, Remedy::more_gpu_memory);
   }
 }

@@ -67,16 +67,16 @@ TEST(Benchmark, RowsAreWhatWasAskedFor) {
     front = front || row.on_front;
   }
   EXPECT_TRUE(front);
-  EXPECT_EQ(bench_demo("random", {16}, options, Context()).error().kind, ErrorKind::usage);
+  EXPECT_EQ(bench_demo("random", {16}, options, Context()).error().code, ErrorCode::usage);
   options.threads = {1, most + 1};
-  EXPECT_EQ(bench_demo("sphere", {16}, options, Context()).error().kind, ErrorKind::usage) << "threads in name only";
+  EXPECT_EQ(bench_demo("sphere", {16}, options, Context()).error().code, ErrorCode::usage) << "threads in name only";
   const field::ScalarField field = field::make_demo_field("demo:sphere?size=16", Context()).value();
-  EXPECT_EQ(bench_field(field, {1}, options, Context()).error().kind, ErrorKind::usage);
+  EXPECT_EQ(bench_field(field, {1}, options, Context()).error().code, ErrorCode::usage);
 }
 
 TEST(Benchmark, TellsWhereThereIsNoSurface) {
   const Error none = bench_demo("sphere", {16, 32}, quick(9), Context()).error();
-  EXPECT_EQ(none.kind, ErrorKind::input);
+  EXPECT_EQ(none.code, ErrorCode::input);
   EXPECT_NE(none.message.find("the values run from -1.03"), std::string::npos) << none.message;
   EXPECT_EQ(none.hint, Hint(Remedy::other_iso, "0"));
   const Error coarse = bench_demo("sphere", {8, 32}, quick(0.6), Context()).error();

@@ -214,10 +214,10 @@ TEST_P(ExtractionComparisonTest, NeedsKeysAndMemory) {
   keyless.edges = {};
   const auto without = compare_extractions(mesh, keyless, Context());
   ASSERT_FALSE(without);
-  EXPECT_EQ(without.error().kind, ErrorKind::verification);
+  EXPECT_EQ(without.error().code, ErrorCode::verification);
   const auto small = compare_extractions(mesh, mesh, Context(MemoryBudget(1000)));
   ASSERT_FALSE(small);
-  EXPECT_EQ(small.error().kind, ErrorKind::input);
+  EXPECT_EQ(small.error().code, ErrorCode::input);
 }
 
 TEST_P(ExtractionComparisonTest, IsTheSameForAnyNumberOfThreads) {

@@ -350,7 +350,7 @@ TEST(MeshCheckTest, EndsWhenCancelledAndWithinItsMemory) {
   cancelled.cancel();
   const auto ended = check_mesh(mesh, cancelled);
   ASSERT_FALSE(ended);
-  EXPECT_EQ(ended.error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(ended.error().code, ErrorCode::cancelled);
   for (const std::uint64_t limit : {std::uint64_t{1000}, std::uint64_t{100000}, std::uint64_t{500000}}) {
     const auto refused = check_mesh(mesh, Context(MemoryBudget(limit)));
     ASSERT_FALSE(refused);

@@ -391,7 +391,7 @@ TEST(MeshDistance, EmptyMeshesHaveNoDistance) {
   for (const auto& result :
        {measure_distance(some, none, {}, Context()), measure_distance(none, some, {}, Context())}) {
     ASSERT_FALSE(result);
-    EXPECT_EQ(result.error().kind, ErrorKind::input);
+    EXPECT_EQ(result.error().code, ErrorCode::input);
     EXPECT_NE(result.error().message.find("nothing, has no triangles"), std::string::npos);
     EXPECT_TRUE(result.error().hint.empty()) << "nobody knows how it came to be";
   }
@@ -406,7 +406,7 @@ TEST(MeshDistance, MeshesTooFarApart) {
     for (const auto& result :
          {measure_distance(here, there, {}, Context()), measure_distance(there, here, {}, Context())}) {
       ASSERT_FALSE(result) << place;
-      EXPECT_EQ(result.error().kind, ErrorKind::input);
+      EXPECT_EQ(result.error().code, ErrorCode::input);
       EXPECT_NE(result.error().message.find("1e+150 apart"), std::string::npos) << result.error().message;
     }
   }

@@ -270,7 +270,7 @@ TEST(NotApplicable, ABackendWithoutTheMethodIsLeftOut) {
   const field::ScalarField torus = field::make_demo_field("demo:torus?size=16", Context()).value();
   const auto refused = Without().extract(torus, placed(torus, extract::Method::mt), Context());
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, ErrorKind::unavailable);
+  EXPECT_EQ(refused.error().code, ErrorCode::unavailable);
   EXPECT_EQ(refused.error().hint, Hint(Remedy::use_cpu));
 }
 
@@ -278,10 +278,10 @@ TEST(NotApplicable, OptionsThatAMethodDoesNotHave) {
   extract::ExtractOptions options;
   EXPECT_TRUE(extract::check_method(voxel_method(), options));
   options.edge_keys = true;
-  EXPECT_EQ(extract::check_method(voxel_method(), options).error().kind, ErrorKind::usage);
+  EXPECT_EQ(extract::check_method(voxel_method(), options).error().code, ErrorCode::usage);
   options.edge_keys = false;
   options.smooth_normals = true;
-  EXPECT_EQ(extract::check_method(voxel_method(), options).error().kind, ErrorKind::usage);
+  EXPECT_EQ(extract::check_method(voxel_method(), options).error().code, ErrorCode::usage);
   EXPECT_TRUE(extract::check_method(dual_method(), options));
 }
 

@@ -345,10 +345,10 @@ TEST(SelfIntersectionsTest, EndsWhenCancelledAndWithinItsMemory) {
   cancelled.cancel();
   const auto ended = find_self_intersections(mesh, {}, cancelled);
   ASSERT_FALSE(ended);
-  EXPECT_EQ(ended.error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(ended.error().code, ErrorCode::cancelled);
   const auto refused = find_self_intersections(mesh, {}, Context(MemoryBudget(10000)));
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, ErrorKind::input);
+  EXPECT_EQ(refused.error().code, ErrorCode::input);
   EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
 }
 

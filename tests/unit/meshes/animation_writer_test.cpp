@@ -206,7 +206,7 @@ TEST_F(Animation, AFrameWhoseTimeFloatCannotTellApartIsRefused) {
   must_add(writer, 0);
   const auto refused = writer.add("far", std::int64_t{1} << 40, triangle());
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, ErrorKind::output);
+  EXPECT_EQ(refused.error().code, ErrorCode::output);
   EXPECT_NE(refused.error().message.find("float32"), std::string::npos);
   must_add(writer, 1);
   EXPECT_FALSE(writer.add("farther", std::numeric_limits<std::int64_t>::max(), triangle()));
@@ -220,7 +220,7 @@ TEST_F(Animation, NumbersThatDoNotGrowAreRefused) {
   for (const std::int64_t frame : {2, 1}) {
     const auto refused = writer.add("again", frame, triangle());
     ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().kind, ErrorKind::usage);
+    EXPECT_EQ(refused.error().code, ErrorCode::usage);
   }
   must_add(writer, 3);
   must_finish(writer);
@@ -342,7 +342,7 @@ TEST_F(Animation, StreamsAreRefusedBeforeAnythingIsWritten) {
     AnimationWriter writer(path, {}, 24, 1, Context());
     for (const auto& result : {writer.check(), writer.add("a", 1, triangle())}) {
       ASSERT_FALSE(result) << path;
-      EXPECT_EQ(result.error().kind, ErrorKind::usage);
+      EXPECT_EQ(result.error().code, ErrorCode::usage);
       EXPECT_NE(result.error().message.find("stream"), std::string::npos);
     }
     EXPECT_FALSE(writer.finish());
@@ -354,7 +354,7 @@ TEST_F(Animation, WhatMakesNoSenseIsRefused) {
   for (const double fps : {0.0, -24.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
     const auto possible = writer(fps).check();
     ASSERT_FALSE(possible);
-    EXPECT_EQ(possible.error().kind, ErrorKind::usage);
+    EXPECT_EQ(possible.error().code, ErrorCode::usage);
   }
   for (const MeshFormat format : {MeshFormat::gltf, MeshFormat::ply}) {
     const auto possible = writer(24, 1, kLargestGlb, {format, false, false}).check();
@@ -367,7 +367,7 @@ TEST_F(Animation, WhatMakesNoSenseIsRefused) {
   AnimationWriter none = writer();
   const auto finished = none.finish();
   ASSERT_FALSE(finished);
-  EXPECT_EQ(finished.error().kind, ErrorKind::output);
+  EXPECT_EQ(finished.error().code, ErrorCode::output);
   EXPECT_TRUE(folder_.names().empty());
 }
 
@@ -415,7 +415,7 @@ TEST_F(Animation, EndsWhenAskedTo) {
   context.cancel();
   const auto added = writer.add("later", 2, triangle());
   ASSERT_FALSE(added);
-  EXPECT_EQ(added.error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(added.error().code, ErrorCode::cancelled);
   EXPECT_FALSE(writer.finish());
   EXPECT_TRUE(folder_.names().empty());
 }
@@ -466,11 +466,11 @@ TEST_F(Animation, QuantisedPositionsNeedABoxThatHoldsThem) {
   const mesh::Mesh ball = sphere(8, true);
   const auto boxless = writer.add(name_of(1), 1, std::span(&ball, 1), packing);
   ASSERT_FALSE(boxless);
-  EXPECT_EQ(boxless.error().kind, ErrorKind::usage);
+  EXPECT_EQ(boxless.error().code, ErrorCode::usage);
   packing.box = mesh::Bounds{glm::dvec3(5), glm::dvec3(7)};
   const auto outside = writer.add(name_of(1), 1, std::span(&ball, 1), packing);
   ASSERT_FALSE(outside);
-  EXPECT_EQ(outside.error().kind, ErrorKind::output);
+  EXPECT_EQ(outside.error().code, ErrorCode::output);
   EXPECT_NE(outside.error().message.find("water.glb: expected vertices in the quantisation box"), std::string::npos)
       << outside.error().message;
   must_add(writer, 2);

@@ -40,10 +40,10 @@ TEST(MeshFileContext, IsKeptTo) {
     context.cancel();
     const auto ended = read_mesh(path, context);
     ASSERT_FALSE(ended) << info.name;
-    EXPECT_EQ(ended.error().kind, ErrorKind::cancelled);
+    EXPECT_EQ(ended.error().code, ErrorCode::cancelled);
     const auto written = write_meshes(meshes, path, {info.format, false, false}, context);
     ASSERT_FALSE(written) << info.name;
-    EXPECT_EQ(written.error().kind, ErrorKind::cancelled);
+    EXPECT_EQ(written.error().code, ErrorCode::cancelled);
   }
 }
 

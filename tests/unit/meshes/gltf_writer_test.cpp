@@ -211,7 +211,7 @@ TEST(GltfWriterFiles, AGlbOfFourGibibytesIsRefusedBeforeItIsWritten) {
   const std::vector<mesh::Mesh> meshes = one(std::move(mesh));
   const auto result = write_meshes(meshes, folder / "a.glb", {MeshFormat::glb, true, false}, Context());
   ASSERT_FALSE(result);
-  EXPECT_EQ(result.error().kind, ErrorKind::output);
+  EXPECT_EQ(result.error().code, ErrorCode::output);
   EXPECT_NE(result.error().message.find("4 GiB"), std::string::npos);
   EXPECT_NE(result.error().hint.text.find("gltf or ply"), std::string::npos);
   EXPECT_TRUE(folder.names().empty());
@@ -224,7 +224,7 @@ TEST(GltfWriterFiles, APairThatCannotBeWrittenLeavesTheOldOne) {
   const std::vector<mesh::Mesh> meshes = one(tetrahedron());
   const auto result = write_meshes(meshes, folder / "a.gltf", {MeshFormat::gltf, false, false}, Context());
   ASSERT_FALSE(result);
-  EXPECT_EQ(result.error().kind, ErrorKind::output);
+  EXPECT_EQ(result.error().code, ErrorCode::output);
   EXPECT_EQ(read_bytes(folder / "a.gltf"), "old model");
   EXPECT_EQ(folder.names(), (std::set<std::string>{"a.bin", "a.gltf"}));
 }

@@ -42,7 +42,7 @@ class MeshReaderTest : public testing::Test {
     write_bytes(folder_ / name, bytes);
     const auto read = meshes::read_mesh(folder_ / name, Context());
     ASSERT_FALSE(read) << part;
-    EXPECT_EQ(read.error().kind, ErrorKind::input);
+    EXPECT_EQ(read.error().code, ErrorCode::input);
     EXPECT_TRUE(read.error().message.starts_with((folder_ / name).string() + ": ")) << read.error().message;
     EXPECT_NE(read.error().message.find(part), std::string::npos) << read.error().message;
   }

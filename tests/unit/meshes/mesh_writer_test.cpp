@@ -56,7 +56,7 @@ TEST_P(MeshWriterRefusal, IsAUsageErrorThatNamesTheRemedy) {
   const fs::path path = refusal.path.starts_with("a.") ? folder / refusal.path : fs::path(refusal.path);
   const auto result = write_meshes(meshes, path, {refusal.format, false, refusal.ascii}, Context());
   ASSERT_FALSE(result);
-  EXPECT_EQ(result.error().kind, ErrorKind::usage);
+  EXPECT_EQ(result.error().code, ErrorCode::usage);
   EXPECT_TRUE(result.error().message.starts_with(path.string() + ": ")) << result.error().message;
   EXPECT_NE(result.error().hint.text.find(refusal.hint), std::string::npos) << result.error().hint.text;
   EXPECT_TRUE(folder.names().empty());
@@ -95,7 +95,7 @@ TEST_P(MeshWriterKind, AFullDeviceIsAnOutputError) {
   const std::vector<mesh::Mesh> meshes = one(sphere(300, !GetParam().options.flat_normals));
   const auto result = write_meshes(meshes, "/dev/full", GetParam().options, Context());
   ASSERT_FALSE(result);
-  EXPECT_EQ(result.error().kind, ErrorKind::output);
+  EXPECT_EQ(result.error().code, ErrorCode::output);
   EXPECT_EQ(result.error().message, "/dev/full: cannot write: no space left on the device");
 }
 
@@ -103,7 +103,7 @@ TEST_P(MeshWriterKind, ASmallMeshFindsAFullDeviceToo) {
   const std::vector<mesh::Mesh> meshes = one(tetrahedron());
   const auto result = write_meshes(meshes, "/dev/full", GetParam().options, Context());
   ASSERT_FALSE(result);
-  EXPECT_EQ(result.error().kind, ErrorKind::output);
+  EXPECT_EQ(result.error().code, ErrorCode::output);
 }
 
 TEST(MeshWriter, AMissingFolderLeavesNothing) {
@@ -112,7 +112,7 @@ TEST(MeshWriter, AMissingFolderLeavesNothing) {
   for (const MeshFormatInfo& info : mesh_formats()) {
     const auto result = write_meshes(meshes, folder / "missing/out", {info.format, false, false}, Context());
     ASSERT_FALSE(result) << info.name;
-    EXPECT_EQ(result.error().kind, ErrorKind::output);
+    EXPECT_EQ(result.error().code, ErrorCode::output);
   }
   EXPECT_TRUE(folder.names().empty());
 }
@@ -188,7 +188,7 @@ TEST(MeshWriter, StaysRefusedAfterASecondMeshInAFormatOfOne) {
     ASSERT_TRUE(writer.add(tetrahedron()));
     const auto second = writer.add(tetrahedron());
     ASSERT_FALSE(second);
-    EXPECT_EQ(second.error().kind, ErrorKind::usage);
+    EXPECT_EQ(second.error().code, ErrorCode::usage);
     const auto finished = writer.finish();
     ASSERT_FALSE(finished);
     EXPECT_EQ(finished.error().message, second.error().message);
@@ -203,7 +203,7 @@ TEST(MeshWriter, DevicesGetNothingBeforeTheEnd) {
   ASSERT_TRUE(writer.add(sphere(300, false)));
   const auto finished = writer.finish();
   ASSERT_FALSE(finished);
-  EXPECT_EQ(finished.error().kind, ErrorKind::output);
+  EXPECT_EQ(finished.error().code, ErrorCode::output);
 }
 
 }  // namespace

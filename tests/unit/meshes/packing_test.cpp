@@ -213,7 +213,7 @@ TEST_P(Packing, NoTriangles) {
   const auto result = write_meshes(meshes, folder_ / GetParam().file(), GetParam().options(), Context());
   if (GetParam().format == MeshFormat::drc) {
     ASSERT_FALSE(result);
-    EXPECT_EQ(result.error().kind, ErrorKind::output);
+    EXPECT_EQ(result.error().code, ErrorCode::output);
     EXPECT_TRUE(folder_.names().empty());
     return;
   }
@@ -291,7 +291,7 @@ TEST(PackingOptions, AVertexOutsideOfTheBoxIsAnError) {
     options.packing.box = mesh::Bounds{{-1, -1, -1}, {0.5, 1, 1}};
     const auto result = write_meshes(one(test::sphere(8, false)), folder / kind.file(), options, Context());
     ASSERT_FALSE(result);
-    EXPECT_EQ(result.error().kind, ErrorKind::output);
+    EXPECT_EQ(result.error().code, ErrorCode::output);
     EXPECT_TRUE(result.error().message.starts_with((folder / kind.file()).string())) << result.error().message;
     EXPECT_TRUE(folder.names().empty());
   }
@@ -369,7 +369,7 @@ TEST_P(Packing, DamagedFilesAreRefused) {
     test::write_bytes(folder_ / GetParam().file(), bytes);
     const auto read = read_mesh(folder_ / GetParam().file(), Context(MemoryBudget(std::uint64_t{64} << 20)));
     if (!read) {
-      EXPECT_EQ(read.error().kind, ErrorKind::input);
+      EXPECT_EQ(read.error().code, ErrorCode::input);
     }
     return read.has_value();
   };

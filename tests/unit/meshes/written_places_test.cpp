@@ -17,7 +17,7 @@ using namespace test;
 bool is_kept(const mesh::Mesh& mesh, MeshFormat format) {
   const auto kept = check_places(mesh, "a.mesh", format);
   if (kept) return true;
-  EXPECT_EQ(kept.error().kind, ErrorKind::output);
+  EXPECT_EQ(kept.error().code, ErrorCode::output);
   EXPECT_EQ(kept.error().hint.remedy, Remedy::place_nearer);
   EXPECT_TRUE(kept.error().message.starts_with("a.mesh: expected ")) << kept.error().message;
   return false;
@@ -138,7 +138,7 @@ TEST(WrittenPlaces, NothingIsWrittenOfWhatIsRefused) {
     const auto all = one(ball(far));
     const auto at_once = write_meshes(all, folder / "out", {info.format, false, false}, Context());
     ASSERT_FALSE(at_once) << info.name;
-    EXPECT_EQ(at_once.error().kind, ErrorKind::output);
+    EXPECT_EQ(at_once.error().code, ErrorCode::output);
     MeshWriter writer(folder / "out", {info.format, false, false}, Context());
     if (info.holds_several_meshes) {
       ASSERT_TRUE(writer.add(ball({0, 0, 0})));

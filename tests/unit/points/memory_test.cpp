@@ -83,15 +83,15 @@ TEST_P(FieldMemory, ACancelledFieldLeavesNothing) {
   context.cancel();
   const auto refused = make_field(particles, options_, context);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(refused.error().code, ErrorCode::cancelled);
   EXPECT_EQ(context.memory().reserved(), 0U);
   const auto statistics = measure_statistics(particles, context);
   ASSERT_FALSE(statistics);
-  EXPECT_EQ(statistics.error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(statistics.error().code, ErrorCode::cancelled);
   const std::vector<glm::dvec3> vertices(1, glm::dvec3(0));
   const auto sampled = sample_attributes(particles, {}, vertices, kMemoryRadius, 2, context);
   ASSERT_FALSE(sampled);
-  EXPECT_EQ(sampled.error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(sampled.error().code, ErrorCode::cancelled);
   EXPECT_EQ(context.memory().reserved(), 0U);
 }
 

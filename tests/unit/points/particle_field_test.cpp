@@ -264,7 +264,7 @@ TEST(ParticleField, PositionsThatAreNotFiniteAreToldOrLeftOut) {
   positions.emplace_back(std::numeric_limits<double>::infinity(), 0, 0);
   const auto refused = make_field(particles_at(positions), options, Context());
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, ErrorKind::input);
+  EXPECT_EQ(refused.error().code, ErrorCode::input);
   EXPECT_NE(refused.error().message.find("particle 7"), std::string::npos) << refused.error().message;
   options.bad = BadParticles::skip;
   const ParticleField made = field_of(particles_at(positions), options);
@@ -313,7 +313,7 @@ TEST(ParticleField, WorkGrowsWithTheParticlesAndNotWithItsSquare) {
       const auto made = make_field(particles, options, Context());
       EXPECT_EQ(made.has_value(), count == 20000) << count;
       if (made) continue;
-      EXPECT_EQ(made.error().kind, ErrorKind::input);
+      EXPECT_EQ(made.error().code, ErrorCode::input);
       EXPECT_NE(made.error().message.find("test.ply: a particle radius of 1, whose neighbours are up to"),
                 std::string::npos)
           << made.error().message;
@@ -326,16 +326,16 @@ TEST(ParticleField, WorkGrowsWithTheParticlesAndNotWithItsSquare) {
 
 TEST(ParticleField, WhatCannotBeIsRefused) {
   const ParticleSet particles = particles_at(random_positions(10, 1, 26));
-  const auto refuses = [&](const ParticleSet& set, ErrorKind kind, const char* words, auto change) {
+  const auto refuses = [&](const ParticleSet& set, ErrorCode code, const char* words, auto change) {
     FieldOptions options;
     options.radius = kRadius;
     change(options);
     const auto refused = make_field(set, options, Context());
     ASSERT_FALSE(refused) << words;
-    EXPECT_EQ(refused.error().kind, kind);
+    EXPECT_EQ(refused.error().code, code);
     EXPECT_NE(refused.error().message.find(words), std::string::npos) << refused.error().message;
   };
-  const auto usage = [&](const char* words, auto change) { refuses(particles, ErrorKind::usage, words, change); };
+  const auto usage = [&](const char* words, auto change) { refuses(particles, ErrorCode::usage, words, change); };
   usage("particle radius above 0", [](FieldOptions& o) { o.radius = -1; });
   usage("cell size in radii above 0", [](FieldOptions& o) { o.cell_size = 0; });
   usage("spacing of the samples above 0", [](FieldOptions& o) { o.spacing = std::nan(""); });
@@ -351,7 +351,7 @@ TEST(ParticleField, WhatCannotBeIsRefused) {
   usage("finite iso value", [](FieldOptions& o) { o.leave_out_inside = std::nan(""); });
   usage("as far apart as a kernel reaches", [](FieldOptions& o) { o.cell_size = 4.5; });
   const auto input = [&](const std::vector<glm::dvec3>& at, const char* words) {
-    refuses(particles_at(at), ErrorKind::input, words, [](FieldOptions&) {});
+    refuses(particles_at(at), ErrorCode::input, words, [](FieldOptions&) {});
   };
   input({{0, 0, 0}, {1e8, 0, 0}}, "which is more than");
   input({{-1e308, 0, 0}, {1e308, 0, 0}}, "which is more than");

@@ -81,7 +81,7 @@ TEST(SphereSet, WhatIsNoRadiusIsRefused) {
   for (const float radius : {-1.0F, static_cast<float>(kNaN), std::numeric_limits<float>::infinity()}) {
     const auto refused = make_spheres(with_radii({{0, 0, 0}, {1, 0, 0}}, "pscale", {1, radius}), spheres(), Context());
     ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().kind, ErrorKind::input);
+    EXPECT_EQ(refused.error().code, ErrorCode::input);
     EXPECT_NE(refused.error().message.find("as 'pscale'"), std::string::npos) << refused.error().message;
   }
   // All of them points: no spacing comes of that.
@@ -91,7 +91,7 @@ TEST(SphereSet, WhatIsNoRadiusIsRefused) {
 TEST(SphereSet, MakeFieldLeavesThemToOthers) {
   const auto refused = make_field(particles_at({{0, 0, 0}, {1, 0, 0}}), spheres(), Context());
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, ErrorKind::usage);
+  EXPECT_EQ(refused.error().code, ErrorCode::usage);
 }
 
 }  // namespace

@@ -104,7 +104,7 @@ TEST(Camera, WordsAreReadOrRefused) {
        {"", "30", "30,", "30,15,", "30,91", "30,15,0", "30,15,-1", "30,15,2,3", "a,b", "nan,0", "1, 2"}) {
     const auto angles = parse_view_angles(wrong);
     ASSERT_FALSE(angles) << wrong;
-    EXPECT_EQ(angles.error().kind, ErrorKind::usage);
+    EXPECT_EQ(angles.error().code, ErrorCode::usage);
   }
 }
 
@@ -114,7 +114,7 @@ TEST(Camera, WhatCannotBeLookedThroughIsRefused) {
     EXPECT_TRUE(camera.check());
     change(camera);
     const auto checked = camera.check();
-    return !checked && checked.error().kind == ErrorKind::usage;
+    return !checked && checked.error().code == ErrorCode::usage;
   };
   EXPECT_TRUE(refused([](Camera& c) { c.target = c.eye; }));
   EXPECT_TRUE(refused([](Camera& c) { c.up = c.target - c.eye; }));

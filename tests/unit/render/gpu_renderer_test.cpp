@@ -67,7 +67,7 @@ TEST(GpuRenderer, ListsThatAreTooLongAreDrawnInParts) {
   how.list_bytes = 8;
   const auto refused = draw_with(how, size);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, ErrorKind::unavailable);
+  EXPECT_EQ(refused.error().code, ErrorCode::unavailable);
   EXPECT_NE(refused.error().message.find("expected at most 1 surfaces behind each other in a pixel, found 2"),
             std::string::npos)
       << refused.error().message;
@@ -78,7 +78,7 @@ TEST(GpuRenderer, RefusesWhatTakesMoreMemoryThanItMay) {
   how.memory_bytes = 1 << 16;
   const auto refused = draw_with(how, {64, 48});
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, ErrorKind::unavailable);
+  EXPECT_EQ(refused.error().code, ErrorCode::unavailable);
   EXPECT_EQ(refused.error().hint.remedy, Remedy::more_gpu_memory);
   EXPECT_NE(refused.error().message.find("expected at most 64 KiB on the GPU"), std::string::npos)
       << refused.error().message;
@@ -87,7 +87,7 @@ TEST(GpuRenderer, RefusesWhatTakesMoreMemoryThanItMay) {
 TEST(GpuRenderer, CountsItsMemoryWhereTheDeviceIsTheProcessor) {
   const auto refused = draw_with({}, {64, 48}, Context(MemoryBudget(1 << 18)));
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, ErrorKind::input);
+  EXPECT_EQ(refused.error().code, ErrorCode::input);
   EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
 }
 
@@ -96,7 +96,7 @@ TEST(GpuRenderer, EndsWhereSomebodyAsksForIt) {
   context.cancel();
   const auto ended = draw_with({}, {64, 48}, context);
   ASSERT_FALSE(ended);
-  EXPECT_EQ(ended.error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(ended.error().code, ErrorCode::cancelled);
 }
 
 // llvmpipe leaves loops after 65,535 rounds; other devices draw it.
@@ -115,7 +115,7 @@ TEST(GpuRenderer, RaysThatTheDriverCutsOffAreNoPicture) {
   if (drawn) {
     EXPECT_LE(test::pixels_off(test::draw(scene, camera, options).picture, drawn->picture), 0U);
   } else {
-    EXPECT_EQ(drawn.error().kind, ErrorKind::unavailable);
+    EXPECT_EQ(drawn.error().code, ErrorCode::unavailable);
     EXPECT_EQ(drawn.error().hint.remedy, Remedy::use_cpu);
   }
 }
@@ -125,7 +125,7 @@ TEST(GpuRenderer, RefusesADeviceThatIsNotThere) {
   how.device = 99;
   const auto made = make_gpu_renderer(how);
   ASSERT_FALSE(made);
-  EXPECT_EQ(made.error().kind, ErrorKind::unavailable);
+  EXPECT_EQ(made.error().code, ErrorCode::unavailable);
 }
 
 TEST(GpuRenderer, LeavesNoObjectsOnTheDevice) {

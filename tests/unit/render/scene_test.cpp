@@ -21,7 +21,7 @@ TEST(Scene, BoxesHoldAllThatIsSeen) {
   EXPECT_EQ(box_of(scene).value(), (field::Box{{-3, 0, -2}, {6, 8, 10}}));
   const auto nothing = box_of(Scene());
   ASSERT_FALSE(nothing);
-  EXPECT_EQ(nothing.error().kind, ErrorKind::input);
+  EXPECT_EQ(nothing.error().code, ErrorCode::input);
 }
 
 TEST(Scene, FlatAndEmptyVolumesAreRefused) {
@@ -31,7 +31,7 @@ TEST(Scene, FlatAndEmptyVolumesAreRefused) {
   EXPECT_EQ(refused.error().message, "test field: expected at least two samples along each axis, found 4 x 1 x 6");
   field::ScalarField empty;
   empty.samples = field::SparseSamples();
-  EXPECT_EQ(box_of_volume(empty).error().reason, Reason::empty_grid);
+  EXPECT_EQ(box_of_volume(empty).error().code, ErrorCode::empty_grid);
 }
 
 TEST(Scene, WhatCannotBeDrawnIsRefused) {
@@ -46,10 +46,10 @@ TEST(Scene, WhatCannotBeDrawnIsRefused) {
     change(scene, options);
     const auto checked = check(scene, Camera(), options);
     volume = {&dense, {}, {}, 1};
-    return checked ? 0 : static_cast<int>(checked.error().kind);
+    return checked ? 0 : exit_code_of(checked.error().code);
   };
-  const int usage = static_cast<int>(ErrorKind::usage);
-  const int input = static_cast<int>(ErrorKind::input);
+  const int usage = exit_code_of(ErrorCode::usage);
+  const int input = exit_code_of(ErrorCode::input);
   EXPECT_EQ(kind_of([](Scene&, RenderOptions&) {}), 0);
   EXPECT_EQ(kind_of([](Scene& s, RenderOptions&) { s.surfaces[0].opacity = 0; }), usage);
   EXPECT_EQ(kind_of([](Scene& s, RenderOptions&) { s.surfaces[0].colour.g = -1; }), usage);

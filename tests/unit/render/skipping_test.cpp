@@ -177,7 +177,7 @@ TEST(Skipping, WorkThatIsCancelledOrHasNoMemoryEnds) {
   cancelled.cancel();
   const auto ended = renderer->draw(ball.scene(), ball.camera(), {kFrame}, cancelled);
   ASSERT_FALSE(ended);
-  EXPECT_EQ(ended.error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(ended.error().code, ErrorCode::cancelled);
   const Context small{MemoryBudget(70 * 50 * Picture::kBytesPerPixel - 1)};
   const auto refused = renderer->draw(ball.scene(), ball.camera(), {kFrame}, small);
   ASSERT_FALSE(refused);

@@ -73,7 +73,7 @@ TEST(TransferFunction, WhatIsSeenBetweenTwoPositionsIsFound) {
 TEST(TransferFunction, PointsThatMakeNoneAreRefused) {
   const auto refused = [](const std::vector<ControlPoint>& points) {
     const auto made = TransferFunction::create(points);
-    return !made && made.error().kind == ErrorKind::usage;
+    return !made && made.error().code == ErrorCode::usage;
   };
   EXPECT_TRUE(refused({}));
   EXPECT_TRUE(refused({{0, {}, 0}}));
@@ -95,7 +95,7 @@ TEST(TransferFunction, TextIsReadOrRefusedByItsLine) {
   for (const char* wrong : {"0 0 0 0", "0 0 0 0 0 0", "0 0 0 0 x", "0 2 0 0 0", "nan 0 0 0 0", "0 0 0 0 -0.1"}) {
     const auto refused = parse_transfer_function(std::string("0 0 0 0 0\n") + wrong, "a.tf");
     ASSERT_FALSE(refused) << wrong;
-    EXPECT_EQ(refused.error().kind, ErrorKind::input);
+    EXPECT_EQ(refused.error().code, ErrorCode::input);
     EXPECT_TRUE(refused.error().message.starts_with("a.tf: line 2: expected a value")) << refused.error().message;
   }
 }

@@ -42,7 +42,7 @@ Error refusal(const JetOptions& options) {
   const Context context;
   const auto jet = ParticleJet::make(options, context);
   if (jet) throw std::runtime_error("was not refused");
-  EXPECT_EQ(jet.error().kind, ErrorKind::usage);
+  EXPECT_EQ(jet.error().code, ErrorCode::usage);
   EXPECT_EQ(context.memory().reserved(), 0U);
   return jet.error();
 }
@@ -237,7 +237,7 @@ TEST(ParticleJet, TakesItsMemoryFromTheBudgetAndCanBeCancelled) {
     context.cancel();
     const auto ended = jet->advance(context);
     ASSERT_FALSE(ended);
-    EXPECT_EQ(ended.error().kind, ErrorKind::cancelled);
+    EXPECT_EQ(ended.error().code, ErrorCode::cancelled);
   }
   EXPECT_EQ(context.memory().reserved(), 0U);
 }

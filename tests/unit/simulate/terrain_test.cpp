@@ -91,13 +91,13 @@ TEST(Terrain, CanBeEven) {
 TEST(Terrain, RefusesWhatItCannotMake) {
   TerrainOptions options;
   options.size = {1, 5};
-  EXPECT_EQ(make_terrain(options, Context()).error().kind, ErrorKind::usage);
+  EXPECT_EQ(make_terrain(options, Context()).error().code, ErrorCode::usage);
   options = {};
   options.relief = std::nan("");
-  EXPECT_EQ(make_terrain(options, Context()).error().kind, ErrorKind::usage);
+  EXPECT_EQ(make_terrain(options, Context()).error().code, ErrorCode::usage);
   options = {};
   options.octaves = 17;
-  EXPECT_EQ(make_terrain(options, Context()).error().kind, ErrorKind::usage);
+  EXPECT_EQ(make_terrain(options, Context()).error().code, ErrorCode::usage);
   EXPECT_EQ(make_terrain({}, Context(MemoryBudget(1000))).error().hint.remedy, Remedy::raise_memory_limit);
 }
 

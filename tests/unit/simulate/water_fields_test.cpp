@@ -91,7 +91,7 @@ TEST(WaterFields, CellsBelowZeroAreEmpty) {
 
 TEST(WaterFields, AreRefusedWhereTheyDoNotFit) {
   const WaterAutomaton tower = columns({0, 0, 0, 1e6}, {});
-  EXPECT_EQ(layers_for(tower).error().kind, ErrorKind::output);
+  EXPECT_EQ(layers_for(tower).error().code, ErrorCode::output);
   const WaterAutomaton low = columns({1, 1, 1, 1}, {});
   const auto poor = water_fields(low, WaterContent::water, 1000, glm::dvec3(1), Context(MemoryBudget(1000)));
   EXPECT_EQ(poor.error().hint.remedy, Remedy::raise_memory_limit);

@@ -297,7 +297,7 @@ TEST(Water, EndsBetweenStepsWhenAsked) {
   WaterAutomaton automaton = automaton_on({4, 4}, std::vector<double>(16, 0), {}, {}, context);
   ASSERT_TRUE(automaton.run(3));
   context.cancel();
-  EXPECT_EQ(automaton.run(5).error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(automaton.run(5).error().code, ErrorCode::cancelled);
   EXPECT_EQ(automaton.steps_done(), 3U);
 }
 

@@ -53,7 +53,7 @@ TEST(AxisOrder, IsRefusedWhereTheFileSaysItsAxes) {
   write_bytes(folder / "v.nrrd",
               "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 3 4 5\nencoding: raw\n\n" + ramp_bytes<std::uint8_t>());
   const Error error = refusal(folder / "v.nrrd", in_order_of(volumes::AxisOrder::xyz));
-  EXPECT_EQ(error.kind, ErrorKind::usage);
+  EXPECT_EQ(error.code, ErrorCode::usage);
   expect_in(error.message, "read as nrrd");
 }
 
@@ -138,7 +138,7 @@ TEST(NoData, SamplesOfThatValueAreNotNumbersInEveryFormat) {
   EXPECT_TRUE(std::isnan(dense_value<float>(field, 1, 2, 3)));
   EXPECT_EQ(dense_value<float>(field, 2, 2, 3), ramp<float>(2, 2, 3));
   EXPECT_TRUE(has_note(field, "1 of 60 samples are 88 and count as not a number"));
-  EXPECT_EQ(refusal(folder / "v.npy", options, with_memory(239)).kind, ErrorKind::input);
+  EXPECT_EQ(refusal(folder / "v.npy", options, with_memory(239)).code, ErrorCode::out_of_memory);
   EXPECT_FALSE(volumes::read_volume("demo:sphere?size=8", options, Context()).value().notes.empty());
 }
 

@@ -241,7 +241,7 @@ TEST(Components, AreListedAndTakeTheMemoryOfOne) {
   EXPECT_TRUE(volumes::read_volume((folder / "v.nii").string(), component(std::nullopt), with_memory(131072)));
   expect_in(refusal(folder / "v.nii", component(std::nullopt), with_memory(131071)).message, "lengths of 32x32x32");
   volumes::ReadOptions options = component(0);
-  EXPECT_EQ(volumes::read_volume("demo:sphere?size=8", options, Context()).error().kind, ErrorKind::usage);
+  EXPECT_EQ(volumes::read_volume("demo:sphere?size=8", options, Context()).error().code, ErrorCode::usage);
 }
 
 }  // namespace

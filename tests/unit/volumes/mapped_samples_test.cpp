@@ -169,7 +169,7 @@ TEST(MappedFormats, ThatAreCutOffReadAsZerosAndAreLost) {
   EXPECT_EQ(dense_value<std::uint8_t>(field, 1, 1, 63), 0);
   const auto whole = volumes::check_not_lost(field);
   ASSERT_FALSE(whole);
-  EXPECT_EQ(whole.error().kind, ErrorKind::input);
+  EXPECT_EQ(whole.error().code, ErrorCode::input);
   expect_in(whole.error().message, "became shorter");
 }
 

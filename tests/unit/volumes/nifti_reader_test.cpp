@@ -207,7 +207,7 @@ TEST(NiftiReaderPlace, FramesThatCannotBeUsedAskForASpacing) {
     const TempFolder folder;
     write_bytes(folder / "v.nii", header + kSamples);
     const Error error = refusal(folder / "v.nii");
-    EXPECT_EQ(error.kind, ErrorKind::input);
+    EXPECT_EQ(error.code, ErrorCode::input);
     EXPECT_EQ(error.hint.remedy, Remedy::place_by_hand);
     volumes::ReadOptions options;
     options.spacing = glm::dvec3(2, 2, 2);

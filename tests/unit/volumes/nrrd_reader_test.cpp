@@ -144,7 +144,7 @@ TEST(NrrdReaderData, DetachedFilesElsewhereAreRefused) {
         std::string("../in2/data.raw"), std::string("../nowhere.raw"), std::string("..")}) {
     write_bytes(header, nrrd("data file: " + name + "\n", ""));
     const Error error = refusal(header);
-    EXPECT_EQ(error.kind, ErrorKind::input);
+    EXPECT_EQ(error.code, ErrorCode::input);
     expect_in(error.message, "names the data file '" + name + "', which is not beside or below the header");
     EXPECT_FALSE(error.hint.empty());
     write_bytes(header, nrrd("", "").substr(0, nrrd("", "").size() - 1) + "data file: LIST 3\n" + name + "\n");
@@ -227,7 +227,7 @@ TEST(NrrdReaderPlace, FramesThatCannotBeUsedAskForASpacing) {
     const TempFolder folder;
     write_bytes(folder / "v.nrrd", nrrd(fields, kSamples));
     const Error error = refusal(folder / "v.nrrd");
-    EXPECT_EQ(error.kind, ErrorKind::input);
+    EXPECT_EQ(error.code, ErrorCode::input);
     EXPECT_EQ(error.hint.remedy, Remedy::place_by_hand);
     volumes::ReadOptions options;
     options.spacing = glm::dvec3(2, 3, 4);
@@ -410,7 +410,7 @@ TEST(NrrdReaderBad, TheLongestLinesThatTheLibrarySeesLeaveRoomForWhatItSays) {
     write_bytes(folder / "v.nrrd", (is_first ? "NRRD0005\n" : "NRRD0005\nspace: LPS\ndimension: 3\n") + line + "\n");
     const Error error = refusal(folder / "v.nrrd");
     EXPECT_EQ(error.message.find("the limit is"), std::string::npos) << error.message;
-    EXPECT_EQ(error.kind, ErrorKind::input);
+    EXPECT_EQ(error.code, ErrorCode::input);
   }
 }
 

@@ -48,7 +48,7 @@ Result<volumes::ParticleFile> try_points(const std::filesystem::path& path,
   try {
     return format.read(volumes::must(files::InputFile::open(path, Context())), options);
   } catch (const volumes::DamagedParticles& damaged) {
-    return fail(ErrorKind::input, damaged.what(), damaged.hint);
+    return fail(ErrorCode::input, damaged.what(), damaged.hint);
   } catch (const volumes::Refused& refused) {
     return tl::unexpected(refused.error);
   }
@@ -175,7 +175,7 @@ TEST(OpenVdbVolume, WithoutThePluginTheMessageNamesIt) {
     options.grid = grid;
     const auto field = missing->open((folder / "v.vdb").string(), options, Context());
     ASSERT_FALSE(field);
-    EXPECT_EQ(field.error().kind, ErrorKind::unavailable);
+    EXPECT_EQ(field.error().code, ErrorCode::unavailable);
     expect_in(field.error().message, "isoextract-volume-openvdb.so, which is in none of: /nowhere");
     expect_in(field.error().message, grid == "bent" ? "'bent' lies in a frustum" : "'velocity' holds vec3s");
   }
@@ -241,7 +241,7 @@ TEST(OpenVdbVolume, CutFilesAreRefused) {
     write_bytes(folder / "cut.vdb", whole.substr(0, cut));
     const auto field = try_grid(folder / "cut.vdb", "velocity[x]");
     ASSERT_FALSE(field) << cut;
-    EXPECT_EQ(field.error().kind, ErrorKind::input) << cut;
+    EXPECT_EQ(field.error().code, ErrorCode::input) << cut;
     expect_in(field.error().message, "cut.vdb");
   }
 }
@@ -378,7 +378,7 @@ TEST(OpenVdbPoints, AnArrayOfFewerBytesThanItsPointsNeedIsDamage) {
   write_bytes(folder / "p.vdb", file);
   const auto read = try_points(folder / "p.vdb", with_all());
   ASSERT_FALSE(read);
-  EXPECT_EQ(read.error().kind, ErrorKind::input);
+  EXPECT_EQ(read.error().code, ErrorCode::input);
   expect_in(read.error().message, "the file is damaged: expected ");
 }
 
@@ -404,7 +404,7 @@ TEST(OpenVdbPoints, DamagedFilesEndNothing) {
     const auto read = try_points(folder / "d.vdb", with_all());
     if (read) continue;
     ++refused;
-    EXPECT_EQ(read.error().kind, ErrorKind::input) << i << ": " << read.error().message;
+    EXPECT_EQ(read.error().code, ErrorCode::input) << i << ": " << read.error().message;
   }
   EXPECT_GT(refused, 10);
 }
@@ -429,7 +429,7 @@ TEST(OpenVdbPoints, FilesOfPointsAloneAreParticles) {
   const auto formats = volumes::find_particle_plugins({"/nowhere"});
   const auto missing = try_points(folder / "points.vdb", {}, *formats[1]);
   ASSERT_FALSE(missing);
-  EXPECT_EQ(missing.error().kind, ErrorKind::unavailable);
+  EXPECT_EQ(missing.error().code, ErrorCode::unavailable);
   expect_in(missing.error().message, "isoextract-particles-openvdb.so");
 }
 
@@ -461,7 +461,7 @@ TEST(OpenVdbPoints, CutFilesAreRefused) {
     write_bytes(folder / "cut.vdb", whole.substr(0, cut));
     const auto read = try_points(folder / "cut.vdb");
     ASSERT_FALSE(read) << cut;
-    EXPECT_EQ(read.error().kind, ErrorKind::input) << cut;
+    EXPECT_EQ(read.error().code, ErrorCode::input) << cut;
   }
 }
 

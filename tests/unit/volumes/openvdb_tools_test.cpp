@@ -265,7 +265,7 @@ TEST(OpenVdbTools, WithoutThePluginTheMessageNamesIt) {
   volumes::SphereOptions options;
   options.radius = options.voxel = 1;
   const auto expect_missing = [](const Error& error) {
-    EXPECT_EQ(error.kind, ErrorKind::unavailable);
+    EXPECT_EQ(error.code, ErrorCode::unavailable);
     expect_in(error.message, "isoextract-grids-openvdb.so, which is in none of: /nowhere");
   };
   expect_missing(volumes::write_vdb(folder / "w.vdb", field, {}, Context()).error());
@@ -273,7 +273,7 @@ TEST(OpenVdbTools, WithoutThePluginTheMessageNamesIt) {
   expect_missing(volumes::spheres_to_field(two_balls(), options, Context()).error());
   EXPECT_FALSE(std::filesystem::exists(folder / "w.vdb"));
   options.voxel = 0;
-  EXPECT_EQ(volumes::spheres_to_field(two_balls(), options, Context()).error().kind, ErrorKind::usage);
+  EXPECT_EQ(volumes::spheres_to_field(two_balls(), options, Context()).error().code, ErrorCode::usage);
 }
 
 }  // namespace

@@ -102,7 +102,7 @@ TEST_P(ParticleWriter, RefusesNamesThatAFormatCouldTakeForSomethingElse) {
     set.attributes.push_back({name, 1, Buffer<float>(3)});
     const auto written = write_particles(path(), set, GetParam());
     ASSERT_FALSE(written) << name;
-    EXPECT_EQ(written.error().kind, ErrorKind::output);
+    EXPECT_EQ(written.error().code, ErrorCode::output);
     EXPECT_TRUE(folder_.names().empty());
   }
 }
@@ -110,7 +110,7 @@ TEST_P(ParticleWriter, RefusesNamesThatAFormatCouldTakeForSomethingElse) {
 TEST_P(ParticleWriter, SaysWhyAFileCannotBeWritten) {
   const auto written = write_particles(folder_ / "none/some.ply", some_particles(3), GetParam());
   ASSERT_FALSE(written);
-  EXPECT_EQ(written.error().kind, ErrorKind::output);
+  EXPECT_EQ(written.error().code, ErrorCode::output);
   EXPECT_NE(written.error().message.find("none/some.ply"), std::string::npos);
 }
 

@@ -153,17 +153,17 @@ TEST(ParticlesFormat, ByContentThenByName) {
   options.format = "csv";
   EXPECT_EQ(must_read_particles({"a.what", "1 2 3\n"}, options).particles.size(), 1U);
   options.format = "cvs";
-  EXPECT_EQ(particle_refusal({"a.csv", "1 2 3\n"}, options).kind, ErrorKind::usage);
+  EXPECT_EQ(particle_refusal({"a.csv", "1 2 3\n"}, options).code, ErrorCode::usage);
 }
 
 TEST(ParticlesFormat, OptionsOfOtherFormatsAreRefused) {
   const Error frame = particle_refusal({"a.csv", "1 2 3\n"}, of_frame(0));
-  EXPECT_EQ(frame.kind, ErrorKind::usage);
+  EXPECT_EQ(frame.code, ErrorCode::usage);
   EXPECT_EQ(frame.hint.remedy, Remedy::leave_out_volume);
   volumes::ParticleReadOptions options;
   options.columns = {"1", "2", "3"};
   const Error columns = particle_refusal({"a.bgeo", bgeo_classic()}, options);
-  EXPECT_EQ(columns.kind, ErrorKind::usage);
+  EXPECT_EQ(columns.code, ErrorCode::usage);
   EXPECT_FALSE(columns.hint.empty());
   for (const volumes::ParticleFormatDescription& about : volumes::particle_format_descriptions()) {
     EXPECT_FALSE(about.id.empty() || about.title.empty() || about.extensions.empty());
@@ -175,7 +175,7 @@ TEST(ParticlesFormat, CancelledAndEmpty) {
   context.cancel();
   const auto cancelled = try_particles({"a.csv", "1 2 3\n"}, {}, context);
   ASSERT_FALSE(cancelled);
-  EXPECT_EQ(cancelled.error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(cancelled.error().code, ErrorCode::cancelled);
   expect_in(particle_refusal({"a.csv", ""}).message, "the file is empty");
   EXPECT_EQ(must_read_particles({"a.csv", "x,y,z\n"}).particles.size(), 0U);
   EXPECT_EQ(must_read_particles({"a.ply", ply_header("ascii", {}, 0)}, with_all()).particles.size(), 0U);

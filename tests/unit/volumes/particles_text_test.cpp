@@ -142,7 +142,7 @@ TEST(ParticlesCsv, WrongTablesAreRefused) {
   for (const auto& [text, message] : bad) {
     SCOPED_TRACE(text.substr(0, 40));
     const Error error = particle_refusal({"a.csv", text});
-    EXPECT_EQ(error.kind, ErrorKind::input);
+    EXPECT_EQ(error.code, ErrorCode::input);
     expect_in(error.message, message);
   }
 }

@@ -21,7 +21,7 @@ Result<volumes::ParticleFile> read_vtk(const std::filesystem::path& path,
   try {
     return vtk_format().read(volumes::must(files::InputFile::open(path, context)), options);
   } catch (const volumes::DamagedParticles& damaged) {
-    return fail(ErrorKind::input, damaged.what(), damaged.hint);
+    return fail(ErrorCode::input, damaged.what(), damaged.hint);
   } catch (const volumes::Refused& refused) {
     return tl::unexpected(refused.error);
   }
@@ -55,7 +55,7 @@ TEST(ParticlesPlugin, KnownWhereTheirPluginIsMissing) {
     static_cast<void>(missing.front()->read(volumes::must(files::InputFile::open(folder / "a.vtk", Context())), {}));
     FAIL();
   } catch (const volumes::Refused& refused) {
-    EXPECT_EQ(refused.error.kind, ErrorKind::unavailable);
+    EXPECT_EQ(refused.error.code, ErrorCode::unavailable);
     expect_in(refused.error.message, "a.vtk: the format vtk is read by the plug-in isoextract-particles-vtk.so");
   }
   const auto kind = [&](const std::string& name) {

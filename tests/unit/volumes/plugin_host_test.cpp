@@ -56,7 +56,7 @@ TEST(PluginHost, ReadsAGridByName) {
 }
 
 TEST(PluginHost, WhatIsWrongWithAFileIsAnInputError) {
-  EXPECT_EQ(refused("something else").kind, ErrorKind::input);
+  EXPECT_EQ(refused("something else").code, ErrorCode::input);
   expect_in(refused("something else").message, "not a file of the format text; it starts with 'something else'");
   expect_in(refused("textvolume\n").message, "v.tvol: expected a grid, found none");
   expect_in(refused("textvolume\nv 0 1 1\n").message, "found 0x1x1");
@@ -74,7 +74,7 @@ TEST(PluginHost, MemoryIsReservedBeforeItReads) {
 
 TEST(PluginHost, OneOfAnotherVersionIsRefused) {
   const Error error = refused("textvolume\nv 1 1 1\n1\n", text_format("newer"));
-  EXPECT_EQ(error.kind, ErrorKind::unavailable);
+  EXPECT_EQ(error.code, ErrorCode::unavailable);
   expect_in(error.message, "has version 4 of the interface, expected 3");
 }
 
@@ -84,7 +84,7 @@ TEST(PluginHost, OneThatIsNotThereSaysWhereItWasLookedFor) {
   const auto formats = volumes::find_plugin_formats({folder.path(), "/nowhere"});
   ASSERT_EQ(formats.size(), 1U);
   const Error error = refused("text", *formats.front());
-  EXPECT_EQ(error.kind, ErrorKind::unavailable);
+  EXPECT_EQ(error.code, ErrorCode::unavailable);
   expect_in(error.message,
             "isoextract-volume-absent.so, which is in none of: " + folder.path().string() + ", /nowhere");
 }

@@ -84,7 +84,7 @@ TEST(RawReaderSize, DimsBelowOneAreAUsageError) {
   options.raw->dims = {2, -4, -1};
   const auto field = volumes::read_volume((folder / "v.raw").string(), options, Context());
   ASSERT_FALSE(field);
-  EXPECT_EQ(field.error().kind, ErrorKind::usage);
+  EXPECT_EQ(field.error().code, ErrorCode::usage);
 }
 
 TEST(RawReaderSize, MemoryLimitHoldsForWhatIsRead) {
@@ -92,7 +92,7 @@ TEST(RawReaderSize, MemoryLimitHoldsForWhatIsRead) {
   write_bytes(folder / "v.raw", ramp_bytes<float>(std::endian::big));
   const volumes::ReadOptions options = raw_options(field::SampleType::f32, std::endian::big);
   const Error error = refusal(folder / "v.raw", options, with_memory(239));
-  EXPECT_EQ(error.kind, ErrorKind::input);
+  EXPECT_EQ(error.code, ErrorCode::input);
   EXPECT_EQ(error.hint.remedy, Remedy::raise_memory_limit);
   expect_ramp<float>(must_read(folder / "v.raw", options, with_memory(240)));
 }
@@ -119,7 +119,7 @@ TEST(RawReaderSize, ReadingEndsWhereThatIsAskedFor) {
   const auto field =
       volumes::read_volume((folder / "v.raw").string(), raw_options(field::SampleType::f32, std::endian::big), context);
   ASSERT_FALSE(field);
-  EXPECT_EQ(field.error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(field.error().code, ErrorCode::cancelled);
 }
 
 TEST(RawReaderSize, ReportsItsProgressInBytes) {
@@ -162,7 +162,7 @@ TEST(RawReaderPlace, SpacingMustBePositive) {
     options.spacing = glm::dvec3(1, bad, 1);
     const auto field = volumes::read_volume((folder / "v.raw").string(), options, Context());
     ASSERT_FALSE(field);
-    EXPECT_EQ(field.error().kind, ErrorKind::usage);
+    EXPECT_EQ(field.error().code, ErrorCode::usage);
   }
 }
 

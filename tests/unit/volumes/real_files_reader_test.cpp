@@ -161,7 +161,7 @@ TEST(RealFiles, GasSequenceListsItsGridsAndReadsDensity) {
       EXPECT_EQ(field.extents(), grid.box) << grid.name;
     }
     const Error error = refusal(data_file(name));
-    EXPECT_EQ(error.kind, ErrorKind::input);
+    EXPECT_EQ(error.code, ErrorCode::input);
     expect_in(error.hint.text, "\n  density");
     expect_in(error.hint.text, "empty");
     expect_in(error.hint.text, "not scalar");

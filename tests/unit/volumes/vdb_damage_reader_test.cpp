@@ -80,7 +80,7 @@ TEST(VdbDamage, TruncationsAreErrors) {
     for (std::size_t length = 1; length < good.size(); length += length < 700 ? 5 : step) {
       write_bytes(folder / "v.vdb", good.substr(0, length));
       const Error error = refusal(folder / "v.vdb");
-      EXPECT_EQ(error.kind, ErrorKind::input);
+      EXPECT_EQ(error.code, ErrorCode::input);
     }
     write_bytes(folder / "v.vdb", good.substr(0, good.size() - 1));
     refusal(folder / "v.vdb");
@@ -97,7 +97,7 @@ TEST(VdbDamage, TruncationsOfStreamsAreErrors) {
     const std::size_t step = std::max<std::size_t>(1, good.size() / 100);
     for (std::size_t length = 1; length < good.size(); length += length < 700 ? 5 : step) {
       write_bytes(folder / "v.vdb", good.substr(0, length));
-      EXPECT_EQ(refusal(folder / "v.vdb").kind, ErrorKind::input);
+      EXPECT_EQ(refusal(folder / "v.vdb").code, ErrorCode::input);
       EXPECT_FALSE(volumes::list_grids((folder / "v.vdb").string(), {}, Context())) << length;
     }
     write_bytes(folder / "v.vdb", good.substr(0, good.size() - 1));

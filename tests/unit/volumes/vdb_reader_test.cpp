@@ -203,7 +203,7 @@ TEST(VdbReaderPlace, FrustumsNeedAPluginUnlessTheOptionsPlaceTheGrid) {
   write_vdb(folder / "v.vdb", {grid});
   const auto refused = volumes::make_vdb_format({"/nowhere"})->open((folder / "v.vdb").string(), {}, Context());
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, ErrorKind::unavailable);
+  EXPECT_EQ(refused.error().code, ErrorCode::unavailable);
   expect_in(refused.error().message, "the grid 'v' lies in a frustum");
   volumes::ReadOptions options;
   options.spacing = glm::dvec3(0.5);
@@ -267,7 +267,7 @@ TEST(VdbReaderGrids, ListTellsTypesClassesCountsAndBoxes) {
 TEST(VdbReaderGrids, AChoiceIsAskedForAndTheListShown) {
   const ManyGrids file;
   const Error error = refusal(file.path);
-  EXPECT_EQ(error.kind, ErrorKind::input);
+  EXPECT_EQ(error.code, ErrorCode::input);
   expect_in(error.message, "5 of its grids are scalar");
   EXPECT_EQ(error.hint.remedy, Remedy::choose_grid);
   for (const char* line : {"\n  velocity  vec3s", "not scalar", "\n  flags", "empty", "\n  twin[0]", "\n  twin[1]",
@@ -291,7 +291,7 @@ TEST(VdbReaderGrids, NamesAndRepeatedNames) {
     volumes::ReadOptions options;
     options.grid = grid;
     const Error error = refusal(file.path, options);
-    EXPECT_EQ(error.kind, ErrorKind::input);
+    EXPECT_EQ(error.code, ErrorCode::input);
     expect_in(error.hint.text, "\n  surface");
     return error.message;
   };
@@ -389,7 +389,7 @@ TEST(VdbReaderLimits, ReadingEndsWhereThatIsAskedFor) {
   context.cancel();
   const auto field = volumes::read_volume((folder / "v.vdb").string(), {}, context);
   ASSERT_FALSE(field);
-  EXPECT_EQ(field.error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(field.error().code, ErrorCode::cancelled);
 }
 
 TEST(VdbReaderLimits, VoxelsTooFarOutAreRefused) {

@@ -86,7 +86,7 @@ template <class T>
 void expect_series(const std::filesystem::path& path) {
   for (int t = 0; t < kCount; ++t) expect_step<T>(must_read(path, volume(t)), t);
   const Error none = refusal(path);
-  EXPECT_EQ(none.kind, ErrorKind::input);
+  EXPECT_EQ(none.code, ErrorCode::input);
   expect_in(none.message, "there are 4 volumes");
   EXPECT_EQ(none.hint, Hint(Remedy::choose_volume, "from 0 to 3"));
   for (const std::int64_t wrong : {std::int64_t{-1}, std::int64_t{4}, INT64_MAX, INT64_MIN}) {
@@ -240,7 +240,7 @@ TEST(Series, APackedOneInflatesNoFurtherThanItsVolume) {
   packed += gzip(series_bytes<std::uint8_t>().substr(120)).substr(0, 20);  // cut off in the third volume
   write_bytes(folder / "v.nrrd", nrrd("uint8", std::string(kSlowest) + "encoding: gzip\n", packed));
   expect_step<std::uint8_t>(must_read(folder / "v.nrrd", volume(0)), 0);
-  EXPECT_EQ(refusal(folder / "v.nrrd", volume(3)).kind, ErrorKind::input);
+  EXPECT_EQ(refusal(folder / "v.nrrd", volume(3)).code, ErrorCode::input);
 }
 
 TEST(Series, MemoryIsThatOfOneVolume) {
@@ -273,7 +273,7 @@ TEST(Series, OneVolumeIsNumberNought) {
 TEST(Series, FormatsWithoutVolumesRefuseTheChoice) {
   const auto field = volumes::read_volume("demo:sphere?size=8", volume(0), Context());
   ASSERT_FALSE(field);
-  EXPECT_EQ(field.error().kind, ErrorKind::usage);
+  EXPECT_EQ(field.error().code, ErrorCode::usage);
   EXPECT_EQ(field.error().hint.remedy, Remedy::leave_out_volume);
   EXPECT_EQ(volumes::count_volumes("demo:sphere?size=8", {}, Context()).value(), 1U);
   EXPECT_FALSE(volumes::count_volumes("missing.npy", {}, Context()));
@@ -287,7 +287,7 @@ TEST(Series, SizesThatLieAreRefusedBeforeMemoryIsTaken) {
     SCOPED_TRACE(name);
     write_bytes(folder / name, bytes);
     const Error error = refusal(folder / name, volume(0), context);
-    EXPECT_EQ(error.kind, ErrorKind::input);
+    EXPECT_EQ(error.code, ErrorCode::input);
     expect_in(error.message, message);
     EXPECT_EQ(context.memory().reserved(), 0U);
   };

@@ -140,7 +140,7 @@ inline void expect_all_refused(const std::string& file_name, const std::vector<B
     const TempFolder folder;
     write_bytes(folder / file_name, bad.bytes);
     const Error error = refusal(folder / file_name);
-    EXPECT_EQ(error.kind, ErrorKind::input);
+    EXPECT_EQ(error.code, ErrorCode::input);
     expect_in(error.message, bad.message);
   }
 }

@@ -10,12 +10,12 @@ namespace {
 const std::string kNrrd =
     "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 3 4 5\nencoding: raw\n\n" + ramp_bytes<std::uint8_t>();
 
-ErrorKind kind_of_refusal(const std::string& input, const volumes::ReadOptions& options) {
+ErrorCode kind_of_refusal(const std::string& input, const volumes::ReadOptions& options) {
   const auto field = volumes::read_volume(input, options, Context());
   if (field) throw std::runtime_error(input + " was read");
   const auto grids = volumes::list_grids(input, options, Context());
   EXPECT_FALSE(grids) << "list_grids must refuse what read_volume refuses";
-  return field.error().kind;
+  return field.error().code;
 }
 
 TEST(VolumeReader, EveryFormatHasOneRow) {
@@ -45,7 +45,7 @@ TEST(VolumeReader, UnknownContentListsTheFormats) {
   const TempFolder folder;
   write_bytes(folder / "v.txt", "x,y,z\n1,2,3\n");
   const Error error = refusal(folder / "v.txt");
-  EXPECT_EQ(error.kind, ErrorKind::input);
+  EXPECT_EQ(error.code, ErrorCode::input);
   expect_in(error.message, "not a volume format that isoextract reads; it starts with 'x,y,z\\n1,2,3\\n'");
   for (const char* format : {"vdb", "nrrd", "nifti", "npy", "raw", ".nhdr"}) expect_in(error.hint.text, format);
   write_bytes(folder / "v.gz", gzip(kNrrd));
@@ -62,7 +62,7 @@ TEST(VolumeReader, KnownExtensionWithOtherContentNamesTheFormat) {
                                                                                      {"v.npy", "not a NumPy file"}}) {
     write_bytes(folder / name, "some text that is no volume\n");
     const Error error = refusal(folder / name);
-    EXPECT_EQ(error.kind, ErrorKind::input);
+    EXPECT_EQ(error.code, ErrorCode::input);
     expect_in(error.message, format);
     expect_in(error.message, "found 'some text that i...'");
   }
@@ -72,7 +72,7 @@ TEST(VolumeReader, RawFilesNeedALayout) {
   const TempFolder folder;
   write_bytes(folder / "v.raw", "12345678");
   const Error error = refusal(folder / "v.raw");
-  EXPECT_EQ(error.kind, ErrorKind::usage);
+  EXPECT_EQ(error.code, ErrorCode::usage);
   EXPECT_EQ(error.hint.remedy, Remedy::describe_raw);
 }
 
@@ -94,16 +94,16 @@ TEST(VolumeReader, OptionsOfOtherFormatsAreUsageErrors) {
   with_layout.raw = volumes::RawLayout{kDims, field::SampleType::u8, std::endian::little, 0};
   volumes::ReadOptions with_grid;
   with_grid.grid = "density";
-  EXPECT_EQ(kind_of_refusal(nrrd, with_layout), ErrorKind::usage);
-  EXPECT_EQ(kind_of_refusal(nrrd, with_grid), ErrorKind::usage);
-  EXPECT_EQ(kind_of_refusal("demo:sphere?size=4", with_layout), ErrorKind::usage);
-  EXPECT_EQ(kind_of_refusal("demo:sphere?size=4", with_grid), ErrorKind::usage);
+  EXPECT_EQ(kind_of_refusal(nrrd, with_layout), ErrorCode::usage);
+  EXPECT_EQ(kind_of_refusal(nrrd, with_grid), ErrorCode::usage);
+  EXPECT_EQ(kind_of_refusal("demo:sphere?size=4", with_layout), ErrorCode::usage);
+  EXPECT_EQ(kind_of_refusal("demo:sphere?size=4", with_grid), ErrorCode::usage);
   volumes::ReadOptions as_demo;
   as_demo.format = "demo";
-  EXPECT_EQ(kind_of_refusal(nrrd, as_demo), ErrorKind::usage);
+  EXPECT_EQ(kind_of_refusal(nrrd, as_demo), ErrorCode::usage);
   volumes::ReadOptions unknown;
   unknown.format = "obj";
-  EXPECT_EQ(kind_of_refusal(nrrd, unknown), ErrorKind::usage);
+  EXPECT_EQ(kind_of_refusal(nrrd, unknown), ErrorCode::usage);
 }
 
 TEST(VolumeReader, GivenFormatDecides) {
@@ -117,7 +117,7 @@ TEST(VolumeReader, GivenFormatDecides) {
   options.raw.reset();
   for (const char* format : {"vdb", "nifti", "npy"}) {
     options.format = format;
-    EXPECT_EQ(refusal(folder / "v.nrrd", options).kind, ErrorKind::input);
+    EXPECT_EQ(refusal(folder / "v.nrrd", options).code, ErrorCode::input);
   }
 }
 
@@ -171,7 +171,7 @@ TEST(VolumeReader, DemoFields) {
   const auto grids = volumes::list_grids("demo:sphere?size=8", {}, Context());
   ASSERT_TRUE(grids);
   EXPECT_EQ(grids->front().voxels, 512U);
-  EXPECT_EQ(kind_of_refusal("demo:nothing", {}), ErrorKind::usage);
+  EXPECT_EQ(kind_of_refusal("demo:nothing", {}), ErrorCode::usage);
 }
 
 }  // namespace

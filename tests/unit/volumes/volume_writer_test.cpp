@@ -102,7 +102,7 @@ TEST(VolumeWriter, WhatAFormatDoesNotHoldIsRefused) {
   std::get<field::DenseSamples>(field.samples).type = field::SampleType::f16;
   EXPECT_NE(refused({&field, 1}, VolumeFileFormat::nrrd).find("16-bit floats"), std::string::npos);
   const auto nowhere = volumes::write_volume(folder / "none" / "a.raw", {&field, 1}, VolumeFileFormat::raw, Context());
-  EXPECT_EQ(nowhere.error().kind, ErrorKind::output);
+  EXPECT_EQ(nowhere.error().code, ErrorCode::output);
 }
 
 }  // namespace
