@@ -12,6 +12,7 @@
 #include "cli/plan.hpp"
 #include "cli/water_report.hpp"
 #include "convert/json_values.hpp"
+#include "measure/extraction_comparison.hpp"
 #include "measure/stability.hpp"
 
 namespace isoextract::cli {

@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "cli/layout.hpp"
-#include "measure/stability.hpp"
+#include "measure/extraction_comparison.hpp"
 
 namespace isoextract::cli {
 namespace {

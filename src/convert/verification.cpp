@@ -5,8 +5,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "measure/stability.hpp"
-
 namespace isoextract::convert {
 namespace {
 

@@ -11,7 +11,6 @@
 
 #include "measure/detail/float_spacing.hpp"
 #include "measure/detail/reduction.hpp"
-#include "measure/stability.hpp"
 #include "measure/triangle_sets.hpp"
 #include "mesh/buckets.hpp"
 

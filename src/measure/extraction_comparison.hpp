@@ -22,6 +22,9 @@
 
 namespace isoextract::measure {
 
+// What positions of two backends may differ by, in units of the last place: more than rounding once costs.
+inline constexpr double kStabilityUlps = 2;
+
 // What the normals of two backends may differ by: many times the rounding of a unit vector in float32, and far below
 // what shading shows.
 inline constexpr double kNormalDegrees = 0.01;

@@ -12,7 +12,7 @@
 
 #include "measure/detail/float_spacing.hpp"
 #include "measure/detail/reduction.hpp"
-#include "measure/stability.hpp"
+#include "measure/extraction_comparison.hpp"
 #include "mesh/buckets.hpp"
 #include "mesh/metrics.hpp"
 

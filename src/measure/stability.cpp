@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "measure/extraction_comparison.hpp"
+
 namespace isoextract::measure {
 namespace {
 

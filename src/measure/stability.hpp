@@ -10,9 +10,6 @@
 
 namespace isoextract::measure {
 
-// What GPU and CPU may differ by, and more than rounding once costs.
-inline constexpr double kStabilityUlps = 2;
-
 struct StabilityRow {
   std::string_view name;
   extract::Method method = extract::Method::mc;

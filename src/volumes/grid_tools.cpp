@@ -13,7 +13,7 @@
 #include <grid_tools_plugin.h>
 #include "base/printable.hpp"
 #include "files/output_file.hpp"
-#include "volumes/detail/plugin_host.hpp"
+#include "volumes/detail/plugin_kinds.hpp"
 #include "volumes/detail/plugin_library.hpp"
 #include "volumes/detail/plugin_samples.hpp"
 #include "volumes/volume_reader.hpp"

@@ -44,7 +44,7 @@ const ParticleFormat* particles_by_extension(const std::filesystem::path& path, 
 const ParticleFormat* particles_by_content(const files::InputFile& file, const ParticleReadOptions& options) {
   std::array<std::byte, 2> start{};
   if (file.size() >= start.size()) must(file.read_at(0, start));
-  const auto content = must(files::first_bytes(file, kStartBytes));
+  const auto content = must(files::first_bytes(file, files::kStartBytes));
   for (const ParticleFormat* format : particle_formats()) {
     if (format->claims(file, {file.path(), content, files::is_gzip(start)}, options)) return format;
   }

@@ -5,7 +5,6 @@
 
 #include <array>
 #include <bit>
-#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -22,6 +21,7 @@
 #include "base/error.hpp"
 #include "base/words.hpp"
 #include "field/scalar_field.hpp"
+#include "files/file_start.hpp"
 
 namespace isoextract::volumes {
 
@@ -121,14 +121,6 @@ struct FormatDescription {
   bool needs_layout = false;    // files do not say what is in them: ReadOptions::raw has to
 };
 
-// The beginning of a file, for formats to know their own by. kStartBytes of it, or all where there are fewer.
-inline constexpr std::size_t kStartBytes = 1024;
-struct FileStart {
-  const std::filesystem::path& path;
-  std::span<const std::byte> bytes;  // inflated where the file is gzip
-  bool packed = false;               // it is
-};
-
 // Formats live as long as the program, keep nothing of a file between calls and may be used by several threads at once.
 // Where `input` is named, it is the path of a file, or a text that starts with the format's prefix. Options were
 // checked against the description. What they throw, std::bad_alloc for example, is caught by whoever calls them by way
@@ -143,7 +135,7 @@ class VolumeFormat {
   [[nodiscard]] const FormatDescription& about() const { return about_; }
 
   // Whether a file that starts so is of this format, beyond doubt. False where only its name can tell.
-  [[nodiscard]] virtual bool probe(const FileStart& /*start*/) const { return false; }
+  [[nodiscard]] virtual bool probe(const files::FileStart& /*start*/) const { return false; }
 
   // The grids there are, scalar or not; one where the format has no names for them. Never reads samples.
   [[nodiscard]] virtual Result<std::vector<GridInfo>> list(const std::string& input, const ReadOptions& options,

@@ -7,16 +7,14 @@
 
 #include <volume_plugin.h>
 #include "base/printable.hpp"
+#include "files/file_start.hpp"
 #include "volumes/detail/dense_format.hpp"
-#include "volumes/detail/file_start.hpp"
 #include "volumes/detail/grid_choice.hpp"
+#include "volumes/detail/plugin_kinds.hpp"
 #include "volumes/detail/plugin_samples.hpp"
 #include "volumes/detail/plugin_visit.hpp"
 
 namespace isoextract::volumes {
-
-const PluginKind kVolumePlugins{"isoextract-volume-", "isoextract_volume_plugin", ISOEXTRACT_VOLUME_PLUGIN_VERSION};
-
 namespace {
 
 namespace fs = std::filesystem;

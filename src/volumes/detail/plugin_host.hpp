@@ -10,12 +10,6 @@
 
 namespace isoextract::volumes {
 
-// The plug-ins around OpenVDB. They have no format of volumes of their own: the built-in one asks them for what it does
-// not read itself.
-inline constexpr const char* kOpenVdbPlugin = "openvdb";
-
-extern const PluginKind kVolumePlugins;
-
 // One format, which is the description's id, without a look at tables.
 [[nodiscard]] std::unique_ptr<const VolumeFormat> make_plugin_format(FormatDescription about, PluginFolders folders);
 

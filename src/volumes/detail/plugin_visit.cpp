@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "base/printable.hpp"
+#include "files/file_start.hpp"
 #include "sandbox/program.hpp"
 #include "volumes/detail/plugin_samples.hpp"
-#include "volumes/volume_format.hpp"
 
 namespace isoextract::volumes {
 namespace {
@@ -132,7 +132,7 @@ std::string plugin_needs(const std::string& input, const std::string& id) {
 }
 
 Result<std::vector<std::byte>> start_as_stored(const files::InputFile& file) {
-  std::vector<std::byte> start(static_cast<std::size_t>(std::min<std::uint64_t>(file.size(), kStartBytes)));
+  std::vector<std::byte> start(static_cast<std::size_t>(std::min<std::uint64_t>(file.size(), files::kStartBytes)));
   TRY(file.read_at(0, start));
   return start;
 }

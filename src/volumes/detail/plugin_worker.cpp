@@ -17,10 +17,9 @@
 #include "field/samples.hpp"
 #include "sandbox/message.hpp"
 #include "sandbox/shared_memory.hpp"
-#include "volumes/detail/plugin_host.hpp"
+#include "volumes/detail/plugin_kinds.hpp"
 #include "volumes/detail/plugin_messages.hpp"
 #include "volumes/detail/plugin_samples.hpp"
-#include "volumes/particles/plugin_particles.hpp"
 
 namespace isoextract::volumes {
 namespace {

@@ -23,7 +23,7 @@ const VolumeFormat* format_by_prefix(const std::string& input) {
   return nullptr;
 }
 
-const VolumeFormat* format_by_content(const FileStart& start) {
+const VolumeFormat* format_by_content(const files::FileStart& start) {
   for (const VolumeFormat* format : volume_formats()) {
     if (format->probe(start)) return format;
   }
@@ -89,7 +89,7 @@ Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions
   if (const VolumeFormat* format = format_by_prefix(input)) return DetectedFormat{format, {}};
   const auto file = TRY(files::InputFile::open(input, context));
   if (options.format) return chosen_format(file.name(), *options.format);
-  const auto content = TRY(files::first_bytes(file, kStartBytes));
+  const auto content = TRY(files::first_bytes(file, files::kStartBytes));
   const auto known = TRY(known_by_content(file, content));
   const VolumeFormat* by_content = known;
   const VolumeFormat* by_extension = format_by_extension(file.path());
@@ -112,13 +112,13 @@ bool has_volume_extension(const std::filesystem::path& path) { return format_by_
 std::optional<Error> known_but_unread(const std::filesystem::path& path, const Context& context) {
   const auto file = files::InputFile::open(path, context);
   if (!file) return std::nullopt;
-  const auto content = files::first_bytes(*file, kStartBytes);
+  const auto content = files::first_bytes(*file, files::kStartBytes);
   return content ? error_of_unread(*file, *content) : std::nullopt;
 }
 
 Result<bool> has_volume_content(const std::string& input, const Context& context) {
   const auto file = TRY(files::InputFile::open(input, context));
-  const auto content = TRY(files::first_bytes(file, kStartBytes));
+  const auto content = TRY(files::first_bytes(file, files::kStartBytes));
   const auto known = TRY(known_by_content(file, content));
   return known != nullptr;
 }

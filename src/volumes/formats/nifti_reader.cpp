@@ -10,8 +10,8 @@
 #include <nifti2_io.h>
 
 #include "base/checked.hpp"
+#include "files/file_start.hpp"
 #include "volumes/detail/dense_format.hpp"
-#include "volumes/detail/file_start.hpp"
 #include "volumes/detail/formats.hpp"
 
 namespace isoextract::volumes {
@@ -310,18 +310,18 @@ Result<DenseFile> open_with_header(const files::InputFile& file, const NiftiHead
 }
 
 tl::unexpected<Error> fail_no_header(const files::InputFile& file) {
-  return fail_magic(file, "a NIfTI file", "a NIfTI-1 or NIfTI-2 header");
+  return files::fail_magic(file, "a NIfTI file", "a NIfTI-1 or NIfTI-2 header");
 }
 
 Result<DenseFile> open_nifti(const files::InputFile& file) {
-  const auto content = TRY(files::first_bytes(file, kStartBytes));
+  const auto content = TRY(files::first_bytes(file, files::kStartBytes));
   if (const auto header = parse_header(content)) return open_with_header(file, *header);
   if (!has_extension(file.path(), ".img") && !has_extension(file.path(), ".img.gz")) return fail_no_header(file);
 
   // The samples of a pair were named; the header is beside them.
   const auto path = TRY(find_partner(file, ".hdr"));
   const auto partner = TRY(files::InputFile::open(path, file.context()));
-  const auto partner_content = TRY(files::first_bytes(partner, kStartBytes));
+  const auto partner_content = TRY(files::first_bytes(partner, files::kStartBytes));
   const auto header = parse_header(partner_content);
   return header ? open_with_header(partner, *header) : Result<DenseFile>(fail_no_header(partner));
 }
@@ -335,7 +335,9 @@ class NiftiFormat final : public DenseFormat {
                      .has_volumes = true,
                      .has_components = true}) {}
 
-  [[nodiscard]] bool probe(const FileStart& start) const override { return parse_header(start.bytes).has_value(); }
+  [[nodiscard]] bool probe(const files::FileStart& start) const override {
+    return parse_header(start.bytes).has_value();
+  }
 
  protected:
   [[nodiscard]] Result<DenseFile> open_header(const files::InputFile& file,

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/printable.hpp"
-#include "volumes/detail/file_start.hpp"
+#include "files/file_start.hpp"
 
 namespace isoextract::volumes {
 namespace {
@@ -166,7 +166,7 @@ Result<NpyHeader> read_npy_header(const files::InputFile& file) {
     return fail(ErrorCode::input, file.name() + ": expected a NumPy file as it is, found it packed by gzip",
                 "unpack it first");
   }
-  if (!starts_with(start, kNpyMagic)) return fail_magic(file, "a NumPy file", "'\\x93NUMPY'");
+  if (!files::starts_with(start, kNpyMagic)) return files::fail_magic(file, "a NumPy file", "'\\x93NUMPY'");
   const std::uint64_t header = std::min(8 + length_bytes(2) + dict_length(start, std::to_integer<int>(start[6])),
                                         std::min(kMaxNpyHeader, file.size()));
   std::vector<std::byte> bytes(static_cast<std::size_t>(header));
@@ -175,7 +175,7 @@ Result<NpyHeader> read_npy_header(const files::InputFile& file) {
 }
 
 Result<NpyHeader> parse_npy_header(const std::string& name, std::span<const std::byte> start, std::uint64_t size) {
-  if (!starts_with(start, kNpyMagic)) {
+  if (!files::starts_with(start, kNpyMagic)) {
     return fail(ErrorCode::input, fmt::format("{}: not a NumPy array: expected '\\x93NUMPY' at the start, found '{}'",
                                               name, printable(start, 16)));
   }
@@ -201,7 +201,7 @@ Result<NpyHeader> parse_npy_header(const std::string& name, std::span<const std:
 }
 
 std::optional<NpyHeader> npy_header_in(std::span<const std::byte> start) {
-  if (start.size() < 12 || !starts_with(start, kNpyMagic)) return std::nullopt;
+  if (start.size() < 12 || !files::starts_with(start, kNpyMagic)) return std::nullopt;
   const int version = std::to_integer<int>(start[6]);
   if (version < 1 || version > 3) return std::nullopt;
   const std::size_t begin = 8 + length_bytes(version);

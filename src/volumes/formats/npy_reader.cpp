@@ -8,8 +8,8 @@
 
 #include "base/checked.hpp"
 #include "base/printable.hpp"
+#include "files/file_start.hpp"
 #include "volumes/detail/dense_format.hpp"
-#include "volumes/detail/file_start.hpp"
 #include "volumes/detail/formats.hpp"
 #include "volumes/formats/npy_volume.hpp"
 
@@ -101,8 +101,8 @@ class NpyFormat final : public DenseFormat {
                      .has_components = true,
                      .has_axis_order = true}) {}
 
-  [[nodiscard]] bool probe(const FileStart& start) const override {
-    return !start.packed && starts_with(start.bytes, kNpyMagic);
+  [[nodiscard]] bool probe(const files::FileStart& start) const override {
+    return !start.packed && files::starts_with(start.bytes, kNpyMagic);
   }
 
  protected:

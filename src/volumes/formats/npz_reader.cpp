@@ -11,8 +11,8 @@
 #include <zlib.h>
 
 #include "base/printable.hpp"
+#include "files/file_start.hpp"
 #include "volumes/detail/dense_reading.hpp"
-#include "volumes/detail/file_start.hpp"
 #include "volumes/detail/formats.hpp"
 #include "volumes/detail/grid_choice.hpp"
 #include "volumes/formats/npy_volume.hpp"
@@ -109,14 +109,14 @@ class NpzFormat final : public VolumeFormat {
                       .has_axis_order = true}) {}
 
   // Other kinds of files are ZIP files, too: the first member's name tells.
-  [[nodiscard]] bool probe(const FileStart& start) const override {
+  [[nodiscard]] bool probe(const files::FileStart& start) const override {
     constexpr std::size_t kNameLength = 26;
     constexpr std::size_t kName = 30;
-    if (start.packed || start.bytes.size() < kName || !starts_with(start.bytes, kZipMagic)) return false;
+    if (start.packed || start.bytes.size() < kName || !files::starts_with(start.bytes, kZipMagic)) return false;
     const std::size_t length = std::to_integer<std::size_t>(start.bytes[kNameLength]) |
                                std::to_integer<std::size_t>(start.bytes[kNameLength + 1]) << 8;
     if (length < kMemberEnd.size() || start.bytes.size() - kName < length) return false;
-    return starts_with(start.bytes.subspan(kName + length - kMemberEnd.size()), kMemberEnd);
+    return files::starts_with(start.bytes.subspan(kName + length - kMemberEnd.size()), kMemberEnd);
   }
 
   [[nodiscard]] Result<std::vector<GridInfo>> list(const std::string& input, const ReadOptions& options,

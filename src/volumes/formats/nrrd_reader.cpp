@@ -12,8 +12,8 @@
 #include "base/ascii.hpp"
 #include "base/checked.hpp"
 #include "base/printable.hpp"
+#include "files/file_start.hpp"
 #include "volumes/detail/dense_format.hpp"
-#include "volumes/detail/file_start.hpp"
 #include "volumes/detail/formats.hpp"
 #include "volumes/formats/nrrd_header.hpp"
 
@@ -329,8 +329,8 @@ Result<void> check_encoding(const std::string& file, const NrrdIoState& state) {
 }
 
 Result<DenseFile> open_nrrd(const files::InputFile& file) {
-  const auto content = TRY(files::first_bytes(file, kStartBytes));
-  if (!starts_with(content, kNrrdMagic)) return fail_magic(file, "a NRRD file", "'NRRD000'");
+  const auto content = TRY(files::first_bytes(file, files::kStartBytes));
+  if (!files::starts_with(content, kNrrdMagic)) return files::fail_magic(file, "a NRRD file", "'NRRD000'");
   const auto text = TRY(read_nrrd_header(file));
   const auto parsed = TRY(parse_fields(file.name(), text.fields));
   const Nrrd& nrrd = *parsed.nrrd;
@@ -375,8 +375,8 @@ class NrrdFormat final : public DenseFormat {
                      .has_volumes = true,
                      .has_components = true}) {}
 
-  [[nodiscard]] bool probe(const FileStart& start) const override {
-    return !start.packed && starts_with(start.bytes, kNrrdMagic);
+  [[nodiscard]] bool probe(const files::FileStart& start) const override {
+    return !start.packed && files::starts_with(start.bytes, kNrrdMagic);
   }
 
  protected:

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include "base/checked.hpp"
+#include "files/file_start.hpp"
 #include "volumes/detail/dense_format.hpp"
-#include "volumes/detail/file_start.hpp"
 #include "volumes/detail/formats.hpp"
 
 namespace isoextract::volumes {

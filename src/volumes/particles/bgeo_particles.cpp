@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/printable.hpp"
-#include "volumes/detail/file_start.hpp"
+#include "files/file_start.hpp"
 #include "volumes/particles/houdini_geometry.hpp"
 #include "volumes/particles/houdini_json.hpp"
 #include "volumes/particles/particle_columns.hpp"
@@ -119,8 +119,8 @@ class BgeoParticles final : public ParticleFormat {
                         .title = "Houdini geometry, points and their attributes, plain or gzip",
                         .extensions = {".bgeo", ".bgeo.sc"}}) {}
 
-  [[nodiscard]] bool probe(const FileStart& start) const override {
-    return starts_with(start.bytes, kBgeoMagic) || is_houdini(start.bytes);
+  [[nodiscard]] bool probe(const files::FileStart& start) const override {
+    return files::starts_with(start.bytes, kBgeoMagic) || is_houdini(start.bytes);
   }
 
   [[nodiscard]] ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const override {
@@ -151,15 +151,15 @@ class BgeoParticles final : public ParticleFormat {
 
  private:
   static bool is_houdini(std::span<const std::byte> start) {
-    return starts_with(start, kHoudiniMagicLittle) || starts_with(start, kHoudiniMagicBig);
+    return files::starts_with(start, kHoudiniMagicLittle) || files::starts_with(start, kHoudiniMagicBig);
   }
 
   // Throws where the content is of neither kind.
   static bool is_newer(const files::InputFile& file) {
     const auto start = must(files::first_bytes(file, 16));
     if (is_houdini(start)) return true;
-    if (starts_with(start, kBgeoMagic)) return false;
-    if (starts_with(start, "scf1")) {
+    if (files::starts_with(start, kBgeoMagic)) return false;
+    if (files::starts_with(start, "scf1")) {
       throw DamagedParticles("expected BGEO, plain or gzip, found it packed by blosc (.bgeo.sc), which is not read",
                              "save it as .bgeo or .bgeo.gz");
     }

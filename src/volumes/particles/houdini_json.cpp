@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "volumes/detail/file_start.hpp"
+#include "files/file_start.hpp"
 #include "volumes/particles/particle_source.hpp"
 
 namespace isoextract::volumes {
@@ -49,9 +49,9 @@ std::optional<NumberType> number_of_code(unsigned code) {
 
 HoudiniJson::HoudiniJson(ContentReader& content) : content_(content) {
   const auto magic = content.take(kHoudiniMagicLittle.size(), "the magic");
-  if (starts_with(magic, kHoudiniMagicBig)) {
+  if (files::starts_with(magic, kHoudiniMagicBig)) {
     endian_ = std::endian::big;
-  } else if (!starts_with(magic, kHoudiniMagicLittle)) {
+  } else if (!files::starts_with(magic, kHoudiniMagicLittle)) {
     throw DamagedParticles("expected Houdini's binary JSON, found other bytes");
   }
 }

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/printable.hpp"
-#include "volumes/detail/file_start.hpp"
+#include "files/file_start.hpp"
 #include "volumes/particles/frame_index.hpp"
 #include "volumes/particles/particle_columns.hpp"
 #include "volumes/particles/text_rows.hpp"
@@ -247,9 +247,9 @@ class LammpsParticles final : public ParticleFormat {
                         .has_frames = true,
                         .has_columns = true}) {}
 
-  [[nodiscard]] bool probe(const FileStart& start) const override {
-    return starts_with(start.bytes, "ITEM: TIMESTEP") || starts_with(start.bytes, "ITEM: UNITS") ||
-           starts_with(start.bytes, "ITEM: TIME");
+  [[nodiscard]] bool probe(const files::FileStart& start) const override {
+    return files::starts_with(start.bytes, "ITEM: TIMESTEP") || files::starts_with(start.bytes, "ITEM: UNITS") ||
+           files::starts_with(start.bytes, "ITEM: TIME");
   }
 
   [[nodiscard]] ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const override {

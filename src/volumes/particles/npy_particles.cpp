@@ -7,7 +7,7 @@
 
 #include "base/checked.hpp"
 #include "base/printable.hpp"
-#include "volumes/detail/file_start.hpp"
+#include "files/file_start.hpp"
 #include "volumes/formats/npy_header.hpp"
 #include "volumes/particles/particle_columns.hpp"
 
@@ -179,7 +179,7 @@ class NpyParticles final : public ParticleFormat {
                         .has_columns = true}) {}
 
   // Arrays with more axes are volumes.
-  [[nodiscard]] bool probe(const FileStart& start) const override {
+  [[nodiscard]] bool probe(const files::FileStart& start) const override {
     if (start.packed) return false;
     const auto header = npy_header_in(start.bytes);
     return header && are_rows(*header);

@@ -13,9 +13,9 @@
 
 #include "base/error.hpp"
 #include "files/file_bytes.hpp"
+#include "files/file_start.hpp"
 #include "volumes/particle_format.hpp"
 #include "volumes/particle_reader.hpp"
-#include "volumes/volume_format.hpp"
 
 namespace isoextract::volumes {
 
@@ -57,10 +57,10 @@ class ParticleFormat {
   [[nodiscard]] const ParticleFormatDescription& about() const { return about_; }
 
   // Whether a file that starts so is one of particles in this format, beyond doubt.
-  [[nodiscard]] virtual bool probe(const FileStart& /*start*/) const { return false; }
+  [[nodiscard]] virtual bool probe(const files::FileStart& /*start*/) const { return false; }
 
   // Likewise, for formats of which the start of a file does not tell enough.
-  [[nodiscard]] virtual bool claims(const files::InputFile& /*file*/, const FileStart& start,
+  [[nodiscard]] virtual bool claims(const files::InputFile& /*file*/, const files::FileStart& start,
                                     const ParticleReadOptions& /*options*/) const {
     return probe(start);
   }

@@ -8,17 +8,13 @@
 #include <particle_plugin.h>
 #include "base/checked.hpp"
 #include "base/printable.hpp"
-#include "volumes/detail/file_start.hpp"
-#include "volumes/detail/plugin_host.hpp"
+#include "files/file_start.hpp"
+#include "volumes/detail/plugin_kinds.hpp"
 #include "volumes/detail/plugin_visit.hpp"
 #include "volumes/particles/particle_columns.hpp"
-#include "volumes/vdb/vdb_header.hpp"
+#include "volumes/vdb/vdb_points.hpp"
 
 namespace isoextract::volumes {
-
-const PluginKind kParticlePlugins{"isoextract-particles-", "isoextract_particle_plugin",
-                                  ISOEXTRACT_PARTICLE_PLUGIN_VERSION};
-
 namespace {
 
 std::string plain_text(const char* text, std::size_t most) { return text == nullptr ? "" : printable(text, most); }
@@ -185,7 +181,7 @@ class VtkParticles final : public PluginParticles {
                         std::move(folders)) {}
 
   // Other kinds of data are volumes or tables.
-  [[nodiscard]] bool probe(const FileStart& start) const override {
+  [[nodiscard]] bool probe(const files::FileStart& start) const override {
     if (start.packed) return false;
     const std::string_view text(reinterpret_cast<const char*>(start.bytes.data()), start.bytes.size());
     const auto has = [&](std::string_view part) { return text.find(part) != std::string_view::npos; };
@@ -206,47 +202,22 @@ class OpenVdbParticles final : public PluginParticles {
                         std::move(folders)) {}
 
   // A file of points alone; or the grid that is asked for, which a volume has no use for.
-  [[nodiscard]] bool claims(const files::InputFile& file, const FileStart& start,
+  [[nodiscard]] bool claims(const files::InputFile& file, const files::FileStart& start,
                             const ParticleReadOptions& options) const override {
     constexpr std::string_view kStart(" BDV\0\0\0\0", 8);
     const std::string_view text(reinterpret_cast<const char*>(start.bytes.data()), start.bytes.size());
     if (start.packed || !text.starts_with(kStart)) return false;
-    try {
-      VdbCursor cursor(file);
-      if (!options.grid) return holds_only_points(cursor);
-      const VdbHeader header = read_vdb_header(cursor);
-      return std::ranges::any_of(
-          header.grids, [&](const VdbGridRecord& grid) { return is_point_grid(grid) && grid.name == *options.grid; });
-    } catch (const VdbRefused& refused) {
-      throw Refused{refused.error};
-    } catch (const std::runtime_error&) {
-      return false;  // damaged or not known: the reader of volumes says what is wrong
-    }
+    return must(has_vdb_points(file, options.grid));
   }
 
   [[nodiscard]] ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const override {
-    check_header(file);
+    must(check_vdb_header(file));
     return PluginParticles::info(file, options);
   }
 
   [[nodiscard]] ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const override {
-    check_header(file);
+    must(check_vdb_header(file));
     return PluginParticles::read(file, options);
-  }
-
- private:
-  // OpenVDB believes what it reads: places of grids that a cut file no longer has are found here.
-  static void check_header(const files::InputFile& file) {
-    try {
-      VdbCursor cursor(file);
-      static_cast<void>(read_vdb_header(cursor));
-    } catch (const VdbRefused& refused) {
-      throw Refused{refused.error};
-    } catch (const VdbDamaged& damage) {
-      throw DamagedParticles(fmt::format("the VDB file is damaged: {}", printable(damage.what(), 300)));
-    } catch (const VdbUnsupported&) {
-      // OpenVDB may know it.
-    }
   }
 };
 

@@ -10,8 +10,6 @@
 
 namespace isoextract::volumes {
 
-extern const PluginKind kParticlePlugins;
-
 // VTK, OpenVDB, and what the tables in the folders say. Besides the errors of all formats theirs are
 // ErrorCode::unavailable (PluginLibrary::opened).
 [[nodiscard]] std::vector<std::unique_ptr<const ParticleFormat>> find_particle_plugins(const PluginFolders& folders);

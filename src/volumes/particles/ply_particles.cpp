@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/printable.hpp"
-#include "volumes/detail/file_start.hpp"
+#include "files/file_start.hpp"
 #include "volumes/particles/particle_columns.hpp"
 #include "volumes/particles/text_rows.hpp"
 
@@ -253,8 +253,8 @@ class PlyParticles final : public ParticleFormat {
       : ParticleFormat(
             {.id = "ply", .title = "PLY without faces, text or binary", .extensions = {".ply"}, .has_columns = true}) {}
 
-  [[nodiscard]] bool probe(const FileStart& start) const override {
-    return starts_with(start.bytes, "ply\n") || starts_with(start.bytes, "ply\r");
+  [[nodiscard]] bool probe(const files::FileStart& start) const override {
+    return files::starts_with(start.bytes, "ply\n") || files::starts_with(start.bytes, "ply\r");
   }
 
   [[nodiscard]] ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const override {

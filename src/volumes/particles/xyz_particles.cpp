@@ -149,7 +149,7 @@ class XyzParticles final : public ParticleFormat {
                         .known_by_name = true}) {}
 
   // A count alone may begin any file; an extended one says what it is.
-  [[nodiscard]] bool probe(const FileStart& start) const override {
+  [[nodiscard]] bool probe(const files::FileStart& start) const override {
     std::string_view text(reinterpret_cast<const char*>(start.bytes.data()), start.bytes.size());
     const std::size_t end = text.find('\n');
     if (end == std::string_view::npos) return false;

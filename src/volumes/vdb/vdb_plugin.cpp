@@ -9,7 +9,7 @@
 #include "base/printable.hpp"
 #include "files/file_bytes.hpp"
 #include "volumes/detail/grid_choice.hpp"
-#include "volumes/detail/plugin_host.hpp"
+#include "volumes/detail/plugin_kinds.hpp"
 #include "volumes/vdb/vdb_skip.hpp"
 #include "volumes/vdb/vdb_transform.hpp"
 

@@ -6,11 +6,12 @@
 #include <fmt/format.h>
 
 #include "base/printable.hpp"
-#include "volumes/detail/file_start.hpp"
+#include "files/file_start.hpp"
 #include "volumes/detail/formats.hpp"
 #include "volumes/detail/grid_choice.hpp"
 #include "volumes/detail/placing.hpp"
 #include "volumes/detail/plugin_host.hpp"
+#include "volumes/detail/plugin_kinds.hpp"
 #include "volumes/vdb/vdb_header.hpp"
 #include "volumes/vdb/vdb_plugin.hpp"
 #include "volumes/vdb/vdb_transform.hpp"
@@ -178,8 +179,8 @@ Result<field::ScalarField> read_grid(const files::InputFile& file, VdbCursor& cu
 // Calls work() and turns what it throws into an error that names the file.
 template <class F>
 auto with_messages(const files::InputFile& file, F&& work) -> decltype(work()) {
-  if (!starts_with(files::first_bytes(file, kStartBytes).value_or(std::vector<std::byte>{}), kVdbStart)) {
-    return fail_magic(file, "a VDB file", "' BDV'");
+  if (!files::starts_with(files::first_bytes(file, files::kStartBytes).value_or(std::vector<std::byte>{}), kVdbStart)) {
+    return files::fail_magic(file, "a VDB file", "' BDV'");
   }
   const auto is = [&](const char* what, const std::exception& why) {
     return fail(ErrorCode::input,
@@ -244,8 +245,8 @@ class VdbFormat final : public VolumeFormat {
         plugin_(make_plugin_format({.id = kOpenVdbPlugin, .title = about().title, .has_grids = true},
                                    std::move(folders))) {}
 
-  [[nodiscard]] bool probe(const FileStart& start) const override {
-    return !start.packed && starts_with(start.bytes, kVdbStart);
+  [[nodiscard]] bool probe(const files::FileStart& start) const override {
+    return !start.packed && files::starts_with(start.bytes, kVdbStart);
   }
 
   [[nodiscard]] Result<std::vector<GridInfo>> list(const std::string& input, const ReadOptions& /*options*/,

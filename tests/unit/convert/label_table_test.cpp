@@ -1,10 +1,11 @@
 // Tables of names and colours of labels: both kinds, and lines that are none.
+#include "convert/label_table.hpp"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include <gtest/gtest.h>
-
-#include <fstream>
-
-#include "convert/detail/label_looks.hpp"
-#include "support/temp_folder.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -72,27 +73,6 @@ TEST(LabelTable, UsualColoursAreFarApart) {
     }
   }
   EXPECT_EQ(usual_label_colour(0).x, 0.9);
-}
-
-TEST(LabelLooks, AFileThatChangedIsNotTaken) {
-  const test::TempFolder folder;
-  const auto path = (folder.path() / "lut.txt").string();
-  const auto write = [&](std::string_view text) { std::ofstream(path) << text; };
-  write("1 twin 255 0 0 0\n2 twin 0 0 255 0\n3 alone 0 255 0 0\n");
-  ConversionJob job;
-  job.label_names = LabelTableFile{path, LabelTable::read(path, Context())->hash()};
-  const auto looks = LabelLooks::open(job, Context());
-  ASSERT_TRUE(looks) << looks.error().message;
-  EXPECT_EQ(looks->name("head", 3), "alone");
-  EXPECT_EQ(looks->name("head", 2), "twin label 2");
-  EXPECT_EQ(looks->name("head", 9), "head label 9");
-  mesh::Mesh mesh;
-  ASSERT_TRUE(looks->colour(job, 2, mesh, Context()));
-  EXPECT_EQ(mesh.material->colour, glm::dvec3(0, 0, 1));
-  write("1 other 255 0 0 0\n");
-  const auto changed = LabelLooks::open(job, Context());
-  ASSERT_FALSE(changed);
-  EXPECT_NE(changed.error().message.find("has changed"), std::string::npos);
 }
 
 }  // namespace

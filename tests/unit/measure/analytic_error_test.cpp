@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "field/demo_field.hpp"
-#include "measure/detail/reference_size.hpp"
 #include "support/meshes.hpp"
 
 namespace isoextract::measure {
@@ -30,7 +29,7 @@ Extracted extract_demo(const std::string& spec, double iso, const field::Affine&
   return result;
 }
 
-// The gradients of all formulas against differences, and the surfaces' sizes against closed forms.
+// The gradients of all formulas against differences.
 TEST(AnalyticField, GradientsAreThoseOfTheValues) {
   for (const char* name : {"sphere", "torus", "gyroid", "marschner-lobb", "metaballs"}) {
     const field::AnalyticField* field = field::find_analytic_field(name);
@@ -47,27 +46,6 @@ TEST(AnalyticField, GradientsAreThoseOfTheValues) {
     }
   }
   EXPECT_EQ(field::find_analytic_field("random"), nullptr);
-}
-
-TEST(ReferenceSize, OfColumnsIsTheClosedForm) {
-  // Fields that know their sizes, made to forget them.
-  for (const char* name : {"sphere", "torus"}) {
-    field::AnalyticField field = *field::find_analytic_field(name);
-    const ReferenceSize exact = find_reference_size(field, 0.03);
-    EXPECT_TRUE(exact.closed_form);
-    field.size = [](double) -> std::optional<field::SurfaceSize> { return std::nullopt; };
-    const ReferenceSize columns = find_reference_size(field, 0.03);
-    EXPECT_FALSE(columns.closed_form);
-    EXPECT_NEAR(columns.size.area / exact.size.area, 1, 1e-6) << name;
-    EXPECT_NEAR(columns.size.volume / exact.size.volume, 1, 1e-6) << name;
-    EXPECT_LT(columns.uncertainty.area / exact.size.area, 1e-5);
-  }
-  // Clipped by the cube: half of it by symmetry.
-  const ReferenceSize gyroid = find_reference_size(*field::find_analytic_field("gyroid"), 0);
-  EXPECT_NEAR(gyroid.size.volume, 4, 1e-6);
-  EXPECT_NEAR(gyroid.size.area, 3.0915 * 16, 0.01) << "64 cells of side 1/2; 3.0915 a^2 for the level surface";
-  const ReferenceSize signal = find_reference_size(*field::find_analytic_field("marschner-lobb"), 0.5);
-  EXPECT_LT(signal.uncertainty.area / signal.size.area, 1e-4);
 }
 
 TEST(AnalyticError, FollowsTurnAndScale) {

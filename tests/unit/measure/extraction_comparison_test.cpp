@@ -8,7 +8,6 @@
 
 #include "field/demo_field.hpp"
 #include "measure/detail/float_spacing.hpp"
-#include "measure/stability.hpp"
 #include "support/fields.hpp"
 #include "support/mesh_copies.hpp"
 #include "support/meshes.hpp"

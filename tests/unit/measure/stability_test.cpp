@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "changed_extractor.hpp"
+#include "measure/extraction_comparison.hpp"
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
 

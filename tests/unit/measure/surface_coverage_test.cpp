@@ -9,6 +9,7 @@
 #include "measure/field_error.hpp"
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
+#include "support/sample_meshes.hpp"
 
 namespace isoextract::measure {
 namespace {

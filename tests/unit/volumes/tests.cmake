@@ -9,7 +9,7 @@ set_target_properties(test_volumes PROPERTIES UNITY_BUILD OFF)
 
 # OpenVDB's templates take the compiler longer than the tests take; without optimisation the tests take longer still.
 add_library(vdb_reader_tests OBJECT
-  unit/volumes/openvdb_plugin_test.cpp unit/volumes/openvdb_tools_test.cpp
+  unit/volumes/openvdb_plugin_test.cpp unit/volumes/openvdb_tools_test.cpp unit/volumes/openvdb_points_test.cpp
   unit/volumes/vdb_damage_reader_test.cpp unit/volumes/vdb_list_reader_test.cpp unit/volumes/vdb_reader_test.cpp unit/volumes/vdb_tree_reader_test.cpp)
 target_compile_options(vdb_reader_tests PRIVATE -O1)
 target_include_directories(vdb_reader_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})

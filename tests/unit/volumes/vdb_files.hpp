@@ -52,4 +52,17 @@ double sparse_value(const field::SparseSamples& samples, const glm::ivec3& index
   return samples.background;
 }
 
+// Voxels (1, 2, 3) and (-100, 0, 9), with a spacing of one half.
+template <class Grid>
+typename Grid::Ptr two_voxels(const std::string& name, typename Grid::ValueType first,
+                              typename Grid::ValueType second) {
+  openvdb::initialize();
+  auto grid = Grid::create();
+  grid->setName(name);
+  grid->tree().setValue({1, 2, 3}, first);
+  grid->tree().setValue({-100, 0, 9}, second);
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+  return grid;
+}
+
 }  // namespace isoextract::test

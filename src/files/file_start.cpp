@@ -1,4 +1,4 @@
-#include "volumes/detail/file_start.hpp"
+#include "files/file_start.hpp"
 
 #include <algorithm>
 
@@ -6,7 +6,7 @@
 
 #include "base/printable.hpp"
 
-namespace isoextract::volumes {
+namespace isoextract::files {
 
 bool starts_with(std::span<const std::byte> content, std::string_view magic) {
   return content.size() >= magic.size() &&
@@ -14,10 +14,10 @@ bool starts_with(std::span<const std::byte> content, std::string_view magic) {
                     [](char m, std::byte b) { return static_cast<std::byte>(m) == b; });
 }
 
-tl::unexpected<Error> fail_magic(const files::InputFile& file, std::string_view format, std::string_view expected) {
-  const auto content = files::first_bytes(file, kStartBytes);
+tl::unexpected<Error> fail_magic(const InputFile& file, std::string_view format, std::string_view expected) {
+  const auto content = first_bytes(file, kStartBytes);
   return fail(ErrorCode::input, fmt::format("{}: not {}: expected {} at the start, found '{}'", file.name(), format,
                                             expected, content ? printable(*content, 16) : std::string()));
 }
 
-}  // namespace isoextract::volumes
+}  // namespace isoextract::files

@@ -1,0 +1,13 @@
+#include "volumes/detail/plugin_kinds.hpp"
+
+#include <particle_plugin.h>
+#include <volume_plugin.h>
+
+namespace isoextract::volumes {
+
+const PluginKind kVolumePlugins{"isoextract-volume-", "isoextract_volume_plugin", ISOEXTRACT_VOLUME_PLUGIN_VERSION};
+
+const PluginKind kParticlePlugins{"isoextract-particles-", "isoextract_particle_plugin",
+                                  ISOEXTRACT_PARTICLE_PLUGIN_VERSION};
+
+}  // namespace isoextract::volumes
