@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Writes src/convert/colormap_tables.cpp: colour maps of matplotlib as control points.
+"""Writes src/edit/colormap_tables.cpp: colour maps of matplotlib as control points.
 
-    scripts/colormaps.py > src/convert/colormap_tables.cpp
+    scripts/colormaps.py > src/edit/colormap_tables.cpp
 
 Each map becomes colours at equal distances, with straight lines between them in sRGB, and the greatest difference of a
 channel from the full map of 256 colours is told beside it. Needs Debian's package python3-matplotlib, and runs with
@@ -21,9 +21,9 @@ HEAD = """// Written by scripts/colormaps.py from matplotlib {version}: change t
 // public domain (CC0); cividis by Nunez, Anderton and Renslow, "Optimizing colormaps with consideration for color
 // vision deficiency", 2018; turbo by Anton Mikhailov, Google, 2019 (Apache 2.0); coolwarm by Kenneth Moreland,
 // "Diverging color maps for scientific visualization", 2009.
-#include "convert/colormap.hpp"
+#include "edit/colormap.hpp"
 
-namespace isoextract::convert {{
+namespace isoextract::edit {{
 namespace {{
 
 using Points = std::array<std::uint32_t, kColormapPoints>;  // 0xRRGGBB, sRGB
@@ -56,7 +56,7 @@ def lines():
     yield "  return kViridis;"
     yield "}"
     yield ""
-    yield "}  // namespace isoextract::convert"
+    yield "}  // namespace isoextract::edit"
 
 
 if __name__ == "__main__":

@@ -54,7 +54,7 @@ against its grid edge and its crossing in long double: finite, inside its edge, 
 triangle, closed where it should be. *Off by* is the largest distance from that crossing, in units in the last place of
 the mesh's local coordinates; {number(figures['ulps_allowed'])} are allowed.
 
-The last column is what crossings and positions in plain float32 make of the same case; the unit tests of `measure` run
+The last column is what crossings and positions in plain float32 make of the same case; the unit tests of `bench` run
 that too, and see it fail.
 
 {table(["case", "what is extreme", "passes", "off by, ulps:", "plain float32"], rows)}

@@ -25,7 +25,7 @@ std::string key_of(const std::string& animation, const FrameJob& frame) {
   return files::content_hash(fmt::format("{} frame {}", animation, frame.number));
 }
 
-meshes::MeshWriteOptions write_options(const BatchJob& batch) {
+mesh_io::MeshWriteOptions write_options(const BatchJob& batch) {
   const convert::ConversionJob& job = batch.frames.front().job;
   return {job.format, job.normals == convert::Normals::flat, job.ascii, {}, copies_vertices(job)};
 }
@@ -51,7 +51,7 @@ Result<void> Animation::check() const {
   return convert::check_output_file(batch_.animation->path, read);
 }
 
-Result<std::vector<meshes::PackedFacts>> Animation::take(std::size_t frame, const convert::HandedMeshes& handed) {
+Result<std::vector<mesh_io::PackedFacts>> Animation::take(std::size_t frame, const convert::HandedMeshes& handed) {
   const std::int64_t number = batch_.frames[frame].number;
   const std::string stem = std::filesystem::path(batch_.animation->path).stem().string();
   auto added = writer_.add(fmt::format("{}_{}", stem, frame_digits(number, kNodeDigits)), number, handed.meshes,
@@ -71,13 +71,13 @@ std::optional<Error> Animation::lost() const {
   return lost_;
 }
 
-Result<meshes::MeshWriteResult> Animation::finish() {
+Result<mesh_io::MeshWriteResult> Animation::finish() {
   if (!is_empty_) return writer_.finish();
   const auto removed = TRY(files::remove_old_file(batch_.animation->path));
-  return meshes::MeshWriteResult{{},
-                                 {fmt::format("no frame has a surface; {} was not written{}", batch_.animation->path,
-                                              removed ? "; the old one was removed" : "")},
-                                 {}};
+  return mesh_io::MeshWriteResult{{},
+                                  {fmt::format("no frame has a surface; {} was not written{}", batch_.animation->path,
+                                               removed ? "; the old one was removed" : "")},
+                                  {}};
 }
 
 std::string left_out_text(const BatchJob& batch, std::span<const std::int64_t> missing) {
@@ -97,7 +97,7 @@ std::string left_out_text(const BatchJob& batch, std::span<const std::int64_t> m
 std::string animation_key(const std::string& batch) { return files::content_hash("animation " + batch); }
 
 Result<void> keep_animation(Manifest& manifest, const BatchJob& batch, std::vector<FrameRecord> frames,
-                            const meshes::MeshWriteResult& written) {
+                            const mesh_io::MeshWriteResult& written) {
   const std::string key = key_of(batch);
   for (std::size_t i = 0; i < frames.size(); ++i) {
     frames[i].job = key_of(key, batch.frames[i]);

@@ -16,21 +16,21 @@
 #include "batch/frame_record.hpp"
 #include "batch/manifest.hpp"
 #include "batch/scheduler.hpp"
-#include "meshes/animation_writer.hpp"
+#include "mesh_io/animation_writer.hpp"
 
 namespace isoextract::batch {
 
 class Animation final : public FrameReceiver {
  public:
   // Of the batch's animation, which outlives it. `largest_file` is for tests.
-  Animation(const BatchJob& batch, const Context& context, std::uint64_t largest_file = meshes::kLargestGlb);
+  Animation(const BatchJob& batch, const Context& context, std::uint64_t largest_file = mesh_io::kLargestGlb);
 
   // Whether it could be written, before any work. Fails with ErrorCode::usage or ErrorCode::output.
   [[nodiscard]] Result<void> check() const;
 
   // The frame's node is named after the file and the frame: water_0012.
-  [[nodiscard]] Result<std::vector<meshes::PackedFacts>> take(std::size_t frame,
-                                                              const convert::HandedMeshes& handed) override;
+  [[nodiscard]] Result<std::vector<mesh_io::PackedFacts>> take(std::size_t frame,
+                                                               const convert::HandedMeshes& handed) override;
 
   // Why nothing more can be written, where that is so: a full disk, for example. Then the failure of a frame is the
   // whole animation's. May be asked on any thread.
@@ -38,11 +38,11 @@ class Animation final : public FrameReceiver {
 
   // Gives the files their names. Call once, last. Where no frame came, because none has a surface, nothing is written,
   // an old file of that name is removed, and a note says so.
-  [[nodiscard]] Result<meshes::MeshWriteResult> finish();
+  [[nodiscard]] Result<mesh_io::MeshWriteResult> finish();
 
  private:
   const BatchJob& batch_;
-  meshes::AnimationWriter writer_;
+  mesh_io::AnimationWriter writer_;
   bool is_empty_ = true;
   mutable std::mutex mutex_;  // of what follows
   std::optional<Error> lost_;
@@ -58,7 +58,7 @@ class Animation final : public FrameReceiver {
 // Keeps in the manifest what a whole animation was made of: `frames` are the records of all its frames, in their order.
 // A run that ends within leaves it as if nothing was kept.
 [[nodiscard]] Result<void> keep_animation(Manifest& manifest, const BatchJob& batch, std::vector<FrameRecord> frames,
-                                          const meshes::MeshWriteResult& written);
+                                          const mesh_io::MeshWriteResult& written);
 
 // The records of all frames where the manifest has the batch's animation, and its files and all inputs are what they
 // were, byte by byte. Outputs of each are all files of the animation.

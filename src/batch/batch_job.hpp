@@ -18,7 +18,7 @@ struct FrameJob {
   friend bool operator==(const FrameJob&, const FrameJob&) = default;
 };
 
-// All frames in one file that plays them (meshes/animation_writer.hpp).
+// All frames in one file that plays them (mesh_io/animation_writer.hpp).
 struct AnimationJob {
   std::string path;
   double frames_per_second = 24;

@@ -16,9 +16,9 @@
 #include "batch/detail/natural_order.hpp"
 #include "batch/detail/sequences.hpp"
 #include "batch/frame_pattern.hpp"
-#include "volumes/particle_format.hpp"
-#include "volumes/volume_format.hpp"
-#include "volumes/volume_reader.hpp"
+#include "particle_io/particle_format.hpp"
+#include "volume_io/volume_format.hpp"
+#include "volume_io/volume_reader.hpp"
 
 namespace isoextract::batch {
 namespace {
@@ -218,7 +218,7 @@ tl::unexpected<Error> fail_no_names(const std::string& folder, const std::string
   std::string message = fmt::format("{}: no file in the folder is named like a volume or particles", printable(folder));
   Hint hint("files of any name are found by a pattern, with the folder before it");
   if (const auto known =
-          first.empty() ? std::nullopt : volumes::known_but_unread(fs::path(folder) / first, Context())) {
+          first.empty() ? std::nullopt : volume_io::known_but_unread(fs::path(folder) / first, Context())) {
     message += fmt::format("; {}", known->message);
     hint = known->hint;
   }
@@ -234,10 +234,10 @@ Result<FoundFrames> files_of_folder(const std::string& folder) {
   TRY(visit_folder(folder, [&](const std::string& name, const fs::directory_entry& entry) {
     std::error_code none;
     if (name.starts_with('.') || entry.is_directory(none)) return;
-    if (volumes::has_volume_extension(name)) {
+    if (volume_io::has_volume_extension(name)) {
       names.push_back(name);
     } else {
-      if (volumes::has_particle_extension(name)) {
+      if (particle_io::has_particle_extension(name)) {
         particles.push_back(name);
       } else if (first.empty() || NaturalLess()(name, first)) {
         first = name;

@@ -288,7 +288,7 @@ FrameFigures figures_of(const convert::Outcome& outcome) {
   }
   figures.time_step = text_at(outcome, StageName::particles_to_field, Key::time_step);
   figures.unit = text_at(outcome, StageName::place, Key::unit_of_lengths);
-  for (const meshes::WrittenFile& file : outcome.files) figures.bytes += file.bytes;
+  for (const mesh_io::WrittenFile& file : outcome.files) figures.bytes += file.bytes;
   figures.wall_seconds = outcome.total.wall_seconds;
   figures.memory = outcome.reserved_memory;
   return figures;
@@ -310,7 +310,7 @@ Result<std::vector<FileRecord>> input_states(const FrameJob& frame) {
 
 Result<FrameRecord> record_of(const FrameJob& frame, std::vector<FileRecord> inputs, const convert::Outcome& outcome) {
   std::vector<std::string> paths;
-  for (const meshes::WrittenFile& file : outcome.files) paths.push_back(file.path);
+  for (const mesh_io::WrittenFile& file : outcome.files) paths.push_back(file.path);
   auto outputs = TRY(states_of(paths));
   return FrameRecord{frame.number, convert::hash_of(frame.job), std::move(inputs), std::move(outputs),
                      figures_of(outcome)};

@@ -134,13 +134,13 @@ Result<OutputTemplate> template_of(std::span<const OutputSource> sources, const 
   return OutputTemplate::parse(output->ends_with('/') ? *output + name_in_folder(sources, extension) : *output);
 }
 
-Result<void> check_words(const OutputSource& source, const OutputTemplate& names, meshes::MeshFormat format) {
+Result<void> check_words(const OutputSource& source, const OutputTemplate& names, mesh_io::MeshFormat format) {
   if (names.uses(OutputWord::grid) && source.grid.empty()) {
     return fail(ErrorCode::usage,
                 fmt::format("{}: expected a grid to name the output after, found none chosen", label_of_source(source)),
                 "choose the grid by its name");
   }
-  const meshes::MeshFormatInfo& info = meshes::mesh_format_info(format);
+  const mesh_io::MeshFormatInfo& info = mesh_io::mesh_format_info(format);
   const bool all_labels = !source.isos.empty() && source.isos.front().kind == convert::IsoChoice::Kind::all_labels;
   if (names.uses(OutputWord::piece) && (source.isos.size() > 1 || all_labels) && !names.uses(OutputWord::iso)) {
     return fail(ErrorCode::usage,
@@ -167,7 +167,7 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
                 "write all into a glb, or list the labels, which 'isoextract info' shows, and put {iso} into the name");
   }
   std::vector<std::string_view> others;
-  for (const meshes::MeshFormatInfo& other : meshes::mesh_formats()) {
+  for (const mesh_io::MeshFormatInfo& other : mesh_io::mesh_formats()) {
     if (other.holds_several_meshes) others.push_back(other.name);
   }
   return fail(ErrorCode::usage,
@@ -198,7 +198,7 @@ OutputFiles files_of(const OutputSource& source, const OutputTemplate& names) {
 
 // Files whose names have a place for the numbers of pieces.
 Result<void> check_piece_files(std::span<const OutputSource> sources, std::span<const OutputFiles> outputs,
-                               meshes::MeshFormat format, const OtherFiles& others, files::PlaceKeys& places) {
+                               mesh_io::MeshFormat format, const OtherFiles& others, files::PlaceKeys& places) {
   PieceNames names;
   bool any = false;
   for (std::size_t i = 0; i < outputs.size(); ++i) {
@@ -246,10 +246,10 @@ Result<void> check_piece_files(std::span<const OutputSource> sources, std::span<
 }  // namespace
 
 Result<std::vector<OutputFiles>> unchecked_outputs(std::span<const OutputSource> sources,
-                                                   const std::optional<std::string>& output, meshes::MeshFormat format,
+                                                   const std::optional<std::string>& output, mesh_io::MeshFormat format,
                                                    std::string_view extension) {
   const auto names =
-      TRY(template_of(sources, output, extension.empty() ? meshes::mesh_format_info(format).name : extension));
+      TRY(template_of(sources, output, extension.empty() ? mesh_io::mesh_format_info(format).name : extension));
   std::vector<OutputFiles> outputs;
   outputs.reserve(sources.size());
   for (const OutputSource& source : sources) {
@@ -260,7 +260,7 @@ Result<std::vector<OutputFiles>> unchecked_outputs(std::span<const OutputSource>
 }
 
 Result<std::vector<OutputFiles>> name_outputs(std::span<const OutputSource> sources,
-                                              const std::optional<std::string>& output, meshes::MeshFormat format,
+                                              const std::optional<std::string>& output, mesh_io::MeshFormat format,
                                               std::string_view extension, const OtherFiles& others) {
   auto outputs = unchecked_outputs(sources, output, format, extension);
   if (!outputs) return outputs;
@@ -269,7 +269,7 @@ Result<std::vector<OutputFiles>> name_outputs(std::span<const OutputSource> sour
 }
 
 Result<void> check_outputs(std::span<const OutputSource> sources, std::span<const OutputFiles> outputs,
-                           meshes::MeshFormat format, const OtherFiles& others) {
+                           mesh_io::MeshFormat format, const OtherFiles& others) {
   files::PlaceKeys places;
   FileUses uses(places);
   for (const NamedFile& file : others.read) uses.add_read(file.path, {nullptr, &file});

@@ -9,7 +9,7 @@
 
 #include "base/error.hpp"
 #include "convert/conversion_job.hpp"
-#include "meshes/mesh_writer.hpp"
+#include "mesh_io/mesh_writer.hpp"
 
 namespace isoextract::batch {
 
@@ -55,13 +55,14 @@ using OutputFiles = std::vector<convert::OutputFileJob>;  // of one conversion
 // check_outputs() does. Folders need not exist.
 [[nodiscard]] Result<std::vector<OutputFiles>> name_outputs(std::span<const OutputSource> sources,
                                                             const std::optional<std::string>& output,
-                                                            meshes::MeshFormat format, std::string_view extension = {},
+                                                            mesh_io::MeshFormat format, std::string_view extension = {},
                                                             const OtherFiles& others = {});
 
 // The same names without check_outputs().
 [[nodiscard]] Result<std::vector<OutputFiles>> unchecked_outputs(std::span<const OutputSource> sources,
                                                                  const std::optional<std::string>& output,
-                                                                 meshes::MeshFormat format, std::string_view extension);
+                                                                 mesh_io::MeshFormat format,
+                                                                 std::string_view extension);
 
 // Whether every file is written once, none of them is read, and none has the name of a manifest; `outputs` are those of
 // the sources, and `others` belong to the same set. Compared is the
@@ -71,7 +72,7 @@ using OutputFiles = std::vector<convert::OutputFileJob>;  // of one conversion
 // of them the same, or the name of an input. Data files that an input's header names are convert::check_mesh_files()'s.
 // Takes time as n log n does, and two looks at the disk a file.
 [[nodiscard]] Result<void> check_outputs(std::span<const OutputSource> sources, std::span<const OutputFiles> outputs,
-                                         meshes::MeshFormat format, const OtherFiles& others = {});
+                                         mesh_io::MeshFormat format, const OtherFiles& others = {});
 
 // What an input is called without its folder and extension: "a" for dir/a.nii.gz, "sphere" for demo:sphere?size=9,
 // "stdin" for standard input.

@@ -44,8 +44,8 @@ class FrameReceiver {
   // The surfaces of a frame, as convert::MeshSink has them, or none; not told of frames that fail. One frame at a time,
   // in the order of the frames, on the thread that converted it. A failure is the frame's. Gives what packing did to
   // each surface, or nothing where they are not packed.
-  [[nodiscard]] virtual Result<std::vector<meshes::PackedFacts>> take(std::size_t frame,
-                                                                      const convert::HandedMeshes& handed) = 0;
+  [[nodiscard]] virtual Result<std::vector<mesh_io::PackedFacts>> take(std::size_t frame,
+                                                                       const convert::HandedMeshes& handed) = 0;
 };
 
 struct BatchCounts {

@@ -10,14 +10,14 @@
 namespace isoextract::cli {
 namespace {
 
-std::string match_text(const measure::AttributeMatch& match, bool same_vertices) {
+std::string match_text(const accuracy::AttributeMatch& match, bool same_vertices) {
   const auto& [first, second] = match.components;
   if (first != second) return fmt::format("{} and {} components", first, second);
   if (!match.difference) {
     return same_vertices ? "in both; of glTF it is linear light, of other formats sRGB, and was not compared"
                          : "in both; the vertices are others, so its values were not compared";
   }
-  const measure::AttributeMatch::Difference& difference = *match.difference;
+  const accuracy::AttributeMatch::Difference& difference = *match.difference;
   std::string text = difference.largest == 0 ? "the same values"
                                              : fmt::format("at most {:.6g} apart, at vertex {}; mean {:.6g}",
                                                            difference.largest, difference.vertex, difference.mean);
@@ -27,21 +27,21 @@ std::string match_text(const measure::AttributeMatch& match, bool same_vertices)
 
 }  // namespace
 
-void add_attributes(NamedLines& lines, const measure::AttributeMatches& matches) {
+void add_attributes(NamedLines& lines, const accuracy::AttributeMatches& matches) {
   const auto& [first, second] = matches.only;
   if (matches.both.empty() && first.empty() && second.empty()) return;
   lines.plain("");
   lines.plain("attributes of the vertices");
-  for (const measure::AttributeMatch& match : matches.both) {
+  for (const accuracy::AttributeMatch& match : matches.both) {
     lines.add(printable(match.name), match_text(match, matches.same_vertices));
   }
   for (const std::string& name : first) lines.add(printable(name), "in the first only");
   for (const std::string& name : second) lines.add(printable(name), "in the 2nd only");
 }
 
-convert::Json attributes_json(const measure::AttributeMatches& matches) {
+convert::Json attributes_json(const accuracy::AttributeMatches& matches) {
   convert::Json both = convert::Json::array();
-  for (const measure::AttributeMatch& match : matches.both) {
+  for (const accuracy::AttributeMatch& match : matches.both) {
     convert::Json& json = both.emplace_back();
     json = {{"name", match.name}, {"components", match.components}, {"difference", nullptr}};
     if (!match.difference) continue;

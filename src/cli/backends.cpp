@@ -29,8 +29,8 @@ Result<std::vector<NamedBackend>> parse_backends(std::string_view text) {
   return backends;
 }
 
-Result<std::vector<measure::BenchBackend>> open_backends(const std::vector<NamedBackend>& backends) {
-  std::vector<measure::BenchBackend> opened;
+Result<std::vector<bench::BenchBackend>> open_backends(const std::vector<NamedBackend>& backends) {
+  std::vector<bench::BenchBackend> opened;
   for (const NamedBackend& backend : backends) {
     auto one = TRY(convert::open_backend(backend.backend, backend.gpu));
     opened.push_back({backend.name, std::move(one.extractor), backend.only});

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "bench/benchmark.hpp"
 #include "convert/backends.hpp"
 #include "extract/extractor.hpp"
-#include "measure/benchmark.hpp"
 
 namespace isoextract::cli {
 
@@ -26,6 +26,6 @@ struct NamedBackend {
 [[nodiscard]] Result<std::vector<NamedBackend>> parse_backends(std::string_view text);
 
 // All of a list, in its order. Fails as convert::open_backend() does.
-[[nodiscard]] Result<std::vector<measure::BenchBackend>> open_backends(const std::vector<NamedBackend>& backends);
+[[nodiscard]] Result<std::vector<bench::BenchBackend>> open_backends(const std::vector<NamedBackend>& backends);
 
 }  // namespace isoextract::cli

@@ -129,7 +129,7 @@ class FrameKeeper final : public batch::FrameEvents {
     row.figures = batch::figures_of(outcome);
     remark_lacking(row);
     if (outcome.empty_picture) progress_.remark(job.number, "in whose picture the camera sees nothing of the surfaces");
-    for (const meshes::WrittenFile& file : outcome.files) row.outputs.push_back(file.path);
+    for (const mesh_io::WrittenFile& file : outcome.files) row.outputs.push_back(file.path);
     const bool was_cancelled = error && error->code == ErrorCode::cancelled;
     row.status = was_cancelled ? batch::FrameStatus::cancelled
                  : error       ? batch::FrameStatus::failed
@@ -167,10 +167,10 @@ class FrameKeeper final : public batch::FrameEvents {
 
   // Of an animation that is written: the records of its frames, all of which are done, and where they are.
   [[nodiscard]] std::vector<batch::FrameRecord> take_records() { return std::move(records_); }
-  void written_to(const std::vector<meshes::WrittenFile>& files) {
+  void written_to(const std::vector<mesh_io::WrittenFile>& files) {
     for (batch::FrameRow& row : rows_) {
       if (row.status != batch::FrameStatus::done) continue;
-      for (const meshes::WrittenFile& file : files) row.outputs.push_back(file.path);
+      for (const mesh_io::WrittenFile& file : files) row.outputs.push_back(file.path);
     }
   }
 
@@ -314,14 +314,14 @@ std::vector<std::size_t> keep_what_is_done(const BatchPlan& plan, const batch::M
 }
 
 // Gives the animation its name, unless the batch has failed as a whole.
-Result<meshes::MeshWriteResult> finish_animation(const BatchPlan& plan, batch::Animation& animation,
-                                                 batch::Manifest& manifest, FrameKeeper& keeper) {
+Result<mesh_io::MeshWriteResult> finish_animation(const BatchPlan& plan, batch::Animation& animation,
+                                                  batch::Manifest& manifest, FrameKeeper& keeper) {
   const std::string& path = plan.batch.animation->path;
   const std::size_t failed = keeper.count(batch::FrameStatus::failed);
   const std::vector<std::int64_t> missing = keeper.missing();
   if (missing.size() == plan.frames.size() || keeper.count(batch::FrameStatus::not_started) > 0 ||
       keeper.count(batch::FrameStatus::cancelled) > 0 || (plan.flags.fail_fast && failed > 0)) {
-    return meshes::MeshWriteResult{{}, {fmt::format("{} was not written", path)}};
+    return mesh_io::MeshWriteResult{{}, {fmt::format("{} was not written", path)}};
   }
   auto written = animation.finish();
   if (!written) return written;
@@ -332,9 +332,9 @@ Result<meshes::MeshWriteResult> finish_animation(const BatchPlan& plan, batch::A
   return kept ? std::move(written) : tl::unexpected(kept.error());
 }
 
-void tell_animation(const batch::AnimationJob& animation, const meshes::MeshWriteResult& written,
+void tell_animation(const batch::AnimationJob& animation, const mesh_io::MeshWriteResult& written,
                     const Messages& messages) {
-  for (const meshes::WrittenFile& file : written.files) {
+  for (const mesh_io::WrittenFile& file : written.files) {
     messages.summary(fmt::format("{}: {} frames per second, {}", printable(file.path), animation.frames_per_second,
                                  format_byte_size(file.bytes)));
   }
@@ -391,7 +391,7 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
   const batch::BatchCounts counts =
       batch::run(plan.batch, which, options, context, keeper, animation ? &*animation : nullptr);
   std::optional<Error> unkept = keeper.unkept();
-  meshes::MeshWriteResult animated;
+  mesh_io::MeshWriteResult animated;
   if (animation && which.empty()) {
     animated.notes.push_back(fmt::format("{} is left as it is", plan.batch.animation->path));
   } else if (animation && !unkept) {

@@ -89,7 +89,7 @@ bool wants_all_volumes(const ConvertFlags& flags) {
 }
 
 // The volumes of one file as frames, by their number.
-Result<batch::Frames> volumes_of(const ConvertFlags& flags, const volumes::ReadOptions& read) {
+Result<batch::Frames> volumes_of(const ConvertFlags& flags, const volume_io::ReadOptions& read) {
   const std::vector<std::string>& inputs = flags.input.inputs;
   const char* const one_file = "give one file; of several, each in a run of its own";
   if (inputs.size() > 1) {
@@ -164,7 +164,7 @@ Result<void> check_piece_folders(const std::vector<batch::OutputFiles>& outputs)
 // One file for all frames, in place of one for each.
 Result<std::vector<batch::OutputFiles>> plan_animation(const ConvertFlags& flags,
                                                        const std::vector<batch::OutputSource>& sources,
-                                                       meshes::MeshFormat format, const batch::OtherFiles& others,
+                                                       mesh_io::MeshFormat format, const batch::OtherFiles& others,
                                                        batch::BatchJob& job) {
   const std::string example = "for example -o water.glb";
   if (!flags.output) return refuse_usage("--animate makes one file of all frames, whose name has to be given", example);
@@ -182,8 +182,8 @@ Result<std::vector<batch::OutputFiles>> plan_animation(const ConvertFlags& flags
                     word.word),
         example + "; without --animate each frame has its file");
   }
-  if (format != meshes::MeshFormat::glb) {
-    return refuse_usage(fmt::format("--animate writes glb, found {}", meshes::mesh_format_info(format).name),
+  if (format != mesh_io::MeshFormat::glb) {
+    return refuse_usage(fmt::format("--animate writes glb, found {}", mesh_io::mesh_format_info(format).name),
                         "name the file .glb; without --animate each frame has its file, in any format");
   }
   job.animation =

@@ -94,17 +94,17 @@ class Bench {
     return {};
   }
 
-  Result<measure::BenchResult> measure_demo(const std::string& input) const {
+  Result<bench::BenchResult> measure_demo(const std::string& input) const {
     const auto spec = TRY(field::parse_demo_spec(input));
     const Context context{plan_.memory};
     const ProgressBar bar(context.progress(), bar_wanted());
-    measure::BenchOptions options = options_;
+    bench::BenchOptions options = options_;
     if (plan_.iso) {
       options.iso = *plan_.iso;
     } else {
       options.iso = std::ranges::find(field::demo_fields(), spec.name, &field::DemoDescription::name)->iso;
     }
-    return measure::bench_demo(spec.name, plan_.sizes, options, context);
+    return bench::bench_demo(spec.name, plan_.sizes, options, context);
   }
 
   // Coarser versions of the field of particles are no fields of theirs.
@@ -120,7 +120,7 @@ class Bench {
                 "--report FILE of a conversion has the time of each stage, and --error measures its mesh");
   }
 
-  Result<measure::BenchResult> measure_file(const std::string& input) const {
+  Result<bench::BenchResult> measure_file(const std::string& input) const {
     std::optional<field::ScalarField> field;
     const Context context{plan_.memory};
     TRY(check_volume(input, context));
@@ -132,9 +132,9 @@ class Bench {
     for (const std::string& text : field->notes) messages_.note(text);
     const std::vector<int> factors = factors_for(*field);
     const ProgressBar bar(context.progress(), bar_wanted());
-    measure::BenchOptions options = options_;
+    bench::BenchOptions options = options_;
     options.iso = *plan_.iso;
-    return measure::bench_field(*field, factors, options, context);
+    return bench::bench_field(*field, factors, options, context);
   }
 
   // Those of the plan, or those that leave enough samples; then the data as they are.
@@ -185,8 +185,8 @@ class Bench {
 
   // Some error, by a method that has one.
   [[nodiscard]] bool measured() const {
-    return std::ranges::any_of(results_, [](const measure::BenchResult& result) {
-      return std::ranges::any_of(result.rows, [](const measure::BenchRow& row) { return row.position.has_value(); });
+    return std::ranges::any_of(results_, [](const bench::BenchResult& result) {
+      return std::ranges::any_of(result.rows, [](const bench::BenchRow& row) { return row.position.has_value(); });
     });
   }
 
@@ -194,8 +194,8 @@ class Bench {
 
   const BenchPlan& plan_;
   const Messages& messages_;
-  measure::BenchOptions options_;  // with the backends, which are open
-  std::vector<measure::BenchResult> results_;
+  bench::BenchOptions options_;  // with the backends, which are open
+  std::vector<bench::BenchResult> results_;
 };
 
 }  // namespace

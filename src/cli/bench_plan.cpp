@@ -81,7 +81,7 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   if (flags.backends) plan.backends = plan_backends(*flags.backends, flags.device);
   plan.gpu = plan_gpu(flags.device);
   plan.options.threads = flags.threads.value_or(std::vector<int>{1});
-  if (auto checked = measure::check_thread_counts(plan.options.threads); !checked) {
+  if (auto checked = bench::check_thread_counts(plan.options.threads); !checked) {
     return refuse_usage("--threads: " + checked.error().message, checked.error().hint);
   }
   const int all = tbb::this_task_arena::max_concurrency();

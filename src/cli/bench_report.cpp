@@ -17,7 +17,7 @@ namespace {
 
 std::string milliseconds(double seconds) { return fmt::format("{:.3g}", 1e3 * seconds); }
 
-std::string angle_text(const std::optional<measure::AngleStatistics>& angles) {
+std::string angle_text(const std::optional<accuracy::AngleStatistics>& angles) {
   return angles ? fmt::format("{:.3g}", angles->rms_degrees) : "-";
 }
 
@@ -25,43 +25,43 @@ std::string percent_text(const std::optional<double>& error) {
   return error ? fmt::format("{:.2g}", 100 * *error) : "-";
 }
 
-std::string order_text(const std::optional<measure::ConvergenceOrder>& order) {
+std::string order_text(const std::optional<bench::ConvergenceOrder>& order) {
   return order ? fmt::format("{:.2f} ({:.2f})", order->slope, order->last) : "-";
 }
 
-std::string setting_text(const measure::BenchResult& result, const measure::BenchRow& row) {
+std::string setting_text(const bench::BenchResult& result, const bench::BenchRow& row) {
   return fmt::format("{} {} {}, {} thread{}", word_of(row.method), row.backend, result.levels[row.level].size,
                      row.threads, row.threads == 1 ? "" : "s");
 }
 
-std::uint64_t unmeasured_points(const measure::BenchResult& result) {
+std::uint64_t unmeasured_points(const bench::BenchResult& result) {
   std::uint64_t most = 0;
-  for (const measure::BenchRow& row : result.rows) {
+  for (const bench::BenchRow& row : result.rows) {
     if (row.position) most = std::max(most, row.position->unmeasured());
   }
   return most;
 }
 
 // Empty where no errors were measured.
-std::string front_text(const measure::BenchResult& result) {
-  std::vector<const measure::BenchRow*> front;
-  for (const measure::BenchRow& row : result.rows) {
+std::string front_text(const bench::BenchResult& result) {
+  std::vector<const bench::BenchRow*> front;
+  for (const bench::BenchRow& row : result.rows) {
     if (row.on_front) front.push_back(&row);
   }
   if (front.empty()) return "";
-  std::ranges::sort(front, {}, &measure::BenchRow::median_seconds);
+  std::ranges::sort(front, {}, &bench::BenchRow::median_seconds);
   std::string text = "Nothing is better in both, error and time (*):\n";
-  for (const measure::BenchRow* row : front) {
+  for (const bench::BenchRow* row : front) {
     text += fmt::format("  {}: {} ms, rms {:.3g}\n", setting_text(result, *row), milliseconds(row->median_seconds),
                         row->position->rms.world);
   }
   return text;
 }
 
-std::string orders_text(const measure::BenchResult& result) {
+std::string orders_text(const bench::BenchResult& result) {
   std::vector<std::vector<std::string>> orders{
       {"method", "backend", "position", "smooth normals", "flat normals", "area", "volume"}};
-  for (const measure::BenchOrders& order : result.orders) {
+  for (const bench::BenchOrders& order : result.orders) {
     orders.push_back({std::string(word_of(order.method)), order.backend, order_text(order.position),
                       order_text(order.smooth_normals), order_text(order.flat_normals), order_text(order.area),
                       order_text(order.volume)});
@@ -74,26 +74,26 @@ convert::Json json_or_null(const std::optional<double>& value) {
   return value ? convert::Json(*value) : convert::Json(nullptr);
 }
 
-convert::Json json_of(const std::optional<measure::AngleStatistics>& angles) {
+convert::Json json_of(const std::optional<accuracy::AngleStatistics>& angles) {
   if (!angles) return nullptr;
   return {{"rms_degrees", angles->rms_degrees}, {"max_degrees", angles->max_degrees}};
 }
 
-convert::Json json_of(const std::optional<measure::ConvergenceOrder>& order) {
+convert::Json json_of(const std::optional<bench::ConvergenceOrder>& order) {
   if (!order) return nullptr;
   return {{"slope", order->slope}, {"last", order->last}};
 }
 
-convert::Json json_of(const measure::Length& length) { return {{"voxels", length.voxels}, {"world", length.world}}; }
+convert::Json json_of(const accuracy::Length& length) { return {{"voxels", length.voxels}, {"world", length.world}}; }
 
-convert::Json json_of_position(const measure::BenchRow& row) {
+convert::Json json_of_position(const bench::BenchRow& row) {
   if (!row.position) return nullptr;
   return {{"rms", json_of(row.position->rms)}, {"percentile99", json_of(row.position->percentile99)},
           {"max", json_of(row.position->max)}, {"worst", convert::json_of(row.position->worst)},
           {"rounding", row.rounding},          {"unmeasured", row.position->unmeasured()}};
 }
 
-convert::Json json_of(const std::optional<measure::BenchDeviceTimes>& device) {
+convert::Json json_of(const std::optional<bench::BenchDeviceTimes>& device) {
   if (!device) return nullptr;
   return {{"seconds",
            {{"upload", device->upload},
@@ -105,7 +105,7 @@ convert::Json json_of(const std::optional<measure::BenchDeviceTimes>& device) {
           {"bytes_captured", device->bytes_captured}};
 }
 
-convert::Json json_of(const measure::BenchRow& row, const measure::BenchResult& result) {
+convert::Json json_of(const bench::BenchRow& row, const bench::BenchResult& result) {
   return {{"method", word_of(row.method)},
           {"backend", row.backend},
           {"size", result.levels[row.level].size},
@@ -124,14 +124,14 @@ convert::Json json_of(const measure::BenchRow& row, const measure::BenchResult& 
 std::string number_cell(const std::optional<double>& value) { return value ? fmt::format("{}", *value) : ""; }
 
 // Where the time of GPUs went; empty if there is none.
-std::string device_text(const measure::BenchResult& result) {
+std::string device_text(const bench::BenchResult& result) {
   std::vector<std::vector<std::string>> rows{{"method", "backend", "size", "threads", "draw", "cells/s", "count",
                                               "capture", "upload", "read back", "weld", "uploaded", "captured"},
                                              {"", "", "", "", "ms", "", "ms", "ms", "ms", "ms", "ms", "", ""}};
-  for (const measure::BenchRow& row : result.rows) {
+  for (const bench::BenchRow& row : result.rows) {
     if (!row.device) continue;
-    const measure::BenchDeviceTimes& times = *row.device;
-    const measure::BenchLevel& level = result.levels[row.level];
+    const bench::BenchDeviceTimes& times = *row.device;
+    const bench::BenchLevel& level = result.levels[row.level];
     rows.push_back({std::string(word_of(row.method)), row.backend, level.size, fmt::format("{}", row.threads),
                     milliseconds(times.draw()), fmt::format("{:.2e}", static_cast<double>(level.cells) / times.draw()),
                     milliseconds(times.count), milliseconds(times.capture), milliseconds(times.upload),
@@ -162,7 +162,7 @@ std::string aligned_table(const std::vector<std::vector<std::string>>& rows, std
   return text;
 }
 
-std::string bench_table(const measure::BenchResult& result, int repeats) {
+std::string bench_table(const bench::BenchResult& result, int repeats) {
   std::string text = fmt::format("{} at iso {}\n", printable(result.input), result.iso);
   text += fmt::format("Truth: {}.\n", result.truth);
   text += fmt::format("Times: extraction alone, median of {} (least .. most), {}.\n\n", repeats, cpu_name());
@@ -170,7 +170,7 @@ std::string bench_table(const measure::BenchResult& result, int repeats) {
       {"method", "backend", "size", "threads", "triangles", "ms", "", "rms", "max", "rms", "max", "smooth", "flat",
        "area", "volume", ""},
       {"", "", "", "", "", "", "", "voxels", "voxels", "world", "world", "deg", "deg", "%", "%", ""}};
-  for (const measure::BenchRow& row : result.rows) {
+  for (const bench::BenchRow& row : result.rows) {
     const auto length = [&](const auto& of) { return row.position ? fmt::format("{:.3g}", of(*row.position)) : "-"; };
     rows.push_back({std::string(word_of(row.method)), row.backend, result.levels[row.level].size,
                     fmt::format("{}", row.threads), fmt::format("{}", row.triangles), milliseconds(row.median_seconds),
@@ -188,22 +188,22 @@ std::string bench_table(const measure::BenchResult& result, int repeats) {
     text += fmt::format("Not in this: up to {} points of a mesh without a surface to measure to.\n", points);
   }
   text += "\n";
-  if (std::ranges::count(result.levels, false, &measure::BenchLevel::is_truth) >= 2) text += orders_text(result) + "\n";
+  if (std::ranges::count(result.levels, false, &bench::BenchLevel::is_truth) >= 2) text += orders_text(result) + "\n";
   return text + device_text(result) + front_text(result);
 }
 
-std::string bench_csv(const std::vector<measure::BenchResult>& results) {
+std::string bench_csv(const std::vector<bench::BenchResult>& results) {
   std::string text =
       "input,iso,method,backend,size,spacing,threads,triangles,median_seconds,min_seconds,max_seconds,rms_voxels,"
       "max_voxels,rms_world,max_world,unmeasured_points,smooth_normals_degrees,flat_normals_degrees,area_error,"
       "volume_error,on_front\n";
-  for (const measure::BenchResult& result : results) {
-    for (const measure::BenchRow& row : result.rows) {
-      const measure::BenchLevel& level = result.levels[row.level];
+  for (const bench::BenchResult& result : results) {
+    for (const bench::BenchRow& row : result.rows) {
+      const bench::BenchLevel& level = result.levels[row.level];
       const auto length = [&](const auto& of) {
         return number_cell(row.position ? std::optional<double>(of(*row.position)) : std::nullopt);
       };
-      const auto degrees = [](const std::optional<measure::AngleStatistics>& angles) {
+      const auto degrees = [](const std::optional<accuracy::AngleStatistics>& angles) {
         return number_cell(angles ? std::optional(angles->rms_degrees) : std::nullopt);
       };
       text += fmt::format(
@@ -220,17 +220,17 @@ std::string bench_csv(const std::vector<measure::BenchResult>& results) {
   return text;
 }
 
-convert::Json bench_json(const std::vector<measure::BenchResult>& results, int repeats) {
+convert::Json bench_json(const std::vector<bench::BenchResult>& results, int repeats) {
   convert::Json benchmarks = convert::Json::array();
-  for (const measure::BenchResult& result : results) {
+  for (const bench::BenchResult& result : results) {
     convert::Json levels = convert::Json::array();
-    for (const measure::BenchLevel& level : result.levels)
+    for (const bench::BenchLevel& level : result.levels)
       levels.push_back(
           {{"size", level.size}, {"cells", level.cells}, {"spacing", level.spacing}, {"is_truth", level.is_truth}});
     convert::Json rows = convert::Json::array();
-    for (const measure::BenchRow& row : result.rows) rows.push_back(json_of(row, result));
+    for (const bench::BenchRow& row : result.rows) rows.push_back(json_of(row, result));
     convert::Json orders = convert::Json::array();
-    for (const measure::BenchOrders& order : result.orders) {
+    for (const bench::BenchOrders& order : result.orders) {
       orders.push_back({{"method", word_of(order.method)},
                         {"backend", order.backend},
                         {"position", json_of(order.position)},

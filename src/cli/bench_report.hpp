@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/benchmark.hpp"
 #include "convert/json_values.hpp"
-#include "measure/benchmark.hpp"
 
 namespace isoextract::cli {
 
@@ -13,12 +13,12 @@ namespace isoextract::cli {
 [[nodiscard]] std::string aligned_table(const std::vector<std::vector<std::string>>& rows, std::size_t left);
 
 // For a terminal: the rows, the notes, the orders of convergence (of two sizes or more), the front.
-[[nodiscard]] std::string bench_table(const measure::BenchResult& result, int repeats);
+[[nodiscard]] std::string bench_table(const bench::BenchResult& result, int repeats);
 
 // One line a row under a line of names; cells that are not known are empty. RFC 4180 with "\n".
-[[nodiscard]] std::string bench_csv(const std::vector<measure::BenchResult>& results);
+[[nodiscard]] std::string bench_csv(const std::vector<bench::BenchResult>& results);
 
 // {"generator", "device", "repeats", "benchmarks": [{"input", "iso", "truth", "notes", "levels", "rows", "orders"}]}
-[[nodiscard]] convert::Json bench_json(const std::vector<measure::BenchResult>& results, int repeats);
+[[nodiscard]] convert::Json bench_json(const std::vector<bench::BenchResult>& results, int repeats);
 
 }  // namespace isoextract::cli

@@ -16,20 +16,20 @@
 #include "convert/placement_record.hpp"
 #include "files/file_bytes.hpp"
 #include "files/output_file.hpp"
-#include "meshes/mesh_reader.hpp"
+#include "mesh_io/mesh_reader.hpp"
 
 namespace isoextract::cli {
 namespace {
 
 // Welded where that is asked for, with its normals.
-Result<measure::MeshCheck> check_one(mesh::Mesh& mesh, const meshes::FileNormals& normals,
-                                     std::span<const glm::uvec3> normal_numbers, bool weld, const Context& context) {
+Result<check::MeshCheck> check_one(mesh::Mesh& mesh, const mesh_io::FileNormals& normals,
+                                   std::span<const glm::uvec3> normal_numbers, bool weld, const Context& context) {
   if (weld) {
-    TRY(measure::join_repeated_vertices(mesh, context));
+    TRY(check::join_repeated_vertices(mesh, context));
   }
-  auto check = measure::check_mesh(mesh, context);
+  auto check = check::check_mesh(mesh, context);
   if (check && !normals.empty()) {
-    check->normals = measure::check_normals(mesh, normals.values.span(), normal_numbers);
+    check->normals = check::check_normals(mesh, normals.values.span(), normal_numbers);
     // A mesh of the file that has none at all, beside others that do.
     if (check->normals->corners == 0) check->normals.reset();
   }
@@ -37,7 +37,7 @@ Result<measure::MeshCheck> check_one(mesh::Mesh& mesh, const meshes::FileNormals
 }
 
 // A copy of what is checked of it: positions and triangles.
-Result<mesh::Mesh> copy_of_part(const mesh::Mesh& mesh, const meshes::MeshPart& part, const Context& context) {
+Result<mesh::Mesh> copy_of_part(const mesh::Mesh& mesh, const mesh_io::MeshPart& part, const Context& context) {
   auto memory = TRY(context.reserve(part.vertices * sizeof(glm::vec3) + part.triangles * sizeof(glm::uvec3),
                                     fmt::format("{}: one of its meshes", mesh.name)));
   mesh::Mesh copy;
@@ -52,9 +52,9 @@ Result<mesh::Mesh> copy_of_part(const mesh::Mesh& mesh, const meshes::MeshPart& 
   return copy;
 }
 
-Result<void> check_parts(const CheckPlan& plan, const meshes::MeshFile& file, const Context& context,
+Result<void> check_parts(const CheckPlan& plan, const mesh_io::MeshFile& file, const Context& context,
                          CheckReport& report) {
-  for (const meshes::MeshPart& part : file.parts) {
+  for (const mesh_io::MeshPart& part : file.parts) {
     auto mesh = TRY(copy_of_part(file.mesh, part, context));
     const auto numbers = file.normals.empty()
                              ? std::span<const glm::uvec3>()
@@ -72,7 +72,7 @@ Result<CheckReport> make_report(const CheckPlan& plan, const Messages& messages,
   report.required = plan.required;
   ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
   context.progress().begin("reading the mesh", 0);
-  auto file = meshes::read_mesh(plan.mesh, context, {.normals = true});
+  auto file = mesh_io::read_mesh(plan.mesh, context, {.normals = true});
   if (!file) return tl::unexpected(about_mesh_file(std::move(file.error()), plan.mesh));
   bar.above([&] {
     for (const std::string& note : file->notes) messages.note(note);
@@ -92,8 +92,8 @@ Result<CheckReport> make_report(const CheckPlan& plan, const Messages& messages,
 Result<void> meet_requirements(const CheckReport& report) {
   std::vector<std::string_view> words;
   std::vector<std::string> found;
-  for (const measure::Requirement one : report.required) {
-    const auto why = measure::why_not(one, report.whole);
+  for (const check::Requirement one : report.required) {
+    const auto why = check::why_not(one, report.whole);
     if (!why) continue;
     words.push_back(word_of(one));
     if (std::ranges::find(found, *why) == found.end()) found.push_back(*why);

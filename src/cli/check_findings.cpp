@@ -8,8 +8,8 @@
 namespace isoextract::cli {
 namespace {
 
-using measure::MeshCheck;
-using measure::Shell;
+using check::MeshCheck;
+using check::Shell;
 
 constexpr std::string_view kSlicer = "slicer";
 constexpr std::string_view kEngine = "engine";
@@ -54,7 +54,7 @@ class Findings {
       slicer("It joins vertices at one place, and then the mesh is closed; with --weld this report is about that.");
       engine("It keeps vertices at one place apart: seams of colours, textures or normals.");
     } else if (topology.open_edges > 0) {
-      const auto* longest = &*std::ranges::max_element(check_.loops, {}, &measure::BorderLoop::length);
+      const auto* longest = &*std::ranges::max_element(check_.loops, {}, &check::BorderLoop::length);
       slicer(fmt::format("It fills {} in its own way, the longest {:.4g} around, or refuses the mesh.",
                          amount(check_.loops.size(), "hole", "holes"), longest->length));
       engine("It shows the back of the surface through the holes, or nothing: draw both sides of its triangles.");
@@ -108,7 +108,7 @@ class Findings {
     const std::uint64_t bodies = check_.components.size() - check_.count(Shell::hollow);
     if (bodies > 1) {
       std::uint64_t smallest = check_.triangles;
-      for (const measure::Component& component : check_.components) {
+      for (const check::Component& component : check_.components) {
         if (component.shell != Shell::hollow) smallest = std::min(smallest, component.triangles);
       }
       slicer(fmt::format("It prints {} separate pieces; the smallest has {}.", bodies,

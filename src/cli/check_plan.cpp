@@ -25,7 +25,7 @@ Result<CheckPlan> plan_check(const CheckFlags& flags) {
   CheckPlan plan;
   plan.mesh = flags.meshes.front();
   plan.weld = flags.weld;
-  plan.required = flags.required.value_or(std::vector<measure::Requirement>());
+  plan.required = flags.required.value_or(std::vector<check::Requirement>());
   plan.report = flags.report;
   plan.memory = plan_memory(flags.memory_limit);
   plan.json = flags.json;

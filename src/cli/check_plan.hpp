@@ -14,7 +14,7 @@ namespace isoextract::cli {
 struct CheckPlan {
   std::string mesh;
   bool weld = false;
-  std::vector<measure::Requirement> required;
+  std::vector<check::Requirement> required;
   std::optional<std::string> report;
   MemoryBudget memory;
   bool json = false;

@@ -11,12 +11,12 @@
 namespace isoextract::cli {
 namespace {
 
+using check::BorderLoop;
+using check::Component;
+using check::MeshCheck;
+using check::Requirement;
+using check::Shell;
 using convert::Json;
-using measure::BorderLoop;
-using measure::Component;
-using measure::MeshCheck;
-using measure::Requirement;
-using measure::Shell;
 
 constexpr std::size_t kRowsOfText = 12;
 constexpr std::size_t kRowsOfJson = 1000;
@@ -44,13 +44,13 @@ std::vector<std::size_t> longest_loops(const MeshCheck& check, std::size_t most)
 
 // "yes", or "no: 12 open edges in 2 loops".
 std::string answer(Requirement requirement, const MeshCheck& check) {
-  const auto why = measure::why_not(requirement, check);
+  const auto why = check::why_not(requirement, check);
   return why ? "no: " + *why : "yes";
 }
 
 // "none", or "12 triangles without area".
 std::string none_or(Requirement requirement, const MeshCheck& check) {
-  return measure::why_not(requirement, check).value_or("none");
+  return check::why_not(requirement, check).value_or("none");
 }
 
 std::string point_in_words(const glm::dvec3& v) { return fmt::format("({:.9g}, {:.9g}, {:.9g})", v.x, v.y, v.z); }
@@ -170,7 +170,7 @@ void add_parts(NamedLines& lines, const CheckReport& report) {
   }
 }
 
-Json edges_json(const measure::EdgeDefects& edges) {
+Json edges_json(const check::EdgeDefects& edges) {
   return {{"open_edges", edges.open},
           {"nonmanifold_edges", edges.nonmanifold},
           {"misoriented_edges", edges.misoriented},
@@ -195,7 +195,7 @@ Json component_json(const Component& component, std::size_t number) {
   return json;
 }
 
-Json intersections_json(const measure::SelfIntersections& found) {
+Json intersections_json(const check::SelfIntersections& found) {
   const auto counted = [&](std::uint64_t count) { return found.at_least ? Json(nullptr) : Json(count); };
   Json examples = Json::array();
   for (const auto& [first, second] : found.examples) examples.push_back({first, second});
@@ -207,7 +207,7 @@ Json intersections_json(const measure::SelfIntersections& found) {
           {"examples", std::move(examples)}};
 }
 
-Json normals_json(const std::optional<measure::NormalFacts>& normals) {
+Json normals_json(const std::optional<check::NormalFacts>& normals) {
   if (!normals) return nullptr;
   return {{"corners", normals->corners},
           {"against", normals->against},
@@ -267,7 +267,7 @@ Json mesh_json(const MeshCheck& check) {
 Json required_json(const CheckReport& report) {
   Json required = Json::array();
   for (const Requirement one : report.required) {
-    const auto why = measure::why_not(one, report.whole);
+    const auto why = check::why_not(one, report.whole);
     required.push_back({{"requirement", word_of(one)}, {"met", !why}, {"found", convert::optional_json(why)}});
   }
   return required;

@@ -6,16 +6,16 @@
 #include <string_view>
 #include <vector>
 
+#include "check/mesh_check.hpp"
 #include "convert/json_values.hpp"
 #include "convert/placement.hpp"
-#include "measure/mesh_check.hpp"
 
 namespace isoextract::cli {
 
 // One mesh of a file of several.
 struct PartReport {
   std::string name;  // as the file has it; may be empty
-  measure::MeshCheck check;
+  check::MeshCheck check;
 };
 
 struct CheckReport {
@@ -25,9 +25,9 @@ struct CheckReport {
   std::optional<convert::LengthUnit> unit;  // that glTF prescribes, or that the file says; else nobody knows
   bool has_normals = false;                 // one mesh of it at least
   bool welded = false;
-  measure::MeshCheck whole;
+  check::MeshCheck whole;
   std::vector<PartReport> parts;  // none where the file holds one mesh
-  std::vector<measure::Requirement> required;
+  std::vector<check::Requirement> required;
 };
 
 // What those who use the mesh next would make of it.

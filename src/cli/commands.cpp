@@ -41,7 +41,7 @@
 #include "cli/threads.hpp"
 #include "cli/verify_command.hpp"
 #include "files/output_file.hpp"
-#include "volumes/plugin_reader.hpp"
+#include "plugin_host/plugin_reader.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -67,7 +67,7 @@ void keep_standard_streams() {
 }
 
 void choose_process(const InputFlags& input) {
-  if (input.in_process) volumes::read_in_process();
+  if (input.in_process) plugin_host::read_in_process();
 }
 
 int run_info_command(const InfoFlags& flags, const CLI::App& command) {

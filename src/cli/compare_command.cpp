@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "accuracy/attribute_match.hpp"
+#include "accuracy/mesh_distance.hpp"
 #include "base/byte_size.hpp"
 #include "base/context.hpp"
 #include "base/machine.hpp"
@@ -18,11 +20,9 @@
 #include "cli/progress_bar.hpp"
 #include "convert/json_values.hpp"
 #include "convert/placement_record.hpp"
-#include "measure/attribute_match.hpp"
-#include "measure/mesh_distance.hpp"
 #include "mesh/metrics.hpp"
 #include "mesh/topology.hpp"
-#include "meshes/mesh_reader.hpp"
+#include "mesh_io/mesh_reader.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -31,7 +31,7 @@ constexpr double kRoundings = 2;  // of the coordinates in a file, and of those 
 
 struct Side {
   std::string path;
-  meshes::MeshFile file;
+  mesh_io::MeshFile file;
   convert::ResolvedPlacement placement;  // as the file says, or as is usual in its format
   std::optional<std::string> undone;  // what of it was, to get to the world; nothing where the mesh is as in its file
   double rounding = 0;                // of its coordinates, where one of the meshes was brought to the world
@@ -41,7 +41,7 @@ struct Side {
 };
 
 Result<Side> read_side(const std::string& path, const Context& context) {
-  auto file = meshes::read_mesh(path, context);
+  auto file = mesh_io::read_mesh(path, context);
   if (!file) return tl::unexpected(about_mesh_file(std::move(file.error()), path));
   Side side;
   side.path = path;
@@ -118,7 +118,7 @@ Result<void> bring_into_one_frame(std::array<Side, 2>& sides, const std::optiona
   if (alike) return {};
   for (Side& side : sides) {
     const field::Affine map = side.placement.output_from_world();
-    side.rounding = measure::coordinate_rounding(side.file.mesh) / std::cbrt(std::abs(map.determinant()));
+    side.rounding = accuracy::coordinate_rounding(side.file.mesh) / std::cbrt(std::abs(map.determinant()));
     if (map == field::Affine()) continue;
     const auto kinds = convert::kinds_of(side.file.mesh, side.file.is_ours, side.file.placement);
     convert::move_mesh(side.file.mesh, map.inverse(), kinds);
@@ -165,7 +165,7 @@ void add_side(NamedLines& lines, const Side& side) {
 
 std::string interval_text(double lower, double upper) { return fmt::format("{:.6g} to {:.6g}", lower, upper); }
 
-void add_direction(NamedLines& lines, std::string_view name, const measure::DirectedDistance& distance) {
+void add_direction(NamedLines& lines, std::string_view name, const accuracy::DirectedDistance& distance) {
   lines.add(name, fmt::format("max {}, rms {:.6g}, mean {:.6g}, 99 % {:.6g}",
                               interval_text(distance.max_lower, distance.max_upper), distance.rms, distance.mean,
                               distance.percentile99));
@@ -173,8 +173,8 @@ void add_direction(NamedLines& lines, std::string_view name, const measure::Dire
             fmt::format("farthest at ({:.9g}, {:.9g}, {:.9g})", distance.place.x, distance.place.y, distance.place.z));
 }
 
-std::string text_of(const std::array<Side, 2>& sides, const measure::MeshDistance& distance,
-                    const measure::AttributeMatches& attributes) {
+std::string text_of(const std::array<Side, 2>& sides, const accuracy::MeshDistance& distance,
+                    const accuracy::AttributeMatches& attributes) {
   NamedLines lines;
   for (const Side& side : sides) add_side(lines, side);
   const bool moved = sides[0].undone || sides[1].undone;
@@ -201,7 +201,7 @@ convert::Json side_json(const Side& side) {
   return json;
 }
 
-convert::Json direction_json(const measure::DirectedDistance& distance) {
+convert::Json direction_json(const accuracy::DirectedDistance& distance) {
   return {{"max", {distance.max_lower, distance.max_upper}},
           {"place", convert::json_of(distance.place)},
           {"nearest", convert::json_of(distance.nearest)},
@@ -210,8 +210,8 @@ convert::Json direction_json(const measure::DirectedDistance& distance) {
           {"percentile99", distance.percentile99}};
 }
 
-convert::Json comparison_json(const std::array<Side, 2>& sides, const measure::MeshDistance& distance,
-                              const measure::AttributeMatches& attributes) {
+convert::Json comparison_json(const std::array<Side, 2>& sides, const accuracy::MeshDistance& distance,
+                              const accuracy::AttributeMatches& attributes) {
   return {{"a", side_json(sides[0])},
           {"b", side_json(sides[1])},
           {"a_to_b", direction_json(distance.a_to_b)},
@@ -225,15 +225,15 @@ convert::Json comparison_json(const std::array<Side, 2>& sides, const measure::M
 }
 
 // Where the limit lies within the interval of the greatest distance, a narrower one says on which side it is.
-void look_closer(const std::array<Side, 2>& sides, double limit, measure::DistanceOptions options,
-                 measure::MeshDistance& distance, const Context& context) {
+void look_closer(const std::array<Side, 2>& sides, double limit, accuracy::DistanceOptions options,
+                 accuracy::MeshDistance& distance, const Context& context) {
   if (distance.hausdorff_upper <= limit) return;
   options.tolerance = 1e-4;
   options.enough = limit;
   options.samples = 0;
-  const auto closer = measure::measure_distance(sides[0].file.mesh, sides[1].file.mesh, options, context);
+  const auto closer = accuracy::measure_distance(sides[0].file.mesh, sides[1].file.mesh, options, context);
   if (!closer) return;
-  const auto narrow = [](measure::DirectedDistance& wide, const measure::DirectedDistance& found) {
+  const auto narrow = [](accuracy::DirectedDistance& wide, const accuracy::DirectedDistance& found) {
     wide.max_upper = std::min(wide.max_upper, found.max_upper);
     if (found.max_lower <= wide.max_lower) return;
     wide.max_lower = found.max_lower;
@@ -257,7 +257,7 @@ Error measuring_failed(Error error, const std::array<Side, 2>& sides) {
 }
 
 Result<void> check_distance(const ComparePlan& plan, const std::array<Side, 2>& sides,
-                            const measure::MeshDistance& distance) {
+                            const accuracy::MeshDistance& distance) {
   // Written so that figures that are not numbers fail.
   const bool known = distance.hausdorff_lower <= distance.hausdorff_upper;
   if (!plan.max_distance || (known && distance.hausdorff_upper <= *plan.max_distance)) return {};
@@ -292,15 +292,15 @@ Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
     for (const std::string& note : sides[i].file.notes) messages.note(note);
   }
   TRY(bring_into_one_frame(sides, plan.up, messages));
-  measure::MeshDistance distance;
+  accuracy::MeshDistance distance;
   {
     const ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     context.progress().begin("measuring meshes", 0);
     for (Side& side : sides) {
       TRY(measure_side(side, context));
     }
-    const measure::DistanceOptions options;
-    auto measured = measure::measure_distance(sides[0].file.mesh, sides[1].file.mesh, options, context);
+    const accuracy::DistanceOptions options;
+    auto measured = accuracy::measure_distance(sides[0].file.mesh, sides[1].file.mesh, options, context);
     if (!measured) return tl::unexpected(measuring_failed(std::move(measured.error()), sides));
     distance = *measured;
     if (plan.max_distance && distance.hausdorff_lower <= *plan.max_distance) {
@@ -310,9 +310,9 @@ Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
   messages.detail(fmt::format("compared in {:.2f} s, peak memory {}", watch.elapsed().wall_seconds,
                               format_byte_size(peak_memory())));
   // glTF's colours are linear light, and those of other formats sRGB.
-  const measure::AttributeMatches attributes =
-      measure::match_attributes(sides[0].file.mesh, sides[1].file.mesh, sides[0].file.y_up == sides[1].file.y_up,
-                                kRoundings * (sides[0].rounding + sides[1].rounding));
+  const accuracy::AttributeMatches attributes =
+      accuracy::match_attributes(sides[0].file.mesh, sides[1].file.mesh, sides[0].file.y_up == sides[1].file.y_up,
+                                 kRoundings * (sides[0].rounding + sides[1].rounding));
   const std::string text = plan.json ? convert::json_text(comparison_json(sides, distance, attributes))
                                      : text_of(sides, distance, attributes);
   TRY(print_to_stdout(text));

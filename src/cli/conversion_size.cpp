@@ -36,7 +36,7 @@ std::uint64_t attribute_bytes(const convert::Source& source, std::uint64_t verti
 // and about twice as much; these are fits to the peaks of gyroids of 79,000 to 496,000 vertices.
 std::uint64_t edit_bytes(const convert::ConversionJob& job, std::uint64_t vertices) {
   constexpr std::uint64_t kMiB = 1 << 20;
-  const bool is_draco = job.packing.compression == meshes::Compression::draco;
+  const bool is_draco = job.packing.compression == mesh_io::Compression::draco;
   std::uint64_t most = 0;
   if (job.simplify) most = 13 * kMiB + vertices * 420;
   if (is_draco) most = std::max(most, 6 * kMiB + vertices * 300);

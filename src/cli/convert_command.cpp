@@ -161,13 +161,13 @@ class Narrator final : public convert::Events {
 
 Result<void> check_stdout(const convert::ConversionJob& job) {
   const bool to_stdout = std::ranges::find(job.outputs, "-", &convert::OutputFileJob::path) != job.outputs.end();
-  const bool is_text = !job.field_file && !job.picture_file && (job.ascii || job.format == meshes::MeshFormat::obj);
+  const bool is_text = !job.field_file && !job.picture_file && (job.ascii || job.format == mesh_io::MeshFormat::obj);
   if (!to_stdout || is_text || ::isatty(STDOUT_FILENO) == 0) return {};
   return fail(ErrorCode::usage,
               fmt::format("stdout is a terminal, and {} is binary data",
                           job.field_file     ? kFieldFormat
                           : job.picture_file ? kPictureFormat
-                                             : meshes::mesh_format_info(job.format).name),
+                                             : mesh_io::mesh_format_info(job.format).name),
               "redirect it to a file or a pipe");
 }
 
@@ -235,7 +235,7 @@ convert::Outcome convert_as_planned(const ConvertPlan& plan, const Messages& mes
 Result<void> write_pages_of(const ConvertPlan& plan, const convert::Outcome& outcome,
                             const std::vector<std::string>& arguments) {
   batch::FrameRow row{0, plan.job.source.input, batch::FrameStatus::done, batch::figures_of(outcome), {}, {}};
-  for (const meshes::WrittenFile& file : outcome.files) row.outputs.push_back(file.path);
+  for (const mesh_io::WrittenFile& file : outcome.files) row.outputs.push_back(file.path);
   HtmlPage page;
   page.add(0, outcome);
   return write_pages(plan.pages, std::span(&row, 1), page, plan.job.source.placement.up, arguments,

@@ -29,17 +29,17 @@ bool is_folder(const std::string& path) {
   return path.ends_with('/') || std::filesystem::is_directory(path, none);
 }
 
-Result<meshes::MeshFormat> plan_format(const ConvertFlags& flags) {
-  if (writes_field(flags) || writes_picture(flags)) return meshes::MeshFormat::glb;  // which nothing is written as
+Result<mesh_io::MeshFormat> plan_format(const ConvertFlags& flags) {
+  if (writes_field(flags) || writes_picture(flags)) return mesh_io::MeshFormat::glb;  // which nothing is written as
   if (flags.format) return *flags.format->mesh;
-  if (!flags.output || is_folder(*flags.output)) return meshes::MeshFormat::glb;
+  if (!flags.output || is_folder(*flags.output)) return mesh_io::MeshFormat::glb;
   if (*flags.output == "-") return refuse_usage("-o - needs --format", "for example --format ply");
   return format_of_path(*flags.output, "choose the format with --format",
                         ", png for a picture, or vdb for the field itself");
 }
 
-Result<convert::Normals> plan_normals(const ConvertFlags& flags, meshes::MeshFormat format) {
-  if (format == meshes::MeshFormat::stl) {
+Result<convert::Normals> plan_normals(const ConvertFlags& flags, mesh_io::MeshFormat format) {
+  if (format == mesh_io::MeshFormat::stl) {
     if (flags.normals.value_or(convert::Normals::flat) == convert::Normals::flat) return convert::Normals::flat;
     return refuse_usage(fmt::format("--normals {} does not go with stl, which always stores one normal a triangle",
                                     word_of(*flags.normals)),
@@ -54,13 +54,13 @@ Result<convert::Normals> plan_normals(const ConvertFlags& flags, meshes::MeshFor
   return flags.normals.value_or(is_gltf(format) ? convert::Normals::smooth : convert::Normals::none);
 }
 
-std::string_view format_name(const ConvertFlags& flags, const meshes::MeshFormatInfo& format) {
+std::string_view format_name(const ConvertFlags& flags, const mesh_io::MeshFormatInfo& format) {
   const std::string_view other = other_extension(flags);
   return other.empty() ? format.name : other;
 }
 
 // Of the one conversion: what a batch does not have to ask of its outputs.
-Result<void> check_output_name(const ConvertFlags& flags, const meshes::MeshFormatInfo& format) {
+Result<void> check_output_name(const ConvertFlags& flags, const mesh_io::MeshFormatInfo& format) {
   if (!flags.output && files::is_standard_input(flags.input.inputs.front())) {
     return refuse_usage(
         fmt::format("an input from stdin has no name that the {} could have", writes_field(flags) ? "field" : "mesh"),
@@ -70,7 +70,7 @@ Result<void> check_output_name(const ConvertFlags& flags, const meshes::MeshForm
   if (flags.output != "-" || format.can_stream || !is_mesh) return {};
   return refuse_usage(
       fmt::format("{} cannot be written to stdout", format.name),
-      format.format == meshes::MeshFormat::gltf ? "it is two files; use --format glb" : "give a file with -o");
+      format.format == mesh_io::MeshFormat::gltf ? "it is two files; use --format glb" : "give a file with -o");
 }
 
 // Refuses options that do not go with several grids, and says why.
@@ -137,10 +137,10 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   plan.memory = plan_memory(flags.input.memory_limit);
 
   const auto format = TRY(plan_format(flags));
-  const meshes::MeshFormatInfo& info = meshes::mesh_format_info(format);
+  const mesh_io::MeshFormatInfo& info = mesh_io::mesh_format_info(format);
   job.picture_file = TRY(plan_picture(flags));
   if (as_field) job.field_file = convert::FieldFileOptions{flags.half};
-  const auto by_name = flags.output ? meshes::mesh_format_by_path(*flags.output) : std::nullopt;
+  const auto by_name = flags.output ? mesh_io::mesh_format_by_path(*flags.output) : std::nullopt;
   if (by_name && (as_field || writes_picture(flags) || *by_name != format)) {
     plan.notes.push_back(fmt::format("{}: its format is {}, as --format says, and not what its name says",
                                      *flags.output, format_name(flags, info)));
@@ -199,7 +199,7 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
   if (!plan) return plan;
   if (!note.empty()) plan->notes.push_back(std::move(note));
   plan->job.source.input = inputs.front();
-  const meshes::MeshFormatInfo& format = meshes::mesh_format_info(plan->job.format);
+  const mesh_io::MeshFormatInfo& format = mesh_io::mesh_format_info(plan->job.format);
   TRY(check_output_name(flags, format));
   const auto found = TRY(batch::find_frames(inputs, std::nullopt));
   const std::int64_t number = found.frames.front().number;
@@ -220,14 +220,14 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
 std::vector<convert::ConversionJob> plan_files(const ConvertFlags& flags) {
   std::vector<std::string> inputs = flags.input.inputs;
   if (inputs.empty()) inputs.emplace_back();
-  const auto by_name = flags.output ? meshes::mesh_format_by_path(*flags.output) : std::nullopt;
+  const auto by_name = flags.output ? mesh_io::mesh_format_by_path(*flags.output) : std::nullopt;
   const auto by_word = flags.format ? flags.format->mesh : std::nullopt;
-  const meshes::MeshFormat format = by_word.value_or(by_name.value_or(meshes::MeshFormat::glb));
+  const mesh_io::MeshFormat format = by_word.value_or(by_name.value_or(mesh_io::MeshFormat::glb));
   std::vector<convert::ConversionJob> jobs;
   for (const std::string& input : inputs) {
     convert::ConversionJob& job = jobs.emplace_back();
     job.source.input = input;
-    job.source.read = plan_read(flags.input).value_or(volumes::ReadOptions{});
+    job.source.read = plan_read(flags.input).value_or(volume_io::ReadOptions{});
     job.format = format;
     const batch::OutputSource source{1,          input, flags.input.grid().value_or(""),
                                      flags.isos, true,  flags.input.more_grids()};

@@ -27,7 +27,7 @@ Result<void> plan_edits(const ConvertFlags& flags, convert::ConversionJob& job) 
 }
 
 Result<void> check_piece_outputs(const ConvertFlags& flags, const std::string& path,
-                                 const meshes::MeshFormatInfo& format) {
+                                 const mesh_io::MeshFormatInfo& format) {
   const bool has_word = path.find(convert::kPieceWord) != std::string::npos;
   if (!flags.edits.split) {
     if (!has_word) return {};

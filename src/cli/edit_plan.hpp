@@ -6,7 +6,7 @@
 
 #include "base/error.hpp"
 #include "cli/options.hpp"
-#include "meshes/mesh_writer.hpp"
+#include "mesh_io/mesh_writer.hpp"
 
 namespace isoextract::cli {
 
@@ -15,5 +15,5 @@ namespace isoextract::cli {
 
 // Whether pieces can go where -o says; `path` is what it says.
 [[nodiscard]] Result<void> check_piece_outputs(const ConvertFlags& flags, const std::string& path,
-                                               const meshes::MeshFormatInfo& format);
+                                               const mesh_io::MeshFormatInfo& format);
 }  // namespace isoextract::cli

@@ -32,15 +32,15 @@ std::size_t place_of(std::vector<T>& known, const T& value) {
   return place;
 }
 
-std::string data_row(const measure::BenchResult& result, const measure::BenchRow& row) {
+std::string data_row(const bench::BenchResult& result, const bench::BenchRow& row) {
   return fmt::format("{:.9g} {:.9g} {}\n", 1e3 * row.median_seconds, row.rms_above_rounding(),
                      result.levels[row.level].size);
 }
 
-std::vector<Line> lines_of(const std::vector<measure::BenchResult>& results) {
+std::vector<Line> lines_of(const std::vector<bench::BenchResult>& results) {
   std::vector<Line> lines;
-  for (const measure::BenchResult& result : results) {
-    for (const measure::BenchRow& row : result.rows) {
+  for (const bench::BenchResult& result : results) {
+    for (const bench::BenchRow& row : result.rows) {
       if (!row.position) continue;
       std::string hue(extract::method_info(row.method).title);
       if (row.backend != "cpu") hue += " on " + row.backend;
@@ -57,10 +57,10 @@ std::vector<Line> lines_of(const std::vector<measure::BenchResult>& results) {
   return lines;
 }
 
-std::string front_of(const std::vector<measure::BenchResult>& results) {
+std::string front_of(const std::vector<bench::BenchResult>& results) {
   std::string data;
-  for (const measure::BenchResult& result : results) {
-    for (const measure::BenchRow& row : result.rows) {
+  for (const bench::BenchResult& result : results) {
+    for (const bench::BenchRow& row : result.rows) {
       if (row.on_front) data += data_row(result, row);
     }
   }
@@ -77,12 +77,12 @@ std::string range_with_numbers(double low, double high) {
 }
 
 // Some room around the points.
-std::string ranges(const std::vector<measure::BenchResult>& results) {
+std::string ranges(const std::vector<bench::BenchResult>& results) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   double least[2] = {kInfinity, kInfinity};
   double most[2] = {0, 0};
-  for (const measure::BenchResult& result : results) {
-    for (const measure::BenchRow& row : result.rows) {
+  for (const bench::BenchResult& result : results) {
+    for (const bench::BenchRow& row : result.rows) {
       if (!row.position) continue;
       const double place[2] = {1e3 * row.median_seconds, row.rms_above_rounding()};
       for (int axis = 0; axis < 2; ++axis) {
@@ -98,10 +98,10 @@ std::string ranges(const std::vector<measure::BenchResult>& results) {
 
 }  // namespace
 
-std::string error_plot_script(const std::vector<measure::BenchResult>& results, int repeats, PictureFormat format) {
+std::string error_plot_script(const std::vector<bench::BenchResult>& results, int repeats, PictureFormat format) {
   std::string script = plot_terminal(format);
   std::vector<std::string> inputs;
-  for (const measure::BenchResult& result : results)
+  for (const bench::BenchResult& result : results)
     inputs.push_back(fmt::format("{} at iso {}", result.input, result.iso));
   script += fmt::format("set title {} noenhanced\n",
                         gnuplot_quoted(fmt::format("Error against run time: {}", fmt::join(inputs, ", "))));

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "cli/plan_parts.hpp"
-#include "meshes/mesh_writer.hpp"
+#include "mesh_io/mesh_writer.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -61,11 +61,11 @@ Result<void> check_for_output_among_inputs(const ConvertFlags& flags) {
   const std::vector<std::string>& inputs = flags.input.inputs;
   if (flags.output || inputs.size() < 2) return {};
   const std::string& last = inputs.back();
-  const auto format = meshes::mesh_format_by_path(last);
+  const auto format = mesh_io::mesh_format_by_path(last);
   if (!format) return {};
   // Points are stored as PLY, too.
   std::error_code none;
-  if (*format == meshes::MeshFormat::ply && std::filesystem::exists(last, none)) return {};
+  if (*format == mesh_io::MeshFormat::ply && std::filesystem::exists(last, none)) return {};
   return refuse_usage(fmt::format("{}: the name of a mesh stands among the inputs", last),
                       fmt::format("the output comes after -o: -o {}", shell_quoted(last)));
 }

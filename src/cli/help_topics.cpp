@@ -11,7 +11,7 @@
 #include "cli/field_plan.hpp"
 #include "cli/options.hpp"
 #include "field/demo_field.hpp"
-#include "volumes/particle_format.hpp"
+#include "particle_io/particle_format.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -51,8 +51,8 @@ HelpTopic formats_topic() {
       "Volumes that can be read. The format is found by the content of the file, then by its extension; "
       "--input-format overrides both.",
       {}};
-  for (const volumes::VolumeFormat* format : volumes::volume_formats()) {
-    const volumes::FormatDescription& about = format->about();
+  for (const volume_io::VolumeFormat* format : volume_io::volume_formats()) {
+    const volume_io::FormatDescription& about = format->about();
     std::string text = about.title;
     if (about.needs_layout) text += ", with --dims and --dtype";
     if (!about.extensions.empty()) text += fmt::format(" ({})", fmt::join(about.extensions, " "));
@@ -60,14 +60,14 @@ HelpTopic formats_topic() {
   }
   HelpBlock particles{
       "Particles that can be read. They become a field, as 'isoextract help particles' says, and that a surface.", {}};
-  for (const volumes::ParticleFormatDescription& about : volumes::particle_format_descriptions()) {
+  for (const particle_io::ParticleFormatDescription& about : particle_io::particle_format_descriptions()) {
     std::string text = about.title;
     if (about.has_frames) text += "; a file may hold several frames";
     particles.rows.push_back({about.id, fmt::format("{} ({})", text, fmt::join(about.extensions, " "))});
   }
   HelpBlock written{"Meshes that can be written. The format is chosen by the extension of the output, or by --format.",
                     {}};
-  for (const meshes::MeshFormatInfo& info : meshes::mesh_formats()) {
+  for (const mesh_io::MeshFormatInfo& info : mesh_io::mesh_formats()) {
     std::string text(info.title);
     text += info.holds_several_meshes ? "; several surfaces a file" : "; one surface a file";
     if (!info.can_stream) text += "; not to stdout";

@@ -11,7 +11,7 @@
 #include "base/version.hpp"
 #include "cli/values.hpp"
 #include "convert/picture_file.hpp"
-#include "images/png_writer.hpp"
+#include "image_io/png_writer.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -197,7 +197,7 @@ Result<std::string> HtmlPage::text(std::span<const batch::FrameRow> rows, const 
   if (pictures.count() > 0) html += "<h2>Pictures</h2>\n<div>\n";
   for (std::size_t n = 0; n < pictures.count(); ++n) {
     const auto picture = TRY(pictures.draw(n, context));
-    const auto png = TRY(images::encode_png(convert::light_of(picture), pictures.mesh(n).label, context));
+    const auto png = TRY(image_io::encode_png(convert::light_of(picture), pictures.mesh(n).label, context));
     const std::string label = escaped(pictures.mesh(n).label);
     html += fmt::format("<figure><img width=\"{}\" height=\"{}\" alt=\"{}\" src=\"data:image/png;base64,{}\">",
                         picture.width, picture.height, label, base64(png.bytes()));

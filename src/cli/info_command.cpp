@@ -28,7 +28,7 @@ namespace {
 // What of several is described.
 struct Described {
   std::optional<std::int64_t> volume;
-  std::optional<volumes::ComponentChoice> component;
+  std::optional<volume_io::ComponentChoice> component;
 };
 
 std::string example_command(const InfoPlan& plan, const std::string& input, const Described& described, double iso,
@@ -71,7 +71,7 @@ FieldReport report_of(const InfoPlan& plan, const std::string& input, const Desc
 Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, const Described& described,
                             const Messages& messages) {
   const Context context{plan.memory};
-  volumes::ReadOptions read = plan.read;
+  volume_io::ReadOptions read = plan.read;
   read.volume = described.volume;
   read.component = described.component;
   const ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
@@ -87,8 +87,8 @@ Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, cons
 
 // The grid that is described, where there is a choice among its volumes or components: the one that was named, or the
 // only one.
-const volumes::GridInfo* described_grid(const InfoPlan& plan, const std::vector<volumes::GridInfo>& grids) {
-  const auto is_it = [&](const volumes::GridInfo& grid) {
+const volume_io::GridInfo* described_grid(const InfoPlan& plan, const std::vector<volume_io::GridInfo>& grids) {
+  const auto is_it = [&](const volume_io::GridInfo& grid) {
     return plan.read.grid ? grid.label == *plan.read.grid || grid.name == *plan.read.grid : grid.scalar;
   };
   const auto found = std::ranges::find_if(grids, is_it);
@@ -139,22 +139,22 @@ InputReport look_at(const InfoPlan& plan, const std::string& input, const Messag
     return report;
   }
   if (*of_particles) return look_at_particles(plan, input, messages);
-  auto grids = volumes::list_grids(input, plan.read, Context(plan.memory));
+  auto grids = volume_io::list_grids(input, plan.read, Context(plan.memory));
   if (!grids) {
     report.error = about_volume_file(std::move(grids.error()), input);
     return report;
   }
   report.grids = std::move(*grids);
   if (!plan.read.grid && !report.grids.empty()) {
-    const volumes::GridInfo* only = grid_without_choice(report.grids);
+    const volume_io::GridInfo* only = grid_without_choice(report.grids);
     // Why it cannot be read is told in the list.
     if (only == nullptr || (!only->is_readable() && !plan.read.spacing)) return report;
   }
   report.volume = plan.read.volume;
   report.component = plan.read.component;
-  if (const volumes::GridInfo* grid = described_grid(plan, report.grids)) {
+  if (const volume_io::GridInfo* grid = described_grid(plan, report.grids)) {
     if (!report.volume && has_several_volumes(*grid)) report.volume = 0;
-    if (!report.component && has_several_components(*grid)) report.component = volumes::ComponentChoice{0};
+    if (!report.component && has_several_components(*grid)) report.component = volume_io::ComponentChoice{0};
   }
   auto field = measure(plan, input, {report.volume, report.component}, messages);
   if (field) {

@@ -35,7 +35,7 @@ glm::dvec3 spacing_of(const field::Affine& map) {
 }
 
 // ", 3 components, 12 volumes"
-std::string several_text(const volumes::GridInfo& grid) {
+std::string several_text(const volume_io::GridInfo& grid) {
   std::string text;
   if (has_several_components(grid)) text += fmt::format(", {} components", grid.components);
   if (has_several_volumes(grid)) text += fmt::format(", {} volumes", grid.volumes);
@@ -43,7 +43,7 @@ std::string several_text(const volumes::GridInfo& grid) {
 }
 
 // "; the plug-in for openvdb reads it", or why nobody does.
-std::string reader_text(const volumes::GridInfo& grid) {
+std::string reader_text(const volume_io::GridInfo& grid) {
   if (grid.plugin.empty()) {
     if (!grid.scalar) return "; no surface can be extracted from this type";
     return grid.frame_problem.empty() ? "" : "; its place cannot be used: " + grid.frame_problem;
@@ -53,7 +53,7 @@ std::string reader_text(const volumes::GridInfo& grid) {
                      grid.parts.empty() ? "" : fmt::format(" as {}", fmt::join(grid.parts, ", ")));
 }
 
-std::string component_text(const volumes::ComponentChoice& choice) {
+std::string component_text(const volume_io::ComponentChoice& choice) {
   return choice.number ? fmt::format("{}", *choice.number) : "the length of all";
 }
 
@@ -68,8 +68,8 @@ void add_grids(NamedLines& lines, const InputReport& report) {
   if (report.particles || (report.grids.size() == 1 && report.field)) return;
   lines.add("grids", fmt::format("{}", report.grids.size()));
   std::size_t name_width = 4;
-  for (const volumes::GridInfo& grid : report.grids) name_width = std::max(name_width, grid.label.size());
-  for (const volumes::GridInfo& grid : report.grids) {
+  for (const volume_io::GridInfo& grid : report.grids) name_width = std::max(name_width, grid.label.size());
+  for (const volume_io::GridInfo& grid : report.grids) {
     lines.plain(fmt::format("    {:<{}}  {:<8}  {:<18}  {}{}{}{}", grid.label, name_width, grid.type,
                             grid.voxels ? dims_text(grid.box) : "unknown size",
                             grid.voxels ? fmt::format("{} active voxels", *grid.voxels) : "voxels not counted",
@@ -86,11 +86,11 @@ void add_grids(NamedLines& lines, const InputReport& report) {
 
 void add_volumes(NamedLines& lines, const InputReport& report) {
   if (report.grids.size() != 1) return;  // they are in the list of grids
-  for (const volumes::GridInfo& grid : report.grids) {
+  for (const volume_io::GridInfo& grid : report.grids) {
     if (has_several_components(grid)) {
       lines.add("components",
                 fmt::format("{}, counted from 0; {} is described, --component K or --component length chooses another",
-                            grid.components, component_text(report.component.value_or(volumes::ComponentChoice{0}))));
+                            grid.components, component_text(report.component.value_or(volume_io::ComponentChoice{0}))));
     }
     if (!has_several_volumes(grid)) continue;
     lines.add("volumes", fmt::format("{}, counted from 0; {} is described, --volume K chooses another", grid.volumes,
@@ -211,7 +211,7 @@ void add_advice(NamedLines& lines, const FieldReport& report) {
   if (!report.command.empty()) lines.plain(fmt::format("\n  {}", report.command));
 }
 
-convert::Json json_of(const volumes::GridInfo& grid) {
+convert::Json json_of(const volume_io::GridInfo& grid) {
   convert::Json json{{"name", grid.label},
                      {"type", grid.type},
                      {"scalar", grid.scalar || (!grid.plugin.empty() && !grid.plugin_is_missing)}};
@@ -281,17 +281,17 @@ convert::Json json_of(const FieldReport& report) {
 }
 
 // Whether one of several grids, or of the parts of one, has to be named.
-bool has_choice(std::span<const volumes::GridInfo> grids) {
-  return grid_without_choice(grids) == nullptr && std::ranges::any_of(grids, &volumes::GridInfo::is_readable);
+bool has_choice(std::span<const volume_io::GridInfo> grids) {
+  return grid_without_choice(grids) == nullptr && std::ranges::any_of(grids, &volume_io::GridInfo::is_readable);
 }
 
 }  // namespace
 
-const volumes::GridInfo* grid_without_choice(std::span<const volumes::GridInfo> grids) {
+const volume_io::GridInfo* grid_without_choice(std::span<const volume_io::GridInfo> grids) {
   // As read_volume chooses: the only scalar one; where there is none, the only one that a plug-in makes a grid of.
-  const auto scalars = std::ranges::count(grids, true, &volumes::GridInfo::scalar);
-  const volumes::GridInfo* found = nullptr;
-  for (const volumes::GridInfo& grid : grids) {
+  const auto scalars = std::ranges::count(grids, true, &volume_io::GridInfo::scalar);
+  const volume_io::GridInfo* found = nullptr;
+  for (const volume_io::GridInfo& grid : grids) {
     const bool counts = scalars > 0 ? grid.scalar : grid.is_readable();
     if (!counts) continue;
     if (found != nullptr || grid.parts.size() > 1) return nullptr;
@@ -300,8 +300,8 @@ const volumes::GridInfo* grid_without_choice(std::span<const volumes::GridInfo> 
   return found;
 }
 
-bool has_several_volumes(const volumes::GridInfo& grid) { return grid.volumes > 1; }
-bool has_several_components(const volumes::GridInfo& grid) { return grid.components > 1; }
+bool has_several_volumes(const volume_io::GridInfo& grid) { return grid.volumes > 1; }
+bool has_several_components(const volume_io::GridInfo& grid) { return grid.components > 1; }
 
 std::string text_of(const InputReport& report) {
   NamedLines lines;
@@ -327,7 +327,7 @@ std::string text_of(const InputReport& report) {
 convert::Json json_of(const InputReport& report) {
   convert::Json json{{"input", report.input}};
   json["grids"] = convert::Json::array();
-  for (const volumes::GridInfo& grid : report.grids) json["grids"].push_back(json_of(grid));
+  for (const volume_io::GridInfo& grid : report.grids) json["grids"].push_back(json_of(grid));
   json["volume"] = report.volume ? convert::Json(*report.volume) : convert::Json(nullptr);
   json["component"] = nullptr;
   if (report.component)

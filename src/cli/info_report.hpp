@@ -13,7 +13,7 @@
 #include "convert/json_values.hpp"
 #include "field/scalar_field.hpp"
 #include "field/statistics.hpp"
-#include "volumes/volume_reader.hpp"
+#include "volume_io/volume_reader.hpp"
 
 namespace isoextract::cli {
 
@@ -30,18 +30,18 @@ struct FieldReport {
 
 struct InputReport {
   std::string input;
-  std::vector<volumes::GridInfo> grids;
-  std::optional<std::int64_t> volume;                 // that is described, where one was chosen or there are several
-  std::optional<volumes::ComponentChoice> component;  // likewise
-  std::optional<ParticleReport> particles;            // where the input is of particles, which have no grids
+  std::vector<volume_io::GridInfo> grids;
+  std::optional<std::int64_t> volume;                   // that is described, where one was chosen or there are several
+  std::optional<volume_io::ComponentChoice> component;  // likewise
+  std::optional<ParticleReport> particles;              // where the input is of particles, which have no grids
   std::optional<FieldReport> field;  // not there if a choice of grid or a place for it is missing, or on an error
   std::optional<Error> error;
 };
 
 // The grid that read_volume takes where none is named; null where one has to be, or none can be read.
-[[nodiscard]] const volumes::GridInfo* grid_without_choice(std::span<const volumes::GridInfo> grids);
-[[nodiscard]] bool has_several_volumes(const volumes::GridInfo& grid);
-[[nodiscard]] bool has_several_components(const volumes::GridInfo& grid);
+[[nodiscard]] const volume_io::GridInfo* grid_without_choice(std::span<const volume_io::GridInfo> grids);
+[[nodiscard]] bool has_several_volumes(const volume_io::GridInfo& grid);
+[[nodiscard]] bool has_several_components(const volume_io::GridInfo& grid);
 
 [[nodiscard]] std::string text_of(const InputReport& report);
 [[nodiscard]] convert::Json json_of(const InputReport& report);

@@ -49,7 +49,7 @@ class JetRun {
       shown_.progress().advance(1);
     }
     const auto particles = TRY(jet.particles(work_));
-    const auto bytes = TRY(volumes::write_particles(frame.files.front(), particles, plan_.format));
+    const auto bytes = TRY(particle_io::write_particles(frame.files.front(), particles, plan_.format));
     bytes_ += bytes;
     return {};
   }

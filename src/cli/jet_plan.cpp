@@ -39,7 +39,7 @@ Result<JetPlan> plan_jet(const JetFlags& flags) {
   SequenceKind kind{.stem = "jet", .example = kJetExample, .extension = "", .grids = {""}, .steps = frames, .first = 1};
   if (sequence.output && !sequence.output->empty()) {
     const auto format =
-        TRY(format_of_output(flags.format, *flags.sequence.output, volumes::particle_file_format_by_path));
+        TRY(format_of_output(flags.format, *flags.sequence.output, particle_io::particle_file_format_by_path));
     plan.format = format;
     kind.extension = word_of(plan.format);
   }

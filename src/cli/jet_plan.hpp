@@ -6,14 +6,14 @@
 #include "base/error.hpp"
 #include "cli/options.hpp"
 #include "cli/simulate_plan.hpp"
+#include "particle_io/particle_writer.hpp"
 #include "simulate/particle_jet.hpp"
-#include "volumes/particle_writer.hpp"
 
 namespace isoextract::cli {
 
 struct JetPlan {
   simulate::JetOptions jet;
-  volumes::ParticleFileFormat format = volumes::ParticleFileFormat::ply;
+  particle_io::ParticleFileFormat format = particle_io::ParticleFileFormat::ply;
   std::string pattern;    // by which all frames can be read again; empty where there is none
   SequencePlan sequence;  // a step is a frame of the jet
 };

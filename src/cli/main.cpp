@@ -1,9 +1,10 @@
 #include <cstddef>
 
 #include "cli/commands.hpp"
-#include "volumes/plugin_reader.hpp"
+#include "plugin_host/plugin_reader.hpp"
 
 int main(int argc, char** argv) {
-  if (const auto code = isoextract::volumes::run_as_plugin_reader({argv, static_cast<std::size_t>(argc)})) return *code;
+  if (const auto code = isoextract::plugin_host::run_as_plugin_reader({argv, static_cast<std::size_t>(argc)}))
+    return *code;
   return isoextract::cli::run(argc, argv);
 }

@@ -5,7 +5,7 @@
 
 #include "convert/picture_file.hpp"
 #include "mesh/metrics.hpp"
-#include "meshes/mesh_reader.hpp"
+#include "mesh_io/mesh_reader.hpp"
 #include "render/contact_sheet.hpp"
 #include "render/picture_text.hpp"
 #include "render/renderer.hpp"
@@ -22,7 +22,7 @@ Result<MeshPictures> MeshPictures::open(std::vector<WrittenMesh> meshes, const r
   for (const WrittenMesh& written : meshes) {
     if (meshes.size() == 1) break;  // its own box frames it
     for (const std::string& file : written.files) {
-      auto read = TRY(meshes::read_mesh(file, context));
+      auto read = TRY(mesh_io::read_mesh(file, context));
       if (read.mesh.triangles.empty()) continue;
       const mesh::Bounds own = mesh::measure_bounds(read.mesh);
       box = box ? field::Box{glm::min(box->min, own.min), glm::max(box->max, own.max)} : field::Box{own.min, own.max};
@@ -35,15 +35,15 @@ Result<MeshPictures> MeshPictures::open(std::vector<WrittenMesh> meshes, const r
 
 Result<render::Picture> MeshPictures::draw(std::size_t n, const Context& context) const {
   render::PreviewOptions options = options_;
-  std::vector<meshes::MeshFile> files;
+  std::vector<mesh_io::MeshFile> files;
   for (const std::string& file : meshes_[n].files) {
-    auto read = TRY(meshes::read_mesh(file, context));
+    auto read = TRY(mesh_io::read_mesh(file, context));
     if (read.y_up) options.up = render::UpAxis::y;
     TRY(render::add_normals(read.mesh, file, context));
     files.push_back(std::move(read));
   }
   std::vector<render::Surface> surfaces;
-  for (const meshes::MeshFile& file : files) surfaces.push_back(convert::surface_of(file.mesh));
+  for (const mesh_io::MeshFile& file : files) surfaces.push_back(convert::surface_of(file.mesh));
   const auto renderer = render::make_cpu_renderer();
   auto drawn = TRY(render::draw_preview(surfaces, options, *renderer, context));
   render::Picture& picture = drawn.picture;

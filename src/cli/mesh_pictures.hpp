@@ -24,7 +24,7 @@ struct WrittenMesh {
 class MeshPictures {
  public:
   // Reads all files once where there are several meshes, for the box that holds every one. `up` is that of formats
-  // which prescribe none. Fails as meshes::read_mesh() does.
+  // which prescribe none. Fails as mesh_io::read_mesh() does.
   [[nodiscard]] static Result<MeshPictures> open(std::vector<WrittenMesh> meshes, const render::PictureSize& size,
                                                  convert::UpAxis up, const Context& context);
 

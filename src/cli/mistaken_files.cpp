@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "cli/values.hpp"
-#include "meshes/mesh_writer.hpp"
-#include "volumes/particle_format.hpp"
-#include "volumes/volume_reader.hpp"
+#include "mesh_io/mesh_writer.hpp"
+#include "particle_io/particle_format.hpp"
+#include "volume_io/volume_reader.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -24,8 +24,8 @@ bool has_content(const std::string& path) {
 }  // namespace
 
 Error about_mesh_file(Error error, const std::string& path) {
-  const bool is_mesh = meshes::mesh_format_by_path(path).has_value();
-  const bool is_named = volumes::has_volume_extension(path) || volumes::has_particle_extension(path);
+  const bool is_mesh = mesh_io::mesh_format_by_path(path).has_value();
+  const bool is_named = volume_io::has_volume_extension(path) || particle_io::has_particle_extension(path);
   if (error.code != ErrorCode::input || !error.hint.empty() || is_mesh || !has_content(path) || !is_named) return error;
   error.hint = fmt::format("its name is that of a volume or of particles: 'isoextract info {}' tells what it holds",
                            shell_quoted(path));
@@ -38,9 +38,9 @@ Error about_volume_file(Error error, const std::string& path) {
     error.hint = "name one of the files in it; a conversion takes a folder, as a sequence";
     return error;
   }
-  const auto format = meshes::mesh_format_by_path(path);
+  const auto format = mesh_io::mesh_format_by_path(path);
   // Points are stored as PLY, too.
-  if (error.code != ErrorCode::input || !format || *format == meshes::MeshFormat::ply || !has_content(path)) {
+  if (error.code != ErrorCode::input || !format || *format == mesh_io::MeshFormat::ply || !has_content(path)) {
     return error;
   }
   error.hint = fmt::format("its name is that of a mesh: 'isoextract check {}' tells about it", shell_quoted(path));

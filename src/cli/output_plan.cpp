@@ -10,9 +10,9 @@ namespace isoextract::cli {
 
 Result<std::vector<batch::OutputFiles>> plan_outputs(const ConvertFlags& flags,
                                                      std::span<const batch::OutputSource> sources,
-                                                     meshes::MeshFormat format, const batch::OtherFiles& others) {
+                                                     mesh_io::MeshFormat format, const batch::OtherFiles& others) {
   if (flags.output && flags.output->empty()) return refuse_usage("-o needs the name of a file");
-  TRY(check_piece_outputs(flags, flags.output.value_or(""), meshes::mesh_format_info(format)));
+  TRY(check_piece_outputs(flags, flags.output.value_or(""), mesh_io::mesh_format_info(format)));
   return batch::name_outputs(sources, flags.output, format, other_extension(flags), others);
 }
 

@@ -10,7 +10,7 @@
 #include "batch/output_names.hpp"
 #include "batch/output_template.hpp"
 #include "cli/options.hpp"
-#include "meshes/mesh_writer.hpp"
+#include "mesh_io/mesh_writer.hpp"
 
 namespace isoextract::cli {
 
@@ -18,7 +18,7 @@ namespace isoextract::cli {
 // ErrorCode::usage.
 [[nodiscard]] Result<std::vector<batch::OutputFiles>> plan_outputs(const ConvertFlags& flags,
                                                                    std::span<const batch::OutputSource> sources,
-                                                                   meshes::MeshFormat format,
+                                                                   mesh_io::MeshFormat format,
                                                                    const batch::OtherFiles& others);
 
 // Reads what --report names. Fails with ErrorCode::usage.

@@ -8,10 +8,10 @@
 
 namespace isoextract::cli {
 
-Result<convert::PackingOptions> plan_packing(const ConvertFlags& flags, meshes::MeshFormat format) {
-  const std::string_view name = meshes::mesh_format_info(format).name;
-  const bool is_drc = format == meshes::MeshFormat::drc;
-  if (format != meshes::MeshFormat::glb && format != meshes::MeshFormat::gltf) {
+Result<convert::PackingOptions> plan_packing(const ConvertFlags& flags, mesh_io::MeshFormat format) {
+  const std::string_view name = mesh_io::mesh_format_info(format).name;
+  const bool is_drc = format == mesh_io::MeshFormat::drc;
+  if (format != mesh_io::MeshFormat::glb && format != mesh_io::MeshFormat::gltf) {
     const Option* const option = flags.draco && !is_drc ? static_cast<const Option*>(&flags.draco)
                                  : flags.quantize       ? &flags.quantize
                                  : flags.meshopt        ? &flags.meshopt
@@ -38,8 +38,8 @@ Result<convert::PackingOptions> plan_packing(const ConvertFlags& flags, meshes::
   convert::PackingOptions packing;
   packing.quantize = flags.quantize;
   packing.optimize_order = flags.optimize_order;
-  if (draco) packing.compression = meshes::Compression::draco;
-  if (flags.meshopt) packing.compression = meshes::Compression::meshopt;
+  if (draco) packing.compression = mesh_io::Compression::draco;
+  if (flags.meshopt) packing.compression = mesh_io::Compression::meshopt;
   if (flags.draco) packing.position_bits = *flags.draco;
   return packing;
 }

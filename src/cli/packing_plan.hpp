@@ -7,6 +7,6 @@
 
 namespace isoextract::cli {
 
-[[nodiscard]] Result<convert::PackingOptions> plan_packing(const ConvertFlags& flags, meshes::MeshFormat format);
+[[nodiscard]] Result<convert::PackingOptions> plan_packing(const ConvertFlags& flags, mesh_io::MeshFormat format);
 
 }  // namespace isoextract::cli

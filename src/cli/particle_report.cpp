@@ -19,10 +19,10 @@ namespace {
 
 constexpr std::size_t kShownName = 80;  // bytes
 
-std::vector<AttributeRange> ranges_of(const std::vector<volumes::ParticleQuantity>& quantities,
+std::vector<AttributeRange> ranges_of(const std::vector<particle_io::ParticleQuantity>& quantities,
                                       const points::ParticleSet& particles) {
   std::vector<AttributeRange> ranges;
-  for (const volumes::ParticleQuantity& quantity : quantities) {
+  for (const particle_io::ParticleQuantity& quantity : quantities) {
     AttributeRange& range = ranges.emplace_back();
     range.quantity = quantity;
     const auto found = std::ranges::find(particles.attributes, quantity.name, &points::ParticleAttribute::name);
@@ -54,7 +54,7 @@ void add_attributes(NamedLines& lines, const std::vector<AttributeRange>& ranges
     width = std::max(width, printable(range.quantity.name, kShownName).size());
   }
   for (const AttributeRange& range : ranges) {
-    const volumes::ParticleQuantity& quantity = range.quantity;
+    const particle_io::ParticleQuantity& quantity = range.quantity;
     lines.plain(fmt::format(
         "    {:<{}}  {:<10}  {}{}", printable(quantity.name, kShownName), width,
         quantity.components == 1 ? quantity.type : fmt::format("{} x {}", quantity.type, quantity.components),
@@ -84,15 +84,15 @@ Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source
   MeasuredParticles measured;
   ParticleReport& report = measured.report;
   Stopwatch reading;
-  auto described = volumes::describe_particles(asked.input, convert::particle_read_options(asked), context);
+  auto described = particle_io::describe_particles(asked.input, convert::particle_read_options(asked), context);
   report.read_seconds = reading.elapsed().wall_seconds;
   if (!described) return tl::unexpected(std::move(described.error()));
   report.info = std::move(described->info);
   report.frame = described->frame;
-  for (const volumes::ParticleFormatDescription& about : volumes::particle_format_descriptions()) {
+  for (const particle_io::ParticleFormatDescription& about : particle_io::particle_format_descriptions()) {
     if (about.id == report.info.format) report.title = about.title;
   }
-  volumes::ParticleFile& file = described->file;
+  particle_io::ParticleFile& file = described->file;
   report.notes = file.notes;
   report.particles = file.particles.size();
   report.attributes = ranges_of(report.info.quantities, file.particles);

@@ -11,15 +11,15 @@
 #include "cli/layout.hpp"
 #include "convert/conversion_job.hpp"
 #include "convert/json_values.hpp"
+#include "particle_io/particle_reader.hpp"
 #include "points/particle_field.hpp"
 #include "points/particle_statistics.hpp"
-#include "volumes/particle_reader.hpp"
 
 namespace isoextract::cli {
 
 // The values of an attribute that are finite, over all its components.
 struct AttributeRange {
-  volumes::ParticleQuantity quantity;
+  particle_io::ParticleQuantity quantity;
   bool read = false;  // it is made of numbers
   std::uint64_t not_finite = 0;
   std::optional<double> min;  // nothing where no value is finite
@@ -27,7 +27,7 @@ struct AttributeRange {
 };
 
 struct ParticleReport {
-  volumes::ParticleInfo info;
+  particle_io::ParticleInfo info;
   std::string title;                  // of the format
   std::optional<std::int64_t> frame;  // that is described, where one was chosen or there are several
   std::uint64_t particles = 0;

@@ -46,10 +46,10 @@ MemoryBudget plan_memory(const std::optional<std::uint64_t>& limit) {
   return limit ? MemoryBudget(*limit) : MemoryBudget();
 }
 
-Result<meshes::MeshFormat> format_of_path(const std::string& path, std::string hint, std::string_view besides) {
-  if (const auto format = meshes::mesh_format_by_path(path)) return *format;
+Result<mesh_io::MeshFormat> format_of_path(const std::string& path, std::string hint, std::string_view besides) {
+  if (const auto format = mesh_io::mesh_format_by_path(path)) return *format;
   std::vector<std::string_view> names;
-  for (const meshes::MeshFormatInfo& info : meshes::mesh_formats()) names.push_back(info.name);
+  for (const mesh_io::MeshFormatInfo& info : mesh_io::mesh_formats()) names.push_back(info.name);
   return refuse_usage(fmt::format("{}: expected an extension of {}{}", path, fmt::join(names, ", "), besides),
                       std::move(hint));
 }
@@ -95,7 +95,7 @@ std::string extension_of(const std::string& path) {
   return lower_case(std::filesystem::path(path).extension().string());
 }
 
-Result<convert::Placement> plan_placement(const PlacementFlags& flags, meshes::MeshFormat format, bool draws_mesh,
+Result<convert::Placement> plan_placement(const PlacementFlags& flags, mesh_io::MeshFormat format, bool draws_mesh,
                                           std::vector<std::string>& notes) {
   convert::Placement placement;
   placement.space = flags.space.value_or(convert::Space::world);
@@ -110,7 +110,7 @@ Result<convert::Placement> plan_placement(const PlacementFlags& flags, meshes::M
     return refuse_usage("--to-unit needs the unit of the input's world as well",
                         "give --unit file where the input states it, or for example --unit mm");
   }
-  const std::string_view format_name = meshes::mesh_format_info(format).name;
+  const std::string_view format_name = mesh_io::mesh_format_info(format).name;
   const convert::UpAxis up_out = flags.up_out.value_or(is_gltf(format) ? convert::UpAxis::y : placement.up);
   placement.turn_z_up_to_y_up = placement.up == convert::UpAxis::z && up_out == convert::UpAxis::y;
   placement.turn_y_up_to_z_up = placement.up == convert::UpAxis::y && up_out == convert::UpAxis::z;
@@ -150,7 +150,7 @@ Result<void> check_isos(const std::vector<convert::IsoChoice>& isos) {
   return {};
 }
 
-Result<volumes::ReadOptions> plan_read(const InputFlags& flags) {
+Result<volume_io::ReadOptions> plan_read(const InputFlags& flags) {
   for (const std::string& input : flags.inputs) {
     if (input.empty()) return refuse_usage("INPUT is empty");
     if (const std::string mark = foreign_numbering(input); !mark.empty()) {
@@ -164,7 +164,7 @@ Result<volumes::ReadOptions> plan_read(const InputFlags& flags) {
     return refuse_usage("'-' was given twice, and stdin can be read once");
   }
   const auto volume = TRY(plan_one_volume(flags));
-  volumes::ReadOptions read;
+  volume_io::ReadOptions read;
   read.volume = volume;
   read.format = flags.format;
   read.grid = flags.grid();
@@ -176,7 +176,7 @@ Result<volumes::ReadOptions> plan_read(const InputFlags& flags) {
   if (flags.inside == InsideChoice::above) read.kind = field::FieldKind::density;
   if (flags.inside == InsideChoice::below) read.kind = field::FieldKind::level_set;
   if (flags.dims) {
-    volumes::RawLayout raw;
+    volume_io::RawLayout raw;
     raw.dims = *flags.dims;
     raw.type = flags.dtype.value_or(raw.type);
     raw.endian = flags.endian.value_or(raw.endian);

@@ -13,8 +13,8 @@
 #include "cli/messages.hpp"
 #include "cli/options.hpp"
 #include "convert/conversion_job.hpp"
-#include "meshes/mesh_writer.hpp"
-#include "volumes/volume_reader.hpp"
+#include "mesh_io/mesh_writer.hpp"
+#include "volume_io/volume_reader.hpp"
 
 namespace isoextract::cli {
 
@@ -43,7 +43,7 @@ struct InfoPlan {
   MemoryBudget memory;
   std::vector<std::string> inputs;
   std::optional<batch::FrameRange> frames;  // of a sequence
-  volumes::ReadOptions read;
+  volume_io::ReadOptions read;
   convert::ParticleOptions particles;
   std::vector<std::string> input_arguments;  // the input options as they were given, to repeat in an example
   bool json = false;
@@ -73,11 +73,11 @@ struct BenchPlan {
   bool gpu_threads = false;                           // instead of inputs
   std::optional<std::vector<NamedBackend>> backends;  // none: cpu, and gpu where there is one that is not software
   gpu::GpuChoice gpu;                                 // of the default
-  volumes::ReadOptions read;
-  std::optional<double> iso;      // none: each demo field's own
-  std::vector<int> sizes;         // of demo fields
-  std::vector<int> coarser;       // of files, falling, without 1; empty: as far as they allow
-  measure::BenchOptions options;  // without iso and backends
+  volume_io::ReadOptions read;
+  std::optional<double> iso;    // none: each demo field's own
+  std::vector<int> sizes;       // of demo fields
+  std::vector<int> coarser;     // of files, falling, without 1; empty: as far as they allow
+  bench::BenchOptions options;  // without iso and backends
   std::optional<std::string> csv;
   std::optional<std::string> json;
   std::optional<std::string> plot;
@@ -91,7 +91,7 @@ struct BenchPlan {
 [[nodiscard]] Result<Verbosity> plan_verbosity(const RunFlags& flags);
 [[nodiscard]] Result<ConvertPlan> plan_convert(const ConvertFlags& flags);
 // --inside away-from-zero is left to who makes a SourceOptions of the flags, or to refuse_two_sides().
-[[nodiscard]] Result<volumes::ReadOptions> plan_read(const InputFlags& flags);
+[[nodiscard]] Result<volume_io::ReadOptions> plan_read(const InputFlags& flags);
 // For the commands that read one grid.
 [[nodiscard]] Result<void> refuse_several_grids(const InputFlags& flags, std::string_view command);
 // For the commands that have no iso values of their own to turn each surface by.

@@ -21,8 +21,8 @@ namespace isoextract::cli {
 }
 
 // `besides` is what else than formats of meshes is expected.
-[[nodiscard]] Result<meshes::MeshFormat> format_of_path(const std::string& path, std::string hint,
-                                                        std::string_view besides = "");
+[[nodiscard]] Result<mesh_io::MeshFormat> format_of_path(const std::string& path, std::string hint,
+                                                         std::string_view besides = "");
 
 // Of a name, in small letters and with its dot; empty where there is none.
 [[nodiscard]] std::string extension_of(const std::string& path);
@@ -49,7 +49,7 @@ template <class Format, class ByPath>
 // Where no --nan is given: who says which samples are no data wants no error for them.
 [[nodiscard]] extract::NanPolicy usual_nan(const InputFlags& input);
 // `draws_mesh`: pages or contact sheets show the mesh with its up axis, whatever its format.
-[[nodiscard]] Result<convert::Placement> plan_placement(const PlacementFlags& flags, meshes::MeshFormat format,
+[[nodiscard]] Result<convert::Placement> plan_placement(const PlacementFlags& flags, mesh_io::MeshFormat format,
                                                         bool draws_mesh, std::vector<std::string>& notes);
 // Refuses an iso value that is given twice.
 [[nodiscard]] Result<void> check_isos(const std::vector<convert::IsoChoice>& isos);

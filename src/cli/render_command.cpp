@@ -17,7 +17,7 @@
 #include "convert/picture_file.hpp"
 #include "files/file_bytes.hpp"
 #include "files/output_file.hpp"
-#include "images/exr_writer.hpp"
+#include "image_io/exr_writer.hpp"
 #include "render/gpu_renderer.hpp"
 
 namespace isoextract::cli {
@@ -61,7 +61,7 @@ Result<void> write_picture(const render::Picture& picture, const std::string& pa
     return written ? Result<void>() : tl::unexpected(written.error());
   }
   auto file = TRY(files::OutputFile::create(path));
-  TRY(images::write_exr(file, convert::light_of(picture), context));
+  TRY(image_io::write_exr(file, convert::light_of(picture), context));
   return file.commit();
 }
 

@@ -20,7 +20,7 @@
 #include "convert/picture_file.hpp"
 #include "convert/surface_edits.hpp"
 #include "files/file_bytes.hpp"
-#include "meshes/mesh_reader.hpp"
+#include "mesh_io/mesh_reader.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -38,8 +38,8 @@ Inputs sorted_inputs(const RenderFlags& flags, const MemoryBudget& memory) {
   const bool is_raw = flags.input.dims && flags.input.inputs.size() == 1;
   const bool may_be_mesh = !flags.particles.method && !flags.input.format && !is_raw;
   for (const std::string& input : flags.input.inputs) {
-    const bool is_mesh = meshes::mesh_format_by_path(input) ||
-                         (may_be_mesh && files::is_standard_input(input) && meshes::holds_mesh(input, Context(memory)));
+    const bool is_mesh = mesh_io::mesh_format_by_path(input) || (may_be_mesh && files::is_standard_input(input) &&
+                                                                 mesh_io::holds_mesh(input, Context(memory)));
     (is_mesh ? inputs.meshes : inputs.volumes).push_back(input);
   }
   // PLY and others may hold particles as well, where options say so.
@@ -125,7 +125,7 @@ Result<void> name_pictures(const RenderFlags& flags, const Inputs& inputs, std::
     return refuse_usage(fmt::format("-o {}: a picture shows a whole mesh", *flags.output),
                         fmt::format("leave {} out", convert::kPieceWord));
   }
-  const auto names = TRY(batch::name_outputs(sources, flags.output, meshes::MeshFormat::glb, "png"));
+  const auto names = TRY(batch::name_outputs(sources, flags.output, mesh_io::MeshFormat::glb, "png"));
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     pictures[i].output = names[i].front().path;
     if (!picture_file_of(pictures[i].output)) {

@@ -15,9 +15,9 @@
 #include "field/statistics.hpp"
 #include "files/file_bytes.hpp"
 #include "files/text_file.hpp"
-#include "meshes/mesh_reader.hpp"
+#include "mesh_io/mesh_reader.hpp"
 #include "render/surface_normals.hpp"
-#include "volumes/volume_reader.hpp"
+#include "volume_io/volume_reader.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -51,7 +51,7 @@ struct PlacedMesh {
 Result<PlacedMesh> read_mesh(const std::string& path, const RenderPlan& plan, const Context& context,
                              convert::Events& events) {
   context.progress().begin("reading meshes", 0);
-  auto file = TRY(meshes::read_mesh(path, context));
+  auto file = TRY(mesh_io::read_mesh(path, context));
   for (const std::string& note : file.notes) events.note(note);
   const auto record = convert::read_record(file.placement);
   if (!record && !file.placement.empty()) {
@@ -208,7 +208,7 @@ render::Scene SceneSource::scene() const {
 }
 
 Result<void> SceneSource::check_not_lost() const {
-  return source_ ? volumes::check_not_lost(source_->field) : Result<void>();
+  return source_ ? volume_io::check_not_lost(source_->field) : Result<void>();
 }
 
 }  // namespace isoextract::cli

@@ -13,8 +13,8 @@
 #include "cli/progress_bar.hpp"
 #include "convert/output_checks.hpp"
 #include "simulate/water_fields.hpp"
-#include "volumes/grid_tools.hpp"
-#include "volumes/volume_writer.hpp"
+#include "volume_io/grid_tools.hpp"
+#include "volume_io/volume_writer.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -38,8 +38,8 @@ class WaterRun {
     if (left > 0)
       messages_.note(fmt::format("{} of {} frames are there and left alone", left, plan_.sequence.frames.size()));
     if (frames.empty()) return {};
-    if (plan_.format == volumes::VolumeFileFormat::vdb) {
-      TRY(volumes::check_grid_tools(frames.front().files.front().string()));
+    if (plan_.format == volume_io::VolumeFileFormat::vdb) {
+      TRY(volume_io::check_grid_tools(frames.front().files.front().string()));
     }
     if (plan_.water.flow_div * plan_.water.friction < 4) {
       messages_.note(
@@ -86,8 +86,8 @@ class WaterRun {
     const std::span all(fields);
     for (std::size_t f = 0; f < frame.files.size(); ++f) {
       // Of several grids in one file there is one file.
-      const auto bytes = TRY(volumes::write_volume(frame.files[f], frame.files.size() == 1 ? all : all.subspan(f, 1),
-                                                   plan_.format, context_));
+      const auto bytes = TRY(volume_io::write_volume(frame.files[f], frame.files.size() == 1 ? all : all.subspan(f, 1),
+                                                     plan_.format, context_));
       bytes_ += bytes;
     }
     return context_.check();
@@ -127,8 +127,8 @@ class WaterRun {
 
   // What files without a header, or without a place in it, leave to options.
   void tell_how_to_read(const std::vector<SequenceFrame>& frames) const {
-    const bool raw = plan_.format == volumes::VolumeFileFormat::raw;
-    if (plan_.what == simulate::WaterContent::heights || (!raw && plan_.format != volumes::VolumeFileFormat::npy))
+    const bool raw = plan_.format == volume_io::VolumeFileFormat::raw;
+    if (plan_.what == simulate::WaterContent::heights || (!raw && plan_.format != volume_io::VolumeFileFormat::npy))
       return;
     const glm::dvec3& s = plan_.spacing;
     std::string options;

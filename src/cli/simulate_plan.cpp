@@ -93,7 +93,7 @@ Result<SequencePlan> plan_sequence(const SequenceFlags& flags, const SequenceKin
           {static_cast<std::int64_t>(frame + kind.first), std::string(field::kDemoPrefix) + kind.stem, grid, {}});
     }
   }
-  const auto named = TRY(batch::name_outputs(sources, flags.output, meshes::MeshFormat::glb, kind.extension));
+  const auto named = TRY(batch::name_outputs(sources, flags.output, mesh_io::MeshFormat::glb, kind.extension));
   SequencePlan plan;
   plan.steps = steps.back();
   auto files = named.begin();
@@ -128,14 +128,14 @@ Result<WaterPlan> plan_water(const WaterFlags& flags) {
   SequenceKind kind{"water", kWaterExample, "", simulate::field_names(plan.what), kWaterSteps, kWaterEvery};
   if (flags.sequence.output && !flags.sequence.output->empty()) {
     const auto format =
-        TRY(format_of_output(flags.format, *flags.sequence.output, volumes::volume_file_format_by_path));
+        TRY(format_of_output(flags.format, *flags.sequence.output, volume_io::volume_file_format_by_path));
     plan.format = format;
     kind.extension = word_of(plan.format);
     kind.example = std::string(fs::path(kWaterExample).replace_extension(kind.extension));
-    if (plan.format == volumes::VolumeFileFormat::vdb && plan.what == simulate::WaterContent::both) kind.grids = {""};
+    if (plan.format == volume_io::VolumeFileFormat::vdb && plan.what == simulate::WaterContent::both) kind.grids = {""};
   }
   if (plan.what == simulate::WaterContent::heights) {
-    if (flags.sequence.output && plan.format != volumes::VolumeFileFormat::npy) {
+    if (flags.sequence.output && plan.format != volume_io::VolumeFileFormat::npy) {
       return refuse_usage("--what heights writes NPY arrays", "name the output .npy");
     }
     if (flags.spacing) return refuse_usage("--what heights has no voxels, which --spacing would place");

@@ -50,7 +50,7 @@ struct WaterPlan {
   bool default_scene = false;  // a source in the hills and a little water are to be added
   simulate::WaterOptions water;
   simulate::WaterContent what = simulate::WaterContent::water;
-  volumes::VolumeFileFormat format = volumes::VolumeFileFormat::nrrd;
+  volume_io::VolumeFileFormat format = volume_io::VolumeFileFormat::nrrd;
   glm::dvec3 spacing{1.0};
   SequencePlan sequence;
 };

@@ -6,14 +6,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "accuracy/extraction_comparison.hpp"
 #include "base/version.hpp"
+#include "bench/stability.hpp"
 #include "cli/backends.hpp"
 #include "cli/messages.hpp"
 #include "cli/plan.hpp"
 #include "cli/water_report.hpp"
 #include "convert/json_values.hpp"
-#include "measure/extraction_comparison.hpp"
-#include "measure/stability.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -21,9 +21,9 @@ namespace {
 constexpr std::string_view kWaterCases = "water";  // all of them together, a table of their own
 
 // Those that were asked for; otherwise the CPU, and a GPU where there is one.
-Result<std::vector<measure::BenchBackend>> choose_backends(const StabilityFlags& flags, const Messages& messages) {
+Result<std::vector<bench::BenchBackend>> choose_backends(const StabilityFlags& flags, const Messages& messages) {
   if (flags.backends) return open_backends(plan_backends(*flags.backends, flags.device));
-  std::vector<measure::BenchBackend> backends{{"cpu", extract::make_cpu_extractor(), {}}};
+  std::vector<bench::BenchBackend> backends{{"cpu", extract::make_cpu_extractor(), {}}};
   auto gpu = convert::open_backend(convert::Backend::gpu, {plan_gpu(flags.device)});
   if (gpu) {
     backends.push_back({"gpu", std::move(gpu->extractor), {}});
@@ -33,9 +33,9 @@ Result<std::vector<measure::BenchBackend>> choose_backends(const StabilityFlags&
   return backends;
 }
 
-Result<std::vector<const measure::StabilityCase*>> chosen_cases(const std::vector<std::string>& names) {
+Result<std::vector<const bench::StabilityCase*>> chosen_cases(const std::vector<std::string>& names) {
   std::vector<std::string> known;
-  for (const measure::StabilityCase& test : measure::stability_cases()) known.emplace_back(test.name);
+  for (const bench::StabilityCase& test : bench::stability_cases()) known.emplace_back(test.name);
   known.emplace_back(kWaterCases);
   for (const std::string& name : names) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
@@ -43,8 +43,8 @@ Result<std::vector<const measure::StabilityCase*>> chosen_cases(const std::vecto
     return fail(ErrorCode::usage, fmt::format("--case: there is no case '{}'", name),
                 near.empty() ? "'isoextract stability --list' names them" : fmt::format("did you mean '{}'?", near));
   }
-  std::vector<const measure::StabilityCase*> chosen;
-  for (const measure::StabilityCase& test : measure::stability_cases()) {
+  std::vector<const bench::StabilityCase*> chosen;
+  for (const bench::StabilityCase& test : bench::stability_cases()) {
     if (names.empty() || std::find(names.begin(), names.end(), test.name) != names.end()) chosen.push_back(&test);
   }
   return chosen;
@@ -63,18 +63,18 @@ std::string water_extremes() {
   return fmt::format("Simulated, friction 0 and 1, flow-div 1 to 4. {}", fmt::join(texts, " "));
 }
 
-std::string list_text(const std::vector<const measure::StabilityCase*>& cases, bool water) {
+std::string list_text(const std::vector<const bench::StabilityCase*>& cases, bool water) {
   std::string text;
-  for (const measure::StabilityCase* test : cases) {
+  for (const bench::StabilityCase* test : cases) {
     text += fmt::format("{}\n  {}\n  Plain float32: {}.\n", test->name, test->extreme, test->plain);
   }
   if (water) text += fmt::format("{}\n  {}\n", kWaterCases, water_extremes());
   return text;
 }
 
-convert::Json list_json(const std::vector<const measure::StabilityCase*>& cases, bool water) {
+convert::Json list_json(const std::vector<const bench::StabilityCase*>& cases, bool water) {
   convert::Json json = convert::Json::array();
-  for (const measure::StabilityCase* test : cases) {
+  for (const bench::StabilityCase* test : cases) {
     json.push_back({{"case", test->name},
                     {"extreme", test->extreme},
                     {"plain_float32", test->plain},
@@ -84,15 +84,15 @@ convert::Json list_json(const std::vector<const measure::StabilityCase*>& cases,
   return json;
 }
 
-std::size_t count_failed(const std::vector<measure::StabilityRow>& rows) {
+std::size_t count_failed(const std::vector<bench::StabilityRow>& rows) {
   return static_cast<std::size_t>(
-      std::count_if(rows.begin(), rows.end(), [](const measure::StabilityRow& row) { return !row.failures.empty(); }));
+      std::count_if(rows.begin(), rows.end(), [](const bench::StabilityRow& row) { return !row.failures.empty(); }));
 }
 
 // Of all rows, each reason once.
-std::vector<std::string> not_applicable(const std::vector<measure::StabilityRow>& rows) {
+std::vector<std::string> not_applicable(const std::vector<bench::StabilityRow>& rows) {
   std::vector<std::string> reasons;
-  for (const measure::StabilityRow& row : rows) {
+  for (const bench::StabilityRow& row : rows) {
     for (const std::string& reason : row.not_applicable) {
       if (std::ranges::find(reasons, reason) == reasons.end()) reasons.push_back(reason);
     }
@@ -101,11 +101,11 @@ std::vector<std::string> not_applicable(const std::vector<measure::StabilityRow>
 }
 
 // "marching cubes: finite vertices, ...": of each method in the rows what is checked, in the order of the methods.
-std::vector<std::string> checked_methods(const std::vector<measure::StabilityRow>& rows) {
+std::vector<std::string> checked_methods(const std::vector<bench::StabilityRow>& rows) {
   std::vector<std::string> lines;
   for (const extract::MethodInfo& method : extract::kMethods) {
-    if (std::ranges::find(rows, method.method, &measure::StabilityRow::method) == rows.end()) continue;
-    const measure::StabilityFindings checked = measure::no_findings(method.traits);
+    if (std::ranges::find(rows, method.method, &bench::StabilityRow::method) == rows.end()) continue;
+    const bench::StabilityFindings checked = bench::no_findings(method.traits);
     std::string line = fmt::format("{}: finite vertices", method.title);
     if (checked.edges_checked) line += ", each within its own edge of the grid";
     if (checked.crossings_checked) line += " and at its crossing";
@@ -116,11 +116,11 @@ std::vector<std::string> checked_methods(const std::vector<measure::StabilityRow
   return lines;
 }
 
-std::string table_text(const std::vector<measure::StabilityRow>& rows) {
+std::string table_text(const std::vector<bench::StabilityRow>& rows) {
   std::string text = fmt::format("{:<18} {:<12} {:<10} {:>8} {:>9} {:>6} {:>8} {:>8}  {}\n", "case", "method",
                                  "backend", "vertices", "triangles", "ulps", "voxels", "allowed", "verdict");
-  for (const measure::StabilityRow& row : rows) {
-    const measure::StabilityFindings& found = row.findings;
+  for (const bench::StabilityRow& row : rows) {
+    const bench::StabilityFindings& found = row.findings;
     const auto crossing = [&](std::string number) { return found.crossings_checked ? std::move(number) : "-"; };
     text +=
         fmt::format("{:<18} {:<12} {:<10} {:>8} {:>9} {:>6} {:>8} {:>8}  {}\n", row.name, word_of(row.method),
@@ -133,8 +133,8 @@ std::string table_text(const std::vector<measure::StabilityRow>& rows) {
   return text + fmt::format("{} of {} passed\n", rows.size() - count_failed(rows), rows.size());
 }
 
-convert::Json row_json(const measure::StabilityRow& row) {
-  const measure::StabilityFindings& found = row.findings;
+convert::Json row_json(const bench::StabilityRow& row) {
+  const bench::StabilityFindings& found = row.findings;
   const auto where = [](bool checked, const auto& value) { return checked ? convert::Json(value) : convert::Json(); };
   convert::Json json{{"case", row.name},
                      {"method", word_of(row.method)},
@@ -150,7 +150,7 @@ convert::Json row_json(const measure::StabilityRow& row) {
                      {"open_edges", found.open_edges},
                      {"unsound", found.unsound},
                      {"ulps", where(found.crossings_checked, found.ulps)},
-                     {"ulps_allowed", where(found.crossings_checked, measure::kStabilityUlps)},
+                     {"ulps_allowed", where(found.crossings_checked, accuracy::kStabilityUlps)},
                      {"voxels", where(found.crossings_checked, found.voxels)},
                      {"voxels_allowed", where(found.crossings_checked, row.voxels_allowed)}};
   if (!row.not_applicable.empty()) json["not_applicable"] = row.not_applicable;
@@ -158,17 +158,17 @@ convert::Json row_json(const measure::StabilityRow& row) {
 }
 
 // Of the cases by every method on every backend.
-Result<std::vector<measure::StabilityRow>> extracted_rows(const std::vector<const measure::StabilityCase*>& cases,
-                                                          const StabilityFlags& flags, const Messages& messages) {
+Result<std::vector<bench::StabilityRow>> extracted_rows(const std::vector<const bench::StabilityCase*>& cases,
+                                                        const StabilityFlags& flags, const Messages& messages) {
   const auto backends = TRY(choose_backends(flags, messages));
   const std::span<const extract::MethodInfo> methods = extract::kMethods;
-  for (const std::string& missing : measure::missing_methods(backends, methods)) messages.note(missing);
-  std::vector<measure::StabilityRow> rows;
-  for (const measure::StabilityCase* test : cases) {
+  for (const std::string& missing : bench::missing_methods(backends, methods)) messages.note(missing);
+  std::vector<bench::StabilityRow> rows;
+  for (const bench::StabilityCase* test : cases) {
     for (const extract::MethodInfo& method : methods) {
-      for (const measure::BenchBackend& backend : backends) {
+      for (const bench::BenchBackend& backend : backends) {
         if (!backend.runs(method.method)) continue;
-        rows.push_back(measure::run_stability_case(*test, method, *backend.extractor, Context()));
+        rows.push_back(bench::run_stability_case(*test, method, *backend.extractor, Context()));
         rows.back().backend = backend.name;
       }
     }
@@ -184,7 +184,7 @@ Result<void> run_stability(const StabilityFlags& flags, const Messages& messages
   if (flags.list) {
     return print_to_stdout(flags.json ? convert::json_text(list_json(cases, water)) : list_text(cases, water));
   }
-  std::vector<measure::StabilityRow> rows;
+  std::vector<bench::StabilityRow> rows;
   if (!cases.empty()) {
     rows = TRY(extracted_rows(cases, flags, messages));
   }
@@ -195,7 +195,7 @@ Result<void> run_stability(const StabilityFlags& flags, const Messages& messages
   const std::size_t failed = count_failed(rows) + count_failed(water_rows);
   convert::Json json{{"version", version()}, {"passed", failed == 0}};
   json["rows"] = convert::Json::array();
-  for (const measure::StabilityRow& row : rows) json["rows"].push_back(row_json(row));
+  for (const bench::StabilityRow& row : rows) json["rows"].push_back(row_json(row));
   if (water) json["water"] = water_json(water_rows);
   std::string text = rows.empty() ? "" : table_text(rows);
   if (water) text += (text.empty() ? "" : "\n") + water_table(water_rows);

@@ -317,13 +317,13 @@ Result<glm::ivec3> parse_resolution(std::string_view text) {
 
 Result<convert::FilterStep> parse_filter(std::string_view text) {
   const std::size_t colon = text.find(':');
-  const auto filter = value_of<volumes::LevelSetFilter>(text.substr(0, colon));
+  const auto filter = value_of<volume_io::LevelSetFilter>(text.substr(0, colon));
   std::optional<int> width = 1;
   if (colon != std::string_view::npos) width = whole_text_as<int>(text.substr(colon + 1));
-  if (!filter || !width || *width < 1 || *width > volumes::kMaxFilterWidth) {
+  if (!filter || !width || *width < 1 || *width > volume_io::kMaxFilterWidth) {
     return expected_found(fmt::format("gaussian, median or mean, alone or with a width of 1 to {} voxels as in "
                                       "gaussian:2",
-                                      volumes::kMaxFilterWidth),
+                                      volume_io::kMaxFilterWidth),
                           text);
   }
   return convert::FilterStep{*filter, static_cast<std::uint64_t>(*width)};
@@ -365,11 +365,11 @@ Result<std::int64_t> parse_volume_number(std::string_view text) {
   return *number;
 }
 
-Result<volumes::ComponentChoice> parse_component(std::string_view text) {
-  if (text == "length") return volumes::ComponentChoice{};
+Result<volume_io::ComponentChoice> parse_component(std::string_view text) {
+  if (text == "length") return volume_io::ComponentChoice{};
   const auto number = whole_text_as<std::int64_t>(text);
   if (!number || *number < 0) return expected_found("the number of a component, counted from 0, or length", text);
-  return volumes::ComponentChoice{*number};
+  return volume_io::ComponentChoice{*number};
 }
 
 Result<int> parse_thread_count(std::string_view text) {

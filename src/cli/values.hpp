@@ -48,12 +48,12 @@ using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
 [[nodiscard]] Result<render::PictureSize> parse_picture_size(std::string_view text);  // WxH, each from 1 to 16384
 [[nodiscard]] Result<convert::FilterStep> parse_filter(std::string_view text);  // gaussian, median or mean, or with :N
 [[nodiscard]] Result<field::Box> parse_box(std::string_view text);              // X0,Y0,Z0,X1,Y1,Z1, min <= max
-[[nodiscard]] Result<convert::ClipPlane> parse_clip_plane(std::string_view text);       // NX,NY,NZ,D
-[[nodiscard]] Result<std::array<std::string, 3>> parse_columns(std::string_view text);  // x=A,y=B,z=C in any order
-[[nodiscard]] Result<VolumeChoice> parse_volume(std::string_view text);                 // 0 or above, or all
-[[nodiscard]] Result<std::int64_t> parse_volume_number(std::string_view text);          // 0 or above
-[[nodiscard]] Result<volumes::ComponentChoice> parse_component(std::string_view text);  // 0 or above, or length
-[[nodiscard]] Result<int> parse_thread_count(std::string_view text);                    // 1..1024
+[[nodiscard]] Result<convert::ClipPlane> parse_clip_plane(std::string_view text);         // NX,NY,NZ,D
+[[nodiscard]] Result<std::array<std::string, 3>> parse_columns(std::string_view text);    // x=A,y=B,z=C in any order
+[[nodiscard]] Result<VolumeChoice> parse_volume(std::string_view text);                   // 0 or above, or all
+[[nodiscard]] Result<std::int64_t> parse_volume_number(std::string_view text);            // 0 or above
+[[nodiscard]] Result<volume_io::ComponentChoice> parse_component(std::string_view text);  // 0 or above, or length
+[[nodiscard]] Result<int> parse_thread_count(std::string_view text);                      // 1..1024
 [[nodiscard]] Result<std::uint64_t> parse_size(std::string_view text);  // bytes, with or without K, M, G, T
 
 [[nodiscard]] Result<convert::LeastPiece> parse_least_piece(std::string_view text);  // 100, area:40, volume:5world

@@ -5,22 +5,22 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "accuracy/extraction_comparison.hpp"
 #include "cli/layout.hpp"
-#include "measure/extraction_comparison.hpp"
 
 namespace isoextract::cli {
 namespace {
 
 std::string worst_text(double worst, std::string_view unit, double allowed, const std::optional<mesh::EdgeKey>& edge) {
   std::string text = fmt::format("at most {:.3g} {} apart, allowed {:.3g}", worst, unit, allowed);
-  if (edge) text += fmt::format("; the most at sample {}", measure::edge_text(*edge));
+  if (edge) text += fmt::format("; the most at sample {}", accuracy::edge_text(*edge));
   return text;
 }
 
 }  // namespace
 
 std::string verification_table(const std::string& label, const convert::VerificationRecord& record) {
-  const measure::ExtractionComparison& found = record.comparison;
+  const accuracy::ExtractionComparison& found = record.comparison;
   NamedLines lines;
   lines.plain(fmt::format("{} iso {}: {} and {}", label, record.iso, record.backends[0], record.backends[1]));
   if (!record.not_applicable.empty()) {
@@ -33,9 +33,9 @@ std::string verification_table(const std::string& label, const convert::Verifica
   };
   counts("triangles", found.triangles.total, found.triangles.only);
   counts("vertices", found.vertices, found.vertices_only);
-  lines.add("positions", worst_text(found.ulps, "ulps", measure::kStabilityUlps, found.farthest));
+  lines.add("positions", worst_text(found.ulps, "ulps", accuracy::kStabilityUlps, found.farthest));
   if (found.normals_compared) {
-    lines.add("normals", worst_text(found.degrees, "degrees", measure::kNormalDegrees, found.most_turned));
+    lines.add("normals", worst_text(found.degrees, "degrees", accuracy::kNormalDegrees, found.most_turned));
   }
   lines.add("same", record.differences.empty() ? "yes" : "no");
   return lines.take();

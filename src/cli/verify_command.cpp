@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "accuracy/mesh_match.hpp"
 #include "base/byte_size.hpp"
 #include "base/machine.hpp"
 #include "base/printable.hpp"
@@ -21,9 +22,8 @@
 #include "convert/mesh_sink.hpp"
 #include "convert/placement_record.hpp"
 #include "convert/source.hpp"
-#include "measure/mesh_match.hpp"
 #include "mesh/joined.hpp"
-#include "meshes/mesh_reader.hpp"
+#include "mesh_io/mesh_reader.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -134,14 +134,14 @@ Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, c
   return {};
 }
 
-std::string distance_text(const measure::MeshMatch& match) {
+std::string distance_text(const accuracy::MeshMatch& match) {
   if (match.matched == 0) return "none is at the same place in both";
   if (match.distance == glm::dvec3(0)) return "the very same numbers";
-  return fmt::format("at most {} apart, at {}", measure::point_text(match.distance),
-                     measure::point_text(match.farthest));
+  return fmt::format("at most {} apart, at {}", accuracy::point_text(match.distance),
+                     accuracy::point_text(match.farthest));
 }
 
-std::string match_table(const std::string& path, const MadeAnew& anew, const measure::MeshMatch& match) {
+std::string match_table(const std::string& path, const MadeAnew& anew, const accuracy::MeshMatch& match) {
   NamedLines lines;
   lines.plain(fmt::format("{} and {}", printable(path), anew.surface));
   lines.add("made anew", fmt::format("by {}: {}", anew.backend, fmt::join(anew.stages, ", ")));
@@ -152,7 +152,7 @@ std::string match_table(const std::string& path, const MadeAnew& anew, const mea
   counts("triangles", match.triangles.total, match.triangles.only, "in one");
   counts("vertices", match.vertices, match.vertices_only, "places in one");
   lines.add("positions", distance_text(match));
-  lines.add("allowed", measure::point_text(match.allowed));
+  lines.add("allowed", accuracy::point_text(match.allowed));
   const bool same =
       match.vertices_only == std::array<std::uint64_t, 2>{} && match.triangles.only == std::array<std::uint64_t, 2>{};
   lines.add("same", same ? "yes" : "no");
@@ -160,7 +160,7 @@ std::string match_table(const std::string& path, const MadeAnew& anew, const mea
 }
 
 // What may have made the meshes different; pairs are of the file and of what was made anew.
-std::string hint_for(const convert::ConversionJob& job, const measure::MeshMatch& match) {
+std::string hint_for(const convert::ConversionJob& job, const accuracy::MeshMatch& match) {
   const auto& [theirs, ours] = match.triangles.total;
   if (theirs == 0 || ours == 0) return "";
   if (match.triangles.only[0] == 0 && theirs < ours) {
@@ -211,13 +211,13 @@ Result<mesh::Mesh> make_anew(const VerifyPlan& plan, const Context& context, Not
 }
 
 Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const Context& context) {
-  measure::MeshMatch match;
+  accuracy::MeshMatch match;
   MadeAnew anew;
   {
     ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     Notes notes(messages, bar);
     context.progress().begin("reading the mesh", 0);
-    auto file = meshes::read_mesh(*plan.mesh, context);
+    auto file = mesh_io::read_mesh(*plan.mesh, context);
     if (!file) return tl::unexpected(about_mesh_file(std::move(file.error()), *plan.mesh));
     for (const std::string& text : file->notes) notes.note(text);
     if (!file->mesh.attributes.empty()) {
@@ -245,9 +245,9 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
     }
     if (!made) return tl::unexpected(made.error());
     anew = made_anew(plan.job, outcome);
-    match = TRY(measure::match_meshes(file->mesh, *made, plan.float32_world, context, file->is_quantised));
+    match = TRY(accuracy::match_meshes(file->mesh, *made, plan.float32_world, context, file->is_quantised));
   }
-  const std::vector<std::string> found = measure::differences(match, {"the file", "the volume's surface"});
+  const std::vector<std::string> found = accuracy::differences(match, {"the file", "the volume's surface"});
   if (plan.json) {
     convert::Json json = convert::json_of(match, found);
     json["backend"] = anew.backend;

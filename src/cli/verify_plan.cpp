@@ -26,7 +26,8 @@ Result<void> check_backends_only(const ConvertFlags& flags) {
                       "leave --backend out");
 }
 
-Result<void> check_mesh_path(const std::string& path, const ConvertFlags& flags, const meshes::MeshFormatInfo& format) {
+Result<void> check_mesh_path(const std::string& path, const ConvertFlags& flags,
+                             const mesh_io::MeshFormatInfo& format) {
   for (const std::string_view word : {std::string_view("{iso}"), convert::kPieceWord}) {
     if (path.find(word) == std::string::npos || is_there(path)) continue;
     return refuse_usage(fmt::format("{}: verify takes one mesh, and {} stands for several files", path, word),
@@ -52,18 +53,18 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& given) {
   plan.mesh = given.mesh;
   plan.json = given.json;
   plan.is_placed = flags.placement.any_set();
-  meshes::MeshFormat format = meshes::MeshFormat::glb;  // backends are compared where the default output would be
+  mesh_io::MeshFormat format = mesh_io::MeshFormat::glb;  // backends are compared where the default output would be
   if (plan.mesh) {
-    format = TRY(format_of_path(*plan.mesh, meshes::mesh_format_by_path(input)
+    format = TRY(format_of_path(*plan.mesh, mesh_io::mesh_format_by_path(input)
                                                 ? "the volume comes first: isoextract verify INPUT MESH"
                                                 : "MESH is a mesh that isoextract wrote"));
-    TRY(check_mesh_path(*plan.mesh, flags, meshes::mesh_format_info(format)));
+    TRY(check_mesh_path(*plan.mesh, flags, mesh_io::mesh_format_info(format)));
   } else {
     TRY(check_backends_only(flags));
     flags.verify = true;
   }
   flags.format = OutputFormat{format};
-  plan.float32_world = format == meshes::MeshFormat::stl || format == meshes::MeshFormat::drc;
+  plan.float32_world = format == mesh_io::MeshFormat::stl || format == mesh_io::MeshFormat::drc;
 
   TRY(take_labels(flags));
   auto note = TRY(take_usual_iso(flags, input));

@@ -23,7 +23,7 @@ constexpr std::string_view kIso = "iso";
 
 std::vector<std::string> colormap_names() {
   std::vector<std::string> names;
-  for (const auto& word : words_of(convert::Colormap{})) names.emplace_back(word.word);
+  for (const auto& word : words_of(edit::Colormap{})) names.emplace_back(word.word);
   return names;
 }
 
@@ -125,7 +125,7 @@ Result<void> take_name(std::string_view text, convert::AttributeChoice& choice) 
   return {};
 }
 
-Result<void> check_name_of_map(std::string_view text, convert::Colormap map) {
+Result<void> check_name_of_map(std::string_view text, edit::Colormap map) {
   const std::size_t colon = text.rfind(':');
   const std::string_view from = text.substr(std::min(text.find('='), text.size()));
   // A path may have a colon, and demo fields have one.
@@ -142,11 +142,11 @@ Result<void> check_name_of_map(std::string_view text, convert::Colormap map) {
               near.empty() ? "" : fmt::format("did you mean '{}'?", near));
 }
 
-Result<void> check_formats(const ConvertFlags& flags, const meshes::MeshFormatInfo& format) {
+Result<void> check_formats(const ConvertFlags& flags, const mesh_io::MeshFormatInfo& format) {
   const bool of_vertices = flags.colour && flags.colour->attribute;
   if ((!flags.attributes.empty() || of_vertices) && !format.has_attributes) {
     std::vector<std::string_view> names;
-    for (const meshes::MeshFormatInfo& info : meshes::mesh_formats()) {
+    for (const mesh_io::MeshFormatInfo& info : mesh_io::mesh_formats()) {
       if (info.has_attributes) names.push_back(info.name);
     }
     return refuse_usage(
@@ -179,7 +179,7 @@ Result<ColourFlag> parse_colour(std::string_view text) {
   convert::AttributeChoice choice;
   bool has_map = false;
   const auto take = [&](std::string_view word) -> Result<bool> {
-    const auto map = value_of<convert::Colormap>(word);
+    const auto map = value_of<edit::Colormap>(word);
     const auto range = parse_range(word);
     if (map && !has_map) {
       has_map = true;
@@ -221,7 +221,7 @@ Result<std::vector<double>> parse_opacity(std::string_view text) {
 }
 
 Result<void> plan_vertices(const ConvertFlags& flags, std::size_t isos, convert::ConversionJob& job) {
-  TRY(check_formats(flags, meshes::mesh_format_info(job.format)));
+  TRY(check_formats(flags, mesh_io::mesh_format_info(job.format)));
   std::vector<convert::AttributeChoice>& attributes = job.source.attributes;
   attributes = flags.attributes;
   std::set<std::string_view> seen;

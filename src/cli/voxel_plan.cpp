@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "cli/plan_parts.hpp"
-#include "convert/label_table.hpp"
 #include "extract/method.hpp"
+#include "volume_io/label_table.hpp"
 
 namespace isoextract::cli {
 
@@ -48,7 +48,7 @@ Result<void> plan_labels(const ConvertFlags& flags, convert::ConversionJob& job)
   }
   if (job.source.resamples()) job.source.kernel = field::ResampleKernel::nearest;
   if (!flags.label_names) return {};
-  const auto table = TRY(convert::LabelTable::read(*flags.label_names, Context()));
+  const auto table = TRY(volume_io::LabelTable::read(*flags.label_names, Context()));
   job.label_names = convert::LabelTableFile{*flags.label_names, table.hash()};
   return {};
 }

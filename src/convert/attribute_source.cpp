@@ -16,7 +16,7 @@
 #include "field/point_samples.hpp"
 #include "mesh/attribute_map.hpp"
 #include "points/attribute_sampling.hpp"
-#include "volumes/volume_reader.hpp"
+#include "volume_io/volume_reader.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -105,7 +105,7 @@ Result<Records> add_of_volumes(const AttributeSource& source, std::span<const gl
     for (std::size_t c = 0; c < count && !places.empty(); ++c) {
       const field::ScalarField& field = attribute.components[c];
       const auto counts = TRY(field::sample_points(field, places, values.subspan(c), count, context));
-      TRY(volumes::check_not_lost(field));
+      TRY(volume_io::check_not_lost(field));
       record.outside = std::max(record.outside, counts.outside);
       record.not_finite = std::max(record.not_finite, counts.not_finite);
     }

@@ -12,8 +12,8 @@
 #include "convert/placement.hpp"
 #include "field/demo_field.hpp"
 #include "files/file_bytes.hpp"
-#include "volumes/volume_format.hpp"
-#include "volumes/volume_reader.hpp"
+#include "volume_io/volume_format.hpp"
+#include "volume_io/volume_reader.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -22,8 +22,8 @@ constexpr std::array<std::string_view, 3> kAxes{"[x]", "[y]", "[z]"};
 
 bool names_file(const std::string& text) {
   const std::string lower = lower_case(text);
-  for (const volumes::VolumeFormat* format : volumes::volume_formats()) {
-    const volumes::FormatDescription& about = format->about();
+  for (const volume_io::VolumeFormat* format : volume_io::volume_formats()) {
+    const volume_io::FormatDescription& about = format->about();
     if (!about.prefix.empty() && text.starts_with(about.prefix)) return true;
     for (const std::string& extension : about.extensions) {
       if (lower.size() > extension.size() && lower.ends_with(extension)) return true;
@@ -46,9 +46,9 @@ bool is_input_file(const std::string& file, const std::string& input) {
   return file.empty() || file == input || std::filesystem::equivalent(file, input, none);
 }
 
-using GridList = std::vector<volumes::GridInfo>;
+using GridList = std::vector<volume_io::GridInfo>;
 
-bool is_vector(const volumes::GridInfo& grid) { return grid.type.starts_with("vec3"); }
+bool is_vector(const volume_io::GridInfo& grid) { return grid.type.starts_with("vec3"); }
 
 // The labels of three scalar grids that are the components of `name`: "vel.x", "vel.y" and "vel.z", as volumes of
 // Houdini are called that were not merged; also with "_" or nothing between. Nothing where they are not all there.
@@ -57,7 +57,7 @@ std::optional<std::array<std::string, 3>> grids_of_axes(const GridList& grids, c
     std::array<std::string, 3> labels;
     for (std::size_t axis = 0; axis < labels.size(); ++axis) {
       const std::string wanted = lower_case(fmt::format("{}{}{}", name, between, "xyz"[axis]));
-      const auto is_meant = [&](const volumes::GridInfo& grid) {
+      const auto is_meant = [&](const volume_io::GridInfo& grid) {
         return !is_vector(grid) && lower_case(grid.name) == wanted && grid.name.starts_with(name);
       };
       if (std::ranges::count_if(grids, is_meant) == 1) labels[axis] = std::ranges::find_if(grids, is_meant)->label;
@@ -72,10 +72,10 @@ std::optional<std::array<std::string, 3>> grids_of_axes(const GridList& grids, c
 bool lacks_grid(const SourceOptions& options, const AttributePlace& place, const Context& context) {
   if (!place.grid) return false;
   const bool of_input = is_input_file(place.file, options.input);
-  const auto listed = volumes::list_grids(of_input ? options.input : place.file,
-                                          of_input ? options.read : volumes::ReadOptions(), context);
+  const auto listed = volume_io::list_grids(of_input ? options.input : place.file,
+                                            of_input ? options.read : volume_io::ReadOptions(), context);
   const std::string whole = place.grid->substr(0, place.grid->rfind('['));
-  const auto is_meant = [&](const volumes::GridInfo& grid) {
+  const auto is_meant = [&](const volume_io::GridInfo& grid) {
     return grid.is_called(*place.grid) || grid.is_called(whole);
   };
   return listed && std::ranges::none_of(*listed, is_meant) && !grids_of_axes(*listed, *place.grid);
@@ -84,12 +84,12 @@ bool lacks_grid(const SourceOptions& options, const AttributePlace& place, const
 // How a place is read, and what messages call it.
 struct Reading {
   std::string input;
-  volumes::ReadOptions read;
+  volume_io::ReadOptions read;
   std::string shown;
 };
 
-volumes::VolumeBeside beside(const field::ScalarField& input, const AttributeChoice& choice) {
-  volumes::VolumeBeside other;
+volume_io::VolumeBeside beside(const field::ScalarField& input, const AttributeChoice& choice) {
+  volume_io::VolumeBeside other;
   other.source = input.source;
   if (const auto* dense = std::get_if<field::DenseSamples>(&input.samples)) other.dims = dense->dims;
   other.index_to_world = input.index_to_world;
@@ -106,10 +106,10 @@ Result<Reading> reading_of(const SourceOptions& options, const AttributeChoice& 
     reading.read = options.read;
   } else {
     reading.input = place.file;
-    const auto format = TRY(volumes::format_of(place.file, {}, context));
+    const auto format = TRY(volume_io::format_of(place.file, {}, context));
     if (format.has_axis_order) reading.read.axis_order = options.read.axis_order;
     if (options.read.volume) {
-      const auto several = TRY(volumes::count_volumes(place.file, reading.read, context));
+      const auto several = TRY(volume_io::count_volumes(place.file, reading.read, context));
       if (several > 1) reading.read.volume = options.read.volume;
     }
   }
@@ -165,11 +165,11 @@ struct VectorGrids {
 
 // The grid of vectors that is meant as a whole, or else those of its axes; nothing where a scalar grid is meant.
 Result<std::optional<VectorGrids>> vector_grids(const Reading& reading, const Context& context) {
-  const auto listed = TRY(volumes::list_grids(reading.input, reading.read, context));
+  const auto listed = TRY(volume_io::list_grids(reading.input, reading.read, context));
   const std::optional<std::string>& wanted = reading.read.grid;
   if (!wanted && listed.size() != 1) return std::nullopt;
   bool is_there = !wanted;
-  for (const volumes::GridInfo& grid : listed) {
+  for (const volume_io::GridInfo& grid : listed) {
     if (wanted && !grid.is_called(*wanted)) continue;
     is_there = true;
     if (!is_vector(grid)) continue;
@@ -204,7 +204,7 @@ Result<VolumeAttribute> read_volume_attribute(const SourceOptions& options, cons
   }
   for (std::size_t c = 0; c < count; ++c) {
     if (whole) reading.read.grid = whole->components[c];
-    auto field = TRY(volumes::read_volume(reading.input, reading.read, context));
+    auto field = TRY(volume_io::read_volume(reading.input, reading.read, context));
     field.name = reading.shown;
     attribute.components.push_back(std::move(field));
     TRY(context.check());
@@ -279,9 +279,9 @@ Result<std::vector<std::filesystem::path>> attribute_files(const SourceOptions& 
   for (const AttributeChoice& choice : options.attributes) {
     const AttributePlace place = attribute_place(choice);
     if (place.file.empty() || lacks_file(place.file)) continue;
-    volumes::ReadOptions read;
+    volume_io::ReadOptions read;
     read.grid = place.grid;
-    auto files = volumes::list_input_files(place.file, read, context);
+    auto files = volume_io::list_input_files(place.file, read, context);
     if (!files) return files;
     all.insert(all.end(), files->begin(), files->end());
   }

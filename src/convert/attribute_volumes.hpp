@@ -15,7 +15,7 @@
 // A grid of the input's own file is read with the options of the input, another file with the number of the volume, if
 // it has several and the choice names none, with the order of axes, if it is an array, and with the value for no data.
 // A file that states no spacing and no origin lies on the grid of the input, if it has its shape
-// (volumes::VolumeBeside). Raw files, which do not say what is in them, and standard input are no other files.
+// (volume_io::VolumeBeside). Raw files, which do not say what is in them, and standard input are no other files.
 #pragma once
 
 #include <filesystem>

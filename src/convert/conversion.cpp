@@ -100,7 +100,7 @@ class Conversion {
 
   // Before the input is read, too.
   Result<void> open_tools() {
-    return volumes::check_grid_tools(job_.outputs.empty() ? source_.label : job_.outputs.front().path);
+    return volume_io::check_grid_tools(job_.outputs.empty() ? source_.label : job_.outputs.front().path);
   }
 
   Result<void> write_samples(const OutputFileJob& output) {
@@ -201,7 +201,7 @@ class Conversion {
   }
 
   [[nodiscard]] OutputMeshes open(const OutputFileJob& output) const {
-    return {output, meshes::MeshWriter(output.path, write_options(), context_)};
+    return {output, mesh_io::MeshWriter(output.path, write_options(), context_)};
   }
 
   // As meshes of one file, or each as a file.
@@ -238,7 +238,7 @@ class Conversion {
     return {};
   }
 
-  [[nodiscard]] meshes::MeshWriteOptions write_options() const {
+  [[nodiscard]] mesh_io::MeshWriteOptions write_options() const {
     return {job_.format,
             job_.normals == Normals::flat,
             job_.ascii,
@@ -264,7 +264,7 @@ class Conversion {
       if (!gave_way(error)) return tl::unexpected(error);
     }
     auto found = TRY(extract::LabelVoxels::find(source_.field, extract_options_of(job_, source_, 0), choice, context_));
-    TRY(volumes::check_not_lost(source_.field));
+    TRY(volume_io::check_not_lost(source_.field));
     labels_ = std::move(found);
     for (const std::string& note : labels_->notes()) events_.note(note);
     if (!labels_->labels().empty() || job_.empty != EmptyPolicy::error) return {};
@@ -301,7 +301,7 @@ class Conversion {
     auto extraction = labels_ ? extract_label(asked, options) : extractor_->extract(source_.field, options, context_);
     if (!extraction && gave_way(extraction.error())) extraction = extractor_->extract(source_.field, options, context_);
     if (!extraction) return tl::unexpected(std::move(extraction.error()));
-    TRY(volumes::check_not_lost(source_.field));
+    TRY(volume_io::check_not_lost(source_.field));
     const extract::ExtractStats& stats = extraction->stats;
     const bool is_cut_open = !source_.clip.empty() && !options.cap;
     open_ = may_be_open(stats, options) || is_cut_open;
@@ -316,7 +316,7 @@ class Conversion {
     if (other_extractor_ != nullptr) {
       const auto record = TRY(
           compare_backends(source_.field, options, method(), surface.mesh, *extractor_, *other_extractor_, context_));
-      TRY(volumes::check_not_lost(source_.field));
+      TRY(volume_io::check_not_lost(source_.field));
       surface.mesh.edges = {};  // they have done their work
       TRY(tell(convert::report_of(record, source_.label), events_));
     }
@@ -369,16 +369,16 @@ class Conversion {
     return added;
   }
 
-  Result<meshes::MeshWriteResult> complete(OutputMeshes& file) {
+  Result<mesh_io::MeshWriteResult> complete(OutputMeshes& file) {
     if (sink_ == nullptr && job_.picture_file) {
       auto picture = TRY(write_picture(file.held, job_, source_.placement.placement, file.job, context_));
       if (picture.misses_surfaces) outcome_.empty_picture = true;
       return std::move(picture.written);
     }
     if (sink_ == nullptr) return file.writer.finish();
-    meshes::MeshWriteOptions options = write_options();
+    mesh_io::MeshWriteOptions options = write_options();
     TRY(sink_->take({file.job, file.isos(), std::move(file.held), options.packing, std::move(options.placement)}));
-    return meshes::MeshWriteResult();
+    return mesh_io::MeshWriteResult();
   }
 
   Result<void> finish(OutputMeshes& file, const std::vector<SkippedSurfaces>& skipped) {
@@ -398,7 +398,7 @@ class Conversion {
     }
     for (const std::string& text : result.notes) events_.note(text);
     tell_skipped(file.job, skipped, true, "");
-    for (const meshes::WrittenFile& written : result.files) file.written.bytes += written.bytes;
+    for (const mesh_io::WrittenFile& written : result.files) file.written.bytes += written.bytes;
     file.written.placement = world_text(source_.placement);
     tell_written(std::move(file.written), file.job, file.time, std::move(result.files));
     return {};
@@ -406,7 +406,7 @@ class Conversion {
 
   // Of a file without surfaces no time is told.
   void tell_written(WrittenOutput output, const OutputFileJob& job, const std::optional<StageTime>& time,
-                    std::vector<meshes::WrittenFile> files) {
+                    std::vector<mesh_io::WrittenFile> files) {
     for (; located_ < outcome_.written.size(); ++located_) {
       outcome_.written[located_].first_file = outcome_.files.size();
       outcome_.written[located_].files = files.size();

@@ -21,11 +21,11 @@
 #include "extract/extractor.hpp"
 #include "field/interpolant.hpp"
 #include "field/resample.hpp"
-#include "meshes/mesh_writer.hpp"
+#include "mesh_io/mesh_writer.hpp"
 #include "points/method.hpp"
 #include "render/camera.hpp"
-#include "volumes/grid_tools.hpp"
-#include "volumes/volume_reader.hpp"
+#include "volume_io/grid_tools.hpp"
+#include "volume_io/volume_reader.hpp"
 
 namespace isoextract::convert {
 
@@ -75,7 +75,7 @@ struct ParticleOptions {
 
 // One filter of a level set.
 struct FilterStep {
-  volumes::LevelSetFilter filter = volumes::LevelSetFilter::gaussian;
+  volume_io::LevelSetFilter filter = volume_io::LevelSetFilter::gaussian;
   std::uint64_t width = 1;  // voxels on either side that a value is taken from
 
   friend bool operator==(const FilterStep&, const FilterStep&) = default;
@@ -83,8 +83,8 @@ struct FilterStep {
 
 // What is read, what of it is wanted, and where it goes.
 struct SourceOptions {
-  std::string input;          // a path, "-" for standard input, or demo:NAME
-  volumes::ReadOptions read;  // of particles its format, and its volume as the number of a frame
+  std::string input;            // a path, "-" for standard input, or demo:NAME
+  volume_io::ReadOptions read;  // of particles its format, and its volume as the number of a frame
   // Further grids of the input: their surfaces follow those of read.grid. Each has the same iso values, placement and
   // filters. Of volumes only.
   std::vector<std::string> more_grids;
@@ -133,12 +133,12 @@ struct OutputFileJob {
 
 // How the mesh files are packed; nothing is, by default. What it takes besides, the voxel and the box, the field gives.
 struct PackingOptions {
-  meshes::Compression compression = meshes::Compression::none;
+  mesh_io::Compression compression = mesh_io::Compression::none;
   bool quantize = false;
   std::optional<std::uint64_t> position_bits;  // of Draco; nothing: by the voxel
   bool optimize_order = false;
 
-  [[nodiscard]] bool packs() const { return quantize || compression != meshes::Compression::none; }
+  [[nodiscard]] bool packs() const { return quantize || compression != mesh_io::Compression::none; }
   friend bool operator==(const PackingOptions&, const PackingOptions&) = default;
 };
 
@@ -185,7 +185,7 @@ struct ConversionJob {
   bool verify = false;                        // the other backend is asked as well, and must agree
   BackendChoice backend;
   EmptyPolicy empty = EmptyPolicy::error;
-  meshes::MeshFormat format = meshes::MeshFormat::glb;
+  mesh_io::MeshFormat format = mesh_io::MeshFormat::glb;
   bool ascii = false;
   PackingOptions packing;
   // In place of surfaces: outputs have no iso values then, and what is about meshes does nothing.

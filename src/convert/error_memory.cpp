@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "accuracy/field_error.hpp"
 #include "base/byte_size.hpp"
 #include "field/surface_estimate.hpp"
-#include "measure/field_error.hpp"
 
 namespace isoextract::convert {
 
@@ -23,7 +23,7 @@ Result<void> check_error_memory(const ConversionJob& job, const Source& source, 
     const std::uint64_t vertices = field::count_vertices(source.field, iso.value, source.region);
     std::uint64_t surface = vertices;
     if (source.data) surface = source.region ? 0 : field::count_vertices(data, iso.value, std::nullopt);
-    std::uint64_t bytes = measure::field_error_bytes(as_extracted ? triangles_of(vertices) : 0, triangles_of(surface));
+    std::uint64_t bytes = accuracy::field_error_bytes(as_extracted ? triangles_of(vertices) : 0, triangles_of(surface));
     if (as_extracted) bytes += vertices * sizeof(glm::vec3) + triangles_of(vertices) * sizeof(glm::uvec3);
     const std::uint64_t limit = context.memory().limit();
     const std::uint64_t used = std::min(limit, context.memory().reserved());
@@ -40,8 +40,8 @@ Result<void> check_error_memory(const ConversionJob& job, const Source& source, 
 
 std::uint64_t estimated_error_bytes(const Source& source, double iso) {
   const std::uint64_t triangles = 2 * field::estimate_surface(source.field, iso).vertices;
-  return measure::field_error_bytes(triangles,
-                                    source.data ? 2 * field::estimate_surface(*source.data, iso).vertices : triangles);
+  return accuracy::field_error_bytes(triangles,
+                                     source.data ? 2 * field::estimate_surface(*source.data, iso).vertices : triangles);
 }
 
 }  // namespace isoextract::convert

@@ -11,7 +11,7 @@
 #include "convert/field_label.hpp"
 #include "field/percentiles.hpp"
 #include "field/statistics.hpp"
-#include "volumes/volume_reader.hpp"
+#include "volume_io/volume_reader.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -83,7 +83,7 @@ Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices
     }
   }
   TRY(context.check());
-  TRY(volumes::check_not_lost(field));
+  TRY(volume_io::check_not_lost(field));
   return isos;
 }
 

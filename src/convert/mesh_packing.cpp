@@ -12,13 +12,13 @@ namespace isoextract::convert {
 namespace {
 
 std::string means(const PackingOptions& asked) {
-  if (asked.compression == meshes::Compression::draco) return "by Draco";
-  if (asked.compression == meshes::Compression::none) return "by quantising";
+  if (asked.compression == mesh_io::Compression::draco) return "by Draco";
+  if (asked.compression == mesh_io::Compression::none) return "by quantising";
   return asked.quantize ? "by quantising and meshoptimizer" : "by meshoptimizer";
 }
 
 std::string line_of(const PackedMesh& mesh) {
-  const meshes::PackedFacts& facts = mesh.facts;
+  const mesh_io::PackedFacts& facts = mesh.facts;
   std::string text =
       fmt::format("packed {} at iso {}: {} of {} left ({:.1f} %)", means(mesh.asked), mesh.iso,
                   format_byte_size(facts.bytes_after), format_byte_size(facts.bytes_before),
@@ -38,7 +38,7 @@ std::string line_of(const PackedMesh& mesh) {
 }
 
 std::string details_of(const PackedMesh& mesh) {
-  const meshes::PackedFacts& facts = mesh.facts;
+  const mesh_io::PackedFacts& facts = mesh.facts;
   std::string text = fmt::format("{:.2f} s of processor time", facts.time.cpu_seconds);
   if (facts.positions) {
     text += fmt::format("; positions of {} bits in steps of {} ({:.4g} voxels), moved by at most {:.4g} along an axis",
@@ -58,8 +58,8 @@ double shortest_voxel_side(const field::Affine& output_from_index) {
   return std::min({glm::length(sides[0]), glm::length(sides[1]), glm::length(sides[2])});
 }
 
-meshes::MeshPacking mesh_packing(const PackingOptions& options, const Source& source) {
-  meshes::MeshPacking packing;
+mesh_io::MeshPacking mesh_packing(const PackingOptions& options, const Source& source) {
+  mesh_io::MeshPacking packing;
   packing.compression = options.compression;
   packing.quantize = options.quantize;
   packing.position_bits = options.position_bits;
@@ -76,7 +76,7 @@ meshes::MeshPacking mesh_packing(const PackingOptions& options, const Source& so
 }
 
 StageReport report_of(const PackedMesh& mesh) {
-  const meshes::PackedFacts& facts = mesh.facts;
+  const mesh_io::PackedFacts& facts = mesh.facts;
   Value positions;
   if (facts.positions) {
     const auto length = [&](double world) { return Figures{{Key::voxels, world / mesh.voxel}, {Key::world, world}}; };

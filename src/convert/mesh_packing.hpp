@@ -6,7 +6,7 @@
 #include "convert/conversion_job.hpp"
 #include "convert/stage_report.hpp"
 #include "field/affine.hpp"
-#include "meshes/mesh_packing.hpp"
+#include "mesh_io/mesh_packing.hpp"
 
 namespace isoextract::convert {
 
@@ -19,12 +19,12 @@ struct PackedMesh {
   std::string file;
   PackingOptions asked;
   double voxel = 0;  // the shortest side of one, in the mesh's units
-  meshes::PackedFacts facts;
+  mesh_io::PackedFacts facts;
 };
 [[nodiscard]] StageReport report_of(const PackedMesh& mesh);
 
 // The box is that of the whole volume, whatever region is extracted, so that regions of one volume meet.
-[[nodiscard]] meshes::MeshPacking mesh_packing(const PackingOptions& options, const Source& source);
+[[nodiscard]] mesh_io::MeshPacking mesh_packing(const PackingOptions& options, const Source& source);
 
 // The shortest side of a voxel that `output_from_index` places.
 [[nodiscard]] double shortest_voxel_side(const field::Affine& output_from_index);

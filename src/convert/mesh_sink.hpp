@@ -7,7 +7,7 @@
 #include "base/error.hpp"
 #include "convert/conversion_job.hpp"
 #include "mesh/mesh.hpp"
-#include "meshes/mesh_packing.hpp"
+#include "mesh_io/mesh_packing.hpp"
 
 namespace isoextract::convert {
 
@@ -19,8 +19,8 @@ struct HandedMeshes {
   OutputFileJob output;
   std::vector<double> isos;  // one a mesh
   std::vector<mesh::Mesh> meshes;
-  meshes::MeshPacking packing;  // how they are to be packed
-  std::string placement = {};   // meshes::MeshWriteOptions has it
+  mesh_io::MeshPacking packing;  // how they are to be packed
+  std::string placement = {};    // mesh_io::MeshWriteOptions has it
 };
 
 struct Source;

@@ -43,7 +43,7 @@ Json json_of(const StageReport::Part& part) {
   return json;
 }
 
-Json json_of(const meshes::WrittenFile& file) { return {{"path", file.path}, {"bytes", file.bytes}}; }
+Json json_of(const mesh_io::WrittenFile& file) { return {{"path", file.path}, {"bytes", file.bytes}}; }
 
 template <class T>
 Json array_of(const std::vector<T>& records) {
@@ -125,7 +125,7 @@ Json report_of(const ConversionJob* job, const Outcome& report, const std::vecto
   json["total"] = json_of(report.total);
   const std::uint64_t written =
       std::accumulate(report.files.begin(), report.files.end(), std::uint64_t{0},
-                      [](std::uint64_t sum, const meshes::WrittenFile& f) { return sum + f.bytes; });
+                      [](std::uint64_t sum, const mesh_io::WrittenFile& f) { return sum + f.bytes; });
   json["bytes"] = {{"read", report.bytes_read}, {"written", written}, {"uploaded", report.bytes_uploaded}};
   json["peak_memory_bytes"] = report.peak_memory;
   json["reserved_memory_bytes"] = report.reserved_memory;

@@ -41,7 +41,7 @@ struct Outcome {
   std::uint64_t peak_memory = 0;      // of the process
   std::uint64_t reserved_memory = 0;  // the most that this conversion reserved at a time
   std::vector<WrittenSurface> written;
-  std::vector<meshes::WrittenFile> files;
+  std::vector<mesh_io::WrittenFile> files;
   bool empty_picture = false;  // there are surfaces, and a picture shows none of them
   std::vector<std::string> notes;
   std::optional<Error> error;  // why the conversion failed

@@ -14,7 +14,7 @@
 #include "convert/particle_source.hpp"
 #include "files/file_bytes.hpp"
 #include "files/output_file.hpp"
-#include "meshes/mesh_reader.hpp"
+#include "mesh_io/mesh_reader.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Whether a piece of an output could be this file.
-bool may_be_piece(const fs::path& file, const OutputFileJob& output, meshes::MeshFormat format) {
+bool may_be_piece(const fs::path& file, const OutputFileJob& output, mesh_io::MeshFormat format) {
   const auto place = [](const fs::path& path) {
     std::error_code none;
     return fs::weakly_canonical(fs::absolute(path, none), none).string();
@@ -47,11 +47,11 @@ Result<std::string> remove_file(const fs::path& file) {
   return gone ? file.string() : std::string();
 }
 
-Result<std::vector<std::string>> take_meshes(const OutputFileJob& output, meshes::MeshFormat format,
+Result<std::vector<std::string>> take_meshes(const OutputFileJob& output, mesh_io::MeshFormat format,
                                              const Context& context, const TakeFile& take) {
   std::vector<std::string> taken;
   std::vector<std::string> data;
-  if (format == meshes::MeshFormat::gltf) data = meshes::data_file_names(output.path, context);
+  if (format == mesh_io::MeshFormat::gltf) data = mesh_io::data_file_names(output.path, context);
   for (const fs::path& file : mesh_files(output, format)) {
     const bool is_data = file != fs::path(output.path);
     if (is_data && std::ranges::find(data, file.filename().string()) == data.end()) continue;
@@ -61,7 +61,7 @@ Result<std::vector<std::string>> take_meshes(const OutputFileJob& output, meshes
   return taken;
 }
 
-Result<std::vector<std::string>> take_pieces(const OutputFileJob& output, std::size_t first, meshes::MeshFormat format,
+Result<std::vector<std::string>> take_pieces(const OutputFileJob& output, std::size_t first, mesh_io::MeshFormat format,
                                              const files::ReadFiles& read, const Context& context,
                                              const TakeFile& take) {
   std::vector<std::string> taken;
@@ -71,7 +71,7 @@ Result<std::vector<std::string>> take_pieces(const OutputFileJob& output, std::s
     for (const fs::path& file : mesh_files(piece, format)) {
       if (fs::is_symlink(file, none) || !read.check(file)) return taken;
     }
-    if (!meshes::is_signed(piece.path, context)) break;
+    if (!mesh_io::is_signed(piece.path, context)) break;
     auto names = take_meshes(piece, format, context, take);
     if (!names) return names;
     if (names->empty()) break;
@@ -82,9 +82,9 @@ Result<std::vector<std::string>> take_pieces(const OutputFileJob& output, std::s
 
 }  // namespace
 
-std::vector<fs::path> mesh_files(const OutputFileJob& output, meshes::MeshFormat format) {
+std::vector<fs::path> mesh_files(const OutputFileJob& output, mesh_io::MeshFormat format) {
   std::vector<fs::path> files{output.path};
-  if (format == meshes::MeshFormat::gltf) files.push_back(fs::path(output.path).replace_extension(".bin"));
+  if (format == mesh_io::MeshFormat::gltf) files.push_back(fs::path(output.path).replace_extension(".bin"));
   return files;
 }
 
@@ -102,7 +102,7 @@ void add_read_mesh(files::ReadFiles& read, const std::string& path, const Contex
   read.add(path, "is the input");
   if (files::is_standard_input(path)) return;  // data files lie beside a file
   const fs::path folder = fs::path(path).parent_path();
-  for (const std::string& data : meshes::data_file_names(path, context)) {
+  for (const std::string& data : mesh_io::data_file_names(path, context)) {
     read.add(folder / data, fmt::format("holds the data of {}", path));
   }
 }
@@ -142,23 +142,23 @@ std::string first_and_last(const std::vector<std::string>& names) {
                           : fmt::format("{} to {}", names.front(), names.back());
 }
 
-Result<std::vector<std::string>> remove_old_meshes(const OutputFileJob& output, meshes::MeshFormat format,
+Result<std::vector<std::string>> remove_old_meshes(const OutputFileJob& output, mesh_io::MeshFormat format,
                                                    const Context& context) {
   return take_meshes(output, format, context, remove_file);
 }
 
 Result<std::vector<std::string>> remove_old_pieces(const OutputFileJob& output, std::size_t first,
-                                                   meshes::MeshFormat format, const files::ReadFiles& read,
+                                                   mesh_io::MeshFormat format, const files::ReadFiles& read,
                                                    const Context& context) {
   return take_pieces(output, first, format, read, context, remove_file);
 }
 
-Result<std::vector<std::string>> set_aside_old_meshes(const OutputFileJob& output, meshes::MeshFormat format,
+Result<std::vector<std::string>> set_aside_old_meshes(const OutputFileJob& output, mesh_io::MeshFormat format,
                                                       const files::ReadFiles& read,
-                                                      std::span<const meshes::WrittenFile> spared,
+                                                      std::span<const mesh_io::WrittenFile> spared,
                                                       const Context& context) {
   const auto set_aside = [&](const fs::path& file) -> Result<std::string> {
-    const auto is_spared = [&](const meshes::WrittenFile& other) { return files::same_place(other.path, file); };
+    const auto is_spared = [&](const mesh_io::WrittenFile& other) { return files::same_place(other.path, file); };
     if (!read.check(file) || std::ranges::any_of(spared, is_spared)) return std::string();
     const auto old = TRY(files::set_aside_old_file(file));
     return old ? old->string() : std::string();
@@ -168,7 +168,7 @@ Result<std::vector<std::string>> set_aside_old_meshes(const OutputFileJob& outpu
                    : take_meshes(output, format, context, set_aside);
 }
 
-Result<void> check_mesh_files(const OutputFileJob& output, meshes::MeshFormat format, const files::ReadFiles& read) {
+Result<void> check_mesh_files(const OutputFileJob& output, mesh_io::MeshFormat format, const files::ReadFiles& read) {
   if (output.path == "-") return {};
   for (const fs::path& file : mesh_files(output, format)) {
     TRY(check_output_file(file, read));

@@ -7,7 +7,7 @@
 #include "base/printable.hpp"
 #include "convert/particle_source.hpp"
 #include "points/sphere_set.hpp"
-#include "volumes/grid_tools.hpp"
+#include "volume_io/grid_tools.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -22,14 +22,14 @@ Result<points::ParticleField> make_level_set(const points::ParticleSet& particle
     made.field.kind = field::FieldKind::level_set;
     made.field.samples = field::SparseSamples{};
   } else {
-    volumes::SphereOptions asked;
+    volume_io::SphereOptions asked;
     const bool is_smooth = options.method == points::Method::smooth;
-    asked.method = is_smooth ? volumes::SphereMethod::smooth : volumes::SphereMethod::spheres;
+    asked.method = is_smooth ? volume_io::SphereMethod::smooth : volume_io::SphereMethod::spheres;
     asked.radius = figures.radius;
     asked.radii = spheres.radii();
     asked.search_radius = figures.support;
     asked.voxel = figures.spacing;
-    auto field = volumes::spheres_to_field(spheres.particles(), asked, context);
+    auto field = volume_io::spheres_to_field(spheres.particles(), asked, context);
     if (!field) return tl::unexpected(std::move(field.error()));
     made.field = std::move(field->field);
     figures.particles_too_small = field->left_out;

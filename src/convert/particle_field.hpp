@@ -10,7 +10,7 @@
 
 namespace isoextract::convert {
 
-// By points::make_field() or, for level sets, volumes::spheres_to_field(); fails as these do. `only_iso` is
+// By points::make_field() or, for level sets, volume_io::spheres_to_field(); fails as these do. `only_iso` is
 // FieldOptions::leave_out_inside. Where particles are too small for their spheres to be sampled, that is told in the
 // field's notes, and ErrorCode::input where all of them are.
 [[nodiscard]] Result<points::ParticleField> make_particle_field(const points::ParticleSet& particles,

@@ -14,11 +14,11 @@
 namespace isoextract::convert {
 namespace {
 
-using Format = std::optional<volumes::ParticleFormatDescription>;
+using Format = std::optional<particle_io::ParticleFormatDescription>;
 
 // What is said of a volume and means nothing of particles.
 Result<void> check_no_volume_options(const SourceOptions& options, const Format& format) {
-  const volumes::ReadOptions& read = options.read;
+  const volume_io::ReadOptions& read = options.read;
   const bool names_other_grid = read.grid && !(format && format->has_grids);
   const bool describes_samples = read.raw || read.component || read.axis_order || read.no_data;
   const bool describes_place = read.spacing || read.origin || read.kind || options.away_from_zero;
@@ -32,8 +32,8 @@ Result<void> check_no_volume_options(const SourceOptions& options, const Format&
 }
 
 Format particle_format(const std::string& id) {
-  const auto formats = volumes::particle_format_descriptions();
-  const auto found = std::ranges::find(formats, id, &volumes::ParticleFormatDescription::id);
+  const auto formats = particle_io::particle_format_descriptions();
+  const auto found = std::ranges::find(formats, id, &particle_io::ParticleFormatDescription::id);
   return found == formats.end() ? Format() : Format(*found);
 }
 
@@ -41,13 +41,13 @@ Format particle_format(const std::string& id) {
 
 Result<bool> is_particles(const SourceOptions& options, const Context& context) {
   const bool expected = options.particles.expected;
-  const auto volume = TRY(volumes::is_surely_volume(options.input, options.read, context));
+  const auto volume = TRY(volume_io::is_surely_volume(options.input, options.read, context));
   if (volume && !expected && options.read.format) return false;
   Format particles;
   if (options.read.format) {
     particles = particle_format(*options.read.format);
   } else if (!options.read.raw && !options.input.starts_with(field::kDemoPrefix)) {
-    auto detected = volumes::detect_particles(options.input, particle_read_options(options), context);
+    auto detected = particle_io::detect_particles(options.input, particle_read_options(options), context);
     if (!detected && volume && !expected) return false;
     if (!detected) return tl::unexpected(std::move(detected.error()));
     particles = std::move(*detected);
@@ -68,7 +68,7 @@ Result<bool> is_particles(const SourceOptions& options, const Context& context) 
 Result<std::vector<std::filesystem::path>> list_source_files(const SourceOptions& options, const Context& context) {
   const auto particles = TRY(is_particles(options, context));
   if (particles) return std::vector<std::filesystem::path>{options.input};
-  auto files = volumes::list_input_files(options.input, options.read, context);
+  auto files = volume_io::list_input_files(options.input, options.read, context);
   if (!files) return files;
   auto more = attribute_files(options, context);
   if (!more) return more;
@@ -78,15 +78,15 @@ Result<std::vector<std::filesystem::path>> list_source_files(const SourceOptions
 
 Result<std::uint64_t> count_frames(const SourceOptions& options, const Context& context) {
   const auto particles = TRY(is_particles(options, context));
-  if (!particles) return volumes::count_volumes(options.input, options.read, context);
-  volumes::ParticleReadOptions read = particle_read_options(options);
+  if (!particles) return volume_io::count_volumes(options.input, options.read, context);
+  particle_io::ParticleReadOptions read = particle_read_options(options);
   read.frame.reset();
-  const auto info = TRY(volumes::particle_info(options.input, read, context));
+  const auto info = TRY(particle_io::particle_info(options.input, read, context));
   return info.frames;
 }
 
-volumes::ParticleReadOptions particle_read_options(const SourceOptions& options, bool missing_is_fine) {
-  volumes::ParticleReadOptions read;
+particle_io::ParticleReadOptions particle_read_options(const SourceOptions& options, bool missing_is_fine) {
+  particle_io::ParticleReadOptions read;
   read.format = options.read.format;
   read.frame = options.read.volume;
   read.grid = options.read.grid;

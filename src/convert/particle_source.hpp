@@ -12,8 +12,8 @@
 #include "base/stopwatch.hpp"
 #include "convert/conversion_job.hpp"
 #include "field/scalar_field.hpp"
+#include "particle_io/particle_reader.hpp"
 #include "points/particle_field.hpp"
-#include "volumes/particle_reader.hpp"
 
 namespace isoextract::convert {
 
@@ -30,8 +30,8 @@ namespace isoextract::convert {
 [[nodiscard]] Result<std::uint64_t> count_frames(const SourceOptions& options, const Context& context);
 
 // How such an input is read. With `missing_is_fine` its attributes need not be there; optional ones never need.
-[[nodiscard]] volumes::ParticleReadOptions particle_read_options(const SourceOptions& options,
-                                                                 bool missing_is_fine = false);
+[[nodiscard]] particle_io::ParticleReadOptions particle_read_options(const SourceOptions& options,
+                                                                     bool missing_is_fine = false);
 // How it becomes a field. `only_iso` is FieldOptions::leave_out_inside.
 [[nodiscard]] points::FieldOptions field_options(const ParticleOptions& options, std::optional<double> only_iso);
 

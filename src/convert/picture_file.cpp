@@ -9,7 +9,7 @@
 
 #include "base/printable.hpp"
 #include "files/output_file.hpp"
-#include "images/png_writer.hpp"
+#include "image_io/png_writer.hpp"
 #include "render/preview.hpp"
 #include "render/renderer.hpp"
 
@@ -31,13 +31,13 @@ render::Surface surface_of(const mesh::Mesh& mesh) {
 
 render::UpAxis shown_up(UpAxis up) { return up == UpAxis::y ? render::UpAxis::y : render::UpAxis::z; }
 
-images::LightImage light_of(const render::Picture& picture) {
+image_io::LightImage light_of(const render::Picture& picture) {
   return {picture.width, picture.height, picture.colour.span(), picture.depth.span(), picture.normals.span()};
 }
 
 Result<std::uint64_t> write_png(const std::string& path, const render::Picture& picture, const Context& context) {
   auto file = TRY(files::OutputFile::create(path));
-  TRY(images::write_png(file, light_of(picture), context));
+  TRY(image_io::write_png(file, light_of(picture), context));
   const std::uint64_t bytes = file.bytes_written();
   TRY(file.commit());
   return bytes;

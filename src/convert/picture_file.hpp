@@ -8,9 +8,9 @@
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "convert/conversion_job.hpp"
-#include "images/light_image.hpp"
+#include "image_io/light_image.hpp"
 #include "mesh/mesh.hpp"
-#include "meshes/mesh_writer.hpp"
+#include "mesh_io/mesh_writer.hpp"
 #include "render/picture.hpp"
 #include "render/scene.hpp"
 
@@ -23,14 +23,14 @@ namespace isoextract::convert {
 [[nodiscard]] render::UpAxis shown_up(UpAxis up);
 
 // The picture is lent.
-[[nodiscard]] images::LightImage light_of(const render::Picture& picture);
+[[nodiscard]] image_io::LightImage light_of(const render::Picture& picture);
 
-// Whole or not at all; gives the bytes of the file. Fails as images::write_png() does, and with ErrorCode::output.
+// Whole or not at all; gives the bytes of the file. Fails as image_io::write_png() does, and with ErrorCode::output.
 [[nodiscard]] Result<std::uint64_t> write_png(const std::string& path, const render::Picture& picture,
                                               const Context& context);
 
 struct WrittenPicture {
-  meshes::MeshWriteResult written;
+  mesh_io::MeshWriteResult written;
   bool misses_surfaces = false;  // there are some, and the camera sees none of them
 };
 

@@ -97,16 +97,16 @@ ResolvedPlacement usual_placement(bool format_is_y_up, UpAxis up) {
   return record;
 }
 
-std::string record_text(const ResolvedPlacement& resolved, meshes::MeshFormat format,
+std::string record_text(const ResolvedPlacement& resolved, mesh_io::MeshFormat format,
                         const std::vector<NamedKind>& attributes) {
   const Placement& placement = resolved.placement;
   const std::string kinds = kinds_text(attributes);
   const std::string end = kinds.empty() ? "}" : fmt::format(R"(,"attributes":{}}})", kinds);
   // As text: the library's documents lose memory where there is none for one of their members.
   if (placement.space == Space::index) return fmt::format(R"({{"space":"{}"{})", word_of(Space::index), end);
-  if (kinds.empty() && resolved == usual_placement(meshes::is_gltf(format))) return {};
+  if (kinds.empty() && resolved == usual_placement(mesh_io::is_gltf(format))) return {};
   // The header of STL has 80 bytes: what follows from the rest is left out there.
-  const bool is_short = format == meshes::MeshFormat::stl;
+  const bool is_short = format == mesh_io::MeshFormat::stl;
   const std::string_view turned = turn_text(placement);
   std::string text = is_short && !turned.empty() ? "" : fmt::format(R"("up":"{}")", word_of(placement.up));
   if (!turned.empty()) text += fmt::format(R"({}"turned":"{}")", text.empty() ? "" : ",", turned);

@@ -1,5 +1,5 @@
 // What mesh files say of where their meshes are, so that what was done to the input's world can be undone: JSON in one
-// line, which the writers keep (meshes::MeshWriteOptions::placement).
+// line, which the writers keep (mesh_io::MeshWriteOptions::placement).
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 #include "convert/placement.hpp"
 #include "field/affine.hpp"
 #include "mesh/mesh.hpp"
-#include "meshes/mesh_writer.hpp"
+#include "mesh_io/mesh_writer.hpp"
 
 namespace isoextract::convert {
 
@@ -27,7 +27,7 @@ namespace isoextract::convert {
 
 // Empty where there is nothing to say: the placement is the usual one of the format, and none of the attributes changes
 // with it.
-[[nodiscard]] std::string record_text(const ResolvedPlacement& resolved, meshes::MeshFormat format,
+[[nodiscard]] std::string record_text(const ResolvedPlacement& resolved, mesh_io::MeshFormat format,
                                       const std::vector<NamedKind>& attributes = {});
 
 // Nothing where the text is no such record.

@@ -7,7 +7,7 @@
 #include "base/printable.hpp"
 #include "convert/particle_source.hpp"
 #include "files/file_bytes.hpp"
-#include "volumes/volume_reader.hpp"
+#include "volume_io/volume_reader.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -63,7 +63,7 @@ Result<void> check_grids(const SourceOptions& source, const Context& context) {
                               files::shown_input_name(source.input), printable(grid.value_or(""))),
                   "convert the particles in a run of their own");
     }
-    auto label = TRY(volumes::grid_label(source.input, options.read, context));
+    auto label = TRY(volume_io::grid_label(source.input, options.read, context));
     if (std::ranges::find(labels, label) != labels.end()) {
       return fail(ErrorCode::usage,
                   fmt::format("{}: the grid '{}' was chosen twice", files::shown_input_name(source.input), label),

@@ -210,7 +210,8 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   source.isos =
       TRY(resolve_isos(use.isos, options.particles.method, printable(files::shown_input_name(options.input))));
   Stopwatch watch;
-  auto file = TRY(volumes::read_particles(options.input, particle_read_options(options, use.empty_is_fine), context));
+  auto file =
+      TRY(particle_io::read_particles(options.input, particle_read_options(options, use.empty_is_fine), context));
   const StageTime reading = watch.elapsed();
   for (const std::string& text : file.notes) events.note(text);
   TRY(context.check());
@@ -269,16 +270,16 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
 
 }  // namespace
 
-Result<field::ScalarField> read_field(const std::string& input, const volumes::ReadOptions& options,
+Result<field::ScalarField> read_field(const std::string& input, const volume_io::ReadOptions& options,
                                       const Context& context, Events& events) {
   const Stopwatch watch;
-  auto field = volumes::read_volume(input, options, context);
+  auto field = volume_io::read_volume(input, options, context);
   if (!field) return field;
   const StageTime time = watch.elapsed();
   for (const std::string& text : field->notes) events.note(text);
   events.end(report_of_reading(input, *field, time));
   TRY(context.check());
-  TRY(volumes::check_not_lost(*field));
+  TRY(volume_io::check_not_lost(*field));
   return field;
 }
 

@@ -17,7 +17,7 @@
 namespace isoextract::convert {
 
 // read_volume(), with its notes told.
-[[nodiscard]] Result<field::ScalarField> read_field(const std::string& input, const volumes::ReadOptions& options,
+[[nodiscard]] Result<field::ScalarField> read_field(const std::string& input, const volume_io::ReadOptions& options,
                                                     const Context& context, Events& events);
 
 struct Source {

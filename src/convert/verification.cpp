@@ -9,7 +9,7 @@ namespace isoextract::convert {
 namespace {
 
 // What both kinds of verification count; each pair is of the first and of the second mesh.
-Figures counts(const measure::TriangleDifference& triangles, const std::array<std::uint64_t, 2>& vertices,
+Figures counts(const accuracy::TriangleDifference& triangles, const std::array<std::uint64_t, 2>& vertices,
                const std::array<std::uint64_t, 2>& vertices_only, const std::vector<std::string>& differences) {
   return {{Key::passed, differences.empty()}, {Key::differences, Value::List(differences.begin(), differences.end())},
           {Key::triangles, triangles.total},  {Key::triangles_only, triangles.only},
@@ -17,7 +17,7 @@ Figures counts(const measure::TriangleDifference& triangles, const std::array<st
 }
 
 Figures figures_of(const VerificationRecord& record) {
-  const measure::ExtractionComparison& found = record.comparison;
+  const accuracy::ExtractionComparison& found = record.comparison;
   Figures figures{{Key::backends, record.backends}};
   if (!record.not_applicable.empty()) {
     figures.insert(figures.end(), {{Key::passed, Value()}, {Key::not_applicable, record.not_applicable}});
@@ -26,9 +26,9 @@ Figures figures_of(const VerificationRecord& record) {
   const Figures counted = counts(found.triangles, found.vertices, found.vertices_only, record.differences);
   figures.insert(figures.end(), counted.begin(), counted.end());
   figures.insert(figures.end(), {{Key::ulps, found.ulps},
-                                 {Key::ulps_allowed, measure::kStabilityUlps},
+                                 {Key::ulps_allowed, accuracy::kStabilityUlps},
                                  {Key::degrees, found.normals_compared ? Value(found.degrees) : Value()},
-                                 {Key::degrees_allowed, measure::kNormalDegrees}});
+                                 {Key::degrees_allowed, accuracy::kNormalDegrees}});
   return figures;
 }
 
@@ -37,7 +37,7 @@ std::string line_of(const VerificationRecord& record) {
   if (!record.not_applicable.empty()) {
     return fmt::format("not verified at iso {}: not applicable: {}", record.iso, record.not_applicable);
   }
-  const measure::ExtractionComparison& found = record.comparison;
+  const accuracy::ExtractionComparison& found = record.comparison;
   std::string text = fmt::format(
       "verified at iso {}: {} gives the same {} triangles and {} vertices as {}, at most "
       "{:.3g} ulps apart",
@@ -57,7 +57,7 @@ StageReport report_of(const VerificationRecord& record, const std::string& label
   return report;
 }
 
-Json json_of(const measure::MeshMatch& match, const std::vector<std::string>& differences) {
+Json json_of(const accuracy::MeshMatch& match, const std::vector<std::string>& differences) {
   Json json = json_of(counts(match.triangles, match.vertices, match.vertices_only, differences));
   json["distance"] = match.matched > 0 ? convert::json_of(match.distance) : Json(nullptr);
   json["distance_allowed"] = convert::json_of(match.allowed);
@@ -83,8 +83,8 @@ Result<VerificationRecord> compare_backends(const field::ScalarField& field, con
   record.not_applicable = why_not_comparable(method, first, second);
   if (!record.not_applicable.empty()) return record;
   auto other = TRY(second.extract(field, options, context));
-  auto comparison = TRY(measure::compare_extractions(mesh, other.mesh, context));
-  record.differences = measure::differences(comparison, {record.backends[0], record.backends[1]});
+  auto comparison = TRY(accuracy::compare_extractions(mesh, other.mesh, context));
+  record.differences = accuracy::differences(comparison, {record.backends[0], record.backends[1]});
   record.comparison = comparison;
   record.time = watch.elapsed();
   return record;

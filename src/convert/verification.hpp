@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "accuracy/extraction_comparison.hpp"
+#include "accuracy/mesh_match.hpp"
 #include "base/context.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/json_values.hpp"
 #include "convert/stage_report.hpp"
 #include "extract/extractor.hpp"
-#include "measure/extraction_comparison.hpp"
-#include "measure/mesh_match.hpp"
 
 namespace isoextract::convert {
 
@@ -21,7 +21,7 @@ struct VerificationRecord {
   double iso = 0;
   std::array<std::string, 2> backends;  // the one whose mesh is written comes first
   std::string not_applicable;           // why nothing was compared, as a sentence without its full stop; else empty
-  measure::ExtractionComparison comparison;
+  accuracy::ExtractionComparison comparison;
   std::vector<std::string> differences;  // none if it passed
   StageTime time;                        // of the second extraction and the comparison
 };
@@ -47,6 +47,6 @@ struct VerificationRecord {
 [[nodiscard]] Result<void> check_verification(const std::string& label, const VerificationRecord& record);
 
 // Of a written mesh against what its volume gives. The distance is null where no vertex matched.
-[[nodiscard]] Json json_of(const measure::MeshMatch& match, const std::vector<std::string>& differences);
+[[nodiscard]] Json json_of(const accuracy::MeshMatch& match, const std::vector<std::string>& differences);
 
 }  // namespace isoextract::convert

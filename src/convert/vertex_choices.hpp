@@ -11,8 +11,8 @@
 
 #include "base/attribute_kind.hpp"
 #include "base/error.hpp"
-#include "convert/colormap.hpp"
-#include "volumes/volume_format.hpp"
+#include "edit/colormap.hpp"
+#include "volume_io/volume_format.hpp"
 
 namespace isoextract::convert {
 
@@ -31,7 +31,7 @@ struct AttributeChoice {
   std::optional<double> no_data = {};
   // Of volumes: which one of a file of several, and of several numbers a sample.
   std::optional<std::int64_t> volume = {};
-  std::optional<volumes::ComponentChoice> component = {};
+  std::optional<volume_io::ComponentChoice> component = {};
 
   [[nodiscard]] bool says_how_to_read() const { return spacing || origin || no_data || volume || component; }
 
@@ -48,7 +48,7 @@ struct MissingAttribute {
 struct ColourChoice {
   std::optional<std::string>
       attribute;  // one of the job's attributes; nothing: each surface one colour by its iso value
-  Colormap map = Colormap::viridis;
+  edit::Colormap map = edit::Colormap::viridis;
   // The values of the map's ends, the first below the second; nothing: the range over the vertices of the surface, or
   // that of the job's iso values.
   std::optional<std::array<double, 2>> range;

@@ -25,7 +25,7 @@ struct MethodInfo {
   std::string_view help;   // how the help lists it
   double iso = 0;          // what is inside: more than this, of a level set less
   double cell_size = 0;    // spacing of the samples, in particle radii
-  // A level set is made by whoever has OpenVDB (volumes/grid_tools.hpp), of what make_spheres() gives; make_field()
+  // A level set is made by whoever has OpenVDB (volume_io/grid_tools.hpp), of what make_spheres() gives; make_field()
   // makes densities.
   field::FieldKind kind = field::FieldKind::density;
 };

@@ -14,18 +14,18 @@
 
 #include "allocation/failing_allocations.hpp"
 #include "convert/conversion.hpp"
-#include "convert/label_table.hpp"
-#include "meshes/mesh_reader.hpp"
+#include "mesh_io/mesh_reader.hpp"
 #include "support/sample_attributes.hpp"
 #include "support/sample_meshes.hpp"
 #include "support/temp_folder.hpp"
+#include "volume_io/label_table.hpp"
 
 namespace isoextract::convert {
 namespace {
 
 using Files = std::map<std::string, std::string>;  // by name
 
-ConversionJob job_of(const std::string& input, double iso, meshes::MeshFormat format) {
+ConversionJob job_of(const std::string& input, double iso, mesh_io::MeshFormat format) {
   ConversionJob job;
   job.source.input = input;
   job.format = format;
@@ -131,37 +131,37 @@ class Allocation : public testing::Test {
   std::int64_t lost_ = 0;
 };
 
-TEST_F(Allocation, OfDenseSamples) { expect_all_are_told(job_of("demo:sphere?size=6", 0, meshes::MeshFormat::glb)); }
+TEST_F(Allocation, OfDenseSamples) { expect_all_are_told(job_of("demo:sphere?size=6", 0, mesh_io::MeshFormat::glb)); }
 
 TEST_F(Allocation, OfAttributesAndColours) {
-  ConversionJob job = job_of("demo:sphere?size=4", 0, meshes::MeshFormat::glb);
+  ConversionJob job = job_of("demo:sphere?size=4", 0, mesh_io::MeshFormat::glb);
   job.source.attributes = {{"heat", "demo:torus?size=4", true}};
-  job.colour = ColourChoice{"heat", Colormap::turbo, {}};
+  job.colour = ColourChoice{"heat", edit::Colormap::turbo, {}};
   expect_all_are_told(job);
 }
 
 TEST_F(Allocation, OfSimplifying) {
-  ConversionJob job = job_of("demo:sphere?size=4", 0, meshes::MeshFormat::ply);
+  ConversionJob job = job_of("demo:sphere?size=4", 0, mesh_io::MeshFormat::ply);
   job.simplify = SimplifyChoice{SimplifyBound{0.2, false}, {}};
   expect_all_are_told(job);
 }
 
 TEST_F(Allocation, OfNormalsBesideCaps) {
-  ConversionJob job = job_of("demo:sphere?size=5", 0, meshes::MeshFormat::obj);
+  ConversionJob job = job_of("demo:sphere?size=5", 0, mesh_io::MeshFormat::obj);
   job.source.roi = field::Box{{-2, -2, -2}, {2, 2, 0.2}};
   job.surface.cap = true;
   expect_all_are_told(job);
 }
 
 TEST_F(Allocation, OfResamplingAndMeasuring) {
-  ConversionJob job = job_of("demo:sphere?size=4", 0, meshes::MeshFormat::ply);
+  ConversionJob job = job_of("demo:sphere?size=4", 0, mesh_io::MeshFormat::ply);
   job.source.resolution = glm::ivec3(5, 4, 4);
   job.error = field::Interpolation::tricubic;
   expect_all_are_told(job);
 }
 
 TEST_F(Allocation, OfPackedSamples) {
-  ConversionJob job = job_of(sample("gyroid.nrrd"), 128, meshes::MeshFormat::gltf);
+  ConversionJob job = job_of(sample("gyroid.nrrd"), 128, mesh_io::MeshFormat::gltf);
   job.source.read.kind = field::FieldKind::level_set;
   job.source.roi = field::Box{{2, 2, 2}, {6, 6, 6}};
   job.source.placement.space = Space::index;
@@ -170,7 +170,7 @@ TEST_F(Allocation, OfPackedSamples) {
 }
 
 TEST_F(Allocation, OfSparseSamples) {
-  ConversionJob job = job_of(sample("metaballs.vdb"), 0.5, meshes::MeshFormat::obj);
+  ConversionJob job = job_of(sample("metaballs.vdb"), 0.5, mesh_io::MeshFormat::obj);
   job.source.placement = {Space::world, UpAxis::y, false, false, 2, "", "", std::nullopt};
   expect_all_are_told(job);
 }
@@ -179,8 +179,8 @@ TEST_F(Allocation, OfMappedSamples) {
   std::string bytes;
   for (int i = 0; i < 5 * 6 * 7; ++i) bytes.push_back(static_cast<char>(i * 37 % 101));
   test::write_bytes(in_ / "v.raw", bytes);
-  ConversionJob job = job_of(in_ / "v.raw", 50, meshes::MeshFormat::stl);
-  job.source.read.raw = volumes::RawLayout{{5, 6, 7}, field::SampleType::u8, std::endian::little, 0};
+  ConversionJob job = job_of(in_ / "v.raw", 50, mesh_io::MeshFormat::stl);
+  job.source.read.raw = volume_io::RawLayout{{5, 6, 7}, field::SampleType::u8, std::endian::little, 0};
   job.surface = {extract::Method::mt, extract::NanPolicy::error, true};
   job.normals = Normals::none;
   job.ascii = true;
@@ -192,24 +192,24 @@ TEST_F(Allocation, OfLabelMaps) {
   for (int i = 0; i < 4 * 3 * 3; ++i) bytes.push_back(static_cast<char>(i * 37 % 101 % 3));
   test::write_bytes(in_ / "v.raw", bytes);
   test::write_bytes(in_ / "lut.txt", "1 one 255 0 0 0\n2 two 0 255 0 0\n");
-  ConversionJob job = job_of(in_ / "v.raw", 0, meshes::MeshFormat::glb);
+  ConversionJob job = job_of(in_ / "v.raw", 0, mesh_io::MeshFormat::glb);
   job.outputs.front().isos = {IsoChoice::all_labels()};
-  job.source.read.raw = volumes::RawLayout{{4, 3, 3}, field::SampleType::u8, std::endian::little, 0};
+  job.source.read.raw = volume_io::RawLayout{{4, 3, 3}, field::SampleType::u8, std::endian::little, 0};
   job.surface.method = extract::Method::surface_nets;
   job.normals = Normals::none;
-  job.label_names =
-      LabelTableFile{(in_ / "lut.txt").string(), LabelTable::read((in_ / "lut.txt").string(), Context())->hash()};
+  job.label_names = LabelTableFile{(in_ / "lut.txt").string(),
+                                   volume_io::LabelTable::read((in_ / "lut.txt").string(), Context())->hash()};
   expect_all_are_told(job);
 }
 
 TEST_F(Allocation, OfReadingMeshes) {
   mesh::Mesh mesh = test::tetrahedron("mesh", {1e3, 0, 0});
   test::add_colour(mesh, mesh::ComponentType::u8, 4);
-  for (const meshes::MeshFormatInfo& info : meshes::mesh_formats()) {
+  for (const mesh_io::MeshFormatInfo& info : mesh_io::mesh_formats()) {
     const auto path = in_ / ("mesh." + std::string(info.name));
-    ASSERT_TRUE(meshes::write_meshes({&mesh, 1}, path, {info.format, false, false}, Context()));
+    ASSERT_TRUE(mesh_io::write_meshes({&mesh, 1}, path, {info.format, false, false}, Context()));
     expect_all_are_told([this, &path]() -> Result<void> {
-      auto read = TRY(meshes::read_mesh(path, context_));
+      auto read = TRY(mesh_io::read_mesh(path, context_));
       return {};
     });
   }

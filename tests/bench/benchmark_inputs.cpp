@@ -14,7 +14,7 @@
 #include "base/buffer.hpp"
 #include "field/demo_field.hpp"
 #include "support/data_folder.hpp"
-#include "volumes/volume_reader.hpp"
+#include "volume_io/volume_reader.hpp"
 
 namespace isoextract::bench {
 namespace {
@@ -115,7 +115,7 @@ std::optional<BenchmarkInput> make_input(const InputDescription& description, in
   }
   const std::filesystem::path path = test::data_file(std::string(description.origin));
   if (!std::filesystem::exists(path)) return std::nullopt;
-  return named(description, 0, volumes::read_volume(path.string(), {}, Context()));
+  return named(description, 0, volume_io::read_volume(path.string(), {}, Context()));
 }
 
 BenchmarkInput with_type(const BenchmarkInput& input, field::SampleType type) {

@@ -9,7 +9,7 @@
 
 #include "base/finite.hpp"
 #include "fuzz/fuzz_format.hpp"
-#include "meshes/mesh_reader.hpp"
+#include "mesh_io/mesh_reader.hpp"
 #include "support/temp_folder.hpp"
 
 namespace isoextract {
@@ -34,7 +34,7 @@ void read_one(const std::string& bytes) {
   test::write_bytes(files.input, bytes);
   const Context context(MemoryBudget(std::uint64_t{8} << 20));
   {
-    const auto read = meshes::read_mesh(files.input, context, {.normals = true});
+    const auto read = mesh_io::read_mesh(files.input, context, {.normals = true});
     if (!read) {
       require(read.error().code == ErrorCode::input && read.error().message.starts_with(files.input.string()));
       return;
@@ -45,9 +45,9 @@ void read_one(const std::string& bytes) {
     for (const glm::uvec3& t : mesh.triangles) require(std::max({t.x, t.y, t.z}) < mesh.positions.size());
     require(read->normals.empty() || read->normals.numbers.size() == mesh.triangles.size());
     for (const glm::uvec3& t : read->normals.numbers) {
-      for (int c = 0; c < 3; ++c) require(t[c] < read->normals.values.size() || t[c] == meshes::FileNormals::kNone);
+      for (int c = 0; c < 3; ++c) require(t[c] < read->normals.values.size() || t[c] == mesh_io::FileNormals::kNone);
     }
-    for (const meshes::MeshPart& part : read->parts) {
+    for (const mesh_io::MeshPart& part : read->parts) {
       require(part.first_triangle + part.triangles <= mesh.triangles.size());
       for (std::uint64_t t = part.first_triangle; t < part.first_triangle + part.triangles; ++t) {
         for (int c = 0; c < 3; ++c) require(mesh.triangles[t][c] - part.first_vertex < part.vertices);

@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "fuzz/fuzz_format.hpp"
+#include "particle_io/particle_reader.hpp"
 #include "support/temp_folder.hpp"
-#include "volumes/particle_reader.hpp"
 
 namespace isoextract {
 namespace {
@@ -16,8 +16,8 @@ void require(bool holds) {
   if (!holds) std::abort();
 }
 
-volumes::ParticleReadOptions options_of(const volumes::ParticleFormatDescription& about, std::uint8_t bits) {
-  volumes::ParticleReadOptions options;
+particle_io::ParticleReadOptions options_of(const particle_io::ParticleFormatDescription& about, std::uint8_t bits) {
+  particle_io::ParticleReadOptions options;
   options.format = about.id;
   options.all_attributes = (bits & 1) != 0;
   if (about.has_frames && (bits & 2) != 0) options.frame = bits >> 4;
@@ -27,9 +27,9 @@ volumes::ParticleReadOptions options_of(const volumes::ParticleFormatDescription
 }
 
 // The format of the target "particles_ID".
-volumes::ParticleFormatDescription format_of_target() {
+particle_io::ParticleFormatDescription format_of_target() {
   const std::string_view id = fuzz::kFormat.substr(std::string_view("particles_").size());
-  for (const volumes::ParticleFormatDescription& about : volumes::particle_format_descriptions()) {
+  for (const particle_io::ParticleFormatDescription& about : particle_io::particle_format_descriptions()) {
     if (about.id == (id == "houdini" ? "bgeo" : id)) return about;
   }
   std::abort();
@@ -38,14 +38,14 @@ volumes::ParticleFormatDescription format_of_target() {
 void read_one(const std::uint8_t* data, std::size_t size) {
   if (size < 2) return;
   static const test::TempFolder folder;
-  static const volumes::ParticleFormatDescription about = format_of_target();
-  const volumes::ParticleReadOptions options = options_of(about, data[0]);
+  static const particle_io::ParticleFormatDescription about = format_of_target();
+  const particle_io::ParticleReadOptions options = options_of(about, data[0]);
   const std::string input = folder / ("particles" + about.extensions.front());
   test::write_bytes(input, std::string(reinterpret_cast<const char*>(data) + 1, size - 1));
   const Context context(MemoryBudget(std::uint64_t{8} << 20));
   {
-    const auto info = volumes::particle_info(input, options, context);
-    const auto read = volumes::read_particles(input, options, context);
+    const auto info = particle_io::particle_info(input, options, context);
+    const auto read = particle_io::read_particles(input, options, context);
     if (!read) {
       require(read.error().code == ErrorCode::input && read.error().message.starts_with(input));
       return;

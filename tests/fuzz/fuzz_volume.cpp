@@ -12,7 +12,7 @@
 #include "field/statistics.hpp"
 #include "fuzz/fuzz_format.hpp"
 #include "support/temp_folder.hpp"
-#include "volumes/volume_reader.hpp"
+#include "volume_io/volume_reader.hpp"
 
 namespace isoextract {
 namespace {
@@ -25,13 +25,13 @@ std::string file_name(const std::string& bytes) {
 }
 
 // The first 16 bytes choose the layout of a raw file.
-volumes::RawLayout take_layout(const std::uint8_t*& data, std::size_t& size) {
+volume_io::RawLayout take_layout(const std::uint8_t*& data, std::size_t& size) {
   std::array<std::uint8_t, 16> head{};
   const std::size_t taken = std::min(size, head.size());
   std::copy_n(data, taken, head.begin());
   data += taken;
   size -= taken;
-  volumes::RawLayout layout;
+  volume_io::RawLayout layout;
   for (int axis = 0; axis < 3; ++axis) std::memcpy(&layout.dims[axis], head.data() + 4 * axis, 4);
   layout.type = static_cast<field::SampleType>(head[12] % 9);
   layout.endian = head[13] % 2 == 0 ? std::endian::little : std::endian::big;
@@ -39,10 +39,10 @@ volumes::RawLayout take_layout(const std::uint8_t*& data, std::size_t& size) {
   return layout;
 }
 
-void look_at(const std::string& input, volumes::ReadOptions options,
-             const std::optional<volumes::ComponentChoice>& component, const Context& context) {
+void look_at(const std::string& input, volume_io::ReadOptions options,
+             const std::optional<volume_io::ComponentChoice>& component, const Context& context) {
   options.component = component;
-  const auto field = volumes::read_volume(input, options, context);
+  const auto field = volume_io::read_volume(input, options, context);
   if (!field) {
     if (field.error().message.empty()) std::abort();
     return;
@@ -52,8 +52,8 @@ void look_at(const std::string& input, volumes::ReadOptions options,
 
 void read_one(const std::uint8_t* data, std::size_t size) {
   static const test::TempFolder folder;  // detached data can only be found within it
-  volumes::ReadOptions options;
-  const volumes::VolumeFormat* format = volumes::find_volume_format(kFormat);
+  volume_io::ReadOptions options;
+  const volume_io::VolumeFormat* format = volume_io::find_volume_format(kFormat);
   if (format == nullptr) std::abort();
   options.format = format->about().id;
   const Context context(MemoryBudget(std::uint64_t{8} << 20));
@@ -65,33 +65,33 @@ void read_one(const std::uint8_t* data, std::size_t size) {
     input = folder / file_name(bytes);
     test::write_bytes(input, bytes);
   }
-  const auto grids = volumes::list_grids(input, options, context);
+  const auto grids = volume_io::list_grids(input, options, context);
   // A file with several grids needs a choice: the first scalar one.
   if (grids && grids->size() > 1) {
     const auto scalar =
-        std::find_if(grids->begin(), grids->end(), [](const volumes::GridInfo& grid) { return grid.scalar; });
+        std::find_if(grids->begin(), grids->end(), [](const volume_io::GridInfo& grid) { return grid.scalar; });
     if (scalar != grids->end()) options.grid = scalar->label;
   }
   // Likewise one of several volumes and components: the last, which lies behind all others; and the length of all.
   if (grids && !grids->empty()) {
-    const auto chosen = std::ranges::find_if(*grids, [&](const volumes::GridInfo& grid) {
+    const auto chosen = std::ranges::find_if(*grids, [&](const volume_io::GridInfo& grid) {
       return options.grid ? grid.label == *options.grid : grid.scalar;
     });
     if (chosen != grids->end() && chosen->volumes > 1) {
       options.volume = static_cast<std::int64_t>(chosen->volumes - 1);
     }
     if (chosen != grids->end() && chosen->components > 1) {
-      look_at(input, options, volumes::ComponentChoice(), context);
-      options.component = volumes::ComponentChoice{static_cast<std::int64_t>(chosen->components - 1)};
+      look_at(input, options, volume_io::ComponentChoice(), context);
+      options.component = volume_io::ComponentChoice{static_cast<std::int64_t>(chosen->components - 1)};
     }
   }
   look_at(input, options, options.component, context);
   // What arrays do not say of themselves. An odd byte chooses, so that it is always the same for one input.
   const bool odd = size > 0 && data[size - 1] % 2 == 1;
   if (!format->about().has_axis_order || !odd) return;
-  options.axis_order = volumes::AxisOrder::xyz;
+  options.axis_order = volume_io::AxisOrder::xyz;
   options.no_data = 7;
-  look_at(input, options, volumes::ComponentChoice{0}, context);
+  look_at(input, options, volume_io::ComponentChoice{0}, context);
 }
 
 }  // namespace

@@ -16,14 +16,14 @@
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/LevelSetSphere.h>
 
-#include "meshes/mesh_writer.hpp"
+#include "mesh_io/mesh_writer.hpp"
 #include "support/sample_attributes.hpp"
 #include "support/sample_meshes.hpp"
 #include "support/temp_folder.hpp"
-#include "unit/volumes/npz_files.hpp"
-#include "unit/volumes/particle_files.hpp"
-#include "unit/volumes/vdb_files.hpp"
-#include "unit/volumes/volume_files.hpp"
+#include "unit/particle_io/particle_files.hpp"
+#include "unit/volume_io/npz_files.hpp"
+#include "unit/volume_io/vdb_files.hpp"
+#include "unit/volume_io/volume_files.hpp"
 
 namespace isoextract::test {
 namespace {
@@ -270,13 +270,13 @@ mesh::Mesh coloured(mesh::ComponentType type, std::size_t components) {
 }
 
 // Once as each of the product's writers writes it.
-void write_written(const fs::path& folder, meshes::MeshFormat format) {
-  const meshes::MeshFormatInfo& info = meshes::mesh_format_info(format);
+void write_written(const fs::path& folder, mesh_io::MeshFormat format) {
+  const mesh_io::MeshFormatInfo& info = mesh_io::mesh_format_info(format);
   const auto seed = [&](const std::string& name, const mesh::Mesh& mesh, bool flat = false) {
     for (const bool ascii : {false, true}) {
       if (ascii && !info.has_ascii) continue;
       const auto path = folder / (ascii ? name + "_text" : name);
-      const auto written = meshes::write_meshes({&mesh, 1}, path, {format, flat, ascii}, Context());
+      const auto written = mesh_io::write_meshes({&mesh, 1}, path, {format, flat, ascii}, Context());
       if (!written) throw std::runtime_error(written.error().message);
     }
   };
@@ -289,7 +289,7 @@ void write_written(const fs::path& folder, meshes::MeshFormat format) {
 }
 
 void write_plys(const fs::path& folder) {
-  write_written(folder, meshes::MeshFormat::ply);
+  write_written(folder, mesh_io::MeshFormat::ply);
   std::string body;
   for (const float coordinate : {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}) body += pack(coordinate, std::endian::big);
   body += std::string("\4\0\0\0\1\0\2\0\3", 9) + std::string("\1\0\2", 3);
@@ -304,7 +304,7 @@ void write_plys(const fs::path& folder) {
 }
 
 void write_objs(const fs::path& folder) {
-  write_written(folder, meshes::MeshFormat::obj);
+  write_written(folder, mesh_io::MeshFormat::obj);
   write_bytes(folder / "polygons",
               "# seed\no a\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1e-3 .5\nvt 0 1\nf 1/1 2/1 3/1 4/1\nf -1 -2 -3\nl 1 2\n");
   write_bytes(folder / "old_lines", "\xEF\xBB\xBF# seed\rv 0 0 0\rv 1 0 0\r\nv 1 1 0\rf 1 2 3\r");
@@ -315,10 +315,10 @@ void write_objs(const fs::path& folder) {
 }
 
 // In every way of packing that the format has.
-void write_packed(const fs::path& folder, meshes::MeshFormat format) {
-  const auto seed = [&](const std::string& name, const mesh::Mesh& mesh, const meshes::MeshPacking& packing,
+void write_packed(const fs::path& folder, mesh_io::MeshFormat format) {
+  const auto seed = [&](const std::string& name, const mesh::Mesh& mesh, const mesh_io::MeshPacking& packing,
                         bool flat = false) {
-    const auto written = meshes::write_meshes({&mesh, 1}, folder / name, {format, flat, false, packing}, Context());
+    const auto written = mesh_io::write_meshes({&mesh, 1}, folder / name, {format, flat, false, packing}, Context());
     if (!written) throw std::runtime_error(written.error().message);
   };
   mesh::Mesh attributes = sphere(2, true);
@@ -327,22 +327,22 @@ void write_packed(const fs::path& folder, meshes::MeshFormat format) {
   // Three sheets at one edge, which Draco packs triangle by triangle.
   const mesh::Mesh sheets =
       make_mesh("sheets", {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}});
-  meshes::MeshPacking packing;
-  packing.compression = meshes::Compression::draco;
+  mesh_io::MeshPacking packing;
+  packing.compression = mesh_io::Compression::draco;
   seed("draco", attributes, packing);
   seed("draco_flat", sphere(2, false), packing, true);
   seed("draco_sheets", sheets, packing);
-  if (format == meshes::MeshFormat::drc) return;
-  packing.compression = meshes::Compression::meshopt;
+  if (format == mesh_io::MeshFormat::drc) return;
+  packing.compression = mesh_io::Compression::meshopt;
   seed("meshopt", attributes, packing);
   packing.quantize = true;
   seed("meshopt_quantized", attributes, packing);
-  packing.compression = meshes::Compression::none;
+  packing.compression = mesh_io::Compression::none;
   seed("quantized", attributes, packing);
 }
 
 void write_stls(const fs::path& folder) {
-  write_written(folder, meshes::MeshFormat::stl);
+  write_written(folder, mesh_io::MeshFormat::stl);
   write_bytes(folder / "capitals",
               "SOLID A\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 0\nVERTEX -0 1 0\nVERTEX 1E0 0 0\nENDLOOP\n"
               "ENDFACET\nENDSOLID A\n");
@@ -350,11 +350,11 @@ void write_stls(const fs::path& folder) {
 }
 
 void write_glbs(const fs::path& folder) {
-  write_written(folder, meshes::MeshFormat::glb);
-  write_packed(folder, meshes::MeshFormat::glb);
+  write_written(folder, mesh_io::MeshFormat::glb);
+  write_packed(folder, mesh_io::MeshFormat::glb);
 }
 
-void write_drcs(const fs::path& folder) { write_packed(folder, meshes::MeshFormat::drc); }
+void write_drcs(const fs::path& folder) { write_packed(folder, mesh_io::MeshFormat::drc); }
 
 // Of one primitive; `buffer` is what its values are read from, in base64.
 std::string one_primitive(std::string_view more, std::string_view accessors, std::string_view views, std::size_t bytes,
@@ -369,7 +369,7 @@ std::string one_primitive(std::string_view more, std::string_view accessors, std
 // The data of the first ones lie in a file that the target has beside its input, those of the others in their text.
 void write_gltfs(const fs::path& folder) {
   const TempFolder pairs;
-  write_written(pairs.path(), meshes::MeshFormat::gltf);
+  write_written(pairs.path(), mesh_io::MeshFormat::gltf);
   for (const std::string& name : pairs.names()) {
     if (name.ends_with(".bin")) continue;
     std::string text = read_bytes(pairs / name);

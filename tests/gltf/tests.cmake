@@ -1,6 +1,6 @@
 # Every kind of .glb and .gltf that the writers can make, checked by the Khronos validator.
 add_executable(write_sample_meshes gltf/write_sample_meshes.cpp)
-target_link_libraries(write_sample_meshes PRIVATE isoextract_meshes isoextract_options)
+target_link_libraries(write_sample_meshes PRIVATE isoextract_mesh_io isoextract_options)
 target_include_directories(write_sample_meshes PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 
 set(sample_meshes ${CMAKE_CURRENT_BINARY_DIR}/sample_meshes)

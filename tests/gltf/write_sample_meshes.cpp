@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "meshes/animation_writer.hpp"
-#include "meshes/mesh_writer.hpp"
+#include "mesh_io/animation_writer.hpp"
+#include "mesh_io/mesh_writer.hpp"
 #include "support/sample_attributes.hpp"
 #include "support/sample_meshes.hpp"
 
@@ -23,7 +23,7 @@ struct Sample {
   std::function<std::vector<mesh::Mesh>()> make;
   bool flat_normals = false;
   bool ascii = false;
-  meshes::MeshPacking packing = {};
+  mesh_io::MeshPacking packing = {};
 };
 
 template <class... Meshes>
@@ -47,8 +47,8 @@ mesh::Mesh with_attributes(mesh::ComponentType colour, std::size_t components) {
   return mesh;
 }
 
-meshes::MeshPacking packing(meshes::Compression compression, bool quantize, bool optimize_order = false) {
-  meshes::MeshPacking packing;
+mesh_io::MeshPacking packing(mesh_io::Compression compression, bool quantize, bool optimize_order = false) {
+  mesh_io::MeshPacking packing;
   packing.compression = compression;
   packing.quantize = quantize;
   packing.optimize_order = optimize_order;
@@ -56,8 +56,8 @@ meshes::MeshPacking packing(meshes::Compression compression, bool quantize, bool
   return packing;
 }
 
-std::vector<std::pair<std::string, meshes::MeshPacking>> ways_of_packing() {
-  using meshes::Compression;
+std::vector<std::pair<std::string, mesh_io::MeshPacking>> ways_of_packing() {
+  using mesh_io::Compression;
   return {{"draco", packing(Compression::draco, false)},
           {"quantized", packing(Compression::none, true)},
           {"meshopt", packing(Compression::meshopt, false)},
@@ -108,16 +108,16 @@ std::vector<Sample> samples() {
   };
 }
 
-bool write(const Sample& sample, const meshes::MeshFormatInfo& format, const std::filesystem::path& folder) {
+bool write(const Sample& sample, const mesh_io::MeshFormatInfo& format, const std::filesystem::path& folder) {
   const std::vector<mesh::Mesh> meshes = sample.make();
   if ((meshes.size() != 1 && !format.holds_several_meshes) || (sample.ascii && !format.has_ascii)) return true;
-  if (!meshes::check_packing(sample.packing, format.format)) return true;
-  if (format.format == meshes::MeshFormat::drc && meshes[0].triangles.empty()) return true;
+  if (!mesh_io::check_packing(sample.packing, format.format)) return true;
+  if (format.format == mesh_io::MeshFormat::drc && meshes[0].triangles.empty()) return true;
   // One folder a format: the .bin of one model must not have the name of another's.
   const std::filesystem::path path = folder / format.name / (sample.name + "." + std::string(format.name));
   std::filesystem::create_directories(path.parent_path());
-  const auto written =
-      meshes::write_meshes(meshes, path, {format.format, sample.flat_normals, sample.ascii, sample.packing}, Context());
+  const auto written = mesh_io::write_meshes(
+      meshes, path, {format.format, sample.flat_normals, sample.ascii, sample.packing}, Context());
   if (!written) std::fprintf(stderr, "%s\n", written.error().message.c_str());
   return written.has_value();
 }
@@ -136,10 +136,10 @@ std::optional<mesh::Bounds> box_of(const std::vector<mesh::Mesh>& surfaces) {
 
 // Sequences, with gaps and frames of all kinds; several files of one, where `largest` is what a file may be.
 bool write_animation(const std::string& name, bool flat_normals, const std::filesystem::path& folder,
-                     std::uint64_t largest = meshes::kLargestGlb, meshes::MeshPacking packing = {}) {
+                     std::uint64_t largest = mesh_io::kLargestGlb, mesh_io::MeshPacking packing = {}) {
   const std::filesystem::path path = folder / "animated" / (name + ".glb");
   std::filesystem::create_directories(path.parent_path());
-  meshes::AnimationWriter writer(path, {meshes::MeshFormat::glb, flat_normals, false}, 24, 8, Context(), largest);
+  mesh_io::AnimationWriter writer(path, {mesh_io::MeshFormat::glb, flat_normals, false}, 24, 8, Context(), largest);
   Result<void> added;
   const auto add = [&](std::int64_t frame, const std::vector<mesh::Mesh>& surfaces) {
     packing.box = box_of(surfaces);
@@ -158,7 +158,7 @@ bool write_animation(const std::string& name, bool flat_normals, const std::file
 }
 
 bool write_empty_animation(const std::filesystem::path& folder) {
-  meshes::AnimationWriter writer(folder / "animated" / "empty.glb", {}, 24, 1, Context());
+  mesh_io::AnimationWriter writer(folder / "animated" / "empty.glb", {}, 24, 1, Context());
   return writer.add("nothing", 1, nothing("nothing")) && writer.finish();
 }
 
@@ -173,15 +173,15 @@ int main(int argc, char** argv) {
   std::vector<Sample> all = samples();
   for (Sample& sample : packed_samples()) all.push_back(std::move(sample));
   for (const Sample& sample : all) {
-    for (const meshes::MeshFormatInfo& format : meshes::mesh_formats()) good = write(sample, format, argv[1]) && good;
+    for (const mesh_io::MeshFormatInfo& format : mesh_io::mesh_formats()) good = write(sample, format, argv[1]) && good;
   }
   constexpr std::uint64_t kSmall = 80'000;  // less than two of the spheres together
   good = write_animation("smooth", false, argv[1]) && good;
   good = write_animation("flat", true, argv[1]) && good;
   good = write_animation("split", false, argv[1], kSmall) && good;
   for (const auto& [name, way] : ways_of_packing()) {
-    good = write_animation(name + "_smooth", false, argv[1], meshes::kLargestGlb, way) && good;
-    good = write_animation(name + "_flat", true, argv[1], meshes::kLargestGlb, way) && good;
+    good = write_animation(name + "_smooth", false, argv[1], mesh_io::kLargestGlb, way) && good;
+    good = write_animation(name + "_flat", true, argv[1], mesh_io::kLargestGlb, way) && good;
   }
   good = write_empty_animation(argv[1]) && good;
   return good ? 0 : 1;

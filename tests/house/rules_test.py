@@ -10,17 +10,17 @@ import rules
 CLEAN = {
     "src/base/CMakeLists.txt": "isoextract_room(base\n  SOURCES a.cpp)\n",
     "src/base/error.hpp": "#pragma once\n",
-    "src/volumes/CMakeLists.txt": "isoextract_room(volumes SOURCES b.cpp ROOMS base field LIBRARIES Some::lib)\n",
-    "src/volumes/reader.cpp": (
-        '#include "volumes/reader.hpp"\n#include <vector>\n#include "field/samples.hpp"\n#include "base/error.hpp"\n'
+    "src/volume_io/CMakeLists.txt": "isoextract_room(volume_io SOURCES b.cpp ROOMS base field LIBRARIES Some::lib)\n",
+    "src/volume_io/reader.cpp": (
+        '#include "volume_io/reader.hpp"\n#include <vector>\n#include "field/samples.hpp"\n#include "base/error.hpp"\n'
         '// std::cout and exit(1) in a comment\nconst char* s = "printf(\\"argv\\") // no end";\n'
         "int big = 1'000'000; char c = '\"';\n/* abort();\n exit(2); */\nvoid atexit_like(int on_exit);\n"
         'auto r = R"x(std::cerr " )" )x";\n'
     ),
-    "src/cli/CMakeLists.txt": "isoextract_room(cli SOURCES c.cpp ROOMS base volumes)\n",
+    "src/cli/CMakeLists.txt": "isoextract_room(cli SOURCES c.cpp ROOMS base volume_io)\n",
     "src/cli/main.cpp": "#include <cstdio>\nint main(int, char** argv) { std::puts(argv[0]); std::exit(0); }\n",
 }
-CLEAN["src/README.md"] = "## The rooms\n### base: x\n`error.hpp`\n### volumes: x\n### cli: x\n## The ways\n`no.hpp`\n"
+CLEAN["src/README.md"] = "## The rooms\n### base: x\n`error.hpp`\n### volume_io: x\n### cli: x\n## The ways\n`no.hpp`\n"
 SLASH = "/"
 
 
@@ -58,32 +58,32 @@ class RulesTest(unittest.TestCase):
         self.expect_one("src/base/planted.cpp:2", "base may not include field")
 
     def test_include_in_angle_brackets_and_with_spaces(self):
-        self.plant_in_room("volumes", "  #  include <extract/extractor.hpp>\n")
-        self.expect_one("src/volumes/planted.cpp:1", "volumes may not include extract")
+        self.plant_in_room("volume_io", "  #  include <extract/extractor.hpp>\n")
+        self.expect_one("src/volume_io/planted.cpp:1", "volume_io may not include extract")
 
     def test_include_of_what_is_another_rooms_own(self):
-        self.plant_in_room("volumes", '#include "field/detail/tables.hpp"\n#include "volumes/detail/mine.hpp"\n')
-        self.expect_one("src/volumes/planted.cpp:1", "for field alone")
+        self.plant_in_room("volume_io", '#include "field/detail/tables.hpp"\n#include "volume_io/detail/mine.hpp"\n')
+        self.expect_one("src/volume_io/planted.cpp:1", "for field alone")
 
     def test_namespace_of_another_room(self):
-        self.plant_in_room("volumes", "namespace isoextract::volumes {\n}\nnamespace isoextract::field {\n}\n")
-        self.expect_one("src/volumes/planted.cpp:3", "expected isoextract::volumes")
+        self.plant_in_room("volume_io", "namespace isoextract::volume_io {\n}\nnamespace isoextract::field {\n}\n")
+        self.expect_one("src/volume_io/planted.cpp:3", "expected isoextract::volume_io")
 
     def test_include_by_relative_path(self):
         self.plant_in_room("base", '#include "../field/samples.hpp"\n')
         self.expect_one("src/base/planted.cpp:1", "room/header.hpp")
 
     def test_include_without_room(self):
-        self.plant_in_room("volumes", '#include "reader.hpp"\n')
-        self.expect_one("src/volumes/planted.cpp:1", "room/header.hpp")
+        self.plant_in_room("volume_io", '#include "reader.hpp"\n')
+        self.expect_one("src/volume_io/planted.cpp:1", "room/header.hpp")
 
     def test_room_outside_the_table(self):
         self.plant_in_room("util", "int x;\n")
         self.expect_one("src/util/planted.cpp", "'util'")
 
     def test_link_line_beyond_the_table(self):
-        self.plant("src/volumes/CMakeLists.txt", "isoextract_room(volumes SOURCES b.cpp ROOMS base extract LIBRARIES x)\n")
-        self.expect_one("volumes may not link extract")
+        self.plant("src/volume_io/CMakeLists.txt", "isoextract_room(volume_io SOURCES b.cpp ROOMS base extract LIBRARIES x)\n")
+        self.expect_one("volume_io may not link extract")
 
     def test_link_beside_the_room_declaration(self):
         text = CLEAN["src/base/CMakeLists.txt"] + "target_link_libraries(isoextract_base PRIVATE isoextract_mesh)\n"
@@ -91,8 +91,8 @@ class RulesTest(unittest.TestCase):
         self.expect_one("base may not link mesh")
 
     def test_graphics_headers(self):
-        self.plant_in_room("volumes", "#include <epoxy/gl.h>\n")
-        self.expect_one("src/volumes/planted.cpp:1", "gl, gpu and render")
+        self.plant_in_room("volume_io", "#include <epoxy/gl.h>\n")
+        self.expect_one("src/volume_io/planted.cpp:1", "gl, gpu and render")
 
     def test_what_only_cli_may_do(self):
         for code in (
@@ -101,7 +101,7 @@ class RulesTest(unittest.TestCase):
             "write(STDOUT_FILENO, p, n);", "::write(1, p, n);", "std::wcout << 1;", 'vprintf("x", a);', 'dprintf(2, "x");',
             "std::putchar(c);", 'fmt::println("x");', 'std::print("x");', 'fmt::vprint("x", a);', 'fputs("x", stdout);',
         ):  # fmt: skip
-            for room in ("volumes", "convert"):
+            for room in ("volume_io", "convert"):
                 with self.subTest(code=code, room=room):
                     self.plant_in_room(room, f"int x;\n{code}\n")
                     findings = self.findings()
@@ -110,30 +110,30 @@ class RulesTest(unittest.TestCase):
                     (self.root / f"src/{room}/planted.cpp").unlink()
 
     def test_what_looks_like_printing_and_is_not(self):
-        self.plant_in_room("volumes", "file.write(1024, p);\nwrite(file, p);\nint fingerprint(int n);\nsnprintf(p, n, f);\n")
+        self.plant_in_room("volume_io", "file.write(1024, p);\nwrite(file, p);\nint fingerprint(int n);\nsnprintf(p, n, f);\n")
         self.assertEqual(self.findings(), [])
 
     def test_contexts_that_nobody_passes(self):
         for default in ("Context()", "{}"):
             with self.subTest(default=default):
-                self.plant_in_room("volumes", f"int x;\nvoid read(const Context& context = {default});\n")
-                self.expect_one("src/volumes/planted.cpp:2", "let the caller pass it")
-        self.plant_in_room("volumes", "const Context& context = file.context();\n")
+                self.plant_in_room("volume_io", f"int x;\nvoid read(const Context& context = {default});\n")
+                self.expect_one("src/volume_io/planted.cpp:2", "let the caller pass it")
+        self.plant_in_room("volume_io", "const Context& context = file.context();\n")
         self.assertEqual(self.findings(), [])
 
     def test_reservations_that_nobody_holds(self):
         for code in ("f();\n  TRY(context_.reserve(1, what));", "f();\nif (a) TRY(set->memory().reserve(1));"):
             with self.subTest(code=code):
-                self.plant_in_room("volumes", code)
-                self.expect_one("src/volumes/planted.cpp:2", "hold what reserve() returns")
-        self.plant_in_room("volumes", "const auto memory =\n    TRY(context.reserve(1, what));\n")
+                self.plant_in_room("volume_io", code)
+                self.expect_one("src/volume_io/planted.cpp:2", "hold what reserve() returns")
+        self.plant_in_room("volume_io", "const auto memory =\n    TRY(context.reserve(1, what));\n")
         self.assertEqual(self.findings(), [])
 
     def test_names_of_options_below_cli(self):
         for text in ('"use --iso V"', '"--iso"', "f(\"(--nan outside)\")", 'R"(a\n--cap)"'):
             with self.subTest(text=text):
-                self.plant_in_room("volumes", f"int x;\nauto s = {text};\n".replace("\\n", "\n"))
-                self.expect_one("src/volumes/planted.cpp:", "names an option")
+                self.plant_in_room("volume_io", f"int x;\nauto s = {text};\n".replace("\\n", "\n"))
+                self.expect_one("src/volume_io/planted.cpp:", "names an option")
 
     def test_options_named_a_second_time(self):
         main = CLEAN["src/cli/main.cpp"]
@@ -149,33 +149,33 @@ class RulesTest(unittest.TestCase):
 
     def test_what_looks_like_an_option_and_is_none(self):
         code = '// the words of --iso are in cli\nint i = n--a; auto s = "a--b -- c -d ----";\n/* "--iso" */\n'
-        self.plant_in_room("volumes", code)
+        self.plant_in_room("volume_io", code)
         self.plant("src/cli/main.cpp", CLEAN["src/cli/main.cpp"] + 'auto hint = "use --iso V";\n')
         self.assertEqual(self.findings(), [])
 
     def test_map_of_the_rooms(self):
         page = CLEAN["src/README.md"]
-        self.plant("src/README.md", page.replace("### volumes: x\n", ""))
-        self.expect_one("no heading for volumes")
+        self.plant("src/README.md", page.replace("### volume_io: x\n", ""))
+        self.expect_one("no heading for volume_io")
         self.plant("src/README.md", page + "### points: x\n")
         self.expect_one("names the room points")
         self.plant("src/README.md", page.replace("### cli: x\n", "### cli: x\n`plan.hpp`\n"))
         self.expect_one("names cli/plan.hpp")
 
     def test_headers_that_no_other_room_uses(self):
-        self.plant("src/volumes/open.hpp", '#include "volumes/part.hpp"\n')
-        self.plant("src/volumes/part.hpp", "int x;\n")
-        self.plant("src/cli/main.cpp", '#include "volumes/open.hpp"\n')
+        self.plant("src/volume_io/open.hpp", '#include "volume_io/part.hpp"\n')
+        self.plant("src/volume_io/part.hpp", "int x;\n")
+        self.plant("src/cli/main.cpp", '#include "volume_io/open.hpp"\n')
         self.assertEqual(self.findings(), [])
         self.plant("src/cli/main.cpp", "")
-        self.plant("src/volumes/reader.cpp", '#include "volumes/open.hpp"\n#include "base/error.hpp"\n')
+        self.plant("src/volume_io/reader.cpp", '#include "volume_io/open.hpp"\n#include "base/error.hpp"\n')
         findings = self.findings()
         self.assertEqual(len(findings), 2, findings)
-        self.assertIn("src/volumes/open.hpp", findings[0])
-        self.assertIn("src/volumes/part.hpp", findings[1])
-        (self.root / "src/volumes/detail").mkdir()
+        self.assertIn("src/volume_io/open.hpp", findings[0])
+        self.assertIn("src/volume_io/part.hpp", findings[1])
+        (self.root / "src/volume_io/detail").mkdir()
         for name in ("open", "part"):
-            (self.root / f"src/volumes/{name}.hpp").rename(self.root / f"src/volumes/detail/{name}.hpp")
+            (self.root / f"src/volume_io/{name}.hpp").rename(self.root / f"src/volume_io/detail/{name}.hpp")
         self.assertEqual(self.findings(), [])
 
     def test_length(self):
@@ -191,13 +191,13 @@ class RulesTest(unittest.TestCase):
     def test_remedies(self):
         error = "// one_in_a_comment\nenum class Remedy {\n  none,\n  one,  // text\n  two\n};\n"
         self.plant("src/base/error.hpp", error)
-        self.plant_in_room("volumes", "f(Remedy::one); g(Remedy::two);\n")
+        self.plant_in_room("volume_io", "f(Remedy::one); g(Remedy::two);\n")
         words = "switch (r) {\n  case Remedy::none: break;\n  case Remedy::one: return x;\n  case Remedy::two: return y;\n}\n"
         self.plant("src/cli/remedies.cpp", words)
         self.assertEqual(self.findings(), [])
-        self.plant("src/volumes/planted.cpp", "f(Remedy::one);  // Remedy::two\n")
+        self.plant("src/volume_io/planted.cpp", "f(Remedy::one);  // Remedy::two\n")
         self.expect_one("base/error.hpp", "nobody gives the remedy two")
-        self.plant("src/volumes/planted.cpp", "f(Remedy::one); g(Remedy::two);\n")
+        self.plant("src/volume_io/planted.cpp", "f(Remedy::one); g(Remedy::two);\n")
         self.plant("src/cli/remedies.cpp", words.replace("Remedy::one", "Remedy::One"))
         self.expect_one("cli/remedies.cpp", "no words for the remedy one")
 
@@ -205,9 +205,9 @@ class RulesTest(unittest.TestCase):
         for code in ('if (word_of(report.stage) == "smooth") f();', 'if (stage != "smooth") f();', 'x = "a" == r->stage_;',
                      "x = word == word_of(StageName::smooth);", "x = word_of(Key::iso) != word;"):
             with self.subTest(code=code):
-                self.plant_in_room("volumes", f"int x;\n{code}\n")
-                self.expect_one("src/volumes/planted.cpp:2", "as a string")
-        self.plant_in_room("volumes", 'x = a.stage == Stage::b; f(word_of(stage)); // stage == "a"\ng("stage == 1");\n')
+                self.plant_in_room("volume_io", f"int x;\n{code}\n")
+                self.expect_one("src/volume_io/planted.cpp:2", "as a string")
+        self.plant_in_room("volume_io", 'x = a.stage == Stage::b; f(word_of(stage)); // stage == "a"\ng("stage == 1");\n')
         self.assertEqual(self.findings(), [])
 
     def test_a_table_without_cycles(self):

@@ -17,11 +17,11 @@
 #include <vector>
 
 #include <volume_plugin.h>
-#include "volumes/detail/plugin_messages.hpp"
+#include "plugin_host/detail/plugin_messages.hpp"
 
 namespace {
 
-using isoextract::volumes::Said;
+using isoextract::plugin_host::Said;
 
 constexpr int kProgram = 3;  // the socket to it
 const std::array<float, 8> kValues{0, 0, 0, 0, 1, 1, 1, 1};

@@ -9,7 +9,7 @@
 #include "field/interpolant.hpp"
 #include "support/data_folder.hpp"
 #include "support/meshes.hpp"
-#include "volumes/volume_reader.hpp"
+#include "volume_io/volume_reader.hpp"
 
 namespace isoextract {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 struct Volume {
   const char* file;
   const char* expected;  // its name in EXPECTED.json
-  std::optional<volumes::RawLayout> raw;
+  std::optional<volume_io::RawLayout> raw;
   // index -> world as the header has it, copied by hand
   field::Affine world;
   // FlyingEdges keeps the inside corners of every face apart, which makes more surface in noise than the interpolant
@@ -49,7 +49,7 @@ const Volume kVolumes[] = {
      0.01},
     {"mol/betaGal.npy", "mol/betaGal.npy", {}, diagonal({1, 1, 1}, {0, 0, 0})},
     {"med/HeadMRVolume.raw", "med/HeadMRVolume.mhd",
-     volumes::RawLayout{{48, 62, 42}, field::SampleType::u8, std::endian::little, 0}, diagonal({1, 1, 1}, {0, 0, 0}),
+     volume_io::RawLayout{{48, 62, 42}, field::SampleType::u8, std::endian::little, 0}, diagonal({1, 1, 1}, {0, 0, 0}),
      0.025},
     {"vdb/smoke.vdb",
      "vdb/smoke.vdb",
@@ -67,9 +67,9 @@ class RealVolume : public testing::TestWithParam<Volume> {
     ISOEXTRACT_NEEDS_DATA(GetParam().file);
     ISOEXTRACT_NEEDS_DATA("EXPECTED.json");
     expected_ = nlohmann::json::parse(std::ifstream(test::data_file("EXPECTED.json"))).at(GetParam().expected);
-    volumes::ReadOptions read;
+    volume_io::ReadOptions read;
     read.raw = GetParam().raw;
-    auto field = volumes::read_volume(test::data_file(GetParam().file).string(), read, Context());
+    auto field = volume_io::read_volume(test::data_file(GetParam().file).string(), read, Context());
     ASSERT_TRUE(field) << field.error().message;
     field_ = std::move(*field);
   }

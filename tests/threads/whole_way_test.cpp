@@ -11,17 +11,17 @@
 #include "field/resample.hpp"
 #include "field/statistics.hpp"
 #include "field/surface_estimate.hpp"
-#include "meshes/mesh_writer.hpp"
+#include "mesh_io/mesh_writer.hpp"
 #include "support/meshes.hpp"
 #include "support/temp_folder.hpp"
-#include "volumes/volume_reader.hpp"
+#include "volume_io/volume_reader.hpp"
 
 namespace isoextract {
 namespace {
 
 struct Way {
   std::filesystem::path volume;
-  volumes::ReadOptions read;
+  volume_io::ReadOptions read;
   double iso = 0;
 };
 
@@ -61,19 +61,19 @@ mesh::Mesh add_surface(const field::ScalarField& field, const Way& way, extract:
   return mesh;
 }
 
-void add_file(const mesh::Mesh& mesh, meshes::MeshFormat format, Found& found) {
+void add_file(const mesh::Mesh& mesh, mesh_io::MeshFormat format, Found& found) {
   const test::TempFolder folder;
-  meshes::MeshWriteOptions options;
+  mesh_io::MeshWriteOptions options;
   options.format = format;
-  options.ascii = meshes::mesh_format_info(format).has_ascii;
-  must(meshes::write_meshes({&mesh, 1}, folder / "mesh", options, Context()));
-  found.emplace_back(meshes::mesh_format_info(format).name, test::read_bytes(folder / "mesh"));
+  options.ascii = mesh_io::mesh_format_info(format).has_ascii;
+  must(mesh_io::write_meshes({&mesh, 1}, folder / "mesh", options, Context()));
+  found.emplace_back(mesh_io::mesh_format_info(format).name, test::read_bytes(folder / "mesh"));
 }
 
 Found go(const Way& way, std::size_t threads) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   Found found;
-  const field::ScalarField field = must(volumes::read_volume(way.volume.string(), way.read, Context()));
+  const field::ScalarField field = must(volume_io::read_volume(way.volume.string(), way.read, Context()));
   const field::FieldStatistics statistics = field::measure_statistics(field);
   found.emplace_back("statistics", told(statistics));
   found.emplace_back("suggestion", fmt::format("{}", field::suggest_iso(field, statistics).iso));
@@ -84,8 +84,8 @@ Found go(const Way& way, std::size_t threads) {
   add_surface(resampled, way, extract::Method::mt, "resampled", found);
   add_surface(coarser, way, extract::Method::mt, "coarser", found);
   const mesh::Mesh mesh = add_surface(field, way, extract::Method::mc, "as it is", found);
-  add_file(mesh, meshes::MeshFormat::glb, found);
-  add_file(mesh, meshes::MeshFormat::ply, found);
+  add_file(mesh, mesh_io::MeshFormat::glb, found);
+  add_file(mesh, mesh_io::MeshFormat::ply, found);
   return found;
 }
 
@@ -124,7 +124,7 @@ TEST(WholeWay, OfSamplesInAnotherByteOrder) {
   const test::TempFolder folder;
   test::write_bytes(folder / "v.raw", bytes);
   Way way{folder / "v.raw", {}, 0.5};
-  way.read.raw = volumes::RawLayout{kDims, field::SampleType::f64, std::endian::big, 0};
+  way.read.raw = volume_io::RawLayout{kDims, field::SampleType::f64, std::endian::big, 0};
   expect_same_on_any_threads(way);
 }
 

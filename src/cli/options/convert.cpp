@@ -9,7 +9,7 @@ namespace isoextract::cli {
 
 std::vector<Choice<OutputFormat>> output_formats() {
   std::vector<Choice<OutputFormat>> formats;
-  for (const meshes::MeshFormatInfo& info : meshes::mesh_formats()) {
+  for (const mesh_io::MeshFormatInfo& info : mesh_io::mesh_formats()) {
     formats.push_back({std::string(info.name), {info.format}});
   }
   formats.push_back({std::string(kPictureFormat), {std::nullopt, true}});
@@ -19,13 +19,13 @@ std::vector<Choice<OutputFormat>> output_formats() {
 
 std::string colormap_list() {
   std::vector<std::string_view> maps;
-  for (const auto& word : words_of(convert::Colormap{})) maps.push_back(word.word);
+  for (const auto& word : words_of(edit::Colormap{})) maps.push_back(word.word);
   return fmt::format("{}", fmt::join(maps, ", "));
 }
 
 std::vector<Choice<DracoBits>> draco_bits() {
   std::vector<Choice<DracoBits>> bits{{"auto", DracoBits()}};
-  for (std::uint64_t b = meshes::kMinPositionBits; b <= meshes::kMaxPositionBits; ++b) {
+  for (std::uint64_t b = mesh_io::kMinPositionBits; b <= mesh_io::kMaxPositionBits; ++b) {
     bits.push_back({fmt::format("{}", b), b});
   }
   return bits;

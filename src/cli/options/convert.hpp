@@ -18,10 +18,10 @@
 #include "cli/options/run.hpp"
 #include "cli/options/surface.hpp"
 #include "cli/values.hpp"
-#include "convert/colormap.hpp"
 #include "convert/conversion_job.hpp"
+#include "edit/colormap.hpp"
 #include "field/interpolant.hpp"
-#include "meshes/mesh_writer.hpp"
+#include "mesh_io/mesh_writer.hpp"
 #include "render/camera.hpp"
 
 namespace isoextract::cli {
@@ -29,7 +29,7 @@ namespace isoextract::cli {
 // What --color-by says.
 struct ColourFlag {
   std::optional<convert::AttributeChoice> attribute;  // nothing: the iso values
-  convert::Colormap map = convert::Colormap::viridis;
+  edit::Colormap map = edit::Colormap::viridis;
   std::optional<std::array<double, 2>> range;
 };
 
@@ -42,7 +42,7 @@ struct ColourFlag {
 
 // What -o is written as: a format of meshes or, without one, a picture of them or the field itself as an OpenVDB file.
 struct OutputFormat {
-  std::optional<meshes::MeshFormat> mesh;
+  std::optional<mesh_io::MeshFormat> mesh;
   bool picture = false;
 };
 [[nodiscard]] std::vector<Choice<OutputFormat>> output_formats();
@@ -160,7 +160,7 @@ struct ConvertFlags : OptionSet {
                   "to MAX (default: the range over the vertices of each surface). --color-by iso[:MAP][:MIN,MAX] gives "
                   "each surface of a glb or gltf a colour by its iso value, and outer ones let inner ones be "
                   "seen. MAP is one of {} (default: {}).",
-                  colormap_list(), word_of(convert::Colormap{})),
+                  colormap_list(), word_of(edit::Colormap{})),
       About::surface};
   Value<std::vector<double>> opacity{
       only_convert(OptionGroup::vertices),

@@ -5,17 +5,17 @@
 
 #include <fmt/ranges.h>
 
-#include "volumes/particle_format.hpp"
+#include "particle_io/particle_format.hpp"
 
 namespace isoextract::cli {
 
 std::vector<Choice<std::string>> input_formats() {
   std::vector<Choice<std::string>> formats;
-  for (const volumes::VolumeFormat* format : volumes::volume_formats()) {
-    const volumes::FormatDescription& about = format->about();
+  for (const volume_io::VolumeFormat* format : volume_io::volume_formats()) {
+    const volume_io::FormatDescription& about = format->about();
     if (about.prefix.empty()) formats.push_back({about.id, about.id});
   }
-  for (const volumes::ParticleFormatDescription& about : volumes::particle_format_descriptions()) {
+  for (const particle_io::ParticleFormatDescription& about : particle_io::particle_format_descriptions()) {
     const auto is_it = [&](const Choice<std::string>& other) { return other.name == about.id; };
     if (std::ranges::none_of(formats, is_it)) formats.push_back({about.id, about.id});
   }

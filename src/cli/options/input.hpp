@@ -18,7 +18,7 @@
 #include "convert/conversion_job.hpp"
 #include "field/scalar_field.hpp"
 #include "points/method.hpp"
-#include "volumes/volume_reader.hpp"
+#include "volume_io/volume_reader.hpp"
 
 namespace isoextract::cli {
 
@@ -64,7 +64,7 @@ struct InputFlags : OptionSet {
       std::string("Volume of a NIfTI, NRRD, NPY or raw file that holds several, such as time steps, or frame of a file "
                   "of particles: its number, counted from 0") +
           (use_.all_volumes ? ", or each of them" : "") + ". 'isoextract info' tells how many there are."};
-  Value<volumes::ComponentChoice> component{
+  Value<volume_io::ComponentChoice> component{
       *this, "--component", "K|length", parse_component,
       "Of a NIfTI, NRRD or NumPy file with several numbers a sample, such as vectors, colours and complex "
       "numbers: one, counted from 0, or their length. A NumPy array of four axes is then [z, y, x, c]."};
@@ -80,7 +80,7 @@ struct InputFlags : OptionSet {
                             About::raw_file};
   Value<std::uint64_t> skip{
       *this, "--skip", "BYTES", parse_size, "Bytes before a raw file's first sample (default: 0).", About::raw_file};
-  Value<volumes::AxisOrder> axis_order{
+  Value<volume_io::AxisOrder> axis_order{
       *this, "--axis-order",
       "What the axes of a NumPy array or raw file are, the last of them the fastest where the file has no order "
       "of its own (default: zyx). --dims are along x, y and z all the same."};

@@ -8,7 +8,7 @@
 namespace isoextract::cli {
 namespace {
 
-using measure::Requirement;
+using check::Requirement;
 
 constexpr std::string_view kPrintable = "printable";
 constexpr std::array kOfPrintable{Requirement::closed,

@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
+#include "check/mesh_requirement.hpp"
 #include "cli/option.hpp"
 #include "cli/options/run.hpp"
 #include "cli/values.hpp"
 #include "convert/placement.hpp"
-#include "measure/mesh_requirement.hpp"
 
 namespace isoextract::cli {
 
@@ -34,8 +34,8 @@ struct CompareFlags : OptionSet {
   RunFlags run{*this};
 };
 
-// Words of measure::Requirement separated by commas, or "printable" for what a slicer needs; each once.
-[[nodiscard]] Result<std::vector<measure::Requirement>> parse_requirements(std::string_view text);
+// Words of check::Requirement separated by commas, or "printable" for what a slicer needs; each once.
+[[nodiscard]] Result<std::vector<check::Requirement>> parse_requirements(std::string_view text);
 // "closed, manifold, ...; or printable, which is closed, ..."
 [[nodiscard]] std::string requirement_list();
 
@@ -51,7 +51,7 @@ struct CheckFlags : OptionSet {
             "Join vertices with the same coordinates first, as slicers do. Without it they are told apart, and the "
             "report says what joining them would close."};
   MemoryLimit memory_limit{in(OptionGroup::input)};
-  Value<std::vector<measure::Requirement>> required{
+  Value<std::vector<check::Requirement>> required{
       in(OptionGroup::output), "--require", "WORD,WORD,...", parse_requirements,
       fmt::format("Exit with code 6 unless the mesh is all of these: {}.", requirement_list())};
   JsonFlag json{in(OptionGroup::output)};

@@ -10,12 +10,12 @@
 #include "cli/option.hpp"
 #include "cli/options/run.hpp"
 #include "cli/values.hpp"
+#include "particle_io/particle_writer.hpp"
 #include "simulate/particle_jet.hpp"
 #include "simulate/terrain.hpp"
 #include "simulate/water.hpp"
 #include "simulate/water_fields.hpp"
-#include "volumes/particle_writer.hpp"
-#include "volumes/volume_writer.hpp"
+#include "volume_io/volume_writer.hpp"
 
 namespace isoextract::cli {
 
@@ -101,8 +101,8 @@ struct WaterFlags : OptionSet {
       "The extension, .nrrd, .npy, .raw or .vdb, chooses the format. '-' is stdout and needs --format. "
       "'{grid}' stands for terrain or water, where --what writes both into files of their own.",
       true};
-  Value<volumes::VolumeFileFormat> format{in(OptionGroup::output), "--format",
-                                          "Format of the output, whatever the extension."};
+  Value<volume_io::VolumeFileFormat> format{in(OptionGroup::output), "--format",
+                                            "Format of the output, whatever the extension."};
   Value<simulate::WaterContent> what{
       in(OptionGroup::output), "--what",
       "What is written: for water, terrain or both a volume in which each voxel says how much of it is "
@@ -165,8 +165,8 @@ struct JetFlags : OptionSet {
   SequenceFlags sequence{*this, kJetExample,
                          "The extension, .ply, .npy or .xyz, chooses the format. '-' is stdout and needs --format.",
                          false};
-  Value<volumes::ParticleFileFormat> format{in(OptionGroup::output), "--format",
-                                            "Format of the output, whatever the extension."};
+  Value<particle_io::ParticleFileFormat> format{in(OptionGroup::output), "--format",
+                                                "Format of the output, whatever the extension."};
   RunFlags run{*this};
 };
 

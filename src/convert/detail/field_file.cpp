@@ -10,7 +10,7 @@
 #include "base/stopwatch.hpp"
 #include "field/statistics.hpp"
 #include "files/output_file.hpp"
-#include "volumes/grid_tools.hpp"
+#include "volume_io/grid_tools.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -57,8 +57,8 @@ std::string samples_text(const field::ScalarField& field) {
 
 }  // namespace
 
-Result<meshes::WrittenFile> write_field(const Source& source, const ConversionJob& job, const OutputFileJob& output,
-                                        const Context& context, Events& events) {
+Result<mesh_io::WrittenFile> write_field(const Source& source, const ConversionJob& job, const OutputFileJob& output,
+                                         const Context& context, Events& events) {
   const field::ScalarField& field = source.field;
   const bool as_half = job.field_file->as_half;
   context.progress().begin("writing", 0);
@@ -68,7 +68,7 @@ Result<meshes::WrittenFile> write_field(const Source& source, const ConversionJo
   } else if (!fits_float(field)) {
     TRY(check_range(field, source.label, std::numeric_limits<float>::max(), "floats", {}));
   }
-  const auto bytes = TRY(volumes::write_vdb(output.path, field, {field.name, as_half}, context));
+  const auto bytes = TRY(volume_io::write_vdb(output.path, field, {field.name, as_half}, context));
   StageReport report(StageName::write, files::shown_output_name(output.path), source.label);
   report.time = watch.elapsed();
   report.did = "written";
@@ -85,7 +85,7 @@ Result<meshes::WrittenFile> write_field(const Source& source, const ConversionJo
     events.note(fmt::format("{}: samples that are not numbers are stored as they are", source.label));
   }
   events.end(report);
-  return meshes::WrittenFile{output.path, bytes};
+  return mesh_io::WrittenFile{output.path, bytes};
 }
 
 }  // namespace isoextract::convert

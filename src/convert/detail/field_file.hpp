@@ -11,9 +11,9 @@ namespace isoextract::convert {
 
 // Writes `source.field` to one output of `job`, whole or not at all, and tells of it. Values are 32-bit floats, or
 // 16-bit ones; where that rounds them, that is told. Fails with ErrorCode::output where values leave the range of their
-// numbers, and as volumes::write_vdb() does.
-[[nodiscard]] Result<meshes::WrittenFile> write_field(const Source& source, const ConversionJob& job,
-                                                      const OutputFileJob& output, const Context& context,
-                                                      Events& events);
+// numbers, and as volume_io::write_vdb() does.
+[[nodiscard]] Result<mesh_io::WrittenFile> write_field(const Source& source, const ConversionJob& job,
+                                                       const OutputFileJob& output, const Context& context,
+                                                       Events& events);
 
 }  // namespace isoextract::convert

@@ -36,7 +36,7 @@ concept JsonValue = std::same_as<T, bool> || std::same_as<T, double> || std::sam
 
 template <class T>
 concept JobStructure =
-    std::same_as<T, volumes::RawLayout> || std::same_as<T, ParticleOptions> || std::same_as<T, AttributeChoice> ||
+    std::same_as<T, volume_io::RawLayout> || std::same_as<T, ParticleOptions> || std::same_as<T, AttributeChoice> ||
     std::same_as<T, ColourChoice> || std::same_as<T, LabelTableFile> || std::same_as<T, SimplifyBound> ||
     std::same_as<T, TriangleCount> || std::same_as<T, SimplifyChoice> || std::same_as<T, OutputFileJob> ||
     std::same_as<T, FilterStep> || std::same_as<T, ClipPlane> || std::same_as<T, FieldFileOptions> ||
@@ -167,10 +167,10 @@ class JobJson {
   }
 
   // A number, or "length".
-  static Json encode(const volumes::ComponentChoice& choice) {
+  static Json encode(const volume_io::ComponentChoice& choice) {
     return choice.number ? Json(*choice.number) : Json("length");
   }
-  static Expected decode(const Json& json, volumes::ComponentChoice& target) {
+  static Expected decode(const Json& json, volume_io::ComponentChoice& target) {
     if (json == "length") {
       target.number.reset();
       return {};
@@ -251,7 +251,7 @@ class JobJson {
   template <class T, class Visitor>
   static void visit(T& value, Visitor&& each) {
     using Structure = std::remove_const_t<T>;
-    if constexpr (std::same_as<Structure, volumes::RawLayout>) {
+    if constexpr (std::same_as<Structure, volume_io::RawLayout>) {
       each("dims", value.dims);
       each("dtype", value.type);
       each("endian", value.endian);

@@ -36,7 +36,7 @@ Result<void> colour_vertices(const glm::dvec3& colour, mesh::Mesh& mesh, const C
 Result<LabelLooks> LabelLooks::open(const ConversionJob& job, const Context& context) {
   LabelLooks looks;
   if (!job.label_names) return looks;
-  auto table = TRY(LabelTable::read(job.label_names->path, context));
+  auto table = TRY(volume_io::LabelTable::read(job.label_names->path, context));
   if (table.hash() != job.label_names->hash) {
     return fail(ErrorCode::input, fmt::format("{}: the table of labels has changed since the conversion was planned",
                                               printable(job.label_names->path)));
@@ -46,7 +46,7 @@ Result<LabelLooks> LabelLooks::open(const ConversionJob& job, const Context& con
 }
 
 std::string LabelLooks::name(const std::string& field, std::int64_t label) const {
-  const LabelEntry* entry = table_ ? table_->find(label) : nullptr;
+  const volume_io::LabelEntry* entry = table_ ? table_->find(label) : nullptr;
   if (entry == nullptr) return fmt::format("{} label {}", field, label);
   return table_->shares_name(*entry) ? fmt::format("{} label {}", entry->name, label) : entry->name;
 }
@@ -54,15 +54,15 @@ std::string LabelLooks::name(const std::string& field, std::int64_t label) const
 Result<void> LabelLooks::colour(const ConversionJob& job, std::int64_t label, mesh::Mesh& mesh,
                                 const Context& context) const {
   if (job.colour) return {};
-  const LabelEntry* entry = table_ ? table_->find(label) : nullptr;
-  const glm::dvec3 colour = entry != nullptr ? entry->colour : usual_label_colour(label);
-  const bool has_materials = meshes::is_gltf(job.format);
+  const volume_io::LabelEntry* entry = table_ ? table_->find(label) : nullptr;
+  const glm::dvec3 colour = entry != nullptr ? entry->colour : volume_io::usual_label_colour(label);
+  const bool has_materials = mesh_io::is_gltf(job.format);
   if (has_materials || job.picture_file) {
     if (!mesh.material) mesh.material.emplace();
     mesh.material->colour = glm::dvec3(linear_of_srgb(colour.x), linear_of_srgb(colour.y), linear_of_srgb(colour.z));
     return {};
   }
-  if (!table_ || job.format != meshes::MeshFormat::ply) return {};
+  if (!table_ || job.format != mesh_io::MeshFormat::ply) return {};
   return colour_vertices(colour, mesh, context);
 }
 

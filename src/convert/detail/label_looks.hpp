@@ -8,8 +8,8 @@
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "convert/conversion_job.hpp"
-#include "convert/label_table.hpp"
 #include "mesh/mesh.hpp"
+#include "volume_io/label_table.hpp"
 
 namespace isoextract::convert {
 
@@ -29,7 +29,7 @@ class LabelLooks {
                                     const Context& context) const;
 
  private:
-  std::optional<LabelTable> table_;
+  std::optional<volume_io::LabelTable> table_;
 };
 
 }  // namespace isoextract::convert

@@ -10,13 +10,13 @@
 #include "convert/mesh_packing.hpp"
 #include "convert/stages/mesh_facts.hpp"
 #include "convert/stages/surface_stages.hpp"
-#include "meshes/mesh_writer.hpp"
+#include "mesh_io/mesh_writer.hpp"
 
 namespace isoextract::convert {
 
 struct OutputMeshes {
   const OutputFileJob& job;
-  meshes::MeshWriter writer;
+  mesh_io::MeshWriter writer;
   WrittenOutput written = {};
   StageTime time = {};
   std::vector<mesh::Mesh> held = {};  // for the sink or the picture, which have no writer
@@ -38,7 +38,7 @@ struct OutputMeshes {
   }
 
   // What packing did to each mesh that has triangles. `voxel` is the shortest side of one.
-  [[nodiscard]] std::vector<StageReport> packed(const std::vector<meshes::PackedFacts>& done,
+  [[nodiscard]] std::vector<StageReport> packed(const std::vector<mesh_io::PackedFacts>& done,
                                                 const PackingOptions& asked, double voxel,
                                                 std::string_view word) const {
     std::vector<StageReport> reports;

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "base/stopwatch.hpp"
-#include "volumes/grid_tools.hpp"
-#include "volumes/volume_reader.hpp"
+#include "volume_io/grid_tools.hpp"
+#include "volume_io/volume_reader.hpp"
 
 namespace isoextract::convert {
 
@@ -25,8 +25,8 @@ Result<void> filter_field(const std::vector<FilterStep>& steps, const std::strin
   for (const FilterStep& step : steps) {
     const Stopwatch watch;
     const field::SampleType before = field.type();
-    auto filtered = TRY(volumes::filter_level_set(field, step.filter, static_cast<int>(step.width), 1, context));
-    TRY(volumes::check_not_lost(field));
+    auto filtered = TRY(volume_io::filter_level_set(field, step.filter, static_cast<int>(step.width), 1, context));
+    TRY(volume_io::check_not_lost(field));
     field = std::move(filtered);
     const auto& samples = std::get<field::SparseSamples>(field.samples);
     const std::string rounded =

@@ -5,25 +5,27 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "accuracy/analytic_error.hpp"
+#include "accuracy/field_error.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/stages/surface_stages.hpp"
-#include "measure/analytic_error.hpp"
-#include "measure/field_error.hpp"
-#include "volumes/volume_reader.hpp"
+#include "volume_io/volume_reader.hpp"
 
 namespace isoextract::convert {
 namespace {
 
 struct MeshError {
-  measure::FieldError field;
-  std::optional<measure::AnalyticError> analytic;  // of demo fields with a formula
+  accuracy::FieldError field;
+  std::optional<accuracy::AnalyticError> analytic;  // of demo fields with a formula
   std::optional<field::SurfaceSize> exact;  // likewise, where their size is known, in the mesh's units; not of a part
   bool of_part = false;                     // then: a region or a clip may have left some of it out
 };
 
-Figures figures_of(const measure::Length& length) { return {{Key::voxels, length.voxels}, {Key::world, length.world}}; }
+Figures figures_of(const accuracy::Length& length) {
+  return {{Key::voxels, length.voxels}, {Key::world, length.world}};
+}
 
-Figures figures_of(const measure::ErrorStatistics& error) {
+Figures figures_of(const accuracy::ErrorStatistics& error) {
   Figures figures{{Key::points, error.points}};
   if (error.points > 0) {
     figures.insert(figures.end(), {{Key::rms, figures_of(error.rms)},
@@ -38,7 +40,7 @@ Figures figures_of(const measure::ErrorStatistics& error) {
   return figures;
 }
 
-Value angles_value(const measure::AngleStatistics& angles) {
+Value angles_value(const accuracy::AngleStatistics& angles) {
   if (angles.points == 0) return Value();
   return Value(Figures{
       {Key::points, angles.points}, {Key::rms_degrees, angles.rms_degrees}, {Key::max_degrees, angles.max_degrees}});
@@ -48,7 +50,7 @@ Value size_value(double measured, double exact) {
   return Value(Figures{{Key::measured, measured}, {Key::exact, exact}, {Key::relative_error, measured / exact - 1}});
 }
 
-Figures figures_of(const measure::AnalyticError& analytic, const std::optional<field::SurfaceSize>& exact) {
+Figures figures_of(const accuracy::AnalyticError& analytic, const std::optional<field::SurfaceSize>& exact) {
   return {{Key::closed_form, analytic.closed_form},
           {Key::interior, figures_of(analytic.interior)},
           {Key::vertices, figures_of(analytic.vertices)},
@@ -58,7 +60,7 @@ Figures figures_of(const measure::AnalyticError& analytic, const std::optional<f
           {Key::volume, exact && analytic.volume ? size_value(*analytic.volume, exact->volume) : Value()}};
 }
 
-Figures figures_of(const measure::SurfaceCoverage& coverage, int parts) {
+Figures figures_of(const accuracy::SurfaceCoverage& coverage, int parts) {
   Figures figures{{Key::distances, figures_of(coverage.distances)},
                   {Key::parts, parts},
                   {Key::components, coverage.components},
@@ -68,7 +70,7 @@ Figures figures_of(const measure::SurfaceCoverage& coverage, int parts) {
 }
 
 Figures figures_of(const MeshError& error) {
-  const measure::FieldError& field = error.field;
+  const accuracy::FieldError& field = error.field;
   return {{Key::interpolant, word_of(field.interpolation)},
           {Key::interior, figures_of(field.interior)},
           {Key::vertices, figures_of(field.vertices)},
@@ -78,19 +80,19 @@ Figures figures_of(const MeshError& error) {
           {Key::analytic, error.analytic ? Value(figures_of(*error.analytic, error.exact)) : Value()}};
 }
 
-std::string sizes_text(const measure::ErrorStatistics& error) {
+std::string sizes_text(const accuracy::ErrorStatistics& error) {
   return fmt::format("rms {:.3g}, 99 % {:.3g}, max {:.3g} voxels", error.rms.voxels, error.percentile99.voxels,
                      error.max.voxels);
 }
 
-std::string world_text(const measure::ErrorStatistics& error) {
+std::string world_text(const accuracy::ErrorStatistics& error) {
   return fmt::format("in the mesh's units rms {:.3g}, 99 % {:.3g}, max {:.3g} at ({:.6g}, {:.6g}, {:.6g})",
                      error.rms.world, error.percentile99.world, error.max.world, error.worst.x, error.worst.y,
                      error.worst.z);
 }
 
 // "3 beside samples that are not finite, 1 where the field is constant"
-std::string unmeasured_text(const measure::ErrorStatistics& error) {
+std::string unmeasured_text(const accuracy::ErrorStatistics& error) {
   std::vector<std::string> parts;
   if (error.not_finite > 0) parts.push_back(fmt::format("{} beside samples that are not finite", error.not_finite));
   if (error.outside > 0) parts.push_back(fmt::format("{} beyond the outermost samples", error.outside));
@@ -98,7 +100,7 @@ std::string unmeasured_text(const measure::ErrorStatistics& error) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-void add_unmeasured(std::vector<std::string>& lines, std::string_view what, const measure::ErrorStatistics& error) {
+void add_unmeasured(std::vector<std::string>& lines, std::string_view what, const accuracy::ErrorStatistics& error) {
   if (error.unmeasured() == 0) return;
   lines.push_back(fmt::format("not in this: {} of {} {}: {}", error.unmeasured(), error.unmeasured() + error.points,
                               what, unmeasured_text(error)));
@@ -109,7 +111,7 @@ std::string percent_text(double measured, double exact) {
 }
 
 std::string analytic_text(const MeshError& error, double iso) {
-  const measure::AnalyticError& analytic = *error.analytic;
+  const accuracy::AnalyticError& analytic = *error.analytic;
   std::string text = fmt::format(
       "error at iso {} against the formula: {}; normals rms {}{:.3g} degrees flat", iso, sizes_text(analytic.interior),
       analytic.smooth_normals.points == 0 ? ""
@@ -121,8 +123,8 @@ std::string analytic_text(const MeshError& error, double iso) {
   return text;
 }
 
-std::string coverage_text(double iso, const measure::SurfaceCoverage& coverage) {
-  const measure::ErrorStatistics& distances = coverage.distances;
+std::string coverage_text(double iso, const accuracy::SurfaceCoverage& coverage) {
+  const accuracy::ErrorStatistics& distances = coverage.distances;
   std::string sizes;
   if (distances.points > 0) {
     sizes = fmt::format("{}, nowhere more than {:.3g}; {}; ", sizes_text(distances), coverage.max_at_most.voxels,
@@ -135,7 +137,7 @@ std::string coverage_text(double iso, const measure::SurfaceCoverage& coverage) 
 }
 
 std::vector<std::string> summary_of(const MeshError& error, double iso) {
-  const measure::ErrorStatistics& interior = error.field.interior;
+  const accuracy::ErrorStatistics& interior = error.field.interior;
   std::vector<std::string> lines;
   lines.push_back(interior.points == 0
                       ? fmt::format("error at iso {}: nothing could be measured", iso)
@@ -153,7 +155,7 @@ std::vector<std::string> summary_of(const MeshError& error, double iso) {
 }
 
 std::vector<std::string> details_of(const MeshError& error) {
-  const measure::FieldError& field = error.field;
+  const accuracy::FieldError& field = error.field;
   std::vector<std::string> lines;
   lines.push_back(fmt::format(
       "measured: the distance to the nearest point of the isosurface, at {} points inside the triangles, by area",
@@ -193,7 +195,7 @@ Result<MeshError> measure_mesh_error(const Surface& surface, const StageContext&
   const std::span<const mesh::HalfSpace> clipped = stage.source.clip;
   const extract::ExtractOptions extracted = extract_options_of(stage.job, stage.source, surface.iso);
   MeshError error;
-  measure::FieldErrorOptions options;
+  accuracy::FieldErrorOptions options;
   options.interpolation = *stage.job.error;
   options.grid = grid;
   if (extracted.cap) options.caps.cuts = clipped;
@@ -201,8 +203,8 @@ Result<MeshError> measure_mesh_error(const Surface& surface, const StageContext&
   if (stage.job.smooth) options.vertices_on_edges = false;
   options.caps.moved = surface.simplified_by;
   options.clipped = clipped;
-  error.field = TRY(measure::measure_field_error(mesh, field, extracted, options, context));
-  error.analytic = TRY(measure::measure_analytic_error(mesh, field, extracted, grid, options.caps, context));
+  error.field = TRY(accuracy::measure_field_error(mesh, field, extracted, options, context));
+  error.analytic = TRY(accuracy::measure_analytic_error(mesh, field, extracted, grid, options.caps, context));
   if (error.analytic && field.kind == field::FieldKind::density) {
     const double unit = error.analytic->unit;
     error.exact = field::find_analytic_field(field.name)->size(extracted.iso);
@@ -230,7 +232,7 @@ Result<StageReport> measure_error(Surface& surface, const StageContext& stage) {
   const bool has_data = stage.source.data.has_value();
   const field::ScalarField& data = has_data ? *stage.source.data : stage.source.field;
   const MeshError error = TRY(measure_mesh_error(surface, stage, data, has_data ? &stage.source.field : nullptr));
-  TRY(volumes::check_not_lost(data));
+  TRY(volume_io::check_not_lost(data));
   surface.error = figures_of(error);
   report.entries.push_back(*surface.error);
   report.time = watch.elapsed();

@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
+#include "check/shells.hpp"
 #include "convert/stages/surface_stages.hpp"
 #include "edit/bounded_simplify.hpp"
-#include "measure/shells.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/components.hpp"
 
@@ -89,7 +89,7 @@ Result<ComponentCount> count_components(const mesh::Mesh& mesh, const Context& c
     count.hollows += hollow[c] ? 1 : 0;
   }
   if (count.hollows == 0) return count;
-  const auto within = TRY(measure::count_surrounding_shells(mesh, components, closed, hollow, context));
+  const auto within = TRY(check::count_surrounding_shells(mesh, components, closed, hollow, context));
   for (std::size_t c = 0; c < sums.size(); ++c) count.outside += hollow[c] && within[c] % 2 == 0 ? 1 : 0;
   return count;
 }

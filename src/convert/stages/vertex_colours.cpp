@@ -150,10 +150,10 @@ Result<StageReport> color_by_attribute(Surface& surface, const StageContext& sta
 
 }  // namespace
 
-Result<VertexColors> add_colours(const ColourChoice& choice, meshes::MeshFormat format, mesh::Mesh& mesh,
+Result<VertexColors> add_colours(const ColourChoice& choice, mesh_io::MeshFormat format, mesh::Mesh& mesh,
                                  const Context& context) {
   const auto from = std::ranges::find(mesh.attributes, choice.attribute.value_or(""), &mesh::Attribute::name);
-  const bool linear = meshes::is_gltf(format);
+  const bool linear = mesh_io::is_gltf(format);
   mesh::Attribute made;
   made.name = "colour";
   made.role = mesh::AttributeRole::colour;
@@ -172,7 +172,7 @@ Result<VertexColors> add_colours(const ColourChoice& choice, meshes::MeshFormat 
     for (std::size_t v = part.begin(); v != part.end(); ++v) {
       const double place = place_in(range, value(v));
       if (std::isnan(place)) ++grey;
-      put_colour(colour_at(choice.map, place), linear, made.values.data() + v * made.stride());
+      put_colour(edit::colour_at(choice.map, place), linear, made.values.data() + v * made.stride());
     }
     not_numbers.fetch_add(grey, std::memory_order_relaxed);
   });
@@ -191,7 +191,7 @@ std::optional<mesh::Material> material_of(const ConversionJob& job, std::span<co
   if (!by_iso) return material;
   const auto [least, greatest] = std::ranges::minmax(isos);
   const glm::dvec3 colour =
-      colour_at(job.colour->map, place_in(job.colour->range.value_or(Range{least, greatest}), iso));
+      edit::colour_at(job.colour->map, place_in(job.colour->range.value_or(Range{least, greatest}), iso));
   material.colour = glm::dvec3(linear_of_srgb(colour.x), linear_of_srgb(colour.y), linear_of_srgb(colour.z));
   return material;
 }

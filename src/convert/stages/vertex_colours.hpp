@@ -22,7 +22,7 @@ struct VertexColors {
 // Adds colours by the attribute that `choice` names, which the mesh has, as float32. glTF wants linear light, and gets
 // it as u16 with an alpha of 1; other formats get sRGB as u8. Where all values are alike, without a range of their own,
 // they have the middle of the map. Fails with ErrorCode::input where the memory is not there.
-[[nodiscard]] Result<VertexColors> add_colours(const ColourChoice& choice, meshes::MeshFormat format, mesh::Mesh& mesh,
+[[nodiscard]] Result<VertexColors> add_colours(const ColourChoice& choice, mesh_io::MeshFormat format, mesh::Mesh& mesh,
                                                const Context& context);
 
 // Of the surface at `iso`, one of `isos`, which the job's choices came to: the colour by its place between the least

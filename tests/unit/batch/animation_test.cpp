@@ -23,7 +23,7 @@ class AnimationTest : public testing::Test {
       write_bytes(input(i), samples);
       convert::ConversionJob job;
       job.source.input = input(i).string();
-      volumes::RawLayout raw;
+      volume_io::RawLayout raw;
       raw.dims = {6, 6, 6};
       job.source.read.raw = raw;
       job.outputs = {{batch_.animation->path, {50.0}}};
@@ -34,7 +34,7 @@ class AnimationTest : public testing::Test {
   [[nodiscard]] std::filesystem::path input(int i) const { return folder_ / ("in" + std::to_string(i) + ".raw"); }
 
   // All frames into a file of at most so many bytes, and from there into the next.
-  meshes::MeshWriteResult write(std::uint64_t largest = meshes::kLargestGlb) {
+  mesh_io::MeshWriteResult write(std::uint64_t largest = mesh_io::kLargestGlb) {
     const Context context;
     Animation animation(batch_, context, largest);
     EXPECT_TRUE(animation.check());

@@ -24,10 +24,10 @@ BatchJob three_frames(const TempFolder& folder, double iso = 0) {
   for (int i = 1; i <= 3; ++i) {
     convert::ConversionJob job;
     job.source.input = (folder / ("in" + std::to_string(i) + ".raw")).string();
-    volumes::RawLayout raw;
+    volume_io::RawLayout raw;
     raw.dims = {4, 4, 4};
     job.source.read.raw = raw;
-    job.format = meshes::MeshFormat::ply;
+    job.format = mesh_io::MeshFormat::ply;
     job.normals = convert::Normals::none;
     job.outputs = {{(folder / ("out" + std::to_string(i) + ".ply")).string(), {iso}}};
     batch.frames.push_back({i, job});

@@ -12,7 +12,7 @@ namespace isoextract::batch {
 namespace {
 
 namespace fs = std::filesystem;
-using meshes::MeshFormat;
+using mesh_io::MeshFormat;
 using Lines = std::vector<std::string>;
 
 OutputSource output_source(std::int64_t frame, const std::string& input, const std::string& grid = {},

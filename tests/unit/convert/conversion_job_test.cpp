@@ -17,12 +17,12 @@ ConversionJob full_job() {
   job.source.read.grid = "density[1]";
   job.source.more_grids = {"flame", "heat"};
   job.source.read.volume = 7;
-  job.source.read.raw = volumes::RawLayout{{3, 4, 5}, field::SampleType::i16, std::endian::big, 512};
+  job.source.read.raw = volume_io::RawLayout{{3, 4, 5}, field::SampleType::i16, std::endian::big, 512};
   job.source.read.spacing = glm::dvec3(0.1, 1e-300, 3);
   job.source.read.origin = glm::dvec3(-1, 2, 0.30000000000000004);
   job.source.read.kind = field::FieldKind::level_set;
-  job.source.read.component = volumes::ComponentChoice{};
-  job.source.read.axis_order = volumes::AxisOrder::xyz;
+  job.source.read.component = volume_io::ComponentChoice{};
+  job.source.read.axis_order = volume_io::AxisOrder::xyz;
   job.source.read.no_data = -9999.5;
   job.source.particles = {.expected = true,
                           .method = points::Method::anisotropic,
@@ -34,7 +34,7 @@ ConversionJob full_job() {
                           .bad = points::BadParticles::skip,
                           .columns = std::array<std::string, 3>{"x", "2", "z"}};
   job.source.attributes = {{"heat", "b.vdb[temperature]", true}, {"v", "velocity", false}};
-  job.source.filters = {{volumes::LevelSetFilter::median, 2}, {volumes::LevelSetFilter::mean, 1}};
+  job.source.filters = {{volume_io::LevelSetFilter::median, 2}, {volume_io::LevelSetFilter::mean, 1}};
   job.source.blurs = {{BlurKind::median, 2, false}, {BlurKind::gaussian, 0.5, true}};
   job.source.resolution = glm::ivec3(10, 20, 30);
   job.source.voxel_size = glm::dvec3(0.5, 1, 2e-3);
@@ -46,7 +46,7 @@ ConversionJob full_job() {
   job.source.placement = {Space::index, UpAxis::y, true, true, 0.001, "mm", "cm", AnatomicalSpace::lps, true};
   job.surface = {extract::Method::mt, extract::NanPolicy::hole, true, extract::VoxelFaces::plain, 3};
   job.normals = Normals::flat;
-  job.colour = ColourChoice{"heat", Colormap::turbo, std::array{-1.5, 2.25}};
+  job.colour = ColourChoice{"heat", edit::Colormap::turbo, std::array{-1.5, 2.25}};
   job.label_names = LabelTableFile{"lut.txt", "0123"};
   job.opacity = {0.25, 1};
   job.pieces = {LeastPiece{edit::PieceMeasure::area, 2.5, true}, true, 3, true};
@@ -56,9 +56,9 @@ ConversionJob full_job() {
   job.verify = true;
   job.backend = {Backend::automatic, {gl::CudaIndex{2}, 1U << 20U}};
   job.empty = EmptyPolicy::write;
-  job.format = meshes::MeshFormat::stl;
+  job.format = mesh_io::MeshFormat::stl;
   job.ascii = true;
-  job.packing = {meshes::Compression::draco, true, 12, true};
+  job.packing = {mesh_io::Compression::draco, true, 12, true};
   job.field_file = FieldFileOptions{true};
   job.picture_file = PictureFileOptions{320, 200, {12.5, -40, 3.0}};
   job.outputs = {{"a.stl", {0.1}, "flame"},

@@ -53,13 +53,13 @@ class ConversionTest : public testing::Test {
   ConversionJob job(const std::string& input, double iso, const std::string& name) {
     ConversionJob one;
     one.source.input = input;
-    one.format = meshes::MeshFormat::ply;
+    one.format = mesh_io::MeshFormat::ply;
     one.normals = Normals::none;
     one.outputs = {{(folder_ / name).string(), {iso}}};
     return one;
   }
 
-  ConversionJob several(meshes::MeshFormat format, std::vector<IsoChoice> isos) {
+  ConversionJob several(mesh_io::MeshFormat format, std::vector<IsoChoice> isos) {
     ConversionJob one = job("demo:gyroid?size=40", 0, "several");
     one.format = format;
     one.outputs[0].isos = std::move(isos);
@@ -67,7 +67,7 @@ class ConversionTest : public testing::Test {
   }
 
   // The same surface four times, and what is reserved when each has been extracted.
-  std::vector<std::uint64_t> reserved_by_four(meshes::MeshFormat format) {
+  std::vector<std::uint64_t> reserved_by_four(mesh_io::MeshFormat format) {
     const Context context;
     log_.memory = &context.memory();
     log_.reserved.clear();
@@ -76,7 +76,7 @@ class ConversionTest : public testing::Test {
     return std::exchange(log_.reserved, {});
   }
 
-  std::uint64_t peak_of(meshes::MeshFormat format, std::vector<IsoChoice> isos) {
+  std::uint64_t peak_of(mesh_io::MeshFormat format, std::vector<IsoChoice> isos) {
     const Outcome outcome = convert::run(several(format, std::move(isos)), Context(), log_);
     EXPECT_TRUE(outcome.done()) << outcome.error->message;
     return outcome.reserved_memory;
@@ -172,7 +172,7 @@ TEST_F(ConversionTest, ASinkGetsTheSourceOfOneReadingWithAllItsSamples) {
 }
 
 TEST_F(ConversionTest, ASinkGetsTheMeshesInPlaceOfFiles) {
-  const ConversionJob wanted = several(meshes::MeshFormat::glb, {0.1, 9, 0.3});
+  const ConversionJob wanted = several(mesh_io::MeshFormat::glb, {0.1, 9, 0.3});
   ConversionJob skipping = wanted;
   skipping.empty = EmptyPolicy::skip;
   const Outcome written = run(skipping);
@@ -232,7 +232,7 @@ TEST_F(ConversionTest, MemoryThatIsNotThereIsAnError) {
 
 TEST_F(ConversionTest, SkippedSurfacesAreTold) {
   ConversionJob two = job("demo:sphere?size=16", 0, "a.glb");
-  two.format = meshes::MeshFormat::glb;
+  two.format = mesh_io::MeshFormat::glb;
   two.empty = EmptyPolicy::skip;
   two.outputs[0].isos = {0, 9};
   ASSERT_TRUE(run(two).done());
@@ -247,7 +247,7 @@ TEST_F(ConversionTest, SkippedSurfacesAreTold) {
 
 TEST_F(ConversionTest, ASkippedOutputLeavesNoOldFile) {
   ConversionJob one = job("demo:sphere?size=16", 0, "a.gltf");
-  one.format = meshes::MeshFormat::gltf;
+  one.format = mesh_io::MeshFormat::gltf;
   one.empty = EmptyPolicy::skip;
   ASSERT_TRUE(run(one).done());
   ASSERT_EQ(folder_.names(), (std::set<std::string>{"a.bin", "a.gltf"}));
@@ -273,26 +273,27 @@ TEST_F(ConversionTest, CapsAreLeftOutWhereThereIsSomethingToCap) {
 
 // Where the format allows, the next surface is made when the one before is written and gone.
 TEST_F(ConversionTest, HoldsOneMeshAtATime) {
-  for (const meshes::MeshFormat format : {meshes::MeshFormat::obj, meshes::MeshFormat::gltf}) {
+  for (const mesh_io::MeshFormat format : {mesh_io::MeshFormat::obj, mesh_io::MeshFormat::gltf}) {
     const std::vector<std::uint64_t> reserved = reserved_by_four(format);
     EXPECT_EQ(reserved, std::vector(4, reserved.at(0))) << word_of(format);
     const std::uint64_t largest = std::max({peak_of(format, {0}), peak_of(format, {0.5}), peak_of(format, {-0.7})});
     EXPECT_EQ(peak_of(format, {0, 0.5, -0.7}), largest) << word_of(format);
   }
-  const std::vector<std::uint64_t> held = reserved_by_four(meshes::MeshFormat::glb);
+  const std::vector<std::uint64_t> held = reserved_by_four(mesh_io::MeshFormat::glb);
   EXPECT_EQ(held.at(3) - held.at(2), held.at(1) - held.at(0));
   EXPECT_GT(held.at(1), held.at(0)) << "a GLB begins with where everything is";
 }
 
 TEST_F(ConversionTest, ALaterSurfaceThatFailsLeavesNoFile) {
-  for (const meshes::MeshFormat format : {meshes::MeshFormat::glb, meshes::MeshFormat::gltf, meshes::MeshFormat::obj}) {
+  for (const mesh_io::MeshFormat format :
+       {mesh_io::MeshFormat::glb, mesh_io::MeshFormat::gltf, mesh_io::MeshFormat::obj}) {
     EXPECT_FALSE(run(several(format, {0, 9})).done());
     EXPECT_TRUE(folder_.names().empty()) << word_of(format);
   }
 }
 
 TEST_F(ConversionTest, RecordsEverySurfaceOfAFile) {
-  const Outcome outcome = run(several(meshes::MeshFormat::obj, {0, 0.5}));
+  const Outcome outcome = run(several(mesh_io::MeshFormat::obj, {0, 0.5}));
   ASSERT_EQ(test::entries(outcome, StageName::mesh_facts).size(), 2U);
   std::vector<std::string> stages;
   for (const StageReport::Part& stage : outcome.times()) stages.emplace_back(word_of(stage.stage));

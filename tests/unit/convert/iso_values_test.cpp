@@ -130,7 +130,7 @@ class IsoConversionTest : public testing::Test {
  protected:
   Outcome run(const std::vector<IsoChoice>& isos) {
     job_.source.input = "demo:gyroid?size=24";
-    job_.format = meshes::MeshFormat::obj;
+    job_.format = mesh_io::MeshFormat::obj;
     job_.outputs = {{(folder_ / "a.obj").string(), isos}};
     Events unheard;
     return convert::run(job_, Context(), unheard);

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "convert/label_table.hpp"
 #include "support/temp_folder.hpp"
+#include "volume_io/label_table.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -16,7 +16,7 @@ TEST(LabelLooks, AFileThatChangedIsNotTaken) {
   const auto write = [&](std::string_view text) { std::ofstream(path) << text; };
   write("1 twin 255 0 0 0\n2 twin 0 0 255 0\n3 alone 0 255 0 0\n");
   ConversionJob job;
-  job.label_names = LabelTableFile{path, LabelTable::read(path, Context())->hash()};
+  job.label_names = LabelTableFile{path, volume_io::LabelTable::read(path, Context())->hash()};
   const auto looks = LabelLooks::open(job, Context());
   ASSERT_TRUE(looks) << looks.error().message;
   EXPECT_EQ(looks->name("head", 3), "alone");

@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
+#include "check/mesh_requirement.hpp"
+#include "check/shells.hpp"
 #include "convert/outcome.hpp"
-#include "measure/mesh_requirement.hpp"
-#include "measure/shells.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -65,7 +65,7 @@ const std::map<std::string, Words>& words_of_report() {
       {"/properties/error/properties/kind", kinds_of_errors()},
       {"/properties/error/properties/exit_code", {1, 2, 3, 4, 6, 130}},
       {"/properties/error/properties/reason", reasons_of_errors()},
-      {"/properties/options/properties/axis_order", words<volumes::AxisOrder>({nullptr})},
+      {"/properties/options/properties/axis_order", words<volume_io::AxisOrder>({nullptr})},
       {"/properties/options/properties/raw/properties/dtype", words<field::SampleType>()},
       {"/properties/options/properties/raw/properties/endian", {"little", "big"}},
       {"/properties/options/properties/inside", words<field::FieldKind>({nullptr})},
@@ -82,13 +82,13 @@ const std::map<std::string, Words>& words_of_report() {
       {"/properties/options/properties/blurs/items/properties/kind", words<BlurKind>()},
       {"/properties/options/properties/pieces/properties/least/properties/measure", words<edit::PieceMeasure>()},
       {"/properties/options/properties/smooth/properties/method", words<edit::SmoothMethod>()},
-      {"/properties/options/properties/filters/items/properties/filter", words<volumes::LevelSetFilter>()},
+      {"/properties/options/properties/filters/items/properties/filter", words<volume_io::LevelSetFilter>()},
       {"/properties/options/properties/kernel", words<field::ResampleKernel>()},
       {"/properties/options/properties/space", words<Space>()},
       {"/properties/options/properties/up", words<UpAxis>()},
       {"/properties/options/properties/to_space", words<AnatomicalSpace>({nullptr})},
-      {"/properties/options/properties/format", words<meshes::MeshFormat>({"vdb", "png"})},
-      {"/properties/options/properties/compression", words<meshes::Compression>()},
+      {"/properties/options/properties/format", words<mesh_io::MeshFormat>({"vdb", "png"})},
+      {"/properties/options/properties/compression", words<mesh_io::Compression>()},
       {"/properties/options/properties/error", words<field::Interpolation>({nullptr})},
       {"/properties/attributes/items/properties/kind", words<AttributeKind>()},
       {"/properties/device/properties/backend", words<Backend>()},
@@ -100,8 +100,8 @@ const std::map<std::string, Words>& words_of_report() {
       {"/properties/verification/items/properties/backends/items", {"cpu", "gpu"}},
       {"/properties/smoothings/items/properties/method", words<edit::SmoothMethod>()},
       {"/properties/simplifications/items/properties/asked/properties/unit", {"voxel", "world"}},
-      {"/properties/packings/items/properties/compression", words<meshes::Compression>()},
-      {"/$defs/colormap", words<Colormap>()},
+      {"/properties/packings/items/properties/compression", words<mesh_io::Compression>()},
+      {"/$defs/colormap", words<edit::Colormap>()},
       {"/$defs/error/properties/interpolant", words<field::Interpolation>()},
       {"/$defs/work/items/properties/what", words<WorkTopic>()},
       {"/$defs/work/items/properties/done", words<WorkDone>()},
@@ -124,9 +124,9 @@ const std::map<std::string, Words>& words_of_info() {
 const std::map<std::string, Words>& words_of_check() {
   static const std::map<std::string, Words> all{
       {"/properties/unit", units()},
-      {"/properties/required/items/properties/requirement", words<measure::Requirement>()},
+      {"/properties/required/items/properties/requirement", words<check::Requirement>()},
       {"/properties/findings/items/properties/who", {"slicer", "engine"}},
-      {"/$defs/shell", words<measure::Shell>()},
+      {"/$defs/shell", words<check::Shell>()},
   };
   return all;
 }

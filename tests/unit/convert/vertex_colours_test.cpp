@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "convert/attribute_source.hpp"
-#include "convert/colormap.hpp"
+#include "edit/colormap.hpp"
 #include "support/temp_folder.hpp"
 
 namespace isoextract::convert {
@@ -37,13 +37,13 @@ std::vector<T> colours_of(const mesh::Mesh& mesh) {
   return numbers;
 }
 
-ColourChoice by_heat(Colormap map = Colormap::gray, std::optional<std::array<double, 2>> range = {}) {
+ColourChoice by_heat(edit::Colormap map = edit::Colormap::gray, std::optional<std::array<double, 2>> range = {}) {
   return {"heat", map, range};
 }
 
 TEST(VertexColours, GltfIsLinearAndPlyIsSrgb) {
   mesh::Mesh mesh = with_values({0, 1, 0.5});
-  const auto record = add_colours(by_heat(), meshes::MeshFormat::glb, mesh, Context());
+  const auto record = add_colours(by_heat(), mesh_io::MeshFormat::glb, mesh, Context());
   ASSERT_TRUE(record);
   EXPECT_EQ(record->range, (std::array{0.0, 1.0}));
   EXPECT_EQ(mesh.attributes.back().type, mesh::ComponentType::u16);
@@ -54,44 +54,46 @@ TEST(VertexColours, GltfIsLinearAndPlyIsSrgb) {
   EXPECT_NEAR(linear[8], 65535 * 0.2140, 150);  // the middle of sRGB
 
   mesh::Mesh other = with_values({0, 1, 0.5});
-  ASSERT_TRUE(add_colours(by_heat(), meshes::MeshFormat::ply, other, Context()));
+  ASSERT_TRUE(add_colours(by_heat(), mesh_io::MeshFormat::ply, other, Context()));
   EXPECT_EQ(colours_of<std::uint8_t>(other), (std::vector<std::uint8_t>{0, 0, 0, 255, 255, 255, 128, 128, 128}));
 }
 
 TEST(VertexColours, RangesLengthsAndNumbersThatAreNone) {
   mesh::Mesh mesh = with_values({kNan, 5, 10, std::numeric_limits<float>::infinity()});
-  auto record = add_colours(by_heat(Colormap::gray, std::array{0.0, 10.0}), meshes::MeshFormat::ply, mesh, Context());
+  auto record =
+      add_colours(by_heat(edit::Colormap::gray, std::array{0.0, 10.0}), mesh_io::MeshFormat::ply, mesh, Context());
   ASSERT_TRUE(record);
   EXPECT_EQ(record->not_numbers, 1U);
   const auto grey = colours_of<std::uint8_t>(mesh);
   EXPECT_EQ((std::array{grey[0], grey[3], grey[6], grey[9]}), (std::array<std::uint8_t, 4>{128, 128, 255, 255}));
 
   mesh::Mesh vectors = with_values({3, 4, 0, 0, 0, 0, 0, -5, 12}, 3);
-  record = add_colours(by_heat(), meshes::MeshFormat::ply, vectors, Context());
+  record = add_colours(by_heat(), mesh_io::MeshFormat::ply, vectors, Context());
   ASSERT_TRUE(record);
   EXPECT_EQ(record->range, (std::array{0.0, 13.0}));
 
   mesh::Mesh high = with_values({4, 8, 6});
-  ASSERT_TRUE(add_colours(by_heat(), meshes::MeshFormat::ply, high, Context()));
+  ASSERT_TRUE(add_colours(by_heat(), mesh_io::MeshFormat::ply, high, Context()));
   EXPECT_EQ(colours_of<std::uint8_t>(high), (std::vector<std::uint8_t>{0, 0, 0, 255, 255, 255, 128, 128, 128}));
   mesh::Mesh given = with_values({4, 8, 1});
-  ASSERT_TRUE(add_colours(by_heat(Colormap::gray, std::array{2.0, 6.0}), meshes::MeshFormat::ply, given, Context()));
+  ASSERT_TRUE(
+      add_colours(by_heat(edit::Colormap::gray, std::array{2.0, 6.0}), mesh_io::MeshFormat::ply, given, Context()));
   EXPECT_EQ(colours_of<std::uint8_t>(given), (std::vector<std::uint8_t>{128, 128, 128, 255, 255, 255, 0, 0, 0}));
 
   mesh::Mesh alike = with_values({2, 2});
-  ASSERT_TRUE(add_colours(by_heat(), meshes::MeshFormat::ply, alike, Context()));
+  ASSERT_TRUE(add_colours(by_heat(), mesh_io::MeshFormat::ply, alike, Context()));
   EXPECT_EQ(colours_of<std::uint8_t>(alike).front(), 128);
 
   mesh::Mesh none = with_values({});
-  ASSERT_TRUE(add_colours(by_heat(), meshes::MeshFormat::ply, none, Context()));
-  EXPECT_FALSE(add_colours(by_heat(), meshes::MeshFormat::ply, mesh, Context{MemoryBudget(1)}));
+  ASSERT_TRUE(add_colours(by_heat(), mesh_io::MeshFormat::ply, none, Context()));
+  EXPECT_FALSE(add_colours(by_heat(), mesh_io::MeshFormat::ply, mesh, Context{MemoryBudget(1)}));
 }
 
 TEST(Materials, OuterSurfacesLetInnerOnesBeSeen) {
   ConversionJob job;
   std::vector<double> isos{1, 3, 2};
   EXPECT_FALSE(material_of(job, isos, 1, field::FieldKind::density));
-  job.colour = ColourChoice{{}, Colormap::gray, {}};
+  job.colour = ColourChoice{{}, edit::Colormap::gray, {}};
   const auto opacity = [&](double iso, field::FieldKind kind) { return material_of(job, isos, iso, kind)->opacity; };
   EXPECT_EQ(opacity(1, field::FieldKind::density), 0.25);
   EXPECT_EQ(opacity(2, field::FieldKind::density), 0.625);
@@ -110,11 +112,11 @@ TEST(Materials, OuterSurfacesLetInnerOnesBeSeen) {
   job.opacity = {0.1, 0.2, 0.3, 0.4};
   EXPECT_EQ(opacity(3, field::FieldKind::density), 0.2);
   job.opacity.clear();
-  job.colour = ColourChoice{{}, Colormap::gray, {}};
+  job.colour = ColourChoice{{}, edit::Colormap::gray, {}};
   EXPECT_EQ(opacity(2, field::FieldKind::density), 0.625);
   EXPECT_EQ(opacity(3, field::FieldKind::density), 1);
   isos = {1};
-  job.colour = ColourChoice{{}, Colormap::gray, {}};
+  job.colour = ColourChoice{{}, edit::Colormap::gray, {}};
   EXPECT_EQ(opacity(1, field::FieldKind::density), 1);
 }
 

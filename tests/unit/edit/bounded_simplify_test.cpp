@@ -14,9 +14,9 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "accuracy/mesh_distance.hpp"
 #include "edit/detail/edge_collapse.hpp"
 #include "field/demo_field.hpp"
-#include "measure/mesh_distance.hpp"
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
 #include "support/sample_attributes.hpp"
@@ -77,10 +77,10 @@ double expect_kept_promises(const field::ScalarField& field, const Case& c) {
 
   EXPECT_LE(facts.measured_lower, facts.measured_upper);
   EXPECT_LE(facts.measured_upper, c.max_distance);
-  measure::DistanceOptions measure;
+  accuracy::DistanceOptions measure;
   measure.samples = 0;
   const auto distance =
-      measure::measure_distance(placed(before, c.to_metric), placed(after, c.to_metric), measure, Context());
+      accuracy::measure_distance(placed(before, c.to_metric), placed(after, c.to_metric), measure, Context());
   EXPECT_LE(distance->hausdorff_lower, facts.measured_upper + distance->resolution);
   EXPECT_LE(facts.measured_lower, distance->hausdorff_upper + distance->resolution);
 

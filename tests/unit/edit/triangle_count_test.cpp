@@ -11,11 +11,11 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "accuracy/mesh_distance.hpp"
 #include "edit/bounded_simplify.hpp"
 #include "edit/detail/collapse_state.hpp"
 #include "edit/detail/edge_collapse.hpp"
 #include "field/demo_field.hpp"
-#include "measure/mesh_distance.hpp"
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
 #include "support/sample_meshes.hpp"
@@ -30,7 +30,7 @@ SimplifiedMesh simplified_to(const mesh::Mesh& mesh, const SimplifyOptions& opti
 }
 
 void expect_measured(const mesh::Mesh& before, const SimplifiedMesh& simplified) {
-  const auto distance = measure::measure_distance(before, simplified.mesh, measure::DistanceOptions(), Context());
+  const auto distance = accuracy::measure_distance(before, simplified.mesh, accuracy::DistanceOptions(), Context());
   EXPECT_LE(distance->hausdorff_lower, simplified.facts.measured_upper + distance->resolution);
   EXPECT_LE(simplified.facts.measured_lower, distance->hausdorff_upper + distance->resolution);
 }

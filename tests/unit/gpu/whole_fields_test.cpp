@@ -1,10 +1,10 @@
 // Fields beyond one draw, cases that break extraction in float32, and volumes by others.
+#include "bench/stability.hpp"
 #include "drawings.hpp"
 #include "field/demo_field.hpp"
-#include "measure/stability.hpp"
 #include "support/data_folder.hpp"
 #include "support/fields.hpp"
-#include "volumes/volume_reader.hpp"
+#include "volume_io/volume_reader.hpp"
 
 namespace isoextract::gpu {
 namespace {
@@ -40,9 +40,8 @@ INSTANTIATE_TEST_SUITE_P(Methods, GpuStability, testing::Values(extract::Method:
 TEST_P(GpuStability, AllCasesPass) {
   extract::Extractor* gpu = test::kGpuExtractors->find({GetParam()});
   ASSERT_NE(gpu, nullptr);
-  for (const measure::StabilityCase& test : measure::stability_cases()) {
-    const measure::StabilityRow row =
-        measure::run_stability_case(test, extract::method_info(GetParam()), *gpu, Context());
+  for (const bench::StabilityCase& test : bench::stability_cases()) {
+    const bench::StabilityRow row = bench::run_stability_case(test, extract::method_info(GetParam()), *gpu, Context());
     EXPECT_EQ(row.backend, "gpu");
     for (const std::string& failure : row.failures) ADD_FAILURE() << test.name << ": " << failure;
   }
@@ -52,7 +51,7 @@ struct Volume {
   const char* file;
   double iso;
   const char* grid = nullptr;
-  std::optional<volumes::RawLayout> raw = std::nullopt;
+  std::optional<volume_io::RawLayout> raw = std::nullopt;
   std::optional<field::IndexBox> region = std::nullopt;
 };
 
@@ -62,7 +61,7 @@ class GpuRealVolume : public testing::TestWithParam<Volume> {};
 INSTANTIATE_TEST_SUITE_P(
     Small, GpuRealVolume,
     testing::Values(Volume{"med/HeadMRVolume.raw", 60, nullptr,
-                           volumes::RawLayout{{48, 62, 42}, field::SampleType::u8, std::endian::little, 0}},
+                           volume_io::RawLayout{{48, 62, 42}, field::SampleType::u8, std::endian::little, 0}},
                     Volume{"mol/m4_TotalDensity.nrrd", 0.1}, Volume{"mol/betaGal.npy", 0.05},
                     Volume{"med/FLAIR.nrrd", 60, nullptr, std::nullopt, field::IndexBox{{30, 50, 40}, {71, 100, 77}}},
                     Volume{"vdb/sphere.vdb", 0}, Volume{"vdb/c42_gas_seq/fluid_data_0002.vdb", 0.5, "density"}),
@@ -75,10 +74,10 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_P(GpuRealVolume, IsTheCpus) {
   ISOEXTRACT_NEEDS_DATA(GetParam().file);
-  volumes::ReadOptions read;
+  volume_io::ReadOptions read;
   read.raw = GetParam().raw;
   if (GetParam().grid != nullptr) read.grid = GetParam().grid;
-  const auto field = volumes::read_volume(test::data_file(GetParam().file).string(), read, Context());
+  const auto field = volume_io::read_volume(test::data_file(GetParam().file).string(), read, Context());
   ASSERT_TRUE(field) << field.error().message;
   extract::ExtractOptions options;
   options.iso = GetParam().iso;

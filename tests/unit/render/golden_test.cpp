@@ -7,7 +7,7 @@
 
 #include <png.h>
 
-#include "images/png_writer.hpp"
+#include "image_io/png_writer.hpp"
 #include "render/surface_normals.hpp"
 #include "unit/render/drawing.hpp"
 
@@ -39,7 +39,7 @@ void keep(const Picture& picture, const fs::path& path) {
   fs::create_directories(path.parent_path());
   auto file = files::OutputFile::create(path);
   ASSERT_TRUE(file);
-  ASSERT_TRUE(images::write_png(*file, {picture.width, picture.height, picture.colour.span(), {}, {}}, Context()));
+  ASSERT_TRUE(image_io::write_png(*file, {picture.width, picture.height, picture.colour.span(), {}, {}}, Context()));
   ASSERT_TRUE(file->commit());
 }
 

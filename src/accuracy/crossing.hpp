@@ -1,0 +1,32 @@
+// Where a function of one variable passes zero.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace isoextract::accuracy {
+
+// The zero between a and b, where `at` has the values value_a and value_b of different sign: regula falsi with the
+// Illinois rule (Dowell and Jarratt, "A modified regula falsi method", BIT 11, 1971), until a value is at most `enough`
+// or the bracket is 1e-9 of b. Values that are not finite end the search where they are.
+template <class F>
+[[nodiscard]] double find_crossing(const F& at, double a, double value_a, double b, double value_b, double enough) {
+  for (int round = 0; round < 100; ++round) {
+    const double c = b - value_b * ((b - a) / (value_b - value_a));
+    if (!(c > std::min(a, b) && c < std::max(a, b))) return b;
+    const double value_c = at(c);
+    if (std::abs(value_c) <= enough || !std::isfinite(value_c)) return c;
+    if ((value_c > 0) != (value_b > 0)) {
+      a = b;
+      value_a = value_b;
+    } else {
+      value_a /= 2;
+    }
+    b = c;
+    value_b = value_c;
+    if (std::abs(b - a) <= 1e-9 * std::abs(b)) return b;
+  }
+  return b;
+}
+
+}  // namespace isoextract::accuracy

@@ -1,0 +1,95 @@
+#include "accuracy/detail/back_measurement.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "accuracy/surface_coverage.hpp"
+
+namespace isoextract::accuracy {
+
+BackMeasurement::BackMeasurement(const mesh::Mesh& mesh, const mesh::TriangleTree& tree, const IndexMesh& placed,
+                                 std::span<const mesh::HalfSpace> clipped)
+    : tree_(tree),
+      placed_(placed),
+      clipped_(clipped),
+      linear_(placed.output_from_index().linear),
+      inverse_(glm::inverse(linear_)),
+      offset_(placed.output_from_index().offset - mesh.origin) {}
+
+mesh::TriangleTree::Nearest BackMeasurement::add(const glm::dvec3& index, double weight, std::uint32_t hint,
+                                                 BackSums& sums) const {
+  const glm::dvec3 p = to_tree(index);
+  const mesh::TriangleTree::Nearest nearest = tree_.nearest(p, hint);
+  const glm::dvec3 world = placed_.output_from_index()(index);
+  if (weight > 0 && is_kept(world, clipped_)) {
+    sums.distances.add({glm::length(inverse_ * (nearest.point - p)), std::sqrt(nearest.distance_squared)}, weight,
+                       world);
+  }
+  return nearest;
+}
+
+void BackMeasurement::measure(const SubdividedSurface& surface, FieldFoot& foot, double reach,
+                              const std::function<bool(const glm::dvec3& index)>& counts, BackSums& sums) const {
+  // Exact for polynomials of degree two: a twelfth of the area for each corner, the rest for the center.
+  constexpr double kCornerShare = 1.0 / 12;
+  constexpr double kCenterShare = 3.0 / 4;
+  const mesh::Mesh& mesh = surface.mesh();
+  std::vector<Sample> samples(mesh.positions.size());
+  std::vector<std::uint32_t> counted;
+  const auto corners_of = [&](const glm::uvec3& t) {
+    return std::array{surface.index(glm::dvec3(mesh.positions[t.x])), surface.index(glm::dvec3(mesh.positions[t.y])),
+                      surface.index(glm::dvec3(mesh.positions[t.z]))};
+  };
+  const auto center_of = [](const std::array<glm::dvec3, 3>& corners) {
+    return (corners[0] + corners[1] + corners[2]) / 3.0;
+  };
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto corners = corners_of(mesh.triangles[t]);
+    const glm::dvec3 center = center_of(corners);
+    if (!counts(center)) continue;
+    counted.push_back(t);
+    const double area = glm::length(placed_.area_vector(corners)) / 2;
+    for (int corner = 0; corner < 3; ++corner) {
+      Sample& sample = samples[mesh.triangles[t][corner]];
+      sample.weight += kCornerShare * area;
+      sample.used = true;
+    }
+  }
+  std::uint32_t hint = 0;
+  for (std::size_t v = 0; v < samples.size(); ++v) {
+    Sample& sample = samples[v];
+    if (!sample.used) continue;
+    const auto nearest = add(surface.index(glm::dvec3(mesh.positions[v])), sample.weight, hint, sums);
+    sample.slot = hint = nearest.slot;
+    sample.distance = std::sqrt(nearest.distance_squared);
+  }
+  for (const std::uint32_t t : counted) {
+    const glm::uvec3& triangle = mesh.triangles[t];
+    const auto corners = corners_of(triangle);
+    const glm::dvec3 center = center_of(corners);
+    if (!is_kept(placed_.output_from_index()(center), clipped_)) continue;
+    const double area = glm::length(placed_.area_vector(corners)) / 2;
+    const glm::dvec3 landed = foot.land(center, reach).value_or(center);
+    const auto at_center = add(landed, kCenterShare * area, samples[triangle.x].slot, sums);
+
+    const std::array places{to_tree(corners[0]), to_tree(corners[1]), to_tree(corners[2])};
+    double longest = 0;
+    double farthest = 0;  // of the corners
+    for (int corner = 0; corner < 3; ++corner) {
+      longest = std::max(longest, glm::length(places[(corner + 1) % 3] - places[corner]));
+      farthest = std::max(farthest, samples[triangle[corner]].distance);
+    }
+    // No point of a triangle is farther from the nearest corner than that.
+    double bound = farthest + longest / std::sqrt(3.0);
+    for (const std::uint32_t slot :
+         {at_center.slot, samples[triangle.x].slot, samples[triangle.y].slot, samples[triangle.z].slot}) {
+      bound = std::min(bound, std::sqrt(tree_.farthest_squared_in(slot, places)));
+    }
+    sums.at_most = std::max(sums.at_most, bound + foot.length(landed - center));
+  }
+}
+
+}  // namespace isoextract::accuracy

@@ -1,0 +1,60 @@
+// From points on the isosurface to a mesh.
+#pragma once
+
+#include <functional>
+#include <span>
+
+#include "accuracy/detail/subdivided_surface.hpp"
+#include "accuracy/detail/surface_foot.hpp"
+#include "accuracy/error_statistics.hpp"
+#include "accuracy/index_mesh.hpp"
+#include "field/interpolant.hpp"
+#include "mesh/half_space.hpp"
+#include "mesh/triangle_tree.hpp"
+
+namespace isoextract::accuracy {
+
+using FieldFoot = SurfaceFoot<field::Interpolant::Cursor>;
+
+struct BackSums {
+  ErrorAccumulator distances;
+  double at_most = 0;  // no point of the isosurface is farther, in the mesh's units
+
+  void merge(const BackSums& other) {
+    distances.merge(other.distances);
+    at_most = std::max(at_most, other.at_most);
+  }
+};
+
+class BackMeasurement {
+ public:
+  // `tree` is made of `mesh`, which `placed` sees in index space; `clipped` says what was kept of it.
+  BackMeasurement(const mesh::Mesh& mesh, const mesh::TriangleTree& tree, const IndexMesh& placed,
+                  std::span<const mesh::HalfSpace> clipped);
+
+  // Adds the distances of vertices and centers of the triangles of `surface` whose centers `counts` takes, by area. The
+  // centers are moved onto the isosurface. What is between these points is bounded by distances of whole triangles to
+  // one triangle of the mesh, which are greatest at a corner, and by the distance from the nearest corner.
+  void measure(const SubdividedSurface& surface, FieldFoot& foot, double reach,
+               const std::function<bool(const glm::dvec3& index)>& counts, BackSums& sums) const;
+
+ private:
+  struct Sample {
+    double weight = 0;
+    double distance = 0;
+    std::uint32_t slot = 0;
+    bool used = false;
+  };
+
+  [[nodiscard]] glm::dvec3 to_tree(const glm::dvec3& index) const { return linear_ * index + offset_; }
+  mesh::TriangleTree::Nearest add(const glm::dvec3& index, double weight, std::uint32_t hint, BackSums& sums) const;
+
+  const mesh::TriangleTree& tree_;
+  const IndexMesh& placed_;
+  std::span<const mesh::HalfSpace> clipped_;
+  glm::dmat3 linear_;
+  glm::dmat3 inverse_;
+  glm::dvec3 offset_;  // of the frame of the tree
+};
+
+}  // namespace isoextract::accuracy

@@ -1,0 +1,70 @@
+// What lies in each brick of cells, for work that goes over a mesh and the field around it brick by brick.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+#include <glm/glm.hpp>
+
+#include "base/reduction.hpp"
+
+namespace isoextract::accuracy {
+
+struct BrickMember {
+  glm::ivec3 brick{0};
+  std::uint32_t id = 0;
+
+  [[nodiscard]] auto order() const { return std::tuple(brick.z, brick.y, brick.x, id); }
+};
+
+// The members 0 to count - 1 in the order of their bricks, which `brick_of` names.
+template <class BrickOf>
+[[nodiscard]] std::vector<BrickMember> members_by_brick(std::size_t count, const BrickOf& brick_of) {
+  std::vector<BrickMember> members(count);
+  tbb::parallel_for(PointRange(0, count, 1 << 12), [&](const PointRange& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      members[i] = {brick_of(i), static_cast<std::uint32_t>(i)};
+    }
+  });
+  tbb::parallel_sort(members.begin(), members.end(),
+                     [](const BrickMember& a, const BrickMember& b) { return a.order() < b.order(); });
+  return members;
+}
+
+// The members of one brick.
+[[nodiscard]] inline std::span<const BrickMember> members_of(const std::vector<BrickMember>& members,
+                                                             const glm::ivec3& brick) {
+  const auto key = [](const BrickMember& member) { return std::tuple(member.brick.z, member.brick.y, member.brick.x); };
+  const std::tuple wanted(brick.z, brick.y, brick.x);
+  return {std::ranges::lower_bound(members, wanted, {}, key), std::ranges::upper_bound(members, wanted, {}, key)};
+}
+
+// A brick, and how many triangles of the isosurface are in it.
+struct BrickCount {
+  glm::ivec3 brick{0};
+  std::uint64_t triangles = 0;
+};
+
+// Sorts bricks, and leaves each once, with the sum of its counts.
+inline void join_bricks(std::vector<BrickCount>& bricks) {
+  const auto key = [](const BrickCount& one) { return std::tuple(one.brick.z, one.brick.y, one.brick.x); };
+  tbb::parallel_sort(bricks.begin(), bricks.end(),
+                     [&](const BrickCount& a, const BrickCount& b) { return key(a) < key(b); });
+  std::size_t kept = 0;
+  for (std::size_t b = 0; b < bricks.size(); ++b) {
+    if (kept > 0 && bricks[kept - 1].brick == bricks[b].brick) {
+      bricks[kept - 1].triangles += bricks[b].triangles;
+    } else {
+      bricks[kept++] = bricks[b];
+    }
+  }
+  bricks.resize(kept);
+}
+
+}  // namespace isoextract::accuracy

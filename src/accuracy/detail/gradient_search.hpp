@@ -1,0 +1,186 @@
+// A point of the surface where an interpolant is 0, near a position, found along the gradient.
+//
+// At a point with the value r the first-order distance is |r| / |grad f|, with the gradient taken in the
+// mesh's coordinates: a covector, mapped by the inverse transpose of the transform. It is the first guess of a search
+// for the crossing itself along the gradient's line, no further than a voxel, and where that line leaves dense data,
+// along the data boundary from there. Where that finds nothing, or a point twice as far, the search goes also towards
+// those corners of the cell that are on the other side. What it finds is on the surface within the data, but need not
+// be the nearest point.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "accuracy/crossing.hpp"
+#include "accuracy/detail/largest_component.hpp"
+#include "field/interpolant.hpp"
+
+namespace isoextract::accuracy {
+
+class GradientSearch {
+ public:
+  struct Found {
+    std::optional<glm::dvec3> step;  // to the surface
+    double guess = 0;                // the first-order distance, in voxels; infinite where the gradient is zero
+    bool is_nearest = false;         // no point of the surface is nearer by more than a fiftieth; not always known
+  };
+
+  // `shortest`: the least length of a step of one voxel in the mesh's coordinates.
+  GradientSearch(const field::Interpolant& interpolant, const field::ScalarField& field, const glm::dmat3& linear,
+                 double shortest)
+      : interpolant_(interpolant), field_(interpolant), linear_(linear), shortest_(shortest) {
+    if (const auto* dense = std::get_if<field::DenseSamples>(&field.samples)) {
+      last_cell_ = dense->dims - 2;
+      low_ = glm::dvec3(0);
+      high_ = glm::dvec3(dense->dims - 1);
+    }
+    const glm::dmat3 inverse = glm::inverse(linear);
+    metric_ = inverse * glm::transpose(inverse);
+    for (int axis = 0; axis < 3; ++axis) width_[axis] = 1 / std::sqrt(metric_[axis][axis]);
+  }
+
+  // The surface ends with the data; the position may be beyond. Nothing where a sample beside it is not finite.
+  std::optional<Found> operator()(const glm::dvec3& position) {
+    const glm::dvec3 index = glm::clamp(position, low_, high_);
+    const glm::dvec3 shift = index - position;
+    std::optional<Found> found = search_from(index);
+    if (!found || shift == glm::dvec3(0)) return found;
+    if (found->step) *found->step += shift;
+    found->guess = first_order(field_(position)).distance;
+    found->is_nearest = false;
+    return found;
+  }
+
+ private:
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  static constexpr double kReach = 1;  // voxels
+
+  struct FirstOrder {
+    glm::dvec3 direction{0.0};    // the unit step in index space along the world's gradient, towards the surface
+    double distance = kInfinity;  // in voxels; infinite where the gradient is zero
+  };
+
+  [[nodiscard]] FirstOrder first_order(const field::Interpolated& here) const {
+    const double largest = largest_component(here.gradient);
+    if (!(largest > 0)) return {};
+    // The gradient is scaled first: squares of very large or very small ones leave the range of double.
+    const glm::dvec3 gradient = here.gradient / largest;
+    const double residual = here.value;
+    const glm::dvec3 direction = glm::normalize(metric_ * gradient) * (residual > 0 ? -1.0 : 1.0);
+    return {direction, std::abs(residual / largest / glm::dot(gradient, direction))};
+  }
+
+  std::optional<Found> search_from(const glm::dvec3& index) {
+    const field::Interpolated here = field_(index);
+    const double residual = here.value;
+    if (!std::isfinite(residual) || !std::isfinite(largest_component(here.gradient))) return std::nullopt;
+    if (residual == 0) return Found{glm::dvec3(0), 0, true};
+    std::optional<glm::dvec3> found;
+    const FirstOrder first = first_order(here);
+    if (first.direction != glm::dvec3(0)) found = search_in_data(index, first.direction, residual, first.distance);
+    if (!found || glm::length(*found) > 2 * first.distance) look_at_corners(index, residual, found);
+    constexpr double kNearEnough = 0.98;
+    const double length = found ? glm::length(linear_ * *found) : 0;
+    const bool nearest = found && least_distance(index, here, length) >= kNearEnough * length;
+    return Found{found, first.distance, nearest};
+  }
+
+  // No point of the surface within `reach` is nearer than that: the residual over the greatest slope there, which is
+  // that here and what second derivatives add. 0 where the other cells within that reach have their say.
+  [[nodiscard]] double least_distance(const glm::dvec3& index, const field::Interpolated& here, double reach) {
+    const glm::ivec3 cell = interpolant_.cell_of(index);
+    const glm::dvec3 t = index - glm::dvec3(cell);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!(std::min(t[axis], 1 - t[axis]) * width_[axis] > reach)) return 0;
+    }
+    const auto bend = field_.greatest_bend(cell);
+    if (!bend) return 0;
+    const double largest = largest_component(here.gradient);
+    const glm::dvec3 scaled = largest > 0 ? here.gradient / largest : glm::dvec3(0);
+    const double slope = largest * std::sqrt(glm::dot(scaled, metric_ * scaled));
+    return std::abs(here.value) / (slope + *bend * reach / (shortest_ * shortest_));
+  }
+
+  // How far along `step` the faces of the data are, the nearest of those that it leads to.
+  [[nodiscard]] double way_out(const glm::dvec3& index, const glm::dvec3& step) const {
+    double nearest = kInfinity;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (step[axis] == 0) continue;
+      nearest = std::min(nearest, ((step[axis] > 0 ? high_ : low_)[axis] - index[axis]) / step[axis]);
+    }
+    return std::max(nearest, 0.0);
+  }
+
+  // Along `step`, and where that leaves the data before the surface, along the face from there.
+  std::optional<glm::dvec3> search_in_data(const glm::dvec3& index, const glm::dvec3& step, double residual,
+                                           double guess) {
+    const double out = way_out(index, step);
+    if (const auto distance = search(index, step, residual, guess, kReach, std::min(kReach, out))) {
+      return *distance * step;
+    }
+    if (out >= kReach) return std::nullopt;
+    const glm::dvec3 border = glm::clamp(index + out * step, low_, high_);
+    glm::dvec3 slide = step;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (step[axis] > 0 ? border[axis] == high_[axis] : border[axis] == low_[axis]) {
+        slide[axis] = 0;
+      }
+    }
+    const double length = glm::length(slide);
+    if (!(length > 0)) return std::nullopt;
+    slide /= length;
+    const double limit = std::min(kReach - out, way_out(border, slide));
+    const auto distance = search(border, slide, residual, guess, kReach, limit);
+    return distance ? std::optional(border + *distance * slide - index) : std::nullopt;
+  }
+
+  // On the way to a corner of the cell that is not on this side there is a crossing. Keeps the nearest.
+  void look_at_corners(const glm::dvec3& index, double residual, std::optional<glm::dvec3>& nearest) {
+    glm::dvec3 cell = glm::floor(index);
+    if (last_cell_) cell = glm::clamp(cell, glm::dvec3(0), glm::dvec3(*last_cell_));
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::dvec3 way = cell + glm::dvec3(corner & 1, corner >> 1 & 1, corner >> 2 & 1) - index;
+      const double length = glm::length(way);
+      const double value = field_(index + way).value;
+      if (length == 0 || !std::isfinite(value) || (value != 0 && (value > 0) == (residual > 0))) continue;
+      const auto distance = search(index, way / length, residual, length, length, length);
+      const glm::dvec3 found = way * (distance.value_or(length) / length);
+      if (!nearest || glm::length(linear_ * found) < glm::length(linear_ * *nearest)) nearest = found;
+    }
+  }
+
+  // The distance to the first change of sign from `index` along the unit vector `step`: just beyond the guess, or else
+  // an eighth of the reach further, and so on. Nothing if there is none within `limit`, or a sample is not finite.
+  std::optional<double> search(const glm::dvec3& index, const glm::dvec3& step, double residual, double guess,
+                               double reach, double limit) {
+    const auto at = [&](double s) { return field_(index + s * step).value; };
+    double near = 0;
+    double near_value = residual;
+    double far = std::min({1.25 * guess, reach / 8, limit});
+    for (;;) {
+      const double far_value = at(far);
+      if (!std::isfinite(far_value)) return std::nullopt;
+      if (far_value == 0 || (far_value > 0) != (residual > 0)) {
+        return find_crossing(at, near, near_value, far, far_value, 1e-9 * std::abs(residual));
+      }
+      if (far >= limit) return std::nullopt;
+      near = far;
+      near_value = far_value;
+      far = std::min(far + reach / 8, limit);
+    }
+  }
+
+  const field::Interpolant& interpolant_;
+  field::Interpolant::Cursor field_;
+  glm::dmat3 linear_;
+  double shortest_;
+  glm::dvec3 width_{0.0};  // of a cell between two opposite faces, in the mesh's coordinates
+  glm::dmat3 metric_;      // from gradients in index space to index-space steps along the world's gradient
+  std::optional<glm::ivec3> last_cell_;  // dense data only; sparse data have no border
+  glm::dvec3 low_{-kInfinity};
+  glm::dvec3 high_{kInfinity};
+};
+
+}  // namespace isoextract::accuracy

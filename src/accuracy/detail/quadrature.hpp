@@ -1,0 +1,73 @@
+// Points inside triangles, to integrate over them.
+#pragma once
+
+#include <array>
+
+#include <glm/glm.hpp>
+
+namespace isoextract::accuracy {
+
+struct TrianglePoint {
+  glm::dvec3 weights;  // barycentric: of the three corners
+  double share;        // of the triangle's area
+
+  [[nodiscard]] glm::dvec3 in(const std::array<glm::dvec3, 3>& corners) const {
+    return weights.x * corners[0] + weights.y * corners[1] + weights.z * corners[2];
+  }
+};
+
+// Radon's rule, exact to degree five: "Zur mechanischen Kubatur", Monatshefte fuer Mathematik 52, 1948. All points are
+// inside, and one is the centroid, where a flat triangle on a curved surface is most wrong.
+inline constexpr std::array<TrianglePoint, 7> kTrianglePoints = [] {
+  constexpr double kRoot15 = 3.87298334620741688517926539978;
+  std::array<TrianglePoint, 7> points{};
+  points[0] = {glm::dvec3(1.0 / 3, 1.0 / 3, 1.0 / 3), 9.0 / 40};
+  std::size_t next = 1;
+  for (const double sign : {1.0, -1.0}) {
+    const double same = (6 - sign * kRoot15) / 21;
+    const double other = 1 - 2 * same;
+    const double share = (155 - sign * kRoot15) / 1200;
+    points[next++] = {glm::dvec3(other, same, same), share};
+    points[next++] = {glm::dvec3(same, other, same), share};
+    points[next++] = {glm::dvec3(same, same, other), share};
+  }
+  return points;
+}();
+
+// What one triangle is measured in without being divided has no longer side, in voxels: all that marching cubes makes.
+inline constexpr double kLongestSide = 1.75;
+
+// A part of a triangle.
+struct TrianglePart {
+  std::array<glm::dvec3, 3> weights{glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)};  // of its corners
+  double share = 1;
+};
+
+// Calls take(point) for points inside a triangle: kTrianglePoints of each part, halved across their longest sides until
+// no side is longer than `longest`. Shares and weights are those of the whole triangle.
+template <class Take>
+void for_each_point(const std::array<glm::dvec3, 3>& corners, double longest, const Take& take,
+                    const TrianglePart& part = {}) {
+  const auto place = [&](const glm::dvec3& weights) { return TrianglePoint{weights, 1}.in(corners); };
+  std::size_t from = 0;
+  double squared = 0;
+  for (std::size_t side = 0; side < 3; ++side) {
+    const glm::dvec3 along = place(part.weights[(side + 1) % 3]) - place(part.weights[side]);
+    if (glm::dot(along, along) <= squared) continue;
+    from = side;
+    squared = glm::dot(along, along);
+  }
+  if (!(squared > longest * longest)) {
+    for (const TrianglePoint& point : kTrianglePoints)
+      take(TrianglePoint{point.in(part.weights), point.share * part.share});
+    return;
+  }
+  const glm::dvec3& a = part.weights[from];
+  const glm::dvec3& b = part.weights[(from + 1) % 3];
+  const glm::dvec3& c = part.weights[(from + 2) % 3];
+  const glm::dvec3 middle = 0.5 * (a + b);
+  for_each_point(corners, longest, take, {{a, middle, c}, part.share / 2});
+  for_each_point(corners, longest, take, {{middle, b, c}, part.share / 2});
+}
+
+}  // namespace isoextract::accuracy

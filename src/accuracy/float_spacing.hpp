@@ -1,0 +1,25 @@
+// How far apart float32 numbers are, and by which coordinate that goes at a point.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <glm/glm.hpp>
+
+namespace isoextract::accuracy {
+
+// From the float32 number `size` (not negative, finite) to the next larger one.
+[[nodiscard]] inline double float_spacing(double size) {
+  constexpr int kDigits = std::numeric_limits<float>::digits;
+  constexpr int kLowest = std::numeric_limits<float>::min_exponent - 1;  // subnormal numbers keep this spacing
+  const int exponent = size > 0 ? std::ilogb(size) : kLowest;
+  return std::ldexp(1.0, std::max(exponent, kLowest) - (kDigits - 1));
+}
+
+// Of the three without their signs: what the spacing at a point goes by.
+[[nodiscard]] inline double largest_coordinate(const glm::dvec3& v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+}  // namespace isoextract::accuracy

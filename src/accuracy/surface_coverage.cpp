@@ -1,0 +1,65 @@
+#include "accuracy/surface_coverage.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <vector>
+
+#include <tbb/parallel_for.h>
+
+#include "base/reduction.hpp"
+#include "mesh/components.hpp"
+
+namespace isoextract::accuracy {
+namespace {
+
+// 1 for each that has a vertex where the mesh was kept.
+std::vector<std::uint8_t> components_kept(const mesh::Mesh& surface, const mesh::Components& components,
+                                          std::span<const mesh::HalfSpace> clipped) {
+  std::vector<std::uint8_t> counts(components.count(), clipped.empty() ? 1 : 0);
+  for (std::size_t v = 0; v < surface.positions.size() && !clipped.empty(); ++v) {
+    const std::uint32_t label = components.of_vertex(v);
+    if (label < counts.size() && is_kept(surface.position(v), clipped)) counts[label] = 1;
+  }
+  return counts;
+}
+
+// Those that a vertex of `mesh` is nearest to.
+std::uint64_t count_found(const mesh::Mesh& mesh, const mesh::Mesh& surface, const mesh::TriangleTree& tree,
+                          const mesh::Components& components, std::span<const std::uint8_t> counts,
+                          const Context& context) {
+  std::vector<std::uint8_t> found(components.count(), 0);
+  tbb::parallel_for(PointRange(0, mesh.positions.size(), 1 << 12), [&](const PointRange& range) {
+    std::uint32_t near = 0;
+    for (std::size_t v = range.begin(); v != range.end() && !context.cancelled(); ++v) {
+      near = tree.nearest(mesh.position(v) - surface.origin, near).slot;
+      const std::uint32_t label = components.of_vertex(surface.triangles[tree.triangle(near)].x);
+      if (label < found.size()) std::atomic_ref(found[label]).store(1, std::memory_order_relaxed);
+    }
+    context.progress().advance(range.size());
+  });
+  std::uint64_t both = 0;
+  for (std::size_t c = 0; c < found.size(); ++c) both += found[c] != 0 && counts[c] != 0 ? 1 : 0;
+  return both;
+}
+
+}  // namespace
+
+bool is_kept(const glm::dvec3& p, std::span<const mesh::HalfSpace> clipped) {
+  return std::ranges::all_of(clipped, [&](const mesh::HalfSpace& kept) { return kept.depth(p) >= 0; });
+}
+
+std::uint64_t coverage_bytes(std::uint64_t vertices, std::uint64_t triangles) {
+  return mesh::Components::bytes(vertices) + 2 * std::min(vertices, triangles);
+}
+
+void count_components(const mesh::Mesh& mesh, const mesh::Mesh& surface, const mesh::TriangleTree* tree,
+                      std::span<const mesh::HalfSpace> clipped, const Context& context, SurfaceCoverage& coverage) {
+  const mesh::Components components(surface.triangles.span(), surface.positions.size());
+  const std::vector<std::uint8_t> counts = components_kept(surface, components, clipped);
+  coverage.components = coverage.lost = static_cast<std::uint64_t>(std::ranges::count(counts, 1));
+  if (mesh.triangles.empty() || tree == nullptr) return;
+  context.progress().begin("measuring what was lost", mesh.positions.size());
+  coverage.lost -= count_found(mesh, surface, *tree, components, counts, context);
+}
+
+}  // namespace isoextract::accuracy

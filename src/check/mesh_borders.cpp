@@ -1,0 +1,174 @@
+#include "check/mesh_borders.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+#include <tuple>
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "base/no_memory.hpp"
+#include "mesh/adjacency.hpp"
+
+namespace isoextract::check {
+namespace {
+
+// An end of an open edge: the fan of triangles at the vertex `at` that it borders.
+struct OpenEnd {
+  std::uint32_t low, high;  // the ends of the edge
+  std::uint32_t at;
+  std::uint32_t fan;
+  std::uint32_t edge = 0;  // its number, once it is known
+
+  [[nodiscard]] auto edge_key() const { return std::tie(low, high, at); }
+  [[nodiscard]] auto fan_key() const { return std::tie(at, fan, edge); }
+  [[nodiscard]] bool same_fan(const OpenEnd& other) const { return at == other.at && fan == other.fan; }
+};
+
+// The corners at the vertex, but those of triangles that repeat an index.
+void take_sound_corners(std::span<const mesh::Corner> corners, std::span<const glm::uvec3> triangles,
+                        std::vector<mesh::Corner>& sound) {
+  sound.clear();
+  std::ranges::copy_if(corners, std::back_inserter(sound),
+                       [&](mesh::Corner corner) { return !mesh::repeats_index(triangles[mesh::triangle_of(corner)]); });
+}
+
+class BorderSearch {
+ public:
+  BorderSearch(const mesh::Mesh& mesh, const mesh::Topology& topology, const mesh::Components& components)
+      : mesh_(mesh), components_(components), adjacency_(mesh.triangles.span(), mesh.positions.size()) {
+    result_.components.resize(components.count());
+    ends_.reserve(2 * topology.open_edges);
+  }
+
+  MeshBorders run() {
+    find_ends();
+    number_edges();
+    join_loops();
+    return std::move(result_);
+  }
+
+ private:
+  // Most vertices are sound, which several threads can tell.
+  void find_ends() {
+    const auto triangles = mesh_.triangles.span();
+    Buffer<std::uint8_t> sound(mesh_.positions.size());
+    constexpr std::size_t kVerticesAtATime = 1 << 10;
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, sound.size(), kVerticesAtATime), [&](const auto& range) {
+      mesh::VertexStar star;
+      std::vector<mesh::Corner> corners;
+      for (std::size_t v = range.begin(); v != range.end(); ++v) {
+        take_sound_corners(adjacency_.corners(v), triangles, corners);
+        if (!corners.empty()) star.look_at(corners, triangles);
+        sound[v] = corners.empty() || star.is_closed_fan() ? 1 : 0;
+      }
+    });
+    mesh::VertexStar star;
+    std::vector<mesh::Corner> corners;
+    for (std::uint32_t v = 0; v < sound.size(); ++v) {
+      if (sound[v] != 0) continue;
+      take_sound_corners(adjacency_.corners(v), triangles, corners);
+      star.look_at(corners, triangles);
+      look_at(v, star);
+    }
+  }
+
+  void look_at(std::uint32_t vertex, const mesh::VertexStar& star) {
+    EdgeDefects& defects = result_.components[components_.of_vertex(vertex)];
+    if (star.fans() > 1) ++defects.nonmanifold_vertices;
+    const auto sides = star.sides();
+    for (std::size_t first = 0; first < sides.size();) {
+      std::size_t last = first;
+      while (last < sides.size() && sides[last].end == sides[first].end) ++last;
+      const mesh::VertexStar::Side& side = sides[first];
+      const std::size_t count = last - first;
+      if (count == 1) {
+        ends_.push_back({std::min(vertex, side.end), std::max(vertex, side.end), vertex, star.fan_of()[side.corner]});
+      }
+      if (side.end > vertex) {  // an edge counts at the lower of its ends
+        defects.open += count == 1 ? 1 : 0;
+        defects.nonmanifold += count > 2 ? 1 : 0;
+        defects.misoriented += count == 2 && side.outgoing == sides[first + 1].outgoing ? 1 : 0;
+      }
+      first = last;
+    }
+  }
+
+  // Each open edge has two ends, which come to stand side by side.
+  void number_edges() {
+    std::ranges::sort(ends_, [](const OpenEnd& a, const OpenEnd& b) { return a.edge_key() < b.edge_key(); });
+    length_.resize(ends_.size() / 2);
+    component_.resize(length_.size());
+    for (std::size_t i = 0; i < ends_.size(); ++i) {
+      ends_[i].edge = static_cast<std::uint32_t>(i / 2);
+      if (i % 2 != 0) continue;
+      length_[i / 2] =
+          glm::distance(glm::dvec3(mesh_.positions[ends_[i].low]), glm::dvec3(mesh_.positions[ends_[i].high]));
+      component_[i / 2] = components_.of_vertex(ends_[i].low);
+    }
+  }
+
+  void join_loops() {
+    std::vector<std::uint32_t> first(length_.size());
+    std::iota(first.begin(), first.end(), 0U);
+    const auto find = [&](std::uint32_t edge) {
+      while (first[edge] != edge) edge = first[edge] = first[first[edge]];
+      return edge;
+    };
+    std::ranges::sort(ends_, [](const OpenEnd& a, const OpenEnd& b) { return a.fan_key() < b.fan_key(); });
+    for (std::size_t i = 1; i < ends_.size(); ++i) {
+      if (!ends_[i].same_fan(ends_[i - 1])) continue;
+      const auto [low, high] = std::minmax({find(ends_[i - 1].edge), find(ends_[i].edge)});
+      first[high] = low;
+    }
+    // A loop's first edge comes before all others and has the loop's number by then.
+    for (std::uint32_t edge = 0; edge < first.size(); ++edge) {
+      if (first[edge] == edge) {
+        first[edge] = static_cast<std::uint32_t>(result_.loops.size());
+        result_.loops.push_back({0, 0, component_[edge]});
+      } else {
+        first[edge] = first[first[edge]];
+      }
+      BorderLoop& loop = result_.loops[first[edge]];
+      ++loop.edges;
+      loop.length += length_[edge];
+    }
+  }
+
+  const mesh::Mesh& mesh_;
+  const mesh::Components& components_;
+  mesh::Adjacency adjacency_;
+  std::vector<OpenEnd> ends_;
+  std::vector<double> length_;            // of each open edge
+  std::vector<std::uint32_t> component_;  // likewise
+  MeshBorders result_;
+};
+
+}  // namespace
+
+Result<MeshBorders> find_borders(const mesh::Mesh& mesh, const mesh::Topology& topology,
+                                 const mesh::Components& components, const Context& context) {
+  const std::uint64_t vertices = mesh.positions.size();
+  constexpr std::uint64_t kEdgeBytes =
+      2 * sizeof(OpenEnd) + sizeof(double) + 2 * sizeof(std::uint32_t) + sizeof(BorderLoop);
+  const bool all_sound =
+      topology.open_edges + topology.nonmanifold_edges + topology.misoriented_edges + topology.nonmanifold_vertices ==
+      0;
+  const std::uint64_t search_bytes =
+      mesh::Adjacency::bytes(mesh.triangles.size(), vertices) + vertices + topology.open_edges * kEdgeBytes;
+  const std::string what = fmt::format("{}: the borders of its surface", mesh.name);
+  const auto memory =
+      TRY(context.reserve(components.count() * sizeof(EdgeDefects) + (all_sound ? 0 : search_bytes), what));
+  try {
+    if (!all_sound) return BorderSearch(mesh, topology, components).run();
+    MeshBorders borders;
+    borders.components.resize(components.count());
+    return borders;
+  } catch (const std::bad_alloc&) {
+    return tl::unexpected(no_memory(what + " need more memory than there is"));
+  }
+}
+
+}  // namespace isoextract::check

@@ -1,0 +1,176 @@
+#include "check/mesh_check.hpp"
+
+#include <algorithm>
+#include <new>
+#include <utility>
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "base/no_memory.hpp"
+#include "check/detail/places.hpp"
+#include "mesh/components.hpp"
+
+namespace isoextract::check {
+namespace {
+
+constexpr const char* kPlacesText = "the vertices at one place";
+
+// The mesh's positions and name, with triangles that name the first vertex at each place.
+mesh::Mesh with_joined_triangles(const mesh::Mesh& mesh, const VertexPlaces& places) {
+  mesh::Mesh joined;
+  joined.name = mesh.name;
+  joined.positions = Buffer<glm::vec3>(mesh.positions.size());
+  std::copy(mesh.positions.begin(), mesh.positions.end(), joined.positions.begin());
+  joined.triangles = Buffer<glm::uvec3>(mesh.triangles.size());
+  std::transform(mesh.triangles.begin(), mesh.triangles.end(), joined.triangles.begin(),
+                 [&](const glm::uvec3& t) { return places.of_triangle(t); });
+  return joined;
+}
+
+Result<void> look_at_places(const mesh::Mesh& mesh, const Context& context, MeshCheck& check) {
+  const std::string what = fmt::format("{}: {}", mesh.name, kPlacesText);
+  auto memory = TRY(context.reserve(VertexPlaces::bytes(mesh.positions.size()), what));
+  const VertexPlaces places(mesh.positions.span());
+  check.repeated_vertices = places.repeated();
+  if (check.repeated_vertices == 0 || check.topology.open_edges == 0) return {};
+  const auto copy = TRY(context.reserve(mesh.positions.size_bytes() + mesh.triangles.size_bytes(), what));
+  check.joined = TRY(mesh::measure_topology(with_joined_triangles(mesh, places), context));
+  return {};
+}
+
+Result<void> look_at_components(const mesh::Mesh& mesh, const Context& context, MeshCheck& check) {
+  const auto memory = TRY(
+      context.reserve(mesh::Components::bytes(mesh.positions.size()), fmt::format("{}: its components", mesh.name)));
+  const mesh::Components components(mesh.triangles.span(), mesh.positions.size());
+  auto borders = TRY(find_borders(mesh, check.topology, components, context));
+  check.memory = TRY(context.reserve(components.count() * sizeof(Component) + borders.loops.size() * sizeof(BorderLoop),
+                                     fmt::format("{}: the table of its components", mesh.name)));
+  auto described = TRY(describe_components(mesh, components, borders, context));
+  // Of the triangles: a vertex that none uses is nowhere on the surface.
+  for (const Component& component : described) {
+    if (&component == &described.front()) check.bounds = component.bounds;
+    check.bounds = {glm::min(check.bounds.min, component.bounds.min), glm::max(check.bounds.max, component.bounds.max)};
+  }
+  check.loops = std::move(borders.loops);
+  check.components = std::move(described);
+  return {};
+}
+
+Result<MeshCheck> look_at_all(const mesh::Mesh& mesh, const Context& context) {
+  MeshCheck check;
+  check.vertices = mesh.positions.size();
+  check.triangles = mesh.triangles.size();
+  context.progress().begin("checking edges and vertices", 0);
+  check.topology = TRY(mesh::measure_topology(mesh, context));
+  check.size = mesh::measure_size(mesh);
+  for (auto* const look : {look_at_places, look_at_components}) {
+    TRY(context.check());
+    TRY(look(mesh, context, check));
+  }
+  check.intersections = TRY(find_self_intersections(mesh, {}, context));
+  return check;
+}
+
+// "1 open edge", "2 open edges"
+std::string count_text(std::uint64_t count, const char* one, const char* many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+// Both where there are both.
+std::string both(const std::string& a, std::uint64_t a_count, const std::string& b, std::uint64_t b_count) {
+  if (a_count == 0) return b;
+  return b_count == 0 ? a : fmt::format("{}, {}", a, b);
+}
+
+std::uint64_t offending(Requirement requirement, const MeshCheck& check) {
+  switch (requirement) {
+    case Requirement::closed: return check.topology.open_edges;
+    case Requirement::manifold: return check.topology.nonmanifold_edges + check.topology.nonmanifold_vertices;
+    case Requirement::oriented: return check.topology.misoriented_edges;
+    case Requirement::outward: return check.count(Shell::inside_out);
+    case Requirement::no_self_intersections: return check.intersections.pairs;
+    case Requirement::no_zero_area: return check.intersections.zero_area_triangles;
+    case Requirement::no_duplicates: return check.intersections.duplicate_triangles;
+    case Requirement::no_unused_vertices: return check.topology.unused_vertices;
+    case Requirement::one_component: return check.topology.components == 1 ? 0 : check.topology.components;
+    case Requirement::normals: break;
+  }
+  return check.normals ? check.normals->against + check.normals->missing : check.triangles;
+}
+
+std::string reason(Requirement requirement, const MeshCheck& check, std::uint64_t count) {
+  const mesh::Topology& topology = check.topology;
+  switch (requirement) {
+    case Requirement::closed:
+      return fmt::format("{} in {}", count_text(count, "open edge", "open edges"),
+                         count_text(check.loops.size(), "loop", "loops"));
+    case Requirement::manifold:
+      return both(count_text(topology.nonmanifold_edges, "edge", "edges") + " of more than two triangles",
+                  topology.nonmanifold_edges,
+                  count_text(topology.nonmanifold_vertices, "vertex", "vertices") + " where surfaces touch",
+                  topology.nonmanifold_vertices);
+    case Requirement::oriented: return count_text(count, "edge", "edges") + " whose triangles wind against each other";
+    case Requirement::outward: return count_text(count, "component", "components") + " inside out";
+    case Requirement::no_self_intersections:
+      return fmt::format("{}{} of triangles that intersect", check.intersections.at_least ? "more than " : "",
+                         count_text(count, "pair", "pairs"));
+    case Requirement::no_zero_area: return count_text(count, "triangle", "triangles") + " without area";
+    case Requirement::no_duplicates: return count_text(count, "triangle", "triangles") + " with the corners of another";
+    case Requirement::no_unused_vertices: return count_text(count, "vertex", "vertices") + " in no triangle";
+    case Requirement::one_component: return count_text(count, "component", "components");
+    case Requirement::normals: break;
+  }
+  if (!check.normals) return "no normals";
+  return both(count_text(check.normals->against, "corner", "corners") + " with a normal against the triangle",
+              check.normals->against, count_text(check.normals->missing, "corner", "corners") + " without a normal",
+              check.normals->missing);
+}
+
+}  // namespace
+
+std::uint64_t MeshCheck::count(Shell shell) const {
+  return static_cast<std::uint64_t>(std::ranges::count(components, shell, &Component::shell));
+}
+
+Result<MeshCheck> check_mesh(const mesh::Mesh& mesh, const Context& context) {
+  try {
+    return look_at_all(mesh, context);
+  } catch (const std::bad_alloc&) {
+    return tl::unexpected(no_memory(fmt::format("{}: checking it needs more memory than there is", mesh.name)));
+  }
+}
+
+Result<void> join_repeated_vertices(mesh::Mesh& mesh, const Context& context) {
+  const std::string what = fmt::format("{}: {}", mesh.name, kPlacesText);
+  const std::uint64_t vertices = mesh.positions.size();
+  const auto memory = TRY(context.reserve(
+      VertexPlaces::bytes(vertices) + vertices * (2 * sizeof(std::uint32_t) + mesh::vertex_bytes(mesh)), what));
+  try {
+    const VertexPlaces places(mesh.positions.span());
+    if (places.repeated() == 0) return {};
+    std::vector<std::uint32_t> old_of_new;
+    old_of_new.reserve(vertices);
+    std::vector<std::uint32_t> new_of_old(vertices);
+    for (std::uint32_t v = 0; v < vertices; ++v) {
+      const std::uint32_t first = places.of_vertex(v);
+      if (first == v) old_of_new.push_back(v);
+      new_of_old[v] = first == v ? static_cast<std::uint32_t>(old_of_new.size() - 1) : new_of_old[first];
+    }
+    mesh::gather_vertices(mesh, old_of_new);
+    for (glm::uvec3& t : mesh.triangles) t = {new_of_old[t.x], new_of_old[t.y], new_of_old[t.z]};
+    return {};
+  } catch (const std::bad_alloc&) {
+    return tl::unexpected(no_memory(what + " need more memory than there is"));
+  }
+}
+
+std::optional<std::string> why_not(Requirement requirement, const MeshCheck& check) {
+  if (check.triangles == 0) return "no triangles";
+  const std::uint64_t count = offending(requirement, check);
+  if (count == 0 && (requirement != Requirement::one_component || check.topology.components == 1)) return std::nullopt;
+  return reason(requirement, check, count);
+}
+
+}  // namespace isoextract::check

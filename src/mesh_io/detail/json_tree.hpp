@@ -1,0 +1,24 @@
+// A JSON of bounded depth that can be destroyed where there is no memory: nlohmann's destructor takes some for what is
+// nested, and ends the program where there is none.
+#pragma once
+
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+namespace isoextract::mesh_io {
+
+class JsonTree {
+ public:
+  explicit JsonTree(nlohmann::json root) noexcept : root_(std::move(root)) {}
+  JsonTree(const JsonTree&) = delete;
+  JsonTree& operator=(const JsonTree&) = delete;
+  ~JsonTree();  // NOLINT(bugprone-exception-escape)
+
+  [[nodiscard]] nlohmann::json& root() { return root_; }
+
+ private:
+  nlohmann::json root_;
+};
+
+}  // namespace isoextract::mesh_io

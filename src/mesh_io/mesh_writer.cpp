@@ -1,0 +1,300 @@
+#include "mesh_io/mesh_writer.hpp"
+
+#include <algorithm>
+#include <array>
+#include <type_traits>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/ascii.hpp"
+#include "mesh_io/write/attempt.hpp"
+#include "mesh_io/write/mesh_format_writers.hpp"
+#include "mesh_io/write/vertex_order.hpp"
+#include "mesh_io/write/written_places.hpp"
+
+namespace isoextract::mesh_io {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array kFormats = {
+    MeshFormatInfo{MeshFormat::glb, "glb", "glTF 2.0, one binary file", true, false, true, false, true},
+    MeshFormatInfo{MeshFormat::gltf, "gltf", "glTF 2.0, JSON with a .bin beside it", true, true, false, false, true},
+    MeshFormatInfo{MeshFormat::ply, "ply", "PLY, binary little-endian or text", false, true, true, true, true},
+    MeshFormatInfo{MeshFormat::obj, "obj", "Wavefront OBJ, text", true, true, true, false, false},
+    MeshFormatInfo{MeshFormat::stl, "stl", "STL, binary or text", false, true, true, true, false},
+    MeshFormatInfo{MeshFormat::drc, "drc", "Draco, compressed", false, true, true, false, true},
+};
+
+std::string names_of_formats(bool MeshFormatInfo::*property) {
+  std::string names;
+  for (const MeshFormatInfo& info : kFormats) {
+    if (info.*property) names += fmt::format("{}{}", names.empty() ? "" : ", ", info.name);
+  }
+  return names;
+}
+
+Result<void> check(std::size_t meshes, const fs::path& path, const MeshWriteOptions& options) {
+  const MeshFormatInfo& info = mesh_format_info(options.format);
+  if (auto sound = check_packing(options.packing, options.format); !sound) {
+    sound.error().message = fmt::format("{}: {}", path.string(), sound.error().message);
+    return sound;
+  }
+  if (options.ascii && !info.has_ascii) {
+    return fail(ErrorCode::usage, fmt::format("{}: the format {} cannot be text", path.string(), info.name),
+                {Remedy::ascii_formats, names_of_formats(&MeshFormatInfo::has_ascii)});
+  }
+  if (meshes != 1 && !info.holds_several_meshes) {
+    return fail(ErrorCode::usage,
+                fmt::format("{}: the format {} holds one mesh, found {}", path.string(), info.name, meshes),
+                {Remedy::one_file_per_surface, names_of_formats(&MeshFormatInfo::holds_several_meshes)});
+  }
+  if (info.can_stream) return {};
+  if (files::is_stream(path)) {
+    return fail(
+        ErrorCode::usage,
+        fmt::format("{}: the format {} makes two files and cannot be written to a stream", path.string(), info.name),
+        {Remedy::choose_mesh_format, names_of_formats(&MeshFormatInfo::can_stream)});
+  }
+  if (path.extension() == ".bin") {
+    return fail(ErrorCode::usage,
+                fmt::format("{}: the data of the format {} would get this name as well", path.string(), info.name),
+                "use a name that ends in .gltf");
+  }
+  return {};
+}
+
+// PLY or STL, whose one mesh is all there is to write.
+class OneMeshWriter final : public FormatWriter {
+ public:
+  using Write = Result<void> (*)(const mesh::Mesh&, const MeshWriteOptions&, files::OutputFile&, Notes&);
+
+  OneMeshWriter(Write write, const MeshWriteOptions& options, files::OutputFile& file)
+      : write_(write), options_(options), file_(file) {}
+
+  Result<void> add(const mesh::Mesh& mesh, Notes& notes) override { return write_(mesh, options_, file_, notes); }
+  Result<void> finish(Notes& /*notes*/) override { return {}; }
+
+ private:
+  Write write_;
+  MeshWriteOptions options_;
+  files::OutputFile& file_;
+};
+
+// Around all of them, in the coordinates of the output.
+mesh::Bounds bounds_of(std::span<const mesh::Mesh> meshes) {
+  std::optional<mesh::Bounds> all;
+  for (const mesh::Mesh& mesh : meshes) {
+    if (mesh.positions.empty()) continue;
+    const mesh::Bounds bounds = mesh::measure_bounds(mesh);
+    all = all ? mesh::Bounds{glm::min(all->min, bounds.min), glm::max(all->max, bounds.max)} : bounds;
+  }
+  return all.value_or(mesh::Bounds());
+}
+
+}  // namespace
+
+bool is_gltf(MeshFormat format) { return format == MeshFormat::glb || format == MeshFormat::gltf; }
+
+std::span<const MeshFormatInfo> mesh_formats() { return kFormats; }
+
+const MeshFormatInfo& mesh_format_info(MeshFormat format) {
+  return *std::find_if(kFormats.begin(), kFormats.end(),
+                       [format](const MeshFormatInfo& info) { return info.format == format; });
+}
+
+std::optional<MeshFormat> mesh_format_by_name(std::string_view name) {
+  for (const MeshFormatInfo& info : kFormats) {
+    if (info.name == name) return info.format;
+  }
+  return std::nullopt;
+}
+
+std::optional<MeshFormat> mesh_format_by_path(const fs::path& path) {
+  const std::string extension = lower_case(path.extension().string());
+  return extension.empty() ? std::nullopt : mesh_format_by_name(std::string_view(extension).substr(1));
+}
+
+Result<void> check_packing(const MeshPacking& packing, MeshFormat format) {
+  const std::string_view name = mesh_format_info(format).name;
+  const bool draco = packing.compression == Compression::draco || format == MeshFormat::drc;
+  if (packing.compression == Compression::draco && !is_gltf(format) && format != MeshFormat::drc) {
+    return fail(ErrorCode::usage, fmt::format("the format {} has no Draco compression", name),
+                {Remedy::choose_mesh_format, "glb, gltf or drc"});
+  }
+  if ((packing.quantize || packing.compression == Compression::meshopt) && !is_gltf(format)) {
+    return fail(ErrorCode::usage,
+                fmt::format("the format {} has no {}", name,
+                            packing.quantize ? "quantised positions of 16 bits" : "compression by meshoptimizer"),
+                {Remedy::choose_mesh_format, "glb or gltf"});
+  }
+  if (draco && packing.quantize) return fail(ErrorCode::usage, "Draco quantises by itself, with bits of its own");
+  if (draco && packing.optimize_order) return fail(ErrorCode::usage, "Draco has an order of its own");
+  if (!packing.position_bits) return {};
+  if (!draco) return fail(ErrorCode::usage, "only Draco's positions have a number of bits to choose");
+  if (*packing.position_bits < kMinPositionBits || *packing.position_bits > kMaxPositionBits) {
+    return fail(ErrorCode::usage, fmt::format("expected from {} to {} bits of positions, found {}", kMinPositionBits,
+                                              kMaxPositionBits, *packing.position_bits));
+  }
+  return {};
+}
+
+struct MeshWriter::State {
+  fs::path path;
+  MeshWriteOptions options;
+  Context context;
+  bool holds = false;            // all meshes until the last
+  std::vector<mesh::Mesh> held;  // where it does
+  std::size_t count = 0;         // of meshes that were added
+  std::optional<files::OutputFile> file;
+  std::optional<files::OutputFile> binary;  // of .gltf
+  std::unique_ptr<FormatWriter> format;
+  std::vector<std::string> left_out;  // names of attributes, where the format has none
+  Notes notes;
+  std::optional<Error> failure;
+
+  template <class Step>
+  [[nodiscard]] std::invoke_result_t<Step> attempt(Step step) {
+    return mesh_io::attempt(failure, context, path, std::move(step));
+  }
+
+  [[nodiscard]] Result<void> keep_places(const mesh::Mesh& mesh);
+  [[nodiscard]] Result<void> open();
+  [[nodiscard]] Result<void> write(const mesh::Mesh& mesh);
+  [[nodiscard]] Result<MeshWriteResult> finish(std::span<const mesh::Mesh> last);
+  [[nodiscard]] std::string left_out_note() const;
+};
+
+// Or fails.
+Result<void> MeshWriter::State::keep_places(const mesh::Mesh& mesh) {
+  const auto collapsed = check_places(mesh, path, options.format);
+  if (!collapsed) return tl::unexpected<Error>(collapsed.error());
+  if (*collapsed > 0) {
+    notes.push_back(
+        fmt::format("{}: {} of {} triangles have corners at one place in the file, which its numbers do not tell apart "
+                    "so far from the origin",
+                    path.string(), *collapsed, mesh.triangles.size()));
+  }
+  return {};
+}
+
+// Once.
+Result<void> MeshWriter::State::open() {
+  if (format != nullptr) return {};
+  auto opened = files::OutputFile::create(path);
+  if (!opened) return tl::unexpected<Error>(std::move(opened.error()));
+  file = std::move(*opened);
+  switch (options.format) {
+    case MeshFormat::glb: format = make_glb_writer(options, context, *file); break;
+    case MeshFormat::ply: format = std::make_unique<OneMeshWriter>(write_ply, options, *file); break;
+    case MeshFormat::stl: format = std::make_unique<OneMeshWriter>(write_stl, options, *file); break;
+    case MeshFormat::obj: format = make_obj_writer(options, context, *file); break;
+    case MeshFormat::drc: format = make_drc_writer(options, context, *file); break;
+    case MeshFormat::gltf:
+      const fs::path binary_path = fs::path(path).replace_extension(".bin");
+      opened = files::OutputFile::create(binary_path);
+      if (!opened) return tl::unexpected<Error>(std::move(opened.error()));
+      binary = std::move(*opened);
+      format = make_gltf_writer(options, context, *file, *binary, binary_path.filename().string());
+  }
+  return {};
+}
+
+Result<void> MeshWriter::State::write(const mesh::Mesh& mesh) {
+  TRY(open());
+  if (!mesh_format_info(options.format).has_attributes) {
+    for (const mesh::Attribute& attribute : mesh.attributes) {
+      std::string name = fmt::format("'{}'", attribute.name);
+      if (std::find(left_out.begin(), left_out.end(), name) == left_out.end()) left_out.push_back(std::move(name));
+    }
+  }
+  auto added = format->add(mesh, notes);
+  // What cannot be packed does not know where it would go.
+  if (!added && options.packing.packs() &&
+      !added.error().message.starts_with(fs::path(path).replace_extension().string())) {
+    added.error().message = fmt::format("{}: {}", path.string(), added.error().message);
+  }
+  return added;
+}
+
+std::string MeshWriter::State::left_out_note() const {
+  return fmt::format("{} has no attributes of vertices: {} {} left out; {} keep them",
+                     mesh_format_info(options.format).name, fmt::join(left_out, ", "),
+                     left_out.size() == 1 ? "was" : "were", names_of_formats(&MeshFormatInfo::has_attributes));
+}
+
+// `last` are the meshes that are not written yet.
+Result<MeshWriteResult> MeshWriter::State::finish(std::span<const mesh::Mesh> last) {
+  auto done = check(count, path, options);
+  if (options.packing.quantizes() && !options.packing.box) options.packing.box = bounds_of(last);
+  if (done) done = open();
+  for (std::size_t m = 0; m < last.size() && done; ++m) done = write(last[m]);
+  if (done) done = format->finish(notes);
+  const bool has_binary = done && binary && binary->bytes_written() > 0;
+  if (done) done = has_binary ? files::OutputFile::commit_pair(*binary, *file) : file->commit();
+  if (!done) return tl::unexpected<Error>(std::move(done.error()));
+  if (!left_out.empty()) notes.insert(notes.begin(), left_out_note());
+  MeshWriteResult result{{{path.string(), file->bytes_written()}}, std::move(notes), {}};
+  if (options.packing.packs()) result.packed = format->packed();
+  if (has_binary) {
+    result.files.push_back({fs::path(path).replace_extension(".bin").string(), binary->bytes_written()});
+  }
+  return result;
+}
+
+MeshWriter::MeshWriter(const fs::path& path, const MeshWriteOptions& options, const Context& context)
+    : state_(std::make_unique<State>()) {
+  state_->path = path;
+  state_->options = options;
+  state_->context = context;
+  if (options.format == MeshFormat::drc && options.packing.compression == Compression::none) {
+    state_->options.packing.compression = Compression::draco;
+  }
+  const MeshPacking& packing = state_->options.packing;
+  state_->holds = !mesh_format_info(options.format).writes_as_they_come || files::is_stream(path) ||
+                  (packing.quantizes() && !packing.box);
+}
+
+MeshWriter::MeshWriter(MeshWriter&&) noexcept = default;
+MeshWriter& MeshWriter::operator=(MeshWriter&&) noexcept = default;
+MeshWriter::~MeshWriter() = default;
+
+Result<void> MeshWriter::add(mesh::Mesh mesh) {
+  State& state = *state_;
+  return state.attempt([&]() -> Result<void> {
+    TRY(check(++state.count, state.path, state.options));
+    TRY(state.keep_places(mesh));
+    if (state.options.packing.optimize_order) {
+      TRY(optimize_order(mesh, state.context));
+    }
+    if (!state.holds) return state.write(mesh);
+    state.held.push_back(std::move(mesh));
+    return {};
+  });
+}
+
+Result<MeshWriteResult> MeshWriter::finish() {
+  return state_->attempt([&] { return state_->finish(state_->held); });
+}
+
+Result<MeshWriteResult> write_meshes(std::span<const mesh::Mesh> meshes, const fs::path& path,
+                                     const MeshWriteOptions& options, const Context& context) {
+  MeshWriter writer(path, options, context);
+  if (options.packing.optimize_order) {
+    Result<void> added;
+    for (std::size_t m = 0; m < meshes.size() && added; ++m) added = writer.add(mesh::copy(meshes[m]));
+    return writer.finish();
+  }
+  MeshWriter::State& state = *writer.state_;
+  state.count = meshes.size();
+  return state.attempt([&]() -> Result<MeshWriteResult> {
+    for (const mesh::Mesh& mesh : meshes) {
+      TRY(state.keep_places(mesh));
+    }
+    return state.finish(meshes);
+  });
+}
+
+}  // namespace isoextract::mesh_io

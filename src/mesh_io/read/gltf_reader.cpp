@@ -1,0 +1,495 @@
+// glTF 2.0 (ISO/IEC 12113), .glb and .gltf: the triangles of the default scene, placed by its nodes in double. The JSON
+// is read here and not by TinyGLTF, which trusts offsets of images and of animations that nobody asked for.
+//
+// What is scaled to nothing is left out. Nothing is played: of a sequence in one file (write/animated_glb.hpp) that
+// leaves its first frame.
+//
+// Attributes are COLOR_0 and those that begin with an underscore, where all primitives have them in one form.
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "mesh_io/detail/json_tree.hpp"
+#include "mesh_io/detail/placement_entry.hpp"
+#include "mesh_io/mesh_reader.hpp"
+#include "mesh_io/read/gltf_data.hpp"
+#include "mesh_io/read/gltf_json.hpp"
+#include "mesh_io/read/gltf_normals.hpp"
+#include "mesh_io/read/mesh_format_readers.hpp"
+
+namespace isoextract::mesh_io {
+namespace {
+
+using nlohmann::json;
+
+// Modes of primitives; those below are points and lines.
+constexpr std::uint64_t kTriangles = 4;
+constexpr std::uint64_t kStrip = 5;
+constexpr std::uint64_t kFan = 6;
+
+// What keeps to shading, lights, pictures, sounds, motion and what is told about parts, by how its name begins.
+constexpr std::array<std::string_view, 16> kOtherExtensions{"KHR_materials_",
+                                                            "EXT_materials_",
+                                                            "ADOBE_materials_",
+                                                            "KHR_texture_",
+                                                            "EXT_texture_",
+                                                            "MSFT_texture_",
+                                                            "KHR_lights_",
+                                                            "EXT_lights_",
+                                                            "KHR_animation_",
+                                                            "KHR_audio",
+                                                            "KHR_xmp",
+                                                            "EXT_mesh_features",
+                                                            "EXT_structural_metadata",
+                                                            "EXT_feature_metadata",
+                                                            "AGI_",
+                                                            "FB_ngon_encoding"};
+// What is read.
+constexpr std::array<std::string_view, 3> kPackingExtensions{kDracoExtension, kQuantizationExtension,
+                                                             kMeshoptExtension};
+
+bool changes_triangles(std::string_view extension) {
+  return std::ranges::find(kPackingExtensions, extension) == kPackingExtensions.end() &&
+         std::none_of(kOtherExtensions.begin(), kOtherExtensions.end(),
+                      [&](std::string_view start) { return extension.starts_with(start); });
+}
+
+struct Instance {
+  std::uint64_t mesh;
+  Transform transform;
+};
+
+std::string placement_of(const json& asset) {
+  const auto extras = asset.find("extras");
+  if (extras == asset.end() || !extras->is_object()) return {};
+  const auto placement = extras->find(kPlacementEntry);
+  return placement == extras->end() ? std::string() : placement->dump(-1, ' ', true, json::error_handler_t::replace);
+}
+
+class ModelReader {
+ public:
+  ModelReader(const MeshSource& source, std::string_view text, std::span<const std::byte> binary)
+      : source_(source), binary_(binary), tree_(parse_json(text, source.memory)) {
+    if (!model_.is_object()) throw DamagedMesh("expected JSON in a glTF file, found something else");
+    surface_.y_up = true;
+  }
+
+  FileSurface read() {
+    const auto asset = model_.find("asset");
+    const std::string_view version = asset != model_.end() && asset->is_object() ? text_of(*asset, "version") : "";
+    if (!version.starts_with("2.")) {
+      throw DamagedMesh(fmt::format("expected glTF of version 2, found '{}'", files::printable(version, 16)));
+    }
+    surface_.is_ours = is_signature(text_of(*asset, "generator"));
+    surface_.placement = placement_of(*asset);
+    check_extensions();
+    data_.emplace(source_, model_, binary_);
+    const std::vector<Instance> instances = find_instances();
+    bool moved_alike = true;
+    for (const Instance& instance : instances) {
+      moved_alike = moved_alike && instance.transform.linear == glm::dmat3(1.0) &&
+                    instance.transform.offset == instances.front().transform.offset;
+    }
+    if (moved_alike && !instances.empty()) surface_.origin = instances.front().transform.offset;
+    for (const Instance& instance : instances) {
+      Transform transform = instance.transform;
+      if (surface_.origin) transform.offset = glm::dvec3(0);
+      const json& mesh = entry(model_, "meshes", instance.mesh);
+      constexpr std::size_t kNameBytes = 200;  // a scene may have one mesh in very many places
+      const std::string_view name = text_of(mesh, "name").substr(0, kNameBytes);
+      source_.memory.make_room(surface_.parts, 1);
+      source_.memory.take(2 * (sizeof(MeshPart) + name.size()));  // the list that is given out, too
+      surface_.parts.push_back({std::string(name), surface_.positions.size(), surface_.triangles.size()});
+      add_mesh(mesh, transform);
+    }
+    for (const std::string& name : left_out_) {
+      surface_.notes.push_back(
+          fmt::format("the attribute '{}' was left out: not all of its surfaces have it in one form", name));
+    }
+    if (corners_apart_ > 0) {
+      surface_.notes.push_back(
+          fmt::format("{} corners were joined with others at their place that have other attributes", corners_apart_));
+    }
+    if (hidden_meshes_ > 0) {
+      surface_.notes.push_back(fmt::format(
+          "{} surfaces were left out, scaled to nothing{}", hidden_meshes_,
+          model_.contains("animations") ? " until the animation shows them: what is read is what is shown at rest"
+                                        : ""));
+    }
+    if (other_primitives_ > 0) {
+      surface_.notes.push_back(fmt::format("{} primitives of points or lines were left out", other_primitives_));
+    }
+    return std::move(surface_);
+  }
+
+ private:
+  void check_extensions() {
+    const auto required = model_.find("extensionsRequired");
+    if (required == model_.end()) return;
+    if (!required->is_array()) {
+      throw DamagedMesh(fmt::format("expected a list as 'extensionsRequired', found {}", shown(*required)));
+    }
+    for (const json& extension : *required) {
+      const std::string_view name =
+          extension.is_string() ? std::string_view(extension.get_ref<const std::string&>()) : "";
+      has_quantised_ = has_quantised_ || name == kQuantizationExtension;
+      if (!name.empty() && !changes_triangles(name)) continue;
+      throw DamagedMesh(
+          fmt::format("expected glTF whose triangles need no extension to be read, found that it requires {}",
+                      shown(extension)),
+          "write it without that extension");
+    }
+  }
+
+  // Depth first; a node that is met twice would be in a cycle or have two parents, which glTF forbids.
+  std::vector<Instance> find_instances() {
+    std::vector<Instance> instances;
+    std::vector<std::pair<std::uint64_t, Transform>> waiting;
+    const auto wait_for = [&](const json& object, const char* key, const Transform& parent) {
+      const auto list = object.find(key);
+      if (list == object.end()) return;
+      if (!list->is_array()) throw DamagedMesh(fmt::format("expected a list as '{}', found {}", key, shown(*list)));
+      source_.memory.make_room(waiting, list->size());
+      for (auto node = list->rbegin(); node != list->rend(); ++node) {
+        if (!node->is_number_unsigned()) {
+          throw DamagedMesh(fmt::format("expected indices of nodes as '{}', found {}", key, shown(*list)));
+        }
+        waiting.emplace_back(node->get<std::uint64_t>(), parent);
+      }
+    };
+    const auto nodes = model_.find("nodes");
+    std::vector<bool> met(nodes == model_.end() ? 0 : nodes->size());
+    if (model_.contains("scenes")) {
+      wait_for(entry(model_, "scenes", whole(model_, "scene", 0)), "nodes", {});
+    } else {  // a library of meshes: all that stands in no other node
+      for (std::uint64_t n = 0; n < met.size(); ++n) wait_for(entry(model_, "nodes", n), "children", {});
+      std::vector<bool> inner(met.size());
+      for (const auto& [child, parent] : waiting) {
+        if (child < inner.size()) inner[child] = true;
+      }
+      waiting.clear();
+      for (std::uint64_t n = met.size(); n-- > 0;) {
+        if (!inner[n]) waiting.emplace_back(n, Transform());
+      }
+    }
+    while (!waiting.empty()) {
+      const auto [index, parent] = waiting.back();
+      waiting.pop_back();
+      const json& node = entry(model_, "nodes", index);
+      if (met[index]) throw DamagedMesh(fmt::format("expected a tree of nodes, found node {} in two places", index));
+      met[index] = true;
+      const Transform transform = parent.after(transform_of(node));
+      if (!transform.is_finite()) {
+        throw DamagedMesh(fmt::format("expected a finite place of node {} within the scene, found ({}, {}, {})", index,
+                                      transform.offset.x, transform.offset.y, transform.offset.z));
+      }
+      if (node.contains("mesh") && transform.linear == glm::dmat3(0)) {
+        ++hidden_meshes_;
+      } else if (node.contains("mesh")) {
+        instances.push_back({whole(node, "mesh"), transform});
+      }
+      wait_for(node, "children", transform);
+    }
+    return instances;
+  }
+
+  struct AttributeView {
+    mesh::Attribute kind;  // without values
+    GltfView view;
+  };
+
+  [[nodiscard]] std::optional<AttributeView> attribute_of(const std::string& semantic, const json& index) {
+    if (!index.is_number_unsigned()) {
+      throw DamagedMesh(
+          fmt::format("expected an accessor as '{}', found {}", files::printable(semantic, 40), shown(index)));
+    }
+    const json& accessor = entry(model_, "accessors", index.get<std::uint64_t>());
+    constexpr std::array<std::string_view, mesh::kMaxComponents> kTypes{"SCALAR", "VEC2", "VEC3", "VEC4"};
+    const std::string_view type = text_of(accessor, "type");
+    const auto* found = std::find(kTypes.begin(), kTypes.end(), type);
+    const bool has_values = accessor.contains("bufferView") || accessor.contains("sparse") ||
+                            data_->is_unpacked(index.get<std::uint64_t>());
+    if (found == kTypes.end() || !has_values) {
+      surface_.notes.push_back(fmt::format("the attribute '{}' was left out: {}", files::printable(semantic, 40),
+                                           has_values ? "its values are no numbers or vectors" : "it has no values"));
+      return std::nullopt;
+    }
+    AttributeView attribute;
+    mesh::Attribute& kind = attribute.kind;
+    kind.components = static_cast<std::size_t>(found - kTypes.begin()) + 1;
+    attribute.view = data_->view(index.get<std::uint64_t>(), type, kind.components);
+    const auto component = gltf_component(attribute.view.component);
+    if (!component) {
+      throw DamagedMesh(fmt::format("expected a component type from {} to {} of '{}', found {}", kGltfByte, kGltfFloat,
+                                    files::printable(semantic, 40), attribute.view.component));
+    }
+    kind.type = *component;
+    kind.normalised = attribute.view.normalised;
+    if (semantic.starts_with('_')) {
+      kind.name = semantic.substr(1);
+      return attribute;
+    }
+    kind.name = "colour";
+    kind.role = mesh::AttributeRole::colour;
+    const bool fraction = kind.normalised && (kind.type == mesh::ComponentType::u8 ||  //
+                                              kind.type == mesh::ComponentType::u16);
+    if (kind.components < 3 || (!fraction && kind.type != mesh::ComponentType::f32)) {
+      throw DamagedMesh(
+          fmt::format("expected colours of three or four components, float or normalized unsigned ones, found {}",
+                      shown(accessor)));
+    }
+    return attribute;
+  }
+
+  // Those of the primitive that go on from what is there, in the order of surface_.attributes. The first primitive says
+  // what there may be; what is missing in a later one, or is of another form, goes.
+  std::vector<GltfView> attribute_views(const json& semantics, std::uint64_t vertices) {
+    std::vector<AttributeView> found;
+    for (const auto& [semantic, index] : semantics.items()) {
+      if (semantic != "COLOR_0" && !semantic.starts_with('_')) continue;
+      auto attribute = attribute_of(semantic, index);
+      if (!attribute) continue;
+      if (attribute->view.count != vertices) {
+        throw DamagedMesh(fmt::format("expected {} values as '{}', one a vertex, found {}", vertices,
+                                      files::printable(semantic, 40), attribute->view.count));
+      }
+      found.push_back(std::move(*attribute));
+    }
+    auto& there = surface_.attributes;
+    if (std::exchange(is_first_primitive_, false)) {
+      for (const AttributeView& attribute : found) there.push_back({attribute.kind.without_values(), {}});
+    }
+    const auto same = [](const mesh::Attribute& a, const mesh::Attribute& b) {
+      return a.name == b.name && a.role == b.role && a.type == b.type && a.components == b.components &&
+             a.normalised == b.normalised;
+    };
+    const auto leave_out = [&](const mesh::Attribute& kind) { left_out_.insert(files::printable(kind.name, 40)); };
+    std::erase_if(there, [&](const FileAttribute& attribute) {
+      const bool gone = std::none_of(found.begin(), found.end(),
+                                     [&](const AttributeView& other) { return same(other.kind, attribute.kind); });
+      if (gone) leave_out(attribute.kind);
+      return gone;
+    });
+    std::vector<GltfView> views;
+    for (const FileAttribute& attribute : there) {
+      views.push_back(std::find_if(found.begin(), found.end(), [&](const AttributeView& other) {
+                        return same(other.kind, attribute.kind);
+                      })->view);
+    }
+    for (const AttributeView& attribute : found) {
+      const bool kept = std::any_of(there.begin(), there.end(),
+                                    [&](const FileAttribute& other) { return same(other.kind, attribute.kind); });
+      if (!kept) leave_out(attribute.kind);
+    }
+    return views;
+  }
+
+  // The values of the primitive's vertices for new vertices; new vertex i is vertex_at(i).
+  template <class VertexAt>
+  void add_values(const std::vector<GltfView>& views, std::uint64_t count, const VertexAt& vertex_at) {
+    for (std::size_t a = 0; a < views.size(); ++a) {
+      auto& [kind, values] = surface_.attributes[a];
+      source_.memory.make_room(values, count * kind.stride());
+      for (std::uint64_t i = 0; i < count; ++i) {
+        const std::byte* value = views[a].first + vertex_at(i) * views[a].stride;
+        values.insert(values.end(), value, value + kind.stride());
+      }
+    }
+  }
+
+  // Makes vertices of the corners of a primitive without indices.
+  void add_corners(const GltfView& places, const std::vector<GltfView>& views, std::uint64_t mode) {
+    const std::uint64_t triangles = triangle_count(mode, places.count, "vertices");
+    const std::size_t first_vertex = surface_.positions.size();
+    const std::size_t first_triangle = surface_.triangles.size();
+    std::vector<glm::vec3> corners;
+    source_.memory.make_room(corners, 3 * triangles);
+    for (std::uint64_t t = 0; t < triangles; ++t) {
+      for (const std::uint64_t corner : corners_of(mode, t)) corners.emplace_back(places.point(corner));
+    }
+    require_vertex_count(first_vertex + corners.size());
+    const std::vector<std::uint32_t> first_corner = weld_corners(corners, surface_, source_.memory);
+    source_.memory.give_back(corners.capacity() * sizeof(glm::vec3));
+    const auto vertex_at = [&](std::uint64_t corner) { return corners_of(mode, corner / 3)[corner % 3]; };
+    add_values(views, first_corner.size(), [&](std::uint64_t v) { return vertex_at(first_corner[v]); });
+    if (views.empty()) return;
+    for (std::uint64_t c = 0; c < corners.size(); ++c) {
+      const std::size_t v = surface_.triangles[first_triangle + c / 3][static_cast<int>(c % 3)];
+      const std::uint64_t taken = vertex_at(first_corner[v - first_vertex]);
+      bool apart = false;
+      for (std::size_t a = 0; a < views.size(); ++a) {
+        apart =
+            apart || std::memcmp(views[a].first + vertex_at(c) * views[a].stride,
+                                 views[a].first + taken * views[a].stride, surface_.attributes[a].kind.stride()) != 0;
+      }
+      corners_apart_ += apart ? 1 : 0;
+    }
+  }
+
+  void add_mesh(const json& mesh, const Transform& transform) {
+    const auto primitives = mesh.find("primitives");
+    if (primitives == mesh.end() || !primitives->is_array()) {
+      throw DamagedMesh(fmt::format("expected a list 'primitives' in a mesh, found {}", shown(mesh)));
+    }
+    for (const json& primitive : *primitives) {
+      if (!primitive.is_object()) throw DamagedMesh(fmt::format("expected a primitive, found {}", shown(primitive)));
+      const std::uint64_t mode = whole(primitive, "mode", kTriangles);
+      if (mode > kFan) throw DamagedMesh(fmt::format("expected a 'mode' from 0 to {}, found {}", kFan, mode));
+      if (mode < kTriangles) {
+        ++other_primitives_;
+      } else {
+        add_primitive(primitive, mode, transform);
+      }
+    }
+  }
+
+  // How many triangles `corners` corners make.
+  static std::uint64_t triangle_count(std::uint64_t mode, std::uint64_t corners, const char* what) {
+    if (mode == kTriangles && corners % 3 != 0) {
+      throw DamagedMesh(fmt::format("expected three {} a triangle, found {} in all", what, corners));
+    }
+    if (mode != kTriangles && corners < 3) {
+      throw DamagedMesh(fmt::format("expected at least three {} of a strip or fan, found {}", what, corners));
+    }
+    return mode == kTriangles ? corners / 3 : corners - 2;
+  }
+
+  // Which of the primitive's corners are those of triangle t; glTF 2.0, 3.7.2.1.
+  static std::array<std::uint64_t, 3> corners_of(std::uint64_t mode, std::uint64_t t) {
+    if (mode == kStrip) return {t, t + 1 + t % 2, t + 2 - t % 2};
+    if (mode == kFan) return {t + 1, t + 2, 0};
+    return {3 * t, 3 * t + 1, 3 * t + 2};
+  }
+
+  void add_primitive(const json& primitive, std::uint64_t mode, const Transform& transform) {
+    const auto attributes = primitive.find("attributes");
+    if (attributes == primitive.end() || !attributes->is_object()) {
+      throw DamagedMesh(fmt::format("expected 'attributes' of a primitive, found {}", shown(primitive)));
+    }
+    const bool is_soup = data_->unpack_draco(primitive);
+    const GltfView places = data_->view(whole(*attributes, "POSITION"), "VEC3", 3);
+    const bool is_quantised = places.component >= kGltfByte && places.component <= kGltfUnsignedShort;
+    if (places.component != kGltfFloat && !(has_quantised_ && is_quantised)) {
+      throw DamagedMesh(fmt::format("expected positions of component type {}, found {}", kGltfFloat, places.component));
+    }
+    const std::size_t first_vertex = surface_.positions.size();
+    const std::size_t first_triangle = surface_.triangles.size();
+    require_vertex_count(first_vertex + places.count);
+    const std::vector<GltfView> views = attribute_views(*attributes, places.count);
+    const bool is_indexed = primitive.contains("indices") && !is_soup;
+    const bool is_exact = places.component == kGltfFloat && !primitive.contains("extensions");
+    surface_.is_quantised = surface_.is_quantised || !is_exact;
+    if (is_indexed) {
+      // Rounded places may coincide where no vertex was copied.
+      surface_.has_normals = surface_.has_normals || (is_exact && attributes->contains("NORMAL"));
+      source_.memory.make_room(surface_.positions, places.count);
+      for (std::uint64_t v = 0; v < places.count; ++v) surface_.positions.push_back(places.point(v));
+      add_values(views, places.count, [](std::uint64_t v) { return v; });
+      add_indexed(data_->view(whole(primitive, "indices"), "SCALAR", 1), mode, first_vertex, places.count);
+    } else {
+      add_corners(places, views, mode);
+    }
+    for (std::size_t v = first_vertex; v < surface_.positions.size(); ++v) {
+      surface_.positions[v] = transform.linear * surface_.positions[v] + transform.offset;
+    }
+    if (source_.with_normals) {
+      const auto corners = [&](std::uint64_t t) -> std::array<std::uint64_t, 3> {
+        if (!is_indexed) return corners_of(mode, t);
+        const glm::uvec3& triangle = surface_.triangles[first_triangle + t];
+        return {triangle.x - first_vertex, triangle.y - first_vertex, triangle.z - first_vertex};
+      };
+      add_gltf_normals(*data_, *attributes, places.count, surface_.triangles.size() - first_triangle, corners,
+                       transform, source_.memory, surface_.normals);
+    }
+    // What a map that mirrors turned inside out is turned back; glTF 2.0, 3.7.4.
+    if (glm::determinant(transform.linear) < 0) {
+      for (std::size_t t = first_triangle; t < surface_.triangles.size(); ++t) {
+        std::swap(surface_.triangles[t].y, surface_.triangles[t].z);
+        if (source_.with_normals) std::swap(surface_.normals.numbers[t].y, surface_.normals.numbers[t].z);
+      }
+    }
+  }
+
+  void add_indexed(const GltfView& indices, std::uint64_t mode, std::size_t first_vertex, std::uint64_t vertices) {
+    if (!indices.has_whole_numbers()) {
+      throw DamagedMesh(
+          fmt::format("expected indices of an unsigned type, found component type {}", indices.component));
+    }
+    const std::uint64_t triangles = triangle_count(mode, indices.count, "indices");
+    const auto index_at = [&](std::uint64_t i) {
+      const std::uint32_t index = indices.whole_number(i);
+      if (index >= vertices) {
+        throw DamagedMesh(fmt::format("expected indices below {}, the number of vertices, found {}", vertices, index));
+      }
+      return static_cast<std::uint32_t>(first_vertex) + index;
+    };
+    source_.memory.make_room(surface_.triangles, triangles);
+    for (std::uint64_t t = 0; t < triangles; ++t) {
+      const auto [a, b, c] = corners_of(mode, t);
+      surface_.triangles.emplace_back(index_at(a), index_at(b), index_at(c));
+    }
+  }
+
+  const MeshSource& source_;
+  std::span<const std::byte> binary_;  // of a .glb
+  JsonTree tree_;
+  const json& model_ = tree_.root();
+  std::optional<GltfData> data_;  // once the file is known to be what can be read
+  bool has_quantised_ = false;    // positions that are integers, by KHR_mesh_quantization
+  std::uint64_t hidden_meshes_ = 0;
+  std::uint64_t other_primitives_ = 0;
+  bool is_first_primitive_ = true;
+  std::set<std::string> left_out_;   // attributes
+  std::uint64_t corners_apart_ = 0;  // that share a vertex with others, but not all attributes
+  FileSurface surface_;
+};
+
+}  // namespace
+
+FileSurface read_glb(const MeshSource& source) {
+  constexpr std::size_t kHeaderBytes = 12;
+  constexpr std::size_t kChunkHeaderBytes = 8;
+  const auto word = [&](std::size_t offset) {
+    std::uint32_t value = 0;
+    std::memcpy(&value, source.content.data() + offset, sizeof value);
+    return value;
+  };
+  const std::size_t size = source.content.size();
+  if (size < kHeaderBytes + kChunkHeaderBytes || !source.text().starts_with("glTF")) {
+    throw DamagedMesh(
+        fmt::format("expected a binary glTF file, found '{}' in {} bytes", files::printable(source.text(), 16), size));
+  }
+  const std::uint64_t length = word(8);
+  if (word(4) != 2) throw DamagedMesh(fmt::format("expected binary glTF of version 2, found {}", word(4)));
+  if (length != size) throw DamagedMesh(fmt::format("expected {} bytes, as the header says, found {}", length, size));
+  std::string_view text;
+  std::span<const std::byte> binary;
+  for (std::uint64_t at = kHeaderBytes; at < size;) {
+    const std::uint64_t left = size - at;
+    const std::uint64_t bytes = left < kChunkHeaderBytes ? left : word(at);
+    if (left < kChunkHeaderBytes || bytes > left - kChunkHeaderBytes) {
+      throw DamagedMesh(
+          fmt::format("expected a chunk of {} bytes at byte {}, found {} bytes to the end", bytes, at, left));
+    }
+    const auto chunk = source.content.subspan(at + kChunkHeaderBytes, bytes);
+    const std::string_view type = source.text().substr(at + 4, 4);
+    if (type == "JSON" && text.empty()) text = source.text().substr(at + kChunkHeaderBytes, bytes);
+    if (type == std::string_view("BIN\0", 4) && binary.empty()) binary = chunk;
+    at += kChunkHeaderBytes + bytes;
+  }
+  FileSurface surface = ModelReader(source, text, binary).read();
+  surface.format = "glTF, binary";
+  return surface;
+}
+
+FileSurface read_gltf(const MeshSource& source) {
+  FileSurface surface = ModelReader(source, source.text(), {}).read();
+  surface.format = "glTF";
+  return surface;
+}
+
+}  // namespace isoextract::mesh_io

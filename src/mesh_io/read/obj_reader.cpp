@@ -1,0 +1,100 @@
+// Wavefront OBJ: the vertices and faces, and normals where they are asked for; what else shades them is passed over.
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "mesh_io/detail/placement_entry.hpp"
+#include "mesh_io/read/mesh_format_readers.hpp"
+
+namespace isoextract::mesh_io {
+namespace {
+
+// A number of what is counted from 1 on, or from -1 backwards from the last one so far.
+std::uint32_t index_of(const TextScanner& scanner, std::string_view word, std::string_view corner, std::size_t so_far,
+                       const char* what) {
+  const std::int64_t number = scanner.whole_number(word);
+  const auto count = static_cast<std::int64_t>(so_far);
+  const std::int64_t index = number > 0 ? number - 1 : count + number;
+  // Whether there is such a one is known at the end; a file may name vertices before it has them.
+  if (number == 0 || index < 0 || index > std::numeric_limits<std::uint32_t>::max()) {
+    scanner.expected(fmt::format("the number of a {}, of {} so far", what, so_far), corner);
+  }
+  return static_cast<std::uint32_t>(index);
+}
+
+// "7", "7/1", "7//3" or "7/1/3": the first number.
+std::uint32_t vertex_index(const TextScanner& scanner, std::string_view corner, std::size_t vertices) {
+  return index_of(scanner, corner.substr(0, corner.find('/')), corner, vertices, "vertex");
+}
+
+constexpr std::uint32_t kNoNormalIndex = ~std::uint32_t{0};  // more than a mesh has
+
+// The third number, where there is one.
+std::uint32_t normal_index(const TextScanner& scanner, std::string_view corner, std::size_t normals) {
+  const std::size_t first = corner.find('/');
+  const std::size_t second = first == std::string_view::npos ? first : corner.find('/', first + 1);
+  if (second == std::string_view::npos || second + 1 == corner.size()) return kNoNormalIndex;
+  return index_of(scanner, corner.substr(second + 1), corner, normals, "normal");
+}
+
+glm::dvec3 point_of(TextScanner& scanner) {
+  glm::dvec3 p;
+  for (int axis = 0; axis < 3; ++axis) p[axis] = scanner.number(scanner.word_of_joined_lines());
+  return p;
+}
+
+}  // namespace
+
+FileSurface read_obj(const MeshSource& source) {
+  FileSurface surface;
+  surface.format = "OBJ";
+  const std::string_view text = without_utf8_mark(source.text());
+  surface.is_ours = text.starts_with("# ") && is_signature(text.substr(2));
+  TextScanner scanner(text);
+  std::vector<std::uint32_t> corners;
+  std::vector<std::uint32_t> corner_normals;
+  FileSurfaceNormals& normals = surface.normals;
+  std::size_t lines_and_points = 0;
+  while (scanner.next_line()) {
+    const std::string_view keyword = scanner.word_of_joined_lines();
+    if (keyword == "#" && surface.is_ours && surface.positions.empty() && scanner.word() == kPlacementEntry) {
+      surface.placement = scanner.rest_of_line().substr(0, kMaxPlacement + 1);
+      continue;
+    }
+    if (keyword == "v") {
+      source.memory.make_room(surface.positions, 1);
+      surface.positions.push_back(point_of(scanner));
+    } else if (keyword == "vn" && source.with_normals) {
+      source.memory.make_room(normals.values, 1);
+      normals.values.emplace_back(point_of(scanner));
+    } else if (keyword == "f") {
+      corners.clear();
+      corner_normals.clear();
+      for (;;) {
+        const std::string_view corner = scanner.word_of_joined_lines();
+        if (corner.empty() || corner.front() == '#') break;
+        source.memory.make_room(corners, 1);
+        corners.push_back(vertex_index(scanner, corner, surface.positions.size()));
+        if (!source.with_normals) continue;
+        source.memory.make_room(corner_normals, 1);
+        corner_normals.push_back(normal_index(scanner, corner, normals.values.size()));
+      }
+      if (corners.size() < 3) scanner.expected("at least 3 corners of a face", std::to_string(corners.size()));
+      add_polygon(surface.triangles, corners, source.memory);
+      if (source.with_normals) add_polygon(normals.numbers, corner_normals, source.memory);
+    } else if (keyword == "l" || keyword == "p") {
+      ++lines_and_points;
+    } else if (keyword == "curv" || keyword == "surf") {
+      scanner.expected("polygons", keyword);
+    } else if (keyword.find('\0') != std::string_view::npos) {
+      scanner.expected("text", keyword);
+    }
+  }
+  require_vertex_count(surface.positions.size());
+  if (lines_and_points > 0) {
+    surface.notes.push_back(fmt::format("{} lines and points, which are no surface, were left out", lines_and_points));
+  }
+  return surface;
+}
+
+}  // namespace isoextract::mesh_io

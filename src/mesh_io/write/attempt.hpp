@@ -1,0 +1,37 @@
+// A step of writing a file.
+#pragma once
+
+#include <exception>
+#include <filesystem>
+#include <new>
+#include <optional>
+#include <type_traits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "base/no_memory.hpp"
+
+namespace isoextract::mesh_io {
+
+// Runs step(), which returns a Result. Nothing is done after a failure, so that a part of a file is never committed.
+template <class Step>
+[[nodiscard]] std::invoke_result_t<Step> attempt(std::optional<Error>& failure, const Context& context,
+                                                 const std::filesystem::path& path, Step step) {
+  if (failure) return tl::unexpected<Error>(*failure);
+  try {
+    auto going_on = context.check();
+    auto done = going_on ? step() : std::invoke_result_t<Step>(tl::unexpected<Error>(std::move(going_on.error())));
+    if (!done) failure = done.error();
+    return done;
+  } catch (const std::bad_alloc&) {
+    failure = no_memory(fmt::format("{}: not enough memory to write it", path.string()), Remedy::extract_part);
+  } catch (const std::exception& error) {  // a library's own
+    failure = Error{ErrorCode::output, fmt::format("{}: cannot write: {}", path.string(), error.what()), {}};
+  }
+  return tl::unexpected<Error>(*failure);
+}
+
+}  // namespace isoextract::mesh_io

@@ -1,0 +1,207 @@
+#include "mesh_io/write/gltf_part.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+#include <nlohmann/json.hpp>
+
+#include "files/record_stream.hpp"
+#include "mesh_io/write/gltf_packed_part.hpp"
+#include "mesh_io/write/mesh_encoding.hpp"
+
+namespace isoextract::mesh_io {
+namespace {
+
+using ShortTriangle = glm::vec<3, std::uint16_t>;
+
+// glTF 2.0, 3.6.2.2: no value of an accessor is infinite or NaN.
+bool has_finite_values(const mesh::Attribute& attribute) {
+  if (attribute.type != mesh::ComponentType::f32) return true;
+  const std::size_t count = attribute.values.size() / sizeof(float);
+  return tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, count, 1 << 16), true,
+      [&](const tbb::blocked_range<std::size_t>& range, bool finite) {
+        for (std::size_t i = range.begin(); i != range.end() && finite; ++i) {
+          float value = 0;
+          std::memcpy(&value, attribute.values.data() + i * sizeof value, sizeof value);
+          finite = std::isfinite(value);
+        }
+        return finite;
+      },
+      [](bool a, bool b) { return a && b; });
+}
+
+std::vector<GltfSemantic> semantics_of(const mesh::Mesh& mesh, Notes& notes) {
+  std::vector<GltfSemantic> semantics;
+  for (const mesh::Attribute& attribute : mesh.attributes) {
+    const std::string shown = as_utf8(attribute.name);
+    const auto type = attribute.type;
+    if (type == mesh::ComponentType::i32 || type == mesh::ComponentType::u32 || type == mesh::ComponentType::f64) {
+      notes.push_back(fmt::format("glTF has no attributes of type {}: '{}' was left out; ply keeps it",
+                                  mesh::component_name(type), shown));
+      continue;
+    }
+    if (!has_finite_values(attribute)) {
+      notes.push_back(
+          fmt::format("glTF has no numbers that are infinite or NaN: the attribute '{}', which has some, was left out; "
+                      "ply keeps it",
+                      shown));
+      continue;
+    }
+    if (attribute.role == mesh::AttributeRole::colour) {
+      semantics.push_back({&attribute, "COLOR_0"});
+      continue;
+    }
+    std::string name = "_" + shown;
+    const auto is_taken = [&] {
+      return std::any_of(semantics.begin(), semantics.end(), [&](const GltfSemantic& s) { return s.name == name; });
+    };
+    while (is_taken()) name += '_';
+    if (name.substr(1) != attribute.name) {
+      notes.push_back(fmt::format("the attribute '{}' is called '{}': glTF cannot call it so", shown, name.substr(1)));
+    }
+    semantics.push_back({&attribute, std::move(name)});
+  }
+  return semantics;
+}
+
+Result<void> write_split(const mesh::Mesh& mesh, files::OutputFile& file) {
+  constexpr std::size_t kRecord = 3 * GltfPart::kSplitStride;
+  return files::write_records(file, mesh.triangles.size(), kRecord,
+                              [&](std::size_t first, std::size_t last, char* out) {
+                                for (std::size_t t = first; t < last; ++t) {
+                                  const glm::uvec3 triangle = mesh.triangles[t];
+                                  const glm::vec3 normal = face_normal(mesh, triangle);
+                                  for (int corner = 0; corner < 3; ++corner) {
+                                    out = put_bytes(put_bytes(out, mesh.positions[triangle[corner]]), normal);
+                                  }
+                                }
+                                return out;
+                              });
+}
+
+// Padded to the stride.
+char* put_value(char* out, const GltfSemantic& semantic, std::uint32_t vertex) {
+  const mesh::Attribute& attribute = *semantic.attribute;
+  std::memcpy(out, attribute.values.data() + vertex * attribute.stride(), attribute.stride());
+  std::fill(out + attribute.stride(), out + semantic.stride(), '\0');
+  return out + semantic.stride();
+}
+
+Result<void> write_attributes(const GltfPart& part, files::OutputFile& file) {
+  Result<void> written;
+  for (const GltfSemantic& semantic : part.semantics) {
+    if (!written) break;
+    const bool split = part.layout == GltfPart::Layout::split;
+    const std::size_t vertices = split ? 3 : 1;  // a record
+    written = files::write_records(file, part.vertex_count() / vertices, vertices * semantic.stride(),
+                                   [&](std::size_t first, std::size_t last, char* out) {
+                                     for (std::size_t i = first; i < last; ++i) {
+                                       if (!split) {
+                                         out = put_value(out, semantic, static_cast<std::uint32_t>(i));
+                                         continue;
+                                       }
+                                       const glm::uvec3 triangle = part.mesh->triangles[i];
+                                       for (int c = 0; c < 3; ++c) out = put_value(out, semantic, triangle[c]);
+                                     }
+                                     return out;
+                                   });
+  }
+  return written;
+}
+
+Result<void> write_indices(const GltfPart& part, files::OutputFile& file) {
+  const auto& triangles = part.mesh->triangles;
+  if (!part.short_indices) return file.write(std::as_bytes(triangles.span()));
+  auto written = files::write_records(file, triangles.size(), sizeof(ShortTriangle),
+                                      [&](std::size_t first, std::size_t last, char* out) {
+                                        for (std::size_t t = first; t < last; ++t) {
+                                          out = put_bytes(out, ShortTriangle(triangles[t]));
+                                        }
+                                        return out;
+                                      });
+  constexpr std::array<std::byte, kGltfAlignment> kZeros{};
+  const std::uint64_t bytes = part.index_bytes();
+  return written ? file.write(std::span(kZeros).first(gltf_aligned(bytes) - bytes)) : written;
+}
+
+Result<void> write_padded(std::span<const std::byte> bytes, files::OutputFile& file) {
+  constexpr std::array<std::byte, kGltfAlignment> kZeros{};
+  auto written = file.write(bytes);
+  return written ? file.write(std::span(kZeros).first(gltf_aligned(bytes.size()) - bytes.size())) : written;
+}
+
+}  // namespace
+
+std::string as_utf8(const std::string& text) {
+  const auto quoted = nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return nlohmann::json::parse(quoted).get<std::string>();
+}
+
+GltfPart::GltfPart(const mesh::Mesh& source, bool flat_normals, Notes& notes) : mesh(&source) {
+  if (source.triangles.empty()) return;
+  semantics = semantics_of(source, notes);
+  layout = flat_normals ? Layout::split : Layout::indexed;
+  short_indices = source.positions.size() <= kMaxShortVertices;
+}
+
+Result<GltfPart> GltfPart::make(const mesh::Mesh& source, const MeshWriteOptions& options, const Context& context,
+                                Notes& notes) {
+  GltfPart part(source, options.flat_normals, notes);
+  if (!options.packing.packs() || part.layout == Layout::nothing) return part;
+  auto packed = TRY(pack_part(part, options.packing, context));
+  part.packed = std::make_shared<const GltfPackedPart>(std::move(packed));
+  return part;
+}
+
+bool GltfPart::has_colours() const {
+  return std::any_of(semantics.begin(), semantics.end(),
+                     [](const GltfSemantic& s) { return s.attribute->role == mesh::AttributeRole::colour; });
+}
+
+std::uint64_t GltfPart::vertex_count() const {
+  return layout == Layout::split ? 3 * std::uint64_t{mesh->triangles.size()} : mesh->positions.size();
+}
+
+std::uint64_t GltfPart::index_bytes() const {
+  return mesh->triangles.size() * (short_indices ? sizeof(ShortTriangle) : sizeof(glm::uvec3));
+}
+
+std::uint64_t GltfPart::bytes() const {
+  if (layout == Layout::nothing) return 0;
+  if (packed != nullptr) return packed->bytes();
+  std::uint64_t attribute_bytes = 0;
+  for (const GltfSemantic& semantic : semantics) attribute_bytes += vertex_count() * semantic.stride();
+  if (layout == Layout::split) return vertex_count() * kSplitStride + attribute_bytes;
+  return (has_normals() ? 2 : 1) * vertex_count() * sizeof(glm::vec3) + attribute_bytes + gltf_aligned(index_bytes());
+}
+
+Result<void> write_part(const GltfPart& part, files::OutputFile& file) {
+  Result<void> written;
+  if (part.packed != nullptr) {
+    for (const GltfPackedView& view : part.packed->views) {
+      if (written) written = write_padded(view.bytes, file);
+    }
+    return written;
+  }
+  if (part.layout == GltfPart::Layout::split) {
+    written = write_split(*part.mesh, file);
+    if (written) written = write_attributes(part, file);
+  }
+  if (part.layout == GltfPart::Layout::indexed) {
+    written = file.write(std::as_bytes(part.mesh->positions.span()));
+    if (written && part.has_normals()) written = file.write(std::as_bytes(part.mesh->normals.span()));
+    if (written) written = write_attributes(part, file);
+    if (written) written = write_indices(part, file);
+  }
+  return written;
+}
+
+}  // namespace isoextract::mesh_io

@@ -1,0 +1,65 @@
+#include "mesh_io/write/json_lists.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/printable_json.hpp"
+
+namespace isoextract::mesh_io {
+namespace {
+
+// Of "name":[] and a comma.
+std::uint64_t bytes_around(const std::string& name) { return name.size() + 6; }
+
+}  // namespace
+
+void JsonLists::add(const nlohmann::json& document) {
+  for (const auto& [name, value] : document.items()) {
+    if (!value.is_array()) {
+      const auto [other, is_new] = others_.try_emplace(name);
+      if (!is_new) continue;
+      other->second = printable_json(value.dump());
+      bytes_ += bytes_around(name) + other->second.size();
+      continue;
+    }
+    for (const nlohmann::json& entry : value) {
+      const std::string text = printable_json(entry.dump());
+      const auto list = lists_.find(name);
+      const bool is_there =
+          entry.is_string() && list != lists_.end() && list->second.text.find(text) != std::string::npos;
+      if (!is_there) add(name, text);
+    }
+  }
+}
+
+std::size_t JsonLists::add(const std::string& list, std::string_view entry) {
+  const auto [found, is_new] = lists_.try_emplace(list);
+  if (is_new) bytes_ += bytes_around(list);
+  List& there = found->second;
+  if (there.count > 0) there.text += ',';
+  there.text += entry;
+  bytes_ += entry.size() + 1;
+  return there.count++;
+}
+
+std::string JsonLists::take() {
+  std::string text = "{";
+  text.reserve(bytes_);
+  const auto begin = [&](const std::string& name) { text += fmt::format(R"({}"{}":)", text == "{" ? "" : ",", name); };
+  for (const auto& [name, other] : others_) {
+    begin(name);
+    text += other;
+  }
+  for (auto& [name, list] : lists_) {
+    begin(name);
+    text += '[';
+    text += std::exchange(list.text, {});
+    text += ']';
+  }
+  text += '}';
+  *this = {};
+  return text;
+}
+
+}  // namespace isoextract::mesh_io

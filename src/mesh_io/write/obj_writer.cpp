@@ -1,0 +1,188 @@
+// Wavefront OBJ: text; indices start at 1 and count through the whole file.
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <tbb/parallel_sort.h>
+
+#include "base/version.hpp"
+#include "files/record_stream.hpp"
+#include "mesh_io/detail/placement_entry.hpp"
+#include "mesh_io/write/mesh_encoding.hpp"
+#include "mesh_io/write/mesh_format_writers.hpp"
+
+namespace isoextract::mesh_io {
+namespace {
+
+// The indices that the next mesh starts with.
+struct Next {
+  std::uint64_t vertex = 1;
+  std::uint64_t normal = 1;
+};
+
+// Of vertices the places, each once: those of copies that differ in their normals alone are one (MeshWriteOptions).
+class Places {
+ public:
+  // Without copies every vertex has its own. Takes bytes(), which is the caller's to reserve.
+  Places(const mesh::Mesh& mesh, bool has_copies) : vertices_(mesh.positions.size()) {
+    if (!has_copies || mesh.normals.empty()) return;
+    std::vector<std::uint32_t> sorted(vertices_);
+    std::iota(sorted.begin(), sorted.end(), 0U);
+    const auto key = [&](std::uint32_t v) {
+      const glm::vec3& p = mesh.positions[v];
+      return std::tuple(p.x, p.y, p.z, v);
+    };
+    tbb::parallel_sort(sorted.begin(), sorted.end(), [&](auto a, auto b) { return key(a) < key(b); });
+    number_.resize(vertices_);
+    for (std::size_t first = 0, last = 0; first < vertices_; first = last) {
+      while (last < vertices_ && mesh.positions[sorted[last]] == mesh.positions[sorted[first]]) ++last;
+      join(mesh, std::span(sorted).subspan(first, last - first));
+    }
+    for (std::uint32_t v = 0; v < vertices_; ++v) {
+      const bool is_own = number_[v] == v;
+      number_[v] = is_own ? static_cast<std::uint32_t>(vertex_.size()) : number_[number_[v]];
+      if (is_own) vertex_.push_back(v);
+    }
+  }
+
+  static std::uint64_t bytes(const mesh::Mesh& mesh) { return 4 * mesh.positions.size() * sizeof(std::uint32_t); }
+
+  [[nodiscard]] std::size_t size() const { return number_.empty() ? vertices_ : vertex_.size(); }
+  // The first vertex at a place.
+  [[nodiscard]] std::size_t vertex_at(std::size_t place) const { return number_.empty() ? place : vertex_[place]; }
+  [[nodiscard]] std::uint64_t of(std::uint64_t vertex) const { return number_.empty() ? vertex : number_[vertex]; }
+
+ private:
+  // `same` are the vertices of a place, rising: each is one with the first of those before it whose copies have other
+  // normals. Surfaces that only meet there have the same one.
+  void join(const mesh::Mesh& mesh, std::span<const std::uint32_t> same) {
+    for (std::size_t i = 0; i < same.size(); ++i) {
+      number_[same[i]] = same[i];
+      for (std::size_t j = 0; j < i && number_[same[i]] == same[i]; ++j) {
+        if (number_[same[j]] != same[j]) continue;
+        const bool taken = std::ranges::any_of(same.first(i), [&](std::uint32_t other) {
+          return number_[other] == same[j] && mesh.normals[other] == mesh.normals[same[i]];
+        });
+        if (!taken) number_[same[i]] = same[j];
+      }
+    }
+  }
+
+  std::size_t vertices_;
+  std::vector<std::uint32_t> number_;  // of each vertex; empty where it is its own
+  std::vector<std::uint32_t> vertex_;  // of each place
+};
+
+Result<void> write_vertices(const mesh::Mesh& mesh, const Places& places, files::OutputFile& file) {
+  return visit_positions(mesh, [&](auto position) {
+    constexpr std::size_t kLine = 2 + kMaxVectorText<typename decltype(position(0))::value_type>;
+    return files::write_records(file, places.size(), kLine, [&](std::size_t first, std::size_t last, char* out) {
+      for (std::size_t v = first; v < last; ++v) {
+        *out++ = 'v';
+        out = put_vector(out, position(places.vertex_at(v)));
+        *out++ = '\n';
+      }
+      return out;
+    });
+  });
+}
+
+template <class Normal>
+Result<void> write_normals(std::size_t count, Normal normal, files::OutputFile& file) {
+  constexpr std::size_t kLine = 3 + kMaxVectorText<float>;
+  return files::write_records(file, count, kLine, [&](std::size_t first, std::size_t last, char* out) {
+    for (std::size_t n = first; n < last; ++n) {
+      out = put_text(out, "vn");
+      out = put_vector(out, normal(n));
+      *out++ = '\n';
+    }
+    return out;
+  });
+}
+
+enum class Normals { none, of_vertices, of_faces };
+
+Result<void> write_faces(const mesh::Mesh& mesh, const Places& places, Normals normals, const Next& next,
+                         files::OutputFile& file) {
+  constexpr std::size_t kCorner = 1 + kMaxNumberText<std::uint64_t> + 2 + kMaxNumberText<std::uint64_t>;
+  constexpr std::size_t kLine = 1 + 3 * kCorner + 1;
+  return files::write_records(file, mesh.triangles.size(), kLine, [&](std::size_t first, std::size_t last, char* out) {
+    for (std::size_t t = first; t < last; ++t) {
+      *out++ = 'f';
+      for (int corner = 0; corner < 3; ++corner) {
+        const std::uint64_t vertex = mesh.triangles[t][corner];
+        *out++ = ' ';
+        out = put_number(out, next.vertex + places.of(vertex));
+        if (normals == Normals::none) continue;
+        out = put_text(out, "//");
+        out = put_number(out, next.normal + (normals == Normals::of_faces ? t : vertex));
+      }
+      *out++ = '\n';
+    }
+    return out;
+  });
+}
+
+class ObjWriter final : public FormatWriter {
+ public:
+  ObjWriter(const MeshWriteOptions& options, const Context& context, files::OutputFile& file)
+      : flat_normals_(options.flat_normals),
+        has_copies_(options.copies_for_normals),
+        context_(context),
+        file_(file),
+        header_(fmt::format("# {}\n", generator())) {
+    if (!options.placement.empty()) header_ += fmt::format("# {} {}\n", kPlacementEntry, options.placement);
+  }
+
+  Result<void> add(const mesh::Mesh& mesh, Notes& /*notes*/) override {
+    const auto memory = TRY(context_.reserve(has_copies_ ? Places::bytes(mesh) : 0, "the places of its vertices"));
+    const Places places(mesh, has_copies_);
+    const Normals normals = flat_normals_           ? Normals::of_faces
+                            : !mesh.normals.empty() ? Normals::of_vertices
+                                                    : Normals::none;
+    const auto write_all_normals = [&]() -> Result<void> {
+      if (normals == Normals::of_faces) {
+        return write_normals(
+            mesh.triangles.size(), [&](std::size_t t) { return face_normal(mesh, mesh.triangles[t]); }, file_);
+      }
+      return write_normals(
+          mesh.normals.size(), [&](std::size_t v) { return mesh.normals[v]; }, file_);
+    };
+    auto written = write_header();
+    if (written && !mesh.name.empty()) written = file_.write(fmt::format("o {}\n", one_line(mesh.name)));
+    if (written) written = write_vertices(mesh, places, file_);
+    if (written) written = write_all_normals();
+    if (written) written = write_faces(mesh, places, normals, next_, file_);
+    next_.vertex += places.size();
+    next_.normal += normals == Normals::of_faces ? mesh.triangles.size() : mesh.normals.size();
+    return written;
+  }
+
+  Result<void> finish(Notes& /*notes*/) override { return write_header(); }
+
+ private:
+  // Once, before the first mesh; also of a file without any.
+  Result<void> write_header() { return file_.write(std::exchange(header_, {})); }
+
+  bool flat_normals_;
+  bool has_copies_;
+  Context context_;
+  files::OutputFile& file_;
+  std::string header_;
+  Next next_;
+};
+
+}  // namespace
+
+std::unique_ptr<FormatWriter> make_obj_writer(const MeshWriteOptions& options, const Context& context,
+                                              files::OutputFile& file) {
+  return std::make_unique<ObjWriter>(options, context, file);
+}
+
+}  // namespace isoextract::mesh_io

@@ -1,0 +1,218 @@
+// PLY (Greg Turk, 1994): a text header, then vertices and faces, binary or text.
+#include <algorithm>
+#include <array>
+#include <set>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/version.hpp"
+#include "files/record_stream.hpp"
+#include "mesh_io/detail/placement_entry.hpp"
+#include "mesh_io/write/mesh_encoding.hpp"
+#include "mesh_io/write/mesh_format_writers.hpp"
+
+namespace isoextract::mesh_io {
+namespace {
+
+constexpr std::uint8_t kCorners = 3;
+
+constexpr std::array<std::string_view, 8> kTypeNames{"char", "uchar", "short", "ushort",
+                                                     "int",  "uint",  "float", "double"};
+
+// What a property may be called: printable ASCII without blanks.
+std::string property_name(const std::string& name) {
+  std::string text = name.empty() ? std::string("attribute") : name;
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c <= ' ' || c > '~'; }, '_');
+  return text;
+}
+
+// The properties of the mesh's attributes, component by component.
+std::string attribute_properties(const mesh::Mesh& mesh, Notes& notes) {
+  constexpr std::array<std::string_view, mesh::kMaxComponents> kColour{"red", "green", "blue", "alpha"};
+  std::set<std::string, std::less<>> taken{"x", "y", "z", "nx", "ny", "nz"};
+  for (const mesh::Attribute& attribute : mesh.attributes) {
+    if (attribute.role == mesh::AttributeRole::colour) taken.insert(kColour.begin(), kColour.end());
+  }
+  std::string text;
+  for (const mesh::Attribute& attribute : mesh.attributes) {
+    const auto add = [&](std::string_view name) {
+      text += fmt::format("property {} {}\n", kTypeNames[static_cast<std::size_t>(attribute.type)], name);
+    };
+    if (attribute.role == mesh::AttributeRole::colour) {
+      for (std::size_t c = 0; c < attribute.components; ++c) add(kColour[c]);
+      continue;
+    }
+    std::string stem = property_name(attribute.name);
+    const auto name_of = [&](std::size_t c) {
+      return attribute.components == 1 ? stem : fmt::format("{}_{}", stem, c);
+    };
+    const auto is_taken = [&] {
+      for (std::size_t c = 0; c < attribute.components; ++c) {
+        if (taken.contains(name_of(c))) return true;
+      }
+      return false;
+    };
+    while (is_taken()) stem += '_';
+    if (stem != attribute.name) {
+      notes.push_back(fmt::format("the attribute '{}' is called '{}': PLY cannot call it so", attribute.name, stem));
+    }
+    if (attribute.normalised) {
+      notes.push_back(
+          fmt::format("PLY does not say that the whole numbers of the attribute '{}' stand for fractions", stem));
+    }
+    for (std::size_t c = 0; c < attribute.components; ++c) {
+      add(name_of(c));
+      taken.insert(name_of(c));
+    }
+  }
+  return text;
+}
+
+std::size_t attribute_bytes(const mesh::Mesh& mesh) {
+  std::size_t bytes = 0;
+  for (const mesh::Attribute& attribute : mesh.attributes) bytes += attribute.stride();
+  return bytes;
+}
+
+char* put_attributes(char* out, const mesh::Mesh& mesh, std::size_t vertex) {
+  for (const mesh::Attribute& attribute : mesh.attributes) {
+    std::memcpy(out, attribute.values.data() + vertex * attribute.stride(), attribute.stride());
+    out += attribute.stride();
+  }
+  return out;
+}
+
+// The room that the text of a vertex's attributes needs.
+std::size_t attribute_text(const mesh::Mesh& mesh) {
+  std::size_t size = 0;
+  for (const mesh::Attribute& attribute : mesh.attributes) size += attribute.components * (1 + kMaxNumberText<double>);
+  return size;
+}
+
+template <class T>
+char* put_component(char* out, const std::byte* bytes) {
+  T value;
+  std::memcpy(&value, bytes, sizeof value);
+  if constexpr (std::is_floating_point_v<T>) {
+    return put_number(out, value);
+  } else {
+    return std::to_chars(out, out + kMaxNumberText<T>, value).ptr;
+  }
+}
+
+char* put_component(char* out, mesh::ComponentType type, const std::byte* bytes) {
+  using Type = mesh::ComponentType;
+  switch (type) {
+    case Type::i8: return put_component<std::int8_t>(out, bytes);
+    case Type::u8: return put_component<std::uint8_t>(out, bytes);
+    case Type::i16: return put_component<std::int16_t>(out, bytes);
+    case Type::u16: return put_component<std::uint16_t>(out, bytes);
+    case Type::i32: return put_component<std::int32_t>(out, bytes);
+    case Type::u32: return put_component<std::uint32_t>(out, bytes);
+    case Type::f32: return put_component<float>(out, bytes);
+    case Type::f64: break;
+  }
+  return put_component<double>(out, bytes);
+}
+
+char* put_attribute_text(char* out, const mesh::Mesh& mesh, std::size_t vertex) {
+  for (const mesh::Attribute& attribute : mesh.attributes) {
+    const std::byte* component = attribute.values.data() + vertex * attribute.stride();
+    for (std::size_t c = 0; c < attribute.components; ++c) {
+      *out++ = ' ';
+      out = put_component(out, attribute.type, component);
+      component += mesh::component_size(attribute.type);
+    }
+  }
+  return out;
+}
+
+std::string header(const mesh::Mesh& mesh, const MeshWriteOptions& options, Notes& notes) {
+  const auto vector = [](std::string_view type, std::string_view prefix) {
+    return fmt::format("property {0} {1}x\nproperty {0} {1}y\nproperty {0} {1}z\n", type, prefix);
+  };
+  const bool is_double = mesh.origin != glm::dvec3(0);
+  std::string text =
+      fmt::format("ply\nformat {} 1.0\ncomment {}\n", options.ascii ? "ascii" : "binary_little_endian", generator());
+  if (!options.placement.empty()) text += fmt::format("comment {} {}\n", kPlacementEntry, options.placement);
+  text += fmt::format("element vertex {}\n", mesh.positions.size()) + vector(is_double ? "double" : "float", "");
+  if (!options.flat_normals && !mesh.normals.empty()) text += vector("float", "n");
+  text += attribute_properties(mesh, notes);
+  text += fmt::format("element face {}\nproperty list uchar uint vertex_indices\n", mesh.triangles.size());
+  if (options.flat_normals) text += vector("float", "n");
+  return text + "end_header\n";
+}
+
+Result<void> write_binary(const mesh::Mesh& mesh, bool vertex_normals, bool face_normals, files::OutputFile& file) {
+  const auto write_vertices = [&](auto position) -> Result<void> {
+    using Position = decltype(position(0));
+    if (std::is_same_v<Position, glm::vec3> && !vertex_normals && mesh.attributes.empty())
+      return file.write(std::as_bytes(mesh.positions.span()));
+    const std::size_t record = sizeof(Position) + (vertex_normals ? sizeof(glm::vec3) : 0) + attribute_bytes(mesh);
+    return files::write_records(file, mesh.positions.size(), record,
+                                [&](std::size_t first, std::size_t last, char* out) {
+                                  for (std::size_t v = first; v < last; ++v) {
+                                    out = put_bytes(out, position(v));
+                                    if (vertex_normals) out = put_bytes(out, mesh.normals[v]);
+                                    out = put_attributes(out, mesh, v);
+                                  }
+                                  return out;
+                                });
+  };
+  TRY(visit_positions(mesh, write_vertices));
+
+  const std::size_t record = sizeof(kCorners) + sizeof(glm::uvec3) + (face_normals ? sizeof(glm::vec3) : 0);
+  return files::write_records(file, mesh.triangles.size(), record, [&](std::size_t first, std::size_t last, char* out) {
+    for (std::size_t t = first; t < last; ++t) {
+      out = put_bytes(out, kCorners);
+      out = put_bytes(out, mesh.triangles[t]);
+      if (face_normals) out = put_bytes(out, face_normal(mesh, mesh.triangles[t]));
+    }
+    return out;
+  });
+}
+
+Result<void> write_ascii(const mesh::Mesh& mesh, bool vertex_normals, bool face_normals, files::OutputFile& file) {
+  const auto write_vertices = [&](auto position) -> Result<void> {
+    using Number = typename decltype(position(0))::value_type;
+    const std::size_t line_bytes = kMaxVectorText<Number> + kMaxVectorText<float> + attribute_text(mesh) + 1;
+    return files::write_records(file, mesh.positions.size(), line_bytes,
+                                [&](std::size_t first, std::size_t last, char* out) {
+                                  for (std::size_t v = first; v < last; ++v) {
+                                    // The vector's leading blank is overwritten: some readers do not expect one.
+                                    char* line = out;
+                                    out = put_vector(out, position(v));
+                                    out = std::copy(line + 1, out, line);
+                                    if (vertex_normals) out = put_vector(out, mesh.normals[v]);
+                                    out = put_attribute_text(out, mesh, v);
+                                    *out++ = '\n';
+                                  }
+                                  return out;
+                                });
+  };
+  TRY(visit_positions(mesh, write_vertices));
+
+  constexpr std::size_t kLine = 1 + kMaxVectorText<std::uint32_t> + kMaxVectorText<float> + 1;
+  return files::write_records(file, mesh.triangles.size(), kLine, [&](std::size_t first, std::size_t last, char* out) {
+    for (std::size_t t = first; t < last; ++t) {
+      *out++ = '0' + kCorners;
+      out = put_vector(out, mesh.triangles[t]);
+      if (face_normals) out = put_vector(out, face_normal(mesh, mesh.triangles[t]));
+      *out++ = '\n';
+    }
+    return out;
+  });
+}
+
+}  // namespace
+
+Result<void> write_ply(const mesh::Mesh& mesh, const MeshWriteOptions& options, files::OutputFile& file, Notes& notes) {
+  TRY(file.write(header(mesh, options, notes)));
+  const bool vertex_normals = !options.flat_normals && !mesh.normals.empty();
+  return (options.ascii ? write_ascii : write_binary)(mesh, vertex_normals, options.flat_normals, file);
+}
+
+}  // namespace isoextract::mesh_io

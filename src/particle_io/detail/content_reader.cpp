@@ -1,0 +1,156 @@
+#include "particle_io/detail/content_reader.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/checked.hpp"
+#include "base/printable.hpp"
+#include "particle_io/detail/particle_source.hpp"
+
+namespace isoextract::particle_io {
+namespace {
+
+constexpr std::size_t kMostBuffered = 2 * ContentReader::kMostPeeked;
+constexpr std::uint64_t kLeastPiece = std::uint64_t{1} << 16;
+
+}  // namespace
+
+ContentReader::ContentReader(const files::InputFile& file) : file_(file), most_(file.size()) {
+  std::array<std::byte, 2> start{};
+  if (file.size() >= start.size()) must(file.read_at(0, start));
+  std::uint64_t buffered = kMostBuffered;
+  if (files::is_gzip(start)) {
+    gzip_ = must(files::GzipStream::open(file, 0));
+    most_ = checked_product(file.size(), files::kMostInflated).value_or(~std::uint64_t{0});
+  } else {
+    buffered = std::min<std::uint64_t>(buffered, file.size());
+  }
+  memory_ = must(file.context().reserve(buffered, file.name() + ": a block of the file"));
+  buffer_ = Buffer<std::byte>(static_cast<std::size_t>(buffered));
+  file.context().progress().begin("reading", gzip_ ? 0 : file.size());
+}
+
+Reservation ContentReader::reserve(std::uint64_t bytes, std::string_view what) const {
+  return must(file_.context().reserve(bytes, fmt::format("{}: {}", file_.name(), what)));
+}
+
+// More bytes behind those that are left, which move to the front of the buffer where there is no room. How many came; 0
+// at the end of the content.
+std::size_t ContentReader::refill() {
+  if (at_end_) return 0;
+  must(file_.context().check());
+  if (begin_ > 0) {
+    std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
+    start_ += begin_;
+    end_ -= begin_;
+    begin_ = 0;
+  }
+  const auto room = buffer_.span().subspan(end_);
+  std::size_t got = 0;
+  if (gzip_) {
+    got = must(gzip_->inflate(room));
+    at_end_ = got < room.size();
+  } else {
+    got = static_cast<std::size_t>(std::min({std::uint64_t{room.size()}, file_.size() - taken_, piece_}));
+    piece_ = std::min<std::uint64_t>(2 * std::max(piece_, kLeastPiece), kMostBuffered);
+    must(file_.read_at(taken_, room.first(got)));
+    taken_ += got;
+    at_end_ = taken_ == file_.size();
+    file_.context().progress().advance(got);
+  }
+  end_ += got;
+  return got;
+}
+
+std::span<const std::byte> ContentReader::peek(std::size_t wanted) {
+  while (end_ - begin_ < wanted && refill() > 0) {
+  }
+  return std::as_const(buffer_).span().subspan(begin_, end_ - begin_);
+}
+
+std::span<const std::byte> ContentReader::take(std::size_t bytes, std::string_view what) {
+  const auto found = peek(bytes);
+  if (found.size() < bytes) {
+    throw DamagedParticles(
+        fmt::format("expected {} bytes ({}) from byte {} on, found {}", bytes, what, position(), found.size()));
+  }
+  advance(bytes);
+  return found.first(bytes);
+}
+
+void ContentReader::skip(std::uint64_t bytes, std::string_view what) {
+  if (bytes > most_left()) {
+    throw DamagedParticles(
+        fmt::format("expected {} bytes ({}) from byte {} on, found the end of the file", bytes, what, position()));
+  }
+  while (bytes > 0) {
+    const auto part = static_cast<std::size_t>(std::min<std::uint64_t>(bytes, kMostPeeked));
+    static_cast<void>(take(part, what));
+    bytes -= part;
+  }
+}
+
+void ContentReader::go_to(const LinePlace& place, std::uint64_t expected) {
+  start_ = place.position;
+  taken_ = place.position;
+  begin_ = 0;
+  end_ = 0;
+  at_end_ = taken_ >= file_.size();
+  line_number_ = place.number;
+  line_end_ = place.line_end;
+  // How lines end follows from a whole block.
+  piece_ = place.line_end == 0 ? kMostBuffered
+                               : std::clamp<std::uint64_t>(expected == 0 ? kLeastPiece : expected, 1, kMostBuffered);
+}
+
+std::optional<std::string_view> ContentReader::next_line() {
+  std::size_t looked = 0;
+  while (true) {
+    const auto rest = std::as_const(buffer_).span().subspan(begin_, end_ - begin_);
+    if (line_end_ == 0 && !rest.empty()) {
+      line_end_ = std::memchr(rest.data(), '\n', rest.size()) == nullptr &&
+                          std::memchr(rest.data(), '\r', rest.size()) != nullptr
+                      ? '\r'
+                      : '\n';
+    }
+    const void* found =
+        rest.size() > looked ? std::memchr(rest.data() + looked, line_end_, rest.size() - looked) : nullptr;
+    const auto* text = reinterpret_cast<const char*>(rest.data());
+    if (found != nullptr) {
+      const auto length = static_cast<std::size_t>(static_cast<const char*>(found) - text);
+      ++line_number_;
+      advance(length + 1);
+      return std::string_view(text, length > 0 && text[length - 1] == '\r' ? length - 1 : length);
+    }
+    looked = rest.size();
+    if (looked > kMostPeeked) {
+      ++line_number_;
+      expected(fmt::format("the end of a line within {} bytes", kMostPeeked), {text, 40});
+    }
+    if (refill() > 0) continue;
+    if (rest.empty()) return std::nullopt;
+    ++line_number_;
+    advance(looked);
+    return std::string_view(text, text[looked - 1] == '\r' ? looked - 1 : looked);
+  }
+}
+
+std::optional<std::string_view> ContentReader::peek_line() {
+  const std::uint64_t before = position();
+  const auto line = next_line();
+  if (!line) return std::nullopt;
+  begin_ -= static_cast<std::size_t>(position() - before);
+  --line_number_;
+  return line;
+}
+
+void ContentReader::expected(std::string_view what, std::string_view found) const {
+  throw DamagedParticles(fmt::format("line {}: expected {}, found {}", line_number_, what,
+                                     found.empty() ? "nothing" : fmt::format("'{}'", printable(found, 40))));
+}
+
+}  // namespace isoextract::particle_io

@@ -1,0 +1,398 @@
+#include "particle_io/detail/particle_columns.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/ascii.hpp"
+#include "base/checked.hpp"
+#include "base/printable.hpp"
+
+namespace isoextract::particle_io {
+namespace {
+
+constexpr std::size_t kMostNamed = 100;  // columns or attributes that a message lists
+
+std::string column_list(const ParticleTable& table) {
+  std::string list;
+  for (std::size_t i = 0; i < table.columns.size() && i < kMostNamed; ++i) {
+    list += fmt::format("{}{}", i == 0 ? "" : ", ", printable(table.columns[i].name, 80));
+  }
+  if (table.columns.size() > kMostNamed) list += ", ...";
+  return list;
+}
+
+bool is_position(const ColumnGroup& group, const std::array<std::size_t, 3>& position) {
+  return std::ranges::all_of(group.columns,
+                             [&](std::size_t column) { return std::ranges::count(position, column) > 0; });
+}
+
+// "it has: density, velocity"
+std::string attribute_list(const ParticleTable& table, const std::array<std::size_t, 3>& position) {
+  std::string list;
+  std::size_t named = 0;
+  for (const ColumnGroup& group : table.groups) {
+    if (!table.columns[group.columns.front()].numeric || is_position(group, position)) continue;
+    if (++named > kMostNamed) return list + ", ...";
+    list += fmt::format("{}{}", named == 1 ? "it has: " : ", ", printable(group.name, 80));
+  }
+  return named > 0 ? list : "it has none";
+}
+
+std::optional<std::size_t> find_column(const ParticleTable& table, std::string_view name) {
+  for (std::size_t i = 0; i < table.columns.size(); ++i) {
+    if (table.columns[i].name == name) return i;
+  }
+  return std::nullopt;
+}
+
+// By its name, without regard to case where that finds nothing, or by its number.
+std::size_t named_column(const ParticleTable& table, const std::string& name) {
+  if (const auto found = find_column(table, name)) return *found;
+  for (std::size_t i = 0; i < table.columns.size(); ++i) {
+    if (lower_case(table.columns[i].name) == lower_case(name)) return i;
+  }
+  const bool digits = !name.empty() && name.size() < 9 && name.find_first_not_of("0123456789") == std::string::npos;
+  const std::size_t number = digits ? std::stoul(name) : 0;
+  if (number >= 1 && number <= table.columns.size()) return number - 1;
+  throw DamagedParticles(fmt::format("there is no column '{}'", printable(name, 80)),
+                         fmt::format("it has {}: {}", table.columns.size(), column_list(table)));
+}
+
+// In this case only: px, py and pz are momenta.
+constexpr std::string_view kHoudiniPosition = "P";
+
+// The names of a position, the surest first.
+constexpr std::array<std::string_view, 14> kPositionNames{
+    "x y z",      "position", "positions", "pos",      "points", "point",  "coordinates",
+    "coordinate", "coords",   "coord",     "location", "centre", "center", kHoudiniPosition};
+
+std::array<std::size_t, 3> find_position(const ParticleTable& table, const ParticleReadOptions& options) {
+  if (options.columns) {
+    std::array<std::size_t, 3> position{};
+    std::ranges::transform(*options.columns, position.begin(),
+                           [&](const std::string& name) { return named_column(table, name); });
+    return position;
+  }
+  if (table.position) return *table.position;
+  for (const std::string_view name : kPositionNames) {
+    for (const ColumnGroup& group : table.groups) {
+      const bool is_called_so = name == kHoudiniPosition ? group.name == name : lower_case(group.name) == name;
+      if (group.columns.size() != 3 || !is_called_so) continue;
+      return {group.columns[0], group.columns[1], group.columns[2]};
+    }
+  }
+  std::array<std::size_t, 3> position{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto is_axis = [&](const ParticleColumn& column) {
+      return lower_case(column.name) == std::string_view("xyz").substr(axis, 1);
+    };
+    const auto found = std::ranges::find_if(table.columns, is_axis);
+    if (found == table.columns.end()) {
+      throw DamagedParticles(
+          fmt::format("expected columns x, y and z, found {}: {}", table.columns.size(), column_list(table)),
+          "say which columns are x, y and z");
+    }
+    position[axis] = static_cast<std::size_t>(found - table.columns.begin());
+  }
+  return position;
+}
+
+std::optional<ColumnGroup> find_attribute(const ParticleTable& table, const std::string& name) {
+  for (const ColumnGroup& group : table.groups) {
+    if (group.name == name) return group;
+  }
+  if (const auto column = find_column(table, name)) return ColumnGroup{name, {*column}};
+  return std::nullopt;
+}
+
+// Throws where it is not made of numbers.
+void add_attribute(const ParticleTable& table, const ColumnGroup& attribute, ColumnChoice& choice) {
+  check_numbers(table, attribute.columns, fmt::format("'{}'", printable(attribute.name, 80)),
+                "of numbers " + attribute_list(table, choice.position));
+  if (std::ranges::count(choice.attributes, attribute.name, &ColumnGroup::name) > 0) return;
+  choice.attributes.push_back(attribute);
+}
+
+// "x [mm]" -> "x " and "mm"; also "x (mm)".
+struct Bracketed {
+  std::string_view before;
+  std::string_view inside;
+};
+std::optional<Bracketed> split_brackets(std::string_view header) {
+  const char close = header.empty() ? ' ' : header.back();
+  const std::size_t open = close == ']' ? header.rfind('[') : close == ')' ? header.rfind('(') : std::string_view::npos;
+  if (open == std::string_view::npos || open == 0) return std::nullopt;
+  return Bracketed{header.substr(0, open), header.substr(open + 1, header.size() - open - 2)};
+}
+
+std::string_view without_spaces_behind(std::string_view text) {
+  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  return text;
+}
+
+// Names of components: digits, and the letters of these. Colours are only named so in brackets: "Cd[r]".
+enum class ComponentNames { digits, axes, colours };
+constexpr std::string_view kAxes = "xyz";
+constexpr std::string_view kColours = "rgba";
+
+// "vx" -> "v" and 0; "Points:2" -> "Points" and 2; "v[y]" -> "v" and 1. An empty stem is one of x, y and z alone.
+struct Component {
+  std::string_view stem;
+  std::size_t index;
+  ComponentNames names;
+};
+std::optional<Component> component_of(std::string_view name) {
+  constexpr std::string_view kBetween = ":_.- ";
+  if (name.empty()) return std::nullopt;
+  const auto brackets = split_brackets(name);
+  std::string_view stem = name.substr(0, name.size() - 1);
+  char last = name.back();
+  if (brackets) {
+    if (brackets->inside.size() != 1) return std::nullopt;
+    stem = without_spaces_behind(brackets->before);
+    last = brackets->inside.front();
+  } else if (!stem.empty() && kBetween.find(stem.back()) != std::string_view::npos) {
+    stem.remove_suffix(1);
+  }
+  const std::string letter = lower_case({&last, 1});
+  if (const std::size_t axis = kAxes.find(letter); axis != std::string_view::npos) {
+    return Component{stem, axis, ComponentNames::axes};
+  }
+  if (const std::size_t channel = kColours.find(letter); brackets && channel != std::string_view::npos) {
+    return Component{stem, channel, ComponentNames::colours};
+  }
+  if (is_digit(last) && !stem.empty()) {
+    return Component{stem, static_cast<std::size_t>(last - '0'), ComponentNames::digits};
+  }
+  return std::nullopt;
+}
+
+// How many components of one quantity start with the column `first`; 1 where that is no part of a tuple. `name_of`
+// gives the name of a column, empty behind the last.
+template <class NameOf>
+std::size_t count_components(std::size_t first, const NameOf& name_of) {
+  const auto start = component_of(name_of(first));
+  if (!start || start->index != 0) return 1;
+  const std::size_t most = start->names == ComponentNames::digits ? 10 : kColours.size();
+  std::size_t count = 1;
+  while (count < most) {
+    const auto next = component_of(name_of(first + count));
+    if (!next || next->stem != start->stem || next->index != count || next->names != start->names) break;
+    ++count;
+  }
+  return count >= 3 || start->names == ComponentNames::digits ? count : 1;
+}
+
+}  // namespace
+
+void add_tuple(ParticleTable& table, const std::string& name, const std::string& type, std::size_t components,
+               bool numeric, std::optional<AttributeKind> kind) {
+  ColumnGroup group{name, {}, kind};
+  for (std::size_t i = 0; i < components; ++i) {
+    group.columns.push_back(table.columns.size());
+    table.columns.push_back({components == 1 ? name : fmt::format("{}:{}", name, i), {}, type, numeric});
+  }
+  if (components > 0) table.groups.push_back(std::move(group));
+}
+
+void group_by_names(ParticleTable& table) {
+  const std::vector<ParticleColumn>& columns = table.columns;
+  for (std::size_t first = 0; first < columns.size();) {
+    const std::size_t count = count_components(first, [&](std::size_t column) -> std::string_view {
+      if (column >= columns.size() || columns[column].numeric != columns[first].numeric) return {};
+      return columns[column].name;
+    });
+    ColumnGroup group{columns[first].name, {}};
+    if (count > 1) {
+      const std::string_view stem = component_of(columns[first].name)->stem;
+      group.name = stem.empty() ? "x y z" : std::string(stem);
+    }
+    for (std::size_t i = 0; i < count; ++i) group.columns.push_back(first + i);
+    table.groups.push_back(std::move(group));
+    first += count;
+  }
+  make_group_names_unique(table);
+}
+
+void make_group_names_unique(ParticleTable& table) {
+  std::unordered_set<std::string> taken;
+  std::unordered_map<std::string, std::size_t> repeats;
+  for (ColumnGroup& group : table.groups) {
+    const std::string name = group.name;
+    while (!taken.insert(group.name).second) group.name = fmt::format("{}[{}]", name, ++repeats[name]);
+  }
+}
+
+std::vector<NameAndUnit> split_units(std::span<const std::string_view> headers) {
+  std::vector<NameAndUnit> split;
+  std::size_t components = 0;  // that are still to come of a tuple
+  for (std::size_t i = 0; i < headers.size(); ++i) {
+    if (components == 0) {
+      const std::size_t count = count_components(
+          i, [&](std::size_t column) { return column < headers.size() ? headers[column] : std::string_view(); });
+      if (count > 1) components = count;
+    }
+    const bool is_component = components > 0;
+    if (is_component) --components;
+    const auto brackets = split_brackets(headers[i]);
+    // A number in brackets counts components, and so does an axis: neither is a unit.
+    if (is_component || !brackets || brackets->inside.find_first_not_of("0123456789") == std::string_view::npos ||
+        (brackets->inside.size() == 1 && kAxes.find(lower_case(brackets->inside)) != std::string_view::npos)) {
+      split.push_back({std::string(headers[i]), {}});
+    } else {
+      split.push_back({std::string(without_spaces_behind(brackets->before)), std::string(brackets->inside)});
+    }
+  }
+  return split;
+}
+
+void check_numbers(const ParticleTable& table, std::span<const std::size_t> wanted, std::string_view what,
+                   const Hint& hint) {
+  for (const std::size_t column : wanted) {
+    if (table.columns[column].numeric) continue;
+    throw DamagedParticles(fmt::format("expected numbers as {}, found {} as '{}'", what, table.columns[column].type,
+                                       printable(table.columns[column].name, 80)),
+                           hint);
+  }
+}
+
+ColumnChoice choose_columns(const ParticleTable& table, const ParticleReadOptions& options) {
+  ColumnChoice choice;
+  choice.position = find_position(table, options);
+  const auto& [x, y, z] = choice.position;
+  const auto& columns = table.columns;
+  if (columns[x].unit == columns[y].unit && columns[y].unit == columns[z].unit) choice.length_unit = columns[x].unit;
+  if (options.all_attributes) {
+    for (const ColumnGroup& group : table.groups) {
+      if (is_position(group, choice.position)) continue;
+      if (columns[group.columns.front()].numeric) {
+        choice.attributes.push_back(group);
+      } else {
+        choice.notes.push_back(fmt::format("'{}' is not made of numbers, and was left out", printable(group.name, 80)));
+      }
+    }
+  }
+  for (const std::string& name : options.attributes) {
+    const auto attribute = find_attribute(table, name);
+    if (!attribute) {
+      throw DamagedParticles(fmt::format("there is no attribute '{}'", printable(name, 80)),
+                             attribute_list(table, choice.position));
+    }
+    add_attribute(table, *attribute, choice);
+  }
+  for (const std::string& name : options.attributes_if_there) {
+    if (const auto attribute = find_attribute(table, name)) add_attribute(table, *attribute, choice);
+  }
+  for (const std::string& name : options.first_of) {
+    const auto found = std::ranges::find(table.groups, name, &ColumnGroup::name);
+    if (found == table.groups.end() || found->columns.size() != 1 || !columns[found->columns.front()].numeric ||
+        is_position(*found, choice.position)) {
+      continue;
+    }
+    if (std::ranges::count(choice.attributes, name, &ColumnGroup::name) == 0) choice.attributes.push_back(*found);
+    break;
+  }
+  return choice;
+}
+
+void describe_table(const ParticleTable& table, const ParticleReadOptions& options, ParticleInfo& info) {
+  std::optional<ColumnChoice> choice;
+  try {
+    ParticleReadOptions positions;
+    positions.columns = options.columns;
+    choice = choose_columns(table, positions);
+    info.length_unit = choice->length_unit;
+  } catch (const DamagedParticles& why) {
+    if (options.columns) throw;
+    info.notes.emplace_back(why.what());
+  }
+  for (const ColumnGroup& group : table.groups) {
+    if (choice && is_position(group, choice->position)) continue;
+    const ParticleColumn& first = table.columns[group.columns.front()];
+    info.quantities.push_back({group.name, first.type, first.unit, group.columns.size(), first.numeric});
+  }
+}
+
+void check_count(const ContentReader& content, std::uint64_t count, std::uint64_t least_bytes) {
+  const auto least = checked_product(count, least_bytes);
+  if (least && *least <= content.most_left()) return;
+  throw DamagedParticles(fmt::format("{} particles need at least {} bytes, at most {} follow from byte {} on", count,
+                                     least ? std::to_string(*least) : "2^64", content.most_left(), content.position()));
+}
+
+points::ParticleSet make_particles(const Context& context, const std::string& label, std::uint64_t count,
+                                   const ColumnChoice& choice) {
+  const auto numbers =
+      std::accumulate(choice.attributes.begin(), choice.attributes.end(), std::uint64_t{0},
+                      [](std::uint64_t sum, const ColumnGroup& group) { return sum + group.columns.size(); });
+  const auto bytes = checked_product(count, sizeof(glm::dvec3) + numbers * sizeof(float));
+  points::ParticleSet set;
+  set.memory = must(context.reserve(bytes.value_or(~std::uint64_t{0}), fmt::format("{}: {} particles", label, count)));
+  set.label = label;
+  set.positions = Buffer<glm::dvec3>(count);
+  for (const ColumnGroup& group : choice.attributes) {
+    set.attributes.push_back(
+        {group.name, group.columns.size(), Buffer<float>(count * group.columns.size()), group.kind});
+  }
+  return set;
+}
+
+void refuse_particle(std::size_t particle, std::size_t particles) {
+  throw DamagedParticles(fmt::format("expected {} particles, found values of number {}", particles, particle + 1));
+}
+
+std::vector<ColumnSink> sinks_of(points::ParticleSet& set, const ColumnChoice& choice) {
+  std::vector<ColumnSink> sinks;
+  if (set.size() == 0) return sinks;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    sinks.push_back(
+        {choice.position[axis], &set.positions[0][static_cast<glm::length_t>(axis)], nullptr, 3, set.size()});
+  }
+  for (std::size_t a = 0; a < choice.attributes.size(); ++a) {
+    const std::vector<std::size_t>& columns = choice.attributes[a].columns;
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      sinks.push_back({columns[c], nullptr, set.attributes[a].values.data() + c, columns.size(), set.size()});
+    }
+  }
+  std::ranges::stable_sort(sinks, {}, &ColumnSink::column);
+  return sinks;
+}
+
+void put_records(const RecordLayout& layout, std::span<const std::byte> records, std::size_t first,
+                 std::span<const ColumnSink> sinks) {
+  const std::size_t count = records.size() / layout.bytes;
+  for (const ColumnSink& sink : sinks) {
+    const RecordLayout::Field& field = layout.fields[sink.column];
+    if (!field.type || field.offset + number_size(*field.type) > layout.bytes) {
+      throw DamagedParticles(fmt::format("expected a number within a record of {} bytes as column {}, found none",
+                                         layout.bytes, sink.column + 1));
+    }
+    for_each_number(*field.type, field.endian, records.data() + field.offset, layout.bytes, count,
+                    [&](std::size_t i, double value) { sink.put(first + i, value); });
+  }
+}
+
+void read_records(ContentReader& content, const RecordLayout& layout, std::uint64_t count,
+                  std::span<const ColumnSink> sinks) {
+  for (std::uint64_t done = 0; done < count;) {
+    const auto bytes = content.peek(layout.bytes);
+    const std::uint64_t at_hand = std::min<std::uint64_t>(count - done, bytes.size() / layout.bytes);
+    if (at_hand == 0) {
+      throw DamagedParticles(
+          fmt::format("expected {} particles of {} bytes, found {} before the end of the file at byte {}", count,
+                      layout.bytes, done, content.position() + bytes.size()));
+    }
+    const std::size_t whole = static_cast<std::size_t>(at_hand) * layout.bytes;
+    put_records(layout, bytes.first(whole), static_cast<std::size_t>(done), sinks);
+    content.advance(whole);
+    done += at_hand;
+  }
+}
+
+}  // namespace isoextract::particle_io

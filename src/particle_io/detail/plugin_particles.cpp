@@ -1,0 +1,245 @@
+#include "particle_io/detail/plugin_particles.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include <particle_plugin.h>
+#include "base/checked.hpp"
+#include "base/printable.hpp"
+#include "files/file_start.hpp"
+#include "particle_io/detail/particle_columns.hpp"
+#include "plugin_host/plugin_kinds.hpp"
+#include "plugin_host/plugin_visit.hpp"
+#include "volume_io/vdb_points.hpp"
+
+namespace isoextract::particle_io {
+namespace {
+
+std::string plain_text(const char* text, std::size_t most) { return text == nullptr ? "" : printable(text, most); }
+
+std::optional<AttributeKind> kind_of(std::int32_t kind) {
+  switch (kind) {
+    case ISOEXTRACT_KIND_SCALAR: return AttributeKind::scalar;
+    case ISOEXTRACT_KIND_COLOR: return AttributeKind::color;
+    case ISOEXTRACT_KIND_VECTOR: return AttributeKind::vector;
+    case ISOEXTRACT_KIND_POINT: return AttributeKind::point;
+    case ISOEXTRACT_KIND_NORMAL: return AttributeKind::normal;
+    default: return std::nullopt;
+  }
+}
+
+class PluginParticles : public ParticleFormat {
+ public:
+  PluginParticles(ParticleFormatDescription described, plugin_host::PluginFolders folders)
+      : ParticleFormat(std::move(described)), library_(plugin_host::kParticlePlugins, about().id, std::move(folders)) {}
+
+  [[nodiscard]] ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const override {
+    return OpenedFile(*this, file, options).info(options);
+  }
+
+  [[nodiscard]] ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const override {
+    const OpenedFile opened(*this, file, options);
+    if (!options.frame && opened.value().frames > 1) refuse_frame(options, opened.value().frames);
+    return opened.read(options);
+  }
+
+  // With one worker.
+  [[nodiscard]] DescribedParticles describe(const files::InputFile& file,
+                                            const ParticleReadOptions& options) const override {
+    const OpenedFile opened(*this, file, options);
+    return describe_with(opened.info(options), options,
+                         [&](const ParticleReadOptions& all) { return opened.read(all); });
+  }
+
+ private:
+  // A file in the hands of the plug-in, and what it takes reserved meanwhile.
+  class OpenedFile {
+   public:
+    OpenedFile(const PluginParticles& format, const files::InputFile& file, const ParticleReadOptions& options)
+        : id_(format.about().id), name_(file.name()), context_(file.context()) {
+      if (files::is_standard_input(file.path())) {
+        throw DamagedParticles(fmt::format("plug-ins, such as the one for {}, read files by their paths", id_),
+                               "write the data to a file first");
+      }
+      const std::string what = file.name() + ": what the plug-in takes to read it";
+      // How much that is shows afterwards; until then the file's own size, twice.
+      memory_ = must(
+          file.context().reserve(checked_product(file.size(), std::uint64_t{2}).value_or(~std::uint64_t{0}), what));
+      file.context().progress().begin("reading", 0);
+      const plugin_host::WantedParticles wanted{wanted_frame(options), options.grid ? &*options.grid : nullptr};
+      visit_ = must(plugin_host::visit_particles(format.library_, id_, file, wanted));
+      memory_.release();
+      memory_ = must(file.context().reserve(value().held_bytes, what));
+      check(options);
+      make_table();
+    }
+
+    [[nodiscard]] const isoextract_particle_file& value() const { return visit_->file(); }
+
+    [[nodiscard]] ParticleInfo info(const ParticleReadOptions& options) const {
+      ParticleInfo info;
+      info.frames = value().frames;
+      info.particles = value().particles;
+      info.frame_name = plain_text(value().frame_name, 80);
+      describe_table(table_, options, info);
+      info.length_unit = plain_text(value().length_unit, 80);
+      return info;
+    }
+
+    // Once.
+    [[nodiscard]] ParticleFile read(const ParticleReadOptions& options) const {
+      const ColumnChoice choice = choose_columns(table_, options);
+      std::string label = name_;
+      if (options.frame) label += fmt::format(", frame {}", *options.frame);
+      ParticleFile result;
+      result.particles = make_particles(context_, label, value().particles, choice);
+      if (result.particles.size() > 0) fill(result.particles, choice);
+      result.length_unit = plain_text(value().length_unit, 80);
+      result.notes = choice.notes;
+      if (std::string printed = finish(); !printed.empty()) result.notes.push_back(std::move(printed));
+      return result;
+    }
+
+   private:
+    void fill(points::ParticleSet& set, const ColumnChoice& choice) const {
+      static_assert(sizeof(glm::dvec3) == 3 * sizeof(double));
+      must(visit_->positions({&set.positions[0].x, 3 * set.positions.size()}));
+      for (std::size_t a = 0; a < choice.attributes.size(); ++a) {
+        const std::size_t first = choice.attributes[a].columns.front();
+        const auto group = std::ranges::find_if(
+            table_.groups, [&](const ColumnGroup& g) { return g.columns == choice.attributes[a].columns; });
+        if (group == table_.groups.end()) {
+          throw DamagedParticles(fmt::format("expected the name of a whole attribute, found '{}'",
+                                             printable(table_.columns[first].name, 80)));
+        }
+        const std::span<float> values = set.attributes[a].values.span();
+        if (group == table_.groups.begin()) {  // the position, of which plug-ins do not know as an attribute
+          float* to = values.data();
+          for (const glm::dvec3& p : set.positions) {
+            for (int axis = 0; axis < 3; ++axis) *to++ = static_cast<float>(p[axis]);
+          }
+          continue;
+        }
+        must(visit_->quantity(static_cast<std::size_t>(group - table_.groups.begin()) - 1, values));
+      }
+    }
+
+    // After all that was asked for: what the plug-in has printed, as a note; may be empty.
+    [[nodiscard]] std::string finish() const {
+      must(visit_->finish());
+      const std::string printed = visit_->printed();
+      return printed.empty() ? printed : fmt::format("the plug-in for {} printed: {}", id_, printed);
+    }
+
+    void check(const ParticleReadOptions& options) const {
+      const auto refused = [&](std::string_view what) {
+        throw DamagedParticles(fmt::format("the plug-in for {} gives {}", id_, what));
+      };
+      const isoextract_particle_file& opened = value();
+      if (opened.quantities == nullptr && opened.quantity_count > 0) refused("a list of attributes that is not there");
+      if (opened.frames == 0) refused("a file without frames");
+      if (wanted_frame(options) >= opened.frames) refuse_frame(options, opened.frames);
+      std::uint64_t columns = 3;
+      for (std::size_t i = 0; i < opened.quantity_count; ++i) {
+        const std::uint64_t components = opened.quantities[i].components;
+        if (components == 0 || components > kMostColumns - columns) refused("an attribute of that many components");
+        columns += components;
+      }
+    }
+
+    void make_table() {
+      add_tuple(table_, "position", "number", 3);
+      table_.position = {0, 1, 2};
+      for (std::size_t i = 0; i < value().quantity_count; ++i) {
+        const isoextract_particle_quantity& quantity = value().quantities[i];
+        add_tuple(table_, quantity.name == nullptr ? "" : quantity.name, plain_text(quantity.type_name, 80),
+                  static_cast<std::size_t>(quantity.components), quantity.is_numeric != 0, kind_of(quantity.kind));
+      }
+      make_group_names_unique(table_);
+    }
+
+    std::string id_;
+    std::string name_;
+    Context context_;
+    Reservation memory_;
+    std::unique_ptr<plugin_host::ParticleVisit> visit_;
+    ParticleTable table_;
+  };
+
+  plugin_host::PluginLibrary library_;
+};
+
+class VtkParticles final : public PluginParticles {
+ public:
+  explicit VtkParticles(plugin_host::PluginFolders folders)
+      : PluginParticles({.id = "vtk",
+                         .title = "VTK, legacy and XML: unstructured grids and poly data of points",
+                         .extensions = {".vtk", ".vtu", ".vtp"},
+                         .from_standard_input = false},
+                        std::move(folders)) {}
+
+  // Other kinds of data are volumes or tables.
+  [[nodiscard]] bool probe(const files::FileStart& start) const override {
+    if (start.packed) return false;
+    const std::string_view text(reinterpret_cast<const char*>(start.bytes.data()), start.bytes.size());
+    const auto has = [&](std::string_view part) { return text.find(part) != std::string_view::npos; };
+    if (text.starts_with("# vtk DataFile")) return has("DATASET UNSTRUCTURED_GRID") || has("DATASET POLYDATA");
+    return has("<VTKFile") && (has("\"UnstructuredGrid\"") || has("\"PolyData\""));
+  }
+};
+
+// Point grids. Which grids a file has is known without the plug-in.
+class OpenVdbParticles final : public PluginParticles {
+ public:
+  explicit OpenVdbParticles(plugin_host::PluginFolders folders)
+      : PluginParticles({.id = plugin_host::kOpenVdbPlugin,
+                         .title = "OpenVDB's point grids",
+                         .extensions = {".vdb"},
+                         .has_grids = true,
+                         .from_standard_input = false},
+                        std::move(folders)) {}
+
+  // A file of points alone; or the grid that is asked for, which a volume has no use for.
+  [[nodiscard]] bool claims(const files::InputFile& file, const files::FileStart& start,
+                            const ParticleReadOptions& options) const override {
+    constexpr std::string_view kStart(" BDV\0\0\0\0", 8);
+    const std::string_view text(reinterpret_cast<const char*>(start.bytes.data()), start.bytes.size());
+    if (start.packed || !text.starts_with(kStart)) return false;
+    return must(volume_io::has_vdb_points(file, options.grid));
+  }
+
+  [[nodiscard]] ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const override {
+    must(volume_io::check_vdb_header(file));
+    return PluginParticles::info(file, options);
+  }
+
+  [[nodiscard]] ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const override {
+    must(volume_io::check_vdb_header(file));
+    return PluginParticles::read(file, options);
+  }
+};
+
+}  // namespace
+
+std::vector<std::unique_ptr<const ParticleFormat>> find_particle_plugins(const plugin_host::PluginFolders& folders) {
+  std::vector<std::unique_ptr<const ParticleFormat>> formats;
+  formats.push_back(std::make_unique<const VtkParticles>(folders));
+  formats.push_back(std::make_unique<const OpenVdbParticles>(folders));
+  for (plugin_host::PluginTable& table :
+       plugin_host::find_plugin_tables(folders, plugin_host::kParticlePlugins.name_start)) {
+    if (table.id == formats[0]->about().id || table.id == formats[1]->about().id) continue;
+    formats.push_back(
+        std::make_unique<const PluginParticles>(ParticleFormatDescription{.id = std::move(table.id),
+                                                                          .title = std::move(table.title),
+                                                                          .extensions = std::move(table.extensions),
+                                                                          .has_frames = true,
+                                                                          .known_by_name = true,
+                                                                          .from_standard_input = false},
+                                                folders));
+  }
+  return formats;
+}
+
+}  // namespace isoextract::particle_io

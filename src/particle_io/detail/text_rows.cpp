@@ -1,0 +1,146 @@
+#include "particle_io/detail/text_rows.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "base/printable.hpp"
+
+namespace isoextract::particle_io {
+namespace {
+
+[[noreturn]] void text_ends(const ContentReader& content, std::uint64_t found, std::uint64_t count) {
+  throw CutShort(fmt::format("expected {} lines of particles, found {} before the end of the file at line {}", count,
+                             found, content.line_number()));
+}
+
+// Lines that a count in a text asks for: after how many of them the end of the work is asked about.
+template <class Use>
+void for_each_row(ContentReader& content, std::uint64_t count, Use&& use) {
+  for (std::uint64_t row = 0; row < count; ++row) {
+    const auto line = content.next_line();
+    if (!line) text_ends(content, row, count);
+    use(row, *line);
+  }
+}
+
+}  // namespace
+
+std::optional<double> number_in(std::string_view word) {
+  if (word.starts_with('+')) {
+    word.remove_prefix(1);
+    if (word.starts_with('-')) return std::nullopt;
+  }
+  const char* const last = word.data() + word.size();
+  double value = 0;
+  const auto [end, status] = std::from_chars(word.data(), last, value);
+  if (end != last) return std::nullopt;
+  if (status == std::errc{}) return value;
+  if (status != std::errc::result_out_of_range) return std::nullopt;
+  // A wider type tells on which side of double's range it is, and beyond that the exponent.
+  long double wide = 0;
+  if (std::from_chars(word.data(), last, wide).ec != std::errc{}) {
+    const std::size_t exponent = word.find_first_of("eE");
+    if (exponent == std::string_view::npos) return std::nullopt;
+    wide = word.substr(exponent).find('-') != std::string_view::npos ? 0 : std::numeric_limits<long double>::infinity();
+    if (word.starts_with('-')) wide = -wide;
+  }
+  const bool is_small = wide > -1 && wide < 1;
+  const double size = is_small ? 0 : std::numeric_limits<double>::infinity();
+  return std::signbit(wide) ? -size : size;
+}
+
+std::optional<double> DecimalReader::number(std::string_view word) {
+  const std::size_t comma = word.find(',');
+  const bool has_point = word.find('.') != std::string_view::npos;
+  const char mark = comma != std::string_view::npos ? ',' : has_point ? '.' : '\0';
+  if (mark == '\0') return number_in(word);
+  if ((mark_ != '\0' && mark_ != mark) || (mark == ',' && has_point)) return std::nullopt;
+  std::string text(word);
+  if (mark == ',') text[comma] = '.';
+  const auto value = number_in(text);
+  if (value) mark_ = mark;
+  return value;
+}
+
+std::optional<std::uint64_t> whole_number_in(std::string_view word) {
+  std::uint64_t value = 0;
+  const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (status != std::errc{} || end != word.data() + word.size()) return std::nullopt;
+  return value;
+}
+
+void split_words(std::string_view line, std::vector<std::string_view>& words) {
+  words.clear();
+  const char* at = line.data();
+  const char* const end = at + line.size();
+  const auto is_space = [](char c) { return c == ' ' || c == '\t'; };
+  while (true) {
+    while (at != end && is_space(*at)) ++at;
+    if (at == end) return;
+    const char* const first = at;
+    if (words.size() == kMostColumns) {
+      words.emplace_back(first, static_cast<std::size_t>(end - first));
+      return;
+    }
+    while (at != end && !is_space(*at)) ++at;
+    words.emplace_back(first, static_cast<std::size_t>(at - first));
+  }
+}
+
+void words_of_row(const ContentReader& content, std::string_view line, std::size_t count,
+                  std::vector<std::string_view>& words) {
+  split_words(line, words);
+  if (words.size() != count) {
+    content.expected(fmt::format("{} values of a particle, not {}", count, words.size()), line);
+  }
+}
+
+void put_row(const ContentReader& content, const ParticleTable& table, std::span<const std::string_view> fields,
+             std::size_t particle, std::span<const ColumnSink> sinks, DecimalReader* decimals) {
+  for (const ColumnSink& sink : sinks) {
+    const std::string_view field = fields[sink.column];
+    const auto value = field.empty()         ? std::numeric_limits<double>::quiet_NaN()
+                       : decimals != nullptr ? decimals->number(field)
+                                             : number_in(field);
+    if (!value) {
+      const bool other_mark = decimals != nullptr && DecimalReader().number(field).has_value();
+      content.expected(fmt::format("a number as '{}'{}", printable(table.columns[sink.column].name, 80),
+                                   other_mark ? ", with the decimal mark of those before" : ""),
+                       field);
+    }
+    sink.put(particle, *value);
+  }
+}
+
+void read_rows(ContentReader& content, const ParticleTable& table, std::uint64_t count,
+               std::span<const ColumnSink> sinks) {
+  std::vector<std::string_view> words;
+  for_each_row(content, count, [&](std::uint64_t row, std::string_view line) {
+    words_of_row(content, line, table.columns.size(), words);
+    put_row(content, table, words, static_cast<std::size_t>(row), sinks);
+  });
+}
+
+void skip_rows(ContentReader& content, std::uint64_t count) {
+  for_each_row(content, count, [](std::uint64_t, std::string_view) {});
+}
+
+void look_for_text(ParticleTable& table, std::span<const std::string_view> fields, bool commas) {
+  for (std::size_t i = 0; i < fields.size() && i < table.columns.size(); ++i) {
+    if (fields[i].empty() || number_in(fields[i]) || (commas && DecimalReader().number(fields[i]))) continue;
+    table.columns[i].numeric = false;
+    table.columns[i].type = "text";
+  }
+}
+
+void look_for_text_ahead(ContentReader& content, ParticleTable& table) {
+  std::vector<std::string_view> words;
+  split_words(content.peek_line().value_or(""), words);
+  look_for_text(table, words);
+}
+
+}  // namespace isoextract::particle_io

@@ -1,0 +1,404 @@
+// An attribute is [definition, values]; numbers are in "tuples", in "arrays" of one component each, or in
+// "rawpagedata": the elements page by page, in each page one sub-vector of the components after the other ("packing"),
+// as one tuple where "constantpageflags" says that it is the same in all of the page.
+#include "particle_io/formats/houdini_geometry.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <unordered_set>
+
+#include <fmt/format.h>
+
+#include "base/checked.hpp"
+#include "base/printable.hpp"
+#include "particle_io/formats/houdini_json.hpp"
+
+namespace isoextract::particle_io {
+namespace {
+
+constexpr std::uint64_t kMostComponents = 1024;
+constexpr std::uint64_t kMostPage = 65536;  // elements; Houdini has 1024
+constexpr std::size_t kMostNamesOfMap = 256;
+
+// Calls use(name, first token of the value), which takes the value, for each pair of an array or a map. Refuses
+// repeated names: a second "pointcount" would hold for some of the attributes only.
+template <class F>
+void each_pair(HoudiniJson& json, const JsonToken& first, F&& use) {
+  if (first.kind != JsonToken::Kind::begin) json.expected("an array of names and values");
+  std::unordered_set<std::string> names;
+  while (true) {
+    const JsonToken name = json.next();
+    if (name.kind == JsonToken::Kind::end) return;
+    if (name.kind != JsonToken::Kind::text) json.expected("a name");
+    if (names.size() == kMostNamesOfMap) json.expected(fmt::format("at most {} names in a map", kMostNamesOfMap));
+    if (!names.insert(name.text).second) {
+      throw DamagedParticles(fmt::format("expected each name of a map once, found '{}' again before byte {}",
+                                         printable(name.text, 80), json.content().position()));
+    }
+    const JsonToken value = json.next();
+    if (value.kind == JsonToken::Kind::end) json.expected("a value behind a name");
+    use(name.text, value);
+  }
+}
+
+std::uint64_t whole_of(HoudiniJson& json, const JsonToken& token, std::string_view what, std::uint64_t most) {
+  const bool fits = token.kind == JsonToken::Kind::number && token.number >= 0 &&
+                    token.number <= static_cast<double>(most) && token.number == std::floor(token.number);
+  if (!fits) json.expected(fmt::format("{}, a whole number from 0 to {},", what, most));
+  return static_cast<std::uint64_t>(token.number);
+}
+
+// Where the numbers of an attribute go, in the order in which they come.
+class AttributeSinks {
+ public:
+  AttributeSinks(std::uint64_t points, std::uint64_t size, std::span<const ColumnSink> sinks, std::size_t first_column)
+      : points_(points), components_(static_cast<std::size_t>(size)) {
+    for (const ColumnSink& sink : sinks) {
+      if (sink.column >= first_column && sink.column - first_column < components_.size()) {
+        components_[sink.column - first_column].push_back(sink);
+      }
+    }
+  }
+
+  [[nodiscard]] std::uint64_t points() const { return points_; }
+  [[nodiscard]] std::uint64_t size() const { return components_.size(); }
+
+  void put(std::uint64_t point, std::uint64_t count, std::size_t component, double value) const {
+    for (const ColumnSink& sink : components_[component]) {
+      for (std::uint64_t i = 0; i < count; ++i) sink.put(static_cast<std::size_t>(point + i), value);
+    }
+  }
+
+ private:
+  std::uint64_t points_;
+  std::vector<std::vector<ColumnSink>> components_;
+};
+
+// Pages of an attribute, walked as its numbers come.
+class PageWalk {
+ public:
+  PageWalk(const AttributeSinks& sinks, std::uint64_t page, std::vector<std::uint64_t> packing,
+           const std::vector<std::vector<bool>>& constant)
+      : sinks_(sinks), page_(page), packing_(std::move(packing)), constant_(constant) {}
+
+  // False where there are more numbers than there should be.
+  bool take(double value) {
+    if (done()) return false;
+    const std::uint64_t in_page = std::min(page_, sinks_.points() - first_);
+    const bool same = part_ < constant_.size() && page_number_ < constant_[part_].size() &&
+                      constant_[part_][static_cast<std::size_t>(page_number_)];
+    sinks_.put(first_ + element_, same ? in_page : 1, static_cast<std::size_t>(before_ + component_), value);
+    if (++component_ < packing_[part_]) return true;
+    component_ = 0;
+    if (!same && ++element_ < in_page) return true;
+    element_ = 0;
+    before_ += packing_[part_];
+    if (++part_ < packing_.size()) return true;
+    part_ = 0;
+    before_ = 0;
+    first_ += in_page;
+    ++page_number_;
+    return true;
+  }
+  [[nodiscard]] bool done() const { return first_ == sinks_.points(); }
+
+ private:
+  const AttributeSinks& sinks_;
+  std::uint64_t page_;
+  std::vector<std::uint64_t> packing_;  // components of each sub-vector
+  const std::vector<std::vector<bool>>& constant_;
+  std::uint64_t first_ = 0;  // element of the page
+  std::uint64_t page_number_ = 0;
+  std::size_t part_ = 0;         // sub-vector
+  std::uint64_t before_ = 0;     // components of those before it
+  std::uint64_t element_ = 0;    // in the page
+  std::uint64_t component_ = 0;  // in the sub-vector
+};
+
+// What is said of the pages before their data.
+struct Paging {
+  std::uint64_t page = 0;
+  std::vector<std::uint64_t> packing;
+  std::vector<std::vector<bool>> constant;  // of each sub-vector, of each page
+  std::vector<Reservation> memory;          // for the flags of each sub-vector
+};
+
+// A packed file can have any number of flags.
+void read_constant_flags(HoudiniJson& json, const JsonToken& first, std::uint64_t points, Paging& paging) {
+  if (first.kind != JsonToken::Kind::begin) json.expected("an array of flags of pages");
+  const std::uint64_t pages = paging.page == 0 ? points : (points + paging.page - 1) / paging.page;
+  while (true) {
+    const JsonToken flags = json.next();
+    if (flags.kind == JsonToken::Kind::end) return;
+    if (paging.constant.size() == kMostComponents) json.expected("fewer sub-vectors");
+    std::vector<bool>& of_part = paging.constant.emplace_back();
+    json.each_number(flags, [&](double value) {
+      if (of_part.size() == pages) json.expected("flags of as many pages as there are");
+      if (of_part.empty()) {
+        paging.memory.push_back(json.content().reserve((pages + 63) / 64 * 8, "flags of pages"));
+        of_part.reserve(static_cast<std::size_t>(pages));
+      }
+      of_part.push_back(value != 0);
+    });
+  }
+}
+
+void read_pages(HoudiniJson& json, const JsonToken& first, Paging& paging, const AttributeSinks& sinks) {
+  if (paging.page == 0) json.expected("the size of pages before their data");
+  if (paging.packing.empty()) paging.packing = {sinks.size()};
+  std::uint64_t components = 0;
+  for (const std::uint64_t part : paging.packing) components += part;
+  const bool has_empty = std::ranges::count(paging.packing, 0U) > 0;
+  if (components != sinks.size() || has_empty) json.expected("sub-vectors of all components of an attribute");
+  PageWalk walk(sinks, paging.page, std::move(paging.packing), paging.constant);
+  json.each_number(first, [&](double value) {
+    if (!walk.take(value)) json.expected("the end of the data of pages");
+  });
+  if (!walk.done()) json.expected("more data of pages");
+}
+
+// Numbers that all are there: element by element, or component by component.
+void read_all_numbers(HoudiniJson& json, const JsonToken& first, bool by_component, const AttributeSinks& sinks) {
+  std::uint64_t taken = 0;
+  const std::uint64_t all = checked_product(sinks.points(), sinks.size()).value_or(0);
+  json.each_number(first, [&](double value) {
+    if (taken == all) json.expected("the end of an attribute's numbers");
+    const std::uint64_t point = by_component ? taken % sinks.points() : taken / sinks.size();
+    const std::uint64_t component = by_component ? taken / sinks.points() : taken % sinks.size();
+    sinks.put(point, 1, static_cast<std::size_t>(component), value);
+    ++taken;
+  });
+  if (taken != all) json.expected("more numbers of an attribute");
+}
+
+// The value of "values".
+void read_attribute_numbers(HoudiniJson& json, const JsonToken& first, const AttributeSinks& sinks) {
+  Paging paging;
+  bool found = false;
+  each_pair(json, first, [&](const std::string& name, const JsonToken& value) {
+    if (name == "size") {
+      if (whole_of(json, value, "the size of an attribute", kMostComponents) != sinks.size()) {
+        json.expected("values of the size of their attribute");
+      }
+    } else if (name == "pagesize") {
+      paging.page = whole_of(json, value, "the size of a page", kMostPage);
+    } else if (name == "packing") {
+      json.each_number(value, [&](double part) {
+        if (!(part >= 0 && part <= kMostComponents) || paging.packing.size() == kMostComponents) {
+          json.expected("numbers of components");
+        }
+        paging.packing.push_back(static_cast<std::uint64_t>(part));
+      });
+    } else if (name == "constantpageflags") {
+      read_constant_flags(json, value, sinks.points(), paging);
+    } else if (name == "rawpagedata" && !found) {
+      read_pages(json, value, paging, sinks);
+      found = true;
+    } else if ((name == "tuples" || name == "arrays") && !found) {
+      read_all_numbers(json, value, name == "arrays", sinks);
+      found = true;
+    } else {
+      json.skip_value(value);
+    }
+  });
+  if (!found) json.expected("the values of an attribute");
+}
+
+// The value of "options": names, and maps of a type and a value each.
+void read_attribute_options(HoudiniJson& json, const JsonToken& first, HoudiniAttribute& attribute) {
+  each_pair(json, first, [&](const std::string& name, const JsonToken& value) {
+    if (name != "type" || value.kind != JsonToken::Kind::begin) {
+      json.skip_value(value);
+      return;
+    }
+    each_pair(json, value, [&](const std::string& key, const JsonToken& text) {
+      if (key == "value" && text.kind == JsonToken::Kind::text) attribute.type_info = text.text;
+      json.skip_value(text);
+    });
+  });
+}
+
+std::optional<AttributeKind> kind_of(const HoudiniAttribute& attribute) {
+  if (attribute.type_info == "vector") return AttributeKind::vector;
+  if (attribute.type_info == "normal") return AttributeKind::normal;
+  if (attribute.type_info == "point") return AttributeKind::point;
+  if (attribute.type_info == "color") return AttributeKind::color;
+  return std::nullopt;
+}
+
+// What the second walk has to find again, and where the numbers of attributes go: sinks are sorted by column.
+struct SecondWalk {
+  const HoudiniFile& first;
+  std::span<const ColumnSink> sinks;
+
+  // The sinks of an attribute whose first component is column `first_column`.
+  [[nodiscard]] std::span<const ColumnSink> sinks_of(std::size_t first_column, std::uint64_t components) const {
+    const auto begin = std::ranges::lower_bound(sinks, first_column, {}, &ColumnSink::column);
+    const auto end = std::ranges::lower_bound(sinks, first_column + components, {}, &ColumnSink::column);
+    return {begin, end};
+  }
+};
+
+void expect_unchanged(bool same, std::string_view what) {
+  if (!same) {
+    throw DamagedParticles(
+        fmt::format("{} changed while the file was read: expected the same in both passes over it", what),
+        "convert it when nothing writes to it");
+  }
+}
+
+// Reads one attribute of points. In the second walk, `expected` is the attribute that the first one found here, and
+// `sinks` take its numbers.
+HoudiniAttribute read_attribute(HoudiniJson& json, const JsonToken& first, std::uint64_t points,
+                                const HoudiniAttribute* expected, std::span<const ColumnSink> sinks,
+                                std::size_t first_column) {
+  if (first.kind != JsonToken::Kind::begin) json.expected("an attribute");
+  HoudiniAttribute attribute;
+  each_pair(json, json.next(), [&](const std::string& name, const JsonToken& value) {
+    if (name == "name" && value.kind == JsonToken::Kind::text) attribute.name = value.text;
+    if (name == "type" && value.kind == JsonToken::Kind::text) attribute.type = value.text;
+    if (name == "options" && value.kind == JsonToken::Kind::begin) {
+      read_attribute_options(json, value, attribute);
+    } else {
+      json.skip_value(value);
+    }
+  });
+  bool has_values = false;
+  each_pair(json, json.next(), [&](const std::string& name, const JsonToken& value) {
+    if (name == "size") attribute.size = whole_of(json, value, "the size of an attribute", kMostComponents);
+    if (name == "storage" && value.kind == JsonToken::Kind::text) attribute.storage = value.text;
+    if (name == "values" && !sinks.empty()) {
+      read_attribute_numbers(json, value, AttributeSinks(points, expected->size, sinks, first_column));
+      has_values = true;
+    } else {
+      json.skip_value(value);
+    }
+  });
+  if (json.next().kind != JsonToken::Kind::end) json.expected("the end of an attribute");
+  if (expected != nullptr) expect_unchanged(attribute == *expected, "an attribute");
+  // Memory of particles is not cleared: what is not read would be whatever it held before.
+  if (!sinks.empty() && !has_values) {
+    json.expected(fmt::format("the values of the attribute '{}'", printable(attribute.name, 80)));
+  }
+  return attribute;
+}
+
+// One at least: attributes are counted by their columns.
+std::size_t columns_of(const HoudiniAttribute& attribute) {
+  return attribute.type == "numeric" ? std::max<std::size_t>(1, static_cast<std::size_t>(attribute.size)) : 1;
+}
+
+// Walks through the whole file; the first time without `second`, for what is in it.
+HoudiniFile walk_houdini(ContentReader& content, const SecondWalk* second) {
+  HoudiniJson json(content);
+  HoudiniFile found;
+  std::size_t columns = 0;
+  bool has_count = false;
+  const auto read_points = [&](const JsonToken& list) {
+    if (list.kind != JsonToken::Kind::begin) json.expected("a list of attributes");
+    if (!has_count) json.expected("the number of points before their attributes");
+    for (JsonToken token = json.next(); token.kind != JsonToken::Kind::end; token = json.next()) {
+      const HoudiniAttribute* expected = nullptr;
+      std::span<const ColumnSink> sinks;
+      if (second != nullptr) {
+        const std::vector<HoudiniAttribute>& before = second->first.attributes;
+        expect_unchanged(found.attributes.size() < before.size(), "the list of attributes");
+        expected = &before[found.attributes.size()];
+        sinks = second->sinks_of(columns, columns_of(*expected));
+      }
+      found.attributes.push_back(read_attribute(json, token, found.points, expected, sinks, columns));
+      columns += columns_of(found.attributes.back());
+      if (columns > kMostColumns) json.expected("fewer attributes");
+    }
+  };
+  each_pair(json, json.next(), [&](const std::string& name, const JsonToken& value) {
+    constexpr std::uint64_t kMost = std::uint64_t{1} << 48;
+    if (name == "pointcount") {
+      found.points = whole_of(json, value, "the number of points", kMost);
+      if (second != nullptr) expect_unchanged(found.points == second->first.points, "the number of points");
+      has_count = true;
+    } else if (name == "primitivecount") {
+      found.primitives = whole_of(json, value, "the number of primitives", kMost);
+    } else if (name == "info" && value.kind == JsonToken::Kind::begin) {
+      each_pair(json, value, [&](const std::string& key, const JsonToken& text) {
+        if (key == "software" && text.kind == JsonToken::Kind::text) found.software = printable(text.text, 200);
+        json.skip_value(text);
+      });
+    } else if (name == "attributes") {
+      each_pair(json, value, [&](const std::string& owner, const JsonToken& list) {
+        if (owner == "pointattributes") {
+          read_points(list);
+        } else {
+          json.skip_value(list);
+        }
+      });
+    } else {
+      json.skip_value(value);
+    }
+  });
+  if (second != nullptr) {
+    expect_unchanged(found.attributes.size() == second->first.attributes.size(), "the list of attributes");
+  }
+  if (found.primitives > 0) {
+    found.notes.push_back(fmt::format("{} primitives were left out, their points were read", found.primitives));
+  }
+  return found;
+}
+
+ParticleTable houdini_table(const HoudiniFile& file) {
+  ParticleTable table;
+  for (const HoudiniAttribute& attribute : file.attributes) {
+    const bool numeric = attribute.type == "numeric" && attribute.size > 0;
+    if (attribute.name == "P" && numeric && attribute.size >= 3 && !table.position) {
+      const std::size_t first = table.columns.size();
+      table.position = {first, first + 1, first + 2};
+    }
+    const std::string type = numeric ? attribute.storage : attribute.type == "string" ? "text" : attribute.type;
+    add_tuple(table, attribute.name, printable(type, 40), columns_of(attribute), numeric, kind_of(attribute));
+  }
+  make_group_names_unique(table);
+  if (!table.position) throw DamagedParticles("expected the attribute P of points, found none");
+  return table;
+}
+
+}  // namespace
+
+HoudiniFile survey_houdini(const files::InputFile& file) {
+  const files::FileVersion version = must(files::version_of(file));
+  ContentReader content(file);
+  HoudiniFile found = walk_houdini(content, nullptr);
+  found.version = version;
+  return found;
+}
+
+ParticleInfo houdini_info(const files::InputFile& file, const ParticleReadOptions& options) {
+  const HoudiniFile found = survey_houdini(file);
+  ParticleInfo info;
+  info.particles = found.points;
+  info.notes = found.notes;
+  describe_table(houdini_table(found), options, info);
+  return info;
+}
+
+ParticleFile read_houdini(const files::InputFile& file, const HoudiniFile& surveyed,
+                          const ParticleReadOptions& options) {
+  const ColumnChoice choice = choose_columns(houdini_table(surveyed), options);
+  ContentReader content(file);
+  // A page of P is one tuple at least.
+  check_count(content, (surveyed.points + kMostPage - 1) / kMostPage, 3);
+  ParticleFile result;
+  result.particles = make_particles(file.context(), file.name(), surveyed.points, choice);
+  if (surveyed.points > 0) {
+    const std::vector<ColumnSink> sinks = sinks_of(result.particles, choice);
+    const SecondWalk second{surveyed, sinks};
+    walk_houdini(content, &second);
+    must(files::check_unchanged(file, surveyed.version));
+  }
+  result.creator = surveyed.software.starts_with("Houdini") ? surveyed.software : kHoudiniFormat;
+  result.notes = surveyed.notes;
+  result.notes.insert(result.notes.end(), choice.notes.begin(), choice.notes.end());
+  return result;
+}
+
+}  // namespace isoextract::particle_io

@@ -1,0 +1,45 @@
+// Points of Houdini's geometry files since version 12: arrays of names and values in binary JSON.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "files/file_version.hpp"
+#include "particle_io/detail/particle_columns.hpp"
+
+namespace isoextract::particle_io {
+
+// ScalarField::creator of files in Houdini's formats that do not say that Houdini made them.
+inline constexpr const char* kHoudiniFormat = "Houdini's format";
+
+struct HoudiniAttribute {
+  std::string name;
+  std::string type;  // "numeric", "string", ...
+  std::uint64_t size = 0;
+  std::string storage;
+  std::string type_info;  // "vector", "normal", "color", "point", ...; may be empty
+
+  friend bool operator==(const HoudiniAttribute&, const HoudiniAttribute&) = default;
+};
+
+struct HoudiniFile {
+  std::uint64_t points = 0;
+  std::uint64_t primitives = 0;
+  std::string software;                      // that wrote it: "Houdini 18.0.499"; may be empty
+  std::vector<HoudiniAttribute> attributes;  // of points
+  std::vector<std::string> notes;
+  files::FileVersion version;
+};
+
+// All of these throw DamagedParticles and Refused.
+
+// Walks through the whole file for counts and attributes, without their numbers.
+[[nodiscard]] HoudiniFile survey_houdini(const files::InputFile& file);
+
+// As ParticleFormat::info and read. The numbers are read in a second walk, which must find what the survey found.
+[[nodiscard]] ParticleInfo houdini_info(const files::InputFile& file, const ParticleReadOptions& options);
+[[nodiscard]] ParticleFile read_houdini(const files::InputFile& file, const HoudiniFile& surveyed,
+                                        const ParticleReadOptions& options);
+
+}  // namespace isoextract::particle_io

@@ -1,0 +1,103 @@
+// Houdini's binary JSON (SideFX Houdini Development Kit, UT_JSONDefines.h): a stream of tokens, each one byte and what
+// belongs to it, in the byte order that the magic tells.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+
+#include "particle_io/detail/content_reader.hpp"
+#include "particle_io/detail/number_type.hpp"
+
+namespace isoextract::particle_io {
+
+inline constexpr std::string_view kHoudiniMagicLittle("\x7FNSJb", 5);
+inline constexpr std::string_view kHoudiniMagicBig(
+    "\x7F"
+    "bJSN",
+    5);
+
+struct JsonToken {
+  enum class Kind { null, number, text, begin, end, numbers, bits, texts, names, finished };
+  Kind kind = Kind::null;             // begin and end: of an array or a map
+  double number = 0;                  // of a number; a truth value is 0 or 1
+  std::string text;                   // of a text, or as much of it as kMostText
+  std::uint64_t count = 0;            // of the elements of a uniform array, which follow
+  NumberType type = NumberType::f64;  // of its numbers
+};
+
+// Throws DamagedParticles and Refused.
+class HoudiniJson {
+ public:
+  static constexpr std::size_t kMostText = 4096;
+
+  // Past the magic.
+  explicit HoudiniJson(ContentReader& content);
+
+  // Elements of a uniform array are to be read before the next token.
+  [[nodiscard]] JsonToken next();
+  // Past all of the value that `first` begins.
+  void skip_value(const JsonToken& first);
+
+  // All numbers of the value that `first` begins, however deep in arrays, in their order: take(value).
+  template <class F>
+  void each_number(const JsonToken& first, F&& take) {
+    std::uint64_t depth = 0;
+    JsonToken token = first;
+    while (true) {
+      switch (token.kind) {
+        case JsonToken::Kind::begin: ++depth; break;
+        case JsonToken::Kind::end: --depth; break;
+        case JsonToken::Kind::number: take(token.number); break;
+        case JsonToken::Kind::numbers: uniform_numbers(token, take); break;
+        case JsonToken::Kind::bits: uniform_bits(token.count, take); break;
+        default: expected("numbers");
+      }
+      if (depth == 0) return;
+      token = next();
+    }
+  }
+
+  [[noreturn]] void expected(std::string_view what) const;
+  [[nodiscard]] ContentReader& content() { return content_; }
+
+ private:
+  template <class F>
+  void uniform_numbers(const JsonToken& token, F&& take) {
+    const std::size_t size = number_size(token.type);
+    for (std::uint64_t left = token.count; left > 0;) {
+      const auto bytes = content_.peek(size);
+      const auto at_hand = static_cast<std::size_t>(std::min<std::uint64_t>(left, bytes.size() / size));
+      if (at_hand == 0) expected("more numbers");
+      for_each_number(token.type, endian_, bytes.data(), size, at_hand,
+                      [&](std::size_t, double value) { take(value); });
+      content_.advance(at_hand * size);
+      left -= at_hand;
+    }
+  }
+
+  // In words of 32, the lowest bit first.
+  template <class F>
+  void uniform_bits(std::uint64_t count, F&& take) {
+    for (std::uint64_t i = 0; i < count; i += 32) {
+      const std::uint64_t word = whole(4);
+      for (std::uint64_t bit = 0; bit < 32 && i + bit < count; ++bit) take((word >> bit & 1) != 0 ? 1.0 : 0.0);
+    }
+  }
+
+  [[nodiscard]] std::uint64_t whole(std::size_t bytes);
+  [[nodiscard]] std::uint64_t length();
+  [[nodiscard]] double number(NumberType type);
+  [[nodiscard]] std::string text();
+  void skip_elements(const JsonToken& token);
+  [[nodiscard]] JsonToken uniform_array();
+
+  ContentReader& content_;
+  std::endian endian_ = std::endian::little;
+  std::unordered_map<std::uint64_t, std::string> names_;  // texts that were defined once
+};
+
+}  // namespace isoextract::particle_io

@@ -1,0 +1,299 @@
+// Dumps of LAMMPS as text, styles atom and custom: one time step after the other, each with its box and a table of
+// atoms whose columns have names. Positions are x y z as they are, unwrapped ones xu yu zu, or fractions of the box xs
+// ys zs (xsu ysu zsu), in boxes that may be triclinic (LAMMPS documentation, "dump" and "Howto triclinic").
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "base/printable.hpp"
+#include "files/file_start.hpp"
+#include "particle_io/detail/frame_index.hpp"
+#include "particle_io/detail/particle_columns.hpp"
+#include "particle_io/detail/text_rows.hpp"
+
+namespace isoextract::particle_io {
+namespace {
+
+struct LammpsBox {
+  glm::dvec3 low{0};
+  glm::dmat3 edges{1};  // columns: the box's three edges
+  bool is_known = false;
+};
+
+struct LammpsFrame {
+  std::string step;
+  std::string units;
+  std::uint64_t atoms = 0;
+  LammpsBox box;
+  ParticleTable table;
+  std::string unit;  // of lengths
+};
+
+std::string_view length_unit_of(std::string_view units) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kUnits{{{"real", "angstrom"},
+                                                                                 {"metal", "angstrom"},
+                                                                                 {"si", "m"},
+                                                                                 {"cgs", "cm"},
+                                                                                 {"electron", "bohr"},
+                                                                                 {"micro", "um"},
+                                                                                 {"nano", "nm"}}};
+  for (const auto& [name, unit] : kUnits) {
+    if (name == units) return unit;
+  }
+  return {};
+}
+
+std::string_view line_of(ContentReader& content, std::string_view what) {
+  const auto line = content.next_line();
+  if (!line) throw CutShort(fmt::format("expected {}, found the end of the file", what));
+  return *line;
+}
+
+// Three lines of bounds, with tilt factors where the title has them. The bounds are those of the box around the
+// parallelepiped.
+LammpsBox read_lammps_box(ContentReader& content, std::span<const std::string_view> title) {
+  // "ITEM: BOX BOUNDS xy xz yz pp pp pp"; "abc origin" where the edges are given whole.
+  const bool is_general = title.size() > 3 && title[3] == "abc";
+  const bool is_tilted = title.size() > 3 && title[3] == "xy";
+  const std::size_t numbers = is_general ? 4 : is_tilted ? 3 : 2;
+  double rows[3][4] = {};
+  std::vector<std::string_view> words;
+  for (auto& row : rows) {
+    split_words(line_of(content, "the bounds of the box"), words);
+    if (words.size() < numbers) content.expected("the bounds of the box", words.empty() ? "" : words.back());
+    for (std::size_t i = 0; i < numbers; ++i) {
+      const auto value = number_in(words[i]);
+      if (!value) content.expected("a number among the bounds of the box", words[i]);
+      row[i] = *value;
+    }
+  }
+  LammpsBox box;
+  box.is_known = true;
+  if (is_general) {
+    for (int edge = 0; edge < 3; ++edge) {
+      box.edges[edge] = {rows[edge][0], rows[edge][1], rows[edge][2]};
+      box.low[edge] = rows[edge][3];
+    }
+    return box;
+  }
+  const double xy = rows[0][2];
+  const double xz = rows[1][2];
+  const double yz = rows[2][2];
+  const double x_low = rows[0][0] - std::min({0.0, xy, xz, xy + xz});
+  const double x_high = rows[0][1] - std::max({0.0, xy, xz, xy + xz});
+  const double y_low = rows[1][0] - std::min(0.0, yz);
+  const double y_high = rows[1][1] - std::max(0.0, yz);
+  box.low = {x_low, y_low, rows[2][0]};
+  box.edges[0] = {x_high - x_low, 0, 0};
+  box.edges[1] = {xy, y_high - y_low, 0};
+  box.edges[2] = {xz, yz, rows[2][1] - rows[2][0]};
+  return box;
+}
+
+using AxisNames = std::array<std::string_view, 3>;
+// Positions that are fractions of the box's edges.
+constexpr std::array<AxisNames, 2> kScaledNames{{{"xs", "ys", "zs"}, {"xsu", "ysu", "zsu"}}};
+
+// Which columns are the position.
+void find_lammps_position(LammpsFrame& frame) {
+  constexpr std::array<AxisNames, 4> kNames{{{"x", "y", "z"}, {"xu", "yu", "zu"}, kScaledNames[0], kScaledNames[1]}};
+  for (const AxisNames& names : kNames) {
+    std::array<std::size_t, 3> position{};
+    std::size_t found = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto column = std::ranges::find(frame.table.columns, names[axis], &ParticleColumn::name);
+      if (column == frame.table.columns.end()) continue;
+      position[axis] = static_cast<std::size_t>(column - frame.table.columns.begin());
+      ++found;
+    }
+    if (found < 3) continue;
+    frame.table.position = position;
+    return;
+  }
+}
+
+// The next time step up to its first atom; false at the end of the file.
+bool next_lammps_frame(ContentReader& content, LammpsFrame& frame) {
+  const std::string units = std::move(frame.units);
+  frame = {};
+  frame.units = units;
+  bool has_atoms = false;
+  bool has_step = false;
+  std::vector<std::string_view> words;
+  while (true) {
+    const auto line = content.next_line();
+    if (!line && !has_step && !has_atoms) return false;
+    if (!line) throw CutShort("expected 'ITEM: ATOMS', found the end of the file");
+    split_words(*line, words);
+    if (words.empty() && !has_step) continue;
+    if (words.size() < 2 || words[0] != "ITEM:") content.expected("a line 'ITEM: ...'", *line);
+    if (words[1] == "TIMESTEP") {
+      frame.step = printable(line_of(content, "a time step"), 40);
+      has_step = true;
+    } else if (words[1] == "UNITS") {
+      frame.units = printable(line_of(content, "the units"), 40);
+    } else if (words[1] == "NUMBER" && words.size() == 4 && words[3] == "ATOMS") {
+      const std::string_view text = line_of(content, "the number of atoms");
+      const auto count = whole_number_in(text);
+      if (!count) content.expected("the number of atoms", text);
+      frame.atoms = *count;
+      has_atoms = true;
+    } else if (words[1] == "BOX" && words.size() > 2) {
+      const std::string title(*line);
+      split_words(title, words);
+      frame.box = read_lammps_box(content, words);
+    } else if (words[1] == "ATOMS") {
+      if (!has_atoms) content.expected("'ITEM: NUMBER OF ATOMS' before 'ITEM: ATOMS'", "none");
+      if (words.size() - 2 > kMostColumns) content.expected(fmt::format("at most {} columns", kMostColumns), *line);
+      for (std::size_t i = 2; i < words.size(); ++i) {
+        frame.table.columns.push_back({std::string(words[i]), {}, "number", true});
+      }
+      break;
+    } else {
+      static_cast<void>(line_of(content, "what belongs to an ITEM"));  // one that is of no use here
+    }
+  }
+  if (frame.table.columns.empty()) content.expected("the names of columns after 'ITEM: ATOMS'", "");
+  find_lammps_position(frame);
+  if (frame.atoms > 0) look_for_text_ahead(content, frame.table);
+  group_by_names(frame.table);
+  frame.unit = length_unit_of(frame.units);
+  return true;
+}
+
+// To the frame that is wanted; throws where there is none of that number.
+LammpsFrame find_lammps_frame(ContentReader& content, const FrameIndex& index, const ParticleReadOptions& options) {
+  const std::uint64_t wanted = wanted_frame(options);
+  LammpsFrame frame;
+  for (std::uint64_t k = index.go_to_nearest(content, wanted, frame.units);; ++k) {
+    index.add(k, content, frame.units);
+    if (!next_lammps_frame(content, frame)) {
+      if (k == 0) throw DamagedParticles("expected 'ITEM: TIMESTEP', found nothing");
+      refuse_frame(options, k);
+    }
+    if (k == wanted) return frame;
+    skip_rows(content, frame.atoms);
+  }
+}
+
+// Goes through the frames from number `next` on, and returns how many there are in all. `frame` is the one before it.
+std::uint64_t count_lammps_frames(ContentReader& content, const FrameIndex& index, std::uint64_t next,
+                                  LammpsFrame frame) {
+  return count_frames(next, [&](std::uint64_t number) {
+    index.add(number, content, frame.units);
+    if (!next_lammps_frame(content, frame)) return false;
+    skip_rows(content, frame.atoms);
+    return true;
+  });
+}
+
+// Which edge of the box the column's numbers are fractions of; nothing for other columns.
+std::optional<std::size_t> scaled_axis(const ParticleColumn& column) {
+  for (const AxisNames& names : kScaledNames) {
+    const auto name = std::ranges::find(names, column.name);
+    if (name != names.end()) return static_cast<std::size_t>(name - names.begin());
+  }
+  return std::nullopt;
+}
+
+// Makes lengths of coordinates that are fractions of the box, whichever of its edges `columns` take as x, y and z.
+void unscale(Buffer<glm::dvec3>& positions, const LammpsFrame& frame, const std::array<std::size_t, 3>& columns) {
+  std::array<std::optional<std::size_t>, 3> axes;
+  std::array<int, 3> times{};  // that each edge is taken
+  for (std::size_t k = 0; k < 3; ++k) {
+    axes[k] = scaled_axis(frame.table.columns[columns[k]]);
+    if (axes[k]) ++times[*axes[k]];
+  }
+  if (times == std::array{0, 0, 0}) return;
+  const LammpsBox& box = frame.box;
+  if (!box.is_known) throw DamagedParticles("expected 'ITEM: BOX BOUNDS' before positions that are fractions of it");
+  const auto axis_of = [&](std::size_t k) { return static_cast<glm::length_t>(*axes[k]); };
+  if (times == std::array{1, 1, 1}) {
+    for (glm::dvec3& p : positions) {
+      glm::dvec3 f(0);
+      for (glm::length_t k = 0; k < 3; ++k) f[axis_of(static_cast<std::size_t>(k))] = p[k];
+      const glm::dvec3 offset = box.edges[0] * f.x + box.edges[1] * f.y + box.edges[2] * f.z;
+      const glm::dvec3 place = box.low + offset;
+      for (glm::length_t k = 0; k < 3; ++k) p[k] = place[axis_of(static_cast<std::size_t>(k))];
+    }
+    return;
+  }
+  const glm::dmat3& edges = box.edges;
+  const glm::dmat3 upright(edges[0][0], 0, 0, 0, edges[1][1], 0, 0, 0, edges[2][2]);
+  if (edges != upright) {
+    std::string names;
+    for (const std::size_t column : columns) names += ' ' + printable(frame.table.columns[column].name, 80);
+    throw DamagedParticles(
+        fmt::format("expected fractions of all three edges of the triclinic box as x, y and z, found{}", names),
+        "take xs, ys and zs, each once, or three columns of lengths");
+  }
+  for (glm::dvec3& p : positions) {
+    for (glm::length_t k = 0; k < 3; ++k) {
+      if (!axes[static_cast<std::size_t>(k)]) continue;
+      const glm::length_t axis = axis_of(static_cast<std::size_t>(k));
+      p[k] = box.low[axis] + edges[axis][axis] * p[k];
+    }
+  }
+}
+
+class LammpsParticles final : public ParticleFormat {
+ public:
+  LammpsParticles()
+      : ParticleFormat({.id = "lammps",
+                        .title = "LAMMPS dump, styles atom and custom, as text",
+                        .extensions = {".lammpstrj", ".dump"},
+                        .has_frames = true,
+                        .has_columns = true}) {}
+
+  [[nodiscard]] bool probe(const files::FileStart& start) const override {
+    return files::starts_with(start.bytes, "ITEM: TIMESTEP") || files::starts_with(start.bytes, "ITEM: UNITS") ||
+           files::starts_with(start.bytes, "ITEM: TIME");
+  }
+
+  [[nodiscard]] ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const override {
+    ContentReader content(file);
+    const FrameIndex index(file);
+    const LammpsFrame frame = find_lammps_frame(content, index, options);
+    ParticleInfo info;
+    info.particles = frame.atoms;
+    info.frame_name = "time step " + frame.step;
+    describe_table(frame.table, options, info);
+    info.length_unit = frame.unit;
+    skip_rows(content, frame.atoms);
+    info.frames = count_lammps_frames(content, index, wanted_frame(options) + 1, frame);
+    return info;
+  }
+
+  [[nodiscard]] ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const override {
+    ContentReader content(file);
+    const FrameIndex index(file);
+    const LammpsFrame frame = find_lammps_frame(content, index, options);
+    const ColumnChoice choice = choose_columns(frame.table, options);
+    check_count(content, frame.atoms, 2 * frame.table.columns.size() - 1);
+    ParticleFile result;
+    result.particles =
+        make_particles(file.context(), fmt::format("{}, time step {}", file.name(), frame.step), frame.atoms, choice);
+    read_rows(content, frame.table, frame.atoms, sinks_of(result.particles, choice));
+    index.add(wanted_frame(options) + 1, content, frame.units);
+    if (!options.frame) {
+      const std::uint64_t frames = count_lammps_frames(content, index, 1, frame);
+      if (frames > 1) refuse_frame(options, frames);
+    }
+    unscale(result.particles.positions, frame, choice.position);
+    result.length_unit = frame.unit;
+    result.time_step = frame.step;
+    result.notes = choice.notes;
+    return result;
+  }
+};
+
+}  // namespace
+
+const ParticleFormat& lammps_particles() {
+  static const LammpsParticles format;
+  return format;
+}
+
+}  // namespace isoextract::particle_io

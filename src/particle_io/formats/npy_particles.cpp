@@ -1,0 +1,229 @@
+// NumPy's array files: a row a particle, N x 3 or wider, or a structured array, whose fields have names.
+#include <algorithm>
+#include <charconv>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/checked.hpp"
+#include "base/printable.hpp"
+#include "files/file_start.hpp"
+#include "particle_io/detail/particle_columns.hpp"
+#include "volume_io/npy_header.hpp"
+
+namespace isoextract::particle_io {
+namespace {
+
+constexpr std::size_t kMostFieldBytes = 4096;
+
+// One element of an array or of a field.
+struct NpyElement {
+  std::optional<NumberType> number;  // nothing for a type that is no number, such as a text
+  std::endian endian = std::endian::native;
+  std::size_t bytes = 0;
+};
+
+// The bytes of a type that is no number that this program reads, from its letter and size: texts, raw bytes, dates,
+// complex numbers, long doubles. Nothing for any other, and for one without bytes.
+std::size_t npy_bytes_of_other(std::string_view type) {
+  constexpr std::array<std::string_view, 5> kNumbers{"c8", "c16", "c32", "f12", "f16"};
+  const bool is_date = type.starts_with("M8") || type.starts_with("m8");
+  const bool is_unit = type.size() == 2 || (type.size() > 2 && type[2] == '[' && type.back() == ']');
+  if (is_date) return is_unit ? 8 : 0;
+  const bool is_text = std::string_view("SaVU").find(type.front()) != std::string_view::npos;
+  if (!is_text && std::ranges::find(kNumbers, type) == kNumbers.end()) return 0;
+  std::size_t count = 0;
+  const char* const last = type.data() + type.size();
+  const auto [end, status] = std::from_chars(type.data() + 1, last, count);
+  if (status != std::errc{} || end != last || count > kMostFieldBytes) return 0;
+  return type.front() == 'U' ? 4 * count : count;
+}
+
+// Reads "<f4". Nothing for a type outside the closed lists.
+std::optional<NpyElement> npy_element(std::string_view descr) {
+  constexpr std::array<std::pair<std::string_view, NumberType>, 12> kTypes{{{"u1", NumberType::u8},
+                                                                            {"b1", NumberType::u8},
+                                                                            {"i1", NumberType::i8},
+                                                                            {"u2", NumberType::u16},
+                                                                            {"i2", NumberType::i16},
+                                                                            {"u4", NumberType::u32},
+                                                                            {"i4", NumberType::i32},
+                                                                            {"u8", NumberType::u64},
+                                                                            {"i8", NumberType::i64},
+                                                                            {"f2", NumberType::f16},
+                                                                            {"f4", NumberType::f32},
+                                                                            {"f8", NumberType::f64}}};
+  if (descr.size() < 3) return std::nullopt;
+  NpyElement element;
+  switch (descr.front()) {
+    case '<': element.endian = std::endian::little; break;
+    case '>': element.endian = std::endian::big; break;
+    case '=':
+    case '|': break;
+    default: return std::nullopt;
+  }
+  const std::string_view type = descr.substr(1);
+  for (const auto& [name, known] : kTypes) {
+    if (name == type) return NpyElement{known, element.endian, number_size(known)};
+  }
+  element.bytes = npy_bytes_of_other(type);
+  if (element.bytes == 0) return std::nullopt;
+  return element;
+}
+
+struct NpyParticleFile {
+  volume_io::NpyHeader header;
+  std::uint64_t particles = 0;
+  ParticleTable table;
+  RecordLayout layout;
+  bool by_column = false;  // all of a column before the next one
+  std::vector<std::string> notes;
+};
+
+[[noreturn]] void refuse_npy_type(std::string_view descr) {
+  throw DamagedParticles(fmt::format("expected numbers, found the type {}", printable(descr, 40)),
+                         "convert the array in NumPy, for example with a.astype('f4')");
+}
+
+bool are_rows(const volume_io::NpyHeader& header) {
+  if (!header.fields.empty()) return header.shape.size() == 1;
+  return header.shape.size() == 2 && header.shape[1] >= 3 && header.shape[1] <= kMostColumns;
+}
+
+void add_npy_fields(NpyParticleFile& npy) {
+  for (const volume_io::NpyField& field : npy.header.fields) {
+    const auto element = npy_element(field.descr);
+    if (!element) refuse_npy_type(field.descr);
+    std::uint64_t components = 1;
+    for (const std::uint64_t size : field.shape) {
+      components = checked_product(components, size).value_or(~std::uint64_t{0});
+    }
+    if (components > kMostColumns - npy.table.columns.size() || element->bytes > kMostFieldBytes) {
+      throw DamagedParticles(fmt::format("expected a smaller field '{}'", printable(field.name, 80)));
+    }
+    const bool numeric = element->number.has_value();
+    add_tuple(npy.table, field.name, numeric ? std::string(number_name(*element->number)) : printable(field.descr, 40),
+              static_cast<std::size_t>(components), numeric);
+    for (std::uint64_t i = 0; i < components; ++i) {
+      npy.layout.fields.push_back({element->number, npy.layout.bytes, element->endian});
+      npy.layout.bytes += element->bytes;
+    }
+  }
+  make_group_names_unique(npy.table);
+  // Names of single columns may make groups: x, y, z, vx, vy, vz.
+  if (std::ranges::all_of(npy.table.groups, [](const ColumnGroup& group) { return group.columns.size() == 1; })) {
+    npy.table.groups.clear();
+    group_by_names(npy.table);
+  }
+}
+
+void add_npy_columns(NpyParticleFile& npy) {
+  const auto element = npy_element(npy.header.descr);
+  if (!element || !element->number) refuse_npy_type(npy.header.descr);
+  const std::size_t count = static_cast<std::size_t>(npy.header.shape[1]);
+  for (std::size_t i = 0; i < count; ++i) {
+    add_tuple(npy.table, fmt::format("column {}", i + 1), std::string(number_name(*element->number)), 1);
+    npy.layout.fields.push_back({element->number, npy.layout.bytes, element->endian});
+    npy.layout.bytes += element->bytes;
+  }
+  npy.table.position = {0, 1, 2};
+  if (count > 3) npy.notes.push_back(fmt::format("the first three of {} columns were taken as x, y and z", count));
+}
+
+NpyParticleFile open_npy_particles(const files::InputFile& file) {
+  NpyParticleFile npy;
+  npy.header = must(volume_io::read_npy_header(file));
+  if (!are_rows(npy.header)) {
+    throw DamagedParticles(
+        fmt::format("expected an array of particles with a row each, N x 3 to N x {}, or a structured "
+                    "array with one axis, found shape ({}) of {}",
+                    kMostColumns, fmt::join(npy.header.shape, ", "), printable(npy.header.descr, 40)));
+  }
+  npy.particles = npy.header.shape[0];
+  if (npy.header.fields.empty()) {
+    add_npy_columns(npy);
+    npy.by_column = npy.header.fortran_order;
+  } else {
+    add_npy_fields(npy);
+  }
+  if (npy.layout.bytes == 0 || npy.layout.bytes > ContentReader::kMostPeeked) {
+    throw DamagedParticles(
+        fmt::format("expected records of 1 to {} bytes, found {}", ContentReader::kMostPeeked, npy.layout.bytes));
+  }
+  return npy;
+}
+
+void read_npy_columns(ContentReader& content, const NpyParticleFile& npy, std::span<const ColumnSink> sinks) {
+  for (std::size_t column = 0; column < npy.layout.fields.size(); ++column) {
+    RecordLayout one;
+    one.fields.resize(column + 1);
+    one.fields[column] = npy.layout.fields[column];
+    one.fields[column].offset = 0;
+    one.bytes = npy.layout.bytes / npy.layout.fields.size();  // all columns have one type
+    const auto first = std::ranges::lower_bound(sinks, column, {}, &ColumnSink::column);
+    const auto last = std::ranges::upper_bound(sinks, column, {}, &ColumnSink::column);
+    if (first == last) {
+      content.skip(npy.particles * one.bytes, "a column");
+    } else {
+      read_records(content, one, npy.particles, {first, last});
+    }
+  }
+}
+
+class NpyParticles final : public ParticleFormat {
+ public:
+  NpyParticles()
+      : ParticleFormat({.id = "npy",
+                        .title = "NumPy array, a row a particle, or structured",
+                        .extensions = {".npy"},
+                        .has_columns = true}) {}
+
+  // Arrays with more axes are volumes.
+  [[nodiscard]] bool probe(const files::FileStart& start) const override {
+    if (start.packed) return false;
+    const auto header = volume_io::npy_header_in(start.bytes);
+    return header && are_rows(*header);
+  }
+
+  [[nodiscard]] ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const override {
+    const NpyParticleFile npy = open_npy_particles(file);
+    ParticleInfo info;
+    info.particles = npy.particles;
+    if (!options.columns) info.notes = npy.notes;
+    describe_table(npy.table, options, info);
+    return info;
+  }
+
+  [[nodiscard]] ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const override {
+    NpyParticleFile npy = open_npy_particles(file);
+    const ColumnChoice choice = choose_columns(npy.table, options);
+    check_numbers(npy.table, choice.position, "x, y and z", "say which columns of numbers are x, y and z");
+    ContentReader content(file);
+    content.skip(npy.header.data_offset, "the header");
+    check_count(content, npy.particles, npy.layout.bytes);
+    ParticleFile result;
+    result.particles = make_particles(file.context(), file.name(), npy.particles, choice);
+    const auto sinks = sinks_of(result.particles, choice);
+    if (npy.by_column) {
+      read_npy_columns(content, npy, sinks);
+    } else {
+      read_records(content, npy.layout, npy.particles, sinks);
+    }
+    if (content.most_left() > 0) {
+      throw DamagedParticles(fmt::format("expected {} particles of {} bytes, found {} bytes more", npy.particles,
+                                         npy.layout.bytes, content.most_left()));
+    }
+    if (!options.columns) result.notes = std::move(npy.notes);
+    result.notes.insert(result.notes.end(), choice.notes.begin(), choice.notes.end());
+    return result;
+  }
+};
+
+}  // namespace
+
+const ParticleFormat& npy_particles() {
+  static const NpyParticles format;
+  return format;
+}
+
+}  // namespace isoextract::particle_io

@@ -1,0 +1,204 @@
+// XYZ: a count, a comment, and a line an atom, frame after frame; and extended XYZ, whose comment says what is in a
+// line (Properties=species:S:1:pos:R:3:...; https://github.com/libAtoms/extxyz). The lattice of an extended file is not
+// used. In a plain file a line is the name of an element and x, y, z, or those three alone; numbers after them have no
+// names.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/printable.hpp"
+#include "particle_io/detail/frame_index.hpp"
+#include "particle_io/detail/particle_columns.hpp"
+#include "particle_io/detail/text_rows.hpp"
+
+namespace isoextract::particle_io {
+namespace {
+
+struct XyzFrame {
+  std::uint64_t atoms = 0;
+  std::string name;
+  ParticleTable table;  // without columns where there are no atoms
+};
+
+constexpr std::string_view kProperties = "Properties=";
+
+// What follows KEY= in the comment, in quotes or not. Nothing where the key is not there.
+std::optional<std::string_view> value_of_key(std::string_view comment, std::string_view key) {
+  for (std::size_t at = comment.find(key); at != std::string_view::npos; at = comment.find(key, at + 1)) {
+    if (at > 0 && comment[at - 1] != ' ' && comment[at - 1] != '\t') continue;
+    std::string_view value = comment.substr(at + key.size());
+    if (value.starts_with('"')) return value.substr(1, value.find('"', 1) - 1);
+    return value.substr(0, value.find_first_of(" \t"));
+  }
+  return std::nullopt;
+}
+
+// "species:S:1:pos:R:3"
+ParticleTable extended_table(const ContentReader& content, std::string_view properties) {
+  ParticleTable table;
+  const auto next = [&](std::string_view what) {
+    const std::size_t colon = properties.find(':');
+    const std::string_view part = properties.substr(0, colon);
+    properties.remove_prefix(colon == std::string_view::npos ? properties.size() : colon + 1);
+    if (part.empty()) content.expected(fmt::format("{} in Properties", what), "");
+    return part;
+  };
+  while (!properties.empty()) {
+    const std::string name(next("a name"));
+    const std::string_view type = next("a type");
+    const std::string_view number = next("a number of columns");
+    const auto components = whole_number_in(number);
+    if (!components || *components == 0 || *components > kMostColumns - std::min(kMostColumns, table.columns.size())) {
+      content.expected("a number of columns in Properties", number);
+    }
+    if (std::string_view("RISL").find(type) == std::string_view::npos || type.size() != 1) {
+      content.expected("R, I, S or L as a type in Properties", type);
+    }
+    const bool numeric = type == "R" || type == "I";
+    add_tuple(table, name,
+              numeric       ? "number"
+              : type == "L" ? "true or false"
+                            : "text",
+              static_cast<std::size_t>(*components), numeric);
+    if (name == "pos" && *components == 3 && numeric && !table.position) {
+      const std::size_t first = table.columns.size() - 3;
+      table.position = {first, first + 1, first + 2};
+    }
+  }
+  make_group_names_unique(table);
+  return table;
+}
+
+ParticleTable plain_table(ContentReader& content) {
+  ParticleTable table;
+  std::vector<std::string_view> words;
+  if (!content.peek_line()) throw CutShort("expected the line of an atom, found the end of the file");
+  split_words(content.peek_line().value_or(""), words);
+  if (words.size() < 3 || words.size() > kMostColumns) {
+    throw DamagedParticles(fmt::format("line {}: expected the name of an element and x, y, z, found '{}'",
+                                       content.line_number() + 1, printable(content.peek_line().value_or(""), 40)));
+  }
+  if (words.size() > 3) add_tuple(table, "species", "number", 1);
+  for (const char* axis : {"x", "y", "z"}) table.columns.push_back({axis, {}, "number", true});
+  const std::size_t first = table.columns.size() - 3;
+  table.position = {first, first + 1, first + 2};
+  table.groups.push_back({"x y z", {first, first + 1, first + 2}});
+  while (table.columns.size() < words.size()) {
+    add_tuple(table, fmt::format("column {}", table.columns.size() + 1), "number", 1);
+  }
+  look_for_text(table, words);
+  return table;
+}
+
+// The next frame up to its first atom; false at the end of the file.
+bool next_xyz_frame(ContentReader& content, XyzFrame& frame) {
+  frame = {};
+  std::vector<std::string_view> words;
+  do {
+    const auto line = content.next_line();
+    if (!line) return false;
+    split_words(*line, words);
+  } while (words.empty());  // after the last frame there may be empty lines
+  const auto count = whole_number_in(words.front());
+  if (!count || words.size() != 1) content.expected("the number of atoms alone in a line", words.front());
+  frame.atoms = *count;
+  const auto comment = content.next_line();
+  if (!comment) throw CutShort("expected a comment after the number of atoms, found the end of the file");
+  const auto properties = value_of_key(*comment, kProperties);
+  const auto time = value_of_key(*comment, "Time=");
+  if (time) frame.name = fmt::format("time {}", printable(*time, 40));
+  if (frame.atoms == 0) return true;
+  frame.table = properties ? extended_table(content, *properties) : plain_table(content);
+  return true;
+}
+
+XyzFrame find_xyz_frame(ContentReader& content, const FrameIndex& index, const ParticleReadOptions& options) {
+  const std::uint64_t wanted = wanted_frame(options);
+  XyzFrame frame;
+  std::string nothing;
+  for (std::uint64_t k = index.go_to_nearest(content, wanted, nothing);; ++k) {
+    index.add(k, content, nothing);
+    if (!next_xyz_frame(content, frame)) {
+      if (k == 0) throw DamagedParticles("expected the number of atoms, found nothing");
+      refuse_frame(options, k);
+    }
+    if (k == wanted) return frame;
+    skip_rows(content, frame.atoms);
+  }
+}
+
+// Goes through the frames from number `next` on, and returns how many there are in all.
+std::uint64_t count_xyz_frames(ContentReader& content, const FrameIndex& index, std::uint64_t next) {
+  XyzFrame frame;
+  return count_frames(next, [&](std::uint64_t number) {
+    index.add(number, content, {});
+    if (!next_xyz_frame(content, frame)) return false;
+    skip_rows(content, frame.atoms);
+    return true;
+  });
+}
+
+class XyzParticles final : public ParticleFormat {
+ public:
+  XyzParticles()
+      : ParticleFormat({.id = "xyz",
+                        .title = "XYZ and extended XYZ, one frame or several",
+                        .extensions = {".xyz", ".extxyz"},
+                        .has_frames = true,
+                        .has_columns = true,
+                        .known_by_name = true}) {}
+
+  // A count alone may begin any file; an extended one says what it is.
+  [[nodiscard]] bool probe(const files::FileStart& start) const override {
+    std::string_view text(reinterpret_cast<const char*>(start.bytes.data()), start.bytes.size());
+    const std::size_t end = text.find('\n');
+    if (end == std::string_view::npos) return false;
+    std::string_view count = text.substr(0, end);
+    while (!count.empty() && (count.back() == ' ' || count.back() == '\r')) count.remove_suffix(1);
+    while (!count.empty() && count.front() == ' ') count.remove_prefix(1);
+    text.remove_prefix(end + 1);
+    return whole_number_in(count).has_value() && value_of_key(text.substr(0, text.find('\n')), kProperties).has_value();
+  }
+
+  [[nodiscard]] ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const override {
+    ContentReader content(file);
+    const FrameIndex index(file);
+    const XyzFrame frame = find_xyz_frame(content, index, options);
+    ParticleInfo info;
+    info.particles = frame.atoms;
+    info.frame_name = frame.name;
+    if (frame.atoms > 0) describe_table(frame.table, options, info);
+    skip_rows(content, frame.atoms);
+    info.frames = count_xyz_frames(content, index, wanted_frame(options) + 1);
+    return info;
+  }
+
+  [[nodiscard]] ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const override {
+    ContentReader content(file);
+    const FrameIndex index(file);
+    const XyzFrame frame = find_xyz_frame(content, index, options);
+    const ColumnChoice choice = frame.atoms > 0 ? choose_columns(frame.table, options) : ColumnChoice();
+    if (frame.atoms > 0) check_count(content, frame.atoms, 2 * frame.table.columns.size() - 1);
+    std::string label = file.name();
+    if (options.frame) label += fmt::format(", frame {}", *options.frame);
+    ParticleFile result;
+    result.particles = make_particles(file.context(), label, frame.atoms, choice);
+    read_rows(content, frame.table, frame.atoms, sinks_of(result.particles, choice));
+    index.add(wanted_frame(options) + 1, content, {});
+    if (!options.frame) {
+      const std::uint64_t frames = count_xyz_frames(content, index, 1);
+      if (frames > 1) refuse_frame(options, frames);
+    }
+    result.notes = choice.notes;
+    return result;
+  }
+};
+
+}  // namespace
+
+const ParticleFormat& xyz_particles() {
+  static const XyzParticles format;
+  return format;
+}
+
+}  // namespace isoextract::particle_io

@@ -1,0 +1,198 @@
+#include "particle_io/particle_reader.hpp"
+
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <functional>
+#include <new>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/ascii.hpp"
+#include "base/no_memory.hpp"
+#include "base/printable.hpp"
+#include "files/file_bytes.hpp"
+#include "particle_io/detail/particle_columns.hpp"
+#include "particle_io/detail/particle_source.hpp"
+
+namespace isoextract::particle_io {
+namespace {
+
+const ParticleFormat* particles_by_id(std::string_view id) {
+  for (const ParticleFormat* format : particle_formats()) {
+    if (format->about().id == id) return format;
+  }
+  return nullptr;
+}
+
+// Where `only_tellable` is set, formats that their content would have told are passed over.
+const ParticleFormat* particles_by_extension(const std::filesystem::path& path, bool only_tellable) {
+  std::string name = lower_case(path.filename().string());
+  if (name.ends_with(".gz")) name.resize(name.size() - 3);
+  for (const ParticleFormat* format : particle_formats()) {
+    if (only_tellable && !format->about().known_by_name) continue;
+    const auto claims = [&](const std::string& extension) { return name.ends_with(extension); };
+    if (std::ranges::any_of(format->about().extensions, claims)) return format;
+  }
+  return nullptr;
+}
+
+const ParticleFormat* particles_by_content(const files::InputFile& file, const ParticleReadOptions& options) {
+  std::array<std::byte, 2> start{};
+  if (file.size() >= start.size()) must(file.read_at(0, start));
+  const auto content = must(files::first_bytes(file, files::kStartBytes));
+  for (const ParticleFormat* format : particle_formats()) {
+    if (format->claims(file, {file.path(), content, files::is_gzip(start)}, options)) return format;
+  }
+  return nullptr;
+}
+
+// Null where the file is none of particles, as far as that shows.
+const ParticleFormat* format_of(const files::InputFile& file, const ParticleReadOptions& options, bool only_tellable) {
+  if (options.format) {
+    const ParticleFormat* format = particles_by_id(*options.format);
+    if (format != nullptr) return format;
+    throw Refused{{ErrorCode::usage,
+                   fmt::format("{}: there is no particle format '{}'", file.name(), printable(*options.format, 40)),
+                   {}}};
+  }
+  if (const ParticleFormat* format = particles_by_content(file, options)) return format;
+  return particles_by_extension(file.path(), only_tellable);
+}
+
+[[noreturn]] void refuse_unknown(const files::InputFile& file) {
+  std::string hint = "it reads";
+  for (const ParticleFormat* format : particle_formats()) {
+    const ParticleFormatDescription& about = format->about();
+    hint += fmt::format("\n  {:<7} {} ({})", about.id, about.title, fmt::join(about.extensions, " "));
+  }
+  const auto content = must(files::first_bytes(file, 16));
+  throw DamagedParticles(
+      fmt::format("not a format of particles that isoextract reads; it starts with '{}'", printable(content, 16)),
+      Hint(hint));
+}
+
+// Options that belong to some formats are an error for the others: they would do nothing, in silence.
+void check_options(const files::InputFile& file, const ParticleFormatDescription& about,
+                   const ParticleReadOptions& options) {
+  const auto refuse = [&](std::string_view what, Hint hint) {
+    throw Refused{{ErrorCode::usage, fmt::format("{}: {}; this is read as {}", file.name(), what, about.id), hint}};
+  };
+  if (options.frame && !about.has_frames) {
+    refuse("the number of a frame is for files that may hold several", Remedy::leave_out_volume);
+  }
+  if (options.grid && !about.has_grids) {
+    refuse("the name of a grid is for files that may hold several", Remedy::leave_out_grid);
+  }
+  if (options.columns && !about.has_columns)
+    refuse("columns of x, y and z are for tables", "the file itself says which of its numbers are x, y and z");
+}
+
+// Calls work(file), which may throw, and gives what it returns. No exception gets further.
+template <class F>
+auto with_input(const std::string& input, const Context& context, F&& work)
+    -> Result<decltype(work(std::declval<const files::InputFile&>()))> {
+  const std::string name = files::shown_input_name(input);
+  try {
+    const auto file = must(files::InputFile::open(input, context));
+    return work(file);
+  } catch (const Refused& refused) {
+    return tl::unexpected(refused.error);
+  } catch (const DamagedParticles& damaged) {
+    return fail(ErrorCode::input, fmt::format("{}: {}", name, damaged.what()), damaged.hint);
+  } catch (const std::bad_alloc&) {
+    return tl::unexpected(no_memory(name + ": not enough memory to read it"));
+  } catch (const std::exception& error) {
+    return fail(ErrorCode::input, fmt::format("{}: {}", name, error.what()));
+  }
+}
+
+const ParticleFormat& checked_format(const files::InputFile& file, const ParticleReadOptions& options) {
+  const ParticleFormat* format = format_of(file, options, false);
+  if (format == nullptr) refuse_unknown(file);
+  check_options(file, format->about(), options);
+  return *format;
+}
+
+void complete(ParticleFile& read, const ParticleFormat& format, const files::InputFile& file) {
+  read.format = format.about().id;
+  if (read.particles.label.empty()) read.particles.label = file.name();
+}
+
+}  // namespace
+
+DescribedParticles ParticleFormat::describe(const files::InputFile& file, const ParticleReadOptions& options) const {
+  return describe_with(info(file, options), options, [&](const ParticleReadOptions& all) { return read(file, all); });
+}
+
+DescribedParticles describe_with(ParticleInfo info, const ParticleReadOptions& options,
+                                 const std::function<ParticleFile(const ParticleReadOptions&)>& read) {
+  ParticleReadOptions all = options;
+  if (info.frames > 1 && !all.frame) all.frame = 0;
+  all.attributes.clear();
+  all.all_attributes = true;
+  return {std::move(info), all.frame, read(all)};
+}
+
+std::uint64_t wanted_frame(const ParticleReadOptions& options) {
+  const std::int64_t frame = options.frame.value_or(0);
+  if (frame < 0) {
+    throw DamagedParticles(fmt::format("there is no frame {}; they are counted from 0", frame));
+  }
+  return static_cast<std::uint64_t>(frame);
+}
+
+void refuse_frame(const ParticleReadOptions& options, std::uint64_t frames) {
+  const std::string there_are = frames == 1
+                                    ? "there is one frame in the file, 0"
+                                    : fmt::format("there are {} frames in the file, from 0 to {}", frames, frames - 1);
+  if (!options.frame) throw DamagedParticles(there_are, Remedy::choose_frame);
+  throw DamagedParticles(fmt::format("there is no frame {}", *options.frame), there_are);
+}
+
+Result<std::optional<ParticleFormatDescription>> detect_particles(const std::string& input,
+                                                                  const ParticleReadOptions& options,
+                                                                  const Context& context) {
+  return with_input(input, context, [&](const files::InputFile& file) -> std::optional<ParticleFormatDescription> {
+    const ParticleFormat* format = format_of(file, options, true);
+    if (format == nullptr) return std::nullopt;
+    return format->about();
+  });
+}
+
+Result<ParticleInfo> particle_info(const std::string& input, const ParticleReadOptions& options,
+                                   const Context& context) {
+  return with_input(input, context, [&](const files::InputFile& file) {
+    const ParticleFormat& format = checked_format(file, options);
+    ParticleInfo info = format.info(file, options);
+    info.format = format.about().id;
+    return info;
+  });
+}
+
+Result<ParticleFile> read_particles(const std::string& input, const ParticleReadOptions& options,
+                                    const Context& context) {
+  return with_input(input, context, [&](const files::InputFile& file) {
+    const ParticleFormat& format = checked_format(file, options);
+    ParticleFile read = format.read(file, options);
+    complete(read, format, file);
+    return read;
+  });
+}
+
+Result<DescribedParticles> describe_particles(const std::string& input, const ParticleReadOptions& options,
+                                              const Context& context) {
+  return with_input(input, context, [&](const files::InputFile& file) {
+    const ParticleFormat& format = checked_format(file, options);
+    DescribedParticles described = format.describe(file, options);
+    described.info.format = format.about().id;
+    complete(described.file, format, file);
+    return described;
+  });
+}
+
+}  // namespace isoextract::particle_io

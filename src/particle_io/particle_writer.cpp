@@ -1,0 +1,174 @@
+#include "particle_io/particle_writer.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cstring>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/ascii.hpp"
+#include "base/printable.hpp"
+#include "base/version.hpp"
+#include "files/output_file.hpp"
+#include "files/record_stream.hpp"
+#include "volume_io/npy_text.hpp"
+
+namespace isoextract::particle_io {
+namespace {
+
+using points::ParticleAttribute;
+using points::ParticleSet;
+
+constexpr std::size_t kMostName = 40;
+constexpr std::size_t kMostAttributes = 100;  // headers stay short
+
+bool is_plain_name(const std::string& name) {
+  return !name.empty() && name.size() <= kMostName &&
+         std::ranges::all_of(name, [](char c) { return is_letter(c) || is_digit(c) || c == '_'; });
+}
+
+Result<void> check_names(const std::string& file, const ParticleSet& particles) {
+  if (particles.attributes.size() > kMostAttributes) {
+    return fail(ErrorCode::output, fmt::format("{}: expected at most {} attributes of particles, found {}", file,
+                                               kMostAttributes, particles.attributes.size()));
+  }
+  std::set<std::string, std::less<>> taken{"x", "y", "z", "pos", "position"};
+  for (const ParticleAttribute& attribute : particles.attributes) {
+    if (!is_plain_name(attribute.name) || !taken.insert(lower_case(attribute.name)).second) {
+      return fail(ErrorCode::output,
+                  fmt::format("{}: expected a name of letters, digits and underscores that nothing else has, found the "
+                              "attribute '{}'",
+                              file, printable(attribute.name, 2 * kMostName)));
+    }
+  }
+  return {};
+}
+
+std::string ply_header(const ParticleSet& particles) {
+  const std::string_view order = std::endian::native == std::endian::little ? "little" : "big";
+  std::string text = fmt::format(
+      "ply\nformat binary_{}_endian 1.0\ncomment {}\nelement vertex {}\nproperty double x\nproperty double y\nproperty "
+      "double z\n",
+      order, generator(), particles.size());
+  for (const ParticleAttribute& attribute : particles.attributes) {
+    for (std::size_t c = 0; c < attribute.components; ++c) {
+      const std::string part = attribute.components == 1   ? ""
+                               : attribute.components == 3 ? fmt::format("_{}", "xyz"[c])
+                                                           : fmt::format("_{}", c);
+      text += fmt::format("property float {}{}\n", attribute.name, part);
+    }
+  }
+  return text + "end_header\n";
+}
+
+std::string npy_particle_header(const ParticleSet& particles) {
+  const char order = std::endian::native == std::endian::little ? '<' : '>';
+  std::string fields = fmt::format("('position', '{}f8', (3,))", order);
+  for (const ParticleAttribute& attribute : particles.attributes) {
+    fields += attribute.components == 1
+                  ? fmt::format(", ('{}', '{}f4')", attribute.name, order)
+                  : fmt::format(", ('{}', '{}f4', ({},))", attribute.name, order, attribute.components);
+  }
+  return volume_io::npy_header(fmt::format("[{}]", fields), fmt::format("({},)", particles.size()));
+}
+
+std::string xyz_header(const ParticleSet& particles) {
+  std::string properties = "pos:R:3";
+  for (const ParticleAttribute& attribute : particles.attributes) {
+    properties += fmt::format(":{}:R:{}", attribute.name, attribute.components);
+  }
+  return fmt::format("{}\nProperties={}\n", particles.size(), properties);
+}
+
+template <class T>
+char* put_binary(char* out, const T* values, std::size_t count) {
+  std::memcpy(out, values, count * sizeof(T));
+  return out + count * sizeof(T);
+}
+
+// The longest are "-2.2250738585072014e-308" and "-1.17549435e-38".
+template <class T>
+constexpr std::size_t kMostText = sizeof(T) == sizeof(double) ? 24 : 15;
+
+// With a blank after each.
+template <class T>
+char* put_text(char* out, const T* values, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    out = std::to_chars(out, out + kMostText<T>, values[i]).ptr;
+    *out++ = ' ';
+  }
+  return out;
+}
+
+// Particles [first, last), one after the other: position, then attributes.
+template <class PutDoubles, class PutFloats, class End>
+char* put_rows(const ParticleSet& particles, std::size_t first, std::size_t last, char* out,
+               const PutDoubles& put_doubles, const PutFloats& put_floats, const End& end) {
+  for (std::size_t i = first; i < last; ++i) {
+    const std::array<double, 3> position{particles.positions[i].x, particles.positions[i].y, particles.positions[i].z};
+    out = put_doubles(out, position.data(), position.size());
+    for (const ParticleAttribute& attribute : particles.attributes) {
+      out = put_floats(out, attribute.values.data() + i * attribute.components, attribute.components);
+    }
+    out = end(out);
+  }
+  return out;
+}
+
+std::size_t floats_of(const ParticleSet& particles) {
+  std::size_t floats = 0;
+  for (const ParticleAttribute& attribute : particles.attributes) floats += attribute.components;
+  return floats;
+}
+
+Result<void> write_binary_rows(const ParticleSet& particles, files::OutputFile& file) {
+  const std::size_t record = 3 * sizeof(double) + floats_of(particles) * sizeof(float);
+  return files::write_records(file, particles.size(), record, [&](std::size_t first, std::size_t last, char* out) {
+    return put_rows(particles, first, last, out, put_binary<double>, put_binary<float>, [](char* at) { return at; });
+  });
+}
+
+Result<void> write_text_rows(const ParticleSet& particles, files::OutputFile& file) {
+  const std::size_t record = 3 * (kMostText<double> + 1) + floats_of(particles) * (kMostText<float> + 1);
+  // The last blank of a line becomes its end.
+  const auto end_line = [](char* at) {
+    at[-1] = '\n';
+    return at;
+  };
+  return files::write_records(file, particles.size(), record, [&](std::size_t first, std::size_t last, char* out) {
+    return put_rows(particles, first, last, out, put_text<double>, put_text<float>, end_line);
+  });
+}
+
+}  // namespace
+
+std::optional<ParticleFileFormat> particle_file_format_by_path(const std::filesystem::path& path) {
+  const std::string extension = lower_case(path.extension().string());
+  for (const auto& entry : words_of(ParticleFileFormat{})) {
+    if (extension.size() > 1 && extension.substr(1) == entry.word) return entry.value;
+  }
+  return std::nullopt;
+}
+
+Result<std::uint64_t> write_particles(const std::filesystem::path& path, const ParticleSet& particles,
+                                      ParticleFileFormat format) {
+  TRY(check_names(printable(path.string()), particles));
+  auto file = TRY(files::OutputFile::create(path));
+  const bool is_text = format == ParticleFileFormat::xyz;
+  const std::string header = is_text                             ? xyz_header(particles)
+                             : format == ParticleFileFormat::ply ? ply_header(particles)
+                                                                 : npy_particle_header(particles);
+  auto written = file.write(std::string_view(header));
+  if (written) written = is_text ? write_text_rows(particles, file) : write_binary_rows(particles, file);
+  if (written) written = file.commit();
+  if (!written) return tl::unexpected(written.error());
+  return file.bytes_written();
+}
+
+}  // namespace isoextract::particle_io

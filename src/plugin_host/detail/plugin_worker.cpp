@@ -1,0 +1,313 @@
+#include "plugin_host/detail/plugin_worker.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <mutex>
+#include <new>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <particle_plugin.h>
+#include <volume_plugin.h>
+#include "base/buffer.hpp"
+#include "base/checked.hpp"
+#include "base/printable.hpp"
+#include "field/samples.hpp"
+#include "plugin_host/detail/plugin_messages.hpp"
+#include "plugin_host/plugin_kinds.hpp"
+#include "plugin_host/plugin_samples.hpp"
+#include "sandbox/message.hpp"
+#include "sandbox/shared_memory.hpp"
+
+namespace isoextract::plugin_host {
+namespace {
+
+using sandbox::Mapping;
+using sandbox::MessageReader;
+using sandbox::MessageWriter;
+
+// Numbers with a sign go as the 64 bits of one.
+std::uint64_t bits(std::int64_t number) { return static_cast<std::uint64_t>(number); }
+
+// The program at the other end of a socket. Where it has gone, so has the reason for this process.
+class Program {
+ public:
+  explicit Program(int socket) : socket_(socket) {}
+
+  [[nodiscard]] bool tell(const MessageWriter& message) const { return sandbox::send_message(socket_, message); }
+  [[nodiscard]] std::optional<sandbox::ReceivedMessage> hear() const { return sandbox::receive_message(socket_); }
+
+  [[nodiscard]] bool send(std::span<const std::byte> bytes) const { return sandbox::send_bytes(socket_, bytes); }
+
+  bool reserve(std::uint64_t bytes) {
+    const std::scoped_lock lock(mutex_);
+    return ask(say(Said::reserve).number(bytes)).has_value();
+  }
+
+  void release(std::uint64_t bytes) {
+    const std::scoped_lock lock(mutex_);
+    static_cast<void>(tell(say(Said::release).number(bytes)));
+  }
+
+  void* allocate(std::uint64_t bytes) {
+    const std::scoped_lock lock(mutex_);
+    const auto granted = ask(say(Said::allocate).number(bytes));
+    if (!granted) return nullptr;
+    Mapping memory(granted->descriptor.get(), bytes, Mapping::Access::write);
+    if (memory.bytes().empty()) return nullptr;
+    memories_.push_back(std::move(memory));
+    return memories_.back().bytes().data();
+  }
+
+  // Where `bytes` lie, if the program has them.
+  [[nodiscard]] std::optional<SharedPlace> place_of(const void* from, std::uint64_t bytes) const {
+    const auto begin = reinterpret_cast<std::uintptr_t>(from);
+    for (std::size_t i = 0; i < memories_.size(); ++i) {
+      const auto start = reinterpret_cast<std::uintptr_t>(memories_[i].bytes().data());
+      const std::uint64_t size = memories_[i].bytes().size();
+      if (begin >= start && begin - start <= size && bytes <= size - (begin - start)) return {{i, begin - start}};
+    }
+    return std::nullopt;
+  }
+
+ private:
+  [[nodiscard]] std::optional<sandbox::ReceivedMessage> ask(const MessageWriter& question) const {
+    if (!tell(question)) return std::nullopt;
+    auto answer = hear();
+    if (!answer || answer->message.number() != static_cast<std::uint64_t>(Said::granted)) return std::nullopt;
+    return answer;
+  }
+
+  int socket_;
+  std::mutex mutex_;
+  std::vector<Mapping> memories_;
+};
+
+MessageWriter failure(const char* text) { return std::move(say(Said::failed).text(plugin_text(text))); }
+
+// Volumes.
+
+using VolumePlugin = isoextract_volume_plugin_v3;
+
+MessageWriter listed(const isoextract_volume_list& list) {
+  MessageWriter message = say(Said::listed);
+  message.number(list.grids == nullptr ? 0 : list.count);
+  for (std::size_t i = 0; list.grids != nullptr && i < list.count; ++i) {
+    const isoextract_volume_grid& grid = list.grids[i];
+    message.text(plugin_text(grid.name)).text(plugin_text(grid.type_name)).text(plugin_text(grid.world_space));
+    message.number(bits(grid.sample_type)).number(bits(grid.kind)).number(bits(grid.is_sparse));
+    for (const std::uint64_t dim : grid.dims) message.number(dim);
+    for (const double entry : grid.index_to_world) message.real(entry);
+    message.number(bits(grid.has_counts)).number(grid.active_voxels);
+    for (int axis = 0; axis < 3; ++axis)
+      message.number(bits(grid.active_min[axis])).number(bits(grid.active_max[axis]));
+  }
+  return message;
+}
+
+// Blocks and their values where the program has them; nothing where it has no memory for them.
+std::optional<SharedPlace> share_blocks(Program& program, const isoextract_sparse_samples& samples) {
+  const auto type = sample_type_of(samples.sample_type);
+  if (!type) return std::nullopt;
+  constexpr std::uint64_t kSamples =
+      std::uint64_t{field::SparseBlock::kSize} * field::SparseBlock::kSize * field::SparseBlock::kSize;
+  const std::uint64_t block_bytes = kSamples * field::sample_size(*type);
+  const std::span blocks(samples.blocks, samples.block_count);
+  std::byte* copies = nullptr;  // of the values of all blocks, where a plug-in has them elsewhere
+  const auto is_shared = [&](const auto& block) { return program.place_of(block.values, block_bytes).has_value(); };
+  if (!std::ranges::all_of(blocks, is_shared)) {
+    copies = static_cast<std::byte*>(program.allocate(blocks.size() * block_bytes));
+    if (copies == nullptr) return std::nullopt;
+  }
+  auto* shared = static_cast<SharedBlock*>(program.allocate(blocks.size() * sizeof(SharedBlock)));
+  if (shared == nullptr) return std::nullopt;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const void* values = blocks[i].values;
+    if (copies != nullptr) values = std::memcpy(copies + i * block_bytes, values, block_bytes);
+    const auto place = program.place_of(values, block_bytes);
+    const std::int32_t* origin = blocks[i].origin;
+    shared[i] = {{origin[0], origin[1], origin[2]}, static_cast<std::uint32_t>(place->memory), place->offset};
+  }
+  return program.place_of(shared, blocks.size() * sizeof(SharedBlock));
+}
+
+std::optional<SharedPlace> share_tiles(Program& program, const isoextract_sparse_samples& samples) {
+  const std::uint64_t bytes = samples.tile_count * sizeof(isoextract_sparse_tile);
+  void* shared = program.allocate(bytes);
+  if (shared == nullptr) return std::nullopt;
+  std::memcpy(shared, samples.tiles, bytes);
+  return program.place_of(shared, bytes);
+}
+
+// Nothing where the program has no memory for them.
+std::optional<MessageWriter> grid_opened(Program& program, const isoextract_volume_samples& given) {
+  MessageWriter message = say(Said::grid_opened);
+  message.text(plugin_text(given.note)).number(given.sparse == nullptr ? 0 : 1);
+  if (given.sparse == nullptr) return message;
+  const isoextract_sparse_samples& samples = *given.sparse;
+  message.number(bits(samples.sample_type)).real(samples.background).number(samples.active_voxels);
+  for (int axis = 0; axis < 3; ++axis) {
+    message.number(bits(samples.active_min[axis])).number(bits(samples.active_max[axis]));
+  }
+  SharedPlace blocks;
+  SharedPlace tiles;
+  if (samples.block_count > 0) {
+    const auto place = share_blocks(program, samples);
+    if (!place) return std::nullopt;
+    blocks = *place;
+  }
+  if (samples.tile_count > 0) {
+    const auto place = share_tiles(program, samples);
+    if (!place) return std::nullopt;
+    tiles = *place;
+  }
+  message.number(samples.block_count).number(blocks.memory).number(blocks.offset);
+  message.number(samples.tile_count).number(tiles.memory).number(tiles.offset);
+  return message;
+}
+
+class HostCalls {
+ public:
+  explicit HostCalls(Program& program)
+      : host_{&program,
+              [](void* self, std::uint64_t bytes) { return static_cast<Program*>(self)->reserve(bytes) ? 0 : 1; },
+              [](void* self, std::uint64_t bytes) { static_cast<Program*>(self)->release(bytes); },
+              [](void* self, std::uint64_t bytes) { return static_cast<Program*>(self)->allocate(bytes); },
+              [](void* /*self*/) { return 0; }} {}  // the program ends this process where it wants no more of it
+  [[nodiscard]] const isoextract_plugin_host& get() const { return host_; }
+
+ private:
+  isoextract_plugin_host host_;
+};
+
+void read_volume(const VolumePlugin& plugin, int socket) {
+  Program program(socket);
+  auto job = program.hear();
+  if (!job || job->message.number() != static_cast<std::uint64_t>(Said::list_volume)) return;
+  const std::string path = job->message.text();
+  const std::string start = job->message.text();
+  if (plugin.probe(reinterpret_cast<const unsigned char*>(start.data()), start.size(), path.c_str()) == 0) {
+    static_cast<void>(program.tell(say(Said::not_of_it)));
+    return;
+  }
+  isoextract_volume_list list{};
+  if (plugin.list(path.c_str(), &list) != 0) {
+    static_cast<void>(program.tell(failure(plugin.error_text())));
+    return;
+  }
+  if (!program.tell(listed(list))) return;
+  auto choice = program.hear();
+  if (!choice || choice->message.number() != static_cast<std::uint64_t>(Said::open_grid)) return;
+  const std::uint64_t grid = choice->message.number();
+  const std::uint64_t box_bytes = choice->message.number();
+  const Mapping box(choice->descriptor.get(), box_bytes, Mapping::Access::write);
+  const HostCalls host(program);
+  isoextract_volume_samples samples{};
+  if (plugin.open(path.c_str(), static_cast<std::size_t>(grid), &host.get(), &samples) != 0) {
+    static_cast<void>(program.tell(failure(plugin.error_text())));
+    return;
+  }
+  if (box_bytes == 0) {
+    const auto message = grid_opened(program, samples);
+    static_cast<void>(program.tell(message ? *message : failure("not enough memory for its samples")));
+    return;
+  }
+  const bool fits = samples.data != nullptr && samples.bytes == box.bytes().size();
+  if (fits) std::memcpy(box.bytes().data(), samples.data, box.bytes().size());
+  MessageWriter message = say(Said::box_opened);
+  message.text(plugin_text(samples.note)).number(samples.data == nullptr ? 0 : 1).number(samples.bytes);
+  static_cast<void>(program.tell(message));
+}
+
+// Particles.
+
+using ParticlePlugin = isoextract_particle_plugin_v3;
+
+MessageWriter particles_opened(const isoextract_particle_file& file) {
+  MessageWriter message = say(Said::particles_opened);
+  message.number(file.particles).number(file.frames).number(file.held_bytes);
+  message.text(plugin_text(file.frame_name)).text(plugin_text(file.length_unit));
+  message.number(file.quantities == nullptr ? 0 : 1).number(file.quantity_count);
+  for (std::size_t i = 0; file.quantities != nullptr && i < file.quantity_count; ++i) {
+    const isoextract_particle_quantity& quantity = file.quantities[i];
+    message.text(plugin_text(quantity.name)).text(plugin_text(quantity.type_name));
+    message.number(quantity.components).number(bits(quantity.is_numeric)).number(bits(quantity.kind));
+  }
+  return message;
+}
+
+// Sends what a plug-in fills: as many numbers as it has told of. They go through the socket, whose memory is warm,
+// which takes less time than fresh pages that both processes see. False where the program has gone.
+template <class Number, class Fill>
+bool send_filled(const ParticlePlugin& plugin, const Program& program, std::uint64_t particles,
+                 std::uint64_t components, Fill&& fill) {
+  const auto count = checked_product(particles, components);
+  if (!count || !checked_product(*count, std::uint64_t{sizeof(Number)})) {
+    return program.tell(failure("more numbers than there can be"));
+  }
+  Buffer<Number> numbers;
+  try {
+    numbers = Buffer<Number>(static_cast<std::size_t>(*count));
+  } catch (const std::bad_alloc&) {
+    return program.tell(failure("not enough memory for its particles"));
+  }
+  if (fill(numbers.data()) != 0) return program.tell(failure(plugin.error_text()));
+  return program.tell(say(Said::filled).number(numbers.size_bytes())) && program.send(std::as_bytes(numbers.span()));
+}
+
+void read_particles_of(const ParticlePlugin& plugin, int socket) {
+  const Program program(socket);
+  auto job = program.hear();
+  if (!job || job->message.number() != static_cast<std::uint64_t>(Said::open_particles)) return;
+  const std::string path = job->message.text();
+  const bool has_grid = job->message.number() != 0;
+  const std::string grid = job->message.text();
+  isoextract_particle_file file{};
+  if (plugin.open(path.c_str(), has_grid ? grid.c_str() : nullptr, job->message.number(), &file) != 0) {
+    static_cast<void>(program.tell(failure(plugin.error_text())));
+    return;
+  }
+  if (!program.tell(particles_opened(file))) return;
+  while (auto wanted = program.hear()) {
+    const auto what = static_cast<Said>(wanted->message.number());
+    bool sent = false;
+    if (what == Said::positions) {
+      sent = send_filled<double>(plugin, program, file.particles, 3,
+                                 [&](double* values) { return plugin.positions(&file, values); });
+    } else if (what == Said::quantity) {
+      const auto index = static_cast<std::size_t>(wanted->message.number());
+      if (index >= file.quantity_count) return;
+      sent = send_filled<float>(plugin, program, file.particles, file.quantities[index].components,
+                                [&](float* values) { return plugin.quantity(&file, index, values); });
+    }
+    if (!sent) return;
+  }
+}
+
+template <class Plugin>
+sandbox::ChildWork work_of(const PluginKind& kind, std::span<const std::string> words,
+                           std::string (*greeting)(const Plugin&), void (*read)(const Plugin&, int)) {
+  const auto opened = open_plugin(kind, words[1], words[2]);
+  if (!opened) return {opened.error().what, {}, opened.error().advice};
+  const auto* plugin = static_cast<const Plugin*>(*opened);
+  return {greeting(*plugin), [plugin, read](int socket) { read(*plugin, socket); }, {}};
+}
+
+}  // namespace
+
+sandbox::ChildWork make_plugin_work(std::span<const std::string> words) {
+  if (words.size() != 3) return {"was called in a way that is not known", {}, {}};
+  if (words[0] == kVolumePlugins.function) {
+    return work_of<VolumePlugin>(
+        kVolumePlugins, words, [](const VolumePlugin& plugin) { return plugin_text(plugin.format); }, read_volume);
+  }
+  if (words[0] == kParticlePlugins.function) {
+    return work_of<ParticlePlugin>(
+        kParticlePlugins, words, [](const ParticlePlugin&) { return std::string(); }, read_particles_of);
+  }
+  return {"is of a kind that reads no files", {}, {}};
+}
+
+}  // namespace isoextract::plugin_host

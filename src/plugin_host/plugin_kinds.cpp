@@ -1,0 +1,13 @@
+#include "plugin_host/plugin_kinds.hpp"
+
+#include <particle_plugin.h>
+#include <volume_plugin.h>
+
+namespace isoextract::plugin_host {
+
+const PluginKind kVolumePlugins{"isoextract-volume-", "isoextract_volume_plugin", ISOEXTRACT_VOLUME_PLUGIN_VERSION};
+
+const PluginKind kParticlePlugins{"isoextract-particles-", "isoextract_particle_plugin",
+                                  ISOEXTRACT_PARTICLE_PLUGIN_VERSION};
+
+}  // namespace isoextract::plugin_host

@@ -1,0 +1,199 @@
+#include "plugin_host/plugin_library.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <pthread.h>
+#include <sys/mman.h>
+
+#include "base/byte_size.hpp"
+#include "base/no_memory.hpp"
+#include "base/printable.hpp"
+
+namespace isoextract::plugin_host {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What the structs of all kinds start with.
+struct PluginHead {
+  std::uint32_t version;
+  const char* id;
+};
+
+// "key: value"; what is not understood is left to later versions.
+PluginTable read_table(const std::string& id, const fs::path& path) {
+  PluginTable table;
+  table.id = id;
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) {
+    const std::size_t colon = line.find(": ");
+    if (colon == std::string::npos) continue;
+    const std::string key = line.substr(0, colon);
+    const std::string value = line.substr(colon + 2);
+    if (key == "title") table.title = printable(value, 200);
+    if (key != "extensions") continue;
+    std::istringstream words(value);
+    for (std::string word; words >> word;) {
+      if (word.starts_with('.')) table.extensions.push_back(word);
+    }
+  }
+  return table;
+}
+
+// "isoextract-volume-abc.txt" -> "abc"
+std::optional<std::string> id_of_table(const fs::path& path, const std::string& name_start) {
+  const std::string stem = path.stem().string();
+  if (path.extension() != ".txt" || !stem.starts_with(name_start)) return std::nullopt;
+  std::string id = stem.substr(name_start.size());
+  const bool plain = id.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_") == std::string::npos;
+  return plain && !id.empty() ? std::optional(std::move(id)) : std::nullopt;
+}
+
+}  // namespace
+
+PluginFolders plugin_folders() {
+  PluginFolders folders;
+  if (const char* given = std::getenv("ISOEXTRACT_PLUGINS")) {
+    std::istringstream list{std::string(given)};
+    for (std::string folder; std::getline(list, folder, ':');) {
+      if (!folder.empty()) folders.emplace_back(folder);
+    }
+  }
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  if (!error) {
+    folders.push_back(program.parent_path() / "plugins");
+    folders.push_back(program.parent_path().parent_path() / "lib" / "isoextract" / "plugins");
+  }
+  return folders;
+}
+
+std::vector<PluginTable> find_plugin_tables(const PluginFolders& folders, const std::string& name_start) {
+  std::vector<PluginTable> found;
+  for (const fs::path& folder : folders) {
+    std::error_code error;
+    std::map<std::string, fs::path> tables;
+    for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+      if (auto id = id_of_table(at->path(), name_start)) tables.emplace(std::move(*id), at->path());
+    }
+    for (const auto& [id, path] : tables) {
+      if (std::ranges::count(found, id, &PluginTable::id) == 0) found.push_back(read_table(id, path));
+    }
+  }
+  return found;
+}
+
+PluginLibrary::PluginLibrary(PluginKind kind, std::string id, PluginFolders folders)
+    : kind_(std::move(kind)), id_(std::move(id)), folders_(std::move(folders)) {}
+
+Result<std::string> PluginLibrary::found(const std::string& input) const {
+  const std::string name = fmt::format("{}{}.so", kind_.name_start, id_);
+  std::vector<std::string> looked;
+  for (const fs::path& folder : folders_) {
+    std::error_code none;
+    if (fs::exists(folder / name, none)) return (folder / name).string();
+    looked.push_back(folder.string());
+  }
+  return fail(ErrorCode::unavailable,
+              fmt::format("{}: {} by the plug-in {}, which is in none of: {}", input,
+                          kind_.is_format ? fmt::format("the format {} is read", id_) : "this is done", name,
+                          fmt::join(looked, ", ")),
+              "install it, or name the folder it is in with the environment variable ISOEXTRACT_PLUGINS");
+}
+
+namespace {
+
+tl::unexpected<Error> refuse(const std::string& input, const std::string& path, const sandbox::Refusal& refusal) {
+  return fail(ErrorCode::unavailable, fmt::format("{}: the plug-in {} {}", input, path, printable(refusal.what, 400)),
+              refusal.advice.empty() ? "install the plug-in that belongs to this version of isoextract"
+                                     : printable(refusal.advice, 200));
+}
+
+// What OpenVDB's libraries take, the largest of any plug-in here: 60 MiB as they are mapped, and four threads that
+// log4cplus starts as it is loaded, which waits for ever, or ends the process, where it gets none.
+std::size_t room_to_load() {
+  constexpr std::size_t kLibraries = std::size_t{72} << 20;
+  constexpr std::size_t kThreads = 4;
+  std::size_t stack = 0;
+  pthread_attr_t attributes;
+  if (::pthread_getattr_default_np(&attributes) == 0) {
+    ::pthread_attr_getstacksize(&attributes, &stack);
+    ::pthread_attr_destroy(&attributes);
+  }
+  return kLibraries + kThreads * stack;
+}
+
+// What libraries do with less cannot be foreseen. One that is loaded already takes nothing.
+tl::expected<void, sandbox::Refusal> check_room(const std::string& path) {
+  const auto limit = address_space_limit();
+  if (!limit || ::dlopen(path.c_str(), RTLD_NOW | RTLD_NOLOAD) != nullptr) return {};
+  const std::size_t needed = room_to_load();
+  void* const room = ::mmap(nullptr, needed, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (room != MAP_FAILED) {
+    ::munmap(room, needed);
+    return {};
+  }
+  return tl::unexpected(sandbox::Refusal{
+      fmt::format("is not loaded: it may take {} of address space, and less than that is left of the {} that the "
+                  "process is limited to",
+                  format_byte_size(needed), format_byte_size(*limit)),
+      kRaiseAddressSpace});
+}
+
+}  // namespace
+
+Result<const void*> PluginLibrary::opened(const std::string& input) const {
+  const std::scoped_lock lock(mutex_);
+  if (plugin_ != nullptr) return plugin_;
+  const auto path = TRY(found(input));
+  const auto plugin = open_plugin(kind_, id_, path);
+  if (!plugin) return refuse(input, path, plugin.error());
+  plugin_ = *plugin;
+  return plugin_;
+}
+
+Result<sandbox::Workers::Started> PluginLibrary::start_worker(const std::string& input, const sandbox::Limits& limits,
+                                                              const Context& context) const {
+  const auto path = TRY(found(input));
+  {
+    const std::scoped_lock lock(mutex_);
+    if (workers_ == nullptr) {
+      workers_ = std::make_unique<sandbox::Workers>(std::vector<std::string>{kind_.function, id_, path});
+    }
+  }
+  auto started = workers_->start(limits, context);
+  if (!started) return refuse(input, path, started.error());
+  return std::move(*started);
+}
+
+tl::expected<const void*, sandbox::Refusal> open_plugin(const PluginKind& kind, const std::string& id,
+                                                        const std::string& path) {
+  const auto wrong = [](std::string why) { return tl::unexpected(sandbox::Refusal{std::move(why), {}}); };
+  TRY(check_room(path));
+  // Not closed again: what it gave may outlive the format, and libraries seldom like it.
+  void* library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) return wrong(fmt::format("cannot be opened: {}", ::dlerror()));
+  const auto get = reinterpret_cast<const void* (*)()>(::dlsym(library, kind.function.c_str()));
+  const void* plugin = get == nullptr ? nullptr : get();
+  if (plugin == nullptr) {
+    return wrong(fmt::format("is none: it has no function {}, or that gives nothing", kind.function));
+  }
+  const auto* head = static_cast<const PluginHead*>(plugin);
+  if (head->version != kind.version) {
+    return wrong(fmt::format("has version {} of the interface, expected {}", head->version, kind.version));
+  }
+  const std::string own_id = head->id == nullptr ? "" : head->id;
+  if (own_id != id) return wrong(fmt::format("calls itself {}", printable(own_id, 80)));
+  return plugin;
+}
+
+}  // namespace isoextract::plugin_host

@@ -1,0 +1,201 @@
+#include "volume_io/detail/dense_reading.hpp"
+
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "base/reserved_buffer.hpp"
+#include "volume_io/detail/grid_choice.hpp"
+
+namespace isoextract::volume_io {
+namespace {
+
+constexpr std::size_t kSamplesAtOnce = std::size_t{1} << 16;
+
+using Owned = std::shared_ptr<ReservedBuffer<std::byte>>;
+
+// Exactly as a double: all up to 2^53, and of greater ones those with zeros at their end.
+template <class T>
+bool is_exact(T value) {
+  const auto as_double = static_cast<double>(value);
+  constexpr double kEnd = std::is_signed_v<T> ? 0x1p63 : 0x1p64;
+  return as_double < kEnd && static_cast<T>(as_double) == value;
+}
+
+// In place: both have eight bytes.
+template <class T>
+Result<void> widen(const files::InputFile& file, const glm::ivec3& dims, std::span<std::byte> bytes,
+                   std::optional<double> no_data) {
+  const std::size_t count = bytes.size() / sizeof(T);
+  std::atomic<std::size_t> first_bad{count};
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kSamplesAtOnce), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      T value{};
+      std::memcpy(&value, bytes.data() + i * sizeof value, sizeof value);
+      const auto as_double = static_cast<double>(value);
+      if (!is_exact(value) && as_double != no_data) {
+        std::size_t known = first_bad.load();
+        while (i < known && !first_bad.compare_exchange_weak(known, i)) {
+        }
+        return;
+      }
+      std::memcpy(bytes.data() + i * sizeof value, &as_double, sizeof as_double);
+    }
+  });
+  const std::size_t bad = first_bad;
+  if (bad == count) return {};
+  T value{};
+  std::memcpy(&value, bytes.data() + bad * sizeof value, sizeof value);
+  const auto nx = static_cast<std::size_t>(dims.x);
+  const auto ny = static_cast<std::size_t>(dims.y);
+  return fail(
+      ErrorCode::input,
+      fmt::format("{}: expected integers that are exact as doubles, as those up to 2^53 are, found {} at sample "
+                  "({}, {}, {})",
+                  file.name(), value, bad % nx, bad / nx % ny, bad / nx / ny),
+      "subtract what they have in common first, or divide them; renumber them where they are ids of labels");
+}
+
+// Mapped where that can be. A mapping needs no memory of its own: the system keeps what is in use of it and drops the
+// rest where memory is short.
+Result<field::DenseSamples> load_samples(const files::InputFile& file, const DenseFile& dense,
+                                         const SampleSource& source, bool last, std::optional<double> no_data,
+                                         std::vector<std::string>& notes) {
+  const Context& context = file.context();
+  if (!dense.x_slowest && dense.wide == WideInteger::none) {
+    if (auto mapped = map_samples(source, context)) {
+      const auto mapping = std::make_shared<const files::MappedFile>(std::move(*mapped));
+      return field::DenseSamples{dense.type, dense.dims, mapping, mapping->data(), true, &mapping->lost()};
+    }
+  }
+  const std::uint64_t needed = source.bytes + (dense.x_slowest ? transpose_bytes(dense.dims, source.sample_size) : 0);
+  auto memory =
+      TRY(context.reserve(needed, fmt::format("{}: {}", file.name(), describe_samples(dense.dims, dense.type))));
+
+  auto read =
+      TRY(dense.x_slowest ? read_samples_transposed(source, dense.dims, context) : read_samples(source, context));
+  if (read.more_packed && last && source.pieces.back().gzip)
+    notes.emplace_back("bytes after the samples were not read");
+  memory.shrink(source.bytes);
+  if (dense.wide != WideInteger::none) {
+    TRY(dense.wide == WideInteger::i64 ? widen<std::int64_t>(file, dense.dims, read.data.span(), no_data)
+                                       : widen<std::uint64_t>(file, dense.dims, read.data.span(), no_data));
+  }
+  const auto owned = std::make_shared<const ReservedBuffer<std::byte>>(
+      ReservedBuffer<std::byte>{std::move(read.data), std::move(memory)});
+  return field::DenseSamples{dense.type, dense.dims, owned, owned->values.data(), false};
+}
+
+// Which part of all that is stored.
+Result<SampleSource> part_of(const SampleSource& all, const DenseFile& dense, std::uint64_t volume,
+                             std::uint64_t component) {
+  const Share volumes{volume, dense.volumes};
+  const Share components{component, dense.components};
+  // Of two axes on one side of space, the number along both.
+  const auto both = [&] {
+    const Share& fast = dense.component_before_volume ? components : volumes;
+    const Share& slow = dense.component_before_volume ? volumes : components;
+    return Share{fast.index + fast.count * slow.index, fast.count * slow.count};
+  };
+  if (dense.interleaved == dense.components_interleaved) {
+    return dense.interleaved ? volume_io::part_of(all, both(), {}) : volume_io::part_of(all, {}, both());
+  }
+  return dense.interleaved ? volume_io::part_of(all, volumes, components)
+                           : volume_io::part_of(all, components, volumes);
+}
+
+template <class Length, class T>
+void add_to_lengths(const T* component, bool first, const field::ValueScale& scale, std::span<Length> lengths) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, lengths.size(), kSamplesAtOnce), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      const double value = scale(static_cast<double>(component[i]));
+      const double before = first ? 0 : static_cast<double>(lengths[i]);
+      // hypot() gives infinity for infinity and NaN.
+      const double length = std::isnan(value) || std::isnan(before) ? std::numeric_limits<double>::quiet_NaN()
+                                                                    : std::hypot(before, value);
+      lengths[i] = static_cast<Length>(length);
+    }
+  });
+}
+
+// Component after component, so that no more than one of them is in memory beside the lengths.
+template <class Length, class Load>
+Result<field::DenseSamples> read_lengths(const files::InputFile& file, const DenseFile& dense, const Load& load) {
+  field::DenseSamples result;
+  result.type = field::sample_type_of<Length>();
+  result.dims = dense.dims;
+  auto lengths = TRY(make_reserved_buffer<Length>(
+      result.count(), file.context(),
+      fmt::format("{}: lengths of {}", file.name(), describe_samples(dense.dims, dense.type))));
+  for (std::uint64_t c = 0; c < dense.components; ++c) {
+    const Result<field::DenseSamples> component = load(c);
+    if (!component) return component;
+    field::visit_sample_type(component->type, [&]<class T>(std::type_identity<T>) {
+      add_to_lengths<Length>(static_cast<const T*>(component->data), c == 0, dense.scale, lengths->values.span());
+    });
+    if (component->lost()) {
+      return fail(ErrorCode::input, file.name() + ": became shorter, or could not be read further, while it was read");
+    }
+  }
+  result.data = lengths->values.data();
+  result.owner = std::move(lengths);
+  return result;
+}
+
+bool needs_double(field::SampleType type) {
+  return type == field::SampleType::f64 || type == field::SampleType::u32 || type == field::SampleType::i32;
+}
+
+}  // namespace
+
+Result<field::ScalarField> read_dense(const files::InputFile& file, DenseFile dense, std::string name,
+                                      const ReadOptions& options) {
+  const auto volume = TRY(choose_volume(file.name(), dense.volumes, options.volume, dense.other_reading));
+  const auto chosen = TRY(choose_component(file.name(), dense.components, options.component, dense.component_names));
+  std::string what = describe_samples(dense.dims, dense.type);
+  if (dense.components > 1) what += fmt::format(" of {} components", dense.components);
+  if (dense.volumes > 1) what += fmt::format(" in each of {} volumes", dense.volumes);
+  SampleSource source;
+  source.pieces = std::move(dense.pieces);
+  source.bytes = sample_bytes(dense.dims, dense.type) * dense.components * dense.volumes;
+  source.sample_size = field::sample_size(dense.type);
+  source.swap_bytes = dense.endian != std::endian::native && source.sample_size > 1;
+
+  const auto extra = TRY(check_source(source, what, file.context()));
+  if (extra > 0) {
+    if (dense.size_is_exact) {
+      return fail(ErrorCode::input, fmt::format("{}: expected {} bytes ({}), found {} more after them", file.name(),
+                                                source.bytes, what, extra));
+    }
+    dense.notes.push_back(fmt::format("{} bytes after the samples were not read", extra));
+  }
+  const auto load = [&](std::uint64_t component) -> Result<field::DenseSamples> {
+    const auto one = TRY(part_of(source, dense, volume, component));
+    const bool last = volume + 1 == dense.volumes && component + 1 == dense.components;
+    return load_samples(file, dense, one, last, options.no_data, dense.notes);
+  };
+  auto samples = TRY(chosen                     ? load(*chosen)
+                     : needs_double(dense.type) ? read_lengths<double>(file, dense, load)
+                                                : read_lengths<float>(file, dense, load));
+
+  field::ScalarField field;
+  field.source = file.name();
+  field.name = std::move(name);
+  field.format = std::move(dense.format);
+  field.world_space = std::move(dense.world_space);
+  field.length_unit = std::move(dense.length_unit);
+  if (chosen) field.scale = dense.scale;
+  field.notes = std::move(dense.notes);
+  field.samples = std::move(samples);
+  TRY(set_frame(field, dense.frame, options));
+  return field;
+}
+
+}  // namespace isoextract::volume_io

@@ -1,0 +1,160 @@
+#include "volume_io/detail/grid_choice.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/printable.hpp"
+
+namespace isoextract::volume_io {
+namespace {
+
+std::string describe_grid(const GridInfo& grid) {
+  if (!grid.scalar) return "not scalar";
+  std::string text = "not counted";
+  if (grid.voxels) {
+    const field::IndexBox& box = grid.box;
+    text = *grid.voxels == 0 ? "empty"
+                             : fmt::format("{} active voxels in [{},{},{}]..[{},{},{}]", *grid.voxels, box.min.x,
+                                           box.min.y, box.min.z, box.max.x, box.max.y, box.max.z);
+  }
+  if (grid.kind) text += *grid.kind == field::FieldKind::level_set ? ", level set" : ", density";
+  if (!grid.frame_problem.empty()) text += "; its place cannot be used: " + grid.frame_problem;
+  return text;
+}
+
+template <class F>
+std::vector<std::size_t> indices_where(std::span<const GridInfo> grids, const F& is_meant) {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < grids.size(); ++i) {
+    if (is_meant(grids[i])) found.push_back(i);
+  }
+  return found;
+}
+
+// The one of a label; where there is none, those of a name, as the file has it or as it is shown.
+std::vector<std::size_t> grids_called(std::span<const GridInfo> grids, const std::string& wanted) {
+  auto found = indices_where(grids, [&](const GridInfo& grid) { return grid.label == wanted; });
+  if (!found.empty()) return found;
+  return indices_where(
+      grids, [&](const GridInfo& grid) { return grid.name == wanted || printable(grid.name, kMaxLabel) == wanted; });
+}
+
+}  // namespace
+
+void label_grids(std::span<GridInfo> grids) {
+  std::map<std::string, int> names;  // as they are shown, and how many grids have them
+  for (GridInfo& grid : grids) {
+    grid.label = printable(grid.name, kMaxLabel);
+    ++names[grid.label];
+  }
+  std::map<std::string, int> next;
+  for (GridInfo& grid : grids) {
+    const std::string name = grid.label;
+    if (names[name] == 1) continue;
+    do {
+      grid.label = fmt::format("{}[{}]", name, next[name]++);
+    } while (names.contains(grid.label));
+  }
+}
+
+std::string grid_table(std::span<const GridInfo> grids) {
+  constexpr std::size_t kMaxRows = 100;
+  const auto shown = grids.first(std::min(kMaxRows, grids.size()));
+  std::size_t label_width = 0;
+  std::size_t type_width = 0;
+  for (const GridInfo& grid : shown) {
+    label_width = std::max(label_width, grid.label.size());
+    type_width = std::max(type_width, grid.type.size());
+  }
+  std::string table;
+  for (const GridInfo& grid : shown) {
+    table += fmt::format("{}  {:<{}}  {:<{}}  {}", table.empty() ? "" : "\n", grid.label, label_width, grid.type,
+                         type_width, describe_grid(grid));
+  }
+  if (shown.size() < grids.size()) table += fmt::format("\n  ... and {} more", grids.size() - shown.size());
+  return table;
+}
+
+Result<std::size_t> choose_grid(const std::string& file, std::span<const GridInfo> grids,
+                                const std::optional<std::string>& wanted) {
+  const auto listed = [&](Remedy remedy) { return Hint(remedy, "\n" + grid_table(grids)); };
+  if (grids.empty()) return fail(ErrorCode::input, file + ": there is no grid in the file");
+  const auto found =
+      wanted ? grids_called(grids, *wanted) : indices_where(grids, [](const GridInfo& grid) { return grid.scalar; });
+  if (!wanted) {
+    if (found.size() == 1) return found.front();
+    const auto message = found.empty() ? fmt::format("{}: expected a grid of float, double or int32, found none", file)
+                                       : fmt::format("{}: {} of its grids are scalar", file, found.size());
+    return fail(ErrorCode::input, message,
+                found.empty() ? Hint("its grids are\n" + grid_table(grids)) : listed(Remedy::choose_grid));
+  }
+  if (found.empty()) {
+    return fail(ErrorCode::input, fmt::format("{}: there is no grid '{}'", file, printable(*wanted, kMaxLabel)),
+                listed(Remedy::choose_grid));
+  }
+  if (found.size() > 1) {
+    return fail(ErrorCode::input,
+                fmt::format("{}: {} grids are named '{}'", file, found.size(), printable(*wanted, kMaxLabel)),
+                listed(Remedy::choose_grid_number));
+  }
+  if (!grids[found.front()].scalar) {
+    return fail(ErrorCode::input,
+                fmt::format("{}: expected a grid of float, double or int32, '{}' holds {}", file,
+                            grids[found.front()].label, grids[found.front()].type),
+                listed(Remedy::choose_grid));
+  }
+  return found.front();
+}
+
+Result<std::uint64_t> choose_volume(const std::string& file, std::uint64_t count, std::optional<std::int64_t> wanted,
+                                    const Hint& otherwise) {
+  const Remedy choose = otherwise.remedy == Remedy::none ? Remedy::choose_volume : otherwise.remedy;
+  const Hint hint = count == 1 ? Hint(Remedy::leave_out_volume)
+                               : Hint(choose, fmt::format("from 0 to {}{}{}", count - 1,
+                                                          otherwise.text.empty() ? "" : "; ", otherwise.text));
+  if (!wanted) {
+    if (count == 1) return 0;
+    return fail(ErrorCode::input, fmt::format("{}: there are {} volumes in the file", file, count), hint);
+  }
+  if (std::cmp_less(*wanted, 0) || std::cmp_greater_equal(*wanted, count)) {
+    return fail(
+        ErrorCode::input,
+        fmt::format("{}: there is no volume {}; expected {}", file, *wanted,
+                    count == 1 ? std::string("0, the only one") : fmt::format("one of {}, counted from 0", count)),
+        hint);
+  }
+  return static_cast<std::uint64_t>(*wanted);
+}
+
+Result<std::optional<std::uint64_t>> choose_component(const std::string& file, std::uint64_t count,
+                                                      const std::optional<ComponentChoice>& wanted,
+                                                      const std::string& names) {
+  const std::string choice = fmt::format(
+      "choose one of them with {{component N}}, N from 0 to {}{}{}, or the length of all with {{component "
+      "length}}",
+      count - 1, names.empty() ? "" : ": ", names);
+  if (!wanted) {
+    if (count == 1) return 0;
+    return fail(ErrorCode::input, fmt::format("{}: expected one number a sample, found {} components", file, count),
+                choice);
+  }
+  if (count == 1) {
+    if (wanted->number == 0) return 0;
+    return fail(ErrorCode::input, fmt::format("{}: expected several numbers a sample, found one", file),
+                "leave {component} out");
+  }
+  if (!wanted->number) return std::nullopt;
+  if (std::cmp_less(*wanted->number, 0) || std::cmp_greater_equal(*wanted->number, count)) {
+    return fail(
+        ErrorCode::input,
+        fmt::format("{}: there is no component {}; expected one of {}, counted from 0", file, *wanted->number, count),
+        choice);
+  }
+  return static_cast<std::uint64_t>(*wanted->number);
+}
+
+}  // namespace isoextract::volume_io

@@ -1,0 +1,126 @@
+#include "volume_io/detail/volume_detect.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/ascii.hpp"
+#include "base/printable.hpp"
+#include "files/file_bytes.hpp"
+#include "volume_io/detail/formats.hpp"
+#include "volume_io/detail/unread_format.hpp"
+#include "volume_io/volume_reader.hpp"
+
+namespace isoextract::volume_io {
+namespace {
+
+const VolumeFormat* format_by_prefix(const std::string& input) {
+  for (const VolumeFormat* format : volume_formats()) {
+    const std::string& prefix = format->about().prefix;
+    if (!prefix.empty() && input.starts_with(prefix)) return format;
+  }
+  return nullptr;
+}
+
+const VolumeFormat* format_by_content(const files::FileStart& start) {
+  for (const VolumeFormat* format : volume_formats()) {
+    if (format->probe(start)) return format;
+  }
+  return nullptr;
+}
+
+// The first that claims the end of the name, whatever its case.
+const VolumeFormat* format_by_extension(const std::filesystem::path& path) {
+  const std::string name = lower_case(path.filename().string());
+  for (const VolumeFormat* format : volume_formats()) {
+    const auto claims = [&](const std::string& extension) { return name.ends_with(extension); };
+    if (std::ranges::any_of(format->about().extensions, claims)) return format;
+  }
+  return nullptr;
+}
+
+std::optional<Error> error_of_unread(const files::InputFile& file, std::span<const std::byte> content) {
+  const auto known = unread_format(file.path(), content);
+  if (!known) return std::nullopt;
+  return Error{ErrorCode::input,
+               fmt::format("{}: it is {} by its {}, which isoextract does not read", file.name(), known->title,
+                           known->by_name ? "name" : "content"),
+               Hint(known->way)};
+}
+
+tl::unexpected<Error> fail_unknown(const files::InputFile& file, std::span<const std::byte> content) {
+  if (auto known = error_of_unread(file, content)) return tl::unexpected(std::move(*known));
+  std::string hint = "it reads";
+  for (const VolumeFormat* format : volume_formats()) {
+    const FormatDescription& about = format->about();
+    if (about.extensions.empty()) continue;
+    hint += fmt::format("\n  {:<6} {} ({})", about.id, about.title, fmt::join(about.extensions, " "));
+  }
+  return fail(ErrorCode::input,
+              fmt::format("{}: not a volume format that isoextract reads; it starts with '{}'", file.name(),
+                          printable(content, 16)),
+              Hint(hint));
+}
+
+Result<DetectedFormat> chosen_format(const std::string& input, const std::string& id) {
+  const VolumeFormat* format = find_volume_format(id);
+  if (format == nullptr) return fail(ErrorCode::usage, fmt::format("{}: there is no volume format '{}'", input, id));
+  const std::string& prefix = format->about().prefix;
+  if (!prefix.empty()) {
+    return fail(ErrorCode::usage, fmt::format("{}: the format {} is for inputs named {}NAME", input, id, prefix));
+  }
+  return DetectedFormat{format, {}};
+}
+
+Result<const VolumeFormat*> known_by_content(const files::InputFile& file, std::span<const std::byte> content) {
+  std::byte start[2] = {};
+  if (file.size() >= sizeof start) {
+    TRY(file.read_at(0, start));
+  }
+  return format_by_content({file.path(), content, files::is_gzip(start)});
+}
+
+}  // namespace
+
+bool is_named_by_prefix(const std::string& input) { return format_by_prefix(input) != nullptr; }
+
+Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions& options, const Context& context) {
+  if (const VolumeFormat* format = format_by_prefix(input)) return DetectedFormat{format, {}};
+  const auto file = TRY(files::InputFile::open(input, context));
+  if (options.format) return chosen_format(file.name(), *options.format);
+  const auto content = TRY(files::first_bytes(file, files::kStartBytes));
+  const auto known = TRY(known_by_content(file, content));
+  const VolumeFormat* by_content = known;
+  const VolumeFormat* by_extension = format_by_extension(file.path());
+  if (by_content != nullptr) {
+    DetectedFormat detected{by_content, {}};
+    if (by_extension != nullptr && by_extension != by_content) {
+      detected.note = fmt::format("read as {} by its content, although it is named {}", by_content->about().id,
+                                  file.path().filename().string());
+    }
+    return detected;
+  }
+  if (options.raw) return DetectedFormat{&raw_format(), {}};
+  // The reader of that format says what is wrong with the content.
+  if (by_extension != nullptr) return DetectedFormat{by_extension, {}};
+  return fail_unknown(file, content);
+}
+
+bool has_volume_extension(const std::filesystem::path& path) { return format_by_extension(path) != nullptr; }
+
+std::optional<Error> known_but_unread(const std::filesystem::path& path, const Context& context) {
+  const auto file = files::InputFile::open(path, context);
+  if (!file) return std::nullopt;
+  const auto content = files::first_bytes(*file, files::kStartBytes);
+  return content ? error_of_unread(*file, *content) : std::nullopt;
+}
+
+Result<bool> has_volume_content(const std::string& input, const Context& context) {
+  const auto file = TRY(files::InputFile::open(input, context));
+  const auto content = TRY(files::first_bytes(file, files::kStartBytes));
+  const auto known = TRY(known_by_content(file, content));
+  return known != nullptr;
+}
+
+}  // namespace isoextract::volume_io

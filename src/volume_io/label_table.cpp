@@ -1,0 +1,141 @@
+#include "volume_io/label_table.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "base/ascii.hpp"
+#include "base/printable.hpp"
+#include "files/content_hash.hpp"
+#include "files/file_bytes.hpp"
+#include "files/text_file.hpp"
+
+namespace isoextract::volume_io {
+namespace {
+
+constexpr std::size_t kMaxShown = 60;  // bytes of a line in a message
+
+std::optional<std::int64_t> whole_number(std::string_view word) {
+  std::int64_t number = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
+  return number;
+}
+
+std::vector<std::string_view> words_of_line(std::string_view line) {
+  std::vector<std::string_view> words;
+  for (std::size_t at = line.find_first_not_of(" \t"); at != std::string_view::npos;) {
+    const std::size_t end = std::min(line.find_first_of(" \t", at), line.size());
+    words.push_back(line.substr(at, end - at));
+    at = line.find_first_not_of(" \t", end);
+  }
+  return words;
+}
+
+std::optional<glm::dvec3> colour_of(std::span<const std::string_view> words) {
+  glm::dvec3 colour(0.0);
+  for (int c = 0; c < 3; ++c) {
+    const auto channel = whole_number(words[static_cast<std::size_t>(c)]);
+    if (!channel || *channel < 0 || *channel > 255) return std::nullopt;
+    colour[c] = static_cast<double>(*channel) / 255;
+  }
+  return colour;
+}
+
+// Nothing where the line is no label.
+std::optional<LabelEntry> entry_of(std::string_view line) {
+  const bool is_text = std::ranges::none_of(
+      line, [](char c) { return (static_cast<unsigned char>(c) < ' ' && c != '\t') || c == '\x7f'; });
+  if (!is_text) return std::nullopt;
+  LabelEntry entry;
+  std::optional<glm::dvec3> colour;
+  const std::size_t quote = line.find('"');
+  const std::vector<std::string_view> words = words_of_line(line.substr(0, quote));
+  if (quote != std::string_view::npos) {
+    if (words.size() != 7 || line.size() < quote + 2 || line.back() != '"') return std::nullopt;
+    entry.name = line.substr(quote + 1, line.size() - quote - 2);
+    colour = colour_of(std::span(words).subspan(1, 3));
+  } else {
+    if (words.size() != 6 || !whole_number(words[5])) return std::nullopt;
+    entry.name = words[1];
+    colour = colour_of(std::span(words).subspan(2, 3));
+  }
+  const auto label = whole_number(words[0]);
+  if (!label || !colour || entry.name.empty()) return std::nullopt;
+  entry.label = *label;
+  entry.colour = *colour;
+  return entry;
+}
+
+}  // namespace
+
+Result<LabelTable> LabelTable::parse(std::string_view text, const std::string& source) {
+  LabelTable table;
+  table.hash_ = files::content_hash(text);
+  std::size_t number = 0;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    const std::string_view line = trimmed(text.substr(at, end - at));
+    at = end + 1;
+    ++number;
+    if (line.empty() || line.front() == '#') continue;
+    auto entry = entry_of(line);
+    if (!entry) {
+      return fail(ErrorCode::input,
+                  fmt::format("{}: line {}: expected a label as ITK-SNAP (number, red, green, blue, alpha, two flags, "
+                              "\"name\") or FreeSurfer (number, name, red, green, blue, alpha) write it, with colours "
+                              "from 0 to 255, found '{}'",
+                              source, number, printable(line, kMaxShown)));
+    }
+    table.entries_.push_back(std::move(*entry));
+  }
+  if (table.entries_.empty()) {
+    return fail(ErrorCode::input, fmt::format("{}: expected a table of labels, found none in it", source));
+  }
+  std::ranges::stable_sort(table.entries_, {}, &LabelEntry::label);
+  const auto twice = std::ranges::adjacent_find(table.entries_, {}, &LabelEntry::label);
+  if (twice != table.entries_.end()) {
+    return fail(ErrorCode::input,
+                fmt::format("{}: expected each label once, found {} as '{}' and as '{}'", source, twice->label,
+                            printable(twice->name, kMaxShown), printable((twice + 1)->name, kMaxShown)));
+  }
+  return table;
+}
+
+Result<LabelTable> LabelTable::read(const std::string& path, const Context& context) {
+  const auto text = TRY(files::read_text_file(path, "a table of labels", kMaxBytes, context));
+  return parse(text, files::shown_input_name(path));
+}
+
+const LabelEntry* LabelTable::find(std::int64_t label) const {
+  const auto at = std::ranges::lower_bound(entries_, label, {}, &LabelEntry::label);
+  return at != entries_.end() && at->label == label ? &*at : nullptr;
+}
+
+bool LabelTable::shares_name(const LabelEntry& entry) const {
+  return std::ranges::count(entries_, entry.name, &LabelEntry::name) > 1;
+}
+
+glm::dvec3 usual_label_colour(std::int64_t label) {
+  // A turn by the golden ratio of the circle leaves none of the hues before near.
+  constexpr double kGolden = 0.6180339887498949;
+  constexpr double kSaturation = 0.6;
+  constexpr double kValue = 0.9;
+  const double turns = std::fmod(static_cast<double>(label) * kGolden, 1.0);
+  const double hue = 6 * (turns < 0 ? turns + 1 : turns);
+  glm::dvec3 colour(0.0);
+  constexpr std::array<double, 3> kShift{5, 3, 1};
+  for (int c = 0; c < 3; ++c) {
+    const double k = std::fmod(kShift[static_cast<std::size_t>(c)] + hue, 6.0);
+    colour[c] = kValue * (1 - kSaturation * std::clamp(std::min(k, 4 - k), 0.0, 1.0));
+  }
+  return colour;
+}
+
+}  // namespace isoextract::volume_io

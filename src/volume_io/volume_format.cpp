@@ -1,0 +1,41 @@
+#include "volume_io/volume_format.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "volume_io/detail/formats.hpp"
+#include "volume_io/detail/plugin_volumes.hpp"
+
+namespace isoextract::volume_io {
+
+std::span<const VolumeFormat* const> volume_formats() {
+  static const std::vector<std::unique_ptr<const VolumeFormat>> plugins =
+      find_plugin_formats(plugin_host::plugin_folders());
+  static const std::vector<const VolumeFormat*> formats = [] {
+    std::vector<const VolumeFormat*> all{
+        &vdb_format(),    //
+        &nrrd_format(),   //
+        &nifti_format(),  //
+        &npy_format(),    //
+        &npz_format(),    //
+        &raw_format(),    //
+        &demo_format(),
+    };
+    for (const auto& plugin : plugins) {
+      const auto same = [&](const VolumeFormat* format) { return format->about().id == plugin->about().id; };
+      if (std::ranges::none_of(all, same)) all.push_back(plugin.get());
+    }
+    return all;
+  }();
+  return formats;
+}
+
+const VolumeFormat* find_volume_format(std::string_view id) {
+  for (const VolumeFormat* format : volume_formats()) {
+    if (format->about().id == id) return format;
+  }
+  return nullptr;
+}
+
+}  // namespace isoextract::volume_io

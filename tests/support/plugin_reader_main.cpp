@@ -1,0 +1,13 @@
+// The program of these tests is its own child where plug-ins read files, as isoextract is.
+#include <cstddef>
+
+#include <gtest/gtest.h>
+
+#include "plugin_host/plugin_reader.hpp"
+
+int main(int argc, char** argv) {
+  if (const auto code = isoextract::plugin_host::run_as_plugin_reader({argv, static_cast<std::size_t>(argc)}))
+    return *code;
+  testing::InitGoogleTest(&argc, argv);
+  return RUN_ALL_TESTS();
+}

@@ -1,0 +1,365 @@
+#include "check/mesh_check.hpp"
+
+#include <cmath>
+#include <numeric>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "mesh/joined.hpp"
+#include "support/box_mesh.hpp"
+#include "support/sample_meshes.hpp"
+
+namespace isoextract::check {
+namespace {
+
+using test::make_mesh;
+
+MeshCheck check(const mesh::Mesh& mesh) {
+  auto found = check_mesh(mesh, Context());
+  if (!found) {
+    ADD_FAILURE() << found.error().message;
+    return {};
+  }
+  return std::move(*found);
+}
+
+// From -half to half along each axis, facing outward or, turned, inward.
+mesh::Mesh centred_cube(float half, bool turned = false, const glm::vec3& centre = glm::vec3(0)) {
+  mesh::Mesh mesh = test::box_mesh(centre - half, centre + half);
+  if (turned) {
+    for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
+  }
+  return mesh;
+}
+
+mesh::Mesh together(std::vector<mesh::Mesh> meshes) { return std::move(*mesh::join_meshes(meshes, Context())); }
+
+template <class... Meshes>
+mesh::Mesh all_of(Meshes... meshes) {
+  std::vector<mesh::Mesh> list;
+  (list.push_back(std::move(meshes)), ...);
+  return together(std::move(list));
+}
+
+std::vector<Shell> shells(const MeshCheck& found) {
+  std::vector<Shell> result;
+  for (const Component& component : found.components) result.push_back(component.shell);
+  return result;
+}
+
+void leave_out(mesh::Mesh& mesh, std::size_t triangle) {
+  Buffer<glm::uvec3> left(mesh.triangles.size() - 1);
+  std::size_t count = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (t != triangle) left[count++] = mesh.triangles[t];
+  }
+  mesh.triangles = std::move(left);
+}
+
+bool meets(Requirement requirement, const MeshCheck& found) { return !why_not(requirement, found); }
+
+TEST(MeshCheckTest, ACubeIsSound) {
+  const MeshCheck found = check(centred_cube(0.5F));
+  for (const Word<Requirement>& one : words_of(Requirement{})) {
+    EXPECT_EQ(meets(one.value, found), one.value != Requirement::normals) << one.word;
+  }
+  ASSERT_EQ(found.components.size(), 1U);
+  const Component& component = found.components.front();
+  EXPECT_EQ(component.shell, Shell::body);
+  EXPECT_EQ(component.genus, 0);
+  EXPECT_DOUBLE_EQ(component.volume, 1);
+  EXPECT_DOUBLE_EQ(component.area, 6);
+  EXPECT_EQ(component.vertices, 8U);
+  EXPECT_EQ(component.triangles, 12U);
+  EXPECT_EQ(component.bounds.min, glm::dvec3(-0.5));
+  EXPECT_TRUE(found.loops.empty());
+  EXPECT_FALSE(found.joined);
+}
+
+TEST(MeshCheckTest, HolesAreCountedAndMeasured) {
+  mesh::Mesh mesh = centred_cube(0.5F);
+  leave_out(mesh, 0);
+  const MeshCheck one = check(mesh);
+  ASSERT_EQ(one.loops.size(), 1U);
+  EXPECT_EQ(one.loops[0].edges, 3U);
+  EXPECT_NEAR(one.loops[0].length, 2 + std::sqrt(2.0), 1e-12);
+  EXPECT_EQ(one.components[0].shell, Shell::open);
+  EXPECT_EQ(one.components[0].genus, 0);
+  EXPECT_EQ(why_not(Requirement::closed, one), "3 open edges in 1 loop");
+  // The other triangle of the face makes one hole of four edges of it; one of the far face makes two.
+  leave_out(mesh, 0);
+  EXPECT_EQ(check(mesh).loops.size(), 1U);
+  leave_out(mesh, 0);
+  const MeshCheck two = check(mesh);
+  ASSERT_EQ(two.loops.size(), 2U);
+  EXPECT_EQ(two.loops[0].edges + two.loops[1].edges, 7U);
+  EXPECT_EQ(two.components[0].genus, 0);
+}
+
+// Two triangles less at a pole: were it two vertices, one for each fan, the surface would have one rim.
+TEST(MeshCheckTest, AVertexOfTwoFansIsTwo) {
+  mesh::Mesh mesh = test::sphere(6, false);
+  const std::size_t pole_triangles = 12;
+  std::vector<std::size_t> at_pole;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (mesh.triangles[t].x == 0) at_pole.push_back(t);
+  }
+  ASSERT_EQ(at_pole.size(), pole_triangles);
+  leave_out(mesh, at_pole[6]);
+  leave_out(mesh, at_pole[0]);
+  const MeshCheck found = check(mesh);
+  EXPECT_EQ(found.topology.nonmanifold_vertices, 1U);  // the pole has two fans
+  EXPECT_EQ(found.topology.open_edges, 6U);
+  EXPECT_EQ(found.loops.size(), 1U);  // each fan joins an edge of one hole with one of the other
+  EXPECT_FALSE(meets(Requirement::manifold, found));
+  // Two triangles that share a corner alone have a rim each.
+  const MeshCheck bow =
+      check(make_mesh("bow", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}}, {{0, 1, 2}, {0, 3, 4}}));
+  EXPECT_EQ(bow.components.size(), 1U);
+  EXPECT_EQ(bow.loops.size(), 2U);
+}
+
+TEST(MeshCheckTest, ATriangleTurnedRound) {
+  mesh::Mesh mesh = centred_cube(0.5F);
+  std::swap(mesh.triangles[3].x, mesh.triangles[3].y);
+  const MeshCheck found = check(mesh);
+  EXPECT_EQ(found.components[0].edges.misoriented, 3U);
+  EXPECT_EQ(found.components[0].shell, Shell::open);
+  EXPECT_FALSE(found.components[0].genus);
+  EXPECT_FALSE(meets(Requirement::oriented, found));
+  EXPECT_TRUE(meets(Requirement::closed, found));
+}
+
+TEST(MeshCheckTest, EdgesOfThreeTriangles) {
+  const MeshCheck found = check(
+      make_mesh("fins", {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}}));
+  EXPECT_EQ(found.topology.nonmanifold_edges, 1U);
+  EXPECT_EQ(found.components[0].edges.nonmanifold, 1U);
+  EXPECT_EQ(found.components[0].edges.open, 6U);
+  EXPECT_EQ(found.intersections.pairs, 0U);
+}
+
+TEST(MeshCheckTest, DefectsOfComponentsAddUp) {
+  mesh::Mesh open = test::sphere(8, false);
+  leave_out(open, 30);
+  mesh::Mesh turned = centred_cube(5);
+  std::swap(turned.triangles[3].x, turned.triangles[3].y);
+  const mesh::Mesh mesh = all_of(std::move(open), std::move(turned), centred_cube(9), test::tetrahedron());
+  const MeshCheck found = check(mesh);
+  ASSERT_EQ(found.components.size(), 4U);
+  EdgeDefects sum;
+  double area = 0;
+  for (const Component& component : found.components) {
+    sum.open += component.edges.open;
+    sum.misoriented += component.edges.misoriented;
+    area += component.area;
+  }
+  EXPECT_EQ(sum.open, found.topology.open_edges);
+  EXPECT_EQ(sum.misoriented, found.topology.misoriented_edges);
+  EXPECT_NEAR(area, found.size.area, 1e-9 * area);
+  EXPECT_FALSE(meets(Requirement::one_component, found));
+}
+
+// Cubes around one centre: the rays leave through edges, diagonals and corners of those around.
+TEST(MeshCheckTest, ShellsWithinShells) {
+  EXPECT_EQ(shells(check(all_of(centred_cube(1), centred_cube(2), centred_cube(3)))),
+            (std::vector{Shell::body, Shell::nested, Shell::body}));
+  EXPECT_EQ(shells(check(all_of(centred_cube(1, true), centred_cube(2)))), (std::vector{Shell::hollow, Shell::body}));
+  EXPECT_EQ(shells(check(all_of(centred_cube(1), centred_cube(2, true)))),
+            (std::vector{Shell::nested, Shell::inside_out}));
+  EXPECT_EQ(shells(check(centred_cube(1, true))), (std::vector{Shell::inside_out}));
+  const glm::vec3 far(10, 0, 0);
+  const MeshCheck beside = check(
+      all_of(centred_cube(1), centred_cube(1, false, far), centred_cube(1, true, -far), centred_cube(0.5F, true, far)));
+  EXPECT_EQ(shells(beside), (std::vector{Shell::body, Shell::body, Shell::inside_out, Shell::hollow}));
+  EXPECT_EQ(why_not(Requirement::outward, beside), "1 component inside out");
+  for (std::uint32_t depth = 0; depth < 12; ++depth) {
+    std::vector<mesh::Mesh> nest;
+    for (std::uint32_t i = 0; i <= depth; ++i)
+      nest.push_back(centred_cube(static_cast<float>(i + 1), (depth - i) % 2 == 1));
+    const MeshCheck found = check(together(std::move(nest)));
+    for (std::uint32_t i = 0; i <= depth; ++i) {
+      EXPECT_EQ(found.components[i].within, depth - i);
+      EXPECT_EQ(found.components[i].shell, (depth - i) % 2 == 1 ? Shell::hollow : Shell::body);
+    }
+  }
+}
+
+// A row of bodies along the rays: each ray would pass all that come after it.
+TEST(MeshCheckTest, ShellsInARowAreNotLookedAtTwoByTwo) {
+  constexpr int kBodies = 60'000;
+  std::vector<mesh::Mesh> row;
+  for (int i = 0; i < kBodies; ++i) row.push_back(centred_cube(0.5F, false, {3.0F * static_cast<float>(i), 0, 0}));
+  row.push_back(centred_cube(0.25F, true));
+  const MeshCheck found = check(together(std::move(row)));
+  EXPECT_EQ(found.count(Shell::body), static_cast<std::uint64_t>(kBodies));
+  EXPECT_EQ(found.count(Shell::hollow), 1U);
+}
+
+// Two halves side by side, and a body that fills the cavity of another: walls that are shared, point by point.
+TEST(MeshCheckTest, ShellsThatShareWallsAreNotWithinEachOther) {
+  const glm::vec3 beside(2, 0, 0);
+  for (const float sign : {-1.0F, 1.0F}) {
+    for (const float size : {1.0F, 0.5F}) {  // the whole wall, and a part of it
+      const glm::vec3 moved = sign * glm::vec3(1 + size, 0, 0);
+      EXPECT_EQ(shells(check(all_of(centred_cube(1), centred_cube(size, false, moved)))),
+                (std::vector{Shell::body, Shell::body}));
+    }
+    EXPECT_EQ(shells(check(all_of(centred_cube(1), centred_cube(1, false, sign * beside), centred_cube(3)))),
+              (std::vector{Shell::nested, Shell::nested, Shell::body}));
+  }
+  EXPECT_EQ(shells(check(all_of(centred_cube(1), centred_cube(1, true), centred_cube(2)))),
+            (std::vector{Shell::body, Shell::hollow, Shell::body}));
+}
+
+// Rays that leave through corners, along sides, and lines that pass a shell behind the ray's start alone.
+TEST(MeshCheckTest, ShellsWithinShellsOfSlantedFaces) {
+  const auto octahedron = [](float radius, const glm::vec3& centre = glm::vec3(0)) {
+    std::vector<glm::vec3> positions{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+    for (glm::vec3& p : positions) p = p * radius + centre;
+    return make_mesh("octahedron", positions,
+                     {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}});
+  };
+  const auto within = [](const MeshCheck& found) {
+    std::vector<std::uint32_t> depths;
+    for (const Component& component : found.components) depths.push_back(component.within);
+    return depths;
+  };
+  using Depths = std::vector<std::uint32_t>;
+  EXPECT_EQ(within(check(all_of(octahedron(1), octahedron(2), octahedron(3), octahedron(4)))), (Depths{3, 2, 1, 0}));
+  // The ray goes along the side between two faces, y = 0, or through it, y = z.
+  EXPECT_EQ(within(check(all_of(octahedron(1), octahedron(0.125F, {0.25F, 0, 0.25F})))), (Depths{0, 1}));
+  EXPECT_EQ(within(check(all_of(octahedron(1), octahedron(0.125F, {0.25F, 0.25F, 0})))), (Depths{0, 1}));
+  EXPECT_EQ(within(check(all_of(octahedron(8), octahedron(1, {-20, 0, 0}), octahedron(1, {0, 8, 4})))),
+            (Depths{0, 0, 0}));
+  // Beyond a face, within its box.
+  EXPECT_EQ(within(check(all_of(octahedron(8), octahedron(0.5F, {5, 2.5F, 2.5F})))), (Depths{0, 0}));
+  // The diagonals of the faces in front of the rays.
+  mesh::Mesh outer = centred_cube(3);
+  for (glm::vec3& p : outer.positions) p.y = -p.y;
+  for (glm::uvec3& t : outer.triangles) std::swap(t.y, t.z);
+  EXPECT_EQ(within(check(all_of(centred_cube(1), std::move(outer)))), (Depths{1, 0}));
+}
+
+TEST(MeshCheckTest, SeamsOfDoubledVerticesAreTold) {
+  // A cube with four vertices a face and one that nobody uses.
+  const mesh::Mesh whole = centred_cube(1);
+  std::vector<glm::vec3> positions{{7, 7, 7}};
+  std::vector<glm::uvec3> triangles;
+  for (const glm::uvec3& t : whole.triangles) {
+    const auto first = static_cast<std::uint32_t>(positions.size());
+    for (int c = 0; c < 3; ++c) positions.push_back(whole.positions[t[c]]);
+    triangles.emplace_back(first, first + 1, first + 2);
+  }
+  mesh::Mesh mesh = make_mesh("seams", positions, triangles);
+  const MeshCheck apart = check(mesh);
+  EXPECT_EQ(apart.repeated_vertices, 36U - 8);
+  EXPECT_EQ(apart.topology.open_edges, 36U);
+  EXPECT_EQ(apart.components.size(), 12U);
+  ASSERT_TRUE(apart.joined);
+  EXPECT_EQ(apart.joined->open_edges, 0U);
+  EXPECT_EQ(apart.joined->components, 1U);
+  EXPECT_EQ(apart.intersections.pairs, 0U);
+  EXPECT_EQ(apart.topology.unused_vertices, 1U);
+  ASSERT_TRUE(join_repeated_vertices(mesh, Context()));
+  const MeshCheck joined = check(mesh);
+  EXPECT_TRUE(joined.topology.is_closed_oriented_manifold());
+  EXPECT_EQ(joined.vertices, 9U);
+  EXPECT_EQ(joined.topology.unused_vertices, 1U);
+  EXPECT_DOUBLE_EQ(joined.size.volume, 8);
+}
+
+TEST(MeshCheckTest, AnEmptyMeshMeetsNothing) {
+  const MeshCheck found = check(make_mesh("empty", {}, {}));
+  for (const Word<Requirement>& one : words_of(Requirement{})) EXPECT_EQ(why_not(one.value, found), "no triangles");
+  const MeshCheck points = check(make_mesh("points", {{1, 2, 3}, {1, 2, 3}}, {}));
+  EXPECT_EQ(points.topology.unused_vertices, 2U);
+  EXPECT_EQ(points.repeated_vertices, 1U);
+}
+
+TEST(MeshCheckTest, TrianglesOfOneVertexOrOneLine) {
+  const MeshCheck found =
+      check(make_mesh("none", {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}, {{0, 0, 0}, {0, 1, 1}, {0, 1, 2}}));
+  EXPECT_EQ(found.topology.repeated_index_triangles, 2U);
+  EXPECT_EQ(found.intersections.zero_area_triangles, 3U);
+  EXPECT_EQ(found.components.size(), 1U);
+  EXPECT_EQ(found.components[0].triangles, 1U);
+}
+
+TEST(MeshCheckTest, HugeCoordinates) {
+  for (const float half : {1e30F, 3e38F, 1e-40F}) {
+    const MeshCheck found = check(all_of(centred_cube(half), centred_cube(half / 2, true)));
+    EXPECT_EQ(shells(found), (std::vector{Shell::body, Shell::hollow})) << half;
+    EXPECT_EQ(found.intersections.pairs + found.intersections.zero_area_triangles, 0U) << half;
+  }
+}
+
+TEST(MeshCheckTest, NormalsAgainstTheirTriangles) {
+  const mesh::Mesh mesh = centred_cube(1);
+  std::vector<glm::vec3> outward(mesh.positions.begin(), mesh.positions.end());
+  for (glm::vec3& normal : outward) normal = glm::normalize(normal);
+  const NormalFacts sound = check_normals(mesh, outward, mesh.triangles.span());
+  EXPECT_EQ(sound.corners, 36U);
+  EXPECT_EQ(sound.against + sound.missing + sound.not_unit, 0U);
+  std::size_t corners = 0;
+  for (const glm::uvec3& t : mesh.triangles) {
+    for (int c = 0; c < 3; ++c) corners += t[c] == 3 ? 1 : 0;
+  }
+  outward[3] *= -2.0F;
+  const NormalFacts turned = check_normals(mesh, outward, mesh.triangles.span());
+  EXPECT_EQ(turned.against, corners);
+  EXPECT_EQ(turned.not_unit, corners);
+  outward[3] = glm::vec3(std::nanf(""));
+  EXPECT_EQ(check_normals(mesh, outward, mesh.triangles.span()).missing, corners);
+  Buffer<glm::uvec3> none(mesh.triangles.size());
+  std::fill(none.begin(), none.end(), glm::uvec3(kNoNormal));
+  EXPECT_EQ(check_normals(mesh, outward, none.span()).missing, 36U);
+}
+
+TEST(MeshCheckTest, SameForAnyNumberOfThreads) {
+  std::vector<mesh::Mesh> list;
+  for (unsigned i = 0; i < 40; ++i) {
+    list.push_back(test::sphere(6 + i % 5, false));
+    for (glm::vec3& p : list.back().positions) p = p * (1.0F + static_cast<float>(i % 7)) + glm::vec3(i / 7, 0, 0);
+    if (i % 9 == 0) leave_out(list.back(), i);
+  }
+  const mesh::Mesh mesh = together(std::move(list));
+  const auto with_threads = [&](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return check(mesh);
+  };
+  const MeshCheck one = with_threads(1);
+  const MeshCheck four = with_threads(4);
+  EXPECT_EQ(shells(one), shells(four));
+  EXPECT_GT(one.intersections.pairs, 0U);
+  EXPECT_EQ(one.intersections.pairs, four.intersections.pairs);
+  EXPECT_EQ(one.intersections.examples, four.intersections.examples);
+  EXPECT_EQ(one.size.area, four.size.area);
+  ASSERT_EQ(one.loops.size(), four.loops.size());
+  for (std::size_t i = 0; i < one.loops.size(); ++i) EXPECT_EQ(one.loops[i].length, four.loops[i].length);
+  for (std::size_t i = 0; i < one.components.size(); ++i) {
+    EXPECT_EQ(one.components[i].volume, four.components[i].volume);
+    EXPECT_EQ(one.components[i].within, four.components[i].within);
+  }
+}
+
+TEST(MeshCheckTest, EndsWhenCancelledAndWithinItsMemory) {
+  const mesh::Mesh mesh = test::sphere(60, false);
+  const Context cancelled;
+  cancelled.cancel();
+  const auto ended = check_mesh(mesh, cancelled);
+  ASSERT_FALSE(ended);
+  EXPECT_EQ(ended.error().code, ErrorCode::cancelled);
+  for (const std::uint64_t limit : {std::uint64_t{1000}, std::uint64_t{100000}, std::uint64_t{500000}}) {
+    const auto refused = check_mesh(mesh, Context(MemoryBudget(limit)));
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
+  }
+  const Context counted;
+  { const auto found = check_mesh(mesh, counted); }
+  EXPECT_EQ(counted.memory().reserved(), 0U);
+}
+
+}  // namespace
+}  // namespace isoextract::check

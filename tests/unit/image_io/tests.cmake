@@ -1,0 +1,1 @@
+isoextract_unit_test(image_io exr_writer_test.cpp png_writer_test.cpp)

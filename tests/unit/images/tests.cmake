@@ -1,1 +1,0 @@
-isoextract_unit_test(images exr_writer_test.cpp png_writer_test.cpp)

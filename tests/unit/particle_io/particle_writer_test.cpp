@@ -1,0 +1,130 @@
+// What is written of particles is what is read again.
+#include "particle_io/particle_writer.hpp"
+
+#include <cstring>
+#include <limits>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "base/hash.hpp"
+#include "support/temp_folder.hpp"
+#include "unit/particle_io/particle_files.hpp"
+
+namespace isoextract::particle_io {
+namespace {
+
+using test::TempFolder;
+
+double random_number(std::uint64_t n) { return static_cast<double>(splitmix64(n)) / 1e17 - 90; }
+
+points::ParticleSet some_particles(std::size_t count) {
+  points::ParticleSet set{.label = "some", .positions = Buffer<glm::dvec3>(count), .attributes = {}, .memory = {}};
+  set.attributes.push_back({"velocity", 3, Buffer<float>(3 * count)});
+  set.attributes.push_back({"age", 1, Buffer<float>(count)});
+  set.attributes.push_back({"pair", 2, Buffer<float>(2 * count)});
+  for (std::size_t i = 0; i < count; ++i) {
+    set.positions[i] = glm::dvec3(random_number(3 * i), random_number(3 * i + 1), random_number(3 * i + 2));
+  }
+  std::uint64_t n = 3 * count;
+  for (auto& attribute : set.attributes) {
+    for (float& value : attribute.values) value = static_cast<float>(random_number(n++));
+  }
+  if (count > 0) {
+    set.positions[0] = glm::dvec3(-2.2250738585072014e-308, 1e300, -0.0);
+    set.attributes[0].values[0] = -1.17549435e-38F;
+    set.attributes[1].values[0] = std::numeric_limits<float>::max();
+  }
+  return set;
+}
+
+const char* extension_of(ParticleFileFormat format) {
+  return format == ParticleFileFormat::ply ? "ply" : format == ParticleFileFormat::npy ? "npy" : "xyz";
+}
+
+class ParticleWriter : public testing::TestWithParam<ParticleFileFormat> {
+ protected:
+  [[nodiscard]] std::filesystem::path path() const {
+    return folder_ / (std::string("some.") + extension_of(GetParam()));
+  }
+
+  TempFolder folder_;
+};
+
+TEST_P(ParticleWriter, WritesWhatIsReadAgain) {
+  for (const std::size_t count : {1U, 2U, 40000U}) {
+    const points::ParticleSet set = some_particles(count);
+    const auto bytes = write_particles(path(), set, GetParam());
+    ASSERT_TRUE(bytes) << bytes.error().message;
+    EXPECT_EQ(*bytes, std::filesystem::file_size(path()));
+    ParticleReadOptions options;
+    options.all_attributes = true;
+    const auto read = read_particles(path().string(), options, Context());
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_EQ(read->format, extension_of(GetParam()));
+    ASSERT_EQ(read->particles.size(), count);
+    EXPECT_EQ(std::memcmp(read->particles.positions.data(), set.positions.data(), set.positions.size_bytes()), 0);
+    ASSERT_EQ(read->particles.attributes.size(), set.attributes.size());
+    for (std::size_t k = 0; k < set.attributes.size(); ++k) {
+      const auto& found = read->particles.attributes[k];
+      EXPECT_EQ(found.name, set.attributes[k].name);
+      EXPECT_EQ(found.components, set.attributes[k].components);
+      ASSERT_EQ(found.values.size(), set.attributes[k].values.size());
+      EXPECT_EQ(std::memcmp(found.values.data(), set.attributes[k].values.data(), found.values.size_bytes()), 0)
+          << found.name;
+    }
+  }
+}
+
+TEST_P(ParticleWriter, WritesTheSameBytesForAnyNumberOfThreads) {
+  const points::ParticleSet set = some_particles(60000);
+  std::vector<std::string> files;
+  for (const std::size_t threads : {1, 3}) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    ASSERT_TRUE(write_particles(path(), set, GetParam()));
+    files.push_back(test::read_bytes(path()));
+  }
+  EXPECT_TRUE(files[0] == files[1]);
+}
+
+TEST_P(ParticleWriter, WritesNoParticles) {
+  ASSERT_TRUE(write_particles(path(), some_particles(0), GetParam()));
+  const std::string bytes = test::read_bytes(path());
+  EXPECT_FALSE(bytes.empty());
+  const bool is_ply = GetParam() == ParticleFileFormat::ply;
+  EXPECT_EQ(bytes.find("element vertex 0\n") != std::string::npos, is_ply);
+}
+
+TEST_P(ParticleWriter, RefusesNamesThatAFormatCouldTakeForSomethingElse) {
+  for (const char* name : {"", "two words", "x", "Position", "age", "AGE", "it's", "a:b",
+                           "a_name_that_is_longer_than_all_that_are_real"}) {
+    points::ParticleSet set = some_particles(3);
+    set.attributes.push_back({name, 1, Buffer<float>(3)});
+    const auto written = write_particles(path(), set, GetParam());
+    ASSERT_FALSE(written) << name;
+    EXPECT_EQ(written.error().code, ErrorCode::output);
+    EXPECT_TRUE(folder_.names().empty());
+  }
+}
+
+TEST_P(ParticleWriter, SaysWhyAFileCannotBeWritten) {
+  const auto written = write_particles(folder_ / "none/some.ply", some_particles(3), GetParam());
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().code, ErrorCode::output);
+  EXPECT_NE(written.error().message.find("none/some.ply"), std::string::npos);
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, ParticleWriter,
+                         testing::Values(ParticleFileFormat::ply, ParticleFileFormat::npy, ParticleFileFormat::xyz),
+                         [](const auto& tested) { return extension_of(tested.param); });
+
+TEST(ParticleFileFormats, AreChosenByExtensions) {
+  EXPECT_EQ(particle_file_format_by_path("a/b_0001.ply"), ParticleFileFormat::ply);
+  EXPECT_EQ(particle_file_format_by_path("B.NPY"), ParticleFileFormat::npy);
+  EXPECT_EQ(particle_file_format_by_path("c.xyz"), ParticleFileFormat::xyz);
+  EXPECT_EQ(particle_file_format_by_path("d.vdb"), std::nullopt);
+  EXPECT_EQ(particle_file_format_by_path("ply"), std::nullopt);
+}
+
+}  // namespace
+}  // namespace isoextract::particle_io

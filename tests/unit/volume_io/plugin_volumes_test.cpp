@@ -1,0 +1,93 @@
+// Plug-ins for volumes: found by their tables, opened when they are asked for, and not believed.
+#include "volume_io/detail/plugin_volumes.hpp"
+#include "unit/volume_io/volume_files.hpp"
+
+namespace isoextract::test {
+namespace {
+
+const std::filesystem::path kPlugins = TEST_PLUGINS;
+
+const volume_io::VolumeFormat& text_format(const std::string& id = "text") {
+  static const auto formats = volume_io::find_plugin_formats({"/nowhere", kPlugins});
+  const auto found = std::ranges::find_if(formats, [&](const auto& format) { return format->about().id == id; });
+  if (found == formats.end()) throw std::runtime_error("no plug-in " + id);
+  return **found;
+}
+
+Error refused(const std::string& text, const volume_io::VolumeFormat& format = text_format(),
+              const Context& context = Context()) {
+  const TempFolder folder;
+  write_bytes(folder / "v.tvol", text);
+  const auto field = format.open((folder / "v.tvol").string(), {}, context);
+  if (field) throw std::runtime_error("it was read");
+  return field.error();
+}
+
+TEST(PluginHost, TablesSayWhatThereIs) {
+  const volume_io::FormatDescription& about = text_format().about();
+  EXPECT_EQ(about.title, "volumes as text");
+  EXPECT_EQ(about.extensions, (std::vector<std::string>{".tvol", ".textvol"}));
+  EXPECT_TRUE(about.has_grids);
+}
+
+TEST(PluginHost, ReadsAGridByName) {
+  const TempFolder folder;
+  write_bytes(folder / "v.tvol", "textvolume\nfirst 1 1 1\n7\nsecond 2 1 3\n1 2 3 4 5 6\n");
+  volume_io::ReadOptions options;
+  options.grid = "second";
+  const Context context;
+  {
+    const auto field = text_format().open((folder / "v.tvol").string(), options, context);
+    ASSERT_TRUE(field) << field.error().message;
+    EXPECT_EQ(field->name, "second");
+    EXPECT_EQ(field->format, "text");
+    EXPECT_EQ(field->world_space, "lab");
+    EXPECT_EQ(field->grids, 2U);
+    EXPECT_EQ(field->kind, field::FieldKind::level_set);
+    EXPECT_EQ(dense_value<float>(*field, 1, 0, 2), 6.0F);
+    expect_near(field->index_to_world({2, 4, 6}), {11, 2, 3});
+    EXPECT_EQ(context.memory().reserved(), 6 * sizeof(float));
+  }
+  EXPECT_EQ(context.memory().reserved(), 0U);
+  const auto grids = text_format().list((folder / "v.tvol").string(), {}, context);
+  ASSERT_TRUE(grids);
+  ASSERT_EQ(grids->size(), 2U);
+  EXPECT_EQ(grids->back().voxels, 6U);
+}
+
+TEST(PluginHost, WhatIsWrongWithAFileIsAnInputError) {
+  EXPECT_EQ(refused("something else").code, ErrorCode::input);
+  expect_in(refused("something else").message, "not a file of the format text; it starts with 'something else'");
+  expect_in(refused("textvolume\n").message, "v.tvol: expected a grid, found none");
+  expect_in(refused("textvolume\nv 0 1 1\n").message, "found 0x1x1");
+}
+
+TEST(PluginHost, APluginIsNotBelieved) {
+  expect_in(refused("textvolume\nhollow 2 1 1\n1 2\n").message, "gives no samples, expected 2x1x1 f32 samples");
+  expect_in(refused("textvolume\nshort 2 1 1\n1 2\n").message, "gives 4 bytes, expected 8");
+}
+
+TEST(PluginHost, MemoryIsReservedBeforeItReads) {
+  EXPECT_EQ(refused("textvolume\nv 2 1 1\n1 2\n", text_format(), with_memory(7)).hint.remedy,
+            Remedy::raise_memory_limit);
+}
+
+TEST(PluginHost, OneOfAnotherVersionIsRefused) {
+  const Error error = refused("textvolume\nv 1 1 1\n1\n", text_format("newer"));
+  EXPECT_EQ(error.code, ErrorCode::unavailable);
+  expect_in(error.message, "has version 4 of the interface, expected 3");
+}
+
+TEST(PluginHost, OneThatIsNotThereSaysWhereItWasLookedFor) {
+  const TempFolder folder;
+  write_bytes(folder / "isoextract-volume-absent.txt", "extensions: .abs\n");
+  const auto formats = volume_io::find_plugin_formats({folder.path(), "/nowhere"});
+  ASSERT_EQ(formats.size(), 1U);
+  const Error error = refused("text", *formats.front());
+  EXPECT_EQ(error.code, ErrorCode::unavailable);
+  expect_in(error.message,
+            "isoextract-volume-absent.so, which is in none of: " + folder.path().string() + ", /nowhere");
+}
+
+}  // namespace
+}  // namespace isoextract::test
