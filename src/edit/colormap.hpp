@@ -1,4 +1,4 @@
-// Colour maps: numbers from 0 to 1 as colours.
+// Color maps: numbers from 0 to 1 as colors.
 #pragma once
 
 #include <array>
@@ -24,8 +24,8 @@ inline constexpr std::size_t kColormapPoints = 86;
 // 0xRRGGBB in sRGB, at equal distances from 0 to 1 (colormap_tables.cpp).
 [[nodiscard]] const std::array<std::uint32_t, kColormapPoints>& colormap_points(Colormap map);
 
-// sRGB, each channel from 0 to 1; linear between the points. Below 0 it is the first colour, above 1 the last, and NaN
+// sRGB, each channel from 0 to 1; linear between the points. Below 0 it is the first color, above 1 the last, and NaN
 // is a grey of one half.
-[[nodiscard]] glm::dvec3 colour_at(Colormap map, double place);
+[[nodiscard]] glm::dvec3 color_at(Colormap map, double place);
 
 }  // namespace isoextract::edit

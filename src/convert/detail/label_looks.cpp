@@ -1,37 +1,14 @@
 #include "convert/detail/label_looks.hpp"
 
-#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "base/printable.hpp"
 #include "base/srgb.hpp"
+#include "edit/vertex_colors.hpp"
 
 namespace isoextract::convert {
-namespace {
-
-Result<void> colour_vertices(const glm::dvec3& colour, mesh::Mesh& mesh, const Context& context) {
-  mesh::Attribute made;
-  made.name = "colour";
-  made.role = mesh::AttributeRole::colour;
-  made.type = mesh::ComponentType::u8;
-  made.components = 3;
-  made.normalised = true;
-  const std::size_t vertices = mesh.positions.size();
-  auto memory = TRY(context.reserve(vertices * made.stride(), "colours of vertices"));
-  made.values = Buffer<std::byte>(vertices * made.stride());
-  for (std::size_t v = 0; v < vertices; ++v) {
-    for (int c = 0; c < 3; ++c) {
-      made.values[3 * v + static_cast<std::size_t>(c)] = static_cast<std::byte>(std::lround(colour[c] * 255));
-    }
-  }
-  mesh.attributes.push_back(std::move(made));
-  mesh.memory.take(std::move(memory));
-  return {};
-}
-
-}  // namespace
 
 Result<LabelLooks> LabelLooks::open(const ConversionJob& job, const Context& context) {
   LabelLooks looks;
@@ -63,7 +40,7 @@ Result<void> LabelLooks::colour(const ConversionJob& job, std::int64_t label, me
     return {};
   }
   if (!table_ || job.format != mesh_io::MeshFormat::ply) return {};
-  return colour_vertices(colour, mesh, context);
+  return edit::color_all(mesh, colour, context);
 }
 
 }  // namespace isoextract::convert

@@ -1,9 +1,6 @@
 #include "convert/stages/vertex_colours.hpp"
 
-#include <cmath>
-#include <cstring>
 #include <fstream>
-#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -14,80 +11,6 @@
 
 namespace isoextract::convert {
 namespace {
-
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-
-mesh::Mesh with_values(const std::vector<float>& values, std::size_t components = 1) {
-  mesh::Mesh mesh;
-  mesh.positions = Buffer<glm::vec3>(values.size() / components);
-  mesh::Attribute attribute;
-  attribute.name = "heat";
-  attribute.components = components;
-  attribute.values = Buffer<std::byte>(values.size() * sizeof(float));
-  if (!values.empty()) std::memcpy(attribute.values.data(), values.data(), attribute.values.size());
-  mesh.attributes.push_back(std::move(attribute));
-  return mesh;
-}
-
-template <class T>
-std::vector<T> colours_of(const mesh::Mesh& mesh) {
-  const mesh::Attribute& colours = mesh.attributes.back();
-  std::vector<T> numbers(colours.values.size() / sizeof(T));
-  if (!numbers.empty()) std::memcpy(numbers.data(), colours.values.data(), colours.values.size());
-  return numbers;
-}
-
-ColourChoice by_heat(edit::Colormap map = edit::Colormap::gray, std::optional<std::array<double, 2>> range = {}) {
-  return {"heat", map, range};
-}
-
-TEST(VertexColours, GltfIsLinearAndPlyIsSrgb) {
-  mesh::Mesh mesh = with_values({0, 1, 0.5});
-  const auto record = add_colours(by_heat(), mesh_io::MeshFormat::glb, mesh, Context());
-  ASSERT_TRUE(record);
-  EXPECT_EQ(record->range, (std::array{0.0, 1.0}));
-  EXPECT_EQ(mesh.attributes.back().type, mesh::ComponentType::u16);
-  EXPECT_TRUE(mesh.attributes.back().normalised);
-  const auto linear = colours_of<std::uint16_t>(mesh);
-  EXPECT_EQ((std::vector(linear.begin(), linear.begin() + 8)),
-            (std::vector<std::uint16_t>{0, 0, 0, 65535, 65535, 65535, 65535, 65535}));
-  EXPECT_NEAR(linear[8], 65535 * 0.2140, 150);  // the middle of sRGB
-
-  mesh::Mesh other = with_values({0, 1, 0.5});
-  ASSERT_TRUE(add_colours(by_heat(), mesh_io::MeshFormat::ply, other, Context()));
-  EXPECT_EQ(colours_of<std::uint8_t>(other), (std::vector<std::uint8_t>{0, 0, 0, 255, 255, 255, 128, 128, 128}));
-}
-
-TEST(VertexColours, RangesLengthsAndNumbersThatAreNone) {
-  mesh::Mesh mesh = with_values({kNan, 5, 10, std::numeric_limits<float>::infinity()});
-  auto record =
-      add_colours(by_heat(edit::Colormap::gray, std::array{0.0, 10.0}), mesh_io::MeshFormat::ply, mesh, Context());
-  ASSERT_TRUE(record);
-  EXPECT_EQ(record->not_numbers, 1U);
-  const auto grey = colours_of<std::uint8_t>(mesh);
-  EXPECT_EQ((std::array{grey[0], grey[3], grey[6], grey[9]}), (std::array<std::uint8_t, 4>{128, 128, 255, 255}));
-
-  mesh::Mesh vectors = with_values({3, 4, 0, 0, 0, 0, 0, -5, 12}, 3);
-  record = add_colours(by_heat(), mesh_io::MeshFormat::ply, vectors, Context());
-  ASSERT_TRUE(record);
-  EXPECT_EQ(record->range, (std::array{0.0, 13.0}));
-
-  mesh::Mesh high = with_values({4, 8, 6});
-  ASSERT_TRUE(add_colours(by_heat(), mesh_io::MeshFormat::ply, high, Context()));
-  EXPECT_EQ(colours_of<std::uint8_t>(high), (std::vector<std::uint8_t>{0, 0, 0, 255, 255, 255, 128, 128, 128}));
-  mesh::Mesh given = with_values({4, 8, 1});
-  ASSERT_TRUE(
-      add_colours(by_heat(edit::Colormap::gray, std::array{2.0, 6.0}), mesh_io::MeshFormat::ply, given, Context()));
-  EXPECT_EQ(colours_of<std::uint8_t>(given), (std::vector<std::uint8_t>{128, 128, 128, 255, 255, 255, 0, 0, 0}));
-
-  mesh::Mesh alike = with_values({2, 2});
-  ASSERT_TRUE(add_colours(by_heat(), mesh_io::MeshFormat::ply, alike, Context()));
-  EXPECT_EQ(colours_of<std::uint8_t>(alike).front(), 128);
-
-  mesh::Mesh none = with_values({});
-  ASSERT_TRUE(add_colours(by_heat(), mesh_io::MeshFormat::ply, none, Context()));
-  EXPECT_FALSE(add_colours(by_heat(), mesh_io::MeshFormat::ply, mesh, Context{MemoryBudget(1)}));
-}
 
 TEST(Materials, OuterSurfacesLetInnerOnesBeSeen) {
   ConversionJob job;

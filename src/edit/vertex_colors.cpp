@@ -1,0 +1,135 @@
+#include "edit/vertex_colors.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include "base/srgb.hpp"
+
+namespace isoextract::edit {
+namespace {
+
+// The value of a vertex that its color stands for.
+class ColorValues {
+ public:
+  explicit ColorValues(const mesh::Attribute& attribute) : attribute_(attribute) {}
+
+  [[nodiscard]] double operator()(std::size_t vertex) const {
+    const std::byte* at = attribute_.values.data() + vertex * attribute_.stride();
+    double squared = 0;
+    float value = 0;
+    for (std::size_t c = 0; c < attribute_.components; ++c) {
+      std::memcpy(&value, at + c * sizeof value, sizeof value);
+      squared += static_cast<double>(value) * static_cast<double>(value);
+    }
+    return attribute_.components == 1 ? static_cast<double>(value) : std::sqrt(squared);
+  }
+
+ private:
+  const mesh::Attribute& attribute_;
+};
+
+// Of the finite values; 0 and 0 where there are none.
+ValueRange range_of(const ColorValues& value, std::size_t vertices) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const ValueRange range = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, vertices, 1 << 14), ValueRange{kInfinity, -kInfinity},
+      [&](const tbb::blocked_range<std::size_t>& part, ValueRange found) {
+        for (std::size_t v = part.begin(); v != part.end(); ++v) {
+          const double x = value(v);
+          if (std::isfinite(x)) found = {std::min(found[0], x), std::max(found[1], x)};
+        }
+        return found;
+      },
+      [](const ValueRange& a, const ValueRange& b) {
+        return ValueRange{std::min(a[0], b[0]), std::max(a[1], b[1])};
+      });
+  return range[0] <= range[1] ? range : ValueRange{0, 0};
+}
+
+template <class T>
+T as_fraction(double channel) {
+  return static_cast<T>(std::lround(channel * std::numeric_limits<T>::max()));
+}
+
+void put_color(const glm::dvec3& color, bool linear, std::byte* out) {
+  if (linear) {
+    constexpr auto kOpaque = std::numeric_limits<std::uint16_t>::max();
+    std::array<std::uint16_t, 4> rgba{0, 0, 0, kOpaque};
+    for (int c = 0; c < 3; ++c) {
+      rgba[static_cast<std::size_t>(c)] = as_fraction<std::uint16_t>(linear_of_srgb(color[c]));
+    }
+    std::memcpy(out, rgba.data(), sizeof rgba);
+    return;
+  }
+  for (int c = 0; c < 3; ++c) out[c] = static_cast<std::byte>(as_fraction<std::uint8_t>(color[c]));
+}
+
+// An attribute of colors without its values.
+mesh::Attribute color_attribute(ColorStorage storage) {
+  const bool linear = storage == ColorStorage::linear_u16;
+  mesh::Attribute made;
+  made.name = "colour";
+  made.role = mesh::AttributeRole::colour;
+  made.type = linear ? mesh::ComponentType::u16 : mesh::ComponentType::u8;
+  made.components = linear ? 4 : 3;
+  made.normalised = true;
+  return made;
+}
+
+Result<Reservation> reserve_colors(std::size_t vertices, const mesh::Attribute& made, const Context& context) {
+  return context.reserve(vertices * made.stride(), "colours of vertices");
+}
+
+}  // namespace
+
+double place_in(const ValueRange& range, double value) {
+  if (std::isnan(value) || range[0] < range[1]) return (value - range[0]) / (range[1] - range[0]);
+  return 0.5;
+}
+
+Result<ValueColors> color_by_values(mesh::Mesh& mesh, const std::string& attribute, Colormap map,
+                                    const std::optional<ValueRange>& range, ColorStorage storage,
+                                    const Context& context) {
+  mesh::Attribute made = color_attribute(storage);
+  const std::size_t vertices = mesh.positions.size();
+  auto memory = TRY(reserve_colors(vertices, made, context));
+  made.values = Buffer<std::byte>(vertices * made.stride());
+
+  const ColorValues value(*std::ranges::find(mesh.attributes, attribute, &mesh::Attribute::name));
+  const ValueRange ends = range ? *range : range_of(value, vertices);  // which looks at every vertex
+  const bool linear = storage == ColorStorage::linear_u16;
+  std::atomic<std::uint64_t> not_numbers{0};
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices, 4096), [&](const auto& part) {
+    std::uint64_t grey = 0;
+    for (std::size_t v = part.begin(); v != part.end(); ++v) {
+      const double place = place_in(ends, value(v));
+      if (std::isnan(place)) ++grey;
+      put_color(color_at(map, place), linear, made.values.data() + v * made.stride());
+    }
+    not_numbers.fetch_add(grey, std::memory_order_relaxed);
+  });
+  mesh.attributes.push_back(std::move(made));
+  mesh.memory.take(std::move(memory));
+  return ValueColors{ends, not_numbers.load()};
+}
+
+Result<void> color_all(mesh::Mesh& mesh, const glm::dvec3& color, const Context& context) {
+  mesh::Attribute made = color_attribute(ColorStorage::srgb_u8);
+  const std::size_t vertices = mesh.positions.size();
+  auto memory = TRY(reserve_colors(vertices, made, context));
+  made.values = Buffer<std::byte>(vertices * made.stride());
+  for (std::size_t v = 0; v < vertices; ++v) put_color(color, false, made.values.data() + v * made.stride());
+  mesh.attributes.push_back(std::move(made));
+  mesh.memory.take(std::move(memory));
+  return {};
+}
+
+}  // namespace isoextract::edit
