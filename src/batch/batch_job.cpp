@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "convert/mesh_pieces.hpp"
+#include "convert/output_checks.hpp"
 #include "files/content_hash.hpp"
 
 namespace isoextract::batch {
@@ -11,6 +13,15 @@ namespace {
 std::string text_of(const FrameHash& frame) { return fmt::format("{} {}\n", frame.number, frame.job); }
 
 }  // namespace
+
+std::vector<std::filesystem::path> files_of(const convert::ConversionJob& job) {
+  std::vector<std::filesystem::path> files;
+  for (const convert::OutputFileJob& output : job.outputs) {
+    const convert::OutputFileJob first{convert::piece_path(output.path, 1), output.isos};
+    for (std::filesystem::path& file : convert::mesh_files(first, job.format)) files.push_back(std::move(file));
+  }
+  return files;
+}
 
 std::string hash_of(const BatchJob& batch) {
   std::string text;

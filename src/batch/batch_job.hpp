@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -32,6 +33,9 @@ struct BatchJob {
 
   friend bool operator==(const BatchJob&, const BatchJob&) = default;
 };
+
+// The files that a frame writes. Of pieces, of which there may be any number, the first.
+[[nodiscard]] std::vector<std::filesystem::path> files_of(const convert::ConversionJob& job);
 
 // 32 hexadecimal digits that stand for all frames and what is done with them, as convert::hash_of() does for one.
 [[nodiscard]] std::string hash_of(const BatchJob& batch);

@@ -109,14 +109,14 @@ class Scheduler {
     const int threads = std::max(1, options_.threads / static_cast<int>(std::max<std::size_t>(beside, 1)));
     const Context own = running->context;
     lock.unlock();
-    events_.started(frame);
     convert::Events unheard;
+    convert::Events* const heard = events_.started(frame, own);
     convert::Outcome outcome;
     HeldMeshes held;
     tbb::task_arena arena(threads);
     arena.execute([&] {
-      outcome = convert::run(batch_.frames[frame].job, own, unheard, options_.extras, backends_,
-                             receiver_ != nullptr ? &held : nullptr);
+      outcome = convert::run(batch_.frames[frame].job, own, heard != nullptr ? *heard : unheard, options_.extras,
+                             backends_, receiver_ != nullptr ? &held : nullptr);
     });
     lock.lock();
     memory_of_one_ = std::max(memory_of_one_, outcome.reserved_memory);

@@ -29,8 +29,9 @@ class FrameEvents {
  public:
   virtual ~FrameEvents() = default;
 
-  // Before a frame is converted; for one that is repeated, twice.
-  virtual void started(std::size_t /*frame*/) {}
+  // Before a frame is converted, with the context that it is converted in; for one that is repeated, twice. Returns who
+  // hears of its stages, on the thread that converts it, until the frame has ended; null: nobody.
+  virtual convert::Events* started(std::size_t /*frame*/, const Context& /*context*/) { return nullptr; }
   // Every frame that was started, once. False ends the batch as a failure does with fail_fast: what the listener keeps
   // of the frame could not be kept.
   virtual bool finished(std::size_t /*frame*/, const convert::Outcome& /*outcome*/) { return true; }

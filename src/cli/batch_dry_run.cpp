@@ -13,10 +13,11 @@
 
 #include "base/byte_size.hpp"
 #include "base/printable.hpp"
+#include "batch/batch_run.hpp"
 #include "batch/frame_range.hpp"
 #include "batch/manifest.hpp"
-#include "cli/conversion_size.hpp"
 #include "cli/output_folders.hpp"
+#include "convert/conversion_size.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -57,7 +58,7 @@ Result<std::string> memory_text(const BatchPlan& plan, const Messages& messages)
   std::optional<Error> failed;
   for (const std::size_t i : sampled_frames(plan)) {
     const batch::FrameJob& frame = plan.batch.frames[i];
-    const auto bytes = estimated_memory(frame.job, plan.common.memory);
+    const auto bytes = convert::estimated_memory(frame.job, plan.common.memory);
     if (!bytes) {
       if (!failed) failed = bytes.error();
       messages.note(fmt::format("frame {}: its memory cannot be estimated: {}", frame.number, bytes.error().message));
@@ -101,7 +102,8 @@ Result<void> print_batch_plan(const BatchPlan& plan, const Messages& messages) {
                         plan.batch.animation->frames_per_second);
   }
   text += fmt::format("jobs: {} at a time\n", plan.jobs);
-  text += fmt::format("manifest: {}\n", printable((plan.folder / batch::manifest_name(plan.shard)).string()));
+  text += fmt::format("manifest: {}\n",
+                      printable((batch::manifest_folder(plan.batch) / batch::manifest_name(plan.shard)).string()));
   if (!plan.frames.empty()) {
     const auto memory = TRY(memory_text(plan, messages));
     text += memory;

@@ -4,68 +4,33 @@
 #include <cstddef>
 #include <map>
 #include <string>
-#include <unordered_set>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "batch/batch_run.hpp"
 #include "batch/manifest.hpp"
-#include "batch/merge_shards.hpp"
 #include "cli/output_folders.hpp"
 #include "cli/output_plan.hpp"
 #include "convert/output_checks.hpp"
 
 namespace isoextract::cli {
-namespace {
-
 namespace fs = std::filesystem;
-
-files::ReadFiles read_files_of(const BatchPlan& plan) {
-  files::ReadFiles read;
-  for (const batch::NamedFile& file : plan.others.read) read.add(file.path, file.what);
-  const convert::SourceOptions* before = nullptr;
-  for (const batch::FrameJob& frame : plan.batch.frames) {
-    const convert::SourceOptions& source = frame.job.source;
-    // The volumes of one file are many frames.
-    const bool is_known = before != nullptr && before->input == source.input && before->attributes == source.attributes;
-    if (!is_known) convert::add_read_files(read, frame.job, Context());
-    before = &source;
-  }
-  return read;
-}
-
-}  // namespace
 
 Result<void> make_folders(const BatchPlan& plan) {
   std::vector<fs::path> files;
   for (const std::size_t i : plan.frames) {
-    for (const fs::path& file : files_of(plan.batch.frames[i].job)) files.push_back(file);
+    for (const fs::path& file : batch::files_of(plan.batch.frames[i].job)) files.push_back(file);
   }
   // A shard without frames has a manifest all the same.
-  if (plan.frames.empty()) files.push_back(plan.folder / batch::manifest_name(plan.shard));
+  if (plan.frames.empty()) files.push_back(batch::manifest_folder(plan.batch) / batch::manifest_name(plan.shard));
   return see_to_folders(files, plan.make_folders);
 }
 
 Result<std::optional<files::ReadFiles>> check_batch_files(const BatchPlan& plan) {
-  std::vector<fs::path> there;  // of all that is written
-  std::unordered_set<std::string> meshes;
-  for (const batch::FrameJob& frame : plan.batch.frames) {
-    for (fs::path& file : files_of(frame.job)) {
-      meshes.insert(file.lexically_normal().string());
-      if (is_there(file)) there.push_back(std::move(file));
-    }
-  }
-  TRY(batch::check_replaced_shard(plan.folder, plan.batch, plan.shard, meshes));
-  for (const batch::NamedFile& file : plan.others.written) {
-    if (is_there(file.path)) there.emplace_back(file.path);
-  }
-  std::optional<files::ReadFiles> read;
-  if (plan.common.job.pieces.split || !there.empty()) read = read_files_of(plan);
-  for (const fs::path& file : there) {
-    TRY(read->check(file));
-  }
+  auto read = TRY(batch::check_written_files(plan.batch, plan.shard, plan.others));
   const PagesPlan& pages = plan.common.pages;
   for (const std::optional<std::string>* file : std::initializer_list<const std::optional<std::string>*>{
            &plan.flags.table, &plan.flags.plot, &pages.html, &pages.contact_sheet}) {

@@ -10,6 +10,7 @@
 #include <tbb/task_arena.h>
 
 #include "base/printable.hpp"
+#include "batch/batch_run.hpp"
 #include "batch/find_frames.hpp"
 #include "batch/frame_pattern.hpp"
 #include "batch/iso_table.hpp"
@@ -32,22 +33,6 @@ namespace isoextract::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-// The deepest folder that all of the files are in.
-fs::path common_folder(const batch::BatchJob& batch) {
-  std::optional<fs::path> common;
-  for (const batch::FrameJob& frame : batch.frames) {
-    for (const convert::OutputFileJob& output : frame.job.outputs) {
-      const fs::path folder = fs::path(output.path).lexically_normal().parent_path();
-      if (!common) common = folder;
-      while (!common->empty() &&
-             std::mismatch(common->begin(), common->end(), folder.begin(), folder.end()).first != common->end()) {
-        common = common->parent_path() == *common ? fs::path() : common->parent_path();
-      }
-    }
-  }
-  return common.value_or(fs::path());
-}
 
 Result<std::vector<batch::OutputSource>> sources_of(const ConvertFlags& flags, const batch::Frames& found) {
   std::optional<batch::IsoTable> table;
@@ -312,7 +297,6 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   plan.gaps = std::move(found.gaps);
   plan.needs_all = flags.batch.missing.value_or(flags.batch.frames ? MissingPolicy::error : MissingPolicy::note) ==
                    MissingPolicy::error;
-  plan.folder = common_folder(plan.batch);
 
   if (!of_environment.empty()) plan.common.notes.push_back(std::move(of_environment));
   if (!of_shard.empty()) plan.common.notes.push_back(of_shard);
@@ -325,19 +309,11 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   if (plan.flags.resume && plan.flags.no_clobber) {
     return refuse_usage("--resume and --no-clobber exclude each other", "--resume does only what is not done yet");
   }
+  if (plan.flags.resume) plan.earlier = batch::EarlierFrames::kept_if_unchanged;
+  if (plan.flags.no_clobber) plan.earlier = batch::EarlierFrames::kept_if_there;
   plan.make_folders = flags.batch.make_folders || (flags.output && flags.output->ends_with('/'));
   plan.progress = flags.batch.progress.value_or(ProgressStyle::bar);
   return plan;
-}
-
-std::vector<fs::path> files_of(const convert::ConversionJob& job) {
-  std::vector<fs::path> files;
-  for (const convert::OutputFileJob& output : job.outputs) {
-    // Of pieces, as many as there may be, the first stands for all.
-    const convert::OutputFileJob first{convert::piece_path(output.path, 1), output.isos};
-    for (fs::path& file : convert::mesh_files(first, job.format)) files.push_back(std::move(file));
-  }
-  return files;
 }
 
 }  // namespace isoextract::cli

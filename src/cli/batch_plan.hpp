@@ -3,13 +3,13 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "base/error.hpp"
 #include "batch/batch_job.hpp"
+#include "batch/batch_run.hpp"
 #include "batch/frame_range.hpp"
 #include "batch/output_names.hpp"
 #include "batch/output_template.hpp"
@@ -25,8 +25,8 @@ struct BatchPlan {
   std::vector<std::size_t> frames;    // that are this run's, by index: those of its shard
   std::vector<batch::FrameRun> gaps;  // frames that are not there
   bool needs_all = false;             // gaps are an error
-  std::filesystem::path folder;       // the deepest that all outputs are in; the manifest lies there
   batch::Shard shard;
+  batch::EarlierFrames earlier = batch::EarlierFrames::converted_again;
   BatchFlags flags;  // what was asked for; where they say the same, what follows counts
   int jobs = 1;
   bool make_folders = false;
@@ -43,8 +43,5 @@ struct BatchPlan {
 
 // `environment` is std::getenv: job schedulers tell there which part of the frames is this process's.
 [[nodiscard]] Result<BatchPlan> plan_batch(const ConvertFlags& flags, const char* (*environment)(const char*));
-
-// The files that a frame writes.
-[[nodiscard]] std::vector<std::filesystem::path> files_of(const convert::ConversionJob& job);
 
 }  // namespace isoextract::cli

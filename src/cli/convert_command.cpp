@@ -10,12 +10,14 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <tbb/task_arena.h>
 #include <unistd.h>
 
 #include "base/byte_size.hpp"
 #include "base/machine.hpp"
 #include "base/printable.hpp"
 #include "base/stopwatch.hpp"
+#include "batch/batch_run.hpp"
 #include "batch/manifest.hpp"
 #include "cli/field_plan.hpp"
 #include "cli/messages.hpp"
@@ -30,7 +32,6 @@
 #include "cli/surface_ends.hpp"
 #include "cli/threads.hpp"
 #include "cli/up_axis_note.hpp"
-#include "convert/conversion.hpp"
 #include "convert/output_checks.hpp"
 #include "files/output_file.hpp"
 #include "files/read_files.hpp"
@@ -207,39 +208,63 @@ Result<void> report_no_plan(const ConvertFlags& flags, const std::vector<std::st
   return write_report(path, nullptr, failed(error), arguments, 0);
 }
 
-std::function<std::optional<std::string>(const field::ScalarField&)> note_of_up_axis(const ConvertPlan& plan) {
-  if (!plan.if_on_side) return nullptr;
-  return [&plan, told = false](const field::ScalarField& field) mutable {  // told once, whatever grids there are
-    auto note = told ? std::nullopt : up_axis_note(field, plan.job.source.placement.up, *plan.if_on_side);
-    told = told || note;
-    return note;
-  };
-}
+// Tells what happens to the one frame of a batch.
+class Conversion final : public batch::RunEvents {
+ public:
+  Conversion(const ConvertPlan& plan, const Messages& messages) : plan_(plan), messages_(messages) {}
 
-convert::Outcome convert_as_planned(const ConvertPlan& plan, const Messages& messages) {
+  convert::Events* started(std::size_t /*frame*/, const Context& context) override {
+    bar_.emplace(context.progress(), messages_.verbosity() != Verbosity::quiet);
+    return &narrator_.emplace(plan_, messages_, *bar_);
+  }
+  std::optional<std::string> note_of_field(const field::ScalarField& field) override {
+    if (!plan_.if_on_side || told_axis_) return std::nullopt;
+    auto note = up_axis_note(field, plan_.job.source.placement.up, *plan_.if_on_side);
+    told_axis_ = note.has_value();  // once, whatever grids there are
+    return note;
+  }
+  void over(std::size_t /*frame*/, const batch::FrameRow& /*row*/, const convert::Outcome* outcome,
+            const Error* /*error*/) override {
+    ended = *outcome;
+    narrator_.reset();
+    bar_.reset();
+  }
+
+  convert::Outcome ended;
+
+ private:
+  const ConvertPlan& plan_;
+  const Messages& messages_;
+  std::optional<ProgressBar> bar_;
+  std::optional<Narrator> narrator_;
+  bool told_axis_ = false;
+};
+
+struct Converted {
   convert::Outcome outcome;
+  std::vector<batch::FrameRow> rows;  // one, or none where nothing was begun
+};
+
+// A batch of one, without records for a later run.
+Converted convert_as_planned(const ConvertPlan& plan, const Messages& messages) {
+  Converted converted;
   const Result<void> begun = attempt([&]() -> Result<void> {
     TRY(check_stdout(plan.job));
     TRY(limit_threads(plan.threads));
     const Context context{plan.memory};
-    ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
-    Narrator narrator(plan, messages, bar);
-    outcome = convert::run(plan.job, context, narrator,
-                           {plan.report || plan.pages.html, note_of_up_axis(plan), std::string(kHowToKeepVolumes)});
+    const batch::BatchJob one{{{0, plan.job}}, {}};
+    batch::RunOptions options{.keeps_records = false};
+    options.scheduler.threads = tbb::this_task_arena::max_concurrency();
+    options.scheduler.extras = {.mesh_facts = plan.report || plan.pages.html,
+                                .how_to_keep_volumes = std::string(kHowToKeepVolumes)};
+    auto run = TRY(batch::BatchRun::open(one, std::move(options), context));
+    Conversion conversion(plan, messages);
+    converted.rows = run.run(conversion).rows;
+    converted.outcome = std::move(conversion.ended);
     return {};
   });
-  return begun ? outcome : failed(begun.error());
-}
-
-// The conversion as the one frame of a sequence.
-Result<void> write_pages_of(const ConvertPlan& plan, const convert::Outcome& outcome,
-                            const std::vector<std::string>& arguments) {
-  batch::FrameRow row{0, plan.job.source.input, batch::FrameStatus::done, batch::figures_of(outcome), {}, {}};
-  for (const mesh_io::WrittenFile& file : outcome.files) row.outputs.push_back(file.path);
-  HtmlPage page;
-  page.add(0, outcome);
-  return write_pages(plan.pages, std::span(&row, 1), page, plan.job.source.placement.up, arguments,
-                     Context(plan.memory));
+  if (!begun) converted.outcome = failed(begun.error());
+  return converted;
 }
 
 }  // namespace
@@ -291,11 +316,17 @@ Result<void> run_convert(const ConvertFlags& flags, const std::vector<std::strin
     TRY(check_report_file(*page, plan->job));
   }
   for (const std::string& text : plan->notes) messages.note(text);
-  convert::Outcome outcome = convert_as_planned(*plan, messages);
+  auto [outcome, rows] = convert_as_planned(*plan, messages);
   outcome.notes.insert(outcome.notes.begin(), plan->notes.begin(), plan->notes.end());
   if (outcome.done()) messages.detail(fmt::format("peak memory {}", format_byte_size(outcome.peak_memory)));
   Result<void> done = outcome.error ? tl::unexpected(*outcome.error) : Result<void>();
-  if (done && plan->pages.any()) done = attempt([&] { return write_pages_of(*plan, outcome, arguments); });
+  if (done && plan->pages.any()) {
+    done = attempt([&] {
+      HtmlPage page;
+      page.add(rows.front().frame, outcome);
+      return write_pages(plan->pages, rows, page, plan->job.source.placement.up, arguments, Context(plan->memory));
+    });
+  }
   if (!plan->report) return done;
   auto reported =
       attempt([&] { return write_report(*plan->report, &plan->job, outcome, arguments, plan->memory.limit()); });

@@ -58,8 +58,9 @@ bool fits_one_mesh(const field::ScalarField& field) {
 // Of a field that was read or made, with the iso value to suggest.
 FieldReport report_of(const InfoPlan& plan, const std::string& input, const Described& described, FieldReport report) {
   const bool separates = report.suggestion.separates;
-  report.size = separates ? size_of(report.field, report.suggestion.iso) : size_of_samples(report.field);
-  report.bytes = estimated_bytes(report.size);
+  report.size =
+      separates ? convert::size_of(report.field, report.suggestion.iso) : convert::size_of_samples(report.field);
+  report.bytes = convert::estimated_bytes(report.size);
   report.fits_one_mesh = fits_one_mesh(report.field);
   if (separates && report.fits_one_mesh) {
     report.command =
@@ -122,7 +123,7 @@ InputReport look_at_particles(const InfoPlan& plan, const std::string& input, co
   const points::MethodInfo& method = points::method_info(plan.particles.method);
   field.suggestion = {method.iso, fmt::format("the usual one of {}", method.title),
                       method.iso >= field.statistics.min && method.iso < field.statistics.max};
-  const std::uint64_t made = kProgramBytes + context.memory().peak();
+  const std::uint64_t made = convert::kProgramBytes + context.memory().peak();
   report.field = report_of(plan, input, {report.volume, {}}, std::move(field));
   report.field->bytes = std::max(report.field->bytes, made);
   std::string& command = report.field->command;

@@ -205,8 +205,8 @@ void add_advice(NamedLines& lines, const FieldReport& report) {
     return;
   }
   lines.add("suggestion", fmt::format("--iso {}: {}", suggestion.iso, suggestion.method));
-  lines.add("", fmt::format("about {} triangles; converting takes about {} of memory", estimated_triangles(report.size),
-                            format_byte_size(report.bytes)));
+  lines.add("", fmt::format("about {} triangles; converting takes about {} of memory",
+                            convert::estimated_triangles(report.size), format_byte_size(report.bytes)));
   if (!report.fits_one_mesh) lines.add("", "its voxels lie too far apart for one mesh: extract parts with --roi");
   if (!report.command.empty()) lines.plain(fmt::format("\n  {}", report.command));
 }
@@ -272,7 +272,7 @@ convert::Json json_of(const FieldReport& report) {
   if (report.suggestion.separates) {
     json["suggestion"] = {{"iso", report.suggestion.iso},
                           {"method", report.suggestion.method},
-                          {"triangles", estimated_triangles(report.size)},
+                          {"triangles", convert::estimated_triangles(report.size)},
                           {"command", report.command}};
   }
   json["memory"] = {{"samples", report.size.sample_bytes}, {"conversion", report.bytes}};

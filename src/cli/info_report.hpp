@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "cli/conversion_size.hpp"
 #include "cli/particle_report.hpp"
+#include "convert/conversion_size.hpp"
 #include "convert/json_values.hpp"
 #include "field/scalar_field.hpp"
 #include "field/statistics.hpp"
@@ -22,7 +22,7 @@ struct FieldReport {
   field::ScalarField field;
   field::FieldStatistics statistics;
   field::IsoSuggestion suggestion;
-  ConversionSize size;
+  convert::ConversionSize size;
   std::uint64_t bytes = 0;    // of memory that converting takes
   bool fits_one_mesh = true;  // else only parts of it can be extracted
   std::string command;        // line that extracts it, if there is one that does

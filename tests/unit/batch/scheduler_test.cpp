@@ -42,10 +42,11 @@ std::vector<std::size_t> every_frame(const BatchJob& batch) {
 // Counts how many run at a time.
 class Watcher final : public FrameEvents {
  public:
-  void started(std::size_t frame) override {
+  convert::Events* started(std::size_t frame, const Context& /*context*/) override {
     const std::lock_guard lock(mutex_);
     most = std::max(most, ++running_);
     order.push_back(frame);
+    return nullptr;
   }
   bool finished(std::size_t frame, const convert::Outcome& outcome) override {
     const std::lock_guard lock(mutex_);

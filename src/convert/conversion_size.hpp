@@ -8,7 +8,7 @@
 #include "convert/conversion_job.hpp"
 #include "field/scalar_field.hpp"
 
-namespace isoextract::cli {
+namespace isoextract::convert {
 
 // What a conversion at an iso value has to do with; estimated but for the samples.
 struct ConversionSize {
@@ -36,6 +36,6 @@ inline constexpr std::uint64_t kConversionBytes = std::uint64_t{3} << 20U;
 [[nodiscard]] std::uint64_t estimated_triangles(const ConversionSize& size);
 
 // estimated_bytes() of a job, at its iso value that needs most. Reads the field, and fails as that does.
-[[nodiscard]] Result<std::uint64_t> estimated_memory(const convert::ConversionJob& job, const MemoryBudget& memory);
+[[nodiscard]] Result<std::uint64_t> estimated_memory(const ConversionJob& job, const MemoryBudget& memory);
 
-}  // namespace isoextract::cli
+}  // namespace isoextract::convert

@@ -1,26 +1,26 @@
-#include "cli/conversion_size.hpp"
+#include "convert/conversion_size.hpp"
 
 #include <algorithm>
 
 #include "base/context.hpp"
-#include "convert/error_memory.hpp"
+#include "convert/detail/error_memory.hpp"
 #include "convert/several_grids.hpp"
 #include "convert/source.hpp"
 #include "field/sparse_lookup.hpp"
 #include "field/surface_estimate.hpp"
 
-namespace isoextract::cli {
+namespace isoextract::convert {
 namespace {
 
 // Of attributes of vertices: other volumes, where vertices are in the world, the values and a colour.
-std::uint64_t attribute_bytes(const convert::Source& source, std::uint64_t vertices) {
+std::uint64_t attribute_bytes(const Source& source, std::uint64_t vertices) {
   if (!source.attributes) return 0;
   std::uint64_t bytes = 0;
   std::size_t components = 0;
-  if (const auto* particles = std::get_if<convert::ParticleAttributes>(&source.attributes->from)) {
+  if (const auto* particles = std::get_if<ParticleAttributes>(&source.attributes->from)) {
     for (const std::size_t a : particles->attributes) components += particles->particles.attributes[a].components;
   } else {
-    for (const auto& attribute : std::get<std::vector<convert::VolumeAttribute>>(source.attributes->from)) {
+    for (const auto& attribute : std::get<std::vector<VolumeAttribute>>(source.attributes->from)) {
       components += attribute.components.size();
       for (const field::ScalarField& field : attribute.components) {
         const ConversionSize size = size_of_samples(field);
@@ -34,7 +34,7 @@ std::uint64_t attribute_bytes(const convert::Source& source, std::uint64_t verti
 
 // What simplifying and packing take beside the mesh, one after the other. Their reservations are for the worst meshes
 // and about twice as much; these are fits to the peaks of gyroids of 79,000 to 496,000 vertices.
-std::uint64_t edit_bytes(const convert::ConversionJob& job, std::uint64_t vertices) {
+std::uint64_t edit_bytes(const ConversionJob& job, std::uint64_t vertices) {
   constexpr std::uint64_t kMiB = 1 << 20;
   const bool is_draco = job.packing.compression == mesh_io::Compression::draco;
   std::uint64_t most = 0;
@@ -45,12 +45,11 @@ std::uint64_t edit_bytes(const convert::ConversionJob& job, std::uint64_t vertic
 }
 
 // Estimates the memory that the surfaces of one grid take.
-Result<std::uint64_t> memory_of_grid(const convert::ConversionJob& job, const std::optional<std::string>& grid,
+Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::optional<std::string>& grid,
                                      const MemoryBudget& memory) {
-  convert::Events unheard;
+  Events unheard;
   const Context context(memory.part());
-  const auto source =
-      TRY(convert::open_source(convert::with_grid(job.source, grid), convert::use_of(job), context, unheard));
+  const auto source = TRY(open_source(with_grid(job.source, grid), use_of(job), context, unheard));
   // To make a field of particles takes more than to keep it.
   std::uint64_t most = source.of_particles ? kProgramBytes + context.memory().peak() : 0;
   if (job.field_file) {
@@ -58,12 +57,12 @@ Result<std::uint64_t> memory_of_grid(const convert::ConversionJob& job, const st
     const ConversionSize size = size_of_samples(source.field);
     most = std::max(most, kProgramBytes + size.sample_bytes + size.samples * 2 * sizeof(float));
   }
-  for (const convert::ResolvedIso& iso : source.isos) {
+  for (const ResolvedIso& iso : source.isos) {
     // Of labels, about all of them together: what is not 0.
     const ConversionSize size = size_of(source.field, iso.asked.is_label() ? 0.5 : iso.value);
     std::uint64_t bytes = estimated_bytes(size) + attribute_bytes(source, size.vertices);
     std::uint64_t after = edit_bytes(job, size.vertices);
-    if (job.error && !iso.asked.is_label()) after = std::max(after, convert::estimated_error_bytes(source, iso.value));
+    if (job.error && !iso.asked.is_label()) after = std::max(after, estimated_error_bytes(source, iso.value));
     bytes += after;
     most = std::max(most, bytes);
   }
@@ -104,9 +103,9 @@ std::uint64_t estimated_bytes(const ConversionSize& size) {
          size.places * kPlaceBytes + size.vertices * kVertexBytes + estimated_triangles(size) * sizeof(glm::uvec3);
 }
 
-Result<std::uint64_t> estimated_memory(const convert::ConversionJob& job, const MemoryBudget& memory) {
+Result<std::uint64_t> estimated_memory(const ConversionJob& job, const MemoryBudget& memory) {
   std::uint64_t most = 0;
-  for (const std::optional<std::string>& grid : convert::grids_of(job.source)) {
+  for (const std::optional<std::string>& grid : grids_of(job.source)) {
     const auto bytes = memory_of_grid(job, grid, memory);
     if (!bytes) return bytes;
     most = std::max(most, *bytes);
@@ -114,4 +113,4 @@ Result<std::uint64_t> estimated_memory(const convert::ConversionJob& job, const 
   return most;
 }
 
-}  // namespace isoextract::cli
+}  // namespace isoextract::convert

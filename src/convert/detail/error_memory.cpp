@@ -1,4 +1,4 @@
-#include "convert/error_memory.hpp"
+#include "convert/detail/error_memory.hpp"
 
 #include <algorithm>
 #include <optional>

@@ -1,0 +1,173 @@
+#include "batch/batch_run.hpp"
+
+#include <map>
+#include <mutex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "support/temp_folder.hpp"
+
+namespace isoextract::batch {
+namespace {
+
+using test::TempFolder;
+using Status = FrameStatus;
+
+BatchJob spheres(const TempFolder& folder, int count = 3) {
+  BatchJob batch;
+  for (int i = 1; i <= count; ++i) {
+    convert::ConversionJob job;
+    job.source.input = "demo:sphere?size=" + std::to_string(8 + i);
+    job.normals = convert::Normals::none;
+    job.format = mesh_io::MeshFormat::ply;
+    job.outputs = {{(folder / (std::to_string(i) + ".ply")).string(), {0.0}}};
+    batch.frames.push_back({i, job});
+  }
+  return batch;
+}
+
+// Notes what it is told; can lack the report of a frame, or fail to write it.
+class Listener final : public RunEvents {
+ public:
+  convert::Events* started(std::size_t frame, const Context& /*context*/) override {
+    const std::lock_guard lock(mutex_);
+    converted.insert(frame);
+    return nullptr;
+  }
+  bool has_report(std::size_t frame) override { return frame != lacks_report; }
+  Result<void> write_report(std::size_t frame, const convert::Outcome& /*outcome*/) override {
+    if (frame == cannot_write) return fail(ErrorCode::output, "the disk is full");
+    return {};
+  }
+  void over(std::size_t frame, const FrameRow& row, const convert::Outcome* outcome, const Error* error) override {
+    const std::lock_guard lock(mutex_);
+    EXPECT_TRUE(ended.emplace(frame, row.status).second) << "told twice of frame " << row.frame;
+    EXPECT_EQ(outcome == nullptr, row.status == Status::kept);
+    EXPECT_EQ(error != nullptr, row.status == Status::failed);
+  }
+
+  std::size_t lacks_report = std::string::npos;
+  std::size_t cannot_write = std::string::npos;
+  std::set<std::size_t> converted;
+  std::map<std::size_t, FrameStatus> ended;
+
+ private:
+  std::mutex mutex_;
+};
+
+RunResult must_run(const BatchJob& batch, RunOptions options, Listener& listener) {
+  options.scheduler.jobs = options.scheduler.threads = 2;
+  const Context context;
+  auto run = BatchRun::open(batch, std::move(options), context);
+  EXPECT_TRUE(run) << run.error().message;
+  return run->run(listener);
+}
+
+std::vector<FrameStatus> statuses(const RunResult& result) {
+  std::vector<FrameStatus> all;
+  for (const FrameRow& row : result.rows) all.push_back(row.status);
+  return all;
+}
+
+TEST(BatchRun, ALaterRunConvertsWhatIsNotWhatItWas) {
+  const TempFolder folder;
+  const BatchJob batch = spheres(folder);
+  Listener first;
+  EXPECT_EQ(statuses(must_run(batch, {}, first)), (std::vector<FrameStatus>(3, Status::done)));
+  test::write_bytes(folder / "2.ply", "something else");
+
+  Listener second;
+  const RunResult result = must_run(batch, {.earlier = EarlierFrames::kept_if_unchanged}, second);
+  EXPECT_EQ(statuses(result), (std::vector{Status::kept, Status::done, Status::kept}));
+  EXPECT_EQ(second.converted, (std::set<std::size_t>{1}));
+  EXPECT_GT(result.rows[0].figures.surfaces.front().triangles, 0U);
+  EXPECT_EQ(result.rows[0].outputs, (std::vector{(folder / "1.ply").string()}));
+
+  test::write_bytes(folder / "2.ply", "something else");
+  Listener third;
+  EXPECT_EQ(must_run(batch, {.earlier = EarlierFrames::kept_if_there}, third).count(Status::kept), 3U);
+  EXPECT_EQ(test::read_bytes(folder / "2.ply"), "something else");
+
+  Listener fourth;
+  EXPECT_EQ(must_run(batch, {}, fourth).count(Status::done), 3U);
+  EXPECT_EQ(fourth.converted.size(), 3U);
+}
+
+TEST(BatchRun, AFrameWithoutItsReportIsConvertedAgain) {
+  const TempFolder folder;
+  const BatchJob batch = spheres(folder);
+  Listener first;
+  first.cannot_write = 0;
+  const RunResult begun = must_run(batch, {}, first);
+  EXPECT_EQ(statuses(begun), (std::vector{Status::failed, Status::done, Status::done}));
+  EXPECT_EQ(begun.rows[0].error, "the disk is full");
+  Listener second;
+  second.lacks_report = 2;
+  EXPECT_EQ(statuses(must_run(batch, {.earlier = EarlierFrames::kept_if_unchanged}, second)),
+            (std::vector{Status::done, Status::kept, Status::done}));
+}
+
+TEST(BatchRun, WithoutRecordsThereAreOnlyTheMeshes) {
+  const TempFolder folder;
+  Listener listener;
+  EXPECT_EQ(must_run(spheres(folder, 1), {.keeps_records = false}, listener).count(Status::done), 1U);
+  EXPECT_EQ(folder.names(), (std::set<std::string>{"1.ply"}));
+}
+
+TEST(BatchRun, OldMeshesOfFramesThatFailGetOtherNames) {
+  const TempFolder folder;
+  BatchJob batch = spheres(folder);
+  Listener first;
+  ASSERT_EQ(must_run(batch, {}, first).count(Status::done), 3U);
+  const std::string old = test::read_bytes(folder / "3.ply");
+  batch.frames[2].job.source.input = (folder / "none.vdb").string();
+  const auto read = check_written_files(batch, {}, {});
+  ASSERT_TRUE(read && *read);
+  RunOptions options;
+  options.scheduler.extras.read = &**read;
+  Listener second;
+  const RunResult result = must_run(batch, options, second);
+  EXPECT_EQ(statuses(result), (std::vector{Status::done, Status::done, Status::failed}));
+  EXPECT_EQ(result.set_aside, (std::vector{(folder / "3.ply.old").string()}));
+  EXPECT_EQ(test::read_bytes(folder / "3.ply.old"), old);
+  EXPECT_FALSE(std::filesystem::exists(folder / "3.ply"));
+}
+
+TEST(BatchRun, NoInputIsOverwritten) {
+  const TempFolder folder;
+  BatchJob batch = spheres(folder);
+  test::write_bytes(folder / "2.ply", "a mesh");
+  batch.frames[0].job.source.input = (folder / "2.ply").string();
+  const auto read = check_written_files(batch, {}, {});
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().code, ErrorCode::usage);
+}
+
+TEST(BatchRun, FiguresAreKeptForWhoAsks) {
+  const TempFolder folder;
+  const BatchJob batch = spheres(folder, 1);
+  Listener listener;
+  EXPECT_FALSE(must_run(batch, {}, listener).rows[0].outputs.empty());
+  Listener again;
+  const RunResult bare = must_run(batch, {.keeps_figures = false}, again);
+  EXPECT_TRUE(bare.rows[0].outputs.empty());
+  EXPECT_TRUE(bare.rows[0].figures.surfaces.empty());
+  EXPECT_EQ(bare.rows[0].input, "demo:sphere?size=9");
+}
+
+TEST(BatchRun, AManifestThatIsInUseIsNotOpenedAgain) {
+  const TempFolder folder;
+  const BatchJob batch = spheres(folder, 1);
+  const Context context;
+  const auto first = BatchRun::open(batch, {}, context);
+  ASSERT_TRUE(first);
+  const auto second = BatchRun::open(batch, {}, context);
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, ErrorCode::output);
+}
+
+}  // namespace
+}  // namespace isoextract::batch
