@@ -6,12 +6,18 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <mutex>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/memory_budget.hpp"
 #include "base/progress.hpp"
 
 namespace isoextract {
+
+namespace files {
+class OpenedFiles;  // files/detail/opened_files.hpp
+}
 
 struct Counters {
   std::atomic<std::uint64_t> bytes_read{0};  // of input files; packed bytes count as they lie in the file
@@ -21,7 +27,22 @@ struct Counters {
 class Context {
  public:
   explicit Context(MemoryBudget memory = MemoryBudget())
-      : memory_(std::move(memory)), state_(std::make_shared<State>()) {}
+      : memory_(std::move(memory)), state_(std::make_shared<State>()), opened_(std::make_shared<Opened>()) {}
+
+  // Work within this work: a part of the memory, and nothing counted or cancelled yet. Files that are open here are not
+  // opened again there; those that are opened there are closed with it.
+  [[nodiscard]] Context part() const {
+    Context part(memory_.part());
+    const std::lock_guard lock(opened_->mutex);
+    part.opened_->before = opened_->files ? opened_->files : opened_->before;
+    return part;
+  }
+  // The same memory and the same open files, and nothing counted or cancelled yet.
+  [[nodiscard]] Context beside() const {
+    Context other(memory_);
+    other.opened_ = opened_;
+    return other;
+  }
 
   [[nodiscard]] const MemoryBudget& memory() const { return memory_; }
   [[nodiscard]] Result<Reservation> reserve(std::uint64_t bytes, const std::string& what) const {
@@ -40,6 +61,15 @@ class Context {
     return {};
   }
 
+  // For files::InputFile: the files that stay open until the context and its copies are gone. `make` makes the table
+  // at the first call, of the one that part() took over, or null.
+  template <class Make>
+  [[nodiscard]] std::shared_ptr<files::OpenedFiles> opened_files(const Make& make) const {
+    const std::lock_guard lock(opened_->mutex);
+    if (!opened_->files) opened_->files = make(opened_->before);
+    return opened_->files;
+  }
+
  private:
   struct State {
     Counters counters;
@@ -47,8 +77,15 @@ class Context {
     std::atomic<bool> cancelled{false};
   };
 
+  struct Opened {
+    std::mutex mutex;
+    std::shared_ptr<files::OpenedFiles> files;
+    std::shared_ptr<files::OpenedFiles> before;
+  };
+
   MemoryBudget memory_;
   std::shared_ptr<State> state_;
+  std::shared_ptr<Opened> opened_;
 };
 
 }  // namespace isoextract

@@ -106,7 +106,7 @@ Result<void> keep_animation(Manifest& manifest, const BatchJob& batch, std::vect
   // Last: without it the others stand for nothing.
   convert::Outcome whole;
   whole.files = written.files;
-  auto record = TRY(record_of(batch.frames.front(), {}, whole));
+  auto record = TRY(record_of(batch.frames.front(), {}, whole, Context()));
   record.job = key;
   return manifest.add(record);
 }

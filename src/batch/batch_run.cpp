@@ -24,7 +24,7 @@ bool is_there(const fs::path& file) {
   return fs::exists(file, none);
 }
 
-files::ReadFiles read_files_of(const BatchJob& batch, const OtherFiles& others) {
+files::ReadFiles read_files_of(const BatchJob& batch, const OtherFiles& others, const Context& context) {
   files::ReadFiles read;
   for (const NamedFile& file : others.read) read.add(file.path, file.what);
   const convert::SourceOptions* before = nullptr;
@@ -32,7 +32,7 @@ files::ReadFiles read_files_of(const BatchJob& batch, const OtherFiles& others) 
     const convert::SourceOptions& source = frame.job.source;
     // The volumes of one file are many frames.
     const bool is_known = before != nullptr && before->input == source.input && before->attributes == source.attributes;
-    if (!is_known) convert::add_read_files(read, frame.job, Context());
+    if (!is_known) convert::add_read_files(read, frame.job, context);
     before = &source;
   }
   return read;
@@ -67,7 +67,7 @@ struct BatchRun::State final : FrameEvents {
   // Keeps the frames that are done already, and lists the others.
   std::vector<std::size_t> keep_what_is_done();
   void keep(std::size_t frame, const FrameRecord* record);
-  void begin_record(std::size_t frame);
+  void begin_record(std::size_t frame, const Context& own);
   std::optional<Error> record(std::size_t frame, const convert::Outcome& outcome);
   // A mesh of an earlier run must not pass for that of a frame that has failed. What there is to say of it.
   std::string set_aside_meshes(const convert::ConversionJob& job, const convert::Outcome& outcome);
@@ -126,12 +126,12 @@ std::vector<std::size_t> BatchRun::State::keep_what_is_done() {
 }
 
 convert::Events* BatchRun::State::started(std::size_t frame, const Context& own) {
-  if (manifest) begin_record(frame);
+  if (manifest) begin_record(frame, own);
   return events->started(frame, own);
 }
 
-void BatchRun::State::begin_record(std::size_t frame) {
-  auto states = input_states(batch.frames[frame]);
+void BatchRun::State::begin_record(std::size_t frame, const Context& own) {
+  auto states = input_states(batch.frames[frame], own);
   // One that cannot be read fails when it is converted, with a better message.
   if (states) inputs[frame] = std::move(*states);
   const std::string job = convert::hash_of(batch.frames[frame].job);
@@ -175,8 +175,7 @@ std::string BatchRun::State::set_aside_meshes(const convert::ConversionJob& job,
   if (animation || read == nullptr) return {};
   std::string text;
   for (const convert::OutputFileJob& output : job.outputs) {
-    const auto names =
-        convert::set_aside_old_meshes(output, job.format, *read, outcome.files, Context(context.memory()));
+    const auto names = convert::set_aside_old_meshes(output, job.format, *read, outcome.files, context);
     if (!names) {
       text += fmt::format("; {}", names.error().message);
       continue;
@@ -189,7 +188,7 @@ std::string BatchRun::State::set_aside_meshes(const convert::ConversionJob& job,
 }
 
 std::optional<Error> BatchRun::State::record(std::size_t frame, const convert::Outcome& outcome) {
-  auto made = record_of(batch.frames[frame], std::move(inputs[frame]), outcome);
+  auto made = record_of(batch.frames[frame], std::move(inputs[frame]), outcome, context);
   if (!made) return made.error();
   if (animation) {
     records[frame] = std::move(*made);
@@ -274,7 +273,7 @@ fs::path manifest_folder(const BatchJob& batch) {
 }
 
 Result<std::optional<files::ReadFiles>> check_written_files(const BatchJob& batch, const Shard& shard,
-                                                            const OtherFiles& others) {
+                                                            const OtherFiles& others, const Context& context) {
   std::vector<fs::path> there;  // of all that is written
   std::unordered_set<std::string> meshes;
   for (const FrameJob& frame : batch.frames) {
@@ -289,7 +288,7 @@ Result<std::optional<files::ReadFiles>> check_written_files(const BatchJob& batc
   }
   const bool splits = std::ranges::any_of(batch.frames, [](const FrameJob& frame) { return frame.job.pieces.split; });
   std::optional<files::ReadFiles> read;
-  if (splits || !there.empty()) read = read_files_of(batch, others);
+  if (splits || !there.empty()) read = read_files_of(batch, others, context);
   for (const fs::path& file : there) TRY(read->check(file));
   return read;
 }
@@ -305,6 +304,7 @@ Result<BatchRun> BatchRun::open(const BatchJob& batch, RunOptions options, const
     const bool resumes = options.earlier == EarlierFrames::kept_if_unchanged;
     manifest = TRY(Manifest::open(manifest_folder(batch), header, resumes, jobs));
   }
+  options.scheduler.extras.hash_files = options.keeps_records;
   auto state = std::make_unique<State>(batch, std::move(options), context, std::move(manifest));
   if (batch.animation) state->animation.emplace(batch, context);
   return BatchRun(std::move(state));

@@ -82,7 +82,8 @@ struct RunResult {
 // already, or names are known late (pieces): nothing else could be replaced. Fails with ErrorCode::usage where a file
 // that would be written is read, or is of another run's shard.
 [[nodiscard]] Result<std::optional<files::ReadFiles>> check_written_files(const BatchJob& batch, const Shard& shard,
-                                                                          const OtherFiles& others);
+                                                                          const OtherFiles& others,
+                                                                          const Context& context);
 
 class BatchRun {
  public:

@@ -9,6 +9,7 @@
 
 #include "convert/particle_source.hpp"
 #include "field/demo_field.hpp"
+#include "files/file_version.hpp"
 
 namespace isoextract::batch {
 namespace {
@@ -20,19 +21,18 @@ using convert::StageReport;
 
 using convert::Json;
 
-Result<std::vector<FileRecord>> states_of(const std::vector<std::string>& paths) {
-  std::vector<FileRecord> records;
-  for (const std::string& path : paths) {
-    auto state = TRY(files::state_of_file(path));
-    records.push_back({path, std::move(state)});
+Result<FileRecord> record_of(const mesh_io::WrittenFile& file, const Context& context) {
+  const auto version = files::version_of(std::filesystem::path(file.path));
+  if (file.hash && version && version->bytes == file.bytes) {
+    return FileRecord{file.path, {file.bytes, version->modified, *file.hash}};
   }
-  return records;
+  return FileRecord{file.path, TRY(files::state_of_file(file.path, context))};
 }
 
 // Which of the files is not what it was, if one is not.
 std::string changed_one(const std::vector<FileRecord>& before, bool with_times) {
   for (const FileRecord& file : before) {
-    const auto now = files::state_of_file(file.path);
+    const auto now = files::state_of_file(file.path, Context());
     if (!now) return fmt::format("{} cannot be read", file.path);
     const bool same = now->bytes == file.state.bytes && now->hash == file.state.hash;
     if (!same || (with_times && now->modified != file.state.modified)) return fmt::format("{} has changed", file.path);
@@ -43,10 +43,10 @@ std::string changed_one(const std::vector<FileRecord>& before, bool with_times) 
 bool is_demo(const FrameJob& frame) { return frame.job.source.input.starts_with(field::kDemoPrefix); }
 
 // Sorted, each once; none of a demo field.
-Result<std::vector<std::string>> input_paths(const FrameJob& frame) {
+Result<std::vector<std::string>> input_paths(const FrameJob& frame, const Context& context) {
   std::vector<std::string> paths;
   if (is_demo(frame)) return paths;
-  const auto files = TRY(convert::list_source_files(frame.job.source, Context()));
+  const auto files = TRY(convert::list_source_files(frame.job.source, context.beside()));
   for (const std::filesystem::path& file : files) paths.push_back(file.string());
   std::ranges::sort(paths);
   paths.erase(std::unique(paths.begin(), paths.end()), paths.end());
@@ -303,15 +303,23 @@ std::vector<const SurfaceFigures*> rows_of(const FrameFigures& figures) {
   return rows;
 }
 
-Result<std::vector<FileRecord>> input_states(const FrameJob& frame) {
-  const auto paths = TRY(input_paths(frame));
-  return states_of(paths);
+Result<std::vector<FileRecord>> input_states(const FrameJob& frame, const Context& context) {
+  std::vector<FileRecord> records;
+  const auto paths = TRY(input_paths(frame, context));
+  for (const std::string& path : paths) {
+    auto state = TRY(files::state_of_file(path, context));
+    records.push_back({path, std::move(state)});
+  }
+  return records;
 }
 
-Result<FrameRecord> record_of(const FrameJob& frame, std::vector<FileRecord> inputs, const convert::Outcome& outcome) {
-  std::vector<std::string> paths;
-  for (const mesh_io::WrittenFile& file : outcome.files) paths.push_back(file.path);
-  auto outputs = TRY(states_of(paths));
+Result<FrameRecord> record_of(const FrameJob& frame, std::vector<FileRecord> inputs, const convert::Outcome& outcome,
+                              const Context& context) {
+  std::vector<FileRecord> outputs;
+  for (const mesh_io::WrittenFile& file : outcome.files) {
+    auto record = TRY(record_of(file, context));
+    outputs.push_back(std::move(record));
+  }
   return FrameRecord{frame.number, convert::hash_of(frame.job), std::move(inputs), std::move(outputs),
                      figures_of(outcome)};
 }
@@ -324,7 +332,7 @@ std::string what_changed(const FrameRecord& record) {
 }
 
 std::string what_came(const FrameRecord& record, const FrameJob& frame) {
-  const auto paths = input_paths(frame);
+  const auto paths = input_paths(frame, Context());
   if (!paths) return "its inputs cannot be listed";
   for (const std::string& path : *paths) {
     if (std::ranges::find(record.inputs, path, &FileRecord::path) == record.inputs.end())

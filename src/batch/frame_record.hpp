@@ -75,11 +75,11 @@ struct FrameRecord {
 
 // The inputs as they are now: to be asked before the frame is converted, so that one that changes meanwhile is not
 // taken for what was read. Fails where one cannot be read.
-[[nodiscard]] Result<std::vector<FileRecord>> input_states(const FrameJob& frame);
+[[nodiscard]] Result<std::vector<FileRecord>> input_states(const FrameJob& frame, const Context& context);
 
-// Of a frame that was just done. Fails where what it wrote cannot be read again.
+// Of a frame that was just done. Files whose hash the outcome has are not read again; fails where others cannot be.
 [[nodiscard]] Result<FrameRecord> record_of(const FrameJob& frame, std::vector<FileRecord> inputs,
-                                            const convert::Outcome& outcome);
+                                            const convert::Outcome& outcome, const Context& context);
 
 // An input of the frame that is there now and was not when the record was made, such as the file of an optional
 // attribute: "h_03.npy was not there"; empty where there is none.

@@ -199,7 +199,7 @@ std::string missing_text(const ManifestHeader& header, const std::map<std::int64
 
 Result<void> check_outputs(const FrameRecord& record) {
   for (const FileRecord& output : record.outputs) {
-    const auto now = TRY(files::state_of_file(output.path));
+    const auto now = TRY(files::state_of_file(output.path, Context()));
     if (now.hash != output.state.hash) return bad(output.path, "it is not what its shard has written");
   }
   return {};

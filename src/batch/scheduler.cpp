@@ -101,8 +101,7 @@ class Scheduler {
   void run_one(std::size_t place, std::unique_lock<std::mutex>& lock) {
     const std::size_t frame = which_[place];
     queue_.start(place);
-    const auto running =
-        running_.insert(running_.end(), {Context(context_.memory().part()), memory_of_one_, !running_.empty()});
+    const auto running = running_.insert(running_.end(), {context_.part(), memory_of_one_, !running_.empty()});
     for (Running& one : running_) one.beside_others = running_.size() > 1;
     const std::size_t beside = std::min<std::size_t>(static_cast<std::size_t>(std::max(options_.jobs, 1)),
                                                      (queue_.is_alone(place) ? 0 : queue_.left()) + running_.size());

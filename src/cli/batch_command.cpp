@@ -73,8 +73,8 @@ class FrameTeller final : public batch::RunEvents {
     if (!plan_.report) return {};
     const std::string path = report_path_of(frame);
     const convert::ConversionJob& job = plan_.batch.frames[frame].job;
-    TRY(check_report_file(path, job));
-    return cli::write_report(path, &job, outcome, arguments_, plan_.common.memory.limit());
+    TRY(check_report_file(path, job, plan_.common.context));
+    return cli::write_report(path, &job, outcome, arguments_, plan_.common.context.memory().limit());
   }
 
   void over(std::size_t frame, const batch::FrameRow& row, const convert::Outcome* outcome,
@@ -161,7 +161,7 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
   TRY(limit_threads(plan.common.threads));
   TRY(make_folders(plan));
   const auto read = TRY(check_batch_files(plan));
-  const Context context{plan.common.memory};
+  const Context& context = plan.common.context;
   batch::RunOptions options{.shard = plan.shard, .earlier = plan.earlier, .arguments = arguments};
   if (plan.needs_all) options.absent = batch::text_of(plan.gaps);
   options.keeps_figures = shows_rows(plan);

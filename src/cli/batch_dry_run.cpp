@@ -58,7 +58,7 @@ Result<std::string> memory_text(const BatchPlan& plan, const Messages& messages)
   std::optional<Error> failed;
   for (const std::size_t i : sampled_frames(plan)) {
     const batch::FrameJob& frame = plan.batch.frames[i];
-    const auto bytes = convert::estimated_memory(frame.job, plan.common.memory);
+    const auto bytes = convert::estimated_memory(frame.job, plan.common.context.memory());
     if (!bytes) {
       if (!failed) failed = bytes.error();
       messages.note(fmt::format("frame {}: its memory cannot be estimated: {}", frame.number, bytes.error().message));

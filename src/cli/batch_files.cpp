@@ -30,7 +30,7 @@ Result<void> make_folders(const BatchPlan& plan) {
 }
 
 Result<std::optional<files::ReadFiles>> check_batch_files(const BatchPlan& plan) {
-  auto read = TRY(batch::check_written_files(plan.batch, plan.shard, plan.others));
+  auto read = TRY(batch::check_written_files(plan.batch, plan.shard, plan.others, plan.common.context));
   const PagesPlan& pages = plan.common.pages;
   for (const std::optional<std::string>* file : std::initializer_list<const std::optional<std::string>*>{
            &plan.flags.table, &plan.flags.plot, &pages.html, &pages.contact_sheet}) {

@@ -74,7 +74,8 @@ bool wants_all_volumes(const ConvertFlags& flags) {
 }
 
 // The volumes of one file as frames, by their number.
-Result<batch::Frames> volumes_of(const ConvertFlags& flags, const volume_io::ReadOptions& read) {
+Result<batch::Frames> volumes_of(const ConvertFlags& flags, const volume_io::ReadOptions& read,
+                                 const Context& context) {
   const std::vector<std::string>& inputs = flags.input.inputs;
   const char* const one_file = "give one file; of several, each in a run of its own";
   if (inputs.size() > 1) {
@@ -90,7 +91,7 @@ Result<batch::Frames> volumes_of(const ConvertFlags& flags, const volume_io::Rea
   source.input = inputs.front();
   source.read = read;
   source.particles = std::move(particles);
-  const auto count = TRY(convert::count_frames(source, Context()));
+  const auto count = TRY(convert::count_frames(source, context.beside()));
   if (count > batch::kMaxFrames) {
     return refuse_usage(
         fmt::format("{}: {} volumes are more than {}, the most frames", inputs.front(), count, batch::kMaxFrames));
@@ -255,16 +256,17 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   const std::string of_shard = name_after_shard(shard, flags);
   ConvertFlags one = flags;  // of one frame
   if (wants_all_volumes(flags)) one.input.volume.reset();
+  const Context context(plan_memory(flags.input.memory_limit));
   const auto read = TRY(plan_read(one.input));
-  auto found = TRY(wants_all_volumes(flags) ? volumes_of(flags, read)
+  auto found = TRY(wants_all_volumes(flags) ? volumes_of(flags, read, context)
                                             : batch::find_frames(flags.input.inputs, flags.batch.frames));
   if (!flags.batch.iso_table && !writes_field(flags)) {
-    auto note = TRY(take_usual_iso(one, found.frames.front().input));
+    auto note = TRY(take_usual_iso(one, found.frames.front().input, context));
     if (!note.empty()) found.notes.push_back(std::move(note));
     flags.isos = one.isos;
   }
   auto sources = TRY(sources_of(flags, found));
-  auto common = TRY(plan_conversion(one, sources.front().isos));
+  auto common = TRY(plan_conversion(one, sources.front().isos, context));
   plan.common = std::move(common);
   if (std::string note = changing_isos(flags, sources.size()); !note.empty()) found.notes.push_back(std::move(note));
   for (std::string& note : found.notes) plan.common.notes.push_back(std::move(note));

@@ -203,7 +203,7 @@ Result<void> report_no_plan(const ConvertFlags& flags, const std::vector<std::st
   for (const batch::NamedFile& file : other_files(flags, {}, {}).read) read.add(file.path, file.what);
   TRY(read.check(path));
   for (const convert::ConversionJob& job : plan_files(flags)) {
-    TRY(check_report_file(path, job));
+    TRY(check_report_file(path, job, Context()));
   }
   return write_report(path, nullptr, failed(error), arguments, 0);
 }
@@ -251,13 +251,12 @@ Converted convert_as_planned(const ConvertPlan& plan, const Messages& messages) 
   const Result<void> begun = attempt([&]() -> Result<void> {
     TRY(check_stdout(plan.job));
     TRY(limit_threads(plan.threads));
-    const Context context{plan.memory};
     const batch::BatchJob one{{{0, plan.job}}, {}};
     batch::RunOptions options{.keeps_records = false};
     options.scheduler.threads = tbb::this_task_arena::max_concurrency();
     options.scheduler.extras = {.mesh_facts = plan.report || plan.pages.html,
                                 .how_to_keep_volumes = std::string(kHowToKeepVolumes)};
-    auto run = TRY(batch::BatchRun::open(one, std::move(options), context));
+    auto run = TRY(batch::BatchRun::open(one, std::move(options), plan.context));
     Conversion conversion(plan, messages);
     converted.rows = run.run(conversion).rows;
     converted.outcome = std::move(conversion.ended);
@@ -304,7 +303,7 @@ Result<void> run_convert(const ConvertFlags& flags, const std::vector<std::strin
     return tl::unexpected(plan.error());
   }
   if (plan->report) {
-    TRY(check_report_file(*plan->report, plan->job));
+    TRY(check_report_file(*plan->report, plan->job, plan->context));
   }
   if (plan->make_folders) {
     std::vector<std::filesystem::path> files;
@@ -313,7 +312,7 @@ Result<void> run_convert(const ConvertFlags& flags, const std::vector<std::strin
   }
   for (const auto& page : {plan->pages.html, plan->pages.contact_sheet}) {
     if (!page) continue;
-    TRY(check_report_file(*page, plan->job));
+    TRY(check_report_file(*page, plan->job, plan->context));
   }
   for (const std::string& text : plan->notes) messages.note(text);
   auto [outcome, rows] = convert_as_planned(*plan, messages);
@@ -324,12 +323,12 @@ Result<void> run_convert(const ConvertFlags& flags, const std::vector<std::strin
     done = attempt([&] {
       HtmlPage page;
       page.add(rows.front().frame, outcome);
-      return write_pages(plan->pages, rows, page, plan->job.source.placement.up, arguments, Context(plan->memory));
+      return write_pages(plan->pages, rows, page, plan->job.source.placement.up, arguments, plan->context);
     });
   }
   if (!plan->report) return done;
-  auto reported =
-      attempt([&] { return write_report(*plan->report, &plan->job, outcome, arguments, plan->memory.limit()); });
+  auto reported = attempt(
+      [&] { return write_report(*plan->report, &plan->job, outcome, arguments, plan->context.memory().limit()); });
   if (done) return reported;
   if (!reported) messages.error(reported.error());
   return done;

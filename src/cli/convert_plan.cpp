@@ -117,7 +117,8 @@ std::optional<std::string> if_on_side(const ConvertFlags& flags, const convert::
 
 }  // namespace
 
-Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector<convert::IsoChoice>& isos) {
+Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector<convert::IsoChoice>& isos,
+                                    const Context& context) {
   if (flags.report && (flags.report->empty() || *flags.report == "-")) {
     return refuse_usage(fmt::format("--report needs the name of a file, found '{}'", *flags.report));
   }
@@ -134,7 +135,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   convert::ConversionJob& job = plan.job;
   job.source.read = TRY(plan_read(flags.input));
   job.source.particles = TRY(plan_particles(flags.particles, flags.surface.nan, has_attributes(flags)));
-  plan.memory = plan_memory(flags.input.memory_limit);
+  plan.context = context;
 
   const auto format = TRY(plan_format(flags));
   const mesh_io::MeshFormatInfo& info = mesh_io::mesh_format_info(format);
@@ -194,8 +195,9 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
   if (inputs.empty()) return refuse_usage("no INPUT was given", "isoextract INPUT --iso V -o OUT.glb");
   ConvertFlags flags = given;
   TRY(take_labels(flags));
-  auto note = TRY(writes_field(flags) ? std::string() : take_usual_iso(flags, inputs.front()));
-  auto plan = plan_conversion(flags, flags.isos);
+  const Context context(plan_memory(flags.input.memory_limit));
+  auto note = TRY(writes_field(flags) ? std::string() : take_usual_iso(flags, inputs.front(), context));
+  auto plan = plan_conversion(flags, flags.isos, context);
   if (!plan) return plan;
   if (!note.empty()) plan->notes.push_back(std::move(note));
   plan->job.source.input = inputs.front();

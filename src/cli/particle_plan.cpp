@@ -56,7 +56,7 @@ bool has_attributes(const ConvertFlags& flags) {
   return !flags.attributes.empty() || (flags.colour && flags.colour->attribute);
 }
 
-Result<std::string> take_usual_iso(ConvertFlags& flags, const std::string& input) {
+Result<std::string> take_usual_iso(ConvertFlags& flags, const std::string& input, const Context& context) {
   if (!flags.isos.empty()) return std::string();
   auto read = TRY(plan_read(flags.input));
   auto particles = TRY(plan_particles(flags.particles, flags.surface.nan, has_attributes(flags)));
@@ -72,7 +72,7 @@ Result<std::string> take_usual_iso(ConvertFlags& flags, const std::string& input
     source.input = input;
     source.read = std::move(read);
     source.particles = std::move(particles);
-    const auto of_particles = convert::is_particles(source, Context());
+    const auto of_particles = convert::is_particles(source, context.beside());
     if (!of_particles && of_particles.error().code == ErrorCode::usage) return tl::unexpected(of_particles.error());
     if (!of_particles.value_or(false)) return take_zero();  // what cannot be read is told where it is read
   }

@@ -22,6 +22,6 @@ namespace isoextract::cli {
 // method, and returns a note of that. Else the note is empty; who opens the input tells what is wrong with it. Looks
 // into the file where no option says that it is of particles, but not into standard input, which would have to be kept:
 // that is of particles where the format that it is read as is one of them.
-[[nodiscard]] Result<std::string> take_usual_iso(ConvertFlags& flags, const std::string& input);
+[[nodiscard]] Result<std::string> take_usual_iso(ConvertFlags& flags, const std::string& input, const Context& context);
 
 }  // namespace isoextract::cli

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/context.hpp"
 #include "base/error.hpp"
 #include "base/memory_budget.hpp"
 #include "cli/error_plot.hpp"
@@ -28,7 +29,7 @@ struct PagesPlan {
 
 struct ConvertPlan {
   convert::ConversionJob job;
-  MemoryBudget memory;
+  Context context;  // of all that is read for it
   std::optional<int> threads;
   Verbosity verbosity = Verbosity::normal;
   bool explain = false;
@@ -97,9 +98,9 @@ struct BenchPlan {
 // For the commands that have no iso values of their own to turn each surface by.
 [[nodiscard]] Result<void> refuse_two_sides(const InputFlags& flags, std::string_view command);
 // All of it but which files are read and written: the job's input is empty, and it has no outputs. `isos` are
-// those of the first input.
+// those of the first input, and `context` becomes the plan's.
 [[nodiscard]] Result<ConvertPlan> plan_conversion(const ConvertFlags& flags,
-                                                  const std::vector<convert::IsoChoice>& isos);
+                                                  const std::vector<convert::IsoChoice>& isos, const Context& context);
 // By the extension of a picture's name.
 [[nodiscard]] Result<PictureFormat> picture_format_of(const std::string& path);
 // Of options that make no plan: what they name all the same, as a job an input with its files and nothing else. There

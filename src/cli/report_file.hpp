@@ -11,7 +11,8 @@
 namespace isoextract::cli {
 
 // Whether `path` is none of the job's inputs and outputs; the hint names the option.
-[[nodiscard]] Result<void> check_report_file(const std::string& path, const convert::ConversionJob& job);
+[[nodiscard]] Result<void> check_report_file(const std::string& path, const convert::ConversionJob& job,
+                                             const Context& context);
 
 // `job` as convert::report_of() has it.
 [[nodiscard]] Result<void> write_report(const std::string& path, const convert::ConversionJob* job,

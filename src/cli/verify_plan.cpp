@@ -67,11 +67,12 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& given) {
   plan.float32_world = format == mesh_io::MeshFormat::stl || format == mesh_io::MeshFormat::drc;
 
   TRY(take_labels(flags));
-  auto note = TRY(take_usual_iso(flags, input));
-  auto conversion = TRY(plan_conversion(flags, flags.isos));
+  const Context context(plan_memory(flags.input.memory_limit));
+  auto note = TRY(take_usual_iso(flags, input, context));
+  auto conversion = TRY(plan_conversion(flags, flags.isos, context));
   plan.notes = std::move(conversion.notes);
   if (!note.empty()) plan.notes.push_back(std::move(note));
-  plan.memory = conversion.memory;
+  plan.memory = conversion.context.memory();
   plan.job = std::move(conversion.job);
   plan.job.source.input = input;
   plan.job.verify = false;

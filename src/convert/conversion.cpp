@@ -61,7 +61,7 @@ class Conversion {
   Result<void> run() {
     TRY(job_.field_file ? open_tools() : open_backends());
     if (sink_ == nullptr || sink_->writes_files()) {
-      if (extras_.read == nullptr) add_read_files(own_read_, job_, Context());
+      if (extras_.read == nullptr) add_read_files(own_read_, job_, context_);
       for (const OutputFileJob& output : job_.outputs) {
         TRY(check_mesh_files(output, job_.format, read()));
       }
@@ -244,7 +244,8 @@ class Conversion {
             job_.ascii,
             mesh_packing(job_.packing, source_),
             copies_vertices(job_),
-            record_text(source_.placement, job_.format, source_.written_kinds())};
+            record_text(source_.placement, job_.format, source_.written_kinds()),
+            extras_.hash_files};
   }
 
   // All labels that are asked for, in one look at the samples.

@@ -25,6 +25,8 @@ struct OutcomeExtras {
   // How the volumes of surface nets are kept, in words that only the caller has: ends the note that relaxing changed
   // them; empty: there is none.
   std::string how_to_keep_volumes = {};
+  // The files of meshes are hashed while they are written (mesh_io::WrittenFile).
+  bool hash_files = false;
   // What is not to be overwritten, the job's own inputs among it; null: those alone.
   const files::ReadFiles* read = nullptr;
 };

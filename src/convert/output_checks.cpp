@@ -93,7 +93,7 @@ void add_read_files(files::ReadFiles& read, const ConversionJob& job, const Cont
   read.add(input, "is the input");
   if (job.label_names) read.add(job.label_names->path, "has the names of labels");
   if (files::is_standard_input(input)) return;  // all is in it
-  const auto inputs = list_source_files(job.source, context);
+  const auto inputs = list_source_files(job.source, context.beside());
   if (!inputs) return;
   for (const fs::path& file : *inputs) read.add(file, "holds the samples of the input");
 }
@@ -102,7 +102,7 @@ void add_read_mesh(files::ReadFiles& read, const std::string& path, const Contex
   read.add(path, "is the input");
   if (files::is_standard_input(path)) return;  // data files lie beside a file
   const fs::path folder = fs::path(path).parent_path();
-  for (const std::string& data : mesh_io::data_file_names(path, context)) {
+  for (const std::string& data : mesh_io::data_file_names(path, context.beside())) {
     read.add(folder / data, fmt::format("holds the data of {}", path));
   }
 }
@@ -117,7 +117,7 @@ Result<void> check_output_file(const fs::path& path, const files::ReadFiles& rea
   return {};
 }
 
-Result<void> check_other_file(const fs::path& file, const ConversionJob& job) {
+Result<void> check_other_file(const fs::path& file, const ConversionJob& job, const Context& context) {
   for (const OutputFileJob& output : job.outputs) {
     if (may_be_piece(file, output, job.format)) {
       return fail(ErrorCode::usage,
@@ -133,7 +133,7 @@ Result<void> check_other_file(const fs::path& file, const ConversionJob& job) {
     }
   }
   files::ReadFiles read;
-  add_read_files(read, job, Context());
+  add_read_files(read, job, context);
   return check_output_file(file, read);
 }
 

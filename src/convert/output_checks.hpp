@@ -48,7 +48,8 @@ void add_read_mesh(files::ReadFiles& read, const std::string& path, const Contex
 
 // Another file that goes with the job, its report for example: writable, and neither read nor a mesh of the job, nor
 // where that goes.
-[[nodiscard]] Result<void> check_other_file(const std::filesystem::path& file, const ConversionJob& job);
+[[nodiscard]] Result<void> check_other_file(const std::filesystem::path& file, const ConversionJob& job,
+                                            const Context& context);
 
 // The files of one of the outputs, or of a piece of it, standard output apart: as check_output_file().
 [[nodiscard]] Result<void> check_mesh_files(const OutputFileJob& output, mesh_io::MeshFormat format,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <span>
 #include <utility>
@@ -52,8 +53,26 @@ KnownStates& known_states() {
 
 }  // namespace
 
-Result<FileState> state_of_file(const std::filesystem::path& path) {
-  const auto file = TRY(InputFile::open(path, Context()));
+ContentHasher::ContentHasher() : state_(XXH3_createState()) {
+  if (state_ == nullptr) throw std::bad_alloc();
+  XXH3_128bits_reset(static_cast<XXH3_state_t*>(state_.get()));
+}
+ContentHasher::ContentHasher(ContentHasher&&) noexcept = default;
+ContentHasher& ContentHasher::operator=(ContentHasher&&) noexcept = default;
+ContentHasher::~ContentHasher() = default;
+
+void ContentHasher::Free::operator()(void* state) const { XXH3_freeState(static_cast<XXH3_state_t*>(state)); }
+
+void ContentHasher::add(std::span<const std::byte> bytes) {
+  XXH3_128bits_update(static_cast<XXH3_state_t*>(state_.get()), bytes.data(), bytes.size());
+}
+
+std::string ContentHasher::hash() const {
+  return text_of(XXH3_128bits_digest(static_cast<const XXH3_state_t*>(state_.get())));
+}
+
+Result<FileState> state_of_file(const std::filesystem::path& path, const Context& context) {
+  const auto file = TRY(InputFile::open(path, context.beside()));
   const auto version = TRY(version_of(file));
   const bool settled = version.is_settled();
   if (settled) {
@@ -62,18 +81,16 @@ Result<FileState> state_of_file(const std::filesystem::path& path) {
   constexpr std::uint64_t kPiece = 1 << 20;
   FileState state;
   state.bytes = file.size();
-  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> hash(XXH3_createState(), XXH3_freeState);
-  if (hash == nullptr) return fail(ErrorCode::input, fmt::format("{}: not enough memory", path.string()));
-  XXH3_128bits_reset(hash.get());
+  ContentHasher hasher;
   Buffer<std::byte> piece(std::min(kPiece, state.bytes));
   for (std::uint64_t at = 0; at < state.bytes; at += piece.size()) {
     const std::span<std::byte> bytes = piece.span().first(std::min<std::uint64_t>(piece.size(), state.bytes - at));
     TRY(file.read_at(at, bytes));
-    XXH3_128bits_update(hash.get(), bytes.data(), bytes.size());
+    hasher.add(bytes);
   }
   TRY(check_unchanged(file, version));
   state.modified = version.modified;
-  state.hash = text_of(XXH3_128bits_digest(hash.get()));
+  state.hash = hasher.hash();
   if (settled) known_states().add(version, state);
   return state;
 }

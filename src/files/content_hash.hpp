@@ -1,11 +1,15 @@
 // What a file holds, as a short text: to tell later whether it still does.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 
+#include "base/context.hpp"
 #include "base/error.hpp"
 
 namespace isoextract::files {
@@ -18,8 +22,28 @@ struct FileState {
   friend bool operator==(const FileState&, const FileState&) = default;
 };
 
-// Fails with ErrorCode::input where the file cannot be read, or changes meanwhile.
-[[nodiscard]] Result<FileState> state_of_file(const std::filesystem::path& path);
+// Fails with ErrorCode::input where the file cannot be read, or changes meanwhile. What is read does not count in the
+// context.
+[[nodiscard]] Result<FileState> state_of_file(const std::filesystem::path& path, const Context& context);
+
+// The hash of bytes as they come.
+class ContentHasher {
+ public:
+  ContentHasher();
+  ContentHasher(ContentHasher&&) noexcept;
+  ContentHasher& operator=(ContentHasher&&) noexcept;
+  ~ContentHasher();
+
+  void add(std::span<const std::byte> bytes);
+  // Of all that came so far.
+  [[nodiscard]] std::string hash() const;
+
+ private:
+  struct Free {
+    void operator()(void* state) const;
+  };
+  std::unique_ptr<void, Free> state_;
+};
 
 // 32 hexadecimal digits of a text, the same way.
 [[nodiscard]] std::string content_hash(std::string_view text);

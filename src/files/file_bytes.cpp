@@ -12,6 +12,7 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include "files/detail/opened_files.hpp"
 #include "files/detail/standard_input.hpp"
 
 namespace isoextract::files {
@@ -28,57 +29,44 @@ std::string shown_input_name(const std::filesystem::path& path) {
 }
 
 Result<InputFile> InputFile::open(const std::filesystem::path& path, const Context& context) {
+  const auto opened = context.opened_files(
+      [](std::shared_ptr<OpenedFiles> before) { return std::make_shared<OpenedFiles>(std::move(before)); });
+  const bool is_stdin = is_standard_input(path);
+  if (!is_stdin) {
+    if (auto file = opened->find(path)) return InputFile(path, std::move(file), context);
+  }
   const std::string name = shown_input_name(path);
   const auto cannot_read = [&](int error) {
     return fail(ErrorCode::input, fmt::format("{}: cannot be read: {}", name, system_message(error)));
   };
-  InputFile file(path, -1, 0, context);  // before there is a descriptor that could be lost
-  if (is_standard_input(path)) {
-    file.descriptor_ = TRY(detail::open_standard_input(context));
+  const auto file = std::make_shared<OpenFile>();  // before there is a descriptor that could be lost
+  int descriptor = -1;
+  if (is_stdin) {
+    descriptor = TRY(detail::open_standard_input(context));
   } else {
     // Without O_NONBLOCK, opening a pipe that nobody writes to would wait for ever.
-    file.descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (file.descriptor_ < 0) return cannot_read(errno);
+    descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   }
-
   struct stat status {};
-  if (::fstat(file.descriptor_, &status) != 0) return cannot_read(errno);
+  if (!file->take(descriptor) || ::fstat(descriptor, &status) != 0) return cannot_read(errno);
   if (S_ISDIR(status.st_mode)) return fail(ErrorCode::input, name + ": expected a file, found a directory");
   if (!S_ISREG(status.st_mode)) {
     return fail(ErrorCode::input, name + ": expected a regular file, found a pipe or device",
                 "write the data to a file first");
   }
-  if (status.st_size == 0)
-    return fail(ErrorCode::input, name + (is_standard_input(path) ? ": it is empty" : ": the file is empty"));
-  file.size_ = static_cast<std::uint64_t>(status.st_size);
-  return file;
+  if (status.st_size == 0) return fail(ErrorCode::input, name + (is_stdin ? ": it is empty" : ": the file is empty"));
+  if (!is_stdin) opened->add(file);
+  return InputFile(path, file, context);
 }
 
-InputFile::InputFile(std::filesystem::path path, int descriptor, std::uint64_t size, Context context)
-    : context_(std::move(context)), path_(std::move(path)), descriptor_(descriptor), size_(size) {}
+InputFile::InputFile(std::filesystem::path path, std::shared_ptr<const OpenFile> file, Context context)
+    : context_(std::move(context)), path_(std::move(path)), file_(std::move(file)), size_(file_->version().bytes) {}
 
-// The context is copied: one that was moved from counts nowhere.
-InputFile::InputFile(InputFile&& other) noexcept
-    : context_(other.context_),  // NOLINT(performance-move-constructor-init)
-      path_(std::move(other.path_)),
-      descriptor_(std::exchange(other.descriptor_, -1)),
-      size_(other.size_) {}
-
-InputFile& InputFile::operator=(InputFile&& other) noexcept {
-  std::swap(context_, other.context_);
-  std::swap(path_, other.path_);
-  std::swap(descriptor_, other.descriptor_);
-  std::swap(size_, other.size_);
-  return *this;
-}
-
-InputFile::~InputFile() {
-  if (descriptor_ >= 0) ::close(descriptor_);
-}
+int InputFile::descriptor() const { return file_->descriptor(); }
 
 Result<void> InputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes) const {
   while (!bytes.empty()) {
-    const ssize_t got = ::pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    const ssize_t got = ::pread(descriptor(), bytes.data(), bytes.size(), static_cast<off_t>(offset));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) {
       return fail(ErrorCode::input,

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -21,23 +22,24 @@ inline constexpr std::string_view kStandardInputName = "standard input";
 // What messages call an input.
 [[nodiscard]] std::string shown_input_name(const std::filesystem::path& path);
 
+class OpenFile;  // detail/opened_files.hpp
+
 // An open, regular file with at least one byte. Its errors are ErrorCode::input and start with its name. What is read
 // of it counts in the context that it was opened in.
 class InputFile {
  public:
+  // A file that is open in the context already is not opened again, unless it was written to meanwhile.
+  //
   // Standard input is read to its end when it is opened first, unless it is a file, and kept until the process ends: so
   // it can be opened again like any file. What is kept is reserved in the context that it was opened in first; a
   // terminal is ErrorCode::usage.
   [[nodiscard]] static Result<InputFile> open(const std::filesystem::path& path, const Context& context);
 
-  InputFile(InputFile&& other) noexcept;
-  InputFile& operator=(InputFile&& other) noexcept;
-  ~InputFile();
-
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] std::string name() const { return shown_input_name(path_); }
   [[nodiscard]] std::uint64_t size() const { return size_; }
-  [[nodiscard]] int descriptor() const { return descriptor_; }
+  // Others may have it too: nobody moves its place, or closes it.
+  [[nodiscard]] int descriptor() const;
   [[nodiscard]] const Context& context() const { return context_; }
 
   // Fills all of `bytes` with what lies from `offset` on. Safe to call from several threads.
@@ -47,11 +49,11 @@ class InputFile {
   void count_bytes_read(std::uint64_t bytes) const;
 
  private:
-  InputFile(std::filesystem::path path, int descriptor, std::uint64_t size, Context context);
+  InputFile(std::filesystem::path path, std::shared_ptr<const OpenFile> file, Context context);
 
   Context context_;
   std::filesystem::path path_;
-  int descriptor_ = -1;
+  std::shared_ptr<const OpenFile> file_;
   std::uint64_t size_ = 0;
 };
 

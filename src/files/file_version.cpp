@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "files/file_bytes.hpp"
+
 namespace isoextract::files {
 
 using namespace std::chrono_literals;
@@ -20,6 +22,11 @@ std::int64_t nanoseconds(const timespec& time) {
   return time.tv_sec * kNanoseconds + time.tv_nsec;
 }
 
+FileVersion version_of(const struct stat& status) {
+  return {status.st_dev, status.st_ino, static_cast<std::uint64_t>(status.st_size), nanoseconds(status.st_mtim),
+          nanoseconds(status.st_ctim)};
+}
+
 }  // namespace
 
 bool FileVersion::is_settled() const {
@@ -28,14 +35,22 @@ bool FileVersion::is_settled() const {
   return std::chrono::system_clock::now().time_since_epoch() - std::chrono::nanoseconds(newest) > tick;
 }
 
-Result<FileVersion> version_of(const InputFile& file) {
+std::optional<FileVersion> version_of(const std::filesystem::path& path) {
   struct stat status {};
-  if (::fstat(file.descriptor(), &status) != 0) {
-    return fail(ErrorCode::input,
-                fmt::format("{}: cannot be read: {}", file.name(), std::generic_category().message(errno)));
-  }
-  return FileVersion{status.st_dev, status.st_ino, static_cast<std::uint64_t>(status.st_size),
-                     nanoseconds(status.st_mtim), nanoseconds(status.st_ctim)};
+  if (::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return std::nullopt;
+  return version_of(status);
+}
+
+std::optional<FileVersion> version_of(int descriptor) {
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0) return std::nullopt;
+  return version_of(status);
+}
+
+Result<FileVersion> version_of(const InputFile& file) {
+  if (const auto version = version_of(file.descriptor())) return *version;
+  return fail(ErrorCode::input,
+              fmt::format("{}: cannot be read: {}", file.name(), std::generic_category().message(errno)));
 }
 
 Result<void> check_unchanged(const InputFile& file, const FileVersion& before) {

@@ -3,10 +3,14 @@
 
 #include <cstdint>
 
+#include <filesystem>
+#include <optional>
+
 #include "base/error.hpp"
-#include "files/file_bytes.hpp"
 
 namespace isoextract::files {
+
+class InputFile;
 
 // Tells a file that was written to from the one it was, as far as the system's clock does.
 struct FileVersion {
@@ -22,6 +26,11 @@ struct FileVersion {
 
   friend bool operator==(const FileVersion&, const FileVersion&) = default;
 };
+
+// What the path names now; nothing where that is no regular file, or cannot be told.
+[[nodiscard]] std::optional<FileVersion> version_of(const std::filesystem::path& path);
+// The same of an open file, of any kind.
+[[nodiscard]] std::optional<FileVersion> version_of(int descriptor);
 
 // What the file is now. Fails with ErrorCode::input where the system does not tell.
 [[nodiscard]] Result<FileVersion> version_of(const InputFile& file);

@@ -1,46 +1,84 @@
 #include "files/gzip_stream.hpp"
 
-#include <string_view>
+#include <algorithm>
+#include <new>
+#include <utility>
 
 #include <fmt/format.h>
-#include <unistd.h>
 #include <zlib.h>
 
 namespace isoextract::files {
+namespace {
 
-void GzipStream::Close::operator()(gzFile_s* gzip) const {
-  const auto end = static_cast<std::int64_t>(::gzoffset(gzip));
-  if (end > static_cast<std::int64_t>(start)) file->count_bytes_read(static_cast<std::uint64_t>(end) - start);
-  ::gzclose_r(gzip);
+constexpr std::size_t kPackedBlock = std::size_t{1} << 18;
+
+}  // namespace
+
+void GzipStream::End::operator()(z_stream_s* stream) const {
+  ::inflateEnd(stream);
+  delete stream;
 }
 
-Result<GzipStream> GzipStream::open(const files::InputFile& file, std::uint64_t offset) {
-  const int descriptor = ::dup(file.descriptor());
-  const auto cannot = [&] { return fail(ErrorCode::input, file.name() + ": cannot be read as gzip"); };
-  if (descriptor < 0) return cannot();
-  gzFile gzip = nullptr;
-  if (::lseek(descriptor, static_cast<off_t>(offset), SEEK_SET) >= 0) gzip = ::gzdopen(descriptor, "rb");
-  if (gzip == nullptr) {
-    ::close(descriptor);
-    return cannot();
+GzipStream::GzipStream(const InputFile& file, std::uint64_t offset, Handle stream)
+    : file_(&file), next_(offset), stream_(std::move(stream)) {}
+
+Result<GzipStream> GzipStream::open(const InputFile& file, std::uint64_t offset) {
+  auto stream = std::make_unique<z_stream_s>();
+  constexpr int kGzipOnly = 16 + MAX_WBITS;
+  if (::inflateInit2(stream.get(), kGzipOnly) != Z_OK) throw std::bad_alloc();
+  GzipStream made(file, offset, Handle(stream.release()));
+  const auto begins = TRY(made.begin_next_member());
+  if (!begins) return fail(ErrorCode::input, file.name() + ": expected gzip data, found other bytes");
+  return made;
+}
+
+Result<void> GzipStream::refill() {
+  // What is left of the block moves to its front: a member's first bytes may lie on both sides of its end.
+  const std::size_t left = stream_->avail_in;
+  if (left > 0) std::copy(packed_.end() - static_cast<std::ptrdiff_t>(left), packed_.end(), packed_.begin());
+  const std::uint64_t more = std::min<std::uint64_t>(kPackedBlock, file_->size() - std::min(next_, file_->size()));
+  packed_.resize(left + static_cast<std::size_t>(more));
+  TRY(file_->read_at(next_, std::span(packed_).subspan(left)));
+  next_ += more;
+  stream_->next_in = reinterpret_cast<Bytef*>(packed_.data());
+  stream_->avail_in = static_cast<uInt>(packed_.size());
+  return {};
+}
+
+Result<bool> GzipStream::begin_next_member() {
+  if (stream_->avail_in < 2) {
+    TRY(refill());
   }
-  ::gzbuffer(gzip, 1 << 18);
-  return GzipStream(Handle(gzip, Close{&file, offset}));
+  const bool begins = stream_->avail_in >= 2 && stream_->next_in[0] == 0x1f && stream_->next_in[1] == 0x8b;
+  if (begins && ::inflateReset(stream_.get()) != Z_OK) throw std::bad_alloc();
+  return begins;
+}
+
+tl::unexpected<Error> GzipStream::damaged(const char* why) const {
+  return fail(ErrorCode::input, fmt::format("{}: the gzip data is damaged or cut off: {}", file_->name(),
+                                            why != nullptr ? why : "compressed data error"));
 }
 
 Result<std::size_t> GzipStream::inflate(std::span<std::byte> out) {
-  const files::InputFile& file = *gzip_.get_deleter().file;
-  const int got = ::gzread(gzip_.get(), out.data(), static_cast<unsigned>(out.size()));
-  int code = Z_OK;
-  // zlib starts its text with its own name of the file: "<fd:5>: ".
-  std::string_view text = ::gzerror(gzip_.get(), &code);
-  if (const std::size_t colon = text.find(": "); colon != std::string_view::npos) text.remove_prefix(colon + 2);
-  if (::gzdirect(gzip_.get()) != 0)
-    return fail(ErrorCode::input, file.name() + ": expected gzip data, found other bytes");
-  if (got < 0 || (code != Z_OK && code != Z_STREAM_END)) {
-    return fail(ErrorCode::input, fmt::format("{}: the gzip data is damaged or cut off: {}", file.name(), text));
+  stream_->next_out = reinterpret_cast<Bytef*>(out.data());
+  stream_->avail_out = static_cast<uInt>(out.size());
+  while (stream_->avail_out > 0 && !ended_) {
+    if (stream_->avail_in == 0) {
+      TRY(refill());
+      if (stream_->avail_in == 0) return damaged("unexpected end of file");
+    }
+    const int code = ::inflate(stream_.get(), Z_NO_FLUSH);
+    if (code == Z_MEM_ERROR) throw std::bad_alloc();
+    if (code == Z_STREAM_END) {
+      const auto goes_on = TRY(begin_next_member());
+      ended_ = !goes_on;
+    } else if (code == Z_NEED_DICT) {
+      return damaged("unexpected dictionary");
+    } else if (code != Z_OK && code != Z_BUF_ERROR) {
+      return damaged(stream_->msg);
+    }
   }
-  return static_cast<std::size_t>(got);
+  return out.size() - stream_->avail_out;
 }
 
 }  // namespace isoextract::files

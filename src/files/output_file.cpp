@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 
 #include "base/buffer.hpp"
+#include "files/content_hash.hpp"
 #include "files/detail/retry_interrupted.hpp"
 #include "files/detail/temporary_name.hpp"
 
@@ -91,6 +92,7 @@ struct OutputFile::State {
   std::size_t buffered = 0;
   std::uint64_t bytes = 0;
   std::optional<Error> failure;
+  std::optional<ContentHasher> hasher;
 
   State() = default;
   State(const State&) = delete;
@@ -177,6 +179,7 @@ Result<void> OutputFile::State::flush() {
 // Before bytes in the middle are touched.
 Result<void> OutputFile::State::begin_change() {
   if (kind != Kind::file && !failure) return failed("change what it got", ESPIPE);
+  hasher.reset();
   return flush();
 }
 
@@ -305,6 +308,7 @@ Result<void> OutputFile::write(std::span<const std::byte> bytes) {
   State& state = *state_;
   if (state.failure) return tl::unexpected<Error>(*state.failure);
   state.bytes += bytes.size();
+  if (state.hasher) state.hasher->add(bytes);
   if (bytes.size() >= kDirectBytes) {
     TRY(state.flush());
     return state.write_through(bytes);
@@ -341,6 +345,12 @@ Result<void> OutputFile::move_end(std::uint64_t from, std::uint64_t to) {
   if (::ftruncate(state.fd, static_cast<off_t>(state.bytes)) != 0) return state.failed("write", errno);
   if (::lseek(state.fd, 0, SEEK_END) < 0) return state.failed("write", errno);
   return {};
+}
+
+void OutputFile::keep_hash() { state_->hasher.emplace(); }
+
+std::optional<std::string> OutputFile::hash() const {
+  return state_->hasher ? std::optional(state_->hasher->hash()) : std::nullopt;
 }
 
 std::uint64_t OutputFile::bytes_written() const { return state_->bytes; }

@@ -62,6 +62,11 @@ class OutputFile {
   // Makes what was written from byte `from` on begin at byte `to`. Where that is later, the room holds anything.
   [[nodiscard]] Result<void> move_end(std::uint64_t from, std::uint64_t to);
 
+  // Hashes what is written from now on; call before the first byte.
+  void keep_hash();
+  // As content_hash.hpp has it. Nothing without keep_hash(), and where bytes were changed after they were written.
+  [[nodiscard]] std::optional<std::string> hash() const;
+
   [[nodiscard]] std::uint64_t bytes_written() const;
 
   // What messages call it: the path, or "standard output".

@@ -186,6 +186,7 @@ Result<void> MeshWriter::State::open() {
   auto opened = files::OutputFile::create(path);
   if (!opened) return tl::unexpected<Error>(std::move(opened.error()));
   file = std::move(*opened);
+  if (options.hash_files) file->keep_hash();
   switch (options.format) {
     case MeshFormat::glb: format = make_glb_writer(options, context, *file); break;
     case MeshFormat::ply: format = std::make_unique<OneMeshWriter>(write_ply, options, *file); break;
@@ -197,6 +198,7 @@ Result<void> MeshWriter::State::open() {
       opened = files::OutputFile::create(binary_path);
       if (!opened) return tl::unexpected<Error>(std::move(opened.error()));
       binary = std::move(*opened);
+      if (options.hash_files) binary->keep_hash();
       format = make_gltf_writer(options, context, *file, *binary, binary_path.filename().string());
   }
   return {};
@@ -236,10 +238,11 @@ Result<MeshWriteResult> MeshWriter::State::finish(std::span<const mesh::Mesh> la
   if (done) done = has_binary ? files::OutputFile::commit_pair(*binary, *file) : file->commit();
   if (!done) return tl::unexpected<Error>(std::move(done.error()));
   if (!left_out.empty()) notes.insert(notes.begin(), left_out_note());
-  MeshWriteResult result{{{path.string(), file->bytes_written()}}, std::move(notes), {}};
+  MeshWriteResult result{{{path.string(), file->bytes_written(), file->hash()}}, std::move(notes), {}};
   if (options.packing.packs()) result.packed = format->packed();
   if (has_binary) {
-    result.files.push_back({fs::path(path).replace_extension(".bin").string(), binary->bytes_written()});
+    result.files.push_back(
+        {fs::path(path).replace_extension(".bin").string(), binary->bytes_written(), binary->hash()});
   }
   return result;
 }

@@ -57,11 +57,13 @@ struct MeshWriteOptions {
   // as a comment, glTF in the extras of its asset, DRC in its metadata, binary STL in its header of 80 bytes, which may
   // have room only to say that there is one; STL as text cannot.
   std::string placement = {};
+  bool hash_files = false;  // WrittenFile::hash
 };
 
 struct WrittenFile {
   std::string path;  // "-" for standard output
   std::uint64_t bytes = 0;
+  std::optional<std::string> hash = {};  // files/content_hash.hpp; where it was asked for and is known without reading
 };
 
 struct MeshWriteResult {

@@ -51,10 +51,10 @@ class AnimationTest : public testing::Test {
   [[nodiscard]] std::vector<FrameRecord> records() const {
     std::vector<FrameRecord> records;
     for (const FrameJob& frame : batch_.frames) {
-      auto inputs = input_states(frame);
+      auto inputs = input_states(frame, Context());
       EXPECT_TRUE(inputs);
       convert::Outcome outcome;
-      auto record = record_of(frame, std::move(*inputs), outcome);
+      auto record = record_of(frame, std::move(*inputs), outcome, Context());
       EXPECT_TRUE(record);
       records.push_back(std::move(*record));
     }

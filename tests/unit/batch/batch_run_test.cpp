@@ -124,7 +124,7 @@ TEST(BatchRun, OldMeshesOfFramesThatFailGetOtherNames) {
   ASSERT_EQ(must_run(batch, {}, first).count(Status::done), 3U);
   const std::string old = test::read_bytes(folder / "3.ply");
   batch.frames[2].job.source.input = (folder / "none.vdb").string();
-  const auto read = check_written_files(batch, {}, {});
+  const auto read = check_written_files(batch, {}, {}, Context());
   ASSERT_TRUE(read && *read);
   RunOptions options;
   options.scheduler.extras.read = &**read;
@@ -141,7 +141,7 @@ TEST(BatchRun, NoInputIsOverwritten) {
   BatchJob batch = spheres(folder);
   test::write_bytes(folder / "2.ply", "a mesh");
   batch.frames[0].job.source.input = (folder / "2.ply").string();
-  const auto read = check_written_files(batch, {}, {});
+  const auto read = check_written_files(batch, {}, {}, Context());
   ASSERT_FALSE(read);
   EXPECT_EQ(read.error().code, ErrorCode::usage);
 }

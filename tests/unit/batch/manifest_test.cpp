@@ -39,12 +39,12 @@ BatchJob three_frames(const TempFolder& folder, double iso = 0) {
 }
 
 FrameRecord convert_frame(const FrameJob& frame) {
-  auto inputs = input_states(frame);
+  auto inputs = input_states(frame, Context());
   EXPECT_TRUE(inputs);
   convert::Events unheard;
   const convert::Outcome outcome = convert::run(frame.job, Context(), unheard, {.mesh_facts = true});
   EXPECT_TRUE(outcome.done()) << outcome.error->message;
-  auto record = record_of(frame, std::move(*inputs), outcome);
+  auto record = record_of(frame, std::move(*inputs), outcome, Context());
   EXPECT_TRUE(record);
   return *record;
 }
