@@ -1,5 +1,4 @@
-#include "cli/bench_command.hpp"
-
+// `isoextract bench`: error against run time, as a table on stdout, and as CSV, JSON and a picture.
 #include <algorithm>
 #include <filesystem>
 #include <utility>
@@ -11,6 +10,7 @@
 #include "cli/bench_report.hpp"
 #include "cli/gnuplot.hpp"
 #include "cli/gpu_threads_report.hpp"
+#include "cli/planned_command.hpp"
 #include "cli/progress_bar.hpp"
 #include "convert/output_checks.hpp"
 #include "convert/particle_source.hpp"
@@ -198,8 +198,26 @@ class Bench {
   std::vector<bench::BenchResult> results_;
 };
 
+class BenchCommand final : public CommandOf<BenchFlags> {
+ public:
+  BenchCommand()
+      : CommandOf({"bench", "[INPUT...] [options]", "Measure error against run time of all methods, and draw it."}) {}
+
+  Result<int> run(const std::vector<std::string>& /*arguments*/) override {
+    choose_process(flags().input);
+    const Verbosity verbosity = TRY(plan_verbosity(flags().run));
+    const BenchPlan plan = TRY(plan_bench(flags()));
+    if (!plan.gpu_threads) {
+      // To the most that are compared: more of them would start where a comparison of fewer ends.
+      TRY(limit_threads(std::ranges::max(plan.options.threads)));
+    }
+    TRY(Bench(plan, Messages(verbosity)).run());
+    return kDone;
+  }
+};
+
 }  // namespace
 
-Result<void> run_bench(const BenchPlan& plan, const Messages& messages) { return Bench(plan, messages).run(); }
+std::unique_ptr<Command> make_bench_command() { return std::make_unique<BenchCommand>(); }
 
 }  // namespace isoextract::cli

@@ -1,5 +1,4 @@
-#include "cli/check_command.hpp"
-
+// `isoextract check`: what is wrong with a mesh, as a table or JSON on stdout.
 #include <algorithm>
 #include <utility>
 
@@ -10,8 +9,10 @@
 #include "base/context.hpp"
 #include "base/machine.hpp"
 #include "base/stopwatch.hpp"
+#include "cli/check_plan.hpp"
 #include "cli/check_report.hpp"
 #include "cli/mistaken_files.hpp"
+#include "cli/planned_command.hpp"
 #include "cli/progress_bar.hpp"
 #include "convert/placement_record.hpp"
 #include "files/file_bytes.hpp"
@@ -106,8 +107,7 @@ Result<void> meet_requirements(const CheckReport& report) {
               would_close ? "--weld joins vertices at one place, and then it is closed" : "");
 }
 
-}  // namespace
-
+// Fails with ErrorCode::verification, after the report, if the mesh is not what --require asks for.
 Result<void> run_check(const CheckPlan& plan, const Messages& messages) {
   const Stopwatch watch;
   const Context context{plan.memory};
@@ -120,6 +120,13 @@ Result<void> run_check(const CheckPlan& plan, const Messages& messages) {
   }
   TRY(print_to_stdout(plan.json ? json : check_text(report)));
   return meet_requirements(report);
+}
+
+}  // namespace
+
+std::unique_ptr<Command> make_check_command() {
+  return std::make_unique<PlannedCommand<CheckFlags, plan_check, run_check>>(
+      CommandWords{"check", "MESH [options]", "Say what is wrong with a mesh, for printing, engines and solvers."});
 }
 
 }  // namespace isoextract::cli

@@ -1,5 +1,4 @@
-#include "cli/compare_command.hpp"
-
+// `isoextract compare`: the facts of two meshes and the distances between them, as text or JSON on stdout.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,6 +16,7 @@
 #include "cli/attribute_text.hpp"
 #include "cli/layout.hpp"
 #include "cli/mistaken_files.hpp"
+#include "cli/planned_command.hpp"
 #include "cli/progress_bar.hpp"
 #include "convert/json_values.hpp"
 #include "convert/placement_record.hpp"
@@ -276,8 +276,7 @@ Result<void> check_distance(const ComparePlan& plan, const std::array<Side, 2>& 
               hint);
 }
 
-}  // namespace
-
+// Fails with ErrorCode::verification, after the report, if the meshes may be farther apart than --max-distance.
 Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
   const Stopwatch watch;
   const Context context{plan.memory};
@@ -317,6 +316,13 @@ Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
                                      : text_of(sides, distance, attributes);
   TRY(print_to_stdout(text));
   return check_distance(plan, sides, distance);
+}
+
+}  // namespace
+
+std::unique_ptr<Command> make_compare_command() {
+  return std::make_unique<PlannedCommand<CompareFlags, plan_compare, run_compare>>(
+      CommandWords{"compare", "A B [options]", "Compare two meshes: their topology, and the distances between them."});
 }
 
 }  // namespace isoextract::cli

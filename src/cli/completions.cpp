@@ -1,25 +1,18 @@
-// Completion scripts for bash, zsh and fish. All three know the commands, that "convert" is meant where none is given,
-// and for each option its values, files, or that nothing can be said.
+// Completion scripts for bash, zsh and fish. All three know the commands and the default one, and for each option its
+// values, files, or that nothing can be said.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "cli/command.hpp"
 #include "cli/generate_docs.hpp"
-#include "cli/options.hpp"
 #include "field/demo_field.hpp"
 
 namespace isoextract::cli {
 namespace {
 
-std::vector<std::string> words_of(const CLI::Option& option) {
-  std::vector<std::string> words;
-  for (const std::string& name : option.get_snames()) words.push_back("-" + name);
-  for (const std::string& name : option.get_lnames()) words.push_back("--" + name);
-  return words;
-}
-
-bool takes_file(const CLI::Option& option) {
-  const std::string metavar = option.get_type_name();
-  return metavar == "FILE" || metavar == "INPUT" || metavar == "INPUT...";
+// Its names, with their dashes.
+std::vector<std::string> dashed_names(const Option& option) {
+  return option.is_positional() ? std::vector<std::string>() : option.row().names;
 }
 
 std::vector<std::string> demo_names() {
@@ -44,54 +37,41 @@ std::string replaced(std::string text, std::string_view what, std::string_view w
   return text;
 }
 
-std::vector<std::string> names_of_commands(const CLI::App& app) {
-  std::vector<std::string> names;
-  for (const CLI::App* command : commands_of(app)) names.push_back(command->get_name());
-  return names;
-}
-
 // What a script's function for the command is called: "simulate_water".
-std::string function_name(const CLI::App& command) { return replaced(full_name(command), " ", "_"); }
+std::string function_name(const Command& command) { return replaced(command.full_name(), " ", "_"); }
 
 // "'simulate water'": of the commands that are two words.
-std::vector<std::string> quoted_inner_names(const CLI::App& app) {
+std::vector<std::string> quoted_inner_names(const Command& program) {
   std::vector<std::string> names;
-  for (const CLI::App* command : all_commands(app)) {
-    if (command->get_parent() != &app) names.push_back(fmt::format("'{}'", full_name(*command)));
+  for (const Command* command : all_commands(program)) {
+    if (command->path().size() > 1) names.push_back(fmt::format("'{}'", command->full_name()));
   }
   return names;
-}
-
-const CLI::Option* positional_of(const CLI::App& command) {
-  for (const CLI::Option* option : command.get_options()) {
-    if (option->get_positional()) return option;
-  }
-  return nullptr;
 }
 
 // bash ------------------------------------------------------------------------------------------------------------
 
 // What the word after an option of `command` can be, as branches of a case.
-std::string bash_values(const CLI::App& command) {
+std::string bash_values(const Command& command) {
   std::string out;
-  for (const CLI::Option* option : command.get_options()) {
-    if (option->get_positional() || !takes_value(*option)) continue;
-    const std::vector<std::string> values = choices(*option);
-    const std::string action = !values.empty()       ? fmt::format("values=\"{}\"", fmt::join(values, " "))
-                               : takes_file(*option) ? "values=@files"
-                                                     : "values=@nothing";
-    out += fmt::format("        {}) {} ;;\n", fmt::join(words_of(*option), "|"), action);
+  for (const Option* option : command.options().options()) {
+    if (option->is_positional() || !option->takes_value()) continue;
+    const std::vector<std::string> values = option->choices();
+    const std::string action = !values.empty()        ? fmt::format("values=\"{}\"", fmt::join(values, " "))
+                               : option->takes_file() ? "values=@files"
+                                                      : "values=@nothing";
+    out += fmt::format("        {}) {} ;;\n", fmt::join(dashed_names(*option), "|"), action);
   }
   return out;
 }
 
-std::string bash_command(const CLI::App& command) {
+std::string bash_command(const Command& command) {
   std::vector<std::string> options;
-  for (const CLI::Option* option : command.get_options()) {
-    for (std::string& word : words_of(*option)) options.push_back(std::move(word));
+  for (const Option* option : command.options().options()) {
+    for (std::string& word : dashed_names(*option)) options.push_back(std::move(word));
   }
-  const CLI::Option* positional = positional_of(command);
-  std::vector<std::string> values = positional == nullptr ? names_of_commands(command) : choices(*positional);
+  const Option* operand = command.options().operand();
+  std::vector<std::string> values = operand == nullptr ? command.inner_names() : operand->choices();
   return fmt::format(
       "    '{}')\n"
       "      options=\"{}\"\n"
@@ -100,7 +80,7 @@ std::string bash_command(const CLI::App& command) {
       "{}"
       "      esac\n"
       "      ;;\n",
-      full_name(command), fmt::join(options, " "),
+      command.full_name(), fmt::join(options, " "),
       values.empty() ? "@files" : fmt::format("{}", fmt::join(values, " ")), bash_values(command));
 }
 
@@ -110,21 +90,21 @@ std::string zsh_escaped(const std::string& text) {
   return replaced(replaced(replaced(replaced(text, "'", "'\\''"), "[", "\\["), "]", "\\]"), ":", "\\:");
 }
 
-std::string zsh_action(const CLI::Option& option) {
-  const std::vector<std::string> values = choices(option);
+std::string zsh_action(const Option& option) {
+  const std::vector<std::string> values = option.choices();
   if (!values.empty()) return fmt::format(":value:({})", fmt::join(values, " "));
-  if (option.get_positional()) return ":input:_isoextract_inputs";
-  return takes_file(option) ? ":file:_files" : fmt::format(":{}: ", zsh_escaped(option.get_type_name()));
+  if (option.is_positional()) return ":input:_isoextract_inputs";
+  return option.takes_file() ? ":file:_files" : fmt::format(":{}: ", zsh_escaped(option.row().metavar));
 }
 
-// The choice among the commands of `app`, the first word after its name; no other word comes before it.
-std::string zsh_choice(const CLI::App& app) {
+// The choice among the commands of `outer`, the first word after its name; no other word comes before it.
+std::string zsh_choice(const Command& outer) {
   std::string described;
   std::string branches;
-  for (const CLI::App* command : commands_of(app)) {
-    described += fmt::format("      '{}:{}'\n", command->get_name(), zsh_escaped(command->get_description()));
-    if (command->get_name() == "convert") continue;
-    branches += fmt::format("    {}) shift words; (( CURRENT-- )); _isoextract_{} ;;\n", command->get_name(),
+  for (const auto& command : outer.inner()) {
+    described += fmt::format("      '{}:{}'\n", command->name(), zsh_escaped(command->summary()));
+    if (command->is_default()) continue;
+    branches += fmt::format("    {}) shift words; (( CURRENT-- )); _isoextract_{} ;;\n", command->name(),
                             function_name(*command));
   }
   return fmt::format(R"(  if (( CURRENT == 2 )); then
@@ -137,22 +117,22 @@ std::string zsh_choice(const CLI::App& app) {
                      described, branches);
 }
 
-std::string zsh_command(const CLI::App& command) {
-  if (!commands_of(command).empty()) {
+std::string zsh_command(const Command& command) {
+  if (!command.inner().empty()) {
     return fmt::format("_isoextract_{}() {{\n{}  esac\n}}\n\n", function_name(command), zsh_choice(command));
   }
   std::string out = fmt::format("_isoextract_{}() {{\n  _arguments -s -S", function_name(command));
-  for (const CLI::Option* option : command.get_options()) {
-    if (option->get_positional()) {
-      if (option == positional_of(command)) out += fmt::format(" \\\n    '*{}'", zsh_action(*option));
+  for (const Option* option : command.options().options()) {
+    if (option->is_positional()) {
+      if (option == command.options().operand()) out += fmt::format(" \\\n    '*{}'", zsh_action(*option));
       continue;
     }
-    const bool repeatable = option->get_items_expected_max() > 1;
-    for (const std::string& word : words_of(*option)) {
-      const bool has_equals = takes_value(*option) && word.starts_with("--");
+    const bool repeatable = option->is_repeatable();
+    for (const std::string& word : dashed_names(*option)) {
+      const bool has_equals = option->takes_value() && word.starts_with("--");
       out += fmt::format(" \\\n    '{}{}{}[{}]{}'", repeatable ? "*" : "", word, has_equals ? "=" : "",
-                         zsh_escaped(first_sentence(option->get_description())),
-                         takes_value(*option) ? zsh_action(*option) : "");
+                         zsh_escaped(first_sentence(option->row().help)),
+                         option->takes_value() ? zsh_action(*option) : "");
     }
   }
   return out + "\n}\n\n";
@@ -164,30 +144,35 @@ std::string fish_quoted(const std::string& text) {
   return "'" + replaced(replaced(text, "\\", "\\\\"), "'", "\\'") + "'";
 }
 
-std::string fish_option(const CLI::App& command, const CLI::Option& option) {
-  std::string line = fmt::format("complete -c isoextract -n '__isoextract_command_is {}'", full_name(command));
-  for (const std::string& name : option.get_snames()) line += " -s " + name;
-  for (const std::string& name : option.get_lnames()) line += " -l " + name;
-  const std::vector<std::string> values = choices(option);
+std::string fish_option(const Command& command, const Option& option) {
+  std::string line = fmt::format("complete -c isoextract -n '__isoextract_command_is {}'", command.full_name());
+  for (const std::string& name : option.row().names) {
+    line += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
+  }
+  const std::vector<std::string> values = option.choices();
   if (!values.empty()) {
     line += fmt::format(" -x -a '{}'", fmt::join(values, " "));
-  } else if (takes_value(option)) {
-    line += takes_file(option) ? " -r -F" : " -x";
+  } else if (option.takes_value()) {
+    line += option.takes_file() ? " -r -F" : " -x";
   }
-  return line + " -d " + fish_quoted(first_sentence(option.get_description())) + "\n";
+  return line + " -d " + fish_quoted(first_sentence(option.row().help)) + "\n";
 }
 
-std::string fish_positional(const CLI::App& command, const CLI::Option& option) {
-  const std::vector<std::string> values = choices(option);
-  return fmt::format("complete -c isoextract -n '__isoextract_command_is {}' {} -a '{}'\n", full_name(command),
+std::string fish_positional(const Command& command, const Option& option) {
+  const std::vector<std::string> values = option.choices();
+  return fmt::format("complete -c isoextract -n '__isoextract_command_is {}' {} -a '{}'\n", command.full_name(),
                      values.empty() ? "-F" : "-f", fmt::join(values.empty() ? demo_names() : values, " "));
 }
 
 }  // namespace
 
-std::string bash_completion(const CLI::App& app) {
+std::string bash_completion(const Command& program) {
+  std::vector<std::string> other_options;  // without a command
+  for (const Option* option : program.options().options()) {
+    if (option != &program.help_option()) other_options.push_back(option->name());
+  }
   std::string commands;
-  for (const CLI::App* command : all_commands(app)) commands += bash_command(*command);
+  for (const Command* command : all_commands(program)) commands += bash_command(*command);
   return fmt::format(R"(# bash completion of isoextract. Made by 'isoextract generate bash'; do not edit.
 
 _isoextract() {{
@@ -199,7 +184,7 @@ _isoextract() {{
   local previous=${{rest##*[[:space:]]}}
   local given=$current
 
-  local command=convert first
+  local command={6} first
   read -r _ first _ <<<"$line"
   local is_first=no
   [[ $rest != *[[:space:]]* ]] && is_first=yes
@@ -264,39 +249,39 @@ _isoextract() {{
 
 complete -F _isoextract isoextract
 )",
-                     fmt::join(names_of_commands(app), "|"), commands, fmt::join(demo_names(), " "),
-                     fmt::join(names_of_commands(app), " "), app.get_version_ptr()->get_name(),
-                     fmt::join(quoted_inner_names(app), "|"));
+                     fmt::join(program.inner_names(), "|"), commands, fmt::join(demo_names(), " "),
+                     fmt::join(program.inner_names(), " "), fmt::join(other_options, " "),
+                     fmt::join(quoted_inner_names(program), "|"), default_command(program).name());
 }
 
-std::string zsh_completion(const CLI::App& app) {
+std::string zsh_completion(const Command& program) {
   std::string functions;
-  for (const CLI::App* command : all_commands(app)) functions += zsh_command(*command);
+  for (const Command* command : all_commands(program)) functions += zsh_command(*command);
   return fmt::format(R"(#compdef isoextract
 # zsh completion of isoextract. Made by 'isoextract generate zsh'; do not edit.
 
 _isoextract_inputs() {{
-  local -a demos=({})
+  local -a demos=({0})
   _alternative 'files:volume:_files' 'demos:demo field:compadd -a demos'
 }}
 
-{}_isoextract() {{
-{}    convert) shift words; (( CURRENT-- )); _isoextract_convert ;;
-    *) _isoextract_convert ;;
+{1}_isoextract() {{
+{2}    {3}) shift words; (( CURRENT-- )); _isoextract_{3} ;;
+    *) _isoextract_{3} ;;
   esac
 }}
 
 _isoextract "$@"
 )",
-                     fmt::join(demo_names(), " "), functions, zsh_choice(app));
+                     fmt::join(demo_names(), " "), functions, zsh_choice(program), default_command(program).name());
 }
 
-std::string fish_completion(const CLI::App& app) {
+std::string fish_completion(const Command& program) {
   std::string out = fmt::format(R"(# fish completion of isoextract. Made by 'isoextract generate fish'; do not edit.
 
 function __isoextract_command_is
     set -l words (commandline -opc)
-    set -l command convert
+    set -l command {2}
     if set -q words[2]; and contains -- $words[2] {0}
         set command $words[2]
     end
@@ -312,19 +297,24 @@ end
 
 complete -c isoextract -f
 )",
-                                fmt::join(names_of_commands(app), " "), fmt::join(quoted_inner_names(app), " "));
-  for (const CLI::App* command : commands_of(app)) {
-    out += fmt::format("complete -c isoextract -n __isoextract_first_word -a {} -d {}\n", command->get_name(),
-                       fish_quoted(first_sentence(command->get_description())));
+                                fmt::join(program.inner_names(), " "), fmt::join(quoted_inner_names(program), " "),
+                                default_command(program).name());
+  for (const auto& command : program.inner()) {
+    out += fmt::format("complete -c isoextract -n __isoextract_first_word -a {} -d {}\n", command->name(),
+                       fish_quoted(first_sentence(command->summary())));
   }
-  out += "complete -c isoextract -n __isoextract_first_word -l version -d 'Show the version and exit'\n";
-  for (const CLI::App* command : all_commands(app)) {
-    for (const CLI::App* inner : commands_of(*command)) {
-      out += fmt::format("complete -c isoextract -n '__isoextract_command_is {}' -f -a {} -d {}\n", full_name(*command),
-                         inner->get_name(), fish_quoted(first_sentence(inner->get_description())));
+  for (const Option* option : program.options().options()) {
+    if (option == &program.help_option()) continue;
+    out += fmt::format("complete -c isoextract -n __isoextract_first_word -l {} -d {}\n", option->key(),
+                       fish_quoted(first_sentence(option->row().help)));
+  }
+  for (const Command* command : all_commands(program)) {
+    for (const auto& inner : command->inner()) {
+      out += fmt::format("complete -c isoextract -n '__isoextract_command_is {}' -f -a {} -d {}\n",
+                         command->full_name(), inner->name(), fish_quoted(first_sentence(inner->summary())));
     }
-    for (const CLI::Option* option : command->get_options()) {
-      out += option->get_positional() ? fish_positional(*command, *option) : fish_option(*command, *option);
+    for (const Option* option : command->options().options()) {
+      out += option->is_positional() ? fish_positional(*command, *option) : fish_option(*command, *option);
     }
   }
   return out;

@@ -1,6 +1,7 @@
 #include "cli/config_file.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <string_view>
 #include <utility>
 
@@ -21,7 +22,7 @@ constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;
 
 // An option as words of the command line; of one that is false none.
 struct ConfigOption {
-  const CLI::Option* option = nullptr;
+  const Option* option = nullptr;
   std::vector<std::string> words;
 };
 
@@ -32,8 +33,8 @@ struct ConfigFile {
 
 class ConfigReader {
  public:
-  ConfigReader(const ConvertFlags& flags, const CLI::App& command)
-      : path_(*flags.config), config_(flags.config), command_(command) {}
+  explicit ConfigReader(const CommandOf<ConvertFlags>& command)
+      : path_(*command.flags().config), config_(command.flags().config), command_(command) {}
 
   Result<ConfigFile> read() {
     const auto text = TRY(files::read_text_file(path_, "a file of options", kMostBytes, Context()));
@@ -59,22 +60,21 @@ class ConfigReader {
       file_.inputs = TRY(texts_of(key, node));
       return {};
     }
-    const CLI::Option* const option = key.empty() ? nullptr : command_.get_option_no_throw("--" + key);
+    const Option* const option = command_.options().find("--" + key);
     if (option == nullptr || !may_stand_in_file(*option)) return unknown(key, node);
     auto words = TRY(words_of_value(key, *option, node));
     file_.options.push_back({option, std::move(words)});
     return {};
   }
 
-  [[nodiscard]] bool may_stand_in_file(const CLI::Option& option) const {
-    return &option != command_.get_help_ptr() && &option != command_.get_option_no_throw(config_.name());
+  [[nodiscard]] bool may_stand_in_file(const Option& option) const {
+    return &option != &command_.help_option() && &option != &config_;
   }
 
   [[nodiscard]] tl::unexpected<Error> unknown(const std::string& key, const toml::node& node) const {
     std::vector<std::string> known{std::string(kInputKey)};
-    for (const CLI::Option* option : command_.get_options()) {
-      if (!may_stand_in_file(*option)) continue;
-      known.insert(known.end(), option->get_lnames().begin(), option->get_lnames().end());
+    for (const Option* option : command_.options().options()) {
+      if (!option->is_positional() && may_stand_in_file(*option)) known.push_back(option->key());
     }
     const std::string near = nearest_name(key, known);
     return bad(node, fmt::format("unknown key '{}'", printable(key)),
@@ -82,17 +82,18 @@ class ConfigReader {
                             : fmt::format("did you mean '{}'?", near));
   }
 
-  Result<std::vector<std::string>> words_of_value(const std::string& key, const CLI::Option& option,
+  Result<std::vector<std::string>> words_of_value(const std::string& key, const Option& option,
                                                   const toml::node& node) const {
     const std::string name = "--" + key;
-    if (const auto is_on = node.value_exact<bool>(); is_on && (!takes_value(option) || value_is_optional(option))) {
+    if (const auto is_on = node.value_exact<bool>(); is_on && (!option.takes_value() || option.row().left_out)) {
       if (!*is_on) return std::vector<std::string>();
-      const auto words = choices(option);
+      const auto words = option.choices();
       return std::vector<std::string>{words.empty() ? name : fmt::format("{}={}", name, words.front())};
     }
-    if (!takes_value(option)) return bad(node, fmt::format("{}: expected true or false, found {}", key, kind_of(node)));
-    const bool is_repeatable = option.get_items_expected_max() > 1;
-    const bool has_parts = option.get_type_name().find(',') != std::string::npos;
+    if (!option.takes_value())
+      return bad(node, fmt::format("{}: expected true or false, found {}", key, kind_of(node)));
+    const bool is_repeatable = option.is_repeatable();
+    const bool has_parts = option.row().metavar.find(',') != std::string::npos;
     const toml::array* const list = node.as_array();
     const auto all_of_list = [&](const auto& is) {
       return list != nullptr && std::all_of(list->begin(), list->end(), is);
@@ -160,7 +161,7 @@ class ConfigReader {
 
   const std::string& path_;
   const Option& config_;  // which the file itself cannot have
-  const CLI::App& command_;
+  const CommandOf<ConvertFlags>& command_;
   ConfigFile file_;
 };
 
@@ -170,36 +171,38 @@ void append(std::vector<std::string>& words, const std::vector<std::string>& mor
 
 }  // namespace
 
-Result<ConfiguredLine> with_config(const CommandLine& line, const std::vector<std::string>& arguments) {
-  const std::string& path = *line.convert_flags.config;
+Result<std::vector<std::string>> with_config(CommandOf<ConvertFlags>& command,
+                                             const std::vector<std::string>& arguments) {
+  const std::string path = *command.flags().config;
   if (files::is_standard_input(path)) return fail(ErrorCode::usage, "--config needs the name of a file, found '-'");
-  const auto file = TRY(ConfigReader(line.convert_flags, *line.convert).read());
-  const std::string& command = line.convert->get_name();
-  std::vector<std::string> all{command};  // that the file has
-  std::vector<std::string> words{command};
+  const auto file = TRY(ConfigReader(command).read());
+  std::vector<std::string> all;  // that the file has
+  std::vector<std::string> words;
   for (const ConfigOption& option : file.options) {
     append(all, option.words);
-    if (option.option->count() == 0) append(words, option.words);
+    if (option.option->texts().empty()) append(words, option.words);
   }
   // By themselves, so that what is wrong with them is said of the file.
-  if (auto checked = parse_command_line(*declare_command_line(), all); !checked) {
+  command.forget();
+  if (auto checked = parse_words(command, all); !checked) {
     Error error = std::move(checked.error());
     error.message = fmt::format("{}: {}", printable(path), error.message);
     return tl::unexpected(std::move(error));
   }
 
-  const std::ptrdiff_t named = arguments.front() == command ? 1 : 0;
-  const std::vector<std::string> given(arguments.begin() + named, arguments.end());
-  ConfiguredLine configured{declare_command_line(), {words.begin() + 1 - named, words.end()}};
+  const std::vector<std::string> given = words_after_name(command, arguments);
+  std::vector<std::string> configured(arguments.begin(), arguments.end() - std::ssize(given));
+  append(configured, words);
   append(words, given);
-  TRY(parse_command_line(*configured.line, words));
+  command.forget();
+  TRY(parse_words(command, words));
   // Not as words: they may look like options.
-  std::vector<std::string>& inputs = configured.line->convert_flags.input.inputs;
+  std::vector<std::string>& inputs = command.flags().input.inputs;
   if (inputs.empty()) {
     inputs = file.inputs;
-    append(configured.arguments, inputs);
+    append(configured, inputs);
   }
-  append(configured.arguments, given);
+  append(configured, given);
   return configured;
 }
 

@@ -6,24 +6,21 @@
 //   cap = true                   # one without a value
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "base/error.hpp"
-#include "cli/options.hpp"
+#include "cli/command.hpp"
+#include "cli/options/convert.hpp"
 
 namespace isoextract::cli {
 
-struct ConfiguredLine {
-  std::unique_ptr<CommandLine> line;
-  std::vector<std::string> arguments;  // those that were given, and before them what the file adds
-};
-
-// `line` was parsed from `arguments` and has --config. What the command line has itself, the inputs among it, is not
-// taken from the file; all of the file is checked all the same. Fails with ErrorCode::input where the file cannot be
-// read, and with ErrorCode::usage where it is not TOML, has a key that is no option, or a value that its option does
-// not take; messages begin with its name.
-[[nodiscard]] Result<ConfiguredLine> with_config(const CommandLine& line, const std::vector<std::string>& arguments);
+// `command` has read `arguments`, with --config among them. Gives it the options of the file as well, and returns the
+// arguments with what the file adds before those that were given. What the command line has itself, the inputs among
+// it, is not taken from the file; all of the file is checked all the same. Fails with ErrorCode::input where the file
+// cannot be read, and with ErrorCode::usage where it is not TOML, has a key that is no option, or a value that its
+// option does not take; messages begin with its name.
+[[nodiscard]] Result<std::vector<std::string>> with_config(CommandOf<ConvertFlags>& command,
+                                                           const std::vector<std::string>& arguments);
 
 }  // namespace isoextract::cli

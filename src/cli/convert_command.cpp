@@ -19,13 +19,19 @@
 #include "base/stopwatch.hpp"
 #include "batch/batch_run.hpp"
 #include "batch/manifest.hpp"
+#include "cli/batch_command.hpp"
+#include "cli/batch_plan.hpp"
+#include "cli/command_line.hpp"
+#include "cli/config_file.hpp"
 #include "cli/field_plan.hpp"
+#include "cli/foreign_words.hpp"
 #include "cli/messages.hpp"
 #include "cli/output_folders.hpp"
 #include "cli/output_plan.hpp"
 #include "cli/pages_plan.hpp"
 #include "cli/picture_plan.hpp"
 #include "cli/plan.hpp"
+#include "cli/planned_command.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/remedies.hpp"
 #include "cli/report_file.hpp"
@@ -266,32 +272,15 @@ Converted convert_as_planned(const ConvertPlan& plan, const Messages& messages) 
   return converted;
 }
 
-}  // namespace
-
-void report_unread_words(const std::vector<std::string>& arguments, const Error& error) {
-  ConvertFlags named;  // what the words may name
-  const std::string& report = named.report.name();
-  const std::vector<std::string>& output = named.output.row().names;
-  for (std::size_t i = 0; i < arguments.size(); ++i) {
-    const std::string& word = arguments[i];
-    const std::size_t equals = word.starts_with('-') ? word.find('=') : std::string::npos;
-    const std::string value = equals == std::string::npos ? word : word.substr(equals + 1);
-    if (word == report && i + 1 < arguments.size()) {
-      named.report = arguments[++i];
-    } else if (equals != std::string::npos && word.substr(0, equals) == report) {
-      named.report = value;
-    } else {
-      if (i > 0 && std::ranges::find(output, arguments[i - 1]) != output.end()) named.output = word;
-      named.input.inputs.push_back(value);
+// Whether an option or an operand may name the file of the report.
+bool names_report_twice(const ConvertFlags& flags) {
+  for (const Option* option : flags.options()) {
+    if (option == &flags.report || !option->takes_value()) continue;
+    for (const std::string& text : option->texts()) {
+      if (files::same_place(*flags.report, text)) return true;
     }
   }
-  const auto reported = attempt([&]() -> Result<void> {
-    for (const std::string& other : named.input.inputs) {
-      if (named.report && files::same_place(*named.report, other)) return {};
-    }
-    return report_no_plan(named, arguments, error);
-  });
-  if (!reported) Messages(Verbosity::normal).error(reported.error());
+  return false;
 }
 
 Result<void> run_convert(const ConvertFlags& flags, const std::vector<std::string>& arguments) {
@@ -333,5 +322,49 @@ Result<void> run_convert(const ConvertFlags& flags, const std::vector<std::strin
   if (!reported) messages.error(reported.error());
   return done;
 }
+
+class ConvertCommand final : public CommandOf<ConvertFlags> {
+ public:
+  ConvertCommand()
+      : CommandOf({"convert", "INPUT... --iso V [-o FILE] [options]",
+                   "Extract a surface and write it as a mesh. The default command."}) {}
+
+  [[nodiscard]] Result<void> check_words() const override { return check_for_output_among_inputs(flags()); }
+
+  Result<int> run(const std::vector<std::string>& arguments) override {
+    if (!flags().config) return run_configured(arguments);
+    const auto configured = with_config(*this, arguments);
+    if (configured) return run_configured(*configured);
+    report_failure(arguments, configured.error());
+    return tl::unexpected(configured.error());
+  }
+
+  // Writes the report that is asked for, unless another of the words may name the same file. Tells on stderr where that
+  // fails.
+  void report_failure(const std::vector<std::string>& arguments, const Error& error) override {
+    forget();
+    read_refused_words(*this, words_after_name(*this, arguments));
+    const auto reported = attempt([&]() -> Result<void> {
+      if (flags().report && names_report_twice(flags())) return {};
+      return report_no_plan(flags(), arguments, error);
+    });
+    if (!reported) Messages(Verbosity::normal).error(reported.error());
+  }
+
+ private:
+  Result<int> run_configured(const std::vector<std::string>& arguments) {
+    choose_process(flags().input);
+    auto done = is_batch(flags()) ? run_batch(flags(), arguments) : run_convert(flags(), arguments);
+    if (!done && done.error().code == ErrorCode::usage && flags().config) {
+      done.error().message += fmt::format(" (options come from {}, too)", printable(*flags().config));
+    }
+    TRY(std::move(done));
+    return kDone;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_convert_command() { return std::make_unique<ConvertCommand>(); }
 
 }  // namespace isoextract::cli

@@ -1,14 +1,20 @@
-#include "cli/devices_command.hpp"
-
+// `isoextract devices`: what the GPU backend can draw on.
 #include <fmt/format.h>
 
 #include "base/byte_size.hpp"
+#include "cli/command.hpp"
 #include "cli/messages.hpp"
+#include "cli/options/run.hpp"
 #include "convert/json_values.hpp"
 #include "gl/gpu_device.hpp"
 
 namespace isoextract::cli {
 namespace {
+
+struct DevicesFlags : OptionSet {
+  JsonFlag json{in(OptionGroup::output), "Report as JSON, an array with one entry a device."};
+  RunFlags run{*this, RunFlags::Taken::quiet};  // says nothing but its results anyway
+};
 
 std::string device_text(const gl::GpuDevice& device) {
   if (device.problem) return fmt::format("{}  not usable: {}\n", device.index, device.problem->message);
@@ -35,17 +41,26 @@ convert::Json device_json(const gl::GpuDevice& device) {
   return json;
 }
 
+class DevicesCommand final : public CommandOf<DevicesFlags> {
+ public:
+  DevicesCommand() : CommandOf({"devices", "[options]", "List the GPUs that can be used without a display."}) {}
+
+  // Fails with ErrorCode::unavailable where there is no device at all. Devices that cannot be used are listed with why.
+  Result<int> run(const std::vector<std::string>& /*arguments*/) override {
+    const auto devices = TRY(gl::list_gpu_devices());
+    std::string text;
+    convert::Json json = convert::Json::array();
+    for (const gl::GpuDevice& device : devices) {
+      text += device_text(device);
+      json.push_back(device_json(device));
+    }
+    TRY(print_to_stdout(flags().json ? convert::json_text(json) : text));
+    return kDone;
+  }
+};
+
 }  // namespace
 
-Result<void> run_devices(const DevicesFlags& flags) {
-  const auto devices = TRY(gl::list_gpu_devices());
-  std::string text;
-  convert::Json json = convert::Json::array();
-  for (const gl::GpuDevice& device : devices) {
-    text += device_text(device);
-    json.push_back(device_json(device));
-  }
-  return print_to_stdout(flags.json ? convert::json_text(json) : text);
-}
+std::unique_ptr<Command> make_devices_command() { return std::make_unique<DevicesCommand>(); }
 
 }  // namespace isoextract::cli

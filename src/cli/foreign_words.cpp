@@ -50,10 +50,10 @@ constexpr std::array kForeignOptions{
 
 }  // namespace
 
-std::string hint_for_foreign_option(const CLI::App& command, std::string_view name) {
+std::string hint_for_foreign_option(const OptionSet& options, std::string_view name) {
   const auto* const found = std::ranges::find(kForeignOptions, name, &ForeignOption::name);
   if (found == kForeignOptions.end()) return "";
-  if (command.get_option_no_throw(std::string(found->ours)) == nullptr) return "";
+  if (options.find(found->ours) == nullptr) return "";
   return fmt::format("{} {}", found->ours, found->does);
 }
 

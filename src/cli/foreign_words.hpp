@@ -9,8 +9,8 @@
 
 namespace isoextract::cli {
 
-// For an option that `command` does not have, the one of its own that does that; empty where none is known.
-[[nodiscard]] std::string hint_for_foreign_option(const CLI::App& command, std::string_view name);
+// For an option that is not among `options`, the one of them that does that; empty where none is known.
+[[nodiscard]] std::string hint_for_foreign_option(const OptionSet& options, std::string_view name);
 
 // Fails with ErrorCode::usage where an output was named without -o: several inputs, the last of them named as a mesh.
 [[nodiscard]] Result<void> check_for_output_among_inputs(const ConvertFlags& flags);

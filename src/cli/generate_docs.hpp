@@ -1,29 +1,15 @@
-// The man page and the shell completions, made from the declarations of the command line.
+// The man page and the shell completions, made from the declarations of the commands.
 #pragma once
 
-#include <array>
 #include <string>
 
-#include "base/words.hpp"
-
-namespace CLI {
-class App;
-}
+#include "cli/command.hpp"
 
 namespace isoextract::cli {
 
-enum class Document { man, bash, zsh, fish };
-constexpr auto words_of(Document /*type*/) {
-  return std::array{Word{Document::man, "man"}, Word{Document::bash, "bash"}, Word{Document::zsh, "zsh"},
-                    Word{Document::fish, "fish"}};
-}
-
-[[nodiscard]] std::string generate_document(const CLI::App& app, Document document);
-
-// One of each, in a file of its own.
-[[nodiscard]] std::string man_page(const CLI::App& app);
-[[nodiscard]] std::string bash_completion(const CLI::App& app);
-[[nodiscard]] std::string zsh_completion(const CLI::App& app);
-[[nodiscard]] std::string fish_completion(const CLI::App& app);
+[[nodiscard]] std::string man_page(const Command& program);
+[[nodiscard]] std::string bash_completion(const Command& program);
+[[nodiscard]] std::string zsh_completion(const Command& program);
+[[nodiscard]] std::string fish_completion(const Command& program);
 
 }  // namespace isoextract::cli

@@ -9,22 +9,12 @@
 #include "base/ascii.hpp"
 #include "base/version.hpp"
 #include "cli/field_plan.hpp"
-#include "cli/options.hpp"
 #include "field/demo_field.hpp"
+#include "mesh_io/mesh_writer.hpp"
 #include "particle_io/particle_format.hpp"
 
 namespace isoextract::cli {
 namespace {
-
-constexpr std::array<std::string_view, 9> kGroups{"Input",    "Particles", "Frames", "Surface", "Pieces",
-                                                  "Vertices", "Placement", "Output", "Run"};
-// Of all commands.
-constexpr std::array<std::string_view, 11> kAllGroups{"Input",     "Scene",   "Simulation", "Particles",
-                                                      "Frames",    "Surface", "Pieces",     "Vertices",
-                                                      "Placement", "Output",  "Run"};
-constexpr std::array<std::string_view, 13> kCommands{"convert",  "info",  "verify",    "compare", "check",
-                                                     "render",   "bench", "stability", "merge",   "devices",
-                                                     "simulate", "help",  "generate"};
 
 constexpr std::array kExamples{
     Example{"isoextract smoke.vdb --iso 0.5 -o smoke.glb", "A density as a glTF file for Blender or a browser."},
@@ -152,8 +142,13 @@ HelpTopic exit_codes_topic() {
              {"6", "what was to be verified does not hold"}}}}};
 }
 
-const CLI::App& command_named(const CLI::App& app, std::string_view name) {
-  return *app.get_subcommand(std::string(name));
+// Those that options of the default command are in: each is a topic.
+std::vector<Word<OptionGroup>> topic_groups(const Command& program) {
+  std::vector<Word<OptionGroup>> groups;
+  for (const Word<OptionGroup>& group : words_of(OptionGroup{})) {
+    if (!default_command(program).options().in_group(group.value).empty()) groups.push_back(group);
+  }
+  return groups;
 }
 
 std::string examples_text() {
@@ -162,10 +157,11 @@ std::string examples_text() {
   return out;
 }
 
-std::string help_of_group(const CLI::App& app, std::string_view group) {
+std::string help_of_group(const Command& program, const Word<OptionGroup>& group) {
+  const Command& command = default_command(program);
   std::string out =
-      fmt::format("{} options of convert:\n{}", group, plain_text(group_block(command_named(app, "convert"), group)));
-  if (group == "Placement") {
+      fmt::format("{} options of {}:\n{}", group.word, command.name(), plain_text(group_block(command, group.value)));
+  if (group.value == OptionGroup::placement) {
     for (const HelpBlock& block : coordinates_topic().blocks) out += "\n" + plain_text(block);
   }
   return out;
@@ -179,69 +175,64 @@ std::vector<HelpTopic> help_topics() {
 
 std::span<const Example> examples() { return kExamples; }
 
-std::span<const std::string_view> option_groups() { return kAllGroups; }
-
-HelpBlock group_block(const CLI::App& command, std::string_view group) {
+HelpBlock group_block(const Command& command, OptionGroup group) {
   HelpBlock block;
-  for (const CLI::Option* option : options_in_group(command, std::string(group))) {
-    block.rows.push_back({spelling(*option), option->get_description()});
+  for (const Option* option : command.options().in_group(group)) {
+    block.rows.push_back({option->spelling(), option->row().help});
   }
   return block;
 }
 
-std::vector<std::string> help_names() {
-  std::vector<std::string> names(kCommands.begin(), kCommands.end());
-  for (const std::string_view group : kGroups) names.push_back(lower_case(group));
+std::vector<std::string> help_names(const Command& program) {
+  std::vector<std::string> names = program.inner_names();
+  for (const Word<OptionGroup>& group : topic_groups(program)) names.push_back(lower_case(group.word));
   for (const HelpTopic& topic : help_topics()) names.emplace_back(topic.name);
   return names;
 }
 
-std::string help_overview(const CLI::App& app) {
-  std::string out = fmt::format("{}: {}\n\n", generator(), app.get_description());
+std::string help_overview(const Command& program) {
+  std::string out = fmt::format("{}: {}\n\n", generator(), program.summary());
   HelpBlock commands;
   const char* before = "Usage: ";
-  for (const CLI::App* command : commands_of(app)) {
-    out += before + synopsis(*command) + "\n";
+  for (const auto& command : program.inner()) {
+    out += before + command->synopsis() + "\n";
     before = "       ";
-    commands.rows.push_back({command->get_name(), command->get_description()});
+    commands.rows.push_back({command->name(), command->summary()});
   }
   out += "\nCommands ('isoextract COMMAND --help' lists their options):\n" + plain_text(commands);
   HelpBlock topics;
-  for (const std::string_view group : kGroups) {
-    topics.rows.push_back({lower_case(group), fmt::format("The {} options of convert.", lower_case(group))});
+  for (const Word<OptionGroup>& group : topic_groups(program)) {
+    const std::string name = lower_case(group.word);
+    topics.rows.push_back({name, fmt::format("The {} options of {}.", name, default_command(program).name())});
   }
   for (const HelpTopic& topic : help_topics()) {
     topics.rows.push_back({std::string(topic.name), std::string(topic.summary)});
   }
   out += "\nTopics ('isoextract help TOPIC'):\n" + plain_text(topics);
-  out += "\nOptions:\n" + plain_text(group_block(app, "Run"));
+  out += "\nOptions:\n" + plain_text(group_block(program, OptionGroup::run));
   return out + "\n" + examples_text();
 }
 
-std::string help_of_command(const CLI::App& command) {
-  std::string out = fmt::format("{}\n\nUsage: {}\n", command.get_description(), synopsis(command));
+std::string help_of_command(const Command& command) {
+  std::string out = fmt::format("{}\n\nUsage: {}\n", command.summary(), command.synopsis());
   HelpBlock inner;
-  for (const CLI::App* sub_command : commands_of(command)) {
-    inner.rows.push_back({full_name(*sub_command), sub_command->get_description()});
-  }
+  for (const auto& of_it : command.inner()) inner.rows.push_back({of_it->full_name(), of_it->summary()});
   if (!inner.rows.empty()) {
-    out += fmt::format("\nCommands ('isoextract {} COMMAND --help' lists their options):\n{}", full_name(command),
+    out += fmt::format("\nCommands ('isoextract {} COMMAND --help' lists their options):\n{}", command.full_name(),
                        plain_text(inner));
   }
-  for (const std::string_view group : kAllGroups) {
-    const HelpBlock block = group_block(command, group);
-    if (!block.rows.empty()) out += fmt::format("\n{}:\n{}", group, plain_text(block));
+  for (const Word<OptionGroup>& group : words_of(OptionGroup{})) {
+    const HelpBlock block = group_block(command, group.value);
+    if (!block.rows.empty()) out += fmt::format("\n{}:\n{}", group.word, plain_text(block));
   }
-  if (command.get_name() == "convert") out += "\n" + examples_text();
+  if (command.is_default()) out += "\n" + examples_text();
   return out;
 }
 
-std::string help_of(const CLI::App& app, std::string_view name) {
-  if (std::find(kCommands.begin(), kCommands.end(), name) != kCommands.end()) {
-    return help_of_command(command_named(app, name));
-  }
-  for (const std::string_view group : kGroups) {
-    if (lower_case(group) == name) return help_of_group(app, group);
+std::string help_of(const Command& program, std::string_view name) {
+  if (const Command* command = program.find(name)) return help_of_command(*command);
+  for (const Word<OptionGroup>& group : topic_groups(program)) {
+    if (lower_case(group.word) == name) return help_of_group(program, group);
   }
   std::string out;
   for (const HelpTopic& topic : help_topics()) {
@@ -251,11 +242,11 @@ std::string help_of(const CLI::App& app, std::string_view name) {
   return out;
 }
 
-std::string short_usage(const CLI::App& app) {
+std::string short_usage(const Command& program) {
   std::string out;
   const char* before = "usage: ";
-  for (const CLI::App* command : commands_of(app)) {
-    out += before + synopsis(*command) + "\n";
+  for (const auto& command : program.inner()) {
+    out += before + command->synopsis() + "\n";
     before = "       ";
   }
   return out + "Try: isoextract demo:gyroid --iso 0 -o gyroid.glb   or: isoextract help\n";

@@ -6,11 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "cli/command.hpp"
 #include "cli/layout.hpp"
-
-namespace CLI {
-class App;
-}
 
 namespace isoextract::cli {
 
@@ -29,20 +26,17 @@ struct Example {
 };
 [[nodiscard]] std::span<const Example> examples();
 
-// The groups that options are in, in the order of the help.
-[[nodiscard]] std::span<const std::string_view> option_groups();
-
 // The rows of a command's options in a group.
-[[nodiscard]] HelpBlock group_block(const CLI::App& command, std::string_view group);
+[[nodiscard]] HelpBlock group_block(const Command& command, OptionGroup group);
 
 // Every word that 'isoextract help' takes: commands, groups, subjects.
-[[nodiscard]] std::vector<std::string> help_names();
+[[nodiscard]] std::vector<std::string> help_names(const Command& program);
 
-[[nodiscard]] std::string help_overview(const CLI::App& app);
-[[nodiscard]] std::string help_of_command(const CLI::App& command);
+[[nodiscard]] std::string help_overview(const Command& program);
+[[nodiscard]] std::string help_of_command(const Command& command);
 // `name` is one of help_names().
-[[nodiscard]] std::string help_of(const CLI::App& app, std::string_view name);
+[[nodiscard]] std::string help_of(const Command& program, std::string_view name);
 // A few lines for someone who gave no argument at all.
-[[nodiscard]] std::string short_usage(const CLI::App& app);
+[[nodiscard]] std::string short_usage(const Command& program);
 
 }  // namespace isoextract::cli

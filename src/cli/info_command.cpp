@@ -1,5 +1,4 @@
-#include "cli/info_command.hpp"
-
+// `isoextract info`: what volumes hold, as text or JSON on stdout.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -15,6 +14,7 @@
 #include "cli/info_report.hpp"
 #include "cli/info_sequence.hpp"
 #include "cli/mistaken_files.hpp"
+#include "cli/planned_command.hpp"
 #include "cli/progress_bar.hpp"
 #include "convert/particle_source.hpp"
 #include "convert/source.hpp"
@@ -261,14 +261,21 @@ class InfoPage {
   convert::Json json_ = convert::Json::array();
 };
 
-}  // namespace
-
-std::optional<Error> run_info(const InfoPlan& plan, const Messages& messages) {
+// Reports on every input it can read. Errors are shown here; the exit code is that of the first.
+Result<int> run_info(const InfoPlan& plan, const Messages& messages) {
   InfoPage page(plan, messages);
   for (const std::string& input : plan.inputs) {
     plan.frames || names_frames(input) ? page.add_sequence(input) : page.add_input(input);
   }
-  return page.print();
+  const std::optional<Error> failure = page.print();
+  return failure ? exit_code_of(failure->code) : kDone;
+}
+
+}  // namespace
+
+std::unique_ptr<Command> make_info_command() {
+  return std::make_unique<PlannedCommand<InfoFlags, plan_info, run_info>>(
+      CommandWords{"info", "INPUT... [options]", "Show what a volume or particles hold, and suggest an iso value."});
 }
 
 }  // namespace isoextract::cli

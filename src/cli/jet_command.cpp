@@ -1,5 +1,4 @@
-#include "cli/jet_command.hpp"
-
+// isoextract simulate jet: a particle jet, frame by frame, as files.
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +9,8 @@
 #include "base/context.hpp"
 #include "base/printable.hpp"
 #include "base/stopwatch.hpp"
+#include "cli/jet_plan.hpp"
+#include "cli/planned_command.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/simulate_command.hpp"
 #include "points/method.hpp"
@@ -94,8 +95,13 @@ class JetRun {
   std::uint64_t bytes_ = 0;
 };
 
+Result<void> run_jet(const JetPlan& plan, const Messages& messages) { return JetRun(plan, messages).run(); }
+
 }  // namespace
 
-Result<void> run_jet(const JetPlan& plan, const Messages& messages) { return JetRun(plan, messages).run(); }
+std::unique_ptr<Command> make_jet_command() {
+  return std::make_unique<PlannedCommand<JetFlags, plan_jet, run_jet>>(CommandWords{
+      "jet", "-o FILE [options]", "Let a jet of water into a tank, by position-based fluids, as particles."});
+}
 
 }  // namespace isoextract::cli

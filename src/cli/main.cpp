@@ -1,6 +1,6 @@
 #include <cstddef>
 
-#include "cli/commands.hpp"
+#include "cli/program.hpp"
 #include "plugin_host/plugin_reader.hpp"
 
 int main(int argc, char** argv) {

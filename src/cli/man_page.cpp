@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 
 #include "base/version.hpp"
+#include "cli/command.hpp"
 #include "cli/generate_docs.hpp"
 #include "cli/help_topics.hpp"
-#include "cli/options.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -71,27 +71,27 @@ std::string upper(std::string_view text) {
   return out;
 }
 
-std::string synopsis_section(const CLI::App& app) {
+std::string synopsis_section(const Command& program) {
   std::string out = ".Sh SYNOPSIS\n";
-  for (const CLI::App* command : all_commands(app)) {
-    if (!commands_of(*command).empty()) continue;
-    const std::string line = synopsis(*command);
+  for (const Command* command : all_commands(program)) {
+    if (!command->inner().empty()) continue;
+    const std::string line = command->synopsis();
     out += fmt::format(".Nm\n{}\n", escaped(line.substr(line.find(' ') + 1)));
   }
   return out;
 }
 
-std::string commands_section(const CLI::App& app) {
+std::string commands_section(const Command& program) {
   std::vector<HelpRow> rows;
-  for (const CLI::App* command : all_commands(app)) rows.push_back({full_name(*command), command->get_description()});
+  for (const Command* command : all_commands(program)) rows.push_back({command->full_name(), command->summary()});
   return ".Sh COMMANDS\n" + tagged_list(rows);
 }
 
-std::string options_section(const CLI::App& command) {
-  std::string out = fmt::format(".Sh OPTIONS OF {}\n", upper(full_name(command)));
-  for (const std::string_view group : option_groups()) {
-    const HelpBlock block = group_block(command, group);
-    if (!block.rows.empty()) out += fmt::format(".Ss {}\n{}", group, tagged_list(block.rows));
+std::string options_section(const Command& command) {
+  std::string out = fmt::format(".Sh OPTIONS OF {}\n", upper(command.full_name()));
+  for (const Word<OptionGroup>& group : words_of(OptionGroup{})) {
+    const HelpBlock block = group_block(command, group.value);
+    if (!block.rows.empty()) out += fmt::format(".Ss {}\n{}", group.word, tagged_list(block.rows));
   }
   return out;
 }
@@ -110,23 +110,23 @@ std::string exit_status_section(const HelpTopic& topic) {
 
 }  // namespace
 
-std::string man_page(const CLI::App& app) {
+std::string man_page(const Command& program) {
   std::string out =
       "."
       R"(\" Made by 'isoextract generate man'; do not edit.)"
       "\n";
   out += fmt::format(".Dd {}\n.Dt ISOEXTRACT 1\n.Os\n", kDate);
   out += ".Sh NAME\n.Nm isoextract\n.Nd extract isosurfaces from volumes and write them as meshes\n";
-  out += synopsis_section(app);
+  out += synopsis_section(program);
   out += ".Sh DESCRIPTION\n";
   out += paragraph(
       "isoextract reads a volume, a scalar field of samples on a grid, and writes the surface where the field has a "
       "chosen value as a triangle mesh. Inside is where the value is above the iso value, or below it for level sets. "
       "Meshes are closed wherever the surface does not leave the data, and the same input and options give the same "
       "bytes whatever the number of threads.");
-  out += commands_section(app);
-  for (const CLI::App* command : all_commands(app)) out += options_section(*command);
-  out += ".Sh OPTIONS WITHOUT A COMMAND\n" + tagged_list(group_block(app, "Run").rows);
+  out += commands_section(program);
+  for (const Command* command : all_commands(program)) out += options_section(*command);
+  out += ".Sh OPTIONS WITHOUT A COMMAND\n" + tagged_list(group_block(program, OptionGroup::run).rows);
   std::string exit_status;
   for (const HelpTopic& topic : help_topics()) {
     if (topic.name == "exit-codes") {
@@ -140,16 +140,6 @@ std::string man_page(const CLI::App& app) {
     }
   }
   return out + exit_status + examples_section();
-}
-
-std::string generate_document(const CLI::App& app, Document document) {
-  switch (document) {
-    case Document::man: return man_page(app);
-    case Document::bash: return bash_completion(app);
-    case Document::zsh: return zsh_completion(app);
-    case Document::fish: break;
-  }
-  return fish_completion(app);
 }
 
 }  // namespace isoextract::cli

@@ -1,30 +1,50 @@
-#include "cli/merge_command.hpp"
-
+// `isoextract merge`: the shards of a batch joined.
 #include <fmt/format.h>
 
 #include "base/printable.hpp"
 #include "batch/frame_range.hpp"
 #include "batch/merge_shards.hpp"
+#include "cli/command.hpp"
 #include "cli/messages.hpp"
+#include "cli/options/run.hpp"
 
 namespace isoextract::cli {
+namespace {
 
-Result<void> run_merge(const MergeFlags& flags) {
-  if (!flags.folder || flags.folder->empty()) {
-    return fail(ErrorCode::usage, "merge needs the folder of the shards' outputs", "isoextract merge FOLDER");
+struct MergeFlags : OptionSet {
+  Value<std::string> folder{in(OptionGroup::input), "FOLDER", "FOLDER", parse_text,
+                            "The folder of the outputs, where the manifests of the shards are."};
+  RunFlags run{*this, RunFlags::Taken::quiet};
+};
+
+class MergeCommand final : public CommandOf<MergeFlags> {
+ public:
+  MergeCommand()
+      : CommandOf({"merge", "FOLDER", "Join the manifests of the shards of a batch, and check that all is there."}) {}
+
+  // ErrorCode::frames where all shards are done, but frames that were asked for have no input.
+  Result<int> run(const std::vector<std::string>& /*arguments*/) override {
+    if (!flags().folder || flags().folder->empty()) {
+      return fail(ErrorCode::usage, "merge needs the folder of the shards' outputs", "isoextract merge FOLDER");
+    }
+    const auto merged = TRY(batch::merge_shards(*flags().folder));
+    Messages(flags().run.quiet ? Verbosity::quiet : Verbosity::normal)
+        .summary(fmt::format("{}: {} frame{} of {} shard{}{}", printable(merged.manifest.string()), merged.frames,
+                             merged.frames == 1 ? "" : "s", merged.shards, merged.shards == 1 ? "" : "s",
+                             merged.absent.empty() ? ", all there" : ""));
+    if (merged.absent.empty()) return kDone;
+    const auto absent = TRY(batch::FrameRange::parse(merged.absent));
+    const bool is_one = absent.count() == 1;
+    return fail(
+        ErrorCode::frames,
+        fmt::format("{} frame{} asked for and {} no input: {}", absent.count(), is_one ? " was" : "s were",
+                    is_one ? "has" : "have", batch::text_of(absent.runs(), batch::kShownFrameRuns)),
+        "once their files are there, run the shards again with --resume; with --missing note they are no error");
   }
-  const auto merged = TRY(batch::merge_shards(*flags.folder));
-  Messages(flags.run.quiet ? Verbosity::quiet : Verbosity::normal)
-      .summary(fmt::format("{}: {} frame{} of {} shard{}{}", printable(merged.manifest.string()), merged.frames,
-                           merged.frames == 1 ? "" : "s", merged.shards, merged.shards == 1 ? "" : "s",
-                           merged.absent.empty() ? ", all there" : ""));
-  if (merged.absent.empty()) return {};
-  const auto absent = TRY(batch::FrameRange::parse(merged.absent));
-  const bool is_one = absent.count() == 1;
-  return fail(ErrorCode::frames,
-              fmt::format("{} frame{} asked for and {} no input: {}", absent.count(), is_one ? " was" : "s were",
-                          is_one ? "has" : "have", batch::text_of(absent.runs(), batch::kShownFrameRuns)),
-              "once their files are there, run the shards again with --resume; with --missing note they are no error");
-}
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_merge_command() { return std::make_unique<MergeCommand>(); }
 
 }  // namespace isoextract::cli

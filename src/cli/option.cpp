@@ -63,6 +63,12 @@ const Option* OptionSet::find(std::string_view name) const {
   return nullptr;
 }
 
+const Option* OptionSet::operand() const {
+  const auto all = options();
+  const auto found = std::ranges::find_if(all, &Option::is_positional);
+  return found == all.end() ? nullptr : *found;
+}
+
 bool OptionSet::any_set() const { return std::ranges::any_of(options(), &Option::is_set); }
 
 std::vector<const Option*> OptionSet::set_about(About what) const {
@@ -91,6 +97,10 @@ std::string Option::spelling() const {
 
 std::vector<std::string> Option::choices() const {
   return row_->metavar.find('|') == std::string::npos ? std::vector<std::string>() : split(row_->metavar, '|');
+}
+
+bool Option::takes_file() const {
+  return row_->metavar == "FILE" || row_->metavar == "INPUT" || row_->metavar == "INPUT...";
 }
 
 tl::unexpected<Error> Option::refuse(Error why) const {

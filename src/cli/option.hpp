@@ -103,6 +103,8 @@ class OptionSet {
   [[nodiscard]] std::vector<const Option*> in_group(OptionGroup group) const;
   // By one of its names, or nullptr.
   [[nodiscard]] const Option* find(std::string_view name) const;
+  // The first that is given by its place, or nullptr.
+  [[nodiscard]] const Option* operand() const;
   [[nodiscard]] bool any_set() const;
 
   // All that are set, and about `what`.
@@ -160,6 +162,7 @@ class Option {
   [[nodiscard]] std::string spelling() const;                                   // "-o, --output FILE"
   [[nodiscard]] std::vector<std::string> choices() const;                       // empty: takes any value
   [[nodiscard]] bool is_positional() const { return !row_->names.back().starts_with('-'); }
+  [[nodiscard]] bool takes_file() const;
   [[nodiscard]] bool takes_value() const { return !row_->metavar.empty(); }
   [[nodiscard]] bool is_repeatable() const { return row_->most > 1; }
   [[nodiscard]] bool is_about(About what) const { return (row_->about & what) == what; }

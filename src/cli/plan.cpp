@@ -220,7 +220,7 @@ Result<Verbosity> plan_verbosity(const RunFlags& flags) {
   return flags.quiet ? Verbosity::quiet : flags.verbose ? Verbosity::verbose : Verbosity::normal;
 }
 
-Result<InfoPlan> plan_info(const InfoFlags& flags, const CLI::App& command) {
+Result<InfoPlan> plan_info(const InfoFlags& flags) {
   if (flags.input.inputs.empty()) return refuse_usage("no INPUT was given", "isoextract info INPUT");
   InfoPlan plan;
   TRY(refuse_two_sides(flags.input, "info"));
@@ -233,11 +233,11 @@ Result<InfoPlan> plan_info(const InfoFlags& flags, const CLI::App& command) {
   plan.particles = std::move(particles);
   plan.memory = plan_memory(flags.input.memory_limit);
   plan.json = flags.json;
-  for (const char* group : {"Input", "Particles"}) {
-    for (const CLI::Option* option : options_in_group(command, group)) {
-      if (option->get_positional() || option->count() == 0) continue;
-      plan.input_arguments.push_back(option->get_name());
-      plan.input_arguments.push_back(shell_quoted(option->results().front()));
+  for (const OptionGroup group : {OptionGroup::input, OptionGroup::particles}) {
+    for (const Option* option : flags.in_group(group)) {
+      if (option->is_positional() || option->texts().empty()) continue;
+      plan.input_arguments.push_back(option->name());
+      plan.input_arguments.push_back(shell_quoted(option->texts().front()));
     }
   }
   return plan;

@@ -107,7 +107,7 @@ struct BenchPlan {
 // is one at least.
 [[nodiscard]] std::vector<convert::ConversionJob> plan_files(const ConvertFlags& flags);
 [[nodiscard]] Result<BenchPlan> plan_bench(const BenchFlags& flags);
-[[nodiscard]] Result<InfoPlan> plan_info(const InfoFlags& flags, const CLI::App& command);
+[[nodiscard]] Result<InfoPlan> plan_info(const InfoFlags& flags);
 [[nodiscard]] Result<VerifyPlan> plan_verify(const VerifyFlags& flags);
 [[nodiscard]] Result<ComparePlan> plan_compare(const CompareFlags& flags);
 

@@ -1,5 +1,4 @@
-#include "cli/render_command.hpp"
-
+// `isoextract render`: volumes and meshes in, pictures out.
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -10,7 +9,9 @@
 #include "base/byte_size.hpp"
 #include "base/machine.hpp"
 #include "base/stopwatch.hpp"
+#include "cli/planned_command.hpp"
 #include "cli/progress_bar.hpp"
+#include "cli/render_plan.hpp"
 #include "cli/scene_source.hpp"
 #include "convert/json_values.hpp"
 #include "convert/output_checks.hpp"
@@ -238,8 +239,7 @@ Result<void> check_outputs(const RenderPlan& plan, const Context& context) {
   return {};
 }
 
-}  // namespace
-
+// One picture after the other; it ends with the first that cannot be drawn or written.
 Result<void> run_render(const RenderPlan& plan, const Messages& messages) {
   for (const std::string& note : plan.notes) messages.note(note);
   const Context context{plan.memory};
@@ -255,6 +255,13 @@ Result<void> run_render(const RenderPlan& plan, const Messages& messages) {
   return fail(ErrorCode::frames,
               fmt::format("frames that are not there: {}", batch::text_of(plan.missing, batch::kShownFrameRuns)),
               "name frames that are there with --frames");
+}
+
+}  // namespace
+
+std::unique_ptr<Command> make_render_command() {
+  return std::make_unique<PlannedCommand<RenderFlags, plan_render, run_render>>(CommandWords{
+      "render", "INPUT... [-o FILE] [options]", "Draw volumes, surfaces and meshes as pictures, as PNG or OpenEXR."});
 }
 
 }  // namespace isoextract::cli

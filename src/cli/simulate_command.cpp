@@ -5,11 +5,13 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/byte_size.hpp"
 #include "base/printable.hpp"
 #include "base/stopwatch.hpp"
 #include "cli/output_folders.hpp"
+#include "cli/planned_command.hpp"
 #include "cli/progress_bar.hpp"
 #include "convert/output_checks.hpp"
 #include "simulate/water_fields.hpp"
@@ -149,6 +151,24 @@ class WaterRun {
   std::uint64_t bytes_ = 0;
 };
 
+struct SimulateFlags : OptionSet {
+  RunFlags run{*this, RunFlags::Taken::help};
+};
+
+// Its commands say what.
+class SimulateCommand final : public CommandOf<SimulateFlags> {
+ public:
+  SimulateCommand()
+      : CommandOf({"simulate", "", "Simulate what surfaces can be extracted from, and write it as a sequence."}) {}
+
+  Result<int> run(const std::vector<std::string>& /*arguments*/) override {
+    return fail(ErrorCode::usage, fmt::format("{} needs one of {} after it", name(), fmt::join(inner_names(), ", ")),
+                synopsis());
+  }
+};
+
+Result<void> run_water(const WaterPlan& plan, const Messages& messages) { return WaterRun(plan, messages).run(); }
+
 }  // namespace
 
 Result<std::vector<SequenceFrame>> check_sequence(const SequencePlan& plan) {
@@ -168,6 +188,12 @@ Result<std::vector<SequenceFrame>> check_sequence(const SequencePlan& plan) {
   return frames;
 }
 
-Result<void> run_water(const WaterPlan& plan, const Messages& messages) { return WaterRun(plan, messages).run(); }
+std::unique_ptr<Command> make_simulate_command() {
+  auto simulate = std::make_unique<SimulateCommand>();
+  simulate->add(std::make_unique<PlannedCommand<WaterFlags, plan_water, run_water>>(CommandWords{
+      "water", "-o FILE [options]", "Let water run over hilly land, by a cellular automaton, as volumes."}));
+  simulate->add(make_jet_command());
+  return simulate;
+}
 
 }  // namespace isoextract::cli

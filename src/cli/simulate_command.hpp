@@ -1,8 +1,11 @@
-// isoextract simulate: what is simulated, as files.
+// `isoextract simulate`: what the commands that simulate share.
 #pragma once
 
+#include <memory>
+#include <vector>
+
 #include "base/error.hpp"
-#include "cli/messages.hpp"
+#include "cli/command.hpp"
 #include "cli/simulate_plan.hpp"
 
 namespace isoextract::cli {
@@ -11,6 +14,6 @@ namespace isoextract::cli {
 // to be written, where files that are there are left alone; all of a frame's files, or none.
 [[nodiscard]] Result<std::vector<SequenceFrame>> check_sequence(const SequencePlan& plan);
 
-[[nodiscard]] Result<void> run_water(const WaterPlan& plan, const Messages& messages);
+[[nodiscard]] std::unique_ptr<Command> make_jet_command();
 
 }  // namespace isoextract::cli

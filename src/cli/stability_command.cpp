@@ -1,5 +1,4 @@
-#include "cli/stability_command.hpp"
-
+// `isoextract stability`: extreme fields on every method and backend, checked vertex by vertex.
 #include <algorithm>
 #include <memory>
 
@@ -10,8 +9,10 @@
 #include "base/version.hpp"
 #include "bench/stability.hpp"
 #include "cli/backends.hpp"
+#include "cli/command.hpp"
 #include "cli/messages.hpp"
 #include "cli/plan.hpp"
+#include "cli/threads.hpp"
 #include "cli/water_report.hpp"
 #include "convert/json_values.hpp"
 
@@ -176,8 +177,8 @@ Result<std::vector<bench::StabilityRow>> extracted_rows(const std::vector<const 
   return rows;
 }
 
-}  // namespace
-
+// Prints the table, the JSON or the list of cases. Fails with ErrorCode::usage for a case that is not there, and with
+// ErrorCode::verification, after the table, where a case does not pass.
 Result<void> run_stability(const StabilityFlags& flags, const Messages& messages) {
   const auto cases = TRY(chosen_cases(flags.cases));
   const bool water = wants_water(flags.cases);
@@ -192,7 +193,7 @@ Result<void> run_stability(const StabilityFlags& flags, const Messages& messages
   if (water) {
     water_rows = TRY(simulate::run_water_stability(simulate::kStabilitySteps, Context()));
   }
-  const std::size_t failed = count_failed(rows) + count_failed(water_rows);
+  const std::size_t failed = count_failed(rows) + cli::count_failed(water_rows);
   convert::Json json{{"version", version()}, {"passed", failed == 0}};
   json["rows"] = convert::Json::array();
   for (const bench::StabilityRow& row : rows) json["rows"].push_back(row_json(row));
@@ -204,5 +205,22 @@ Result<void> run_stability(const StabilityFlags& flags, const Messages& messages
   return fail(ErrorCode::verification, fmt::format("{} of {} cases failed", failed, rows.size() + water_rows.size()),
               "the verdicts say how; please report them");
 }
+
+class StabilityCommand final : public CommandOf<StabilityFlags> {
+ public:
+  StabilityCommand()
+      : CommandOf({"stability", "[options]", "Extract extreme fields with every method, and check every vertex."}) {}
+
+  Result<int> run(const std::vector<std::string>& /*arguments*/) override {
+    const Verbosity verbosity = TRY(plan_verbosity(flags().run));
+    TRY(limit_threads(flags().run.threads));
+    TRY(run_stability(flags(), Messages(verbosity)));
+    return kDone;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_stability_command() { return std::make_unique<StabilityCommand>(); }
 
 }  // namespace isoextract::cli

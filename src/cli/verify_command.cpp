@@ -1,5 +1,4 @@
-#include "cli/verify_command.hpp"
-
+// `isoextract verify`: one backend against the other, or a written mesh against its volume, triangle by triangle.
 #include <algorithm>
 #include <iterator>
 #include <span>
@@ -15,6 +14,7 @@
 #include "base/stopwatch.hpp"
 #include "cli/layout.hpp"
 #include "cli/mistaken_files.hpp"
+#include "cli/planned_command.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/verification_text.hpp"
 #include "convert/conversion.hpp"
@@ -262,8 +262,7 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
               hint_for(plan.job, match));
 }
 
-}  // namespace
-
+// Fails with ErrorCode::verification, after the report on stdout, if something differs.
 Result<void> run_verify(const VerifyPlan& plan, const Messages& messages) {
   const Stopwatch watch;
   for (const std::string& note : plan.notes) messages.note(note);
@@ -273,5 +272,21 @@ Result<void> run_verify(const VerifyPlan& plan, const Messages& messages) {
                               format_byte_size(peak_memory())));
   return done;
 }
+
+class VerifyCommand final : public PlannedCommand<VerifyFlags, plan_verify, run_verify> {
+ public:
+  VerifyCommand()
+      : PlannedCommand({"verify", "INPUT --iso V [MESH] [options]",
+                        "Compare GPU and CPU, or a written mesh with its volume, triangle by triangle."}) {}
+
+  [[nodiscard]] std::string hint_for_option_of_default(std::string_view option) const override {
+    return fmt::format("leave {} out: of {}'s options {} has those that decide about the triangles of a mesh", option,
+                       default_command(program()).name(), name());
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_verify_command() { return std::make_unique<VerifyCommand>(); }
 
 }  // namespace isoextract::cli

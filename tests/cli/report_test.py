@@ -268,8 +268,12 @@ class ReportTest(ProgramTest):
                 report = json.loads((self.folder / "r.json").read_text())
                 self.assertEqual((report["status"], report["options"]), ("failed", None))
                 self.assertEqual(report["arguments"], [*words, *arguments])
-        self.assertEqual(self.files(), ["r.json"])
-        for words in (("r.json", "--iso", "abc"), (SPHERE, "--iso", "abc", "-o", "./r.json"), ("info", SPHERE, "--bad")):
+        self.assert_fails(1, self.run_program(SPHERE, "--iso", "--report", "stated.json"))
+        self.assert_fails(1, self.run_program("--iso", "abc", "a.raw", "--report", "{stem}.json"))
+        self.assertEqual(self.files(), ["a.json", "r.json", "stated.json"])
+        for words in (("r.json", "--iso", "abc"), (SPHERE, "--iso", "abc", "-o", "./r.json"), ("info", SPHERE, "--bad"),
+                      (SPHERE, "--iso", "abc", "-or.json"), (SPHERE, "--bad", "-o=r.json"), ("--bad=./r.json",),
+                      (SPHERE, "--iso", "abc", "--html=r.json"), ("--bad", "--", "r.json")):
             (self.folder / "r.json").write_text("precious")
             self.assert_fails(1, self.run_program("--report", "r.json", *words) if words[0] != "info" else
                               self.run_program(*words, "--report", "r.json"))

@@ -1,11 +1,10 @@
 # Whole command lines: stdout, stderr, exit codes, and what was written. support.py limits the processor time of each run;
 # the time that passes meanwhile is limited only so that a test that hangs ends.
 set(hanging_seconds 1500)
-foreach(name
-    animate attributes attribute_files attribute_kinds batch batch_faults batch_rules shards merge names spreadsheets iso particles particle_limits particle_sequences config startup usage
-    surface placement true_error frames output overwrite interrupted streams inputs lost_input plugin openvdb fields memory info grids compare
-    support hostile_names several_grids simplify compression resolution error bench documents report simulate jet stability far verify verify_edits gpu readme render
-    render_gpu voxels child damaged_libraries pictures pieces piece_sequences check normals labels arrays region told net_sides)
+file(GLOB files CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR}/cli ${CMAKE_CURRENT_SOURCE_DIR}/cli/*_test.py)
+list(TRANSFORM files REPLACE "_test\\.py$" "" OUTPUT_VARIABLE names)
+list(REMOVE_ITEM names portable threads install measure)  # which come below
+foreach(name IN LISTS names)
   add_test(NAME cli.${name}
     COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_SOURCE_DIR}/cli/${name}_test.py)
   set_tests_properties(cli.${name} PROPERTIES

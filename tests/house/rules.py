@@ -47,6 +47,7 @@ RESERVED = [
     (r"\b(v?[fd]?w?printf|puts|fputs|putw?char|perror|psignal)\s*\(", ["cli"], "only cli speaks"),
     (r"\b(std|fmt)::v?print(ln)?\b|\bwrite\s*\(\s*[12]\s*,", ["cli"], "only cli speaks"),
     (r"#\s*include\s*<spdlog/", ["cli"], "only cli speaks"),
+    (r"#\s*include\s*[<\"]CLI/", ["cli/parser.cpp"], "options are declared as cli/option.hpp has them"),
     (r"\bSTDOUT_FILENO\b", ["cli", "files/output_file.cpp", "sandbox/worker.cpp", "sandbox/detail/server.cpp"], "write through OutputFile"),
     (r"\bContext\s*&\s*\w+\s*=\s*(Context\b|\{)", ["cli"], "a forgotten context has no limit and no end: let the caller pass it"),
 ]
@@ -199,7 +200,7 @@ def check_option_names(root):
 # A text that is the name of an option, or its names: "--iso", "-o,--output".
 WHOLE_NAME = re.compile(r"(-[A-Za-z],)?--[A-Za-z][A-Za-z-]*")
 # What comes before the text in a declaration: the type and the name of a member, or the base of an option's own type.
-DECLARATION = re.compile(r"(?:(?:Value|Values|Flag)(?:<[^;{}]*>)?(?:\s+\w+\{|\()[^;\"]*|set_version_flag\(|kHelpNames = )$")
+DECLARATION = re.compile(r"(?:(?:Value|Values|Flag)(?:<[^;{}]*>)?(?:\s+\w+\{|\()[^;\"]*|kHelpNames = )$")
 WORDS_HINTS = ["cli/remedies.cpp", "cli/foreign_words.cpp", "cli/gnuplot.cpp"]  # gnuplot's are options of gnuplot
 
 
@@ -215,6 +216,24 @@ def check_options_once(root):
             if not DECLARATION.search(source[max(0, found.start() - 300) : found.start()]):
                 number = source.count("\n", 0, found.start()) + 1
                 yield f"{path.relative_to(root)}:{number}: `{found.group(0)}`: an option is named a second time"
+
+
+# A command's declaration: the name is the first of its words.
+COMMAND = re.compile(r'\b(?:CommandOf|PlannedCommand|CommandWords)\s*[({]+\s*"(\w+)"')
+
+
+def check_commands_by_name(root):
+    """A command's name is in its own file: what walks over commands (cli/command.hpp) knows none of them by name."""
+    sources = {path: re.sub(r"//[^\n]*", "", path.read_text()) for path in sorted((root / "src" / "cli").rglob("*.[ch]pp"))}
+    commands = {path for path in sources if path.name.endswith("_command.cpp")}
+    names = {name for path in commands for name in COMMAND.findall(sources[path])}
+    for path, source in sources.items():
+        if path in commands or '#include "cli/command.hpp"' not in source:
+            continue
+        for found in re.finditer(r'"(\w+)"', source):
+            if found.group(1) in names:
+                number = source.count("\n", 0, found.start()) + 1
+                yield f"{path.relative_to(root)}:{number}: `{found.group(0)}`: a command is known by its name"
 
 
 def check_map(root):
@@ -306,6 +325,7 @@ def check_stage_names(root):
 
 CHECKS = [
     check_includes, check_links, check_namespaces, check_reserved, check_reservations, check_option_names, check_options_once,
+    check_commands_by_name,
     check_map, check_doors, check_length, check_machine_paths, check_remedies, check_stage_names,
 ]
 

@@ -147,6 +147,21 @@ class RulesTest(unittest.TestCase):
                 self.plant("src/cli/main.cpp", main + code + "\n")
                 self.assertEqual(self.findings(), [])
 
+    def test_cli11_outside_the_parser(self):
+        self.plant("src/cli/parser.cpp", "#include <CLI/CLI.hpp>\n")
+        self.assertEqual(self.findings(), [])
+        self.plant("src/cli/main.cpp", "#include <CLI/App.hpp>\n")
+        self.expect_one("src/cli/main.cpp:1", "options are declared as")
+
+    def test_commands_known_by_name(self):
+        self.plant("src/cli/merge_command.cpp", 'auto m = CommandOf({"merge", "FOLDER"});\nauto hint = "merge";\n')
+        self.plant("src/cli/plan.cpp", 'auto hint = "merge";\n')
+        walk = '#include "cli/command.hpp"\n// "merge"\nbool b = name() == '
+        self.plant("src/cli/main.cpp", walk + '"a merge";\n')
+        self.assertEqual(self.findings(), [])
+        self.plant("src/cli/main.cpp", walk + '"merge";\n')
+        self.expect_one("src/cli/main.cpp:3", "known by its name")
+
     def test_what_looks_like_an_option_and_is_none(self):
         code = '// the words of --iso are in cli\nint i = n--a; auto s = "a--b -- c -d ----";\n/* "--iso" */\n'
         self.plant_in_room("volume_io", code)

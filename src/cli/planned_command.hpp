@@ -1,0 +1,52 @@
+// Commands whose options become a plan: all of it is checked before any work.
+#pragma once
+
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "cli/command.hpp"
+#include "cli/messages.hpp"
+#include "cli/options/convert.hpp"
+#include "cli/plan.hpp"
+#include "cli/threads.hpp"
+#include "plugin_host/plugin_reader.hpp"
+
+namespace isoextract::cli {
+
+inline void choose_process(const InputFlags& input) {
+  if (input.in_process) plugin_host::read_in_process();
+}
+
+// `plan_of` makes a plan of the flags, and `run_plan` gives nothing or the exit code.
+template <class Flags, auto plan_of, auto run_plan>
+class PlannedCommand : public CommandOf<Flags> {
+ public:
+  using CommandOf<Flags>::CommandOf;
+
+  Result<int> run(const std::vector<std::string>& /*arguments*/) override {
+    const Flags& flags = this->flags();
+    if constexpr (requires { flags.conversion; }) {
+      choose_process(flags.conversion.input);
+      return run_as_planned(flags, flags.conversion.run);
+    } else {
+      if constexpr (requires { flags.input; }) choose_process(flags.input);
+      return run_as_planned(flags, flags.run);
+    }
+  }
+
+ private:
+  static Result<int> run_as_planned(const Flags& flags, const RunFlags& asked) {
+    const Verbosity verbosity = TRY(plan_verbosity(asked));
+    const auto plan = TRY(plan_of(flags));
+    TRY(limit_threads(asked.threads));
+    if constexpr (std::is_same_v<decltype(run_plan(plan, Messages(verbosity))), Result<int>>) {
+      return run_plan(plan, Messages(verbosity));
+    } else {
+      TRY(run_plan(plan, Messages(verbosity)));
+      return kDone;
+    }
+  }
+};
+
+}  // namespace isoextract::cli

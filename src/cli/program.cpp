@@ -1,0 +1,93 @@
+#include "cli/program.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <exception>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "cli/command_line.hpp"
+#include "cli/commands.hpp"
+#include "cli/help_topics.hpp"
+#include "cli/messages.hpp"
+#include "cli/remedies.hpp"
+#include "files/output_file.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+int report(const Error& error) {
+  Messages(Verbosity::quiet).error(error);
+  return exit_code_of(error.code);
+}
+
+// Where a standard stream is closed, the next file opened would take its number, and messages would land in the mesh.
+// stdout is opened for reading, so that writing to it still fails.
+void keep_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(stream, F_GETFD) != -1 || errno != EBADF) continue;
+    [[maybe_unused]] const int opened = ::open("/dev/null", stream == STDERR_FILENO ? O_WRONLY : O_RDONLY);
+  }
+}
+
+int run_arguments(const std::vector<std::string>& arguments) {
+  const auto program = make_program();
+  if (arguments.empty()) {
+    fmt::print(stderr, "{}", short_usage(*program));
+    return exit_code_of(ErrorCode::usage);
+  }
+  std::vector<std::string> names;
+  for (const Option* option : innermost_command_of(*program, arguments).options().options()) {
+    if (!option->is_positional()) names.push_back(option->name());
+  }
+  set_options_of_hints(std::move(names));
+  const auto parsed = parse_command_line(*program, arguments);
+  if (!parsed) {
+    command_of(*program, arguments).report_failure(arguments, parsed.error());
+    return report(parsed.error());
+  }
+  if (parsed->asks_for_help) {
+    const auto shown = print_to_stdout(help_of_command(*parsed->command));
+    return shown ? kDone : report(shown.error());
+  }
+  const auto code = parsed->command->run(arguments);
+  return code ? *code : report(code.error());
+}
+
+// Ends the process as the signal would have, but leaves no unfinished file.
+extern "C" void on_end(int signal) {
+  files::OutputFile::remove_unfinished();
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+// By all signals that are sent to end a process and can be caught: also those of batch queues (SIGXCPU, SIGUSR1,
+// SIGUSR2) and timers. What the shell told to ignore (nohup) stays ignored.
+void leave_nothing_when_interrupted() {
+  for (const int signal : {SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXCPU, SIGALRM, SIGUSR1, SIGUSR2}) {
+    if (std::signal(signal, on_end) == SIG_IGN) std::signal(signal, SIG_IGN);
+  }
+}
+
+}  // namespace
+
+int run(int argc, char** argv) {
+  keep_standard_streams();
+  // A closed pipe and a file-size limit are errors of writing, with a message and an exit code.
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+  leave_nothing_when_interrupted();
+  try {
+    return run_arguments(std::vector<std::string>(argv + (argc > 0 ? 1 : 0), argv + argc));
+  } catch (const std::exception&) {
+    return report(error_of_exception());
+  }
+}
+
+}  // namespace isoextract::cli
