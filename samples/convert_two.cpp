@@ -61,7 +61,7 @@ int main(int argc, char** argv) {
     std::fputs(one.listener.told.c_str(), stdout);
     if (!one.outcome.error) continue;
     std::fprintf(stderr, "%s\n", one.outcome.error->message.c_str());
-    failed = static_cast<int>(one.outcome.error->kind);
+    failed = exit_code_of(one.outcome.error->code);
   }
   return failed;
 }

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/printable.hpp"
-#include "batch/animation.hpp"
+#include "batch/detail/animation.hpp"
 #include "batch/manifest.hpp"
 #include "batch/merge_shards.hpp"
 #include "convert/output_checks.hpp"

@@ -14,7 +14,7 @@
 #include <fmt/ranges.h>
 
 #include "base/version.hpp"
-#include "batch/animation.hpp"
+#include "batch/detail/animation.hpp"
 #include "batch/frame_range.hpp"
 #include "batch/manifest.hpp"
 

@@ -4,7 +4,7 @@
 
 #include "base/context.hpp"
 #include "convert/detail/error_memory.hpp"
-#include "convert/several_grids.hpp"
+#include "convert/detail/several_grids.hpp"
 #include "convert/source.hpp"
 #include "field/sparse_lookup.hpp"
 #include "field/surface_estimate.hpp"

@@ -63,7 +63,7 @@ class Allocation : public testing::Test {
       reached = test::allocation_reached();
       done_ = done.has_value();
       if (!done_) {
-        kind_ = done.error().code;
+        code_ = done.error().code;
         message_.assign(done.error().message);
       }
     } catch (const std::exception& thrown) {
@@ -103,7 +103,7 @@ class Allocation : public testing::Test {
         ++errors;
         // What fails after a file was written whole takes it back from nobody.
         EXPECT_TRUE(files.empty() || files == expected) << "a part of a file, or a temporary one";
-        EXPECT_TRUE(kind_ == ErrorCode::input || kind_ == ErrorCode::output);
+        EXPECT_EQ(code_, ErrorCode::out_of_memory);
         EXPECT_NE(message_.find("memory"), std::string::npos);
       }
       ASSERT_FALSE(HasFailure());
@@ -126,7 +126,7 @@ class Allocation : public testing::Test {
   test::TempFolder out_;
   test::TempFolder in_;
   bool done_ = false;
-  ErrorCode kind_ = ErrorCode::usage;
+  ErrorCode code_ = ErrorCode::usage;
   std::string message_;
   std::int64_t lost_ = 0;
 };

@@ -216,7 +216,7 @@ TEST_P(ExtractionComparisonTest, NeedsKeysAndMemory) {
   EXPECT_EQ(without.error().code, ErrorCode::verification);
   const auto small = compare_extractions(mesh, mesh, Context(MemoryBudget(1000)));
   ASSERT_FALSE(small);
-  EXPECT_EQ(small.error().code, ErrorCode::input);
+  EXPECT_EQ(small.error().code, ErrorCode::out_of_memory);
 }
 
 TEST_P(ExtractionComparisonTest, IsTheSameForAnyNumberOfThreads) {

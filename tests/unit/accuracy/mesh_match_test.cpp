@@ -194,7 +194,7 @@ TEST_P(MeshMatchTest, NothingAndMemory) {
   EXPECT_EQ(match(mesh::Mesh{}, mesh).triangles.only[1], mesh.triangles.size());
   const auto small = match_meshes(mesh, mesh, false, Context(MemoryBudget(1000)));
   ASSERT_FALSE(small);
-  EXPECT_EQ(small.error().code, ErrorCode::input);
+  EXPECT_EQ(small.error().code, ErrorCode::out_of_memory);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "batch/animation.hpp"
+#include "batch/detail/animation.hpp"
 
 #include <numeric>
 

@@ -16,7 +16,7 @@ namespace {
 using test::TempFolder;
 using Status = FrameStatus;
 
-BatchJob spheres(const TempFolder& folder, int count = 3) {
+BatchJob sphere_frames(const TempFolder& folder, int count = 3) {
   BatchJob batch;
   for (int i = 1; i <= count; ++i) {
     convert::ConversionJob job;
@@ -74,7 +74,7 @@ std::vector<FrameStatus> statuses(const RunResult& result) {
 
 TEST(BatchRun, ALaterRunConvertsWhatIsNotWhatItWas) {
   const TempFolder folder;
-  const BatchJob batch = spheres(folder);
+  const BatchJob batch = sphere_frames(folder);
   Listener first;
   EXPECT_EQ(statuses(must_run(batch, {}, first)), (std::vector<FrameStatus>(3, Status::done)));
   test::write_bytes(folder / "2.ply", "something else");
@@ -98,7 +98,7 @@ TEST(BatchRun, ALaterRunConvertsWhatIsNotWhatItWas) {
 
 TEST(BatchRun, AFrameWithoutItsReportIsConvertedAgain) {
   const TempFolder folder;
-  const BatchJob batch = spheres(folder);
+  const BatchJob batch = sphere_frames(folder);
   Listener first;
   first.cannot_write = 0;
   const RunResult begun = must_run(batch, {}, first);
@@ -113,13 +113,13 @@ TEST(BatchRun, AFrameWithoutItsReportIsConvertedAgain) {
 TEST(BatchRun, WithoutRecordsThereAreOnlyTheMeshes) {
   const TempFolder folder;
   Listener listener;
-  EXPECT_EQ(must_run(spheres(folder, 1), {.keeps_records = false}, listener).count(Status::done), 1U);
+  EXPECT_EQ(must_run(sphere_frames(folder, 1), {.keeps_records = false}, listener).count(Status::done), 1U);
   EXPECT_EQ(folder.names(), (std::set<std::string>{"1.ply"}));
 }
 
 TEST(BatchRun, OldMeshesOfFramesThatFailGetOtherNames) {
   const TempFolder folder;
-  BatchJob batch = spheres(folder);
+  BatchJob batch = sphere_frames(folder);
   Listener first;
   ASSERT_EQ(must_run(batch, {}, first).count(Status::done), 3U);
   const std::string old = test::read_bytes(folder / "3.ply");
@@ -138,7 +138,7 @@ TEST(BatchRun, OldMeshesOfFramesThatFailGetOtherNames) {
 
 TEST(BatchRun, NoInputIsOverwritten) {
   const TempFolder folder;
-  BatchJob batch = spheres(folder);
+  BatchJob batch = sphere_frames(folder);
   test::write_bytes(folder / "2.ply", "a mesh");
   batch.frames[0].job.source.input = (folder / "2.ply").string();
   const auto read = check_written_files(batch, {}, {}, Context());
@@ -148,7 +148,7 @@ TEST(BatchRun, NoInputIsOverwritten) {
 
 TEST(BatchRun, FiguresAreKeptForWhoAsks) {
   const TempFolder folder;
-  const BatchJob batch = spheres(folder, 1);
+  const BatchJob batch = sphere_frames(folder, 1);
   Listener listener;
   EXPECT_FALSE(must_run(batch, {}, listener).rows[0].outputs.empty());
   Listener again;
@@ -160,7 +160,7 @@ TEST(BatchRun, FiguresAreKeptForWhoAsks) {
 
 TEST(BatchRun, AManifestThatIsInUseIsNotOpenedAgain) {
   const TempFolder folder;
-  const BatchJob batch = spheres(folder, 1);
+  const BatchJob batch = sphere_frames(folder, 1);
   const Context context;
   const auto first = BatchRun::open(batch, {}, context);
   ASSERT_TRUE(first);

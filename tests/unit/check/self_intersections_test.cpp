@@ -348,7 +348,7 @@ TEST(SelfIntersectionsTest, EndsWhenCancelledAndWithinItsMemory) {
   EXPECT_EQ(ended.error().code, ErrorCode::cancelled);
   const auto refused = find_self_intersections(mesh, {}, Context(MemoryBudget(10000)));
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::input);
+  EXPECT_EQ(refused.error().code, ErrorCode::out_of_memory);
   EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
 }
 

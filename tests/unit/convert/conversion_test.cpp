@@ -205,7 +205,7 @@ TEST_F(ConversionTest, ASinkGetsTheMeshesInPlaceOfFiles) {
   EXPECT_EQ(convert::run(skipping, Context(), log_, {}, nullptr, &sink).error->code, ErrorCode::no_surface);
   sink.fails = true;
   EXPECT_EQ(convert::run(wanted, Context(), log_, {}, nullptr, &sink).error->code,
-            ErrorCode::input);  // before it is asked
+            ErrorCode::no_surface);  // before it is asked
   skipping.outputs[0].isos = {0.1};
   EXPECT_EQ(convert::run(skipping, Context(), log_, {}, nullptr, &sink).error->message, "the sink is full");
 }
@@ -224,7 +224,7 @@ TEST_F(ConversionTest, MemoryThatIsNotThereIsAnError) {
   log_.no_memory_after_read = true;
   const Outcome outcome = run(job("demo:sphere?size=16", 0, "a.ply"));
   ASSERT_FALSE(outcome.done());
-  EXPECT_EQ(outcome.error->code, ErrorCode::input);
+  EXPECT_EQ(outcome.error->code, ErrorCode::out_of_memory);
   EXPECT_EQ(outcome.error->message, "demo:sphere?size=16: not enough memory");
   EXPECT_EQ(outcome.error->hint.remedy, Remedy::extract_part);
   EXPECT_TRUE(folder_.names().empty());

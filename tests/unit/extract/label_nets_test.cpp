@@ -336,7 +336,7 @@ TEST(LabelNets, MemoryAndTheWishToEnd) {
   const Context small{MemoryBudget(1 << 20)};
   const auto refused = LabelVoxels::find(field, net_options(), {true, {}}, small);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::input);
+  EXPECT_EQ(refused.error().code, ErrorCode::out_of_memory);
   EXPECT_EQ(small.memory().reserved(), 0U);
   Context enough{MemoryBudget(1 << 28)};
   {

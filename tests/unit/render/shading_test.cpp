@@ -104,7 +104,7 @@ TEST(Shading, NormalsOfVerticesAreMadeWhereThereAreNone) {
   mesh::Mesh refused = test::sphere(40, false);
   const auto added = add_normals(refused, "sphere.stl", small);
   ASSERT_FALSE(added);
-  EXPECT_EQ(added.error().code, ErrorCode::input);
+  EXPECT_EQ(added.error().code, ErrorCode::out_of_memory);
 }
 
 TEST(Shading, ColoursOfVerticesAreInterpolatedAsLight) {

@@ -92,7 +92,7 @@ TEST(RawReaderSize, MemoryLimitHoldsForWhatIsRead) {
   write_bytes(folder / "v.raw", ramp_bytes<float>(std::endian::big));
   const volume_io::ReadOptions options = raw_options(field::SampleType::f32, std::endian::big);
   const Error error = refusal(folder / "v.raw", options, with_memory(239));
-  EXPECT_EQ(error.code, ErrorCode::input);
+  EXPECT_EQ(error.code, ErrorCode::out_of_memory);
   EXPECT_EQ(error.hint.remedy, Remedy::raise_memory_limit);
   expect_ramp<float>(must_read(folder / "v.raw", options, with_memory(240)));
 }

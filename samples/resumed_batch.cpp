@@ -25,9 +25,11 @@ Result<int> convert_frames(const std::filesystem::path& folder, double iso, std:
   const batch::Frames found = TRY(batch::find_frames(inputs, std::nullopt));
   batch::BatchJob job;
   for (const batch::Frame& frame : found.frames) {
-    convert::ConversionJob one;  // glb, and all else as the program has it without options
+    convert::ConversionJob one;
     one.source.input = frame.input;
-    one.outputs = {{(folder / fmt::format("frame_{:04}.glb", frame.number)).string(), {iso}}};
+    one.format = mesh_io::MeshFormat::ply;
+    one.normals = convert::Normals::none;
+    one.outputs = {{(folder / fmt::format("frame_{:04}.ply", frame.number)).string(), {iso}}};
     job.frames.push_back({frame.number, std::move(one)});
   }
   std::filesystem::create_directories(folder);

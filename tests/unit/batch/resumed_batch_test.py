@@ -1,4 +1,4 @@
-"""examples/resumed_batch makes the meshes that the program makes, and goes on where it was ended."""
+"""samples/resumed_batch makes the meshes that the program makes, and goes on where it was ended."""
 
 import pathlib
 import subprocess
@@ -22,10 +22,11 @@ class ResumedBatch(unittest.TestCase):
             self.assertEqual(sorted(first.stdout.splitlines()), [f"frame {i}: done" for i in (1, 2, 3)])
             self.assertEqual((first.returncode, first.stderr), (0, ""))
             for number, frame in enumerate(FRAMES, 1):
-                alone = pathlib.Path(folder, "alone.glb")
-                run(PROGRAM, frame, "--iso", "0", "-o", alone)
-                self.assertEqual((out / f"frame_{number:04}.glb").read_bytes(), alone.read_bytes())
-            (out / "frame_0002.glb").unlink()
+                alone = pathlib.Path(folder, "alone.ply")
+                made = run(PROGRAM, frame, "--iso", "0", "-o", alone)
+                self.assertEqual(made.returncode, 0, made.stderr)
+                self.assertEqual((out / f"frame_{number:04}.ply").read_bytes(), alone.read_bytes())
+            (out / "frame_0002.ply").unlink()
             second = run(EXAMPLE, out, "0", *FRAMES)
             self.assertEqual(sorted(second.stdout.splitlines()),
                              ["frame 1: kept", "frame 2: done", "frame 3: kept"])

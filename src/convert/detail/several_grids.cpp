@@ -1,4 +1,4 @@
-#include "convert/several_grids.hpp"
+#include "convert/detail/several_grids.hpp"
 
 #include <algorithm>
 
