@@ -35,7 +35,7 @@ class OpenFile {
 // The files that were opened last, of which kMost stay open. Used by several threads.
 class OpenedFiles {
  public:
-  static constexpr std::size_t kMost = 16;
+  static constexpr std::size_t kMost = 8;
 
   // `before` is searched as well, and stays as it is; null: there is none.
   explicit OpenedFiles(std::shared_ptr<OpenedFiles> before) : before_(std::move(before)) {}
