@@ -12,7 +12,8 @@
 
 namespace isoextract::cli {
 
-// Each is in the file of its command.
+// Each is in the file of its command; in a unity build that file may come first.
+// NOLINTBEGIN(readability-redundant-declaration)
 using MakeCommand = std::unique_ptr<Command>();
 MakeCommand make_convert_command;
 MakeCommand make_info_command;
@@ -27,6 +28,7 @@ MakeCommand make_devices_command;
 MakeCommand make_simulate_command;
 MakeCommand make_help_command;
 MakeCommand make_generate_command;
+// NOLINTEND(readability-redundant-declaration)
 
 namespace {
 

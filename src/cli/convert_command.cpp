@@ -304,15 +304,16 @@ Result<void> run_convert(const ConvertFlags& flags, const std::vector<std::strin
     TRY(check_report_file(*page, plan->job, plan->context));
   }
   for (const std::string& text : plan->notes) messages.note(text);
-  auto [outcome, rows] = convert_as_planned(*plan, messages);
+  Converted converted = convert_as_planned(*plan, messages);
+  convert::Outcome& outcome = converted.outcome;
   outcome.notes.insert(outcome.notes.begin(), plan->notes.begin(), plan->notes.end());
   if (outcome.done()) messages.detail(fmt::format("peak memory {}", format_byte_size(outcome.peak_memory)));
   Result<void> done = outcome.error ? tl::unexpected(*outcome.error) : Result<void>();
   if (done && plan->pages.any()) {
     done = attempt([&] {
       HtmlPage page;
-      page.add(rows.front().frame, outcome);
-      return write_pages(plan->pages, rows, page, plan->job.source.placement.up, arguments, plan->context);
+      page.add(converted.rows.front().frame, outcome);
+      return write_pages(plan->pages, converted.rows, page, plan->job.source.placement.up, arguments, plan->context);
     });
   }
   if (!plan->report) return done;
