@@ -2,13 +2,13 @@
 // built for. What is read must keep what read_mesh promises.
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <string_view>
 
 #include "base/finite.hpp"
 #include "fuzz/fuzz_format.hpp"
+#include "fuzz/requirements.hpp"
 #include "mesh_io/mesh_reader.hpp"
 #include "support/temp_folder.hpp"
 
@@ -16,6 +16,7 @@ namespace isoextract {
 namespace {
 
 using fuzz::kFormat;
+using fuzz::require;
 
 // The input, and what a .gltf may name as its data (make_seeds.cpp does): zeros are points and indices alike.
 struct Files {
@@ -25,10 +26,6 @@ struct Files {
   std::filesystem::path input = folder / ("mesh." + std::string(kFormat));
 };
 
-void require(bool holds) {
-  if (!holds) std::abort();
-}
-
 void read_one(const std::string& bytes) {
   static const Files files;
   test::write_bytes(files.input, bytes);
@@ -36,7 +33,7 @@ void read_one(const std::string& bytes) {
   {
     const auto read = mesh_io::read_mesh(files.input, context, {.normals = true});
     if (!read) {
-      require(read.error().code == ErrorCode::input && read.error().message.starts_with(files.input.string()));
+      fuzz::require_refusal(read.error(), files.input.string());
       return;
     }
     const mesh::Mesh& mesh = read->mesh;

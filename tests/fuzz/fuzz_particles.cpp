@@ -6,15 +6,14 @@
 #include <string_view>
 
 #include "fuzz/fuzz_format.hpp"
+#include "fuzz/requirements.hpp"
 #include "particle_io/particle_reader.hpp"
 #include "support/temp_folder.hpp"
 
 namespace isoextract {
 namespace {
 
-void require(bool holds) {
-  if (!holds) std::abort();
-}
+using fuzz::require;
 
 particle_io::ParticleReadOptions options_of(const particle_io::ParticleFormatDescription& about, std::uint8_t bits) {
   particle_io::ParticleReadOptions options;
@@ -47,7 +46,7 @@ void read_one(const std::uint8_t* data, std::size_t size) {
     const auto info = particle_io::particle_info(input, options, context);
     const auto read = particle_io::read_particles(input, options, context);
     if (!read) {
-      require(read.error().code == ErrorCode::input && read.error().message.starts_with(input));
+      fuzz::require_refusal(read.error(), input);
       return;
     }
     // What is told of a file counts its frames to the end; reading one of them looks no further.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <optional>
 #include <string>
@@ -11,6 +10,7 @@
 
 #include "field/statistics.hpp"
 #include "fuzz/fuzz_format.hpp"
+#include "fuzz/requirements.hpp"
 #include "support/temp_folder.hpp"
 #include "volume_io/volume_reader.hpp"
 
@@ -44,17 +44,17 @@ void look_at(const std::string& input, volume_io::ReadOptions options,
   options.component = component;
   const auto field = volume_io::read_volume(input, options, context);
   if (!field) {
-    if (field.error().message.empty()) std::abort();
+    fuzz::require(!field.error().message.empty());
     return;
   }
-  if (field::measure_statistics(*field).samples > 0 && !field->index_to_world.is_regular()) std::abort();
+  fuzz::require(field::measure_statistics(*field).samples == 0 || field->index_to_world.is_regular());
 }
 
 void read_one(const std::uint8_t* data, std::size_t size) {
   static const test::TempFolder folder;  // detached data can only be found within it
   volume_io::ReadOptions options;
   const volume_io::VolumeFormat* format = volume_io::find_volume_format(kFormat);
-  if (format == nullptr) std::abort();
+  fuzz::require(format != nullptr);
   options.format = format->about().id;
   const Context context(MemoryBudget(std::uint64_t{8} << 20));
   if (format->about().needs_layout) options.raw = take_layout(data, size);

@@ -1,0 +1,21 @@
+// What the targets hold readers to. Whatever does not hold ends the target, which libFuzzer keeps the input of.
+#pragma once
+
+#include <cstdlib>
+#include <string_view>
+
+#include "base/error.hpp"
+
+namespace isoextract::fuzz {
+
+inline void require(bool holds) {
+  if (!holds) std::abort();
+}
+
+// Damaged files may ask for more memory than there is.
+inline void require_refusal(const Error& error, std::string_view file) {
+  require(error.code == ErrorCode::input || error.code == ErrorCode::out_of_memory);
+  require(error.message.starts_with(file));
+}
+
+}  // namespace isoextract::fuzz
