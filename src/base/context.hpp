@@ -39,8 +39,8 @@ class Context {
   }
   // The same memory and the same open files, and nothing counted or cancelled yet.
   [[nodiscard]] Context beside() const {
-    Context other(memory_);
-    other.opened_ = opened_;
+    Context other = *this;
+    other.state_ = std::make_shared<State>();
     return other;
   }
 

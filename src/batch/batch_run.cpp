@@ -13,16 +13,12 @@
 #include "batch/manifest.hpp"
 #include "batch/merge_shards.hpp"
 #include "convert/output_checks.hpp"
+#include "files/output_file.hpp"
 
 namespace isoextract::batch {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool is_there(const fs::path& file) {
-  std::error_code none;
-  return fs::exists(file, none);
-}
 
 files::ReadFiles read_files_of(const BatchJob& batch, const OtherFiles& others, const Context& context) {
   files::ReadFiles read;
@@ -40,7 +36,7 @@ files::ReadFiles read_files_of(const BatchJob& batch, const OtherFiles& others, 
 
 }  // namespace
 
-// What is kept of frames while they are converted side by side.
+// Listens to the threads that convert frames, and holds what they have made so far.
 struct BatchRun::State final : FrameEvents {
   State(const BatchJob& the_batch, RunOptions the_options, const Context& the_context,
         std::optional<Manifest> the_manifest)
@@ -106,14 +102,14 @@ std::vector<std::size_t> BatchRun::State::keep_what_is_done() {
   if (animation && resumes) all = kept_animation(*manifest, batch);
   // What a report says is not kept: a frame without one is done again.
   const auto lacks_report = [&](std::size_t i) { return !events->has_report(i); };
-  if (std::ranges::any_of(frames, lacks_report)) all.reset();
+  if (all && std::ranges::any_of(frames, lacks_report)) all.reset();
   std::vector<std::size_t> others;
   for (const std::size_t i : frames) {
     const FrameJob& frame = batch.frames[i];
     const FrameRecord* record = all ? &(*all)[i] : nullptr;
     if (!animation && resumes) record = manifest->find(convert::hash_of(frame.job));
     const bool is_done = options.earlier == EarlierFrames::kept_if_there
-                             ? std::ranges::any_of(files_of(frame.job), is_there)
+                             ? std::ranges::any_of(files_of(frame.job), files::is_there)
                              : record != nullptr && events->has_report(i) &&
                                    (animation.has_value() || why_again(*record, frame).empty());
     if (is_done) {
@@ -231,8 +227,7 @@ RunResult BatchRun::State::run(RunEvents& the_events) {
     return events->note_of_field(field);
   };
   const std::vector<std::size_t> others = keep_what_is_done();
-  const BatchCounts counts =
-      batch::run(batch, others, options.scheduler, context, *this, animation ? &*animation : nullptr);
+  batch::run(batch, others, options.scheduler, context, *this, animation ? &*animation : nullptr);
   mesh_io::MeshWriteResult animated;
   if (animation && others.empty()) {
     animated.notes.push_back(fmt::format("{} is left as it is", batch.animation->path));
@@ -246,7 +241,6 @@ RunResult BatchRun::State::run(RunEvents& the_events) {
   }
   RunResult result;
   for (const std::size_t i : frames) result.rows.push_back(std::move(rows[i]));
-  result.repeated = counts.repeated;
   result.set_aside = std::move(set_aside);
   result.animation = std::move(animated);
   result.error = std::move(unkept);
@@ -279,12 +273,12 @@ Result<std::optional<files::ReadFiles>> check_written_files(const BatchJob& batc
   for (const FrameJob& frame : batch.frames) {
     for (fs::path& file : files_of(frame.job)) {
       meshes.insert(file.lexically_normal().string());
-      if (is_there(file)) there.push_back(std::move(file));
+      if (files::is_there(file)) there.push_back(std::move(file));
     }
   }
   TRY(check_replaced_shard(manifest_folder(batch), batch, shard, meshes));
   for (const NamedFile& file : others.written) {
-    if (is_there(file.path)) there.emplace_back(file.path);
+    if (files::is_there(file.path)) there.emplace_back(file.path);
   }
   const bool splits = std::ranges::any_of(batch.frames, [](const FrameJob& frame) { return frame.job.pieces.split; });
   std::optional<files::ReadFiles> read;
@@ -314,8 +308,6 @@ BatchRun::BatchRun(std::unique_ptr<State> state) : state_(std::move(state)) {}
 BatchRun::BatchRun(BatchRun&&) noexcept = default;
 BatchRun& BatchRun::operator=(BatchRun&&) noexcept = default;
 BatchRun::~BatchRun() = default;
-
-const std::vector<std::size_t>& BatchRun::frames() const { return state_->frames; }
 
 RunResult BatchRun::run(RunEvents& events) { return state_->run(events); }
 

@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,7 +23,7 @@
 
 namespace isoextract::batch {
 
-// What happens to frames that an earlier run has done.
+// What a run does with a frame that an earlier run converted.
 enum class EarlierFrames {
   converted_again,
   kept_if_unchanged,  // where the manifest has the job, and all inputs and outputs are what they were, byte by byte
@@ -54,7 +53,7 @@ class RunEvents {
   }
   // Whether what write_report() makes of a frame is there; a frame without it is not kept.
   [[nodiscard]] virtual bool has_report(std::size_t /*frame*/) { return true; }
-  // Writes what is told of a frame. Where that fails, the frame has failed.
+  // Writes the report of a frame. A frame whose report cannot be written has failed.
   [[nodiscard]] virtual Result<void> write_report(std::size_t /*frame*/, const convert::Outcome& /*outcome*/) {
     return {};
   }
@@ -66,7 +65,6 @@ class RunEvents {
 
 struct RunResult {
   std::vector<FrameRow> rows;               // of the run's frames, in their order
-  std::size_t repeated = 0;                 // times that a frame was converted again (BatchCounts)
   std::vector<std::string> set_aside = {};  // the names that old meshes have now, of frames that failed
   mesh_io::MeshWriteResult animation = {};  // its files, and notes about it
   std::optional<Error> error = {};          // the manifest or the animation could not be written, which ended the run
@@ -74,8 +72,7 @@ struct RunResult {
   [[nodiscard]] std::size_t count(FrameStatus status) const;
 };
 
-// The frames of `shard`, by index; their folder, which is the deepest that all outputs of the batch are in, has the
-// manifest.
+// Returns the deepest folder that all outputs of the batch are in. The manifest lies there.
 [[nodiscard]] std::filesystem::path manifest_folder(const BatchJob& batch);
 
 // What all frames read, among it files that only the inputs name, where some file that would be written is there
@@ -94,9 +91,6 @@ class BatchRun {
   BatchRun(BatchRun&&) noexcept;
   BatchRun& operator=(BatchRun&&) noexcept;
   ~BatchRun();
-
-  // The run's frames, by index.
-  [[nodiscard]] const std::vector<std::size_t>& frames() const;
 
   // Call once. Frames that fail are rows of the result.
   [[nodiscard]] RunResult run(RunEvents& events);

@@ -26,7 +26,8 @@ Result<FileRecord> record_of(const mesh_io::WrittenFile& file, const Context& co
   if (file.hash && version && version->bytes == file.bytes) {
     return FileRecord{file.path, {file.bytes, version->modified, *file.hash}};
   }
-  return FileRecord{file.path, TRY(files::state_of_file(file.path, context))};
+  const files::FileState state = TRY(files::state_of_file(file.path, context));
+  return FileRecord{file.path, state};
 }
 
 // Which of the files is not what it was, if one is not.

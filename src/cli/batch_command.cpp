@@ -19,12 +19,10 @@
 #include "cli/batch_files.hpp"
 #include "cli/batch_plan.hpp"
 #include "cli/batch_progress.hpp"
-#include "cli/convert_command.hpp"
 #include "cli/frame_plot.hpp"
 #include "cli/gnuplot.hpp"
 #include "cli/html_page.hpp"
 #include "cli/messages.hpp"
-#include "cli/output_folders.hpp"
 #include "cli/output_plan.hpp"
 #include "cli/pages_plan.hpp"
 #include "cli/report_file.hpp"
@@ -67,7 +65,7 @@ class FrameTeller final : public batch::RunEvents {
     return note;
   }
 
-  bool has_report(std::size_t frame) override { return !plan_.report || is_there(report_path_of(frame)); }
+  bool has_report(std::size_t frame) override { return !plan_.report || files::is_there(report_path_of(frame)); }
 
   Result<void> write_report(std::size_t frame, const convert::Outcome& outcome) override {
     if (!plan_.report) return {};

@@ -16,8 +16,8 @@
 #include "batch/batch_run.hpp"
 #include "batch/frame_range.hpp"
 #include "batch/manifest.hpp"
-#include "cli/output_folders.hpp"
 #include "convert/conversion_size.hpp"
+#include "files/output_file.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -91,7 +91,7 @@ Result<void> print_batch_plan(const BatchPlan& plan, const Messages& messages) {
     for (const convert::OutputFileJob& output : frame.job.outputs) {
       text += fmt::format("frame {}: {}{} -> {}{}\n", frame.number, printable(input),
                           none ? "" : fmt::format(" ({})", format_byte_size(size)), printable(output.path),
-                          is_there(output.path) ? ", which is there" : "");
+                          files::is_there(output.path) ? ", which is there" : "");
     }
   }
   text += fmt::format(

@@ -17,7 +17,6 @@
 #include "batch/output_names.hpp"
 #include "cli/edit_plan.hpp"
 #include "cli/field_plan.hpp"
-#include "cli/output_folders.hpp"
 #include "cli/output_plan.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/picture_plan.hpp"
@@ -28,6 +27,7 @@
 #include "convert/output_checks.hpp"
 #include "convert/particle_source.hpp"
 #include "field/demo_field.hpp"
+#include "files/output_file.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -234,7 +234,7 @@ bool is_batch(const ConvertFlags& flags) {
 }
 
 bool names_frames(const std::string& input) {
-  if (!input.starts_with(field::kDemoPrefix) && is_there(input)) {
+  if (!input.starts_with(field::kDemoPrefix) && files::is_there(input)) {
     std::error_code none;
     return fs::is_directory(input, none);
   }

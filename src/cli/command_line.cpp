@@ -252,7 +252,7 @@ void read_refused_words(Command& command, const std::vector<std::string>& words)
   const ReadWords read = read_words(options, readable);
   rest.insert(rest.begin(), read.rest.begin(), read.rest.end());
   for (const std::string& word : rest) {
-    // Of "-o=a.ply" and "--unknown=a.ply" the name of a file.
+    // "-o=a.ply" and "--unknown=a.ply" may name a file behind the "=".
     const std::size_t equals = word.starts_with('-') ? word.find('=') : std::string::npos;
     [[maybe_unused]] const auto taken =
         take_file(command, equals == std::string::npos ? word : word.substr(equals + 1));

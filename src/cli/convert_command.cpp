@@ -1,9 +1,7 @@
-#include "cli/convert_command.hpp"
-
+// `isoextract convert`: a volume in, meshes out.
 #include <algorithm>
 #include <exception>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <type_traits>
 #include <utility>

@@ -4,20 +4,17 @@
 
 #include <fmt/format.h>
 
+#include "files/output_file.hpp"
+
 namespace isoextract::cli {
 
 namespace fs = std::filesystem;
-
-bool is_there(const fs::path& file) {
-  std::error_code none;
-  return fs::exists(file, none);
-}
 
 Result<void> see_to_folders(std::span<const fs::path> files, bool make) {
   std::set<fs::path> folders;
   for (const fs::path& file : files) folders.insert(file.parent_path());
   for (const fs::path& folder : folders) {
-    if (folder.empty() || is_there(folder)) continue;
+    if (folder.empty() || files::is_there(folder)) continue;
     if (!make) {
       return fail(ErrorCode::output, fmt::format("{}: there is no such folder", folder.string()),
                   "--mkdir makes the folders of the outputs");

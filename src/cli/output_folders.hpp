@@ -8,9 +8,6 @@
 
 namespace isoextract::cli {
 
-// Something of that name, whatever it is.
-[[nodiscard]] bool is_there(const std::filesystem::path& file);
-
 // Sees that the folders of the files are there: makes them if `make` says so. Fails with ErrorCode::output.
 [[nodiscard]] Result<void> see_to_folders(std::span<const std::filesystem::path> files, bool make);
 

@@ -9,11 +9,11 @@
 #include "base/ascii.hpp"
 #include "base/printable.hpp"
 #include "batch/frame_pattern.hpp"
-#include "cli/output_folders.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/plan_parts.hpp"
 #include "field/demo_field.hpp"
 #include "files/file_bytes.hpp"
+#include "files/output_file.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -23,7 +23,7 @@ namespace {
 std::string foreign_numbering(const std::string& input) {
   if (input.starts_with(field::kDemoPrefix)) return {};
   const std::size_t at = input.find_first_of("*<#$");
-  if (at == std::string::npos || is_there(input)) return {};
+  if (at == std::string::npos || files::is_there(input)) return {};
   const auto pattern = batch::FramePattern::parse(input);
   if (!pattern || pattern->has_value()) return {};
   if (input[at] == '*') return "*";

@@ -5,6 +5,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/context.hpp"
@@ -51,7 +52,7 @@ struct InfoPlan {
 };
 
 struct VerifyPlan {
-  MemoryBudget memory;
+  Context context;
   convert::ConversionJob job;       // what the mesh is to be as if made by; its one output is that mesh
   std::optional<std::string> mesh;  // none: the backends are compared
   bool is_placed = false;           // by options: what the mesh says of its placement does not count then
@@ -84,6 +85,9 @@ struct BenchPlan {
   std::optional<std::string> plot;
   PictureFormat picture = PictureFormat::svg;
 };
+
+// Ends the note that relaxing changed volumes.
+inline constexpr std::string_view kHowToKeepVolumes = ": --relax 0 keeps the volumes of the voxels";
 
 // What --device and --gpu-memory say.
 [[nodiscard]] gpu::GpuChoice plan_gpu(const DeviceFlags& flags);

@@ -13,13 +13,13 @@
 #include "batch/frame_range.hpp"
 #include "batch/output_names.hpp"
 #include "cli/batch_plan.hpp"
-#include "cli/output_folders.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/plan.hpp"
 #include "cli/plan_parts.hpp"
 #include "convert/picture_file.hpp"
 #include "convert/surface_edits.hpp"
 #include "files/file_bytes.hpp"
+#include "files/output_file.hpp"
 #include "mesh_io/mesh_reader.hpp"
 
 namespace isoextract::cli {
@@ -210,7 +210,7 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
     } else {
       std::vector<std::string> names{"none"};
       for (const auto& word : words_of(render::BuiltInTransfer{})) names.emplace_back(word.word);
-      if (!is_there(*flags.transfer)) {
+      if (!files::is_there(*flags.transfer)) {
         const std::string near = nearest_name(*flags.transfer, names);
         return refuse_usage(
             fmt::format("--tf: expected one of {}, or a file, found '{}'", fmt::join(names, ", "), *flags.transfer),

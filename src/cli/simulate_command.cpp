@@ -14,6 +14,7 @@
 #include "cli/planned_command.hpp"
 #include "cli/progress_bar.hpp"
 #include "convert/output_checks.hpp"
+#include "files/output_file.hpp"
 #include "simulate/water_fields.hpp"
 #include "volume_io/grid_tools.hpp"
 #include "volume_io/volume_writer.hpp"
@@ -175,7 +176,7 @@ Result<std::vector<SequenceFrame>> check_sequence(const SequencePlan& plan) {
   std::vector<SequenceFrame> frames;
   std::vector<fs::path> files;
   for (const SequenceFrame& frame : plan.frames) {
-    const bool leave = plan.no_clobber && std::ranges::any_of(frame.files, is_there);
+    const bool leave = plan.no_clobber && std::ranges::any_of(frame.files, files::is_there);
     if (leave) continue;
     frames.push_back(frame);
     files.insert(files.end(), frame.files.begin(), frame.files.end());

@@ -266,8 +266,8 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
 Result<void> run_verify(const VerifyPlan& plan, const Messages& messages) {
   const Stopwatch watch;
   for (const std::string& note : plan.notes) messages.note(note);
-  const Context context{plan.memory};
-  const auto done = plan.mesh ? verify_mesh(plan, messages, context) : verify_backends(plan, messages, context);
+  const auto done =
+      plan.mesh ? verify_mesh(plan, messages, plan.context) : verify_backends(plan, messages, plan.context);
   messages.detail(fmt::format("verified in {:.2f} s, peak memory {}", watch.elapsed().wall_seconds,
                               format_byte_size(peak_memory())));
   return done;

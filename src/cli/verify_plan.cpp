@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include "cli/output_folders.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/plan.hpp"
 #include "cli/plan_parts.hpp"
 #include "cli/voxel_plan.hpp"
+#include "files/output_file.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -29,7 +29,7 @@ Result<void> check_backends_only(const ConvertFlags& flags) {
 Result<void> check_mesh_path(const std::string& path, const ConvertFlags& flags,
                              const mesh_io::MeshFormatInfo& format) {
   for (const std::string_view word : {std::string_view("{iso}"), convert::kPieceWord}) {
-    if (path.find(word) == std::string::npos || is_there(path)) continue;
+    if (path.find(word) == std::string::npos || files::is_there(path)) continue;
     return refuse_usage(fmt::format("{}: verify takes one mesh, and {} stands for several files", path, word),
                         word == convert::kPieceWord
                             ? "write the pieces into one glb, which is verified as a whole"
@@ -72,7 +72,7 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& given) {
   auto conversion = TRY(plan_conversion(flags, flags.isos, context));
   plan.notes = std::move(conversion.notes);
   if (!note.empty()) plan.notes.push_back(std::move(note));
-  plan.memory = conversion.context.memory();
+  plan.context = std::move(conversion.context);
   plan.job = std::move(conversion.job);
   plan.job.source.input = input;
   plan.job.verify = false;

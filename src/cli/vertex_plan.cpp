@@ -9,11 +9,11 @@
 
 #include "base/printable.hpp"
 #include "batch/frame_pattern.hpp"
-#include "cli/output_folders.hpp"
 #include "cli/plan_parts.hpp"
 #include "cli/values.hpp"
 #include "convert/attribute_source.hpp"
 #include "field/demo_field.hpp"
+#include "files/output_file.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -264,7 +264,7 @@ Result<void> plan_vertices(const ConvertFlags& flags, std::size_t isos, convert:
 Result<void> number_attributes(std::vector<convert::AttributeChoice>& attributes, std::int64_t frame) {
   for (convert::AttributeChoice& choice : attributes) {
     const convert::AttributePlace place = convert::attribute_place(choice);
-    if (place.file.empty() || place.file.starts_with(field::kDemoPrefix) || is_there(place.file)) continue;
+    if (place.file.empty() || place.file.starts_with(field::kDemoPrefix) || files::is_there(place.file)) continue;
     const auto pattern = TRY(batch::FramePattern::parse(place.file));
     if (!pattern) continue;
     choice.from = pattern->expand(frame) + (place.grid ? fmt::format("[{}]", *place.grid) : "");

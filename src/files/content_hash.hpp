@@ -35,7 +35,7 @@ class ContentHasher {
   ~ContentHasher();
 
   void add(std::span<const std::byte> bytes);
-  // Of all that came so far.
+  // Of all bytes that were added.
   [[nodiscard]] std::string hash() const;
 
  private:

@@ -40,15 +40,15 @@ Result<InputFile> InputFile::open(const std::filesystem::path& path, const Conte
     return fail(ErrorCode::input, fmt::format("{}: cannot be read: {}", name, system_message(error)));
   };
   const auto file = std::make_shared<OpenFile>();  // before there is a descriptor that could be lost
-  int descriptor = -1;
   if (is_stdin) {
-    descriptor = TRY(detail::open_standard_input(context));
+    file->descriptor = TRY(detail::open_standard_input(context));
   } else {
     // Without O_NONBLOCK, opening a pipe that nobody writes to would wait for ever.
-    descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    file->descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   }
   struct stat status {};
-  if (!file->take(descriptor) || ::fstat(descriptor, &status) != 0) return cannot_read(errno);
+  if (file->descriptor < 0 || ::fstat(file->descriptor, &status) != 0) return cannot_read(errno);
+  file->version = version_of(status);
   if (S_ISDIR(status.st_mode)) return fail(ErrorCode::input, name + ": expected a file, found a directory");
   if (!S_ISREG(status.st_mode)) {
     return fail(ErrorCode::input, name + ": expected a regular file, found a pipe or device",
@@ -60,9 +60,9 @@ Result<InputFile> InputFile::open(const std::filesystem::path& path, const Conte
 }
 
 InputFile::InputFile(std::filesystem::path path, std::shared_ptr<const OpenFile> file, Context context)
-    : context_(std::move(context)), path_(std::move(path)), file_(std::move(file)), size_(file_->version().bytes) {}
+    : context_(std::move(context)), path_(std::move(path)), file_(std::move(file)), size_(file_->version.bytes) {}
 
-int InputFile::descriptor() const { return file_->descriptor(); }
+int InputFile::descriptor() const { return file_->descriptor; }
 
 Result<void> InputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes) const {
   while (!bytes.empty()) {

@@ -22,7 +22,7 @@ inline constexpr std::string_view kStandardInputName = "standard input";
 // What messages call an input.
 [[nodiscard]] std::string shown_input_name(const std::filesystem::path& path);
 
-class OpenFile;  // detail/opened_files.hpp
+struct OpenFile;  // detail/opened_files.hpp
 
 // An open, regular file with at least one byte. Its errors are ErrorCode::input and start with its name. What is read
 // of it counts in the context that it was opened in.

@@ -22,12 +22,12 @@ std::int64_t nanoseconds(const timespec& time) {
   return time.tv_sec * kNanoseconds + time.tv_nsec;
 }
 
-FileVersion version_of(const struct stat& status) {
+}  // namespace
+
+FileVersion version_of(const struct ::stat& status) {
   return {status.st_dev, status.st_ino, static_cast<std::uint64_t>(status.st_size), nanoseconds(status.st_mtim),
           nanoseconds(status.st_ctim)};
 }
-
-}  // namespace
 
 bool FileVersion::is_settled() const {
   const std::int64_t newest = std::max(modified, changed);
@@ -41,14 +41,9 @@ std::optional<FileVersion> version_of(const std::filesystem::path& path) {
   return version_of(status);
 }
 
-std::optional<FileVersion> version_of(int descriptor) {
-  struct stat status {};
-  if (::fstat(descriptor, &status) != 0) return std::nullopt;
-  return version_of(status);
-}
-
 Result<FileVersion> version_of(const InputFile& file) {
-  if (const auto version = version_of(file.descriptor())) return *version;
+  struct stat status {};
+  if (::fstat(file.descriptor(), &status) == 0) return version_of(status);
   return fail(ErrorCode::input,
               fmt::format("{}: cannot be read: {}", file.name(), std::generic_category().message(errno)));
 }

@@ -8,6 +8,8 @@
 
 #include "base/error.hpp"
 
+struct stat;
+
 namespace isoextract::files {
 
 class InputFile;
@@ -29,8 +31,7 @@ struct FileVersion {
 
 // What the path names now; nothing where that is no regular file, or cannot be told.
 [[nodiscard]] std::optional<FileVersion> version_of(const std::filesystem::path& path);
-// The same of an open file, of any kind.
-[[nodiscard]] std::optional<FileVersion> version_of(int descriptor);
+[[nodiscard]] FileVersion version_of(const struct ::stat& status);
 
 // What the file is now. Fails with ErrorCode::input where the system does not tell.
 [[nodiscard]] Result<FileVersion> version_of(const InputFile& file);

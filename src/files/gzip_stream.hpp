@@ -3,14 +3,11 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <span>
-#include <vector>
+#include <utility>
 
 #include "base/error.hpp"
-#include "files/file_bytes.hpp"
-
-struct z_stream_s;
+#include "files/packed_input.hpp"
 
 namespace isoextract::files {
 
@@ -27,23 +24,14 @@ class GzipStream {
   [[nodiscard]] Result<std::size_t> inflate(std::span<std::byte> out);
 
  private:
-  struct End {
-    void operator()(z_stream_s* stream) const;
-  };
-  using Handle = std::unique_ptr<z_stream_s, End>;
-  GzipStream(const InputFile& file, std::uint64_t offset, Handle stream);
+  explicit GzipStream(PackedInput input) : input_(std::move(input)) {}
 
-  // Reads on where nothing is left to inflate.
-  [[nodiscard]] Result<void> refill();
   // Behind a member: whether another one follows.
   [[nodiscard]] Result<bool> begin_next_member();
   [[nodiscard]] tl::unexpected<Error> damaged(const char* why) const;
 
-  const InputFile* file_;
-  std::uint64_t next_;  // byte of the file that is read next
-  Handle stream_;
+  PackedInput input_;
   bool ended_ = false;  // the last member has
-  std::vector<std::byte> packed_;
 };
 
 }  // namespace isoextract::files

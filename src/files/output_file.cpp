@@ -276,6 +276,11 @@ bool same_place(const fs::path& a, const fs::path& b) {
   return place(a) == place(b);
 }
 
+bool is_there(const fs::path& path) {
+  std::error_code none;
+  return fs::exists(path, none);
+}
+
 std::string shown_output_name(const fs::path& path) { return path == "-" ? "standard output" : path.string(); }
 
 Result<OutputFile> OutputFile::create(const fs::path& path) {

@@ -41,6 +41,9 @@ namespace isoextract::files {
 // standard output), and would not be lost there (/dev/null). Files that do not exist are compared by their names.
 [[nodiscard]] bool same_place(const std::filesystem::path& a, const std::filesystem::path& b);
 
+// Whether a file, a folder or anything else has the name. False where that cannot be told.
+[[nodiscard]] bool is_there(const std::filesystem::path& path);
+
 class OutputFile {
  public:
   // `path` may name a regular file (replaced on commit, through symbolic links, with its permission bits), something

@@ -10,8 +10,8 @@
 namespace isoextract::convert {
 
 // Writes `source.field` to one output of `job`, whole or not at all, and tells of it. Values are 32-bit floats, or
-// 16-bit ones; where that rounds them, that is told. Fails with ErrorCode::output where values leave the range of their
-// numbers, and as volume_io::write_vdb() does.
+// 16-bit ones; a note says by how much that rounds them. Fails with ErrorCode::output where values leave the range of
+// their numbers, and as volume_io::write_vdb() does.
 [[nodiscard]] Result<mesh_io::WrittenFile> write_field(const Source& source, const ConversionJob& job,
                                                        const OutputFileJob& output, const Context& context,
                                                        Events& events);

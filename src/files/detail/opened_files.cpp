@@ -8,20 +8,13 @@
 namespace isoextract::files {
 
 OpenFile::~OpenFile() {
-  if (descriptor_ >= 0) ::close(descriptor_);
-}
-
-bool OpenFile::take(int descriptor) {
-  descriptor_ = descriptor;
-  const auto version = descriptor >= 0 ? version_of(descriptor) : std::nullopt;
-  version_ = version.value_or(FileVersion());
-  return version.has_value();
+  if (descriptor >= 0) ::close(descriptor);
 }
 
 std::shared_ptr<const OpenFile> OpenedFiles::find(const FileVersion& version) const {
   {
     const std::lock_guard lock(mutex_);
-    const auto found = std::ranges::find_if(files_, [&](const auto& file) { return file->version() == version; });
+    const auto found = std::ranges::find_if(files_, [&](const auto& file) { return file->version == version; });
     if (found != files_.end()) return *found;
   }
   return before_ ? before_->find(version) : nullptr;

@@ -13,23 +13,14 @@
 namespace isoextract::files {
 
 // Closes its descriptor.
-class OpenFile {
- public:
+struct OpenFile {
   OpenFile() = default;
   OpenFile(const OpenFile&) = delete;
   OpenFile& operator=(const OpenFile&) = delete;
   ~OpenFile();
 
-  // Call once. False where `descriptor` is none, or the system does not tell what it is; errno is set then.
-  [[nodiscard]] bool take(int descriptor);
-
-  [[nodiscard]] int descriptor() const { return descriptor_; }
-  // As it was when it was opened.
-  [[nodiscard]] const FileVersion& version() const { return version_; }
-
- private:
-  int descriptor_ = -1;
-  FileVersion version_;
+  int descriptor = -1;
+  FileVersion version;  // when it was opened
 };
 
 // The files that were opened last, of which kMost stay open. Used by several threads.

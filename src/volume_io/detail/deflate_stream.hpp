@@ -3,14 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <span>
-#include <vector>
 
 #include "base/error.hpp"
-#include "files/file_bytes.hpp"
-
-struct z_stream_s;
+#include "files/packed_input.hpp"
 
 namespace isoextract::volume_io {
 
@@ -25,29 +21,17 @@ struct DeflatedMember {
 class DeflateStream {
  public:
   // `offset` is where in the file the packed bytes begin; they lie within it.
-  [[nodiscard]] static Result<DeflateStream> open(const files::InputFile& file, std::uint64_t offset,
-                                                  const DeflatedMember& member);
+  DeflateStream(const files::InputFile& file, std::uint64_t offset, const DeflatedMember& member);
 
   // How many bytes came; fewer than asked for only at the end of intact data, whose length and checksum are what the
   // member says. At most 2 GiB at a time.
   [[nodiscard]] Result<std::size_t> inflate(std::span<std::byte> out);
 
  private:
-  struct End {
-    void operator()(z_stream_s* stream) const;
-  };
-  using Handle = std::unique_ptr<z_stream_s, End>;
-  DeflateStream(const files::InputFile& file, std::uint64_t offset, const DeflatedMember& member, Handle stream);
-
-  [[nodiscard]] Result<void> refill();
   [[nodiscard]] Result<void> check_end() const;
 
-  const files::InputFile* file_;
-  std::uint64_t next_;  // in the file
-  std::uint64_t left_;  // packed bytes that were not read yet
+  files::PackedInput input_;
   DeflatedMember member_;
-  Handle stream_;
-  std::vector<std::byte> packed_;
   std::uint64_t inflated_ = 0;
   std::uint32_t crc_;
   bool ended_ = false;

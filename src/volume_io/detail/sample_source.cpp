@@ -118,7 +118,7 @@ class PackedSamples {
     PackedSamples samples(file, source, packing_of(piece),
                           checked_sum(piece.skip, wanted * source.stride).value_or(~std::uint64_t{0}));
     if (piece.deflated) {
-      auto stream = TRY(DeflateStream::open(file, piece.offset, *piece.deflated));
+      DeflateStream stream(file, piece.offset, *piece.deflated);
       samples.stream_.emplace<DeflateStream>(std::move(stream));
     } else {
       auto stream = TRY(files::GzipStream::open(file, piece.offset));

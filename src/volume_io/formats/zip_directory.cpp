@@ -183,7 +183,7 @@ Result<std::vector<std::byte>> first_bytes_of(const files::InputFile& file, cons
     TRY(file.read_at(piece.offset, bytes));
     return bytes;
   }
-  auto stream = TRY(DeflateStream::open(file, piece.offset, *piece.deflated));
+  DeflateStream stream(file, piece.offset, *piece.deflated);
   const auto got = TRY(stream.inflate(bytes));
   bytes.resize(got);
   return bytes;
