@@ -1,6 +1,7 @@
-# A room is a folder of src: one static library that sees the headers of the rooms it links and of no other.
+# A room is a folder of src: one static library of all its sources, but a main.cpp, that sees the headers of the rooms it
+# links and of no other.
 #
-# isoextract_room(NAME [SHELL] SOURCES a.cpp ... ROOMS base field ... LIBRARIES Some::lib ...)
+# isoextract_room(NAME [SHELL] ROOMS base field ... LIBRARIES Some::lib ...)
 #
 # SHELL: no loop over samples, vertices or triangles is in it. Optimising it takes compile time and makes nothing faster.
 #
@@ -25,7 +26,7 @@ if(ISOEXTRACT_SANITIZE)
 endif()
 
 function(isoextract_room name)
-  cmake_parse_arguments(ROOM "SHELL" "" "SOURCES;ROOMS;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ROOM "SHELL" "" "ROOMS;LIBRARIES" ${ARGN})
   set(target isoextract_${name})
   set(public_dir ${PROJECT_BINARY_DIR}/include/${name})
   set(private_dir ${PROJECT_BINARY_DIR}/include-all/${name})
@@ -36,7 +37,9 @@ function(isoextract_room name)
   foreach(header IN LISTS headers)
     file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR}/${header} ${public_dir}/${name}/${header} SYMBOLIC)
   endforeach()
-  add_library(${target} STATIC ${ROOM_SOURCES})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} *.cpp)
+  list(REMOVE_ITEM sources main.cpp)
+  add_library(${target} STATIC ${sources})
   target_include_directories(${target} PRIVATE ${private_dir} INTERFACE ${public_dir})
   list(TRANSFORM ROOM_ROOMS PREPEND isoextract_)
   target_link_libraries(${target} PUBLIC ${ROOM_ROOMS} ${ROOM_LIBRARIES} PRIVATE isoextract_options)

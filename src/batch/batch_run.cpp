@@ -280,7 +280,8 @@ Result<std::optional<files::ReadFiles>> check_written_files(const BatchJob& batc
   for (const NamedFile& file : others.written) {
     if (files::is_there(file.path)) there.emplace_back(file.path);
   }
-  const bool splits = std::ranges::any_of(batch.frames, [](const FrameJob& frame) { return frame.job.pieces.split; });
+  const bool splits =
+      std::ranges::any_of(batch.frames, [](const FrameJob& frame) { return frame.job.edits.pieces.split; });
   std::optional<files::ReadFiles> read;
   if (splits || !there.empty()) read = read_files_of(batch, others, context);
   for (const fs::path& file : there) TRY(read->check(file));

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "convert/json_values.hpp"
 #include "convert/particle_source.hpp"
 #include "field/demo_field.hpp"
 #include "files/file_version.hpp"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "batch/batch_job.hpp"
-#include "convert/json_values.hpp"
+#include "convert/json_type.hpp"
 #include "convert/outcome.hpp"
 #include "files/content_hash.hpp"
 

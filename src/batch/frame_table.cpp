@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "base/csv.hpp"
+#include "convert/json_values.hpp"
 
 namespace isoextract::batch {
 namespace {

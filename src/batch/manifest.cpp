@@ -17,6 +17,7 @@
 
 #include "base/version.hpp"
 #include "batch/frame_range.hpp"
+#include "convert/json_values.hpp"
 #include "files/output_file.hpp"
 #include "files/text_file.hpp"
 

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "base/printable.hpp"
+#include "convert/json_values.hpp"
 
 namespace isoextract::cli {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "accuracy/attribute_match.hpp"
 #include "cli/layout.hpp"
-#include "convert/json_values.hpp"
+#include "convert/json_type.hpp"
 
 namespace isoextract::cli {
 

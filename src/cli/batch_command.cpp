@@ -28,6 +28,7 @@
 #include "cli/report_file.hpp"
 #include "cli/threads.hpp"
 #include "cli/up_axis_note.hpp"
+#include "convert/json_values.hpp"
 #include "files/output_file.hpp"
 #include "files/read_files.hpp"
 

@@ -10,6 +10,7 @@
 #include "base/printable.hpp"
 #include "batch/frame_range.hpp"
 #include "cli/remedies.hpp"
+#include "convert/json_values.hpp"
 
 namespace isoextract::cli {
 namespace {

@@ -12,6 +12,7 @@
 #include "cli/gpu_threads_report.hpp"
 #include "cli/planned_command.hpp"
 #include "cli/progress_bar.hpp"
+#include "convert/json_values.hpp"
 #include "convert/output_checks.hpp"
 #include "convert/particle_source.hpp"
 #include "convert/source.hpp"

@@ -11,6 +11,7 @@
 #include "base/machine.hpp"
 #include "base/printable.hpp"
 #include "base/version.hpp"
+#include "convert/json_values.hpp"
 
 namespace isoextract::cli {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bench/benchmark.hpp"
-#include "convert/json_values.hpp"
+#include "convert/json_type.hpp"
 
 namespace isoextract::cli {
 

@@ -14,6 +14,7 @@
 #include "cli/mistaken_files.hpp"
 #include "cli/planned_command.hpp"
 #include "cli/progress_bar.hpp"
+#include "convert/json_values.hpp"
 #include "convert/placement_record.hpp"
 #include "files/file_bytes.hpp"
 #include "files/output_file.hpp"

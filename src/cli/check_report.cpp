@@ -7,6 +7,7 @@
 
 #include "base/printable.hpp"
 #include "cli/layout.hpp"
+#include "convert/json_values.hpp"
 
 namespace isoextract::cli {
 namespace {

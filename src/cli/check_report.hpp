@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "check/mesh_check.hpp"
-#include "convert/json_values.hpp"
+#include "convert/json_type.hpp"
 #include "convert/placement.hpp"
 
 namespace isoextract::cli {

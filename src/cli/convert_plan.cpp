@@ -177,7 +177,6 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   TRY(plan_resolution(flags.surface, job.source));
   TRY(plan_labels(flags, job));
   job.source.filters = flags.surface.filters;
-  if (flags.simplify || flags.triangles) job.simplify = convert::SimplifyChoice{flags.simplify, flags.triangles};
   TRY(plan_edits(flags, job));
   job.empty = flags.empty.value_or(job.empty);
   job.error = flags.error;

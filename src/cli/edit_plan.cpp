@@ -21,8 +21,8 @@ Result<void> plan_edits(const ConvertFlags& flags, convert::ConversionJob& job) 
                         "leave one of them out");
   }
   job.source.blurs = flags.surface.blurs;
-  job.pieces = {edits.least, edits.fill_cavities, edits.largest, edits.split};
-  job.smooth = edits.smooth;
+  job.edits = edits.chosen();
+  if (flags.simplify || flags.triangles) job.edits.simplify = convert::SimplifyChoice{flags.simplify, flags.triangles};
   return {};
 }
 

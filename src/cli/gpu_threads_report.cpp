@@ -7,6 +7,7 @@
 #include "base/byte_size.hpp"
 #include "base/version.hpp"
 #include "cli/bench_report.hpp"
+#include "convert/json_values.hpp"
 
 namespace isoextract::cli {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "convert/json_values.hpp"
+#include "convert/json_type.hpp"
 #include "gpu/thread_creation.hpp"
 
 namespace isoextract::cli {

@@ -16,6 +16,7 @@
 #include "cli/mistaken_files.hpp"
 #include "cli/planned_command.hpp"
 #include "cli/progress_bar.hpp"
+#include "convert/json_values.hpp"
 #include "convert/particle_source.hpp"
 #include "convert/source.hpp"
 #include "extract/edge_geometry.hpp"

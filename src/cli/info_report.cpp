@@ -12,6 +12,7 @@
 #include "base/printable.hpp"
 #include "cli/layout.hpp"
 #include "cli/remedies.hpp"
+#include "convert/json_values.hpp"
 #include "convert/placement.hpp"
 #include "files/file_bytes.hpp"
 

@@ -10,7 +10,7 @@
 #include "base/error.hpp"
 #include "cli/particle_report.hpp"
 #include "convert/conversion_size.hpp"
-#include "convert/json_values.hpp"
+#include "convert/json_type.hpp"
 #include "field/scalar_field.hpp"
 #include "field/statistics.hpp"
 #include "volume_io/volume_reader.hpp"

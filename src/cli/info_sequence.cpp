@@ -13,6 +13,7 @@
 #include "cli/layout.hpp"
 #include "cli/remedies.hpp"
 #include "cli/values.hpp"
+#include "convert/json_values.hpp"
 
 namespace isoextract::cli {
 namespace {

@@ -9,6 +9,7 @@
 #include "base/printable.hpp"
 #include "base/stopwatch.hpp"
 #include "cli/remedies.hpp"
+#include "convert/json_values.hpp"
 #include "convert/particle_field.hpp"
 #include "convert/particle_source.hpp"
 #include "convert/placement.hpp"

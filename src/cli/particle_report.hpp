@@ -10,7 +10,7 @@
 #include "base/error.hpp"
 #include "cli/layout.hpp"
 #include "convert/conversion_job.hpp"
-#include "convert/json_values.hpp"
+#include "convert/json_type.hpp"
 #include "particle_io/particle_reader.hpp"
 #include "points/particle_field.hpp"
 #include "points/particle_statistics.hpp"

@@ -1,6 +1,7 @@
 #include "cli/report_file.hpp"
 
 #include "cli/remedies.hpp"
+#include "convert/json_values.hpp"
 #include "convert/output_checks.hpp"
 #include "files/output_file.hpp"
 

@@ -19,6 +19,7 @@
 #include "cli/verification_text.hpp"
 #include "convert/conversion.hpp"
 #include "convert/field_label.hpp"
+#include "convert/json_values.hpp"
 #include "convert/mesh_sink.hpp"
 #include "convert/placement_record.hpp"
 #include "convert/source.hpp"
@@ -167,11 +168,11 @@ std::string hint_for(const convert::ConversionJob& job, const accuracy::MeshMatc
     return "it is a part of that: give the --largest, --drop-components, --fill-cavities, --clip or --roi that it was "
            "written with";
   }
-  if (!job.simplify && theirs < ours && match.vertices_only[0] == 0) {
+  if (!job.edits.simplify && theirs < ours && match.vertices_only[0] == 0) {
     return "it looks simplified: give the --simplify or --triangles that it was written with; 'isoextract compare' "
            "measures how far it is from a mesh that was written without";
   }
-  if (job.simplify && match.matched > 0) {
+  if (job.edits.simplify && match.matched > 0) {
     return fmt::format(
         "give the same options that it was written with. Simplifying takes other turns where positions differ in their "
         "last bits: a mesh by another backend (--backend {}) or version may be as good, and 'isoextract compare' "

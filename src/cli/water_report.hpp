@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "convert/json_values.hpp"
+#include "convert/json_type.hpp"
 #include "simulate/water_stability.hpp"
 
 namespace isoextract::cli {

@@ -10,11 +10,10 @@
 
 #include <glm/glm.hpp>
 
-#include "base/error.hpp"
 #include "base/words.hpp"
 #include "convert/backends.hpp"
 #include "convert/iso_choice.hpp"
-#include "convert/json_values.hpp"
+#include "convert/json_type.hpp"
 #include "convert/placement.hpp"
 #include "convert/surface_edits.hpp"
 #include "convert/vertex_choices.hpp"
@@ -57,6 +56,9 @@ constexpr auto words_of(EmptyPolicy /*type*/) {
 
 // How particles become the field that is extracted. A volume needs none of it.
 struct ParticleOptions {
+  static constexpr std::array kMembers{"expected", "method",  "radius",     "cell_size", "smoothing_length",
+                                       "weight",   "deposit", "not_finite", "columns"};
+
   // The input is of particles: one that could be either is read so, and a volume is refused. Otherwise its content
   // decides.
   bool expected = false;
@@ -75,6 +77,8 @@ struct ParticleOptions {
 
 // One filter of a level set.
 struct FilterStep {
+  static constexpr std::array kMembers{"filter", "width"};
+
   volume_io::LevelSetFilter filter = volume_io::LevelSetFilter::gaussian;
   std::uint64_t width = 1;  // voxels on either side that a value is taken from
 
@@ -124,6 +128,8 @@ struct SurfaceOptions {
 
 // One file to write (glTF: one pair of files), and the surfaces in it.
 struct OutputFileJob {
+  static constexpr std::array kMembers{"path", "iso", "grid"};
+
   std::string path;  // "-" is standard output; with kPieceWord in it, each piece of the surface has a file
   std::vector<IsoChoice> isos;
   std::optional<std::string> grid = {};  // whose surfaces are in it; none: those of all grids
@@ -144,6 +150,8 @@ struct PackingOptions {
 
 // The field itself, as an OpenVDB file.
 struct FieldFileOptions {
+  static constexpr std::array kMembers{"half"};
+
   bool as_half = false;  // values of 16 bits
 
   friend bool operator==(const FieldFileOptions&, const FieldFileOptions&) = default;
@@ -162,6 +170,8 @@ struct PictureFileOptions {
 
 // What labels of a label map are called, and their colours (label_table.hpp).
 struct LabelTableFile {
+  static constexpr std::array kMembers{"path", "hash"};
+
   std::string path;
   std::string hash;  // of its content, when the job was made
 
@@ -177,10 +187,7 @@ struct ConversionJob {
   // Of the surfaces, as many as there are iso values and in their order, each above 0 and at most 1; or one for all.
   // Empty: they are opaque, unless iso values colour several: then outer ones let inner ones be seen.
   std::vector<double> opacity;
-  // In the order in which they are done: pieces, smoothing, simplifying.
-  PieceChoice pieces;
-  std::optional<SmoothChoice> smooth;
-  std::optional<SimplifyChoice> simplify;
+  SurfaceEdits edits;
   std::optional<field::Interpolation> error;  // what the meshes are measured against; nothing: they are not
   bool verify = false;                        // the other backend is asked as well, and must agree
   BackendChoice backend;
@@ -200,13 +207,8 @@ struct ConversionJob {
   friend bool operator==(const ConversionJob&, const ConversionJob&) = default;
 };
 
-// Every member by name; what is not set is null. As text it is UTF-8, which paths need not be: such a path does not
-// come back as it was.
+// Every member by name; what is not set is null. As text it is UTF-8, which paths need not be.
 [[nodiscard]] Json json_of(const ConversionJob& job);
-
-// The other way. Members that are left out have their defaults; one that is not known, or that has another type or word
-// than expected, is ErrorCode::usage and named in the message.
-[[nodiscard]] Result<ConversionJob> job_of(const Json& json);
 
 // 32 hexadecimal digits that stand for everything in the job: the same for equal jobs, on every machine and in every
 // run of a version, and different for different ones but for chance. XXH3, 128 bits, of the CBOR of its JSON.

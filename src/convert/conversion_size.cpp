@@ -38,7 +38,7 @@ std::uint64_t edit_bytes(const ConversionJob& job, std::uint64_t vertices) {
   constexpr std::uint64_t kMiB = 1 << 20;
   const bool is_draco = job.packing.compression == mesh_io::Compression::draco;
   std::uint64_t most = 0;
-  if (job.simplify) most = 13 * kMiB + vertices * 420;
+  if (job.edits.simplify) most = 13 * kMiB + vertices * 420;
   if (is_draco) most = std::max(most, 6 * kMiB + vertices * 300);
   if (job.packing.quantize) most = std::max(most, 3 * kMiB + vertices * 60);
   return most;

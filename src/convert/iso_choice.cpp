@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "convert/json_values.hpp"
+
 namespace isoextract::convert {
 namespace {
 

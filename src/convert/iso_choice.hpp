@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "convert/json_values.hpp"
+#include "convert/json_type.hpp"
 #include "field/percentiles.hpp"
 
 namespace isoextract::convert {

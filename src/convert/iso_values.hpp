@@ -9,7 +9,6 @@
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "convert/iso_choice.hpp"
-#include "convert/json_values.hpp"
 #include "field/scalar_field.hpp"
 #include "points/method.hpp"
 

@@ -9,13 +9,12 @@
 
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
+#include "convert/json_type.hpp"
 #include "field/scalar_field.hpp"
 #include "mesh/metrics.hpp"
 #include "mesh/topology.hpp"
 
 namespace isoextract::convert {
-
-using Json = nlohmann::ordered_json;
 
 // null where there is none
 template <class T>

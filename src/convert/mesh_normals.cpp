@@ -106,12 +106,12 @@ Result<StageReport> fit_normals(Surface& surface, const StageContext& stage) {
   const std::span<const mesh::HalfSpace> cuts =
       job.surface.cap ? std::span<const mesh::HalfSpace>(source.clip) : std::span<const mesh::HalfSpace>();
   const bool has_caps = box || !cuts.empty();
-  if (job.normals == Normals::smooth && !job.simplify && !has_caps) return StageReport();
+  if (job.normals == Normals::smooth && !job.edits.simplify && !has_caps) return StageReport();
   const Stopwatch watch;
   context.progress().begin("normals", 0);
   mesh::ShadingOptions options;
   options.may_copy = copies_vertices(job);
-  if (job.simplify) options.crease_degrees = kCreaseDegrees;
+  if (job.edits.simplify) options.crease_degrees = kCreaseDegrees;
   const std::size_t triangles = has_caps ? mesh.triangles.size() : 0;
   const auto memory = TRY(context.reserve(triangles, source.label + ": normals"));
   Buffer<std::uint8_t> planes(triangles);
@@ -135,7 +135,9 @@ Result<StageReport> fit_normals(Surface& surface, const StageContext& stage) {
 
 }  // namespace
 
-bool copies_vertices(const ConversionJob& job) { return has_vertex_normals(job) && (job.surface.cap || job.simplify); }
+bool copies_vertices(const ConversionJob& job) {
+  return has_vertex_normals(job) && (job.surface.cap || job.edits.simplify);
+}
 
 Result<StageReport> shade_surface(Surface& surface, const StageContext& stage) {
   if (stage.facts.recorded) {

@@ -50,7 +50,7 @@ Result<edit::Sites> voxel_sites(const mesh::Mesh& mesh, const Source& source, co
 }
 
 Result<StageReport> drop_pieces(Surface& surface, const StageContext& stage) {
-  const PieceChoice& choice = stage.job.pieces;
+  const PieceChoice& choice = stage.job.edits.pieces;
   if (!choice.drops()) return StageReport();
   const bool was_empty = surface.mesh.triangles.empty();
   auto sites = TRY(voxel_sites(surface.mesh, stage.source, stage.job.surface, stage.context));

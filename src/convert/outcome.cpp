@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/version.hpp"
+#include "convert/json_values.hpp"
 #include "convert/stages/mesh_simplify.hpp"
 
 namespace isoextract::convert {
@@ -20,7 +21,7 @@ Json options_of(const ConversionJob& job, std::uint64_t memory_limit) {
   json["unit"] = job.source.placement.unit.empty() ? Json(nullptr) : Json(job.source.placement.unit);
   const std::string& to_unit = job.source.placement.to_unit;
   json["to_unit"] = to_unit.empty() ? Json(nullptr) : Json(to_unit);
-  const SimplifyChoice simplify = job.simplify.value_or(SimplifyChoice());
+  const SimplifyChoice simplify = job.edits.simplify.value_or(SimplifyChoice());
   json["simplify"] = simplify.within ? Json(simplify_bound_text(*simplify.within)) : Json(nullptr);
   json["triangles"] = simplify.triangles ? Json(triangle_count_text(*simplify.triangles)) : Json(nullptr);
   if (job.field_file) json["format"] = "vdb";

@@ -11,7 +11,7 @@
 
 #include "base/stopwatch.hpp"
 #include "convert/conversion_job.hpp"
-#include "convert/json_values.hpp"
+#include "convert/json_type.hpp"
 #include "convert/stage_report.hpp"
 
 namespace isoextract::convert {

@@ -88,6 +88,8 @@ struct ResolvedPlacement {
 
 // Which part of a surface is kept: the points p with dot(normal, p) >= offset.
 struct ClipPlane {
+  static constexpr std::array kMembers{"normal", "offset"};
+
   glm::dvec3 normal{0, 0, 1};  // of any length but 0
   double offset = 0;
 

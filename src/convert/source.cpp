@@ -11,6 +11,7 @@
 
 #include "base/printable.hpp"
 #include "convert/field_label.hpp"
+#include "convert/json_values.hpp"
 #include "convert/particle_field.hpp"
 #include "convert/stages/field_blur.hpp"
 #include "convert/stages/level_set_filter.hpp"

@@ -20,7 +20,7 @@
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "base/words.hpp"
-#include "convert/json_values.hpp"
+#include "convert/json_type.hpp"
 #include "convert/stages.hpp"
 #include "convert/work_facts.hpp"
 

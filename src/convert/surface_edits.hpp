@@ -1,4 +1,5 @@
-// How fields and surfaces are changed on their way, as values of a job.
+// How fields and surfaces are changed on their way, as values of a job. kMembers are the names of their members in
+// JSON.
 #pragma once
 
 #include <array>
@@ -19,6 +20,8 @@ constexpr auto words_of(BlurKind /*type*/) {
 
 // One blur of a field (field/blur.hpp).
 struct BlurStep {
+  static constexpr std::array kMembers{"kind", "width", "in_world_units"};
+
   BlurKind kind = BlurKind::gaussian;
   double width = 1;             // of a Gaussian its standard deviation, of a median whole voxels on either side
   bool in_world_units = false;  // of the input; else in voxels
@@ -28,6 +31,8 @@ struct BlurStep {
 
 // The least size of components that stay.
 struct LeastPiece {
+  static constexpr std::array kMembers{"measure", "amount", "in_world_units"};
+
   edit::PieceMeasure measure = edit::PieceMeasure::triangles;
   double amount = 0;
   bool in_world_units = false;  // squares or cubes of the unit of the written mesh; else of voxels
@@ -37,6 +42,8 @@ struct LeastPiece {
 
 // Which pieces of a surface stay (edit/pieces.hpp), and whether each becomes a mesh.
 struct PieceChoice {
+  static constexpr std::array kMembers{"least", "fill_cavities", "largest", "split"};
+
   std::optional<LeastPiece> least;
   bool fill_cavities = false;
   std::optional<std::uint64_t> largest;  // 1 or more
@@ -48,6 +55,8 @@ struct PieceChoice {
 
 // How far a simplified mesh may be from the mesh that it was.
 struct SimplifyBound {
+  static constexpr std::array kMembers{"distance", "in_world_units"};
+
   double distance = 0;
   bool in_world_units = false;  // else in voxels
 
@@ -56,6 +65,8 @@ struct SimplifyBound {
 
 // How many triangles each surface keeps.
 struct TriangleCount {
+  static constexpr std::array kMembers{"amount", "in_percent"};
+
   double amount = 0;  // above 0; a whole number, or a percentage of what the surface had, up to 100
   bool in_percent = false;
 
@@ -64,6 +75,8 @@ struct TriangleCount {
 
 // With both, it ends where the first of them is reached.
 struct SimplifyChoice {
+  static constexpr std::array kMembers{"within", "triangles"};
+
   std::optional<SimplifyBound> within;
   std::optional<TriangleCount> triangles;
 
@@ -71,11 +84,24 @@ struct SimplifyChoice {
 };
 
 struct SmoothChoice {
+  static constexpr std::array kMembers{"passes", "method", "pass_band"};
+
   std::uint64_t passes = 20;  // 1 to edit::kMaxSmoothPasses
   edit::SmoothMethod method = edit::SmoothMethod::taubin;
   double pass_band = 0.1;  // above 0, below 1
 
   friend bool operator==(const SmoothChoice&, const SmoothChoice&) = default;
+};
+
+// In the order in which they are done.
+struct SurfaceEdits {
+  static constexpr std::array kMembers{"pieces", "smooth", "simplify"};
+
+  PieceChoice pieces;
+  std::optional<SmoothChoice> smooth;
+  std::optional<SimplifyChoice> simplify;
+
+  friend bool operator==(const SurfaceEdits&, const SurfaceEdits&) = default;
 };
 
 // In the name of a file: the number of a piece, which then has a file of its own.

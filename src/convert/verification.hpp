@@ -10,7 +10,7 @@
 #include "accuracy/mesh_match.hpp"
 #include "base/context.hpp"
 #include "base/stopwatch.hpp"
-#include "convert/json_values.hpp"
+#include "convert/json_type.hpp"
 #include "convert/stage_report.hpp"
 #include "extract/extractor.hpp"
 

@@ -19,6 +19,9 @@ namespace isoextract::convert {
 // An attribute of the vertices: what they call it, and where it comes from. Of particles that is the name of one of
 // theirs; of a volume a grid of the same file, or another file (attribute_source.hpp).
 struct AttributeChoice {
+  static constexpr std::array kMembers{"name",    "from",   "written", "optional", "kind",
+                                       "spacing", "origin", "no_data", "volume",   "component"};
+
   std::string name;
   std::string from;
   bool written = true;                     // else it only gives colours
@@ -46,6 +49,8 @@ struct MissingAttribute {
 
 // Colours, by a map from a range of values. Of several components their length counts.
 struct ColourChoice {
+  static constexpr std::array kMembers{"attribute", "map", "range"};
+
   std::optional<std::string>
       attribute;  // one of the job's attributes; nothing: each surface one colour by its iso value
   edit::Colormap map = edit::Colormap::viridis;

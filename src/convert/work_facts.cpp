@@ -4,6 +4,7 @@
 
 #include "base/byte_size.hpp"
 #include "base/printable.hpp"
+#include "convert/json_values.hpp"
 #include "convert/stages/surface_stages.hpp"
 
 namespace isoextract::convert {

@@ -10,7 +10,7 @@
 
 #include "base/words.hpp"
 #include "convert/attribute_volumes.hpp"
-#include "convert/json_values.hpp"
+#include "convert/json_type.hpp"
 #include "extract/extractor.hpp"
 #include "points/particle_field.hpp"
 

@@ -142,7 +142,7 @@ TEST_F(Allocation, OfAttributesAndColours) {
 
 TEST_F(Allocation, OfSimplifying) {
   ConversionJob job = job_of("demo:sphere?size=4", 0, mesh_io::MeshFormat::ply);
-  job.simplify = SimplifyChoice{SimplifyBound{0.2, false}, {}};
+  job.edits.simplify = SimplifyChoice{SimplifyBound{0.2, false}, {}};
   expect_all_are_told(job);
 }
 

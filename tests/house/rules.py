@@ -151,7 +151,7 @@ def check_links(root):
         if room not in MAY_INCLUDE or f"isoextract_room({room}" not in text:
             yield f"{path.relative_to(root)}: declares no room '{room}' of the table"
             continue
-        arguments = re.search(r"\bROOMS\b([^)]*?)(?=\bLIBRARIES\b|\bSOURCES\b|\))", text)
+        arguments = re.search(r"\bROOMS\b([^)]*?)(?=\bLIBRARIES\b|\))", text)
         linked = set(arguments.group(1).split()) if arguments else set()
         linked |= set(re.findall(r"\bisoextract_(\w+)", text)) & set(MAY_INCLUDE)
         for other in sorted(linked - reach(room)):

@@ -21,8 +21,8 @@ if(TARGET isoextract_particles_vtk)
 endif()
 
 # Likewise those around OpenVDB.
-set_source_files_properties(unit/volume_io/openvdb_plugin_test.cpp unit/volume_io/openvdb_tools_test.cpp
-  unit/particle_io/openvdb_points_test.cpp PROPERTIES
+set_source_files_properties(unit/volume_io/openvdb/openvdb_plugin_test.cpp
+  unit/volume_io/openvdb/openvdb_tools_test.cpp unit/particle_io/openvdb_points_test.cpp PROPERTIES
   COMPILE_DEFINITIONS
   "BUILT_PLUGINS=\"${PROJECT_BINARY_DIR}/plugins\";BUILT_OPENVDB=$<TARGET_EXISTS:isoextract_volume_openvdb>")
 if(TARGET isoextract_volume_openvdb)

@@ -143,6 +143,13 @@ struct EditFlags : OptionSet {
       "where they are, and those of caps in their plane. How far vertices moved, and by how much the volume changed, "
       "is told.",
       About::surface | About::edit};
+
+  [[nodiscard]] convert::SurfaceEdits chosen() const {
+    convert::SurfaceEdits edits;
+    edits.pieces = {least, fill_cavities, largest, split};
+    edits.smooth = smooth;
+    return edits;
+  }
 };
 
 }  // namespace isoextract::cli

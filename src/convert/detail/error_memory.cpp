@@ -15,8 +15,8 @@ Result<void> check_error_memory(const ConversionJob& job, const Source& source, 
   if (!job.error || source.empty) return {};
   // A closed surface has about twice as many triangles as vertices, one of many small components fewer.
   const auto triangles_of = [](std::uint64_t vertices) { return vertices * 3 / 2; };
-  const bool as_extracted = extract::method_info(job.surface.method).traits.follows_interpolant && !job.simplify &&
-                            !job.pieces.drops() && source.clip.empty();
+  const bool as_extracted = extract::method_info(job.surface.method).traits.follows_interpolant &&
+                            !job.edits.simplify && !job.edits.pieces.drops() && source.clip.empty();
   for (const ResolvedIso& iso : source.isos) {
     if (iso.asked.is_label()) continue;
     const field::ScalarField& data = source.data ? *source.data : source.field;

@@ -200,7 +200,7 @@ Result<MeshError> measure_mesh_error(const Surface& surface, const StageContext&
   options.grid = grid;
   if (extracted.cap) options.caps.cuts = clipped;
   options.vertices_on_edges = extract::method_info(extracted.method).traits.vertices_on_edges;
-  if (stage.job.smooth) options.vertices_on_edges = false;
+  if (stage.job.edits.smooth) options.vertices_on_edges = false;
   options.caps.moved = surface.simplified_by;
   options.clipped = clipped;
   error.field = TRY(accuracy::measure_field_error(mesh, field, extracted, options, context));

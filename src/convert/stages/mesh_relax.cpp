@@ -136,7 +136,7 @@ std::optional<std::string> note_of_relaxing(std::span<const StageReport> reports
 }
 
 Result<StageReport> mark_bodies(Surface& surface, const StageContext& stage) {
-  if (!stage.job.pieces.split) return StageReport();
+  if (!stage.job.edits.pieces.split) return StageReport();
   auto sites = TRY(voxel_sites(surface.mesh, stage.source, stage.job.surface, stage.context));
   TRY(edit::mark_bodies(surface.mesh, stage.context, std::move(sites)));
   return StageReport();

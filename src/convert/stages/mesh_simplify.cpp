@@ -198,8 +198,8 @@ std::string simplify_bound_text(const SimplifyBound& bound) {
 
 // `output_from_index` says what a voxel is.
 Result<StageReport> simplify_surface(Surface& surface, const StageContext& stage) {
-  if (!stage.job.simplify) return StageReport();
-  const SimplifyChoice& choice = *stage.job.simplify;
+  if (!stage.job.edits.simplify) return StageReport();
+  const SimplifyChoice& choice = *stage.job.edits.simplify;
   const field::Affine& output_from_index = stage.source.output_from_index;
   const Stretch voxel = stretch_of(output_from_index.linear);
   edit::SimplifyOptions options;

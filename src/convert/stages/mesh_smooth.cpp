@@ -35,8 +35,8 @@ std::string line_of(const SmoothChoice& asked, const edit::SmoothFacts& facts, c
 
 // Caps stay on the sides of the box of samples, and in the planes of cuts.
 Result<StageReport> smooth_surface(Surface& surface, const StageContext& stage) {
-  if (!stage.job.smooth || surface.mesh.triangles.empty()) return StageReport();
-  const SmoothChoice& asked = *stage.job.smooth;
+  if (!stage.job.edits.smooth || surface.mesh.triangles.empty()) return StageReport();
+  const SmoothChoice& asked = *stage.job.edits.smooth;
   edit::SmoothOptions options;
   options.method = asked.method;
   options.passes = asked.passes;

@@ -45,7 +45,7 @@ Result<void> run_stage(const StageInfo& stage, const StageContext& context, Even
 
 Result<void> edit_surface(const StageContext& context, Events& events, Surface& surface) {
   for (const StageInfo& stage : kStages) {
-    const bool is_of_pieces = stage.name == StageName::normals && context.job.pieces.split;
+    const bool is_of_pieces = stage.name == StageName::normals && context.job.edits.pieces.split;
     if (stage.edit != nullptr && !is_of_pieces) TRY(run_stage(stage, context, events, surface));
   }
   return {};

@@ -10,6 +10,7 @@
 
 #include "batch/shard.hpp"
 #include "convert/conversion.hpp"
+#include "convert/json_values.hpp"
 #include "support/temp_folder.hpp"
 
 namespace isoextract::batch {

@@ -1,4 +1,5 @@
 #include "convert/conversion_job.hpp"
+#include "convert/json_values.hpp"
 
 #include <algorithm>
 #include <array>
@@ -49,9 +50,9 @@ ConversionJob full_job() {
   job.colour = ColourChoice{"heat", edit::Colormap::turbo, std::array{-1.5, 2.25}};
   job.label_names = LabelTableFile{"lut.txt", "0123"};
   job.opacity = {0.25, 1};
-  job.pieces = {LeastPiece{edit::PieceMeasure::area, 2.5, true}, true, 3, true};
-  job.smooth = SmoothChoice{7, edit::SmoothMethod::sinc, 0.25};
-  job.simplify = SimplifyChoice{SimplifyBound{0.1, true}, TriangleCount{2.5, true}};
+  job.edits.pieces = {LeastPiece{edit::PieceMeasure::area, 2.5, true}, true, 3, true};
+  job.edits.smooth = SmoothChoice{7, edit::SmoothMethod::sinc, 0.25};
+  job.edits.simplify = SimplifyChoice{SimplifyBound{0.1, true}, TriangleCount{2.5, true}};
   job.error = field::Interpolation::tricubic;
   job.verify = true;
   job.backend = {Backend::automatic, {gl::CudaIndex{2}, 1U << 20U}};
@@ -68,40 +69,29 @@ ConversionJob full_job() {
   return job;
 }
 
-TEST(ConversionJob, ComesBackFromItsJson) {
-  const ConversionJob job = full_job();
-  const Json json = Json::parse(json_of(job).dump());
-  const auto back = job_of(json);
-  ASSERT_TRUE(back) << back.error().message;
-  EXPECT_EQ(*back, job);
-  const auto plain = job_of(json_of(ConversionJob{}));
-  ASSERT_TRUE(plain) << plain.error().message;
-  EXPECT_EQ(*plain, ConversionJob{});
+// No member of full_job() has its default, so a member that is left out of the JSON, or named twice, shows.
+void expect_all_differ(const Json& full, const Json& plain, std::size_t members) {
+  EXPECT_EQ(full.size(), members);
+  EXPECT_EQ(plain.size(), members);
+  for (const auto& [name, value] : full.items()) EXPECT_NE(value, plain[name]) << name;
 }
 
-TEST(ConversionJob, MembersLeftOutHaveTheirDefaults) {
-  const auto job = job_of(Json::parse(R"({"input": "a.vdb", "outputs": [{"path": "a.glb", "iso": [0.5]}]})"));
-  ASSERT_TRUE(job);
-  ConversionJob expected;
-  expected.source.input = "a.vdb";
-  expected.outputs = {{"a.glb", {0.5}}};
-  EXPECT_EQ(*job, expected);
-}
-
-// Each member by itself: none is left out of the JSON, of == or of the hash.
-TEST(ConversionJob, EveryMemberCounts) {
+// The numbers of members stand here once more: the structures' own lists may forget one with its name.
+TEST(ConversionJob, EveryMemberIsInItsJson) {
   const Json full = json_of(full_job());
   const Json plain = json_of(ConversionJob{});
-  std::set<std::string> hashes{hash_of(ConversionJob{})};
-  for (const auto& [name, value] : full.items()) {
-    Json changed = plain;
-    changed[name] = value;
-    const auto job = job_of(changed);
-    ASSERT_TRUE(job) << name << ": " << job.error().message;
-    EXPECT_NE(*job, ConversionJob{}) << name;
-    EXPECT_TRUE(hashes.insert(hash_of(*job)).second) << name;
-  }
-  EXPECT_EQ(full.size(), plain.size());
+  expect_all_differ(full, plain, 62);
+  expect_all_differ(full["particles"], plain["particles"], 9);
+  expect_all_differ(full["pieces"], plain["pieces"], 4);
+  EXPECT_EQ(full["smooth"].dump(), R"({"passes":7,"method":"sinc","pass_band":0.25})");
+  EXPECT_EQ(full["simplify"].dump(),
+            R"({"within":{"distance":0.1,"in_world_units":true},"triangles":{"amount":2.5,"in_percent":true}})");
+  EXPECT_EQ(full["raw"].dump(), R"({"dims":[3,4,5],"dtype":"i16","endian":"big","skip":512})");
+  EXPECT_EQ(full["clip"][0].dump(), R"({"normal":[1.0,-2.0,0.5],"offset":0.001})");
+  EXPECT_EQ(full["blurs"][1].dump(), R"({"kind":"gaussian","width":0.5,"in_world_units":true})");
+  EXPECT_EQ(full["picture_file"].dump(),
+            R"({"width":320,"height":200,"azimuth":12.5,"elevation":-40.0,"distance":3.0,"look_at":null})");
+  EXPECT_TRUE(plain["smooth"].is_null());
 }
 
 TEST(ConversionJob, IsoValuesAreNumbersOrWords) {
@@ -117,20 +107,6 @@ TEST(ConversionJob, IsoValuesAreNumbersOrWords) {
   }
 }
 
-TEST(ConversionJob, EveryMemberOfParticlesCounts) {
-  const Json full = json_of(full_job())["particles"];
-  std::set<std::string> hashes{hash_of(ConversionJob{})};
-  for (const auto& [name, value] : full.items()) {
-    Json changed = json_of(ConversionJob{});
-    changed["particles"][name] = value;
-    const auto job = job_of(changed);
-    ASSERT_TRUE(job) << name << ": " << job.error().message;
-    EXPECT_NE(*job, ConversionJob{}) << name;
-    EXPECT_TRUE(hashes.insert(hash_of(*job)).second) << name;
-  }
-  EXPECT_EQ(full.size(), json_of(ConversionJob{})["particles"].size());
-}
-
 TEST(ConversionJob, HashesAreTheSameEverywhere) {
   EXPECT_EQ(hash_of(full_job()), hash_of(full_job()));
   EXPECT_EQ(hash_of(full_job()).size(), 32U);
@@ -139,27 +115,6 @@ TEST(ConversionJob, HashesAreTheSameEverywhere) {
   ConversionJob another;
   another.source.input = "a\xfe.raw";
   EXPECT_NE(hash_of(not_utf8), hash_of(another));
-}
-
-TEST(ConversionJob, RefusesWhatItDoesNotUnderstand) {
-  const auto refusal = [](const char* text) {
-    const auto job = job_of(Json::parse(text));
-    EXPECT_FALSE(job) << text;
-    return job ? std::string() : job.error().message;
-  };
-  EXPECT_NE(refusal(R"({"isovalue": 3})").find("no member 'isovalue'"), std::string::npos);
-  EXPECT_NE(refusal(R"({"method": "mq"})").find("'method' to be one of mc, mt, voxels"), std::string::npos);
-  EXPECT_NE(refusal(R"({"cap": 1})").find("'cap' to be true or false"), std::string::npos);
-  EXPECT_NE(refusal(R"({"resolution": [1, 2]})").find("three whole numbers, or null"), std::string::npos);
-  EXPECT_NE(refusal(R"({"resolution": [1, 2, 3000000000]})").find("three whole numbers"), std::string::npos);
-  EXPECT_NE(refusal(R"({"outputs": [{"path": "a", "iso": ["0"]}]})").find("'outputs'"), std::string::npos);
-  EXPECT_NE(refusal(R"({"outputs": [{"path": "a", "iso": ["p101"]}]})").find("a number, auto, a percentile"),
-            std::string::npos);
-  EXPECT_NE(refusal(R"({"gpu_memory": -1})").find("whole number from 0 on"), std::string::npos);
-  EXPECT_NE(refusal(R"({"particles": {"method": "spline"}})").find("one of weight, sph, anisotropic"),
-            std::string::npos);
-  EXPECT_NE(refusal(R"({"particles": {"columns": ["x", "y"]}})").find("three texts, or null"), std::string::npos);
-  EXPECT_NE(refusal(R"([1])").find("an object"), std::string::npos);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 
 #include <gtest/gtest.h>
 
+#include "convert/json_values.hpp"
 #include "convert/source.hpp"
 #include "field/sparse_lookup.hpp"
 #include "support/outcomes.hpp"

@@ -10,6 +10,7 @@
 
 #include "check/mesh_requirement.hpp"
 #include "check/shells.hpp"
+#include "convert/json_values.hpp"
 #include "convert/outcome.hpp"
 
 namespace isoextract::convert {

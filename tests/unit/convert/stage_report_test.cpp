@@ -1,4 +1,5 @@
 #include "convert/stage_report.hpp"
+#include "convert/json_values.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,3 @@
-isoextract_unit_test(convert attribute_source_test.cpp backends_test.cpp conversion_job_test.cpp conversion_test.cpp iso_values_test.cpp
-  report_schema_test.cpp stage_report_test.cpp
-  verification_test.cpp vertex_colours_test.cpp label_looks_test.cpp)
-
 # The example of how to use the program's rooms without its command line: it must build, and write two meshes at once.
 add_executable(convert_two ${PROJECT_SOURCE_DIR}/samples/convert_two.cpp)
 target_link_libraries(convert_two PRIVATE isoextract_convert isoextract_options)

@@ -1,4 +1,5 @@
 #include "convert/verification.hpp"
+#include "convert/json_values.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,5 @@
 include(${PROJECT_SOURCE_DIR}/cmake/OpenVDB.cmake)
 
-isoextract_unit_test(particle_io
-  particle_writer_test.cpp particles_binary_test.cpp particles_damage_test.cpp particles_real_test.cpp
-  particles_text_test.cpp particles_vtk_test.cpp openvdb_points_test.cpp)
 target_sources(test_particle_io PRIVATE support/plugin_reader_main.cpp)
 # Together these files take the compiler very much longer than one by one.
 set_target_properties(test_particle_io PROPERTIES UNITY_BUILD OFF)

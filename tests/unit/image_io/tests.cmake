@@ -1,1 +1,0 @@
-isoextract_unit_test(image_io exr_writer_test.cpp png_writer_test.cpp)
