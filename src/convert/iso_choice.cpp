@@ -1,8 +1,5 @@
 #include "convert/iso_choice.hpp"
 
-#include <charconv>
-#include <system_error>
-
 #include <fmt/format.h>
 
 #include "convert/json_values.hpp"
@@ -75,16 +72,6 @@ std::optional<IsoChoice> iso_choice_of(std::string_view word) {
   const auto percent = field::Percent::parse(word.substr(1));
   if (!percent) return std::nullopt;
   return IsoChoice::percentile(*percent);
-}
-
-std::optional<IsoChoice> label_choice_of(std::string_view word) {
-  if (word == kAllLabels) return IsoChoice::all_labels();
-  if (!word.starts_with(kLabel)) return std::nullopt;
-  const std::string_view digits = word.substr(kLabel.size());
-  std::int64_t number = 0;
-  const auto [rest, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-  if (error != std::errc() || rest != digits.data() + digits.size()) return std::nullopt;
-  return IsoChoice::label(number);
 }
 
 }  // namespace isoextract::convert

@@ -46,8 +46,7 @@ struct IsoChoice {
   friend auto operator<=>(const IsoChoice&, const IsoChoice&) = default;
 };
 
-// The shortest that iso_choice_of() and label_choice_of() take: "0.3", "auto", "zero", "p99.9", "label 5", "all
-// labels".
+// "0.3", "auto", "zero", "p99.9", "label 5", "all labels": the shortest text.
 [[nodiscard]] std::string text_of(const IsoChoice& choice);
 
 // The same as a part of a file's name: of a label its number.
@@ -58,8 +57,5 @@ struct IsoChoice {
 
 // "auto", "zero", or "p" and a Percent. Nothing for other words, numbers among them.
 [[nodiscard]] std::optional<IsoChoice> iso_choice_of(std::string_view word);
-
-// "label 5", "all labels". Nothing for other words.
-[[nodiscard]] std::optional<IsoChoice> label_choice_of(std::string_view word);
 
 }  // namespace isoextract::convert

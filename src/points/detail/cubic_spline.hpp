@@ -23,9 +23,4 @@ template <class T>
   return 8 / (std::numbers::pi * support * support * support);
 }
 
-// W(distance); its integral over space is 1.
-[[nodiscard]] constexpr double spline_kernel(double distance, double support) {
-  return spline_scale(support) * spline_shape(distance / support);
-}
-
 }  // namespace isoextract::points

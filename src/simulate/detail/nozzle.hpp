@@ -29,9 +29,6 @@ class Nozzle {
   // What one takes at most.
   [[nodiscard]] static std::uint64_t bytes(const NozzleOptions& options);
 
-  // Particles of one layer, at least one.
-  [[nodiscard]] std::size_t layer_size() const { return lattice_.size(); }
-
   // When particle `number` leaves, or left.
   [[nodiscard]] double left_at(std::uint64_t number) const {
     const std::uint64_t layer = number / lattice_.size();

@@ -50,13 +50,14 @@ TEST(AttributeSampling, IsTheWeightedMeanOfAllParticles) {
   EXPECT_EQ(result.attributes[0].components, 3U);
   EXPECT_EQ(result.out_of_reach, 0U);
   const double support = 4 * kSamplingRadius;
+  const auto kernel = [&](double distance) { return spline_shape(distance / support); };
   for (std::size_t v = 0; v < vertices.size(); ++v) {
     double total = 0;
     glm::dvec3 sum(0);
     for (const glm::dvec3& p : positions) {
       double density = 0;
-      for (const glm::dvec3& q : positions) density += spline_kernel(glm::length(p - q), support);
-      const double w = spline_kernel(glm::length(p - vertices[v]), support) / density;
+      for (const glm::dvec3& q : positions) density += kernel(glm::length(p - q));
+      const double w = kernel(glm::length(p - vertices[v])) / density;
       total += w;
       sum += w * p;
     }

@@ -29,7 +29,7 @@ TEST(CubicSpline, HasAnIntegralOfOne) {
   double sum = 0;
   for (int n = 0; n < steps; ++n) {
     const double r = support * (n + 0.5) / steps;
-    sum += 4 * std::numbers::pi * r * r * spline_kernel(r, support) * support / steps;
+    sum += 4 * std::numbers::pi * r * r * spline_scale(support) * spline_shape(r / support) * support / steps;
   }
   EXPECT_NEAR(sum, 1, 1e-8);
 }
