@@ -64,7 +64,7 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& given) {
     flags.verify = true;
   }
   flags.format = OutputFormat{format};
-  plan.float32_world = format == mesh_io::MeshFormat::stl || format == mesh_io::MeshFormat::drc;
+  plan.float32_world = mesh_io::mesh_format_info(format).rounds_world;
 
   TRY(take_labels(flags));
   const Context context(plan_memory(flags.input.memory_limit));

@@ -77,9 +77,8 @@ Reader reader_of(const MeshSource& source) {
   } else if (const Reader found = reader_by_beginning(text, text.size())) {
     return found;
   }
-  throw DamagedMesh(
-      fmt::format("expected a mesh (.glb, .gltf, .ply, .obj, .stl or .drc), found a file that starts with '{}'",
-                  files::printable(text, 16)));
+  throw DamagedMesh(fmt::format("expected a mesh ({}), found a file that starts with '{}'", mesh_extensions(),
+                                files::printable(text, 16)));
 }
 
 // Numbers that float32 holds are not rounded: the origin is one that leaves them as they are, zero at the worst.

@@ -20,12 +20,13 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array kFormats = {
-    MeshFormatInfo{MeshFormat::glb, "glb", "glTF 2.0, one binary file", true, false, true, false, true},
-    MeshFormatInfo{MeshFormat::gltf, "gltf", "glTF 2.0, JSON with a .bin beside it", true, true, false, false, true},
-    MeshFormatInfo{MeshFormat::ply, "ply", "PLY, binary little-endian or text", false, true, true, true, true},
-    MeshFormatInfo{MeshFormat::obj, "obj", "Wavefront OBJ, text", true, true, true, false, false},
-    MeshFormatInfo{MeshFormat::stl, "stl", "STL, binary or text", false, true, true, true, false},
-    MeshFormatInfo{MeshFormat::drc, "drc", "Draco, compressed", false, true, true, false, true},
+    MeshFormatInfo{MeshFormat::glb, "glb", "glTF 2.0, one binary file", true, false, true, false, true, false},
+    MeshFormatInfo{MeshFormat::gltf, "gltf", "glTF 2.0, JSON with a .bin beside it", true, true, false, false, true,
+                   false},
+    MeshFormatInfo{MeshFormat::ply, "ply", "PLY, binary little-endian or text", false, true, true, true, true, false},
+    MeshFormatInfo{MeshFormat::obj, "obj", "Wavefront OBJ, text", true, true, true, false, false, false},
+    MeshFormatInfo{MeshFormat::stl, "stl", "STL, binary or text", false, true, true, true, false, true},
+    MeshFormatInfo{MeshFormat::drc, "drc", "Draco, compressed", false, true, true, false, true, true},
 };
 
 std::string names_of_formats(bool MeshFormatInfo::*property) {
@@ -99,6 +100,15 @@ mesh::Bounds bounds_of(std::span<const mesh::Mesh> meshes) {
 bool is_gltf(MeshFormat format) { return format == MeshFormat::glb || format == MeshFormat::gltf; }
 
 std::span<const MeshFormatInfo> mesh_formats() { return kFormats; }
+
+std::string mesh_extensions() {
+  std::string text;
+  for (const MeshFormatInfo& info : kFormats) {
+    const std::string_view between = &info == &kFormats.front() ? "" : &info == &kFormats.back() ? " or " : ", ";
+    text += fmt::format("{}.{}", between, info.name);
+  }
+  return text;
+}
 
 const MeshFormatInfo& mesh_format_info(MeshFormat format) {
   return *std::find_if(kFormats.begin(), kFormats.end(),

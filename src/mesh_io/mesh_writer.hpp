@@ -38,8 +38,11 @@ struct MeshFormatInfo {
   bool can_stream;            // may be written to standard output
   bool has_ascii;             // it can be text
   bool has_attributes;        // vertices may have more than a place and a normal
+  bool rounds_world;          // positions are float32 numbers of the world; else they keep an origin, or more digits
 };
 [[nodiscard]] std::span<const MeshFormatInfo> mesh_formats();
+// ".glb, .gltf, .ply, .obj, .stl or .drc"
+[[nodiscard]] std::string mesh_extensions();
 [[nodiscard]] const MeshFormatInfo& mesh_format_info(MeshFormat format);
 [[nodiscard]] std::optional<MeshFormat> mesh_format_by_name(std::string_view name);
 // By extension, whatever its case.

@@ -280,8 +280,10 @@ struct VerifyFlags : OptionSet {
   ConvertFlags conversion{*this, ConvertFlags::Of::verify};
   Value<std::string> mesh{
       in(OptionGroup::input), "MESH", "MESH", parse_text,
-      "A mesh that was written from it: .glb, .gltf, .ply, .obj, .stl or .drc; its extension says how it "
-      "was placed unless options do. Without one the backends are compared with each other."};
+      fmt::format(
+          "A mesh that was written from it: {}; its extension says how it was placed unless options do. Without "
+          "one the backends are compared with each other.",
+          mesh_io::mesh_extensions())};
   JsonFlag json{in(OptionGroup::output)};
 };
 

@@ -11,6 +11,7 @@
 #include "cli/options/run.hpp"
 #include "cli/values.hpp"
 #include "convert/placement.hpp"
+#include "mesh_io/mesh_writer.hpp"
 
 namespace isoextract::cli {
 
@@ -18,8 +19,9 @@ struct CompareFlags : OptionSet {
   CompareFlags();
 
   Values<std::string> meshes{in(OptionGroup::input), "FILE", "FILE", parse_text,
-                             "The two meshes: .glb, .gltf, .ply, .obj, .stl or .drc. Corners without connectivity, as "
-                             "in stl, are welded where their coordinates are equal."};
+                             fmt::format("The two meshes: {}. Corners without connectivity, as in stl, are welded "
+                                         "where their coordinates are equal.",
+                                         mesh_io::mesh_extensions())};
   Value<convert::UpAxis> up{
       in(OptionGroup::input), "--up",
       "Where one mesh is glb or gltf and the other is not: the axis that points up in the other (default: z). "
@@ -44,9 +46,10 @@ struct CheckFlags : OptionSet {
 
   Values<std::string> meshes{
       in(OptionGroup::input), "FILE", "FILE", parse_text,
-      "The mesh: .glb, .gltf, .ply, .obj, .stl or .drc, or - for stdin. Corners without connectivity, as in stl, are "
-      "welded where their coordinates are equal. Of a glTF file with several meshes each is checked, and then all of "
-      "them as one."};
+      fmt::format("The mesh: {}, or - for stdin. Corners without connectivity, as in stl, are welded where their "
+                  "coordinates are equal. Of a glTF file with several meshes each is checked, and then all of them as "
+                  "one.",
+                  mesh_io::mesh_extensions())};
   Flag weld{in(OptionGroup::input), "--weld",
             "Join vertices with the same coordinates first, as slicers do. Without it they are told apart, and the "
             "report says what joining them would close."};

@@ -14,6 +14,7 @@
 #include "cli/options/run.hpp"
 #include "cli/options/surface.hpp"
 #include "cli/values.hpp"
+#include "mesh_io/mesh_writer.hpp"
 #include "render/camera.hpp"
 #include "render/renderer.hpp"
 #include "render/scene.hpp"
@@ -34,10 +35,10 @@ namespace isoextract::cli {
 struct RenderFlags : OptionSet {
   RenderFlags();
 
-  InputFlags input{*this,
-                   {"INPUT...",
-                    "A volume, particles, or the frames of a sequence; and meshes to draw with it, or alone: .glb, "
-                    ".gltf, .ply, .obj, .stl or .drc"}};  // volumes and meshes
+  InputFlags input{
+      *this,
+      {"INPUT...", "A volume, particles, or the frames of a sequence; and meshes to draw with it, or alone: " +
+                       mesh_io::mesh_extensions()}};  // volumes and meshes
   ParticleFlags particles{*this};
   Value<std::string> frames{in(OptionGroup::frames), "--frames", "N|A-BxS,...", parse_text,
                             "Of one input the pictures of a turn around it, N of them; of a sequence which of its "

@@ -107,7 +107,7 @@ Loss loss_in(const mesh::Mesh& mesh, MeshFormat format) {
     return {fmt::format("expected a place of finite coordinates, found ({}, {}, {})", mesh.origin.x, mesh.origin.y,
                         mesh.origin.z)};
   }
-  if (format == MeshFormat::stl || format == MeshFormat::drc) return loss_in<float>(mesh, "float32");
+  if (mesh_format_info(format).rounds_world) return loss_in<float>(mesh, "float32");
   if (is_gltf(format) && largest(mesh.origin) > kLargestFloat) {
     return {
         fmt::format("expected a translation of a node that float32 holds, found one by {:.6g}", largest(mesh.origin))};
