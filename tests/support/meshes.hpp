@@ -11,6 +11,7 @@
 #include "extract/extractor.hpp"
 #include "mesh/metrics.hpp"
 #include "mesh/topology.hpp"
+#include "support/methods.hpp"
 
 namespace isoextract::test {
 
@@ -31,11 +32,6 @@ inline std::vector<std::array<Point, 3>> triangle_set(const mesh::Mesh& mesh) {
   }
   std::sort(set.begin(), set.end());
   return set;
-}
-
-// For INSTANTIATE_TEST_SUITE_P over methods.
-inline std::string method_name(const testing::TestParamInfo<extract::Method>& parameter) {
-  return std::string(word_of(parameter.param));
 }
 
 inline extract::Extraction extract(const field::ScalarField& field, const extract::ExtractOptions& options) {

@@ -231,7 +231,7 @@ TEST_P(CellTables, NeighboursMeetWithoutGaps) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, CellTables, testing::Values(Method::mc, Method::mt), test::method_name);
+INSTANTIATE_TEST_SUITE_P(Methods, CellTables, testing::ValuesIn(test::cell_methods()), test::method_name);
 
 TEST(CubesTable, WorkedCaseOne) {
   const CaseTable& table = case_table(Method::mc);

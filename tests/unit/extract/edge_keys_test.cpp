@@ -48,9 +48,7 @@ std::uint64_t distinct_keys(const mesh::Mesh& mesh) { return std::set(mesh.edges
 class EdgeKeys : public testing::TestWithParam<Method> {
  protected:
   [[nodiscard]] ExtractOptions options(double iso) const {
-    ExtractOptions o;
-    o.method = GetParam();
-    o.iso = iso;
+    ExtractOptions o = test::options_of(GetParam(), iso);
     o.edge_keys = true;
     return o;
   }
@@ -68,7 +66,8 @@ class EdgeKeys : public testing::TestWithParam<Method> {
     });
   }
 };
-INSTANTIATE_TEST_SUITE_P(Methods, EdgeKeys, testing::Values(Method::mc, Method::mt), test::method_name);
+INSTANTIATE_TEST_SUITE_P(Methods, EdgeKeys, testing::ValuesIn(test::methods_with(&MethodTraits::vertices_on_edges)),
+                         test::method_name);
 
 TEST_P(EdgeKeys, NameTheEdgeOfEveryVertexDenseAndSparse) {
   const field::ScalarField dense = noise(0);

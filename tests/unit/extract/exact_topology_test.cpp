@@ -1,5 +1,8 @@
-// Marching cubes against an oracle that counts voxels (support/trilinear_topology.hpp).
+// The topology of every method's surfaces against oracles that know nothing of meshes: of marching cubes, against one
+// that samples the trilinear interpolant ever finer (support/trilinear_topology.hpp); of methods that look at the sides
+// of samples alone, against one that counts how these are joined (support/sample_topology.hpp).
 #include <atomic>
+#include <numeric>
 
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
@@ -8,6 +11,7 @@
 #include "support/mesh_components.hpp"
 #include "support/meshes.hpp"
 #include "support/random_trilinear.hpp"
+#include "support/sample_topology.hpp"
 
 namespace isoextract::extract {
 namespace {
@@ -15,10 +19,15 @@ namespace {
 using test::RandomKind;
 using test::SurfaceTopology;
 
-ExtractOptions at_zero(Method method) {
-  ExtractOptions options;
-  options.method = method;
-  return options;
+// None where the values of the samples decide, too.
+std::optional<test::SampleJoins> sample_joins(Method method) {
+  switch (method) {
+    case Method::mc: break;
+    case Method::mt: return test::joined_by_tetrahedra();
+    case Method::voxels:
+    case Method::surface_nets: return test::joined_by_faces();
+  }
+  return std::nullopt;
 }
 
 // Spheres and tori that everybody can count, so that the oracle is not believed blindly.
@@ -50,35 +59,72 @@ TEST(TrilinearTopology, CountsWhatIsKnown) {
   EXPECT_EQ(topology(shell, 0), (SurfaceTopology{2, 2}));
 }
 
-class ExactTopology : public testing::TestWithParam<RandomKind> {};
+// Shapes that everybody can count.
+TEST(SampleTopology, CountsWhatIsKnown) {
+  using test::SurfaceCount;
+  const test::SampleJoins faces = test::joined_by_faces();
+  const test::SampleJoins tetrahedra = test::joined_by_tetrahedra();
+  EXPECT_EQ(faces.shapes.size(), 7U + 4);            // 3 edges, 3 squares, a cube; rings
+  EXPECT_EQ(tetrahedra.shapes.size(), 7U + 12 + 6);  // edges, triangles, tetrahedra
+  const auto counts = [&](const test::VoxelPattern& pattern) {
+    return std::pair(test::count_surface(pattern, faces), test::count_surface(pattern, tetrahedra));
+  };
+  const auto both = [](int components, int euler) {
+    return std::pair(SurfaceCount{components, euler}, SurfaceCount{components, euler});
+  };
+  const auto apart_or_not = std::pair(SurfaceCount{2, 4}, SurfaceCount{1, 2});
+  EXPECT_EQ(counts({{1, 1, 1}, {0}}), both(0, 0));
+  EXPECT_EQ(counts({{1, 1, 1}, {1}}), both(1, 2));
+  EXPECT_EQ(counts({{2, 2, 2}, {1, 1, 1, 1, 1, 1, 1, 1}}), both(1, 2));
+  EXPECT_EQ(counts({{2, 2, 1}, {1, 0, 0, 1}}), apart_or_not);              // on a diagonal that is an edge
+  EXPECT_EQ(counts({{2, 2, 1}, {0, 1, 1, 0}}), both(2, 4));                // on the other one
+  EXPECT_EQ(counts({{2, 2, 2}, {1, 0, 0, 0, 0, 0, 0, 1}}), apart_or_not);  // through the cell
+  // Opposite corners outside: a hole along the diagonal that is an edge.
+  EXPECT_EQ(counts({{2, 2, 2}, {0, 1, 1, 1, 1, 1, 1, 0}}), std::pair(SurfaceCount{1, 2}, SurfaceCount{1, 0}));
+  EXPECT_EQ(counts({{2, 2, 2}, {1, 0, 1, 1, 1, 1, 0, 1}}), both(1, 2));
+  test::VoxelPattern ring{{3, 3, 1}, std::vector<std::uint8_t>(9, 1)};
+  ring.inside[4] = 0;
+  EXPECT_EQ(counts(ring), both(1, 0));
+  test::VoxelPattern shell{{3, 3, 3}, std::vector<std::uint8_t>(27, 1)};
+  shell.inside[13] = 0;
+  EXPECT_EQ(counts(shell), both(2, 4));
+}
 
-// 3,400 fields of each kind. Closed, oriented and manifold by both methods; the topology of the trilinear interpolant
-// by marching cubes.
-TEST_P(ExactTopology, IsThatOfTheTrilinearInterpolant) {
+class ExactTopology : public testing::TestWithParam<std::tuple<RandomKind, Method>> {};
+
+// 3,400 fields of each kind: closed, oriented and manifold, with the topology that the method is to give.
+TEST_P(ExactTopology, IsThatOfTheOracle) {
   constexpr std::uint32_t kFields = 3400;
+  const RandomKind kind = std::get<0>(GetParam());
+  const ExtractOptions options = test::options_of(std::get<1>(GetParam()), 0);
+  const std::optional<test::SampleJoins> joins = sample_joins(options.method);
   std::atomic<unsigned> undecided = 0;
   std::atomic<unsigned> wrong = 0;
   std::atomic<unsigned> unsound = 0;
   std::atomic<unsigned> first_wrong = kFields;
   tbb::parallel_for(0U, kFields, [&](std::uint32_t seed) {
-    const std::vector<float> samples = test::random_trilinear(GetParam(), seed);
-    const field::ScalarField field = test::as_field(samples);
-    for (const Method method : {Method::mc, Method::mt}) {
-      const auto extraction = make_cpu_extractor()->extract(field, at_zero(method), Context());
-      if (!extraction || !mesh::measure_topology(extraction->mesh).is_closed_oriented_manifold() ||
-          mesh::measure_size(extraction->mesh).zero_area_triangles != 0) {
-        ++unsound;
-        continue;
-      }
-      if (method == Method::mt) continue;
-      const auto expected = test::true_topology(GetParam(), samples, test::Side::above);
-      if (!expected) {
-        ++undecided;
-      } else if (*expected != test::component_euler_numbers(extraction->mesh)) {
-        ++wrong;
-        for (unsigned least = first_wrong; seed < least && !first_wrong.compare_exchange_weak(least, seed);) {
-        }
-      }
+    const std::vector<float> samples = test::random_trilinear(kind, seed);
+    const auto extraction = make_cpu_extractor()->extract(test::as_field(samples), options, Context());
+    if (!extraction || !mesh::measure_topology(extraction->mesh).is_closed_oriented_manifold() ||
+        mesh::measure_size(extraction->mesh).zero_area_triangles != 0) {
+      ++unsound;
+      return;
+    }
+    const SurfaceTopology found = test::component_euler_numbers(extraction->mesh);
+    bool right = false;
+    if (joins) {
+      test::VoxelPattern inside{glm::ivec3(test::kRandomSize), {}};
+      for (const float sample : samples) inside.inside.push_back(sample > 0 ? 1 : 0);
+      const test::SurfaceCount counted{static_cast<int>(found.size()), std::accumulate(found.begin(), found.end(), 0)};
+      right = counted == test::count_surface(inside, *joins);
+    } else {
+      const auto expected = test::true_topology(kind, samples, test::Side::above);
+      if (!expected) ++undecided;
+      right = !expected || *expected == found;
+    }
+    if (right) return;
+    ++wrong;
+    for (unsigned least = first_wrong; seed < least && !first_wrong.compare_exchange_weak(least, seed);) {
     }
   });
   EXPECT_EQ(unsound, 0U);
@@ -86,11 +132,14 @@ TEST_P(ExactTopology, IsThatOfTheTrilinearInterpolant) {
   EXPECT_EQ(wrong, 0U) << "first with seed " << first_wrong;
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, ExactTopology, testing::ValuesIn(test::kRandomKinds), [](const auto& parameter) {
-  std::string name(test::kind_name(parameter.param));
-  std::replace(name.begin(), name.end(), ' ', '_');
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Kinds, ExactTopology,
+                         testing::Combine(testing::ValuesIn(test::kRandomKinds),
+                                          testing::ValuesIn(test::all_methods())),
+                         [](const auto& parameter) {
+                           std::string name(test::kind_name(std::get<0>(parameter.param)));
+                           std::replace(name.begin(), name.end(), ' ', '_');
+                           return name + "_by_" + test::identifier_of(std::get<1>(parameter.param));
+                         });
 
 }  // namespace
 }  // namespace isoextract::extract

@@ -5,11 +5,13 @@
 
 #include "extract/extractor.hpp"
 #include "support/fields.hpp"
+#include "support/methods.hpp"
 
 namespace isoextract::extract {
 namespace {
 
 struct Asked {
+  Method method;
   bool sparse;
   bool cap;
   NanPolicy nan;
@@ -18,10 +20,10 @@ struct Asked {
 class Memory : public testing::TestWithParam<Asked> {
  protected:
   Memory() {
-    options_.iso = 0;
-    options_.cap = GetParam().cap;
+    options_ = test::options_of(GetParam().method, 0, GetParam().cap);
     options_.nan = GetParam().nan;
-    options_.smooth_normals = options_.edge_keys = true;
+    options_.smooth_normals = test::traits_of(GetParam().method).gradient_normals;
+    options_.edge_keys = test::traits_of(GetParam().method).vertices_on_edges;
     const bool holes = options_.nan == NanPolicy::hole;
     field_ = test::dense_field<float>({64, 48, 40}, [&](int i, int j, int k) {
       if (holes && i == 30 && j == 24) return std::numeric_limits<double>::quiet_NaN();
@@ -41,10 +43,22 @@ class Memory : public testing::TestWithParam<Asked> {
   ExtractOptions options_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Fields, Memory,
-                         testing::Values(Asked{false, false, NanPolicy::error}, Asked{false, true, NanPolicy::error},
-                                         Asked{false, false, NanPolicy::hole}, Asked{true, false, NanPolicy::error},
-                                         Asked{true, true, NanPolicy::error}));
+std::vector<Asked> all_asked() {
+  std::vector<Asked> all;
+  for (const Method method : test::all_methods()) {
+    for (const bool sparse : {false, true}) {
+      for (const bool cap : {false, true}) all.push_back({method, sparse, cap, NanPolicy::error});
+    }
+    if (!test::traits_of(method).always_closed) all.push_back({method, false, false, NanPolicy::hole});
+  }
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(Fields, Memory, testing::ValuesIn(all_asked()), [](const auto& parameter) {
+  const Asked& asked = parameter.param;
+  return test::identifier_of(asked.method) + (asked.sparse ? "_sparse" : "_dense") + (asked.cap ? "_cap" : "") +
+         (asked.nan == NanPolicy::hole ? "_hole" : "");
+});
 
 TEST_P(Memory, IsReservedWhileItLives) {
   const Context context(MemoryBudget(1 << 30));

@@ -19,9 +19,17 @@ field::ScalarField block_with(double value) {
   });
 }
 
-TEST(Nan, IsAnErrorThatSaysWhere) {
-  ExtractOptions options;
-  options.iso = 0.5;
+// A unit normal for each vertex, or none at all.
+void expect_normals(const mesh::Mesh& mesh, bool wanted) {
+  EXPECT_EQ(mesh.normals.size(), wanted ? mesh.positions.size() : 0);
+  for (const glm::vec3& n : mesh.normals) EXPECT_NEAR(glm::length(glm::dvec3(n)), 1, 1e-6);
+}
+
+class Nan : public testing::TestWithParam<Method> {};
+INSTANTIATE_TEST_SUITE_P(Methods, Nan, testing::ValuesIn(test::all_methods()), test::method_name);
+
+TEST_P(Nan, IsAnErrorThatSaysWhere) {
+  const ExtractOptions options = test::options_of(GetParam(), 0.5);
   for (const bool sparse : {false, true}) {
     field::ScalarField field = block_with(kNan);
     if (sparse)
@@ -37,41 +45,43 @@ TEST(Nan, IsAnErrorThatSaysWhere) {
   }
 }
 
-TEST(Nan, IsFoundEvenWhereNothingIsInside) {
-  ExtractOptions options;
-  options.iso = kInfinity;
+TEST_P(Nan, IsFoundEvenWhereNothingIsInside) {
+  ExtractOptions options = test::options_of(GetParam(), kInfinity);
   EXPECT_FALSE(make_cpu_extractor()->extract(block_with(kNan), options, Context())) << "iso must be finite";
   options.iso = 5;
   EXPECT_FALSE(make_cpu_extractor()->extract(block_with(kNan), options, Context()));
 }
 
-TEST(Nan, OutsideCutsHalfwayAndStaysClosed) {
-  for (const Method method : {Method::mc, Method::mt}) {
-    ExtractOptions options;
-    options.method = method;
-    options.iso = 0.5;
-    options.nan = NanPolicy::outside;
-    options.smooth_normals = true;
-    const Extraction result = test::extract(block_with(kNan), options);
-    EXPECT_EQ(result.stats.nan_samples, 1U);
-    test::expect_sound(result.mesh, true);
-    bool halfway = false;
-    for (std::size_t v = 0; v < result.mesh.positions.size(); ++v) {
-      halfway |= result.mesh.positions[v] == glm::vec3(3.5F, 4, 5);
-      EXPECT_NEAR(glm::length(glm::dvec3(result.mesh.normals[v])), 1, 1e-6);
-    }
-    EXPECT_TRUE(halfway);
+TEST_P(Nan, OutsideCutsHalfwayAndStaysClosed) {
+  ExtractOptions options = test::options_of(GetParam(), 0.5);
+  options.nan = NanPolicy::outside;
+  options.smooth_normals = test::traits_of(GetParam()).gradient_normals;
+  const Extraction result = test::extract(block_with(kNan), options);
+  EXPECT_EQ(result.stats.nan_samples, 1U);
+  test::expect_sound(result.mesh, true);
+  expect_normals(result.mesh, options.smooth_normals);
+  // Halfway is where the surface passes between 0 and 1.
+  EXPECT_EQ(test::triangle_set(result.mesh), test::triangle_set(test::extract(block_with(0), options).mesh));
+  if (test::traits_of(GetParam()).vertices_on_edges) {
+    EXPECT_EQ(std::ranges::count(result.mesh.positions, glm::vec3(3.5F, 4, 5)), 1);
   }
 }
 
-TEST(Infinity, PullsTheSurfaceToTheFiniteEnd) {
-  ExtractOptions options;
-  options.iso = 0.5;
-  options.smooth_normals = true;
+class Infinity : public testing::TestWithParam<Method> {};
+INSTANTIATE_TEST_SUITE_P(Methods, Infinity, testing::ValuesIn(test::all_methods()), test::method_name);
+
+TEST_P(Infinity, PullsTheSurfaceToTheFiniteEnd) {
+  const MethodTraits& traits = test::traits_of(GetParam());
+  ExtractOptions options = test::options_of(GetParam(), 0.5);
+  options.smooth_normals = traits.gradient_normals;
   const Extraction result = test::extract(block_with(kInfinity), options);
   test::expect_sound(result.mesh, true);
-  for (const glm::vec3& n : result.mesh.normals) EXPECT_NEAR(glm::length(glm::dvec3(n)), 1, 1e-6);
-  EXPECT_NEAR(mesh::measure_bounds(result.mesh).min.x, 2, 1e-3);
+  expect_normals(result.mesh, options.smooth_normals);
+  if (traits.follows_interpolant) {
+    EXPECT_NEAR(mesh::measure_bounds(result.mesh).min.x, 2, 1e-3);
+  } else {
+    EXPECT_EQ(test::triangle_set(result.mesh), test::triangle_set(test::extract(block_with(1), options).mesh));
+  }
 }
 
 }  // namespace

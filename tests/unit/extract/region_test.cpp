@@ -7,8 +7,26 @@
 namespace isoextract::extract {
 namespace {
 
-class Region : public testing::TestWithParam<Method> {};
-INSTANTIATE_TEST_SUITE_P(Methods, Region, testing::Values(Method::mc, Method::mt), test::method_name);
+class Region : public testing::TestWithParam<Method> {
+ protected:
+  static bool always_closed() { return test::traits_of(GetParam()).always_closed; }
+};
+INSTANTIATE_TEST_SUITE_P(Methods, Region, testing::ValuesIn(test::all_methods()), test::method_name);
+
+// A surface that is open where the region cuts it.
+class OpenRegion : public Region {};
+INSTANTIATE_TEST_SUITE_P(Methods, OpenRegion, testing::ValuesIn(test::methods_without(&MethodTraits::always_closed)),
+                         test::method_name);
+
+// One that is closed there.
+class ClosedRegion : public Region {};
+INSTANTIATE_TEST_SUITE_P(Methods, ClosedRegion, testing::ValuesIn(test::methods_with(&MethodTraits::always_closed)),
+                         test::method_name);
+
+// Only where a surface follows the field is it moved by values that tie with iso.
+class RegionOfTies : public Region {};
+INSTANTIATE_TEST_SUITE_P(Methods, RegionOfTies,
+                         testing::ValuesIn(test::methods_with(&MethodTraits::follows_interpolant)), test::method_name);
 
 bool within(const std::array<test::Point, 3>& triangle, const field::IndexBox& box) {
   for (const auto& [x, y, z] : triangle) {
@@ -19,13 +37,11 @@ bool within(const std::array<test::Point, 3>& triangle, const field::IndexBox& b
 }
 
 // Extracting a box gives just those triangles of the whole that lie in the box, bit for bit.
-TEST_P(Region, IsAPartOfTheWhole) {
+TEST_P(OpenRegion, IsAPartOfTheWhole) {
   const field::ScalarField dense = test::random_field<float>({80, 24, 16}, 11, 1000);
   const field::ScalarField sparse = test::sparse_copy<float>(dense, -1);
   for (const field::ScalarField* field : {&dense, &sparse}) {
-    ExtractOptions options;
-    options.method = GetParam();
-    options.iso = 600;
+    ExtractOptions options = test::options_of(GetParam(), 600);
     const auto whole = test::triangle_set(test::extract(*field, options).mesh);
     options.region = field::IndexBox{{3, 5, 2}, {70, 20, 9}};
     std::vector<std::array<test::Point, 3>> expected;
@@ -38,13 +54,33 @@ TEST_P(Region, IsAPartOfTheWhole) {
   }
 }
 
+// The surface is that of a field which has no samples but those of the region.
+TEST_P(ClosedRegion, IsAllOfASmallerField) {
+  const field::IndexBox box{{3, 5, 2}, {70, 20, 9}};
+  const field::ScalarField dense = test::random_field<float>({80, 24, 16}, 11, 1000);
+  const auto* values = static_cast<const float*>(std::get<field::DenseSamples>(dense.samples).data);
+  const field::ScalarField smaller = test::dense_field<float>(glm::ivec3(box.dims()), [&](int i, int j, int k) {
+    const glm::ivec3 p = box.min + glm::ivec3(i, j, k);
+    return values[p.x + 80 * (p.y + 24 * p.z)];
+  });
+  ExtractOptions options = test::options_of(GetParam(), 600);
+  options.voxel_faces = VoxelFaces::plain;  // merged ones end where a brick of the whole field does
+  options.output_from_index.offset = box.min;
+  const mesh::Mesh expected = test::extract(smaller, options).mesh;
+  test::expect_sound(expected, true);
+  options.output_from_index.offset = {};
+  options.region = box;
+  const field::ScalarField sparse = test::sparse_copy<float>(dense, -1);
+  for (const field::ScalarField* field : {&dense, &sparse}) {
+    EXPECT_EQ(test::triangle_set(test::extract(*field, options).mesh), test::triangle_set(expected));
+  }
+}
+
 // Of a long field, samples that tie with iso are moved by what its own length asks for; of a region by what that does.
-TEST_P(Region, OfALongFieldMovesTiesByItsOwnMargin) {
+TEST_P(RegionOfTies, OfALongFieldMovesTiesByItsOwnMargin) {
   constexpr int kTie = 4000;
   const field::ScalarField field = test::dense_field<std::int16_t>({4200, 4, 4}, [](int i, int, int) { return i; });
-  ExtractOptions options;
-  options.method = GetParam();
-  options.iso = kTie;
+  ExtractOptions options = test::options_of(GetParam(), kTie);
   // How far the surface is from the samples that tie, in steps.
   const auto moved = [&] {
     const mesh::Mesh mesh = test::extract(field, options).mesh;
@@ -65,26 +101,32 @@ TEST_P(Region, OfALongFieldMovesTiesByItsOwnMargin) {
 TEST_P(Region, CanBeCappedDenseAndSparse) {
   const field::ScalarField dense = field::make_demo_field("demo:gyroid?size=32", Context()).value();
   const field::ScalarField sparse = test::sparse_copy<float>(dense, -1);
-  ExtractOptions options;
-  options.method = GetParam();
-  options.cap = true;
+  ExtractOptions options = test::options_of(GetParam(), 0, true);
+  options.voxel_faces = VoxelFaces::plain;
   options.region = field::IndexBox{{4, 3, 2}, {21, 28, 13}};
   const mesh::Mesh a = test::extract(dense, options).mesh;
   const mesh::Mesh b = test::extract(sparse, options).mesh;
   test::expect_sound(a, true);
   test::expect_sound(b, true);
   EXPECT_EQ(test::triangle_set(a), test::triangle_set(b));
-  EXPECT_EQ(mesh::measure_bounds(a).min, glm::dvec3(4, 3, 2));
-  EXPECT_EQ(mesh::measure_bounds(a).max, glm::dvec3(21, 28, 13));
+  const double reach = test::reach_beyond_samples(GetParam());
+  EXPECT_EQ(mesh::measure_bounds(a).min, glm::dvec3(4, 3, 2) - reach);
+  EXPECT_EQ(mesh::measure_bounds(a).max, glm::dvec3(21, 28, 13) + reach);
 }
 
+// So is a region without a cell, but to samples that are boxes.
 TEST_P(Region, OutsideTheDataIsAnError) {
-  ExtractOptions options;
-  options.method = GetParam();
+  ExtractOptions options = test::options_of(GetParam(), 0);
   for (const field::IndexBox box : {field::IndexBox{{40, 0, 0}, {50, 9, 9}}, field::IndexBox{{0, 0, 0}, {0, 5, 5}}}) {
     options.region = box;
     const auto result =
         make_cpu_extractor()->extract(test::random_field<float>({10, 10, 10}, 1, 9), options, Context());
+    if (always_closed() && box.min.x == 0) {
+      ASSERT_TRUE(result) << result.error().message;
+      EXPECT_FALSE(result->mesh.triangles.empty());
+      test::expect_sound(result->mesh, true);
+      continue;
+    }
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, ErrorCode::input);
     EXPECT_EQ(result.error().hint.remedy, Remedy::widen_region);
@@ -96,10 +138,8 @@ TEST_P(Region, OfSamplesThatReachTooFarForFloat32) {
   constexpr int kFar = 1 << 27;
   field::ScalarField field =
       test::sparse_copy<float>(field::make_demo_field("demo:sphere?size=16", Context()).value(), -1);
-  ExtractOptions options;
-  options.method = GetParam();
-  options.iso = 0.1;
-  options.smooth_normals = true;
+  ExtractOptions options = test::options_of(GetParam(), 0.1);
+  options.smooth_normals = test::traits_of(GetParam()).gradient_normals;
   const auto alone = test::triangle_set(test::extract(field, options).mesh);
   auto& samples = std::get<field::SparseSamples>(field.samples);
   const std::size_t count = samples.blocks.size();
@@ -119,8 +159,15 @@ TEST_P(Region, OfSamplesThatReachTooFarForFloat32) {
   EXPECT_NEAR(glm::length(far.origin - glm::dvec3(kFar)), 0, 40);
 }
 
-TEST(Samples, NeedACell) {
-  const auto result = make_cpu_extractor()->extract(test::random_field<float>({10, 1, 10}, 1, 9), {}, Context());
+TEST_P(Region, OfOneLayerOfSamplesHasNoCell) {
+  const auto result = make_cpu_extractor()->extract(test::random_field<float>({10, 1, 10}, 1, 9),
+                                                    test::options_of(GetParam(), 0), Context());
+  if (always_closed()) {
+    ASSERT_TRUE(result) << result.error().message;
+    EXPECT_FALSE(result->mesh.triangles.empty());
+    test::expect_sound(result->mesh, true);
+    return;
+  }
   ASSERT_FALSE(result);
   EXPECT_NE(result.error().message.find("10 x 1 x 10"), std::string::npos);
 }

@@ -15,28 +15,27 @@ bool same_bytes(const Buffer<T>& a, const Buffer<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
 }
 
-TEST(Threads, DoNotChangeAByte) {
+class Threads : public testing::TestWithParam<Method> {};
+INSTANTIATE_TEST_SUITE_P(Methods, Threads, testing::ValuesIn(test::all_methods()), test::method_name);
+
+TEST_P(Threads, DoNotChangeAByte) {
   const field::ScalarField dense = test::random_field<float>({72, 64, 64}, 2, 100);
   const field::ScalarField sparse = test::sparse_copy<float>(dense, -1);
   for (const field::ScalarField* field : {&dense, &sparse}) {
-    for (const Method method : {Method::mc, Method::mt}) {
-      ExtractOptions options;
-      options.method = method;
-      options.iso = 70;
-      options.cap = true;
-      options.smooth_normals = true;
-      std::optional<mesh::Mesh> first;
-      for (const std::size_t threads : {1U, 2U, 5U}) {
-        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-        mesh::Mesh mesh = test::extract(*field, options).mesh;
-        if (!first) {
-          first = std::move(mesh);
-          continue;
-        }
-        EXPECT_TRUE(same_bytes(first->positions, mesh.positions));
-        EXPECT_TRUE(same_bytes(first->normals, mesh.normals));
-        EXPECT_TRUE(same_bytes(first->triangles, mesh.triangles));
+    ExtractOptions options = test::options_of(GetParam(), 70, true);
+    options.smooth_normals = test::traits_of(GetParam()).gradient_normals;
+    std::optional<mesh::Mesh> first;
+    for (const std::size_t threads : {1U, 2U, 5U}) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      mesh::Mesh mesh = test::extract(*field, options).mesh;
+      if (!first) {
+        EXPECT_FALSE(mesh.triangles.empty());
+        first = std::move(mesh);
+        continue;
       }
+      EXPECT_TRUE(same_bytes(first->positions, mesh.positions));
+      EXPECT_TRUE(same_bytes(first->normals, mesh.normals));
+      EXPECT_TRUE(same_bytes(first->triangles, mesh.triangles));
     }
   }
 }

@@ -209,7 +209,7 @@ TEST(CellRows, DrawWhatPlainLoopsDraw) {
   fields.push_back(test::dense_field<float>(
       {300, 12, 17}, [](int i, int j, int k) { return 6 - glm::length(glm::dvec3(i - 150, j - 5, k - 6)); }));
   for (const field::ScalarField& field : fields) {
-    for (const Method method : {Method::mc, Method::mt}) {
+    for (const Method method : test::cell_methods()) {
       const auto expected = plain_triangles(field, method, iso);
       for_each_target([&] {
         ExtractOptions options;

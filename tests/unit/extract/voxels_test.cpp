@@ -1,6 +1,5 @@
-// Surfaces of voxels: what they must be for any voxels at all.
+// Surfaces of voxels: what they must be for any voxels at all, exactly.
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "extract/voxels.hpp"
 #include "support/voxel_patterns.hpp"
@@ -99,33 +98,6 @@ TEST(Voxels, TJunctionsAreFewerTriangles) {
   EXPECT_EQ(mesh::measure_size(fewest).zero_area_triangles, 0U);
 }
 
-TEST(Voxels, MirroredAndShearedPlaces) {
-  const VoxelPattern pattern = test::random_pattern({9, 8, 7}, 5, 40);
-  for (const double sign : {1.0, -1.0}) {
-    ExtractOptions options = test::voxel_options();
-    options.output_from_index.linear = {{0.5 * sign, 0, 0}, {0.25, 2, 0}, {0, -1, 4}};
-    const mesh::Mesh mesh = test::extract(test::field_of(pattern), options).mesh;
-    test::expect_sound(mesh, true);
-    EXPECT_EQ(test::exact_volume(mesh), 4.0 * static_cast<double>(pattern.count()));
-  }
-}
-
-TEST(Voxels, TheSameBytesForAnyNumberOfThreads) {
-  const VoxelPattern pattern = test::random_pattern({150, 40, 40}, 8, 45);
-  std::vector<glm::uvec3> first;
-  std::vector<glm::vec3> places;
-  for (const std::size_t threads : {1, 2, 7}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    const mesh::Mesh mesh = mesh_of(pattern);
-    if (threads == 1) {
-      first.assign(mesh.triangles.begin(), mesh.triangles.end());
-      places.assign(mesh.positions.begin(), mesh.positions.end());
-    }
-    EXPECT_TRUE(std::equal(first.begin(), first.end(), mesh.triangles.begin(), mesh.triangles.end()));
-    EXPECT_TRUE(std::equal(places.begin(), places.end(), mesh.positions.begin(), mesh.positions.end()));
-  }
-}
-
 TEST(Voxels, ARegionIsClosedWhereItCuts) {
   const VoxelPattern pattern = test::random_pattern({70, 12, 12}, 6, 60);
   ExtractOptions options = test::voxel_options();
@@ -137,36 +109,6 @@ TEST(Voxels, ARegionIsClosedWhereItCuts) {
     if (!kept) part.inside[static_cast<std::size_t>(p.x + 70 * (p.y + 12 * p.z))] = 0;
   });
   test::expect_surface_of(part, test::extract(test::field_of(pattern), options).mesh);
-}
-
-TEST(Voxels, WhatTheMethodDoesNotHave) {
-  const field::ScalarField field = test::field_of({{1, 1, 1}, {1}});
-  ExtractOptions options = test::voxel_options();
-  options.nan = NanPolicy::hole;
-  EXPECT_EQ(make_cpu_extractor()->extract(field, options, Context()).error().code, ErrorCode::usage);
-  options = test::voxel_options();
-  options.smooth_normals = true;
-  EXPECT_EQ(make_cpu_extractor()->extract(field, options, Context()).error().code, ErrorCode::usage);
-  options = test::voxel_options();
-  options.edge_keys = true;
-  EXPECT_EQ(make_cpu_extractor()->extract(field, options, Context()).error().code, ErrorCode::usage);
-}
-
-TEST(Voxels, MemoryAndTheWishToEnd) {
-  const field::ScalarField field = test::field_of(test::random_pattern({64, 64, 64}, 1, 50));
-  const Context small{MemoryBudget(1 << 20)};
-  const auto refused = make_cpu_extractor()->extract(field, test::voxel_options(), small);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::out_of_memory);
-  EXPECT_EQ(small.memory().reserved(), 0U);
-  Context enough{MemoryBudget(1 << 28)};
-  {
-    const auto made = make_cpu_extractor()->extract(field, test::voxel_options(), enough);
-    ASSERT_TRUE(made);
-    EXPECT_EQ(enough.memory().reserved(), made->mesh.memory.bytes());
-  }
-  enough.cancel();
-  EXPECT_EQ(make_cpu_extractor()->extract(field, test::voxel_options(), enough).error().code, ErrorCode::cancelled);
 }
 
 }  // namespace
