@@ -102,6 +102,31 @@ TEST_P(Invariants, RandomFieldsAreSound) {
   }
 }
 
+// Whatever the method makes of a cell: samples of both sides are its corners. Beyond the data all is outside.
+TEST_P(Invariants, EveryVertexIsInACellThatTheSurfacePasses) {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    const glm::ivec3 dims(9, 8, 7);
+    const field::ScalarField field = test::random_field<float>(dims, seed, 100);
+    const auto* values = static_cast<const float*>(std::get<field::DenseSamples>(field.samples).data);
+    const auto inside = [&](const glm::ivec3& p) {
+      const bool there = glm::all(glm::greaterThanEqual(p, glm::ivec3(0))) && glm::all(glm::lessThan(p, dims));
+      return there && values[p.x + dims.x * (p.y + dims.y * p.z)] > 30;
+    };
+    ExtractOptions moved = options(30);
+    moved.relaxations = 50;  // points of a surface net want to leave
+    const mesh::Mesh mesh = extract(field, moved).mesh;
+    EXPECT_FALSE(mesh.positions.empty());
+    std::size_t elsewhere = 0;
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+      const glm::ivec3 cell(glm::floor(mesh.position(v)));
+      int corners_inside = 0;
+      for (int c = 0; c < 8; ++c) corners_inside += inside(cell + glm::ivec3(c & 1, c >> 1 & 1, c >> 2)) ? 1 : 0;
+      elsewhere += corners_inside == 0 || corners_inside == 8 ? 1 : 0;
+    }
+    EXPECT_EQ(elsewhere, 0U) << "seed " << seed;
+  }
+}
+
 // Two inside samples across a face: joined where the saddle between them is inside, apart where it is outside or has
 // the very value iso; joined where another corner has it, because the field beside it is inside on the way.
 TEST(AsymptoticDecider, DecidesFacesBySaddles) {

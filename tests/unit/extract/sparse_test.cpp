@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -200,6 +201,20 @@ TEST_P(Sparse, CapStandsWhereTheRegionEndsInAnInsideBackground) {
   EXPECT_EQ(mesh::measure_bounds(mesh).min, glm::dvec3(-20 - reach));
   EXPECT_EQ(mesh::measure_bounds(mesh).max, glm::dvec3(30 + reach));
   EXPECT_EQ(mesh::measure_topology(mesh).components, 2U);
+}
+
+// Without a region the surface is that of the cavities alone, and what they enclose is outside.
+TEST_P(Sparse, CavitiesInAnInsideWithoutEnd) {
+  const field::ScalarField dense = test::dense_field<float>({160, 16, 16}, [](int i, int j, int k) {
+    const auto from = [&](double x) { return glm::length(glm::dvec3(i, j, k) - glm::dvec3(x, 7.4, 7.7)); };
+    return std::min(from(8.2), from(150.9)) - 5;
+  });
+  const field::ScalarField field = test::sparse_copy<float>(dense, 5);
+  const mesh::Mesh mesh = test::extract(field, test::options_of(GetParam(), 0)).mesh;
+  test::expect_sound(mesh, true);
+  EXPECT_EQ(mesh::measure_topology(mesh).components, 2U);
+  const double balls = 2 * 4.0 / 3 * std::numbers::pi * std::pow(5.0, 3);
+  EXPECT_NEAR(mesh::measure_size(mesh).volume, -balls, 0.05 * balls);
 }
 
 TEST_P(Sparse, NothingStoredIsAnEmptyMesh) {
