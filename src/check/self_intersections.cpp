@@ -64,7 +64,7 @@ class IntersectionSearch {
     const std::uint64_t count = stars.empty() ? 0 : mesh_.triangles.size();
     const auto memory = TRY(context_.reserve(TriangleStars::crowded_bytes(count) + TriangleBoxes::star_bytes(count),
                                              mesh_.name + ": corners with many triangles"));
-    const TriangleBoxes boxes(mesh_.positions.span(), mesh_.triangles.span(), distinct_.triangles.span(), &stars);
+    const TriangleBoxes boxes(mesh_.positions.span(), mesh_.triangles.span(), distinct_.triangles.span(), stars);
     met_ = Buffer<std::uint8_t>(mesh_.triangles.size());
     std::fill(met_.begin(), met_.end(), std::uint8_t{0});
     boxes.for_near_pairs(

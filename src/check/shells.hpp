@@ -44,20 +44,10 @@ struct Component {
   std::uint32_t within = 0;  // how many other closed shells it lies in; 0 of an open one
 };
 
-// In the order of `components`. What lies within what is decided exactly for a vertex of each shell, by a ray, or where
-// that vertex is on another shell, for a point beside it on the side of the material: of walls that two bodies share
-// neither is around the other. Shells that intersect may be told either way. The same for any number of threads. Fails
-// where its working memory is more than is left, and with ErrorCode::cancelled.
+// In the order of `components`; mesh/shells.hpp says how it is decided what lies within what. The same for any number
+// of threads. Fails where its working memory is more than is left, and with ErrorCode::cancelled.
 [[nodiscard]] Result<std::vector<Component>> describe_components(const mesh::Mesh& mesh,
                                                                  const mesh::Components& components,
                                                                  const MeshBorders& borders, const Context& context);
-
-// In how many of the components that are marked as closed each of those marked as `asked` lies, itself not counted; 0
-// for the others. As exact, and fails, as describe_components() does.
-[[nodiscard]] Result<std::vector<std::uint32_t>> count_surrounding_shells(const mesh::Mesh& mesh,
-                                                                          const mesh::Components& components,
-                                                                          const std::vector<bool>& closed,
-                                                                          const std::vector<bool>& asked,
-                                                                          const Context& context);
 
 }  // namespace isoextract::check

@@ -14,9 +14,9 @@
 #include <fmt/format.h>
 
 #include "base/no_memory.hpp"
-#include "edit/detail/shell_nesting.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/component_facts.hpp"
+#include "mesh/shells.hpp"
 
 namespace isoextract::edit {
 namespace {
@@ -24,8 +24,19 @@ namespace {
 using mesh::ComponentFacts;
 using mesh::Components;
 
+// Which components lie in which: cavities in bodies, bodies in cavities.
+struct Nesting {
+  static constexpr std::uint32_t kNone = Components::kNone;
+
+  // Of each component: of the wall of a cavity the body around it, of a body itself. A cavity around which no body is
+  // found, as where it lies in matter that goes on beyond the data, is a body by itself.
+  std::vector<std::uint32_t> body;
+  // Of each body: the cavity that it lies in, or kNone.
+  std::vector<std::uint32_t> within;
+};
+
 // What the list of components takes, with their nesting and the choice among them.
-constexpr std::uint64_t kComponentBytes = sizeof(ComponentFacts) + 192;
+constexpr std::uint64_t kComponentBytes = sizeof(ComponentFacts) + sizeof(mesh::Surroundings) + 64;
 
 // Of a vertex: the component that it was of when mark_bodies() looked at it, and the body around that.
 struct BodyMark {
@@ -38,6 +49,43 @@ constexpr std::string_view kBodyMarks = "bodies of components";
 const mesh::Attribute* find_marks(const mesh::Mesh& mesh) {
   const auto found = std::ranges::find(mesh.attributes, kBodyMarks, &mesh::Attribute::name);
   return found == mesh.attributes.end() ? nullptr : std::to_address(found);
+}
+
+Result<Nesting> find_nesting(const mesh::Mesh& mesh, const Components& components,
+                             const std::vector<ComponentFacts>& facts, const Context& context) {
+  Nesting nesting;
+  nesting.body.resize(facts.size());
+  std::iota(nesting.body.begin(), nesting.body.end(), 0U);
+  nesting.within.assign(facts.size(), Nesting::kNone);
+  if (std::ranges::none_of(facts, &ComponentFacts::is_cavity)) return nesting;
+
+  mesh::ShellQuestion question{.of_open = true};
+  for (const ComponentFacts& one : facts) {
+    question.facing.push_back(!one.is_closed()  ? mesh::Facing::open
+                              : one.is_cavity() ? mesh::Facing::inward
+                                                : mesh::Facing::outward);
+  }
+  const auto surroundings = TRY(find_surroundings(mesh, components, question, context));
+  const auto is_wall = [&](std::uint32_t i) {
+    return facts[i].is_cavity() && (surroundings[i].in_material() || surroundings[i].open != Nesting::kNone);
+  };
+  const auto is_deeper = [&](std::uint32_t a, std::uint32_t b) {
+    return surroundings[a].around.size() < surroundings[b].around.size();
+  };
+  for (std::uint32_t i = 0; i < facts.size(); ++i) {
+    const std::vector<std::uint32_t>& around = surroundings[i].around;
+    if (is_wall(i)) {
+      nesting.body[i] = around.empty() ? surroundings[i].open : *std::ranges::max_element(around, is_deeper);
+      continue;
+    }
+    for (const std::uint32_t other : around) {
+      std::uint32_t& within = nesting.within[i];
+      if (is_wall(other) && (within == Nesting::kNone || is_deeper(within, other))) within = other;
+    }
+  }
+  // Of the wall of a cavity in one that an open body has.
+  for (std::uint32_t& body : nesting.body) body = nesting.body[body];
+  return nesting;
 }
 
 // The components of a mesh, measured, and which lies in which.
@@ -57,7 +105,7 @@ struct Shells {
     memory.take(std::move(list));
     auto facts = TRY(measure_components(mesh, components, to_metric, context));
     Nesting nesting = marks != nullptr ? marked_nesting(*marks, components, mesh.positions.size())
-                                       : find_nesting(mesh, components, facts);
+                                       : TRY(find_nesting(mesh, components, facts, context));
     return Shells{std::move(components), std::move(facts), std::move(nesting), std::move(memory)};
   }
 

@@ -95,14 +95,18 @@ Expansion<16> cross_of(const Expansion<2>& ax, const Expansion<2>& ay, const Exp
   return sum_of(product_of(ax, by), negated(product_of(ay, bx)));
 }
 
-int exact_side_of_plane(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d) {
-  const auto from_d = [&](const glm::dvec3& p, int axis) { return difference(p[axis], d[axis]); };
-  const Expansion<2> ax = from_d(a, 0), ay = from_d(a, 1), az = from_d(a, 2);
-  const Expansion<2> bx = from_d(b, 0), by = from_d(b, 1), bz = from_d(b, 2);
-  const Expansion<2> cx = from_d(c, 0), cy = from_d(c, 1), cz = from_d(c, 2);
-  const auto det = sum_of(sum_of(product_of(cross_of(bx, by, cx, cy), az), product_of(cross_of(cx, cy, ax, ay), bz)),
-                          product_of(cross_of(ax, ay, bx, by), cz));
-  return -det.sign();
+struct ExactVector {
+  Expansion<2> x, y, z;
+};
+
+ExactVector difference(const glm::dvec3& a, const glm::dvec3& b) {
+  return {difference(a.x, b.x), difference(a.y, b.y), difference(a.z, b.z)};
+}
+
+int exact_determinant_sign(const ExactVector& a, const ExactVector& b, const ExactVector& c) {
+  return sum_of(sum_of(product_of(cross_of(b.x, b.y, c.x, c.y), a.z), product_of(cross_of(c.x, c.y, a.x, a.y), b.z)),
+                product_of(cross_of(a.x, a.y, b.x, b.y), c.z))
+      .sign();
 }
 
 int exact_turn_of(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
@@ -114,26 +118,46 @@ constexpr double kHalfUlp = 0x1p-53;
 constexpr double kPlaneError = (7 + 56 * kHalfUlp) * kHalfUlp;
 constexpr double kTurnError = (3 + 16 * kHalfUlp) * kHalfUlp;
 
+// Of three rows, each rounded once at most; exact() is asked where that leaves the sign open.
+template <class Exact>
+int determinant_sign(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const Exact& exact) {
+  const double bxcy = b.x * c.y;
+  const double bycx = b.y * c.x;
+  const double cxay = c.x * a.y;
+  const double cyax = c.y * a.x;
+  const double axby = a.x * b.y;
+  const double aybx = a.y * b.x;
+  const double det = a.z * (bxcy - bycx) + b.z * (cxay - cyax) + c.z * (axby - aybx);
+  const double size = (std::abs(bxcy) + std::abs(bycx)) * std::abs(a.z) +
+                      (std::abs(cxay) + std::abs(cyax)) * std::abs(b.z) +
+                      (std::abs(axby) + std::abs(aybx)) * std::abs(c.z);
+  const double error = kPlaneError * size;
+  if (det > error) return 1;
+  if (-det > error) return -1;
+  return size == 0 ? 0 : exact();
+}
+
 }  // namespace
 
 int side_of_plane(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d) {
-  const glm::dvec3 ad = a - d;
-  const glm::dvec3 bd = b - d;
-  const glm::dvec3 cd = c - d;
-  const double bxcy = bd.x * cd.y;
-  const double bycx = bd.y * cd.x;
-  const double cxay = cd.x * ad.y;
-  const double cyax = cd.y * ad.x;
-  const double axby = ad.x * bd.y;
-  const double aybx = ad.y * bd.x;
-  const double det = ad.z * (bxcy - bycx) + bd.z * (cxay - cyax) + cd.z * (axby - aybx);
-  const double size = (std::abs(bxcy) + std::abs(bycx)) * std::abs(ad.z) +
-                      (std::abs(cxay) + std::abs(cyax)) * std::abs(bd.z) +
-                      (std::abs(axby) + std::abs(aybx)) * std::abs(cd.z);
-  const double error = kPlaneError * size;
-  if (det > error) return -1;
-  if (-det > error) return 1;
-  return size == 0 ? 0 : exact_side_of_plane(a, b, c, d);
+  return determinant_sign(d - a, d - b, d - c,
+                          [&] { return exact_determinant_sign(difference(d, a), difference(d, b), difference(d, c)); });
+}
+
+int side_of_line(const glm::dvec3& way, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& p) {
+  const auto exact_way = [&] { return difference(way, glm::dvec3(0)); };
+  const int side = determinant_sign(
+      way, a - p, b - p, [&] { return exact_determinant_sign(exact_way(), difference(a, p), difference(b, p)); });
+  // Where p moves by m, det(way, a - p, b - p) grows by det(way, m, a - b).
+  for (int axis = 0; side == 0 && axis < 3; ++axis) {
+    glm::dvec3 move(0);
+    move[axis] = 1;
+    const int moved = determinant_sign(way, move, a - b, [&] {
+      return exact_determinant_sign(exact_way(), difference(move, glm::dvec3(0)), difference(a, b));
+    });
+    if (moved != 0) return moved;
+  }
+  return side;
 }
 
 int turn_of(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {

@@ -15,6 +15,12 @@ namespace isoextract::mesh {
 // Positive where a, b and c run counter-clockwise seen from the side on which d is; 0 where all four are in one plane.
 [[nodiscard]] int side_of_plane(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d);
 
+// On which side the line through p along `way`, whose coordinates are whole numbers below 2^20, passes the line from a
+// to b: the sign of the determinant of way, a - p and b - p. Where they meet, p counts as moved by (e, e^2, e^3) for an
+// infinitesimal e > 0, so that it is 0 only where a and b are on one line along `way`. Positive all around a triangle
+// abc that the line passes through and whose normal is along `way`.
+[[nodiscard]] int side_of_line(const glm::dvec3& way, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& p);
+
 // Positive where a, b and c run counter-clockwise; 0 where they are on one line.
 [[nodiscard]] int turn_of(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c);
 

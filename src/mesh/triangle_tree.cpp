@@ -14,13 +14,10 @@
 namespace isoextract::mesh {
 namespace {
 
-constexpr std::size_t kLeafTriangles = 4;
-constexpr std::size_t kParallelTriangles = 1 << 13;
 constexpr double kAxisOne = 32767;
 constexpr double kSlabRounding = 1e-12;  // of coordinates, more than that of double arithmetic
 
-template <class Box>
-double distance_squared(const Box& box, const glm::dvec3& p) {
+double distance_squared(const FloatBox& box, const glm::dvec3& p) {
   const auto outside = [](double low, double at, double high) { return std::max(std::max(low - at, at - high), 0.0); };
   const double x = outside(static_cast<double>(box.min.x), p.x, static_cast<double>(box.max.x));
   const double y = outside(static_cast<double>(box.min.y), p.y, static_cast<double>(box.max.y));
@@ -28,18 +25,8 @@ double distance_squared(const Box& box, const glm::dvec3& p) {
   return x * x + y * y + z * z;
 }
 
-}  // namespace
-
-struct TriangleTree::Item {
-  glm::vec3 centre;
-  std::uint32_t triangle;
-};
-
-TriangleTree::TriangleTree(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles)
-    : corners_(triangles.size()), triangles_(triangles.size()) {
-  while (triangles.size() > kLeafTriangles << depth_) ++depth_;
-  boxes_ = Buffer<Box>((std::size_t{2} << depth_) - 1);
-  Buffer<Item> items(triangles.size());
+BoxTree tree_of(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles) {
+  Buffer<BoxTree::Item> items(triangles.size());
   tbb::parallel_for(std::size_t{0}, triangles.size(), [&](std::size_t t) {
     const glm::uvec3& corner = triangles[t];
     // Thirds are taken first: sums of coordinates may leave the range of float.
@@ -47,54 +34,21 @@ TriangleTree::TriangleTree(std::span<const glm::vec3> positions, std::span<const
     items[t] = {positions[corner.x] * kThird + positions[corner.y] * kThird + positions[corner.z] * kThird,
                 static_cast<std::uint32_t>(t)};
   });
-  build(items.span(), 0, 0, positions, triangles);
-  items = {};
-  if (boxes_are_loose()) make_slabs();
+  return {items.span(), [&](std::uint32_t t) {
+            const glm::uvec3& corner = triangles[t];
+            return box_around(positions[corner.x], positions[corner.y], positions[corner.z]);
+          }};
 }
 
-// Orders `items`, those of one node, and fills what belongs to the node and those below it.
-void TriangleTree::build(std::span<Item> items, std::size_t level, std::size_t number,
-                         std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles) {
-  const std::size_t first = first_slot(level, number);
-  const std::size_t node = (std::size_t{1} << level) - 1 + number;
-  if (level == depth_) {
-    Box box{glm::vec3(std::numeric_limits<float>::infinity()), glm::vec3(-std::numeric_limits<float>::infinity())};
-    for (std::size_t i = 0; i < items.size(); ++i) {
-      const glm::uvec3& triangle = triangles[items[i].triangle];
-      const Corners corners{positions[triangle.x], positions[triangle.y], positions[triangle.z]};
-      corners_[first + i] = corners;
-      triangles_[first + i] = items[i].triangle;
-      box.min = glm::min(box.min, glm::min(corners.a, glm::min(corners.b, corners.c)));
-      box.max = glm::max(box.max, glm::max(corners.a, glm::max(corners.b, corners.c)));
-    }
-    boxes_[node] = box;
-    return;
-  }
-  glm::vec3 low = items[0].centre;
-  glm::vec3 high = low;
-  for (const Item& item : items) {
-    low = glm::min(low, item.centre);
-    high = glm::max(high, item.centre);
-  }
-  const glm::vec3 extent = high - low;
-  const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-  const std::size_t half = first_slot(level + 1, 2 * number + 1) - first;
-  std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(half), items.end(),
-                   [axis](const Item& a, const Item& b) {
-                     return a.centre[axis] != b.centre[axis] ? a.centre[axis] < b.centre[axis]
-                                                             : a.triangle < b.triangle;
-                   });
-  const auto left = [&] { build(items.first(half), level + 1, 2 * number, positions, triangles); };
-  const auto right = [&] { build(items.subspan(half), level + 1, 2 * number + 1, positions, triangles); };
-  if (items.size() > kParallelTriangles) {
-    tbb::parallel_invoke(left, right);
-  } else {
-    left();
-    right();
-  }
-  const Box& a = boxes_[2 * node + 1];
-  const Box& b = boxes_[2 * node + 2];
-  boxes_[node] = {glm::min(a.min, b.min), glm::max(a.max, b.max)};
+}  // namespace
+
+TriangleTree::TriangleTree(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles)
+    : tree_(tree_of(positions, triangles)), corners_(triangles.size()) {
+  tbb::parallel_for(std::size_t{0}, corners_.size(), [&](std::size_t slot) {
+    const glm::uvec3& corner = triangles[tree_.numbers()[slot]];
+    corners_[slot] = {positions[corner.x], positions[corner.y], positions[corner.z]};
+  });
+  if (boxes_are_loose()) make_slabs();
 }
 
 double TriangleTree::Slab::along(const glm::dvec3& p) const {
@@ -116,16 +70,16 @@ bool TriangleTree::boxes_are_loose() const {
     double boxes = 0;
     double triangles = 0;
   };
-  const std::size_t first_leaf = (std::size_t{1} << depth_) - 1;
   const Sums sums = tbb::parallel_deterministic_reduce(
-      tbb::blocked_range<std::size_t>(0, std::size_t{1} << depth_, 1 << 10), Sums{},
+      tbb::blocked_range<std::size_t>(0, tree_.leaves(), 1 << 10), Sums{},
       [&](const auto& leaves, Sums sum) {
         for (std::size_t leaf = leaves.begin(); leaf != leaves.end(); ++leaf) {
-          const Box& box = boxes_[first_leaf + leaf];
+          const FloatBox& box = tree_.box(tree_.leaf(leaf).index());
           const glm::dvec3 size = glm::dvec3(box.max) - glm::dvec3(box.min);
           sum.boxes += size.x * size.y + size.y * size.z + size.z * size.x;
         }
-        for (std::size_t t = first_slot(depth_, leaves.begin()); t < first_slot(depth_, leaves.end()); ++t) {
+        const std::size_t end = tree_.first_slot(tree_.leaf(leaves.end()));
+        for (std::size_t t = tree_.first_slot(tree_.leaf(leaves.begin())); t < end; ++t) {
           const glm::dvec3 a(corners_[t].a);
           sum.triangles += glm::length(glm::cross(glm::dvec3(corners_[t].b) - a, glm::dvec3(corners_[t].c) - a));
         }
@@ -134,21 +88,23 @@ bool TriangleTree::boxes_are_loose() const {
       [](const Sums& a, const Sums& b) {
         return Sums{a.boxes + b.boxes, a.triangles + b.triangles};
       });
-  return depth_ > 0 && sums.boxes > kTight * sums.triangles;
+  return tree_.leaves() > 1 && sums.boxes > kTight * sums.triangles;
 }
 
 void TriangleTree::make_slabs() {
-  slabs_ = Buffer<std::array<Slab, 2>>((std::size_t{1} << depth_) - 1);
-  for (std::size_t level = 0; level < depth_; ++level) {
+  slabs_ = Buffer<std::array<Slab, 2>>(tree_.leaves() - 1);
+  for (std::size_t level = 0; std::size_t{1} << level < tree_.leaves(); ++level) {
     tbb::parallel_for(std::size_t{0}, std::size_t{1} << level, [&](std::size_t number) {
-      slabs_[(std::size_t{1} << level) - 1 + number] =
-          slabs_of(first_slot(level, number), first_slot(level, number + 1));
+      const BoxTree::Node node{level, number};
+      slabs_[node.index()] = slabs_of(node);
     });
   }
 }
 
 // Across the greatest triangle, and across the longest side in its plane.
-std::array<TriangleTree::Slab, 2> TriangleTree::slabs_of(std::size_t first, std::size_t last) const {
+std::array<TriangleTree::Slab, 2> TriangleTree::slabs_of(const BoxTree::Node& node) const {
+  const std::size_t first = tree_.first_slot(node);
+  const std::size_t last = tree_.end_slot(node);
   glm::dvec3 normal(0);
   glm::dvec3 side(0);
   for (std::size_t t = first; t < last; ++t) {
@@ -188,14 +144,14 @@ std::array<TriangleTree::Slab, 2> TriangleTree::slabs_of(std::size_t first, std:
 }
 
 double TriangleTree::bound_squared(std::size_t node, const glm::dvec3& p) const {
-  const double by_box = distance_squared(boxes_[node], p);
+  const double by_box = mesh::distance_squared(tree_.box(node), p);
   if (node >= slabs_.size()) return by_box;
   const double across = std::max(slabs_[node][0].distance(p), slabs_[node][1].distance(p));
   return std::max(by_box, across * across);
 }
 
 std::size_t TriangleTree::leaves_within(const glm::dvec3& p, double squared) const {
-  const std::size_t first_leaf = (std::size_t{1} << depth_) - 1;
+  const std::size_t first_leaf = tree_.leaves() - 1;
   std::size_t leaves = 0;
   std::vector<std::size_t> waiting{0};
   while (!waiting.empty()) {
@@ -230,11 +186,10 @@ double TriangleTree::farthest_squared_in(std::uint32_t slot, std::span<const glm
 }
 
 void TriangleTree::search(std::size_t leaf, const glm::dvec3& p, Nearest& best) const {
-  const std::size_t last = first_slot(depth_, leaf + 1);
-  for (std::size_t slot = first_slot(depth_, leaf); slot < last; ++slot) {
+  const std::size_t last = tree_.end_slot(tree_.leaf(leaf));
+  for (std::size_t slot = tree_.first_slot(tree_.leaf(leaf)); slot < last; ++slot) {
     const Corners& t = corners_[slot];
-    const Box box{glm::min(t.a, glm::min(t.b, t.c)), glm::max(t.a, glm::max(t.b, t.c))};
-    if (!(mesh::distance_squared(box, p) < best.distance_squared)) continue;
+    if (!(mesh::distance_squared(box_around(t.a, t.b, t.c), p) < best.distance_squared)) continue;
     const Nearest found = nearest_in(static_cast<std::uint32_t>(slot), p);
     if (found.distance_squared < best.distance_squared) best = found;
   }
@@ -250,7 +205,7 @@ void TriangleTree::search_below(std::size_t node, double node_distance_squared, 
   constexpr std::size_t kMostLevels = 32;  // slots have 32 bits
   std::array<Entry, kMostLevels + 1> waiting;
   std::size_t count = 0;
-  const std::size_t first_leaf = (std::size_t{1} << depth_) - 1;
+  const std::size_t first_leaf = tree_.leaves() - 1;
   Entry entry{node, node_distance_squared};
   for (;;) {
     if (best.distance_squared <= enough_squared) return;
@@ -273,9 +228,8 @@ void TriangleTree::search_below(std::size_t node, double node_distance_squared, 
 // From the leaf of the hint upwards: what is beside each node on the way is mostly too far to be looked at.
 TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& p, std::uint32_t hint, double enough_squared) const {
   Nearest best = nearest_in(hint, p);
-  std::size_t leaf = (std::size_t{hint} << depth_) / corners_.size();
-  while (first_slot(depth_, leaf + 1) <= hint) ++leaf;
-  std::size_t node = (std::size_t{1} << depth_) - 1 + leaf;
+  const std::size_t leaf = tree_.leaf_of(hint);
+  std::size_t node = tree_.leaf(leaf).index();
   if (best.distance_squared <= enough_squared) return best;
   search(leaf, p, best);
   while (node > 0 && best.distance_squared > enough_squared) {

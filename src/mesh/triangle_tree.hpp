@@ -1,9 +1,8 @@
 // A bounding volume hierarchy over the triangles of a mesh: the closest point of a surface to a point.
 //
-// A complete binary tree, split at the median of the centroids along their longest axis. Its 2^d leaves share the
-// triangles evenly, so a node's triangles follow from its number, and a node stores nothing but its box. Where
-// triangles are long and lie across the axes, as around a corner that very many have in common, their boxes all meet:
-// then nodes store two slabs as well, across which their triangles are thin.
+// A BoxTree, split by the triangles' centroids. Where triangles are long and lie across the axes, as around a corner
+// that very many have in common, their boxes all meet: then nodes store two slabs as well, across which their triangles
+// are thin.
 #pragma once
 
 #include <array>
@@ -15,6 +14,7 @@
 #include <glm/glm.hpp>
 
 #include "base/buffer.hpp"
+#include "mesh/box_tree.hpp"
 
 namespace isoextract::mesh {
 
@@ -33,7 +33,7 @@ class TriangleTree {
 
   // What making the tree takes at most, for a caller to reserve; half of it, once it is made without slabs.
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t triangles) {
-    return triangles * (sizeof(Corners) + sizeof(Box) + sizeof(glm::vec4) + sizeof(std::uint32_t));
+    return triangles * sizeof(Corners) + BoxTree::bytes(triangles);
   }
 
   // At least one triangle; finite positions; indices below positions.size(). The tree keeps copies. It is the same for
@@ -53,7 +53,7 @@ class TriangleTree {
 
   [[nodiscard]] const Corners& corners(std::uint32_t slot) const { return corners_[slot]; }
   // The triangle in a slot, by its number among those that the tree was made of.
-  [[nodiscard]] std::uint32_t triangle(std::uint32_t slot) const { return triangles_[slot]; }
+  [[nodiscard]] std::uint32_t triangle(std::uint32_t slot) const { return tree_.numbers()[slot]; }
   [[nodiscard]] std::size_t size() const { return corners_.size(); }
   [[nodiscard]] bool has_slabs() const { return !slabs_.empty(); }
 
@@ -61,10 +61,6 @@ class TriangleTree {
   [[nodiscard]] std::size_t leaves_within(const glm::dvec3& p, double squared) const;
 
  private:
-  struct Box {
-    glm::vec3 min, max;
-  };
-  struct Item;  // a triangle on its way to its slot
   // The points p with low <= dot(axis, p) <= high, where no axis is longer than 1.
   struct Slab {
     std::array<std::int16_t, 3> axis{};  // in parts of kAxisOne
@@ -74,24 +70,17 @@ class TriangleTree {
     [[nodiscard]] double distance(const glm::dvec3& p) const;
   };
 
-  [[nodiscard]] std::size_t first_slot(std::size_t level, std::size_t number) const {
-    return number * corners_.size() >> level;
-  }
-  void build(std::span<Item> items, std::size_t level, std::size_t number, std::span<const glm::vec3> positions,
-             std::span<const glm::uvec3> triangles);
   void search_below(std::size_t node, double node_distance_squared, const glm::dvec3& p, double enough_squared,
                     Nearest& best) const;
   void search(std::size_t leaf, const glm::dvec3& p, Nearest& best) const;
   [[nodiscard]] bool boxes_are_loose() const;
   void make_slabs();
-  [[nodiscard]] std::array<Slab, 2> slabs_of(std::size_t first, std::size_t last) const;
+  [[nodiscard]] std::array<Slab, 2> slabs_of(const BoxTree::Node& node) const;
   // No point of the node's triangles is nearer.
   [[nodiscard]] double bound_squared(std::size_t node, const glm::dvec3& p) const;
 
-  std::size_t depth_ = 0;
-  Buffer<Corners> corners_;
-  Buffer<std::uint32_t> triangles_;
-  Buffer<Box> boxes_;                  // node k has children 2k + 1 and 2k + 2
+  BoxTree tree_;
+  Buffer<Corners> corners_;            // by slots
   Buffer<std::array<Slab, 2>> slabs_;  // of nodes above the leaves; none where boxes are tight
 };
 

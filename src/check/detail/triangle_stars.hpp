@@ -12,21 +12,11 @@
 #include <glm/glm.hpp>
 
 #include "base/buffer.hpp"
+#include "mesh/box_tree.hpp"
 
 namespace isoextract::check {
 
-struct FloatBox {
-  glm::vec3 min, max;
-
-  // With their border.
-  [[nodiscard]] bool meets(const FloatBox& other) const {
-    return min.x <= other.max.x && other.min.x <= max.x && min.y <= other.max.y && other.min.y <= max.y &&
-           min.z <= other.max.z && other.min.z <= max.z;
-  }
-  [[nodiscard]] FloatBox with(const FloatBox& other) const {
-    return {glm::min(min, other.min), glm::max(max, other.max)};
-  }
-};
+using mesh::FloatBox;
 
 class TriangleStars {
  public:
@@ -57,6 +47,8 @@ class TriangleStars {
 
   [[nodiscard]] bool empty() const { return stars_.empty(); }
   [[nodiscard]] std::uint32_t star_of(std::uint32_t triangle) const { return stars_.empty() ? kNone : of_[triangle]; }
+  // The star of each triangle; nothing where there are none.
+  [[nodiscard]] std::span<const std::uint32_t> of_triangles() const { return of_.span(); }
 
   // A box of the directions from the middle of the star in which a triangle of it lies; around a side, across it.
   // Triangles of one star whose boxes do not meet have nothing in common but their corner or side.

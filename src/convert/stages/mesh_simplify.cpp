@@ -9,11 +9,11 @@
 
 #include <fmt/format.h>
 
-#include "check/shells.hpp"
 #include "convert/stages/surface_stages.hpp"
 #include "edit/bounded_simplify.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/components.hpp"
+#include "mesh/shells.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -80,17 +80,20 @@ Result<ComponentCount> count_components(const mesh::Mesh& mesh, const Context& c
     sum.volume += glm::dot(a, vector) / 3;
   }
   ComponentCount count{sums.size(), 0, 0};
-  std::vector<bool> closed(sums.size());
-  std::vector<bool> hollow(sums.size());
-  for (std::size_t c = 0; c < sums.size(); ++c) {
-    const Sum& sum = sums[c];
-    closed[c] = glm::length(sum.vector) < 1e-6 * sum.area;
-    hollow[c] = closed[c] && sum.volume < -1e-9 * sum.area * std::sqrt(sum.area);
-    count.hollows += hollow[c] ? 1 : 0;
+  mesh::ShellQuestion question{.of_outward = false};
+  for (const Sum& sum : sums) {
+    const bool is_closed = glm::length(sum.vector) < 1e-6 * sum.area;
+    const bool is_hollow = is_closed && sum.volume < -1e-9 * sum.area * std::sqrt(sum.area);
+    question.facing.push_back(is_hollow   ? mesh::Facing::inward
+                              : is_closed ? mesh::Facing::outward
+                                          : mesh::Facing::open);
+    count.hollows += is_hollow ? 1 : 0;
   }
   if (count.hollows == 0) return count;
-  const auto within = TRY(check::count_surrounding_shells(mesh, components, closed, hollow, context));
-  for (std::size_t c = 0; c < sums.size(); ++c) count.outside += hollow[c] && within[c] % 2 == 0 ? 1 : 0;
+  const auto surroundings = TRY(mesh::find_surroundings(mesh, components, question, context));
+  for (std::size_t c = 0; c < sums.size(); ++c) {
+    count.outside += question.facing[c] == mesh::Facing::inward && !surroundings[c].in_material() ? 1 : 0;
+  }
   return count;
 }
 

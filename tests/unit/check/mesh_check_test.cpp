@@ -233,8 +233,10 @@ TEST(MeshCheckTest, ShellsWithinShellsOfSlantedFaces) {
   EXPECT_EQ(within(check(all_of(octahedron(1), octahedron(0.125F, {0.25F, 0.25F, 0})))), (Depths{0, 1}));
   EXPECT_EQ(within(check(all_of(octahedron(8), octahedron(1, {-20, 0, 0}), octahedron(1, {0, 8, 4})))),
             (Depths{0, 0, 0}));
-  // Beyond a face, within its box.
+  // Beyond a face, within its box; and with another where that ends.
   EXPECT_EQ(within(check(all_of(octahedron(8), octahedron(0.5F, {5, 2.5F, 2.5F})))), (Depths{0, 0}));
+  EXPECT_EQ(within(check(all_of(octahedron(8), octahedron(0.5F, {5, 2.5F, 2.5F}), octahedron(2, {8.5F, 2.5F, 2.5F})))),
+            (Depths{0, 0, 0}));
   // The diagonals of the faces in front of the rays.
   mesh::Mesh outer = centred_cube(3);
   for (glm::vec3& p : outer.positions) p.y = -p.y;

@@ -48,7 +48,7 @@ TEST(AttributeSource, BringsVectorsOfVoxelsIntoTheWorldAndThenIntoTheMesh) {
     AttributeSource source = source_of_vectors(kind, in_voxels);
     const field::Affine output_from_world{field::scaling(glm::dvec3(10)).linear, glm::dvec3(1)};
     ASSERT_TRUE(place_attributes(source, output_from_world.inverse(), output_from_world));
-    mesh::Mesh mesh = test::tetrahedron();
+    mesh::Mesh mesh = test::unit_tetrahedron();
     const auto records = add_attributes(source, mesh, Context());
     ASSERT_TRUE(records);
     EXPECT_EQ(records->front().kind, kind);

@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "edit/detail/shell_nesting.hpp"
 #include "mesh/component_facts.hpp"
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
@@ -129,20 +128,26 @@ TEST(Pieces, OpenOnesAreBodiesWithoutVolume) {
   EXPECT_GT(mesh::measure_topology(open.mesh).open_edges, 0U);
 }
 
-// Matter without an end around bubbles: each is a piece.
+// Matter without an end around bubbles: each is a piece, also where the first is in front of the second as the rays of
+// mesh/shells.hpp go.
 TEST(Pieces, CavitiesWithoutABodyArePieces) {
-  const field::ScalarField field = test::dense_field<float>(glm::ivec3(40), [](int i, int j, int k) {
-    const glm::dvec3 p(i, j, k);
-    return std::min(glm::length(p - glm::dvec3(12.1, 12.2, 12.3)) - 8,
-                    glm::length(p - glm::dvec3(28.1, 28.2, 28.3)) - 5);
-  });
-  const mesh::Mesh mesh = surface_of(field);
-  PieceOptions options;
-  options.largest = 1;
-  const auto [kept, facts] = must_keep(mesh, options);
-  EXPECT_EQ(facts.before.bodies, 2U);
-  EXPECT_EQ(facts.after.components, 1U);
-  EXPECT_NEAR(mesh::measure_size(kept).volume, -volume_of(8), 0.05 * volume_of(8));
+  for (const glm::dvec3& other : {glm::dvec3(28.1, 28.2, 28.3), glm::dvec3(28.1, 20.9, 19.8)}) {
+    const field::ScalarField field = test::dense_field<float>(glm::ivec3(40), [&](int i, int j, int k) {
+      const glm::dvec3 p(i, j, k);
+      return std::min(glm::length(p - glm::dvec3(12.1, 12.2, 12.3)) - 8, glm::length(p - other) - 5);
+    });
+    const mesh::Mesh mesh = surface_of(field);
+    PieceOptions options;
+    options.largest = 1;
+    const auto [kept, facts] = must_keep(mesh, options);
+    EXPECT_EQ(facts.before.bodies, 2U);
+    EXPECT_EQ(facts.after.components, 1U);
+    EXPECT_NEAR(mesh::measure_size(kept).volume, -volume_of(8), 0.05 * volume_of(8));
+    options = PieceOptions();
+    options.fill_cavities = true;
+    EXPECT_EQ(must_keep(mesh, options).facts.after.bodies, 2U);
+    EXPECT_EQ(split_pieces(copy(mesh), 2, Context()).value().size(), 2U);
+  }
 }
 
 // Many balls, some of them hollow: what lies in what is known from how they were made.
@@ -163,24 +168,23 @@ TEST(Pieces, NestingOfManyIsWhatItIsInTheField) {
     }
   }
   const mesh::Mesh mesh = surface_of(nested(balls, {92, 92, 48}));
-  const mesh::Components components(mesh.triangles.span(), mesh.positions.size());
-  const auto facts = measure_components(mesh, components, glm::dmat3(1.0), Context()).value();
-  ASSERT_EQ(facts.size(), balls.size());
-  const Nesting nesting = find_nesting(mesh, components, facts);
+  const auto pieces = split_pieces(copy(mesh), balls.size(), Context()).value();
+  EXPECT_EQ(pieces.size(), balls.size() - hollow);
   std::size_t cavities = 0;
-  for (std::size_t i = 0; i < facts.size(); ++i) {
-    EXPECT_TRUE(facts[i].is_closed());
-    EXPECT_EQ(facts[i].topology.genus(), 0);
-    EXPECT_EQ(nesting.within[i], Nesting::kNone);
-    if (!facts[i].is_cavity()) {
-      EXPECT_EQ(nesting.body[i], i);
-      continue;
-    }
-    ++cavities;
-    const auto& body = facts[nesting.body[i]];
+  for (const mesh::Mesh& piece : pieces) {
+    const mesh::Components components(piece.triangles.span(), piece.positions.size());
+    const auto facts = measure_components(piece, components, glm::dmat3(1.0), Context()).value();
+    ASSERT_LE(facts.size(), 2U);
+    const bool first_is_wall = facts[0].is_cavity();
+    const mesh::ComponentFacts& body = facts[first_is_wall ? 1 : 0];
     EXPECT_FALSE(body.is_cavity());
-    EXPECT_TRUE(glm::all(glm::lessThan(body.bounds.min, facts[i].bounds.min)));
-    EXPECT_TRUE(glm::all(glm::greaterThan(body.bounds.max, facts[i].bounds.max)));
+    for (const mesh::ComponentFacts& shell : facts) {
+      EXPECT_TRUE(shell.is_closed());
+      EXPECT_EQ(shell.topology.genus(), 0);
+      EXPECT_TRUE(glm::all(glm::lessThanEqual(body.bounds.min, shell.bounds.min)));
+      EXPECT_TRUE(glm::all(glm::greaterThanEqual(body.bounds.max, shell.bounds.max)));
+      cavities += shell.is_cavity() ? 1 : 0;
+    }
   }
   EXPECT_EQ(cavities, hollow);
 }

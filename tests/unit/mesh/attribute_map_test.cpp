@@ -13,7 +13,7 @@ namespace isoextract::mesh {
 namespace {
 
 Mesh mesh_with_vectors(ComponentType type) {
-  Mesh mesh = test::tetrahedron();
+  Mesh mesh = test::unit_tetrahedron();
   test::add_attribute(mesh, "a", type, 3);
   return mesh;
 }
@@ -54,7 +54,7 @@ TEST(AttributeMap, OfIntegersBecomeFloatsWhereTheyAreMapped) {
 }
 
 TEST(AttributeMap, OfOtherWidthsAndColoursAreNotMapped) {
-  Mesh mesh = test::tetrahedron();
+  Mesh mesh = test::unit_tetrahedron();
   test::add_colour(mesh, ComponentType::f32, 3);
   test::add_attribute(mesh, "pair", ComponentType::f32, 2);
   const Mesh before = copy(mesh);

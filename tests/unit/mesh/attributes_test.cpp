@@ -13,7 +13,7 @@ namespace isoextract::mesh {
 namespace {
 
 Mesh mesh_with_everything() {
-  Mesh mesh = test::tetrahedron();
+  Mesh mesh = test::unit_tetrahedron();
   mesh.normals = Buffer<glm::vec3>(4);
   mesh.edges = Buffer<EdgeKey>(4);
   for (std::size_t v = 0; v < 4; ++v) {

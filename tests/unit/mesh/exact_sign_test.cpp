@@ -58,6 +58,33 @@ TEST(ExactSign, IsRightNearThePlane) {
   EXPECT_GT(zeros, 1000);
 }
 
+// Against a point that is moved by so little that it changes nothing else: (e, e^2, e^3) for e = 2^-7 of 2^21.
+TEST(ExactSign, LinesThatMeetPassBesideEachOther) {
+  std::mt19937 random(4);
+  std::uniform_int_distribution<std::int64_t> coordinate(-4, 4);
+  const glm::i64vec3 way(3, 2, 1);
+  int zeros = 0;
+  for (int i = 0; i < 100000; ++i) {
+    const auto point = [&] { return glm::i64vec3(coordinate(random), coordinate(random), coordinate(random)); };
+    const glm::i64vec3 a = point();
+    const glm::i64vec3 b = point();
+    const glm::i64vec3 p = point();
+    const auto determinant = [&](const glm::i64vec3& u, const glm::i64vec3& v) {
+      return way.x * (u.y * v.z - u.z * v.y) + way.y * (u.z * v.x - u.x * v.z) + way.z * (u.x * v.y - u.y * v.x);
+    };
+    zeros += determinant(a - p, b - p) == 0 ? 1 : 0;
+    constexpr std::int64_t kFine = 1 << 21;
+    const glm::i64vec3 moved = kFine * p + glm::i64vec3(1 << 14, 1 << 7, 1);
+    const int expected = sign_of(determinant(kFine * a - moved, kFine * b - moved));
+    for (const double scale : {1.0, 0x1p-149, 0x1p100}) {
+      const auto scaled = [&](const glm::i64vec3& v) { return glm::dvec3(v) * scale; };
+      ASSERT_EQ(side_of_line(glm::dvec3(way), scaled(a), scaled(b), scaled(p)), expected) << i;
+      ASSERT_EQ(side_of_line(glm::dvec3(way), scaled(b), scaled(a), scaled(p)), -expected) << i;
+    }
+  }
+  EXPECT_GT(zeros, 1000);
+}
+
 TEST(ExactSign, TurnIsRightNearTheLine) {
   std::mt19937 random(2);
   std::uniform_int_distribution<std::int64_t> coordinate(-(1 << 12), 1 << 12);

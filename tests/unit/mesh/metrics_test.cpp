@@ -10,7 +10,7 @@ namespace isoextract::mesh {
 namespace {
 
 TEST(Metrics, TetrahedronSize) {
-  Mesh mesh = test::tetrahedron();
+  Mesh mesh = test::unit_tetrahedron();
   mesh.origin = {1e7, 0, -5};
   const MeshSize size = measure_size(mesh);
   EXPECT_NEAR(size.volume, 1.0 / 6, 1e-15);
@@ -23,7 +23,7 @@ TEST(Metrics, TetrahedronSize) {
 }
 
 TEST(Metrics, TurnedOverIsNegative) {
-  Mesh mesh = test::tetrahedron();
+  Mesh mesh = test::unit_tetrahedron();
   for (glm::uvec3& t : mesh.triangles) std::swap(t.x, t.y);
   EXPECT_NEAR(measure_size(mesh).volume, -1.0 / 6, 1e-15);
 }

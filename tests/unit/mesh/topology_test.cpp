@@ -15,7 +15,7 @@ namespace {
 using test::make_mesh;
 
 TEST(Topology, TetrahedronIsASphere) {
-  const Topology t = measure_topology(test::tetrahedron());
+  const Topology t = measure_topology(test::unit_tetrahedron());
   EXPECT_TRUE(t.is_closed_oriented_manifold());
   EXPECT_EQ(t.edges, 6U);
   EXPECT_EQ(t.components, 1U);
@@ -151,7 +151,7 @@ TEST(Topology, OfALargeMeshTakesLessMemoryThanTheMesh) {
 }
 
 TEST(Topology, ReservesItsMemory) {
-  const Mesh mesh = test::tetrahedron();
+  const Mesh mesh = test::unit_tetrahedron();
   const Context context;
   const auto measured = measure_topology(mesh, context);
   ASSERT_TRUE(measured);

@@ -36,15 +36,15 @@ TEST(VertexFans, PartsSurfacesThatMeetInAPointAndDropsUnusedVertices) {
 }
 
 TEST(VertexFans, LeavesAManifoldAsItIs) {
-  const Mesh before = test::tetrahedron();
-  Mesh mesh = test::tetrahedron();
+  const Mesh before = test::unit_tetrahedron();
+  Mesh mesh = test::unit_tetrahedron();
   ASSERT_TRUE(make_one_vertex_a_fan(mesh, "test", Context()));
   EXPECT_TRUE(std::ranges::equal(mesh.positions, before.positions));
   EXPECT_TRUE(std::ranges::equal(mesh.triangles, before.triangles));
 }
 
 TEST(VertexFans, KeepsToTheMemoryLimit) {
-  Mesh mesh = test::tetrahedron();
+  Mesh mesh = test::unit_tetrahedron();
   const auto done = make_one_vertex_a_fan(mesh, "a.raw", Context(MemoryBudget(100)));
   ASSERT_FALSE(done);
   EXPECT_NE(done.error().message.find("a.raw"), std::string::npos);

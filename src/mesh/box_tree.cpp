@@ -1,0 +1,48 @@
+#include "mesh/box_tree.hpp"
+
+#include <algorithm>
+#include <functional>
+
+#include <tbb/parallel_invoke.h>
+
+namespace isoextract::mesh {
+
+BoxTree::BoxTree(std::span<Item> items, std::span<const std::uint32_t> groups) : slots_(items.size()) {
+  while (items.size() > kLeafSize << depth_) ++depth_;
+  boxes_ = Buffer<FloatBox>((std::size_t{2} << depth_) - 1);
+  order(items, {0, 0}, groups);
+  std::ranges::transform(items, slots_.begin(), &Item::number);
+}
+
+// Brings the items of a node into their order.
+void BoxTree::order(std::span<Item> items, const Node& node, std::span<const std::uint32_t> groups) const {
+  constexpr std::size_t kParallelItems = 1 << 12;
+  if (node.level == depth_) return;
+  glm::vec3 low = items[0].centre;
+  glm::vec3 high = low;
+  for (const Item& item : items) {
+    low = glm::min(low, item.centre);
+    high = glm::max(high, item.centre);
+  }
+  const bool is_mixed = !groups.empty() && std::ranges::adjacent_find(
+                                               items, std::ranges::not_equal_to(),
+                                               [&](const Item& item) { return groups[item.number]; }) != items.end();
+  // In halves: the extent itself may be beyond float.
+  const glm::vec3 extent = high * 0.5F - low * 0.5F;
+  const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+  const auto half = items.begin() + static_cast<std::ptrdiff_t>(first_slot(node.child(1)) - first_slot(node));
+  std::nth_element(items.begin(), half, items.end(), [&](const Item& a, const Item& b) {
+    if (is_mixed && groups[a.number] != groups[b.number]) return groups[a.number] < groups[b.number];
+    return a.centre[axis] != b.centre[axis] ? a.centre[axis] < b.centre[axis] : a.number < b.number;
+  });
+  const auto left = [&] { order({items.begin(), half}, node.child(0), groups); };
+  const auto right = [&] { order({half, items.end()}, node.child(1), groups); };
+  if (items.size() > kParallelItems) {
+    tbb::parallel_invoke(left, right);
+  } else {
+    left();
+    right();
+  }
+}
+
+}  // namespace isoextract::mesh

@@ -1,0 +1,142 @@
+// A bounding volume hierarchy over things that have a box: triangles, rays, components.
+//
+// A complete binary tree, split at the median of the things' centres along their longest axis. Its 2^d leaves share the
+// things evenly however they lie, so those of a node follow from its number, and a node stores nothing but its box.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include <tbb/parallel_for.h>
+#include <glm/glm.hpp>
+
+#include "base/buffer.hpp"
+
+namespace isoextract::mesh {
+
+struct FloatBox {
+  glm::vec3 min{std::numeric_limits<float>::infinity()};
+  glm::vec3 max{-std::numeric_limits<float>::infinity()};
+
+  // With their border.
+  [[nodiscard]] bool meets(const FloatBox& other) const {
+    return min.x <= other.max.x && other.min.x <= max.x && min.y <= other.max.y && other.min.y <= max.y &&
+           min.z <= other.max.z && other.min.z <= max.z;
+  }
+  [[nodiscard]] FloatBox with(const FloatBox& other) const {
+    return {glm::min(min, other.min), glm::max(max, other.max)};
+  }
+  [[nodiscard]] glm::vec3 centre() const { return min * 0.5F + max * 0.5F; }  // a sum may leave the range of float
+};
+
+[[nodiscard]] inline FloatBox box_around(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+  return {glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))};
+}
+
+class BoxTree {
+ public:
+  static constexpr std::size_t kLeafSize = 4;
+
+  struct Item {
+    glm::vec3 centre;
+    std::uint32_t number;
+  };
+  struct Node {
+    std::size_t level;
+    std::size_t number;  // on its level
+    [[nodiscard]] Node child(std::size_t which) const { return {level + 1, 2 * number + which}; }
+    [[nodiscard]] std::size_t index() const { return (std::size_t{1} << level) - 1 + number; }
+  };
+
+  // What making it takes, for a caller to reserve.
+  [[nodiscard]] static std::uint64_t bytes(std::uint64_t items) {
+    return items * (sizeof(Item) + sizeof(std::uint32_t)) + (items + 1) * sizeof(FloatBox);
+  }
+
+  // At least one item, with finite centres, which are brought into the tree's order; box_of(number) is the box of one.
+  // Where there are groups, one for each number, items of one group lie side by side. The same for any number of
+  // threads. Throws std::bad_alloc.
+  template <class BoxOf>
+  BoxTree(std::span<Item> items, const BoxOf& box_of, std::span<const std::uint32_t> groups = {})
+      : BoxTree(items, groups) {
+    fit(boxes_.span(), box_of);
+  }
+
+  [[nodiscard]] std::size_t depth() const { return depth_; }
+  [[nodiscard]] std::size_t leaves() const { return std::size_t{1} << depth_; }
+  [[nodiscard]] Node leaf(std::size_t number) const { return {depth_, number}; }
+  [[nodiscard]] std::size_t leaf_of(std::size_t slot) const {
+    std::size_t number = (slot << depth_) / slots_.size();
+    while (end_slot(leaf(number)) <= slot) ++number;
+    return number;
+  }
+  // Numbers of items in the order of the tree: an item's place there is its slot.
+  [[nodiscard]] std::span<const std::uint32_t> numbers() const { return slots_.span(); }
+  [[nodiscard]] std::size_t first_slot(const Node& node) const { return node.number * slots_.size() >> node.level; }
+  [[nodiscard]] std::size_t end_slot(const Node& node) const { return first_slot({node.level, node.number + 1}); }
+  [[nodiscard]] std::span<const std::uint32_t> numbers_of(const Node& node) const {
+    return numbers().subspan(first_slot(node), end_slot(node) - first_slot(node));
+  }
+  // By Node::index(): node k has children 2k + 1 and 2k + 2.
+  [[nodiscard]] const FloatBox& box(std::size_t index) const { return boxes_[index]; }
+  [[nodiscard]] std::size_t nodes() const { return boxes_.size(); }
+
+  // For each node `all`, made of those of its items by with(), the leaves first.
+  template <class Box, class BoxOf>
+  void fit(std::span<Box> all, const BoxOf& box_of) const;
+
+  // Calls visit(number) for each item in a leaf whose box meets `near`, those among them whose boxes do not as well.
+  template <class Visit>
+  void for_each_near(const FloatBox& near, const Visit& visit) const;
+
+ private:
+  BoxTree(std::span<Item> items, std::span<const std::uint32_t> groups);
+  void order(std::span<Item> items, const Node& node, std::span<const std::uint32_t> groups) const;
+
+  std::size_t depth_ = 0;
+  Buffer<std::uint32_t> slots_;
+  Buffer<FloatBox> boxes_;
+};
+
+template <class Box, class BoxOf>
+void BoxTree::fit(std::span<Box> all, const BoxOf& box_of) const {
+  constexpr std::size_t kGrain = 1 << 9;
+  for (std::size_t level = depth_ + 1; level-- > 0;) {
+    const auto nodes = tbb::blocked_range<std::size_t>(0, std::size_t{1} << level, kGrain);
+    tbb::parallel_for(nodes, [&](const auto& range) {
+      for (std::size_t number = range.begin(); number != range.end(); ++number) {
+        const Node node{level, number};
+        if (level < depth_) {
+          all[node.index()] = all[node.child(0).index()].with(all[node.child(1).index()]);
+          continue;
+        }
+        const auto inside = numbers_of(node);
+        Box box = box_of(inside[0]);
+        for (const std::uint32_t item : inside.subspan(1)) box = box.with(box_of(item));
+        all[node.index()] = box;
+      }
+    });
+  }
+}
+
+template <class Visit>
+void BoxTree::for_each_near(const FloatBox& near, const Visit& visit) const {
+  constexpr std::size_t kMostLevels = 34;  // slots have 32 bits
+  std::array<Node, kMostLevels> waiting;
+  std::size_t count = 0;
+  waiting[count++] = {0, 0};
+  while (count > 0) {
+    const Node node = waiting[--count];
+    if (!near.meets(boxes_[node.index()])) continue;
+    if (node.level < depth_) {
+      waiting[count++] = node.child(1);
+      waiting[count++] = node.child(0);
+      continue;
+    }
+    for (const std::uint32_t item : numbers_of(node)) visit(item);
+  }
+}
+
+}  // namespace isoextract::mesh

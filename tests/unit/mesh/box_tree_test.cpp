@@ -1,0 +1,73 @@
+#include "mesh/box_tree.hpp"
+
+#include <algorithm>
+#include <random>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace isoextract::mesh {
+namespace {
+
+std::vector<FloatBox> random_boxes(std::size_t count) {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<float> at(0, 100);
+  std::uniform_real_distribution<float> size(0, 5);
+  std::vector<FloatBox> boxes;
+  for (std::size_t i = 0; i < count; ++i) {
+    const glm::vec3 low(at(random), at(random), at(random));
+    boxes.push_back({low, low + glm::vec3(size(random), size(random), size(random))});
+  }
+  return boxes;
+}
+
+BoxTree tree_of(const std::vector<FloatBox>& boxes, std::span<const std::uint32_t> groups = {}) {
+  Buffer<BoxTree::Item> items(boxes.size());
+  for (std::uint32_t i = 0; i < boxes.size(); ++i) items[i] = {boxes[i].centre(), i};
+  return {items.span(), [&](std::uint32_t i) { return boxes[i]; }, groups};
+}
+
+TEST(BoxTree, FindsAllThatComeNear) {
+  for (const std::size_t count : {1, 4, 5, 9, 3000}) {
+    const std::vector<FloatBox> boxes = random_boxes(count);
+    const BoxTree tree = tree_of(boxes);
+    for (const FloatBox& near : random_boxes(100)) {
+      std::multiset<std::uint32_t> found;
+      tree.for_each_near(near, [&](std::uint32_t i) {
+        if (boxes[i].meets(near)) found.insert(i);
+      });
+      std::multiset<std::uint32_t> expected;
+      for (std::uint32_t i = 0; i < count; ++i) {
+        if (boxes[i].meets(near)) expected.insert(i);
+      }
+      EXPECT_EQ(found, expected);
+    }
+  }
+}
+
+TEST(BoxTree, SlotsAndLeavesGoTogether) {
+  const BoxTree tree = tree_of(random_boxes(1001));
+  EXPECT_EQ(std::set<std::uint32_t>(tree.numbers().begin(), tree.numbers().end()).size(), 1001U);
+  for (std::size_t slot = 0; slot < 1001; ++slot) {
+    const BoxTree::Node leaf = tree.leaf(tree.leaf_of(slot));
+    EXPECT_LE(tree.first_slot(leaf), slot);
+    EXPECT_GT(tree.end_slot(leaf), slot);
+    EXPECT_LE(tree.numbers_of(leaf).size(), BoxTree::kLeafSize);
+  }
+}
+
+TEST(BoxTree, ThoseOfOneGroupLieSideBySide) {
+  std::vector<std::uint32_t> groups;
+  for (std::uint32_t i = 0; i < 2000; ++i) groups.push_back(i * 7919 % 5);
+  const BoxTree tree = tree_of(random_boxes(groups.size()), groups);
+  std::set<std::pair<std::uint32_t, std::size_t>> leaves_of;
+  for (std::size_t slot = 0; slot < groups.size(); ++slot) {
+    leaves_of.insert({groups[tree.numbers()[slot]], tree.leaf_of(slot)});
+  }
+  EXPECT_LE(leaves_of.size(), tree.leaves() + 4) << "only at the four borders has a leaf two of them";
+}
+
+}  // namespace
+}  // namespace isoextract::mesh
