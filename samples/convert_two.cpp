@@ -51,7 +51,8 @@ int main(int argc, char** argv) {
     Conversion& one = conversions[c];
     one.job.source.input = argv[3 * c + 1];
     one.job.outputs = {{argv[3 * c + 3], {std::strtod(argv[3 * c + 2], nullptr)}}};
-    one.job.format = mesh_io::mesh_format_by_path(argv[3 * c + 3]).value_or(mesh_io::MeshFormat::glb);
+    one.job.file =
+        convert::MeshFileOptions{mesh_io::mesh_format_by_path(argv[3 * c + 3]).value_or(mesh_io::MeshFormat::glb)};
     threads[c] = std::jthread(
         [&one, context = Context(budget.part())] { one.outcome = convert::run(one.job, context, one.listener); });
   }

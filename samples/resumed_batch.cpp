@@ -27,7 +27,7 @@ Result<int> convert_frames(const std::filesystem::path& folder, double iso, std:
   for (const batch::Frame& frame : found.frames) {
     convert::ConversionJob one;
     one.source.input = frame.input;
-    one.format = mesh_io::MeshFormat::ply;
+    one.file = convert::MeshFileOptions{mesh_io::MeshFormat::ply};
     one.normals = convert::Normals::none;
     one.outputs = {{(folder / fmt::format("frame_{:04}.ply", frame.number)).string(), {iso}}};
     job.frames.push_back({frame.number, std::move(one)});

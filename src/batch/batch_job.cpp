@@ -18,7 +18,8 @@ std::vector<std::filesystem::path> files_of(const convert::ConversionJob& job) {
   std::vector<std::filesystem::path> files;
   for (const convert::OutputFileJob& output : job.outputs) {
     const convert::OutputFileJob first{convert::piece_path(output.path, 1), output.isos};
-    for (std::filesystem::path& file : convert::mesh_files(first, job.format)) files.push_back(std::move(file));
+    for (std::filesystem::path& file : convert::mesh_files(first, job.meshes().format))
+      files.push_back(std::move(file));
   }
   return files;
 }

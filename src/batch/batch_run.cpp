@@ -171,7 +171,7 @@ std::string BatchRun::State::set_aside_meshes(const convert::ConversionJob& job,
   if (animation || read == nullptr) return {};
   std::string text;
   for (const convert::OutputFileJob& output : job.outputs) {
-    const auto names = convert::set_aside_old_meshes(output, job.format, *read, outcome.files, context);
+    const auto names = convert::set_aside_old_meshes(output, job.meshes().format, *read, outcome.files, context);
     if (!names) {
       text += fmt::format("; {}", names.error().message);
       continue;

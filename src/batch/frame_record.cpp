@@ -163,7 +163,7 @@ bool is_of(double iso, const std::string& grid, const SurfaceFigures& surface) {
   return iso == surface.iso && grid == surface.grid;
 }
 bool is_of(const convert::WrittenSurface& written, const SurfaceFigures& surface) {
-  return is_of(written.iso, written.grid, surface);
+  return is_of(written.id.figure(), written.grid, surface);
 }
 bool is_of(const Figures& mesh, const SurfaceFigures& surface) {
   return is_of(*value_at<double>(mesh, {Key::iso}), value_at<std::string>(mesh, {Key::grid}).value_or(""), surface);
@@ -188,7 +188,7 @@ void add_written(const convert::Outcome& outcome, SurfaceFigures& figures) {
 
 void add_error(const convert::Outcome& outcome, SurfaceFigures& figures) {
   const auto error = std::ranges::find_if(outcome.reports, [&](const StageReport& report) {
-    return report.stage == StageName::error && is_of(*report.iso, report.grid, figures);
+    return report.stage == StageName::error && is_of(report.id->figure(), report.grid, figures);
   });
   if (error == outcome.reports.end()) return;
   const Figures& found = error->entries.front();
@@ -280,7 +280,7 @@ FrameFigures figures_of(const convert::Outcome& outcome) {
     if (report.stage == StageName::read_attributes) add_lacked(report, figures.lacked_attributes);
     if (report.stage != StageName::extract) continue;
     SurfaceFigures& surface = figures.surfaces.emplace_back();
-    surface.iso = *report.iso;
+    surface.iso = report.id->figure();
     surface.grid = report.grid;
     surface.asked = value_at<std::string>(report.entries.front(), {Key::asked}).value_or("");
     add_written(outcome, surface);

@@ -21,18 +21,6 @@
 namespace isoextract::batch {
 namespace {
 
-// The meshes of a frame until it is its turn.
-class HeldMeshes final : public convert::MeshSink {
- public:
-  // A frame of an animation has one output.
-  Result<void> take(convert::HandedMeshes taken) override {
-    handed = std::move(taken);
-    return {};
-  }
-
-  convert::HandedMeshes handed;
-};
-
 class Scheduler {
  public:
   Scheduler(const BatchJob& batch, std::span<const std::size_t> which, const SchedulerOptions& options,
@@ -111,7 +99,7 @@ class Scheduler {
     convert::Events unheard;
     convert::Events* const heard = events_.started(frame, own);
     convert::Outcome outcome;
-    HeldMeshes held;
+    convert::MeshCollector held;  // until it is the frame's turn
     tbb::task_arena arena(threads);
     arena.execute([&] {
       outcome = convert::run(batch_.frames[frame].job, own, heard != nullptr ? *heard : unheard, options_.extras,
@@ -119,7 +107,7 @@ class Scheduler {
     });
     lock.lock();
     memory_of_one_ = std::max(memory_of_one_, outcome.reserved_memory);
-    const bool turned_away = receiver_ != nullptr && outcome.done() && !hand_over(place, held.handed, outcome, lock);
+    const bool turned_away = receiver_ != nullptr && outcome.done() && !hand_over(place, held, outcome, lock);
     // Packing it may have been too much as well.
     const bool for_memory =
         running->beside_others && outcome.error && outcome.error->code == ErrorCode::out_of_memory && !ended();
@@ -138,7 +126,7 @@ class Scheduler {
   }
 
   // Waits for the frame's turn; false where it is turned away. The meshes are gone afterwards.
-  bool hand_over(std::size_t place, convert::HandedMeshes& handed, convert::Outcome& outcome,
+  bool hand_over(std::size_t place, convert::MeshCollector& held, convert::Outcome& outcome,
                  std::unique_lock<std::mutex>& lock) {
     using Turn = FrameQueue::Turn;
     changed_.wait(lock, [&] { return ended() || queue_.turn(place) != Turn::later; });
@@ -148,27 +136,26 @@ class Scheduler {
     if (ends) outcome.error = Error{ErrorCode::cancelled, "cancelled", {}};
     if (taken) {
       const Stopwatch watch;
-      if (auto done = take(which_[place], handed, outcome); !done) outcome.error = std::move(done.error());
+      if (auto done = take(which_[place], held, outcome); !done) outcome.error = std::move(done.error());
       const StageTime time = watch.elapsed();
       const auto written = std::ranges::find(outcome.reports.rbegin(), outcome.reports.rend(),
                                              convert::StageName::write, &convert::StageReport::stage);
       if (written != outcome.reports.rend() && written->time) *written->time += time;
       outcome.total += time;
     }
-    handed.meshes.clear();
+    held.meshes.clear();
     lock.lock();
     return taken || ends;
   }
 
-  Result<void> take(std::size_t frame, const convert::HandedMeshes& handed, convert::Outcome& outcome) {
+  Result<void> take(std::size_t frame, const convert::MeshCollector& held, convert::Outcome& outcome) {
     try {
-      const auto packed = TRY(receiver_->take(frame, handed));
+      const auto packed = TRY(receiver_->take(frame, held));
       for (std::size_t m = 0; m < packed.size(); ++m) {
         if (packed[m].bytes_before == 0) continue;  // it has no triangles
-        outcome.reports.push_back(convert::report_of({.iso = handed.isos[m],
-                                                      .file = handed.output.path,
-                                                      .asked = batch_.frames[frame].job.packing,
-                                                      .voxel = handed.packing.voxel,
+        outcome.reports.push_back(convert::report_of({.id = held.ids[m],
+                                                      .file = batch_.frames[frame].job.outputs.front().path,
+                                                      .packing = held.packing,
                                                       .facts = packed[m]}));
       }
       return {};

@@ -11,7 +11,7 @@
 #include "base/context.hpp"
 #include "batch/batch_job.hpp"
 #include "convert/conversion.hpp"
-#include "convert/mesh_sink.hpp"
+#include "convert/mesh_collector.hpp"
 
 namespace isoextract::batch {
 
@@ -42,11 +42,11 @@ class FrameReceiver {
  public:
   virtual ~FrameReceiver() = default;
 
-  // The surfaces of a frame, as convert::MeshSink has them, or none; not told of frames that fail. One frame at a time,
+  // The surfaces of a frame, as they were collected, or none; not told of frames that fail. One frame at a time,
   // in the order of the frames, on the thread that converted it. A failure is the frame's. Gives what packing did to
   // each surface, or nothing where they are not packed.
   [[nodiscard]] virtual Result<std::vector<mesh_io::PackedFacts>> take(std::size_t frame,
-                                                                       const convert::HandedMeshes& handed) = 0;
+                                                                       const convert::MeshCollector& collected) = 0;
 };
 
 struct BatchCounts {

@@ -276,16 +276,17 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
         "--center: each frame is moved by the middle of its own samples; of sparse volumes and particles, whose box "
         "changes, the frames move against each other, which --roi prevents");
   }
-  if (plan.common.job.picture_file && sources.size() > 1) {
-    std::string note = note_of_cameras(*plan.common.job.picture_file);
+  const auto* picture = plan.common.job.writes<convert::PictureFileOptions>();
+  if (picture != nullptr && sources.size() > 1) {
+    std::string note = note_of_cameras(*picture);
     if (!note.empty()) plan.common.notes.push_back(std::move(note));
   }
   TRY(plan_report(flags, plan));
   TRY(plan_tables(flags.batch, plan));
   plan.others = other_files(flags, sources, plan.report);
-  auto outputs =
-      TRY(flags.batch.animate ? plan_animation(flags, sources, plan.common.job.format, plan.others, plan.batch)
-                              : plan_outputs(flags, sources, plan.common.job.format, plan.others));
+  const mesh_io::MeshFormat format = plan.common.job.meshes().format;
+  auto outputs = TRY(flags.batch.animate ? plan_animation(flags, sources, format, plan.others, plan.batch)
+                                         : plan_outputs(flags, sources, format, plan.others));
   TRY(check_piece_folders(outputs));
   for (std::size_t i = 0; i < sources.size(); ++i) {
     batch::FrameJob& frame = plan.batch.frames.emplace_back();

@@ -119,13 +119,13 @@ class Narrator final : public convert::Events {
       line = fmt::format("{} -> {}: {}; {}; {:.2f} s", report.label, path, output.samples, bytes, seconds);
     } else if (!output.surfaces.empty()) {
       std::vector<std::string> labels;
-      std::vector<double> isos;
+      std::vector<std::string> ids;
       for (const convert::WrittenOutput::Part& part : output.surfaces) {
         labels.push_back(part.label);
-        isos.push_back(part.iso);
+        ids.push_back(part.id.text());
       }
       line = fmt::format("{} {} {} -> {}: {} triangles, {} vertices, {}; {}; {}; {:.2f} s",
-                         fmt::join(each_once(labels), ", "), word_, fmt::join(each_once(isos), ", "), path,
+                         fmt::join(each_once(labels), ", "), word_, fmt::join(each_once(ids), ", "), path,
                          output.triangles, output.vertices, bytes, ends_text(output, plan_.job), output.placement,
                          seconds);
     }
@@ -166,13 +166,14 @@ class Narrator final : public convert::Events {
 
 Result<void> check_stdout(const convert::ConversionJob& job) {
   const bool to_stdout = std::ranges::find(job.outputs, "-", &convert::OutputFileJob::path) != job.outputs.end();
-  const bool is_text = !job.field_file && !job.picture_file && (job.ascii || job.format == mesh_io::MeshFormat::obj);
+  const auto* meshes = job.writes<convert::MeshFileOptions>();
+  const bool is_text = meshes != nullptr && (meshes->ascii || meshes->format == mesh_io::MeshFormat::obj);
   if (!to_stdout || is_text || ::isatty(STDOUT_FILENO) == 0) return {};
   return fail(ErrorCode::usage,
               fmt::format("stdout is a terminal, and {} is binary data",
-                          job.field_file     ? kFieldFormat
-                          : job.picture_file ? kPictureFormat
-                                             : mesh_io::mesh_format_info(job.format).name),
+                          meshes != nullptr ? mesh_io::mesh_format_info(meshes->format).name
+                          : job.writes<convert::PictureFileOptions>() != nullptr ? kPictureFormat
+                                                                                 : kFieldFormat),
               "redirect it to a file or a pipe");
 }
 

@@ -87,14 +87,14 @@ Result<void> check_grids(const ConvertFlags& flags, const convert::ConversionJob
   };
   const std::array<OfOneGrid, 7> of_one_grid{
       OfOneGrid{flags.labels.has_value(), "--labels are the values of one label map"},
-      OfOneGrid{job.field_file.has_value(), "a .vdb output holds one grid"},
+      OfOneGrid{job.writes<convert::FieldFileOptions>() != nullptr, "a .vdb output holds one grid"},
       OfOneGrid{flags.placement.center,
                 "--center moves each grid by the middle of its own samples, and so against "
                 "the others"},
       OfOneGrid{job.source.placement.space == convert::Space::index,
                 "--space index gives each grid coordinates of its own voxels, which are no common place"},
       OfOneGrid{flags.edits.split, "--split-components numbers the components of one grid"},
-      OfOneGrid{job.packing.packs(),
+      OfOneGrid{job.meshes().packing.packs(),
                 "--draco, --meshopt, --quantize and .drc files round positions by the voxels of one grid"},
       OfOneGrid{job.source.particles.expected, "options of particles are for particles, which have no grids"}};
   const auto* const found = std::ranges::find(of_one_grid, true, &OfOneGrid::given);
@@ -107,7 +107,7 @@ Result<void> check_grids(const ConvertFlags& flags, const convert::ConversionJob
 std::optional<std::string> if_on_side(const ConvertFlags& flags, const convert::ConversionJob& job) {
   const convert::Placement& placement = job.source.placement;
   if (flags.placement.up || placement.space == convert::Space::index) return std::nullopt;
-  if (job.picture_file) return "the picture shows it on its side";
+  if (job.writes<convert::PictureFileOptions>() != nullptr) return "the picture shows it on its side";
   if (placement.turn_z_up_to_y_up) return "the mesh lies on its side";
   if (flags.html || flags.contact_sheet) {
     return fmt::format("{} shows it on its side", flags.html ? flags.html.name() : flags.contact_sheet.name());
@@ -139,8 +139,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
 
   const auto format = TRY(plan_format(flags));
   const mesh_io::MeshFormatInfo& info = mesh_io::mesh_format_info(format);
-  job.picture_file = TRY(plan_picture(flags));
-  if (as_field) job.field_file = convert::FieldFileOptions{flags.half};
+  const auto picture = TRY(plan_picture(flags));
   const auto by_name = flags.output ? mesh_io::mesh_format_by_path(*flags.output) : std::nullopt;
   if (by_name && (as_field || writes_picture(flags) || *by_name != format)) {
     plan.notes.push_back(fmt::format("{}: its format is {}, as --format says, and not what its name says",
@@ -150,16 +149,17 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
     return refuse_usage(fmt::format("--ascii does not go with {}", info.name), "ply and stl can be written as text");
   }
   job.normals = TRY(plan_normals(flags, format));
-  job.format = format;
-  job.ascii = flags.ascii;
+  job.file = convert::MeshFileOptions{format};
   TRY(plan_vertices(flags, isos.size(), job));
-  job.packing = TRY(plan_packing(flags, format));
+  job.file = convert::MeshFileOptions{format, flags.ascii, TRY(plan_packing(flags, format))};
+  if (as_field) job.file = convert::FieldFileOptions{flags.half};
+  if (picture) job.file = *picture;
 
   auto placement =
       TRY(as_field ? convert::Placement()
                    : plan_placement(flags.placement, format, flags.html || flags.contact_sheet, plan.notes));
   job.source.placement = std::move(placement);
-  if (job.picture_file) {
+  if (picture) {
     job.source.placement.turn_z_up_to_y_up = false;
     job.source.placement.turn_y_up_to_z_up = false;
   }
@@ -200,7 +200,7 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
   if (!plan) return plan;
   if (!note.empty()) plan->notes.push_back(std::move(note));
   plan->job.source.input = inputs.front();
-  const mesh_io::MeshFormatInfo& format = mesh_io::mesh_format_info(plan->job.format);
+  const mesh_io::MeshFormatInfo& format = mesh_io::mesh_format_info(plan->job.meshes().format);
   TRY(check_output_name(flags, format));
   const auto found = TRY(batch::find_frames(inputs, std::nullopt));
   const std::int64_t number = found.frames.front().number;
@@ -229,7 +229,7 @@ std::vector<convert::ConversionJob> plan_files(const ConvertFlags& flags) {
     convert::ConversionJob& job = jobs.emplace_back();
     job.source.input = input;
     job.source.read = plan_read(flags.input).value_or(volume_io::ReadOptions{});
-    job.format = format;
+    job.file = convert::MeshFileOptions{format};
     const batch::OutputSource source{1,          input, flags.input.grid().value_or(""),
                                      flags.isos, true,  flags.input.more_grids()};
     auto named = batch::unchecked_outputs({&source, 1}, flags.output, format, other_extension(flags));

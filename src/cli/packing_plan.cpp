@@ -8,7 +8,7 @@
 
 namespace isoextract::cli {
 
-Result<convert::PackingOptions> plan_packing(const ConvertFlags& flags, mesh_io::MeshFormat format) {
+Result<mesh_io::PackingOptions> plan_packing(const ConvertFlags& flags, mesh_io::MeshFormat format) {
   const std::string_view name = mesh_io::mesh_format_info(format).name;
   const bool is_drc = format == mesh_io::MeshFormat::drc;
   if (format != mesh_io::MeshFormat::glb && format != mesh_io::MeshFormat::gltf) {
@@ -35,7 +35,7 @@ Result<convert::PackingOptions> plan_packing(const ConvertFlags& flags, mesh_io:
     return refuse_usage(fmt::format("--optimize-order does not go with {}: Draco has an order of its own", by_draco),
                         "leave it out");
   }
-  convert::PackingOptions packing;
+  mesh_io::PackingOptions packing;
   packing.quantize = flags.quantize;
   packing.optimize_order = flags.optimize_order;
   if (draco) packing.compression = mesh_io::Compression::draco;

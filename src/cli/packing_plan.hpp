@@ -3,10 +3,10 @@
 
 #include "base/error.hpp"
 #include "cli/options.hpp"
-#include "convert/conversion_job.hpp"
+#include "mesh_io/mesh_writer.hpp"
 
 namespace isoextract::cli {
 
-[[nodiscard]] Result<convert::PackingOptions> plan_packing(const ConvertFlags& flags, mesh_io::MeshFormat format);
+[[nodiscard]] Result<mesh_io::PackingOptions> plan_packing(const ConvertFlags& flags, mesh_io::MeshFormat format);
 
 }  // namespace isoextract::cli

@@ -47,7 +47,7 @@ Result<PagesPlan> plan_pages(const ConvertFlags& flags, const convert::Conversio
   if (plan.contact_sheet && extension_of(*plan.contact_sheet) != fmt::format(".{}", kPictureFormat)) {
     return refuse_usage(fmt::format("--contact-sheet {}: expected a name that ends in .png", *plan.contact_sheet));
   }
-  if (job.field_file || job.picture_file) {
+  if (job.writes<convert::MeshFileOptions>() == nullptr) {
     return refuse_usage(fmt::format("{} shows the meshes that are written, and none is", option),
                         "name the output as a mesh");
   }

@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "cli/up_axis_note.hpp"
 #include "convert/conversion.hpp"
-#include "convert/mesh_sink.hpp"
 #include "convert/picture_file.hpp"
 #include "convert/placement_record.hpp"
 #include "field/statistics.hpp"
@@ -24,24 +22,6 @@ namespace {
 
 // A transfer function is text for people.
 constexpr std::uint64_t kMostTransferBytes = 1U << 20U;
-
-class KeptSurfaces final : public convert::MeshSink {
- public:
-  explicit KeptSurfaces(bool with_source) : with_source_(with_source) {}
-
-  Result<void> take(convert::HandedMeshes handed) override {
-    std::ranges::move(handed.meshes, std::back_inserter(meshes));
-    return {};
-  }
-  [[nodiscard]] bool wants_source() const override { return with_source_; }
-  void take_source(convert::Source&& taken) override { source = std::move(taken); }
-
-  std::vector<mesh::Mesh> meshes;
-  std::optional<convert::Source> source;
-
- private:
-  bool with_source_;
-};
 
 struct PlacedMesh {
   mesh::Mesh mesh;         // in the world of what it was made of
@@ -144,17 +124,18 @@ Result<void> SceneSource::read_volume(const std::string& input, const std::strin
     return note;
   };
   if (!plan_->isos.empty()) {
-    KeptSurfaces kept(plan_->draws_volume);
+    convert::MeshCollector collected{.wants_source = plan_->draws_volume};
     job.outputs = {{output, plan_->isos}};
-    convert::Outcome outcome = convert::run(job, context, events, {.note_of_field = note_of_field}, nullptr, &kept);
+    convert::Outcome outcome =
+        convert::run(job, context, events, {.note_of_field = note_of_field}, nullptr, &collected);
     if (outcome.error) {  // of a sequence, frames without a surface show the volume
       const bool shows_volume = plan_->is_sequence && plan_->draws_volume;
       const bool goes_on = shows_volume && outcome.error->code == ErrorCode::no_surface;
       if (!goes_on) return tl::unexpected(std::move(*outcome.error));
       events.note(outcome.error->message);
     }
-    surfaces_ = std::move(kept.meshes);
-    source_ = std::move(kept.source);
+    surfaces_ = std::move(collected.meshes);
+    source_ = std::move(collected.source);
   }
   if (plan_->draws_volume && !source_) {
     source_ = TRY(convert::open_source(job.source, {}, context, events));

@@ -18,15 +18,15 @@ std::string ends_text(const convert::WrittenOutput& output, const convert::Conve
   bool closed = output.open_edges.value_or(0) == 0;
   std::uint64_t hole_cells = 0;
   // By field and iso value: components of a surface are several meshes.
-  std::map<std::pair<std::string, double>, convert::SurfaceEnd> surfaces;
-  for (const convert::WrittenOutput::Part& part : output.surfaces) surfaces[{part.label, part.iso}] = part.end;
+  std::map<std::pair<std::string, convert::SurfaceId>, convert::SurfaceEnd> surfaces;
+  for (const convert::WrittenOutput::Part& part : output.surfaces) surfaces[{part.label, part.id}] = part.end;
   const bool of_one_field = std::ranges::all_of(
       output.surfaces, [&](const auto& part) { return part.label == output.surfaces.front().label; });
   for (const auto& [surface, end] : surfaces) {
     if (!end.counted && end.at_border) closed = false;
     const bool cut_at_clip = end.cut && !job.source.clip.empty();
     if (end.at_border || (end.cut && !cut_at_clip)) {
-      at_border.push_back(fmt::format("{}{}", of_one_field ? "" : surface.first + " iso ", surface.second));
+      at_border.push_back(fmt::format("{}{}", of_one_field ? "" : surface.first + " iso ", surface.second.text()));
     }
     at_clip = at_clip || cut_at_clip;
     hole_cells += end.hole_cells;

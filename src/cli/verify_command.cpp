@@ -1,6 +1,4 @@
 // `isoextract verify`: one backend against the other, or a written mesh against its volume, triangle by triangle.
-#include <algorithm>
-#include <iterator>
 #include <span>
 #include <utility>
 
@@ -20,7 +18,6 @@
 #include "convert/conversion.hpp"
 #include "convert/field_label.hpp"
 #include "convert/json_values.hpp"
-#include "convert/mesh_sink.hpp"
 #include "convert/placement_record.hpp"
 #include "convert/source.hpp"
 #include "mesh/joined.hpp"
@@ -58,8 +55,7 @@ MadeAnew made_anew(const convert::ConversionJob& job, const convert::Outcome& ou
     if (report.stage != convert::StageName::extract) continue;
     label = report.label;
     const auto asked = value_at<std::string>(report.entries.front(), {convert::Key::asked});
-    surfaces.push_back(asked && !are_labels ? fmt::format("{} ({})", *asked, *report.iso)
-                                            : fmt::format("{}", *report.iso));
+    surfaces.push_back(asked && !are_labels ? fmt::format("{} ({})", *asked, report.id->text()) : report.id->text());
   }
   const std::size_t told = surfaces.size() > kMostTold ? kMostTold : surfaces.size();
   MadeAnew anew;
@@ -120,7 +116,7 @@ Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, c
     if (!source) return tl::unexpected(about_volume_file(source.error(), plan.job.source.input));
     label = source->label;
     for (const convert::ResolvedIso& iso : source->isos) {
-      auto record = TRY(compare_surface(plan, iso.value, *source, *first, *second.extractor, context));
+      auto record = TRY(compare_surface(plan, iso.id.iso(), *source, *first, *second.extractor, context));
       records.push_back(std::move(record));
     }
   }
@@ -190,21 +186,9 @@ std::string hint_for(const convert::ConversionJob& job, const accuracy::MeshMatc
   return "";
 }
 
-// The meshes that the conversion would have written.
-class MadeMeshes final : public convert::MeshSink {
- public:
-  Result<void> take(convert::HandedMeshes handed) override {
-    std::ranges::move(handed.meshes, std::back_inserter(meshes));
-    return {};
-  }
-  [[nodiscard]] bool writes_files() const override { return false; }
-
-  std::vector<mesh::Mesh> meshes;
-};
-
 // All surfaces that were asked for, as one mesh.
 Result<mesh::Mesh> make_anew(const VerifyPlan& plan, const Context& context, Notes& events, convert::Outcome& outcome) {
-  MadeMeshes made;
+  convert::MeshCollector made{.checks_files = false};
   outcome = convert::run(plan.job, context, events, {}, nullptr, &made);
   if (outcome.error) return tl::unexpected(about_volume_file(std::move(*outcome.error), plan.job.source.input));
   if (made.meshes.size() == 1) return std::move(made.meshes.front());

@@ -221,7 +221,7 @@ Result<std::vector<double>> parse_opacity(std::string_view text) {
 }
 
 Result<void> plan_vertices(const ConvertFlags& flags, std::size_t isos, convert::ConversionJob& job) {
-  TRY(check_formats(flags, mesh_io::mesh_format_info(job.format)));
+  TRY(check_formats(flags, mesh_io::mesh_format_info(job.meshes().format)));
   std::vector<convert::AttributeChoice>& attributes = job.source.attributes;
   attributes = flags.attributes;
   std::set<std::string_view> seen;

@@ -205,7 +205,7 @@ Result<StageReport> carry_attributes(Surface& surface, const StageContext& stage
                               {Key::outside, one.outside},
                               {Key::not_finite, one.not_finite},
                               {Key::out_of_reach, one.out_of_reach}});
-    const std::string start = fmt::format("{} iso {}: ", stage.source.label, surface.iso);
+    const std::string start = fmt::format("{} iso {}: ", stage.source.label, surface.id.text());
     if (one.outside > 0) {
       report.notes.push_back(fmt::format("{}{} of {} vertices lie outside of {}; their '{}' is that at its border",
                                          start, one.outside, one.vertices, one.source, printable(one.name)));

@@ -49,21 +49,23 @@ int thread_count() {
 class Conversion {
  public:
   Conversion(const ConversionJob& job, const Context& context, Outcome& outcome, Events& listener,
-             const OutcomeExtras& extras, KeptBackends* kept, MeshSink* sink)
+             const OutcomeExtras& extras, KeptBackends* kept, MeshCollector* collector)
       : job_(job),
+        meshes_(job.meshes()),
+        picture_(job.writes<PictureFileOptions>()),
         context_(context),
         outcome_(outcome),
         events_(outcome, listener),
         extras_(extras),
         kept_backends_(kept),
-        sink_(sink) {}
+        collector_(collector) {}
 
   Result<void> run() {
-    TRY(job_.field_file ? open_tools() : open_backends());
-    if (sink_ == nullptr || sink_->writes_files()) {
+    TRY(job_.writes<FieldFileOptions>() != nullptr ? open_tools() : open_backends());
+    if (collector_ == nullptr || collector_->checks_files) {
       if (extras_.read == nullptr) add_read_files(own_read_, job_, context_);
       for (const OutputFileJob& output : job_.outputs) {
-        TRY(check_mesh_files(output, job_.format, read()));
+        TRY(check_mesh_files(output, meshes_.format, read()));
       }
     }
     TRY(check_grids(job_.source, context_));
@@ -74,7 +76,7 @@ class Conversion {
     if (const auto text = note_of_relaxing(outcome_.reports); text && !extras_.how_to_keep_volumes.empty()) {
       events_.note(*text + extras_.how_to_keep_volumes);
     }
-    if (sink_ != nullptr && sink_->wants_source()) sink_->take_source(std::move(source_));
+    if (wants_source()) collector_->source = std::move(source_);
     return {};
   }
 
@@ -110,7 +112,7 @@ class Conversion {
       return {};
     }
     if (job_.empty == EmptyPolicy::error) return tl::unexpected(empty_source(source_));
-    const auto removed = TRY(remove_old_meshes(output, job_.format, context_));
+    const auto removed = TRY(remove_old_meshes(output, meshes_.format, context_));
     events_.note(fmt::format("{}: {}; {} was not written{}", source_.label, source_.why_empty(),
                              files::shown_output_name(output.path),
                              removed.empty() ? "" : "; the old one was removed"));
@@ -140,7 +142,7 @@ class Conversion {
     source_ = Source();  // releases its memory before the next grid is read
     SourceUse use = use_of(job_);
     use.isos = isos_of(job_, grid);
-    if (sink_ != nullptr && sink_->wants_source()) use.only_iso.reset();
+    if (wants_source()) use.only_iso.reset();
     if (!job_.source.more_grids.empty()) events_.begin_grid(grid);
     source_ = TRY(open_source(with_grid(job_.source, grid), use, context_, events_));
     opened_ = grid;
@@ -150,9 +152,9 @@ class Conversion {
     if (const auto text = note_of ? note_of(field) : std::nullopt) events_.note(*text);
     events_.end_reading();
     TRY(find_labels());
-    all_isos_.clear();
+    all_ids_.clear();
     for (const ResolvedIso& iso : labels_ ? each_label(source_.isos, labels_->labels()) : source_.isos)
-      all_isos_.push_back(iso.value);
+      all_ids_.push_back(iso.id);
     return check_error_memory(job_, source_, context_);
   }
 
@@ -163,7 +165,7 @@ class Conversion {
     bool in_pieces = false;
     for (const std::optional<std::string>& grid : grids_of(job_.source, output)) {
       TRY(open_grid(grid));
-      if (job_.field_file) return write_samples(output);
+      if (job_.writes<FieldFileOptions>() != nullptr) return write_samples(output);
       if (!file) file.emplace(open(output));
       const std::size_t before = file->written.surfaces.size();
       const auto asked =
@@ -176,7 +178,7 @@ class Conversion {
       for (const ResolvedIso& iso : isos) {
         TRY(add_surface(iso, *file, in_pieces));
       }
-      skipped.push_back(skipped_of(isos, std::span<const double>(file->isos()).subspan(before)));
+      skipped.push_back(skipped_of(isos, std::span<const SurfaceId>(file->ids()).subspan(before)));
     }
     if (!file->written.surfaces.empty()) return finish(*file, skipped);
     // Of pieces each has a file, and this one is not there.
@@ -191,11 +193,11 @@ class Conversion {
     mesh::Mesh& mesh = surface->mesh;
     if (!events_.grid().empty()) mesh.name = events_.grid();
     if (labels_) {
-      mesh.name = looks_.name(mesh.name, label_of(iso));
+      mesh.name = looks_.name(mesh.name, iso.id.label());
     } else if (file.job.isos.size() > 1) {
       mesh.name = fmt::format("{} {}", mesh.name, surface_text(iso.asked));
     }
-    if (!job_.pieces.split) return add(std::move(*surface), file);
+    if (!job_.edits.pieces.split) return add(std::move(*surface), file);
     in_pieces = true;
     return add_pieces(std::move(*surface), iso, file);
   }
@@ -207,14 +209,14 @@ class Conversion {
   // As meshes of one file, or each as a file.
   Result<void> add_pieces(Surface surface, const ResolvedIso& iso, OutputMeshes& file) {
     const std::string& pattern = file.job.path;
-    const bool into_files = sink_ == nullptr && pattern.find(kPieceWord) != std::string::npos;
+    const bool into_files = collector_ == nullptr && pattern.find(kPieceWord) != std::string::npos;
     auto pieces = TRY(split_mesh(std::move(surface.mesh), into_files, context_));
     for (std::size_t i = 0; into_files && i < pieces.size(); ++i) {
-      TRY(check_mesh_files({piece_path(pattern, i + 1), {}}, job_.format, read()));
+      TRY(check_mesh_files({piece_path(pattern, i + 1), {}}, meshes_.format, read()));
     }
     for (std::size_t i = 0; i < pieces.size(); ++i) {
       Surface piece{.asked = surface.asked,
-                    .iso = surface.iso,
+                    .id = surface.id,
                     .mesh = std::move(pieces[i]),
                     .end = surface.end,
                     .counts_open_edges = surface.counts_open_edges};
@@ -230,7 +232,7 @@ class Conversion {
     }
     if (!into_files) return {};
     if (pieces.empty()) return leave_out(file.job, {skipped_of({&iso, 1}, {})});
-    const auto removed = TRY(remove_old_pieces(file.job, pieces.size() + 1, job_.format, read(), context_));
+    const auto removed = TRY(remove_old_pieces(file.job, pieces.size() + 1, meshes_.format, read(), context_));
     if (!removed.empty()) {
       events_.note(fmt::format("{}: there are {} pieces; removed, as they are of an earlier run: {}", source_.label,
                                pieces.size(), first_and_last(removed)));
@@ -239,12 +241,9 @@ class Conversion {
   }
 
   [[nodiscard]] mesh_io::MeshWriteOptions write_options() const {
-    return {job_.format,
-            job_.normals == Normals::flat,
-            job_.ascii,
-            mesh_packing(job_.packing, source_),
-            copies_vertices(job_),
-            record_text(source_.placement, job_.format, source_.written_kinds()),
+    return {meshes_.format,        job_.normals == Normals::flat,
+            meshes_.ascii,         mesh_packing(meshes_.packing, source_),
+            copies_vertices(job_), record_text(source_.placement, meshes_.format, source_.written_kinds()),
             extras_.hash_files};
   }
 
@@ -253,8 +252,8 @@ class Conversion {
     extract::LabelChoice choice;
     for (const ResolvedIso& iso : source_.isos) {
       if (!iso.asked.is_label()) return {};
-      choice.all = choice.all || iso.asked.kind == IsoChoice::Kind::all_labels;
-      choice.values.push_back(label_of(iso));
+      choice.all = choice.all || !iso.id.is_label();
+      if (iso.id.is_label()) choice.values.push_back(iso.id.label());
     }
     if (source_.isos.empty()) return {};
     looks_ = TRY(LabelLooks::open(job_, context_));
@@ -276,29 +275,29 @@ class Conversion {
 
   // Nothing where it is empty and empty surfaces are skipped.
   Result<std::optional<Surface>> make_surface(const ResolvedIso& asked) {
-    source_.face_outward(asked.value);
+    source_.face_outward(asked.id.figure());
     Surface surface = TRY(extract(asked));
     if (surface.mesh.triangles.empty() && job_.empty != EmptyPolicy::write) {
       if (job_.empty == EmptyPolicy::error) return tl::unexpected(no_surface(asked));
-      if (cut_away_) lost_.push_back({asked.value, "nothing is where the surface is kept"});
+      if (cut_away_) lost_.push_back({asked.id, "nothing is where the surface is kept"});
       return std::optional<Surface>();
     }
     TRY(edit_surface({job_, source_, facts(), context_}, events_, surface));
     if (!surface.mesh.triangles.empty() || job_.empty == EmptyPolicy::write) return surface;
-    lost_.push_back({asked.value, "no component is as large as asked for"});
+    lost_.push_back({asked.id, "no component is as large as asked for"});
     return std::optional<Surface>();
   }
 
   [[nodiscard]] const extract::MethodInfo& method() const { return extract::method_info(job_.surface.method); }
 
   [[nodiscard]] SurfaceFacts facts() const {
-    return {all_isos_, open_, extras_.mesh_facts, labels_ ? &looks_ : nullptr};
+    return {all_ids_, open_, extras_.mesh_facts, labels_ ? &looks_ : nullptr};
   }
 
   // Cut, and compared with the other backend where that is asked for.
   Result<Surface> extract(const ResolvedIso& asked) {
     const Stopwatch watch;
-    const extract::ExtractOptions options = extract_options_of(job_, source_, asked.value);
+    const extract::ExtractOptions options = extract_options_of(job_, source_, asked.id.figure());
     auto extraction = labels_ ? extract_label(asked, options) : extractor_->extract(source_.field, options, context_);
     if (!extraction && gave_way(extraction.error())) extraction = extractor_->extract(source_.field, options, context_);
     if (!extraction) return tl::unexpected(std::move(extraction.error()));
@@ -307,7 +306,7 @@ class Conversion {
     const bool is_cut_open = !source_.clip.empty() && !options.cap;
     open_ = may_be_open(stats, options) || is_cut_open;
     Surface surface{.asked = asked.asked,
-                    .iso = asked.value,
+                    .id = asked.id,
                     .mesh = std::move(extraction->mesh),
                     .end = {.at_border = stats.meets_border && !options.cap, .hole_cells = stats.hole_cells},
                     .counts_open_edges = stats.hole_cells > 0 || is_cut_open};
@@ -330,7 +329,7 @@ class Conversion {
   }
 
   Result<extract::Extraction> extract_label(const ResolvedIso& asked, const extract::ExtractOptions& options) {
-    auto extraction = labels_->extract(source_.field, label_of(asked), options, context_);
+    auto extraction = labels_->extract(source_.field, asked.id.label(), options, context_);
     if (extraction) extraction->mesh.name = source_.field.name;
     return extraction;
   }
@@ -359,9 +358,9 @@ class Conversion {
     context_.progress().begin("writing", 0);
     const Stopwatch watch;
     file.note(surface, source_.label, events_.grid());
-    outcome_.written.push_back({surface.iso, output_, surface.mesh.triangles.size(), 0, 0, events_.grid()});
+    outcome_.written.push_back({surface.id, output_, surface.mesh.triangles.size(), 0, 0, events_.grid()});
     Result<void> added;
-    if (sink_ != nullptr || job_.picture_file) {
+    if (collector_ != nullptr || picture_ != nullptr) {
       file.held.push_back(std::move(surface.mesh));
     } else {
       added = file.writer.add(std::move(surface.mesh));
@@ -371,14 +370,13 @@ class Conversion {
   }
 
   Result<mesh_io::MeshWriteResult> complete(OutputMeshes& file) {
-    if (sink_ == nullptr && job_.picture_file) {
-      auto picture = TRY(write_picture(file.held, job_, source_.placement.placement, file.job, context_));
+    if (collector_ == nullptr && picture_ != nullptr) {
+      auto picture = TRY(write_picture(file.held, *picture_, source_.placement.placement, file.job, context_));
       if (picture.misses_surfaces) outcome_.empty_picture = true;
       return std::move(picture.written);
     }
-    if (sink_ == nullptr) return file.writer.finish();
-    mesh_io::MeshWriteOptions options = write_options();
-    TRY(sink_->take({file.job, file.isos(), std::move(file.held), options.packing, std::move(options.placement)}));
+    if (collector_ == nullptr) return file.writer.finish();
+    file.collect(write_options(), *collector_);
     return mesh_io::MeshWriteResult();
   }
 
@@ -386,10 +384,8 @@ class Conversion {
     context_.progress().begin("writing", 0);
     const Stopwatch watch;
     auto result = TRY(complete(file));
-    const double voxel = shortest_voxel_side(source_.output_from_index);
-    for (const StageReport& packed : file.packed(result.packed, job_.packing, voxel, labels_ ? "label" : "iso")) {
-      events_.end(packed);
-    }
+    const mesh_io::MeshPacking packing = mesh_packing(meshes_.packing, source_);
+    for (const StageReport& packed : file.packed(result.packed, packing)) events_.end(packed);
     file.time += watch.elapsed();
     if (extras_.mesh_facts) {
       StageReport report(StageName::mesh_facts, files::shown_output_name(file.job.path));
@@ -421,10 +417,10 @@ class Conversion {
   }
 
   Result<void> leave_out(const OutputFileJob& output, const std::vector<SkippedSurfaces>& skipped) {
-    const bool in_pieces = job_.pieces.split && output.path.find(kPieceWord) != std::string::npos;
-    const auto removed = TRY(sink_ != nullptr ? Result<std::vector<std::string>>()
-                             : in_pieces      ? remove_old_pieces(output, 1, job_.format, read(), context_)
-                                              : remove_old_meshes(output, job_.format, context_));
+    const bool in_pieces = job_.edits.pieces.split && output.path.find(kPieceWord) != std::string::npos;
+    const auto removed = TRY(collector_ != nullptr ? Result<std::vector<std::string>>()
+                             : in_pieces           ? remove_old_pieces(output, 1, meshes_.format, read(), context_)
+                                                   : remove_old_meshes(output, meshes_.format, context_));
     tell_skipped(output, skipped, false,
                  removed.empty() ? ""
                                  : fmt::format("; the old {} {} removed", first_and_last(removed),
@@ -433,34 +429,38 @@ class Conversion {
     return {};
   }
 
+  [[nodiscard]] bool wants_source() const { return collector_ != nullptr && collector_->wants_source; }
+
   [[nodiscard]] const files::ReadFiles& read() const { return extras_.read != nullptr ? *extras_.read : own_read_; }
 
-  [[nodiscard]] SkippedSurfaces skipped_of(std::span<const ResolvedIso> asked, std::span<const double> written) const {
-    return skipped_surfaces(source_.label, asked, written, lost_, labels_.has_value());
+  [[nodiscard]] SkippedSurfaces skipped_of(std::span<const ResolvedIso> asked, std::span<const SurfaceId> made) const {
+    return skipped_surfaces(source_.label, asked, made, lost_, labels_.has_value());
   }
 
   void tell_skipped(const OutputFileJob& output, const std::vector<SkippedSurfaces>& skipped, bool is_written,
                     const std::string& besides) {
     const std::string path = files::shown_output_name(output.path);
-    const std::string what = is_written || sink_ != nullptr ? path + " is without it" : path + " was not written";
+    const std::string what = is_written || collector_ != nullptr ? path + " is without it" : path + " was not written";
     for (const SkippedSurfaces& grid : skipped) {
       if (!grid.reasons.empty()) events_.note(note_of(grid, what + besides));
     }
   }
 
   const ConversionJob& job_;
+  MeshFileOptions meshes_;
+  const PictureFileOptions* picture_;  // null where none is drawn
   const Context& context_;
   Outcome& outcome_;
   Recorder events_;
   OutcomeExtras extras_;
   KeptBackends* kept_backends_;  // null where none are kept
-  MeshSink* sink_;               // null where files are written
+  MeshCollector* collector_;     // null where files are written
   files::ReadFiles own_read_;    // where files are written, and nobody says what is read
   Source source_;
   // The grid that source_ was read from; its inner value is empty where none was chosen.
   std::optional<std::optional<std::string>> opened_;
   std::optional<extract::LabelVoxels> labels_;  // where those are what is asked for
-  std::vector<double> all_isos_;                // of the surfaces of this grid
+  std::vector<SurfaceId> all_ids_;              // of the surfaces of this grid
   LabelLooks looks_;                            // likewise
   std::size_t output_ = 0;                      // of the job's, which is at hand
   std::size_t located_ = 0;                     // of Outcome::written: those whose files are known
@@ -475,13 +475,13 @@ class Conversion {
 }  // namespace
 
 Outcome run(const ConversionJob& job, const Context& context, Events& events, const OutcomeExtras& extras,
-            KeptBackends* kept, MeshSink* sink) {
+            KeptBackends* kept, MeshCollector* collector) {
   const Stopwatch watch;
   Outcome outcome;
   outcome.threads = thread_count();
   Result<void> done;
   try {
-    done = Conversion(job, context, outcome, events, extras, kept, sink).run();
+    done = Conversion(job, context, outcome, events, extras, kept, collector).run();
   } catch (const std::bad_alloc&) {
     done = tl::unexpected(no_memory(fmt::format("{}: not enough memory", files::shown_input_name(job.source.input)),
                                     Remedy::extract_part));

@@ -9,7 +9,7 @@
 #include "base/context.hpp"
 #include "convert/conversion_job.hpp"
 #include "convert/events.hpp"
-#include "convert/mesh_sink.hpp"
+#include "convert/mesh_collector.hpp"
 #include "convert/outcome.hpp"
 #include "files/read_files.hpp"
 
@@ -36,9 +36,10 @@ struct OutcomeExtras {
 // What went wrong is Outcome::error. `events` are told on this thread. With `kept` the backends are those that it keeps
 // for the runs that share it; what is written does not depend on it.
 //
-// With a `sink` no file is written: it gets the meshes of each output instead, and Outcome::files stays empty. All else
-// is as it would be for the files that the job names.
+// With a `collector` no file is written: it gets the meshes of each output instead, and Outcome::files stays empty. All
+// else is as it would be for the files that the job names.
 [[nodiscard]] Outcome run(const ConversionJob& job, const Context& context, Events& events,
-                          const OutcomeExtras& extras = {}, KeptBackends* kept = nullptr, MeshSink* sink = nullptr);
+                          const OutcomeExtras& extras = {}, KeptBackends* kept = nullptr,
+                          MeshCollector* collector = nullptr);
 
 }  // namespace isoextract::convert

@@ -184,14 +184,19 @@ Json JobJson::of_job(const ConversionJob& job) {
   add("device", job.backend.gpu.device);
   add("gpu_memory", job.backend.gpu.memory_bytes);
   add("empty", job.empty);
-  add("format", job.format);
-  add("ascii", job.ascii);
-  add("compression", job.packing.compression);
-  add("quantize", job.packing.quantize);
-  add("position_bits", job.packing.position_bits);
-  add("optimize_order", job.packing.optimize_order);
-  add("field_file", job.field_file);
-  add("picture_file", job.picture_file);
+  // Members of all kinds of files: those of kinds that are not written have their defaults.
+  const MeshFileOptions meshes = job.meshes();
+  add("format", meshes.format);
+  add("ascii", meshes.ascii);
+  add("compression", meshes.packing.compression);
+  add("quantize", meshes.packing.quantize);
+  add("position_bits", meshes.packing.position_bits);
+  add("optimize_order", meshes.packing.optimize_order);
+  const auto add_if_written = [&](const char* name, const auto* file) {
+    json[name] = file != nullptr ? of(*file) : Json(nullptr);
+  };
+  add_if_written("field_file", job.writes<FieldFileOptions>());
+  add_if_written("picture_file", job.writes<PictureFileOptions>());
   add("outputs", job.outputs);
   return json;
 }
@@ -202,6 +207,11 @@ std::vector<IsoChoice> ConversionJob::isos() const {
   std::vector<IsoChoice> all;
   for (const OutputFileJob& output : outputs) all.insert(all.end(), output.isos.begin(), output.isos.end());
   return all;
+}
+
+MeshFileOptions ConversionJob::meshes() const {
+  const auto* meshes = writes<MeshFileOptions>();
+  return meshes != nullptr ? *meshes : MeshFileOptions();
 }
 
 Json json_of(const ConversionJob& job) { return JobJson::of_job(job); }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -137,18 +138,16 @@ struct OutputFileJob {
   friend bool operator==(const OutputFileJob&, const OutputFileJob&) = default;
 };
 
-// How the mesh files are packed; nothing is, by default. What it takes besides, the voxel and the box, the field gives.
-struct PackingOptions {
-  mesh_io::Compression compression = mesh_io::Compression::none;
-  bool quantize = false;
-  std::optional<std::uint64_t> position_bits;  // of Draco; nothing: by the voxel
-  bool optimize_order = false;
+// Meshes of the surfaces.
+struct MeshFileOptions {
+  mesh_io::MeshFormat format = mesh_io::MeshFormat::glb;
+  bool ascii = false;
+  mesh_io::PackingOptions packing = {};
 
-  [[nodiscard]] bool packs() const { return quantize || compression != mesh_io::Compression::none; }
-  friend bool operator==(const PackingOptions&, const PackingOptions&) = default;
+  friend bool operator==(const MeshFileOptions&, const MeshFileOptions&) = default;
 };
 
-// The field itself, as an OpenVDB file.
+// The field itself, as an OpenVDB file: outputs have no iso values then, and what is about meshes does nothing.
 struct FieldFileOptions {
   static constexpr std::array kMembers{"half"};
 
@@ -167,6 +166,8 @@ struct PictureFileOptions {
 
   friend bool operator==(const PictureFileOptions&, const PictureFileOptions&) = default;
 };
+
+using FileOptions = std::variant<MeshFileOptions, FieldFileOptions, PictureFileOptions>;
 
 // What labels of a label map are called, and their colours (label_table.hpp).
 struct LabelTableFile {
@@ -192,14 +193,16 @@ struct ConversionJob {
   bool verify = false;                        // the other backend is asked as well, and must agree
   BackendChoice backend;
   EmptyPolicy empty = EmptyPolicy::error;
-  mesh_io::MeshFormat format = mesh_io::MeshFormat::glb;
-  bool ascii = false;
-  PackingOptions packing;
-  // In place of surfaces: outputs have no iso values then, and what is about meshes does nothing.
-  std::optional<FieldFileOptions> field_file;
-  // In place of meshes of the surfaces; the format, and what is about packing, does nothing then.
-  std::optional<PictureFileOptions> picture_file;
+  FileOptions file;  // of each output
   std::vector<OutputFileJob> outputs;
+
+  // The options of that kind of file; null where another kind is written.
+  template <class Options>
+  [[nodiscard]] const Options* writes() const {
+    return std::get_if<Options>(&file);
+  }
+  // How the meshes are made. A picture shows those of a glb file.
+  [[nodiscard]] MeshFileOptions meshes() const;
 
   // Of all outputs, in their order.
   [[nodiscard]] std::vector<IsoChoice> isos() const;

@@ -36,11 +36,11 @@ std::uint64_t attribute_bytes(const Source& source, std::uint64_t vertices) {
 // and about twice as much; these are fits to the peaks of gyroids of 79,000 to 496,000 vertices.
 std::uint64_t edit_bytes(const ConversionJob& job, std::uint64_t vertices) {
   constexpr std::uint64_t kMiB = 1 << 20;
-  const bool is_draco = job.packing.compression == mesh_io::Compression::draco;
+  const mesh_io::PackingOptions packing = job.meshes().packing;
   std::uint64_t most = 0;
   if (job.edits.simplify) most = 13 * kMiB + vertices * 420;
-  if (is_draco) most = std::max(most, 6 * kMiB + vertices * 300);
-  if (job.packing.quantize) most = std::max(most, 3 * kMiB + vertices * 60);
+  if (packing.compression == mesh_io::Compression::draco) most = std::max(most, 6 * kMiB + vertices * 300);
+  if (packing.quantize) most = std::max(most, 3 * kMiB + vertices * 60);
   return most;
 }
 
@@ -52,17 +52,17 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
   const auto source = TRY(open_source(with_grid(job.source, grid), use_of(job), context, unheard));
   // To make a field of particles takes more than to keep it.
   std::uint64_t most = source.of_particles ? kProgramBytes + context.memory().peak() : 0;
-  if (job.field_file) {
+  if (job.writes<FieldFileOptions>() != nullptr) {
     // The tree that is written, and the samples that it is made of.
     const ConversionSize size = size_of_samples(source.field);
     most = std::max(most, kProgramBytes + size.sample_bytes + size.samples * 2 * sizeof(float));
   }
   for (const ResolvedIso& iso : source.isos) {
     // Of labels, about all of them together: what is not 0.
-    const ConversionSize size = size_of(source.field, iso.asked.is_label() ? 0.5 : iso.value);
+    const ConversionSize size = size_of(source.field, iso.asked.is_label() ? 0.5 : iso.id.iso());
     std::uint64_t bytes = estimated_bytes(size) + attribute_bytes(source, size.vertices);
     std::uint64_t after = edit_bytes(job, size.vertices);
-    if (job.error && !iso.asked.is_label()) after = std::max(after, estimated_error_bytes(source, iso.value));
+    if (job.error && !iso.asked.is_label()) after = std::max(after, estimated_error_bytes(source, iso.id.iso()));
     bytes += after;
     most = std::max(most, bytes);
   }

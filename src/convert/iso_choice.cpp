@@ -15,55 +15,25 @@ constexpr std::string_view kAllLabels = "all labels";
 
 }  // namespace
 
-IsoChoice IsoChoice::suggested() {
-  IsoChoice choice;
-  choice.kind = Kind::suggested;
-  return choice;
-}
-
-IsoChoice IsoChoice::zero() {
-  IsoChoice choice;
-  choice.kind = Kind::zero;
-  return choice;
-}
-
-IsoChoice IsoChoice::percentile(field::Percent percent) {
-  IsoChoice choice;
-  choice.kind = Kind::percentile;
-  choice.percent = percent;
-  return choice;
-}
-
-IsoChoice IsoChoice::label(std::int64_t number) {
-  IsoChoice choice;
-  choice.kind = Kind::label;
-  choice.number = static_cast<double>(number);
-  return choice;
-}
-
-IsoChoice IsoChoice::all_labels() {
-  IsoChoice choice;
-  choice.kind = Kind::all_labels;
-  return choice;
-}
+std::string SurfaceId::text() const { return is_label() ? fmt::format("{}", label()) : fmt::format("{}", iso()); }
+std::string SurfaceId::name() const { return (is_label() ? "label " : "iso ") + text(); }
 
 std::string text_of(const IsoChoice& choice) {
   switch (choice.kind) {
-    case IsoChoice::Kind::number: break;
+    case IsoChoice::Kind::known: break;
     case IsoChoice::Kind::suggested: return std::string(kSuggested);
     case IsoChoice::Kind::zero: return std::string(kZero);
     case IsoChoice::Kind::percentile: return kPercentile + choice.percent.text();
-    case IsoChoice::Kind::label: return fmt::format("{}{}", kLabel, choice.number);
     case IsoChoice::Kind::all_labels: return std::string(kAllLabels);
   }
-  return fmt::format("{}", choice.number);
+  return choice.id.is_label() ? choice.id.name() : choice.id.text();
 }
 
 std::string name_part_of(const IsoChoice& choice) {
-  return choice.kind == IsoChoice::Kind::label ? fmt::format("{}", choice.number) : text_of(choice);
+  return choice.kind == IsoChoice::Kind::known ? choice.id.text() : text_of(choice);
 }
 
-Json json_of(const IsoChoice& choice) { return choice.is_number() ? Json(choice.number) : Json(text_of(choice)); }
+Json json_of(const IsoChoice& choice) { return choice.is_number() ? Json(choice.id.iso()) : Json(text_of(choice)); }
 
 std::optional<IsoChoice> iso_choice_of(std::string_view word) {
   if (word == kSuggested) return IsoChoice::suggested();

@@ -51,7 +51,7 @@ Result<ResolvedIso> zero_of(const IsoChoice& choice, const field::ScalarField& f
 }  // namespace
 
 std::string text_of(const ResolvedIso& iso) {
-  return !iso.asked.is_found() ? text_of(iso.asked) : fmt::format("{} ({})", text_of(iso.asked), iso.value);
+  return !iso.asked.is_found() ? text_of(iso.asked) : fmt::format("{} ({})", text_of(iso.asked), iso.id.text());
 }
 
 std::string surface_text(const IsoChoice& asked) { return asked.is_label() ? text_of(asked) : "iso " + text_of(asked); }
@@ -63,7 +63,7 @@ Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices
   std::vector<ResolvedIso> isos;
   std::vector<field::Percent> percents;
   for (const IsoChoice& choice : choices) {
-    isos.push_back({choice, choice.number, {}});
+    isos.push_back({choice, choice.id, {}});
     if (choice.kind == IsoChoice::Kind::percentile) percents.push_back(choice.percent);
   }
   if (all_known(choices)) return isos;
@@ -73,7 +73,7 @@ Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices
   std::size_t next = 0;
   for (ResolvedIso& iso : isos) {
     if (iso.asked.kind == IsoChoice::Kind::percentile) {
-      if (percentiles) iso.value = (*percentiles)[next++];
+      if (percentiles) iso.id = (*percentiles)[next++];
       iso.found_by =
           percentiles ? fmt::format("percentile {} of the samples", iso.asked.percent.text()) : std::string(kNoSample);
     } else if (iso.asked.kind == IsoChoice::Kind::suggested) {
@@ -107,7 +107,7 @@ Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices
       return fail(ErrorCode::usage, fmt::format("{}: no iso value is given", label), suggested_by_info());
     }
     if (choice.is_number()) {
-      isos.push_back({choice, choice.number, {}});
+      isos.push_back({choice, choice.id, {}});
     } else {
       isos.push_back({choice, info.iso, fmt::format("the usual one of {}", info.title)});
     }
@@ -116,19 +116,18 @@ Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices
 }
 
 bool is_repeated(const ResolvedIso& before, const ResolvedIso& iso) {
-  return before.value == iso.value && !(before.asked.is_number() && iso.asked.is_number());
+  return before.id == iso.id && !(before.asked.is_number() && iso.asked.is_number());
 }
 
 std::vector<ResolvedIso> each_label(std::span<const ResolvedIso> asked, const std::vector<std::int64_t>& all) {
   std::vector<ResolvedIso> labels;
-  std::unordered_set<double> found;
-  const auto add = [&](const IsoChoice& label) {
-    if (found.insert(label.number).second) labels.push_back({label, label.number, {}});
+  std::unordered_set<std::int64_t> found;
+  const auto add = [&](std::int64_t label) {
+    if (found.insert(label).second) labels.push_back({IsoChoice::label(label), Label{label}, {}});
   };
   for (const ResolvedIso& iso : asked) {
-    if (iso.asked.kind == IsoChoice::Kind::label) add(iso.asked);
-    if (iso.asked.kind != IsoChoice::Kind::all_labels) continue;
-    for (const std::int64_t label : all) add(IsoChoice::label(label));
+    if (iso.id.is_label()) add(iso.id.label());
+    if (iso.asked.kind == IsoChoice::Kind::all_labels) std::ranges::for_each(all, add);
   }
   return labels;
 }

@@ -16,12 +16,9 @@ namespace isoextract::convert {
 
 struct ResolvedIso {
   IsoChoice asked;
-  double value = 0;
+  SurfaceId id;          // of all labels none
   std::string found_by;  // "Otsu's threshold (1979) of the histogram"; empty of numbers and labels
 };
-
-// The number of a label.
-[[nodiscard]] inline std::int64_t label_of(const ResolvedIso& iso) { return static_cast<std::int64_t>(iso.value); }
 
 // "0.3", and of what is no number "p99 (0.3)".
 [[nodiscard]] std::string text_of(const ResolvedIso& iso);
@@ -31,7 +28,7 @@ struct ResolvedIso {
 // None is found in the samples.
 [[nodiscard]] bool all_known(std::span<const IsoChoice> choices);
 
-// One a choice, in their order; a label's value is its number. The samples are looked at only for choices that are no
+// One a choice, in their order. The samples are looked at only for choices that are no
 // numbers and that the kind of the field does not settle. Where no sample is finite, values that need one are 0. Fails
 // with ErrorCode::usage where IsoChoice::zero() is asked of a field that is no level set, and with ErrorCode::input,
 // ErrorCode::no_surface where a value is to be suggested and none separates the samples; with

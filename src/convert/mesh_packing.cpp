@@ -11,22 +11,22 @@
 namespace isoextract::convert {
 namespace {
 
-std::string means(const PackingOptions& asked) {
-  if (asked.compression == mesh_io::Compression::draco) return "by Draco";
-  if (asked.compression == mesh_io::Compression::none) return "by quantising";
-  return asked.quantize ? "by quantising and meshoptimizer" : "by meshoptimizer";
+std::string means(const mesh_io::PackingOptions& packing) {
+  if (packing.compression == mesh_io::Compression::draco) return "by Draco";
+  if (packing.compression == mesh_io::Compression::none) return "by quantising";
+  return packing.quantize ? "by quantising and meshoptimizer" : "by meshoptimizer";
 }
 
 std::string line_of(const PackedMesh& mesh) {
   const mesh_io::PackedFacts& facts = mesh.facts;
   std::string text =
-      fmt::format("packed {} at iso {}: {} of {} left ({:.1f} %)", means(mesh.asked), mesh.iso,
+      fmt::format("packed {} at iso {}: {} of {} left ({:.1f} %)", means(mesh.packing), mesh.id.text(),
                   format_byte_size(facts.bytes_after), format_byte_size(facts.bytes_before),
                   100.0 * static_cast<double>(facts.bytes_after) / static_cast<double>(facts.bytes_before));
   if (facts.positions) {
     const auto& positions = *facts.positions;
     text += fmt::format("; vertices measured at most {:.4g} voxels from where they were, in the mesh's units {:.4g}",
-                        positions.largest / mesh.voxel, positions.largest);
+                        positions.largest / mesh.packing.voxel, positions.largest);
     if (facts.flattened_triangles > 0) {
       text += fmt::format("; {} triangles have lost their area", facts.flattened_triangles);
     }
@@ -42,7 +42,7 @@ std::string details_of(const PackedMesh& mesh) {
   std::string text = fmt::format("{:.2f} s of processor time", facts.time.cpu_seconds);
   if (facts.positions) {
     text += fmt::format("; positions of {} bits in steps of {} ({:.4g} voxels), moved by at most {:.4g} along an axis",
-                        facts.positions->bits, facts.positions->step, facts.positions->step / mesh.voxel,
+                        facts.positions->bits, facts.positions->step, facts.positions->step / mesh.packing.voxel,
                         facts.positions->largest_axis);
   }
   if (facts.largest_normal_turn)
@@ -51,21 +51,17 @@ std::string details_of(const PackedMesh& mesh) {
   return text;
 }
 
-}  // namespace
-
-double shortest_voxel_side(const field::Affine& output_from_index) {
+// Of a voxel that `output_from_index` places.
+double shortest_side(const field::Affine& output_from_index) {
   const glm::dmat3& sides = output_from_index.linear;
   return std::min({glm::length(sides[0]), glm::length(sides[1]), glm::length(sides[2])});
 }
 
-mesh_io::MeshPacking mesh_packing(const PackingOptions& options, const Source& source) {
-  mesh_io::MeshPacking packing;
-  packing.compression = options.compression;
-  packing.quantize = options.quantize;
-  packing.position_bits = options.position_bits;
-  packing.optimize_order = options.optimize_order;
+}  // namespace
+
+mesh_io::MeshPacking mesh_packing(const mesh_io::PackingOptions& options, const Source& source) {
+  mesh_io::MeshPacking packing{options, shortest_side(source.output_from_index)};
   if (!options.packs()) return packing;
-  packing.voxel = shortest_voxel_side(source.output_from_index);
   const field::IndexBox extents = source.field.extents();
   if (extents.empty()) return packing;
   // Surfaces of sparse fields pass between active voxels and the background beside them.
@@ -79,15 +75,17 @@ StageReport report_of(const PackedMesh& mesh) {
   const mesh_io::PackedFacts& facts = mesh.facts;
   Value positions;
   if (facts.positions) {
-    const auto length = [&](double world) { return Figures{{Key::voxels, world / mesh.voxel}, {Key::world, world}}; };
+    const auto length = [&](double world) {
+      return Figures{{Key::voxels, world / mesh.packing.voxel}, {Key::world, world}};
+    };
     positions = Value(Figures{{Key::bits, facts.positions->bits},
                               {Key::step, length(facts.positions->step)},
                               {Key::measured, Figures{{Key::axis, length(facts.positions->largest_axis)},
                                                       {Key::distance, length(facts.positions->largest)}}}});
   }
-  StageReport report(StageName::pack, mesh.surface, {}, mesh.iso);
+  StageReport report(StageName::pack, mesh.surface, {}, mesh.id);
   report.add_timed({{Key::file, mesh.file},
-                    {Key::compression, word_of(mesh.asked.compression)},
+                    {Key::compression, word_of(mesh.packing.compression)},
                     {Key::bytes_before, facts.bytes_before},
                     {Key::bytes_after, facts.bytes_after},
                     {Key::positions, std::move(positions)},

@@ -3,9 +3,7 @@
 
 #include <string>
 
-#include "convert/conversion_job.hpp"
 #include "convert/stage_report.hpp"
-#include "field/affine.hpp"
 #include "mesh_io/mesh_packing.hpp"
 
 namespace isoextract::convert {
@@ -15,18 +13,14 @@ struct Source;
 // Of a mesh that was packed into its file.
 struct PackedMesh {
   std::string surface = {};  // "fire.vdb iso 0.5"
-  double iso = 0;
+  SurfaceId id;
   std::string file;
-  PackingOptions asked;
-  double voxel = 0;  // the shortest side of one, in the mesh's units
+  mesh_io::MeshPacking packing;
   mesh_io::PackedFacts facts;
 };
 [[nodiscard]] StageReport report_of(const PackedMesh& mesh);
 
 // The box is that of the whole volume, whatever region is extracted, so that regions of one volume meet.
-[[nodiscard]] mesh_io::MeshPacking mesh_packing(const PackingOptions& options, const Source& source);
-
-// The shortest side of a voxel that `output_from_index` places.
-[[nodiscard]] double shortest_voxel_side(const field::Affine& output_from_index);
+[[nodiscard]] mesh_io::MeshPacking mesh_packing(const mesh_io::PackingOptions& options, const Source& source);
 
 }  // namespace isoextract::convert

@@ -72,7 +72,7 @@ Result<StageReport> drop_pieces(Surface& surface, const StageContext& stage) {
                     {Key::without_volume, facts.without_volume}},
                    facts.time);
   report.did = "pieces found";
-  report.lines.push_back({line_of(facts, stage.at(surface))});
+  report.lines.push_back({line_of(facts, surface.id.name())});
   if (facts.without_volume > 0) {
     report.notes.push_back(
         fmt::format("{}: {} open components have no volume, and stay", report.subject, facts.without_volume));
@@ -80,7 +80,7 @@ Result<StageReport> drop_pieces(Surface& surface, const StageContext& stage) {
   if (!was_empty && surface.mesh.triangles.empty() && stage.job.empty == EmptyPolicy::error) {
     report.error = Error{ErrorCode::no_surface,
                          fmt::format("{}: none of the {} components at {} is as large as asked for", stage.source.label,
-                                     facts.before.components, stage.at(surface)),
+                                     facts.before.components, surface.id.name()),
                          Remedy::allow_empty};
   }
   return report;

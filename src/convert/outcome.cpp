@@ -24,8 +24,8 @@ Json options_of(const ConversionJob& job, std::uint64_t memory_limit) {
   const SimplifyChoice simplify = job.edits.simplify.value_or(SimplifyChoice());
   json["simplify"] = simplify.within ? Json(simplify_bound_text(*simplify.within)) : Json(nullptr);
   json["triangles"] = simplify.triangles ? Json(triangle_count_text(*simplify.triangles)) : Json(nullptr);
-  if (job.field_file) json["format"] = "vdb";
-  if (job.picture_file) json["format"] = "png";
+  if (job.writes<FieldFileOptions>() != nullptr) json["format"] = "vdb";
+  if (job.writes<PictureFileOptions>() != nullptr) json["format"] = "png";
   json["memory_limit"] = memory_limit;
   return json;
 }
@@ -39,7 +39,7 @@ Json device_of(const Outcome& outcome) {
 
 Json json_of(const StageReport::Part& part) {
   Json json{{"stage", word_of(part.stage)}};
-  if (part.iso) json["iso"] = *part.iso;
+  if (part.id) json["iso"] = part.id->figure();
   json.update(json_of(part.time));
   return json;
 }

@@ -20,7 +20,7 @@ inline constexpr int kReportSchemaVersion = 1;
 
 // What of a surface went to one of the outputs, after all that changes it; pieces in files of their own are one each.
 struct WrittenSurface {
-  double iso = 0;
+  SurfaceId id;
   std::size_t output = 0;  // of the job's
   std::uint64_t triangles = 0;
   // The range of Outcome::files that holds it; empty until they are written.

@@ -118,13 +118,14 @@ Result<void> check_output_file(const fs::path& path, const files::ReadFiles& rea
 }
 
 Result<void> check_other_file(const fs::path& file, const ConversionJob& job, const Context& context) {
+  const mesh_io::MeshFormat format = job.meshes().format;
   for (const OutputFileJob& output : job.outputs) {
-    if (may_be_piece(file, output, job.format)) {
+    if (may_be_piece(file, output, format)) {
       return fail(ErrorCode::usage,
                   fmt::format("{}: a piece of {} may have this name", file.string(), job.source.input),
                   Remedy::other_output_name);
     }
-    for (const fs::path& mesh : mesh_files(output, job.format)) {
+    for (const fs::path& mesh : mesh_files(output, format)) {
       if (!files::same_place(file, mesh)) continue;
       return fail(ErrorCode::usage,
                   fmt::format("{}: this is {} as well as the report", file.string(),

@@ -43,7 +43,7 @@ Result<std::uint64_t> write_png(const std::string& path, const render::Picture& 
   return bytes;
 }
 
-Result<WrittenPicture> write_picture(std::span<const mesh::Mesh> meshes, const ConversionJob& job,
+Result<WrittenPicture> write_picture(std::span<const mesh::Mesh> meshes, const PictureFileOptions& picture,
                                      const Placement& placement, const OutputFileJob& output, const Context& context) {
   std::vector<render::Surface> surfaces;
   for (const mesh::Mesh& mesh : meshes) surfaces.push_back(surface_of(mesh));
@@ -51,8 +51,8 @@ Result<WrittenPicture> write_picture(std::span<const mesh::Mesh> meshes, const C
   const auto side = [](std::int64_t pixels) {  // one that is out of range stays so
     return static_cast<int>(std::clamp<std::int64_t>(pixels, 0, PictureFileOptions::kMaxSide + 1));
   };
-  options.size = {side(job.picture_file->width), side(job.picture_file->height)};
-  options.angles = job.picture_file->angles;
+  options.size = {side(picture.width), side(picture.height)};
+  options.angles = picture.angles;
   if (!placement.unit.empty()) options.unit = placement.to_unit;
   options.up = shown_up(placement.up);
   const auto renderer = render::make_cpu_renderer();

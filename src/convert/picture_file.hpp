@@ -37,8 +37,8 @@ struct WrittenPicture {
 // Draws `meshes`, which are placed so, on the processor, the same picture for any number of threads, and writes it to
 // `output`, whole or not at all. A note tells where it misses all surfaces. Fails as render::draw_preview() does, and
 // with ErrorCode::output.
-[[nodiscard]] Result<WrittenPicture> write_picture(std::span<const mesh::Mesh> meshes, const ConversionJob& job,
-                                                   const Placement& placement, const OutputFileJob& output,
-                                                   const Context& context);
+[[nodiscard]] Result<WrittenPicture> write_picture(std::span<const mesh::Mesh> meshes,
+                                                   const PictureFileOptions& picture, const Placement& placement,
+                                                   const OutputFileJob& output, const Context& context);
 
 }  // namespace isoextract::convert

@@ -145,15 +145,16 @@ void tell_isos(const std::optional<StageTime>& time, Events& events, const Sourc
   report.time = time;
   if (time) report.did = "iso values found";
   for (const ResolvedIso& iso : source.isos) {
-    report.entries.push_back({{Key::asked, iso.asked.is_number() ? Value(iso.asked.number) : Value(text_of(iso.asked))},
-                              {Key::iso, iso.value},
-                              {Key::found_by, iso.asked.is_found() ? Value(iso.found_by) : Value()}});
+    report.entries.push_back(
+        {{Key::asked, iso.asked.is_number() ? Value(iso.asked.id.iso()) : Value(text_of(iso.asked))},
+         {Key::iso, iso.id.figure()},
+         {Key::found_by, iso.asked.is_found() ? Value(iso.found_by) : Value()}});
   }
   events.end(report);
   for (const ResolvedIso& iso : source.isos) {
     if (!iso.asked.is_found()) continue;
-    events.note(
-        fmt::format("{}: iso {} is {}: {}", field_label(source.field), text_of(iso.asked), iso.value, iso.found_by));
+    events.note(fmt::format("{}: iso {} is {}: {}", field_label(source.field), text_of(iso.asked), iso.id.text(),
+                            iso.found_by));
   }
 }
 
@@ -316,13 +317,14 @@ SourceUse use_of(const ConversionJob& job) {
   use.isos = job.isos();
   use.empty_is_fine = job.empty != EmptyPolicy::error;
   // The extractor finds them then, within its region.
-  if (job.surface.nan == extract::NanPolicy::error && !job.field_file) use.nan = field::NanSamples::spread;
+  if (job.surface.nan == extract::NanPolicy::error && job.writes<FieldFileOptions>() == nullptr)
+    use.nan = field::NanSamples::spread;
   // Voxels are whole: a part of one is no surface of the method.
   if (job.source.roi_snap || extract::method_info(job.surface.method).traits.always_closed)
     use.region_ends = RegionEnds::samples;
   if (use.isos.size() != 1 || job.error || job.source.resamples()) return use;
   const IsoChoice& only = use.isos.front();
-  if (only.is_number()) use.only_iso = only.number;
+  if (only.is_number()) use.only_iso = only.id.iso();
   if (only.kind == IsoChoice::Kind::suggested) use.only_iso = points::method_info(job.source.particles.method).iso;
   return use;
 }

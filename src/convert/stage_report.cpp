@@ -120,7 +120,7 @@ StageReport report_on_field(StageName stage, const std::string& label, WorkFact 
 
 Json entry_of(const StageReport& report, const Figures& figures) {
   Json json = Json::object();
-  if (report.iso) json[std::string(word_of(Key::iso))] = *report.iso;
+  if (report.id) json[std::string(word_of(Key::iso))] = report.id->figure();
   json.update(json_of(figures));
   if (report.stage == StageName::extract) {
     Json& work = json[std::string(word_of(Key::work))] = Json::array();
@@ -133,7 +133,7 @@ Json entry_of(const StageReport& report, const Figures& figures) {
 std::vector<StageReport::Part> times_of(const StageReport& report) {
   if (!report.parts.empty()) return report.parts;
   if (!report.time || !stage_info(report.stage).is_timed) return {};
-  return {{report.stage, report.iso, *report.time}};
+  return {{report.stage, report.id, *report.time}};
 }
 
 }  // namespace isoextract::convert

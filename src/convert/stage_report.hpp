@@ -158,7 +158,7 @@ struct SurfaceEnd {
 struct WrittenOutput {
   struct Part {
     std::string label;  // of its field
-    double iso = 0;
+    SurfaceId id;
     SurfaceEnd end;
   };
   std::vector<Part> surfaces;  // in the job's order
@@ -174,20 +174,20 @@ struct StageReport {
   StageReport() = default;
   // No aggregate: where a member of one throws, GCC forgets those before it.
   explicit StageReport(StageName name, std::string about = {}, std::string field = {},
-                       std::optional<double> surface = {})
-      : stage(name), subject(std::move(about)), label(std::move(field)), iso(surface) {}
+                       std::optional<SurfaceId> surface = {})
+      : stage(name), subject(std::move(about)), label(std::move(field)), id(surface) {}
 
   StageName stage = StageName::open;
-  std::string subject = {};        // "fire.vdb", "fire.vdb iso 0.5", or a file
-  std::string label = {};          // of the field; empty where the report is about a file
-  std::optional<double> iso = {};  // where the stage is about one surface
-  std::string grid = {};           // whose surface it is, where the job has several
+  std::string subject = {};          // "fire.vdb", "fire.vdb iso 0.5", or a file
+  std::string label = {};            // of the field; empty where the report is about a file
+  std::optional<SurfaceId> id = {};  // where the stage is about one surface
+  std::string grid = {};             // whose surface it is, where the job has several
   std::optional<StageTime> time = {};
   std::vector<Figures> entries = {};  // as many as documents list: one, or one for each attribute or mesh
 
   struct Part {
     StageName stage = StageName::open;
-    std::optional<double> iso;
+    std::optional<SurfaceId> id;
     StageTime time;
   };
   std::vector<Part> parts = {};  // stages whose times are told in place of the whole one

@@ -146,7 +146,7 @@ inline constexpr std::array kStages{
     StageInfo{.name = StageName::pack,
               .word = "pack",
               .section = "packings",
-              .asked = [](const ConversionJob& job) { return job.packing.packs(); },
+              .asked = [](const ConversionJob& job) { return job.meshes().packing.packs(); },
               .is_timed = false,
               .line_rank = 2},
     StageInfo{.name = StageName::mesh_facts, .word = "mesh facts", .section = "meshes"},

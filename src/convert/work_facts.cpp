@@ -174,17 +174,17 @@ StageReport extraction_report(const extract::ExtractStats& stats, const extract:
   report.did = "extracted";
   report.details.push_back(fmt::format("{:.3f} s to compare samples, {:.3f} s to count, {:.3f} s to make the mesh",
                                        stats.classify.wall_seconds, stats.count.wall_seconds, stats.emit.wall_seconds));
-  report.parts.push_back({StageName::classify, surface.iso, stats.classify});
+  report.parts.push_back({StageName::classify, surface.id, stats.classify});
   if (const auto& device = stats.device) {
-    report.parts.push_back({StageName::compile, surface.iso, device->compile});
-    report.parts.push_back({StageName::upload, surface.iso, device->upload});
+    report.parts.push_back({StageName::compile, surface.id, device->compile});
+    report.parts.push_back({StageName::upload, surface.id, device->upload});
     report.details.push_back(fmt::format(
         "of that {:.3f} s to upload {}, {:.3f} s to capture {}, {:.3f} s to read it back, {:.3f} s to weld",
         device->upload.wall_seconds, format_byte_size(device->bytes_uploaded), device->capture.wall_seconds,
         format_byte_size(device->bytes_captured), device->read_back.wall_seconds, device->weld.wall_seconds));
   }
-  report.parts.push_back({StageName::count, surface.iso, stats.count});
-  report.parts.push_back({StageName::emit, surface.iso, stats.emit});
+  report.parts.push_back({StageName::count, surface.id, stats.count});
+  report.parts.push_back({StageName::emit, surface.id, stats.emit});
   return report;
 }
 

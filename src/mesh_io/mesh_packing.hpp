@@ -30,7 +30,8 @@ constexpr auto words_of(Compression /*type*/) {
                     Word{Compression::meshopt, "meshopt"}};
 }
 
-struct MeshPacking {
+// How files are packed; by default they are not.
+struct PackingOptions {
   Compression compression = Compression::none;
   // glb and gltf: positions of 16 bits, normals of 8 (KHR_mesh_quantization). Draco quantises by itself.
   bool quantize = false;
@@ -39,14 +40,19 @@ struct MeshPacking {
   // Vertices and triangles in an order that graphics cards and packers like (meshoptimizer). Any format, but not with
   // Draco, which has an order of its own.
   bool optimize_order = false;
+
+  [[nodiscard]] bool quantizes() const { return quantize || compression == Compression::draco; }
+  [[nodiscard]] bool packs() const { return quantize || compression != Compression::none; }
+  friend bool operator==(const PackingOptions&, const PackingOptions&) = default;
+};
+
+// And what the field of the meshes gives to the lattice.
+struct MeshPacking : PackingOptions {
   // The shortest side of a voxel, in the mesh's units. 0: not known; the step is as fine as the bits allow.
   double voxel = 0;
   // What all that shares the lattice lies in; a vertex outside is an error. Nothing: the box around the meshes of the
   // file, which then are held until the last.
-  std::optional<mesh::Bounds> box;
-
-  [[nodiscard]] bool quantizes() const { return quantize || compression == Compression::draco; }
-  [[nodiscard]] bool packs() const { return quantize || compression != Compression::none; }
+  std::optional<mesh::Bounds> box = {};
 };
 
 inline constexpr std::uint64_t kMinPositionBits = 8;

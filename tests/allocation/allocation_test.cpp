@@ -28,7 +28,7 @@ using Files = std::map<std::string, std::string>;  // by name
 ConversionJob job_of(const std::string& input, double iso, mesh_io::MeshFormat format) {
   ConversionJob job;
   job.source.input = input;
-  job.format = format;
+  job.file = MeshFileOptions{format};
   job.outputs = {{"", {iso}}};
   return job;
 }
@@ -183,7 +183,7 @@ TEST_F(Allocation, OfMappedSamples) {
   job.source.read.raw = volume_io::RawLayout{{5, 6, 7}, field::SampleType::u8, std::endian::little, 0};
   job.surface = {extract::Method::mt, extract::NanPolicy::error, true};
   job.normals = Normals::none;
-  job.ascii = true;
+  job.file = MeshFileOptions{mesh_io::MeshFormat::stl, true};
   expect_all_are_told(job);
 }
 

@@ -27,7 +27,8 @@ std::string key_of(const std::string& animation, const FrameJob& frame) {
 
 mesh_io::MeshWriteOptions write_options(const BatchJob& batch) {
   const convert::ConversionJob& job = batch.frames.front().job;
-  return {job.format, job.normals == convert::Normals::flat, job.ascii, {}, copies_vertices(job)};
+  const convert::MeshFileOptions meshes = job.meshes();
+  return {meshes.format, job.normals == convert::Normals::flat, meshes.ascii, {}, copies_vertices(job)};
 }
 
 }  // namespace
@@ -51,17 +52,17 @@ Result<void> Animation::check() const {
   return convert::check_output_file(batch_.animation->path, read);
 }
 
-Result<std::vector<mesh_io::PackedFacts>> Animation::take(std::size_t frame, const convert::HandedMeshes& handed) {
+Result<std::vector<mesh_io::PackedFacts>> Animation::take(std::size_t frame, const convert::MeshCollector& collected) {
   const std::int64_t number = batch_.frames[frame].number;
   const std::string stem = std::filesystem::path(batch_.animation->path).stem().string();
-  auto added = writer_.add(fmt::format("{}_{}", stem, frame_digits(number, kNodeDigits)), number, handed.meshes,
-                           handed.packing, handed.placement);
+  auto added = writer_.add(fmt::format("{}_{}", stem, frame_digits(number, kNodeDigits)), number, collected.meshes,
+                           collected.packing, collected.placement);
   if (!added && writer_.has_failed()) {
     const std::lock_guard lock(mutex_);
     lost_ = added.error();
   }
   if (!added) return tl::unexpected(std::move(added.error()));
-  is_empty_ = is_empty_ && handed.meshes.empty();
+  is_empty_ = is_empty_ && collected.meshes.empty();
   const auto packed = writer_.packed();
   return std::vector(packed.begin(), packed.end());
 }

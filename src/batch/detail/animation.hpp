@@ -30,7 +30,7 @@ class Animation final : public FrameReceiver {
 
   // The frame's node is named after the file and the frame: water_0012.
   [[nodiscard]] Result<std::vector<mesh_io::PackedFacts>> take(std::size_t frame,
-                                                               const convert::HandedMeshes& handed) override;
+                                                               const convert::MeshCollector& collected) override;
 
   // Why nothing more can be written, where that is so: a full disk, for example. Then the failure of a frame is the
   // whole animation's. May be asked on any thread.

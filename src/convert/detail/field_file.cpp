@@ -60,7 +60,7 @@ std::string samples_text(const field::ScalarField& field) {
 Result<mesh_io::WrittenFile> write_field(const Source& source, const ConversionJob& job, const OutputFileJob& output,
                                          const Context& context, Events& events) {
   const field::ScalarField& field = source.field;
-  const bool as_half = job.field_file->as_half;
+  const bool as_half = std::get<FieldFileOptions>(job.file).as_half;
   context.progress().begin("writing", 0);
   const Stopwatch watch;
   if (as_half) {

@@ -33,13 +33,13 @@ Result<void> LabelLooks::colour(const ConversionJob& job, std::int64_t label, me
   if (job.colour) return {};
   const volume_io::LabelEntry* entry = table_ ? table_->find(label) : nullptr;
   const glm::dvec3 colour = entry != nullptr ? entry->colour : volume_io::usual_label_colour(label);
-  const bool has_materials = mesh_io::is_gltf(job.format);
-  if (has_materials || job.picture_file) {
+  const mesh_io::MeshFormat format = job.meshes().format;
+  if (mesh_io::is_gltf(format)) {
     if (!mesh.material) mesh.material.emplace();
     mesh.material->colour = glm::dvec3(linear_of_srgb(colour.x), linear_of_srgb(colour.y), linear_of_srgb(colour.z));
     return {};
   }
-  if (!table_ || job.format != mesh_io::MeshFormat::ply) return {};
+  if (!table_ || format != mesh_io::MeshFormat::ply) return {};
   return edit::color_all(mesh, colour, context);
 }
 

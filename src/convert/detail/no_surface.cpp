@@ -12,7 +12,6 @@ Error empty_source(const Source& source) {
 
 Error no_surface(const ConversionJob& job, const Source& source, const ResolvedIso& asked, bool are_labels,
                  const std::optional<mesh::Bounds>& cut_away) {
-  const double iso = asked.value;
   if (source.empty) return empty_source(source);
   if (cut_away) {
     const field::Affine given_from_output =
@@ -36,6 +35,7 @@ Error no_surface(const ConversionJob& job, const Source& source, const ResolvedI
                         all_alike ? "every voxel has the background's value" : "no sample is a finite number"),
             Remedy::allow_empty};
   }
+  const double iso = asked.id.iso();
   const bool region_hides_it = source.region && statistics.min <= iso && iso <= statistics.max;
   const field::IsoSuggestion suggestion = field::suggest_iso(source.field, statistics);
   const Hint other = suggestion.separates

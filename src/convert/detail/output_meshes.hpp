@@ -1,12 +1,15 @@
 // A file while its surfaces are made.
 #pragma once
 
+#include <algorithm>
+#include <iterator>
 #include <string>
-#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "convert/mesh_collector.hpp"
 #include "convert/mesh_packing.hpp"
 #include "convert/stages/mesh_facts.hpp"
 #include "convert/stages/surface_stages.hpp"
@@ -19,33 +22,40 @@ struct OutputMeshes {
   mesh_io::MeshWriter writer;
   WrittenOutput written = {};
   StageTime time = {};
-  std::vector<mesh::Mesh> held = {};  // for the sink or the picture, which have no writer
+  std::vector<mesh::Mesh> held = {};  // for the collector or the picture, which have no writer
   std::vector<Figures> facts = {};    // of its meshes, where they were asked for
 
-  [[nodiscard]] std::vector<double> isos() const {
-    std::vector<double> all;
-    for (const WrittenOutput::Part& part : written.surfaces) all.push_back(part.iso);
+  [[nodiscard]] std::vector<SurfaceId> ids() const {
+    std::vector<SurfaceId> all;
+    for (const WrittenOutput::Part& part : written.surfaces) all.push_back(part.id);
     return all;
   }
 
   // Before the surface goes to the writer. `label` and `grid` are those of its field.
   void note(const Surface& surface, const std::string& label, const std::string& grid) {
     if (surface.facts) facts.push_back(facts_as_written(*surface.facts, job.path, surface.mesh, surface.error, grid));
-    written.surfaces.push_back({label, surface.iso, surface.end});
+    written.surfaces.push_back({label, surface.id, surface.end});
     written.triangles += surface.mesh.triangles.size();
     written.vertices += surface.mesh.positions.size();
     if (surface.open_edges) written.open_edges = written.open_edges.value_or(0) + *surface.open_edges;
   }
 
-  // What packing did to each mesh that has triangles. `voxel` is the shortest side of one.
+  // Gives what is held to the collector, with the options that it would be written with.
+  void collect(mesh_io::MeshWriteOptions options, MeshCollector& collector) {
+    std::ranges::move(held, std::back_inserter(collector.meshes));
+    std::ranges::copy(ids(), std::back_inserter(collector.ids));
+    collector.packing = options.packing;
+    collector.placement = std::move(options.placement);
+  }
+
+  // What packing did to each mesh that has triangles.
   [[nodiscard]] std::vector<StageReport> packed(const std::vector<mesh_io::PackedFacts>& done,
-                                                const PackingOptions& asked, double voxel,
-                                                std::string_view word) const {
+                                                const mesh_io::MeshPacking& packing) const {
     std::vector<StageReport> reports;
     for (std::size_t m = 0; m < done.size(); ++m) {
       if (done[m].bytes_before == 0) continue;
-      const auto& [label, iso, end] = written.surfaces[m];
-      reports.push_back(report_of({fmt::format("{} {} {}", label, word, iso), iso, job.path, asked, voxel, done[m]}));
+      const auto& [label, id, end] = written.surfaces[m];
+      reports.push_back(report_of({fmt::format("{} {}", label, id.name()), id, job.path, packing, done[m]}));
     }
     return reports;
   }

@@ -22,7 +22,7 @@ void Recorder::end(const StageReport& report) {
     told = StageReport(report.stage, report.subject, report.label);
     told.time = report.time;
     if (report.stage == StageName::read || report.stage == StageName::read_attributes) told.did = report.did;
-  } else if (report.iso && !report.label.empty()) {
+  } else if (report.id && !report.label.empty()) {
     told.grid = grid_;
   }
   if (again_ && !told.time) return;

@@ -8,11 +8,12 @@
 namespace isoextract::convert {
 
 SkippedSurfaces skipped_surfaces(const std::string& label, std::span<const ResolvedIso> asked,
-                                 std::span<const double> written, std::span<const LostSurface> lost, bool are_labels) {
+                                 std::span<const SurfaceId> written, std::span<const LostSurface> lost,
+                                 bool are_labels) {
   SkippedSurfaces skipped{label, are_labels, {}};
   for (const ResolvedIso& iso : asked) {
-    if (std::ranges::find(written, iso.value) != written.end()) continue;
-    const auto found = std::ranges::find(lost, iso.value, &LostSurface::iso);
+    if (std::ranges::find(written, iso.id) != written.end()) continue;
+    const auto found = std::ranges::find(lost, iso.id, &LostSurface::id);
     skipped.reasons[found == lost.end() ? "no surface" : found->why].push_back(text_of(iso));
   }
   return skipped;
@@ -34,7 +35,7 @@ std::vector<std::string> repeated_notes(const std::string& label, std::span<cons
     const auto same = std::ranges::find_if(before, [&](const auto& iso) { return is_repeated(iso, asked[i]); });
     if (same == before.end()) continue;
     notes.push_back(fmt::format("{}: iso {} and {} are the same value, {}: {} has one surface for both", label,
-                                text_of(same->asked), text_of(asked[i].asked), asked[i].value, path));
+                                text_of(same->asked), text_of(asked[i].asked), asked[i].id.text(), path));
   }
   return notes;
 }

@@ -12,7 +12,7 @@ namespace isoextract::convert {
 
 // A surface of which cuts or the choice of components left nothing.
 struct LostSurface {
-  double iso;
+  SurfaceId id;
   std::string why;
 };
 
@@ -25,7 +25,7 @@ struct SkippedSurfaces {
 
 // Those of `asked` that are not among `written`.
 [[nodiscard]] SkippedSurfaces skipped_surfaces(const std::string& label, std::span<const ResolvedIso> asked,
-                                               std::span<const double> written, std::span<const LostSurface> lost,
+                                               std::span<const SurfaceId> written, std::span<const LostSurface> lost,
                                                bool are_labels);
 
 // `consequence` says what became of the file.

@@ -193,7 +193,7 @@ Result<MeshError> measure_mesh_error(const Surface& surface, const StageContext&
   const mesh::Mesh& mesh = surface.mesh;
   const Context& context = stage.context;
   const std::span<const mesh::HalfSpace> clipped = stage.source.clip;
-  const extract::ExtractOptions extracted = extract_options_of(stage.job, stage.source, surface.iso);
+  const extract::ExtractOptions extracted = extract_options_of(stage.job, stage.source, surface.id.iso());
   MeshError error;
   accuracy::FieldErrorOptions options;
   options.interpolation = *stage.job.error;
@@ -224,7 +224,7 @@ Result<MeshError> measure_mesh_error(const Surface& surface, const StageContext&
 Result<StageReport> measure_error(Surface& surface, const StageContext& stage) {
   if (!stage.job.error) return StageReport();
   StageReport report = stage.report_on(StageName::error, surface);
-  if (stage.is_label()) {
+  if (surface.id.is_label()) {
     report.notes.emplace_back("the error of the mesh is not measured: labels have no isosurface between the samples");
     return report;
   }
@@ -237,7 +237,7 @@ Result<StageReport> measure_error(Surface& surface, const StageContext& stage) {
   report.entries.push_back(*surface.error);
   report.time = watch.elapsed();
   report.did = "error measured";
-  for (std::string& line : summary_of(error, surface.iso)) report.lines.push_back({std::move(line)});
+  for (std::string& line : summary_of(error, surface.id.iso())) report.lines.push_back({std::move(line)});
   for (std::string& line : details_of(error)) report.lines.push_back({std::move(line), true});
   return report;
 }

@@ -261,7 +261,7 @@ Result<StageReport> simplify_surface(Surface& surface, const StageContext& stage
   report.details.push_back(fmt::format(
       "{} rounds over {} patches; {} of {} collapses taken back in {} passes; {:.2f} s of processor time", facts.rounds,
       facts.patches, facts.taken_back, facts.collapses, facts.passes, facts.time.cpu_seconds));
-  report.lines.push_back({line_of(choice, result, stage.at(surface))});
+  report.lines.push_back({line_of(choice, result, surface.id.name())});
   report.notes = notes_of(result, report.subject);
   return report;
 }

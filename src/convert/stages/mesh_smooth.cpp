@@ -63,7 +63,7 @@ Result<StageReport> smooth_surface(Surface& surface, const StageContext& stage) 
        {Key::volume, Figures{{Key::before, facts.volume_before}, {Key::after, facts.volume_after}}}},
       facts.time);
   report.did = "smoothed";
-  report.lines.push_back({line_of(asked, facts, stage.at(surface))});
+  report.lines.push_back({line_of(asked, facts, surface.id.name())});
   return report;
 }
 

@@ -6,22 +6,18 @@
 
 namespace isoextract::convert {
 
-std::string StageContext::at(const Surface& surface) const {
-  return fmt::format("{} {}", is_label() ? "label" : "iso", surface.iso);
-}
-
 std::string StageContext::subject(const Surface& surface) const {
-  return fmt::format("{} {}", source.label, at(surface));
+  return fmt::format("{} {}", source.label, surface.id.name());
 }
 
 StageReport StageContext::report_on(StageName stage, const Surface& surface) const {
-  return StageReport(stage, subject(surface), source.label, surface.iso);
+  return StageReport(stage, subject(surface), source.label, surface.id);
 }
 
 extract::ExtractOptions extract_options_of(const ConversionJob& job, const Source& source, double iso) {
   extract::ExtractOptions options = source.extract_options(job.surface, iso);
   options.smooth_normals = job.normals == Normals::smooth;
-  options.shared_frame = mesh_packing(job.packing, source).quantizes();
+  options.shared_frame = mesh_packing(job.meshes().packing, source).quantizes();
   options.edge_keys = job.verify && extract::method_info(job.surface.method).traits.vertices_on_edges;
   return options;
 }
@@ -38,7 +34,7 @@ Result<void> run_stage(const StageInfo& stage, const StageContext& context, Even
   StageReport report = TRY(stage.edit(surface, context));
   if (report.lines.empty() && !report.entries.empty() && !stage.done.empty()) {
     report.lines.push_back(
-        {fmt::format("{} at {}: {}", stage.done, context.at(surface), text_of(report.entries.front()))});
+        {fmt::format("{} at {}: {}", stage.done, surface.id.name(), text_of(report.entries.front()))});
   }
   return tell(report, events);
 }

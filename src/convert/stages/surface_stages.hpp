@@ -18,7 +18,7 @@ namespace isoextract::convert {
 
 struct Surface {
   IsoChoice asked;
-  double iso = 0;
+  SurfaceId id;
   mesh::Mesh mesh;
   SurfaceEnd end = {};
   bool counts_open_edges = false;                // only a look at the mesh says whether it is closed
@@ -31,10 +31,10 @@ struct Surface {
 
 // What is known of all surfaces, and of the one at hand.
 struct SurfaceFacts {
-  std::span<const double> isos;        // of all surfaces of the job
+  std::span<const SurfaceId> all;      // surfaces of the job
   bool may_be_open = false;            // it may have a border
   bool recorded = false;               // Surface::facts are asked for
-  const LabelLooks* labels = nullptr;  // where the iso values are labels: how these look
+  const LabelLooks* labels = nullptr;  // where surfaces are those of labels: how these look
 };
 
 // What a stage may know besides the surface.
@@ -44,8 +44,6 @@ struct StageContext {
   SurfaceFacts facts;
   const Context& context;
 
-  [[nodiscard]] bool is_label() const { return !source.isos.empty() && source.isos.front().asked.is_label(); }
-  [[nodiscard]] std::string at(const Surface& surface) const;       // "iso 0.5", "label 7"
   [[nodiscard]] std::string subject(const Surface& surface) const;  // "fire.vdb iso 0.5"
   [[nodiscard]] StageReport report_on(StageName stage, const Surface& surface) const;
 };

@@ -19,28 +19,29 @@ constexpr double kOutermostOpacity = 0.25;
 
 // From the outermost on, from 0 to 1; of one that is alone 1. Values that were found can be the same, of which there is
 // one surface.
-double depth_of(const std::vector<double>& isos, double iso, field::FieldKind kind) {
-  const std::set<double> surfaces(isos.begin(), isos.end());
+double depth_of(const std::vector<SurfaceId>& all, const SurfaceId& id, field::FieldKind kind) {
+  const std::set<SurfaceId> surfaces(all.begin(), all.end());
   if (surfaces.size() < 2) return 1;
   const auto outer = std::ranges::count_if(
-      surfaces, [&](double other) { return kind == field::FieldKind::density ? other < iso : other > iso; });
+      surfaces, [&](const SurfaceId& other) { return kind == field::FieldKind::density ? other < id : other > id; });
   return static_cast<double>(outer) / static_cast<double>(surfaces.size() - 1);
 }
 
-double opacity_of(const ConversionJob& job, std::span<const double> isos, double iso, field::FieldKind kind) {
+double opacity_of(const ConversionJob& job, std::span<const SurfaceId> all, const SurfaceId& id,
+                  field::FieldKind kind) {
   if (job.opacity.size() == 1) return job.opacity.front();
   if (!job.opacity.empty()) {
-    const auto at = static_cast<std::size_t>(std::ranges::find(isos, iso) - isos.begin());
+    const auto at = static_cast<std::size_t>(std::ranges::find(all, id) - all.begin());
     return job.opacity[std::min(at, job.opacity.size() - 1)];
   }
   const bool by_iso = job.colour && !job.colour->attribute;
   if (!by_iso) return 1;
-  std::vector<double> around(isos.begin(), isos.end());  // of the surfaces that may be around this one, or within it
+  std::vector<SurfaceId> around(all.begin(), all.end());  // of the surfaces that may be around this one, or within it
   if (job.source.away_from_zero) {
     const bool above = kind == field::FieldKind::density;
-    std::erase_if(around, [&](double other) { return other != iso && !(above ? other > 0 : other < 0); });
+    std::erase_if(around, [&](const SurfaceId& other) { return other != id && !(above ? other > 0.0 : other < 0.0); });
   }
-  return kOutermostOpacity + (1 - kOutermostOpacity) * depth_of(around, iso, kind);
+  return kOutermostOpacity + (1 - kOutermostOpacity) * depth_of(around, id, kind);
 }
 
 // Removes the attributes that only give colors.
@@ -61,7 +62,8 @@ Result<StageReport> color_by_attribute(Surface& surface, const StageContext& sta
   if (std::ranges::any_of(stage.source.attributes->missing, is_meant)) return StageReport();  // it was told
   const auto made = TRY(edit::color_by_values(
       surface.mesh, attribute, job.colour->map, job.colour->range,
-      mesh_io::is_gltf(job.format) ? edit::ColorStorage::linear_u16 : edit::ColorStorage::srgb_u8, stage.context));
+      mesh_io::is_gltf(job.meshes().format) ? edit::ColorStorage::linear_u16 : edit::ColorStorage::srgb_u8,
+      stage.context));
   const bool own_range = !job.colour->range;
   StageReport report = stage.report_on(StageName::color, surface);
   report.entries.push_back({{Key::attribute, attribute},
@@ -69,7 +71,7 @@ Result<StageReport> color_by_attribute(Surface& surface, const StageContext& sta
                             {Key::range, Value(made.range)},
                             {Key::own_range, own_range},
                             {Key::not_numbers, made.not_numbers}});
-  report.lines.push_back({fmt::format("colours of {}: {}, {} from {:.6g} to {:.6g}{}", stage.at(surface),
+  report.lines.push_back({fmt::format("colours of {}: {}, {} from {:.6g} to {:.6g}{}", surface.id.name(),
                                       printable(attribute), word_of(job.colour->map), made.range[0], made.range[1],
                                       own_range ? ", the range of its vertices" : "")});
   if (made.not_numbers > 0) {
@@ -82,26 +84,27 @@ Result<StageReport> color_by_attribute(Surface& surface, const StageContext& sta
 
 }  // namespace
 
-std::optional<mesh::Material> material_of(const ConversionJob& job, std::span<const double> isos, double iso,
+std::optional<mesh::Material> material_of(const ConversionJob& job, std::span<const SurfaceId> all, const SurfaceId& id,
                                           field::FieldKind kind, bool open) {
   const bool by_iso = job.colour && !job.colour->attribute;
   if (!by_iso && job.opacity.empty() && !open) return std::nullopt;
   mesh::Material material;
   material.double_sided = open;
-  material.opacity = opacity_of(job, isos, iso, kind);
+  material.opacity = opacity_of(job, all, id, kind);
   if (!by_iso) return material;
-  const auto [least, greatest] = std::ranges::minmax(isos);
+  const auto [least, greatest] = std::ranges::minmax(all);
   const glm::dvec3 colour = edit::color_at(
-      job.colour->map, edit::place_in(job.colour->range.value_or(edit::ValueRange{least, greatest}), iso));
+      job.colour->map,
+      edit::place_in(job.colour->range.value_or(edit::ValueRange{least.figure(), greatest.figure()}), id.figure()));
   material.colour = glm::dvec3(linear_of_srgb(colour.x), linear_of_srgb(colour.y), linear_of_srgb(colour.z));
   return material;
 }
 
 Result<StageReport> color_surface(Surface& surface, const StageContext& stage) {
   const SurfaceFacts& facts = stage.facts;
-  surface.mesh.material = material_of(stage.job, facts.isos, surface.iso, stage.source.field.kind, facts.may_be_open);
+  surface.mesh.material = material_of(stage.job, facts.all, surface.id, stage.source.field.kind, facts.may_be_open);
   if (facts.labels != nullptr) {
-    TRY(facts.labels->colour(stage.job, static_cast<std::int64_t>(surface.iso), surface.mesh, stage.context));
+    TRY(facts.labels->colour(stage.job, surface.id.label(), surface.mesh, stage.context));
   }
   auto report = color_by_attribute(surface, stage);
   // Colors, which go by the values of the input, are made.

@@ -10,10 +10,10 @@
 
 namespace isoextract::convert {
 
-// Of the surface at `iso`, one of `isos`, which the job's choices came to: the colour by its place between the least
+// Of the surface `id`, one of `all` that the job's choices came to: the colour by its place between the least
 // and the greatest of them, or in the range that was given, and the opacity. `open`: its inside may be seen. Nothing
 // where none of this says anything.
-[[nodiscard]] std::optional<mesh::Material> material_of(const ConversionJob& job, std::span<const double> isos,
-                                                        double iso, field::FieldKind kind, bool open = false);
+[[nodiscard]] std::optional<mesh::Material> material_of(const ConversionJob& job, std::span<const SurfaceId> all,
+                                                        const SurfaceId& id, field::FieldKind kind, bool open = false);
 
 }  // namespace isoextract::convert

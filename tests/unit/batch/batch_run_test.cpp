@@ -22,7 +22,7 @@ BatchJob sphere_frames(const TempFolder& folder, int count = 3) {
     convert::ConversionJob job;
     job.source.input = "demo:sphere?size=" + std::to_string(8 + i);
     job.normals = convert::Normals::none;
-    job.format = mesh_io::MeshFormat::ply;
+    job.file = convert::MeshFileOptions{mesh_io::MeshFormat::ply};
     job.outputs = {{(folder / (std::to_string(i) + ".ply")).string(), {0.0}}};
     batch.frames.push_back({i, job});
   }

@@ -28,7 +28,7 @@ BatchJob three_frames(const TempFolder& folder, double iso = 0) {
     volume_io::RawLayout raw;
     raw.dims = {4, 4, 4};
     job.source.read.raw = raw;
-    job.format = mesh_io::MeshFormat::ply;
+    job.file = convert::MeshFileOptions{mesh_io::MeshFormat::ply};
     job.normals = convert::Normals::none;
     job.outputs = {{(folder / ("out" + std::to_string(i) + ".ply")).string(), {iso}}};
     batch.frames.push_back({i, job});

@@ -22,7 +22,7 @@ convert::ConversionJob sphere_job(const TempFolder& folder, int number, const st
   convert::ConversionJob job;
   job.source.input = input;
   job.normals = convert::Normals::none;
-  job.format = mesh_io::MeshFormat::ply;
+  job.file = convert::MeshFileOptions{mesh_io::MeshFormat::ply};
   job.outputs = {{(folder / ("f" + std::to_string(number) + ".ply")).string(), {0.0}}};
   return job;
 }
@@ -154,12 +154,12 @@ class Basket final : public FrameReceiver {
  public:
   explicit Basket(const Context& context) : context_(context) {}
 
-  Result<std::vector<mesh_io::PackedFacts>> take(std::size_t frame, const convert::HandedMeshes& handed) override {
+  Result<std::vector<mesh_io::PackedFacts>> take(std::size_t frame, const convert::MeshCollector& collected) override {
     if (frame == refused) return fail(ErrorCode::output, "refused");
     if (frame == 1 && first_error) return tl::unexpected(*std::exchange(first_error, std::nullopt));
     if (frame == cancels_at) context_.cancel();
     frames.push_back(frame);
-    for (const mesh::Mesh& surface : handed.meshes) triangles.push_back(surface.triangles.size());
+    for (const mesh::Mesh& surface : collected.meshes) triangles.push_back(surface.triangles.size());
     if (held.size() < frames.size()) held.push_back(context_.memory().reserved());
     return std::vector<mesh_io::PackedFacts>();
   }

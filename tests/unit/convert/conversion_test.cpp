@@ -54,7 +54,7 @@ class ConversionTest : public testing::Test {
   ConversionJob job(const std::string& input, double iso, const std::string& name) {
     ConversionJob one;
     one.source.input = input;
-    one.format = mesh_io::MeshFormat::ply;
+    one.file = MeshFileOptions{mesh_io::MeshFormat::ply};
     one.normals = Normals::none;
     one.outputs = {{(folder_ / name).string(), {iso}}};
     return one;
@@ -62,7 +62,7 @@ class ConversionTest : public testing::Test {
 
   ConversionJob several(mesh_io::MeshFormat format, std::vector<IsoChoice> isos) {
     ConversionJob one = job("demo:gyroid?size=40", 0, "several");
-    one.format = format;
+    one.file = MeshFileOptions{format};
     one.outputs[0].isos = std::move(isos);
     return one;
   }
@@ -83,6 +83,11 @@ class ConversionTest : public testing::Test {
     return outcome.reserved_memory;
   }
 
+  static std::vector<std::uint64_t> triangles_of(const MeshCollector& collected) {
+    std::vector<std::uint64_t> triangles;
+    for (const mesh::Mesh& surface : collected.meshes) triangles.push_back(surface.triangles.size());
+    return triangles;
+  }
   static std::vector<std::uint64_t> triangles_of(const Outcome& outcome, StageName stage) {
     return test::figures<std::uint64_t>(outcome, stage, Key::triangles);
   }
@@ -107,42 +112,7 @@ TEST_F(ConversionTest, TellsItsStagesInOrderAndRecordsThem) {
   EXPECT_EQ(outcome.backend, "cpu");
 }
 
-// Notes what it gets in place of a file.
-class Handed final : public MeshSink {
- public:
-  Result<void> take(HandedMeshes handed) override {
-    if (fails) return fail(ErrorCode::output, "the sink is full");
-    paths.push_back(handed.output.path);
-    EXPECT_EQ(handed.isos.size(), handed.meshes.size());
-    for (const mesh::Mesh& surface : handed.meshes) {
-      names.push_back(surface.name);
-      triangles.push_back(surface.triangles.size());
-    }
-    return {};
-  }
-
-  bool fails = false;
-  std::vector<std::string> paths;
-  std::vector<std::string> names;
-  std::vector<std::size_t> triangles;
-};
-
-// Takes what the surfaces are of as well.
-class HandedWithSource final : public MeshSink {
- public:
-  Result<void> take(HandedMeshes handed) override {
-    EXPECT_FALSE(source.has_value());
-    triangles = handed.meshes[0].triangles.size();
-    return {};
-  }
-  [[nodiscard]] bool wants_source() const override { return true; }
-  void take_source(Source&& taken) override { source = std::move(taken); }
-
-  std::optional<Source> source;
-  std::size_t triangles = 0;
-};
-
-TEST_F(ConversionTest, ASinkGetsTheSourceOfOneReadingWithAllItsSamples) {
+TEST_F(ConversionTest, ACollectorGetsTheSourceOfOneReadingWithAllItsSamples) {
   {
     std::ofstream file(folder_ / "block.xyz");
     file << "216\nblock\n";
@@ -154,25 +124,25 @@ TEST_F(ConversionTest, ASinkGetsTheSourceOfOneReadingWithAllItsSamples) {
   const Outcome written = run(wanted);
   ASSERT_TRUE(written.done()) << written.error->message;
   log_.lines.clear();
-  HandedWithSource sink;
-  ASSERT_TRUE(convert::run(wanted, Context(), log_, {}, nullptr, &sink).done());
-  EXPECT_EQ(sink.triangles, triangles_of(written, StageName::mesh_facts).at(0));
+  MeshCollector collected{.wants_source = true};
+  ASSERT_TRUE(convert::run(wanted, Context(), log_, {}, nullptr, &collected).done());
+  EXPECT_EQ(triangles_of(collected), triangles_of(written, StageName::mesh_facts));
   EXPECT_EQ(std::ranges::count_if(log_.lines, [](const std::string& line) { return line.starts_with("read "); }), 1);
-  ASSERT_TRUE(sink.source.has_value());
-  EXPECT_TRUE(sink.source->of_particles);
+  ASSERT_TRUE(collected.source.has_value());
+  EXPECT_TRUE(collected.source->of_particles);
   // In the middle, where the surface alone needs none.
-  const auto& samples = std::get<field::SparseSamples>(sink.source->field.samples);
+  const auto& samples = std::get<field::SparseSamples>(collected.source->field.samples);
   const field::SparseLookup lookup(samples);
-  const glm::dvec3 middle = sink.source->field.index_to_world.inverse()(glm::dvec3(2.5));
+  const glm::dvec3 middle = collected.source->field.index_to_world.inverse()(glm::dvec3(2.5));
   EXPECT_GE(lookup.block(field::block_origin(glm::ivec3(middle))), 0);
 
   wanted.outputs[0].isos = {99};
-  HandedWithSource none;
+  MeshCollector none{.wants_source = true};
   EXPECT_FALSE(convert::run(wanted, Context(), log_, {}, nullptr, &none).done());
   EXPECT_FALSE(none.source.has_value());
 }
 
-TEST_F(ConversionTest, ASinkGetsTheMeshesInPlaceOfFiles) {
+TEST_F(ConversionTest, ACollectorGetsTheMeshesInPlaceOfFiles) {
   const ConversionJob wanted = several(mesh_io::MeshFormat::glb, {0.1, 9, 0.3});
   ConversionJob skipping = wanted;
   skipping.empty = EmptyPolicy::skip;
@@ -180,35 +150,33 @@ TEST_F(ConversionTest, ASinkGetsTheMeshesInPlaceOfFiles) {
   ASSERT_TRUE(written.done()) << written.error->message;
   std::ofstream(folder_ / "several") << "old";
 
-  Handed sink;
-  Outcome outcome = convert::run(skipping, Context(), log_, {true}, nullptr, &sink);
+  MeshCollector collected;
+  Outcome outcome = convert::run(skipping, Context(), log_, {true}, nullptr, &collected);
   ASSERT_TRUE(outcome.done()) << outcome.error->message;
-  EXPECT_EQ(sink.paths, std::vector<std::string>{wanted.outputs[0].path});
-  EXPECT_EQ(sink.names, (std::vector<std::string>{"gyroid iso 0.1", "gyroid iso 0.3"}));
-  EXPECT_EQ(sink.triangles, triangles_of(written, StageName::mesh_facts));
+  EXPECT_EQ(collected.ids, (std::vector<SurfaceId>{0.1, 0.3}));
+  ASSERT_EQ(collected.meshes.size(), 2U);
+  EXPECT_EQ(collected.meshes[0].name, "gyroid iso 0.1");
+  EXPECT_EQ(collected.meshes[1].name, "gyroid iso 0.3");
+  EXPECT_EQ(triangles_of(collected), triangles_of(written, StageName::mesh_facts));
+  EXPECT_FALSE(collected.source.has_value());
   EXPECT_EQ(test::entries(outcome, StageName::mesh_facts).size(), 2U);
   EXPECT_TRUE(outcome.files.empty());
   EXPECT_EQ(test::read_bytes(folder_ / "several"), "old");
 
   skipping.outputs[0].isos = {9};  // nothing to hand over, and the file of that name is not this conversion's
-  sink = {};
-  outcome = convert::run(skipping, Context(), log_, {}, nullptr, &sink);
+  collected = {};
+  outcome = convert::run(skipping, Context(), log_, {}, nullptr, &collected);
   EXPECT_TRUE(outcome.done());
-  EXPECT_TRUE(sink.paths.empty());
+  EXPECT_TRUE(collected.meshes.empty());
   ASSERT_EQ(outcome.notes.size(), 1U);
   EXPECT_NE(outcome.notes[0].find("several is without it"), std::string::npos) << outcome.notes[0];
   EXPECT_EQ(test::read_bytes(folder_ / "several"), "old");
 
   skipping.empty = EmptyPolicy::write;
-  EXPECT_TRUE(convert::run(skipping, Context(), log_, {}, nullptr, &sink).done());
-  EXPECT_EQ(sink.triangles, std::vector<std::size_t>{0});
+  EXPECT_TRUE(convert::run(skipping, Context(), log_, {}, nullptr, &collected).done());
+  EXPECT_EQ(triangles_of(collected), std::vector<std::uint64_t>{0});
   skipping.empty = EmptyPolicy::error;
-  EXPECT_EQ(convert::run(skipping, Context(), log_, {}, nullptr, &sink).error->code, ErrorCode::no_surface);
-  sink.fails = true;
-  EXPECT_EQ(convert::run(wanted, Context(), log_, {}, nullptr, &sink).error->code,
-            ErrorCode::no_surface);  // before it is asked
-  skipping.outputs[0].isos = {0.1};
-  EXPECT_EQ(convert::run(skipping, Context(), log_, {}, nullptr, &sink).error->message, "the sink is full");
+  EXPECT_EQ(convert::run(skipping, Context(), log_, {}, nullptr, &collected).error->code, ErrorCode::no_surface);
 }
 
 TEST_F(ConversionTest, AnErrorIsAValueAndLeavesNoFile) {
@@ -233,7 +201,7 @@ TEST_F(ConversionTest, MemoryThatIsNotThereIsAnError) {
 
 TEST_F(ConversionTest, SkippedSurfacesAreTold) {
   ConversionJob two = job("demo:sphere?size=16", 0, "a.glb");
-  two.format = mesh_io::MeshFormat::glb;
+  two.file = MeshFileOptions{mesh_io::MeshFormat::glb};
   two.empty = EmptyPolicy::skip;
   two.outputs[0].isos = {0, 9};
   ASSERT_TRUE(run(two).done());
@@ -248,7 +216,7 @@ TEST_F(ConversionTest, SkippedSurfacesAreTold) {
 
 TEST_F(ConversionTest, ASkippedOutputLeavesNoOldFile) {
   ConversionJob one = job("demo:sphere?size=16", 0, "a.gltf");
-  one.format = mesh_io::MeshFormat::gltf;
+  one.file = MeshFileOptions{mesh_io::MeshFormat::gltf};
   one.empty = EmptyPolicy::skip;
   ASSERT_TRUE(run(one).done());
   ASSERT_EQ(folder_.names(), (std::set<std::string>{"a.bin", "a.gltf"}));

@@ -57,15 +57,15 @@ TEST(ResolveIsos, EachInItsPlace) {
   ASSERT_TRUE(found) << found.error().message;
   ASSERT_EQ(found->size(), asked.size());
   for (std::size_t i = 0; i < asked.size(); ++i) EXPECT_EQ((*found)[i].asked, asked[i]);
-  EXPECT_EQ((*found)[0].value, 9);
+  EXPECT_EQ((*found)[0].id, 9);
   EXPECT_EQ((*found)[0].found_by, "percentile 50 of the samples");
-  EXPECT_EQ((*found)[1].value, -3);
+  EXPECT_EQ((*found)[1].id, -3);
   EXPECT_EQ((*found)[1].found_by, "");
   const field::IsoSuggestion suggested = field::suggest_iso(field, field::measure_statistics(field));
-  EXPECT_EQ((*found)[2].value, suggested.iso);
+  EXPECT_EQ((*found)[2].id, suggested.iso);
   EXPECT_EQ((*found)[2].found_by, suggested.method);
-  EXPECT_EQ((*found)[3].value, 99);
-  EXPECT_EQ((*found)[4].value, 1);
+  EXPECT_EQ((*found)[3].id, 99);
+  EXPECT_EQ((*found)[4].id, 1);
   EXPECT_EQ(text_of((*found)[0]), "p50 (9)");
   EXPECT_EQ(text_of((*found)[1]), "-3");
 }
@@ -75,7 +75,7 @@ TEST(ResolveIsos, ALevelSetHasItsZeroWhateverItsSamples) {
   field.kind = field::FieldKind::level_set;
   const auto found = resolve_isos(std::vector{choice("auto")}, field, false, Context());
   ASSERT_TRUE(found) << found.error().message;
-  EXPECT_EQ(found->front().value, 0);
+  EXPECT_EQ(found->front().id, 0);
   EXPECT_EQ(found->front().found_by, "the zero of the level set");
 }
 
@@ -88,9 +88,9 @@ TEST(ResolveIsos, NothingIsGuessedWhereNothingSeparates) {
             "flat.raw: expected samples of two kinds, to take an iso value between them; found 5 everywhere");
   const auto fine = resolve_isos(asked, constant_field(), true, Context());
   ASSERT_TRUE(fine);
-  EXPECT_EQ(fine->front().value, 5);  // equal is outside, so there is no surface
+  EXPECT_EQ(fine->front().id, 5);  // equal is outside, so there is no surface
   // Percentiles are there.
-  EXPECT_EQ(resolve_isos(std::vector{choice("p50")}, constant_field(), false, Context())->front().value, 5);
+  EXPECT_EQ(resolve_isos(std::vector{choice("p50")}, constant_field(), false, Context())->front().id, 5);
 }
 
 TEST(ResolveIsos, MemoryIsReservedFirst) {
@@ -104,9 +104,9 @@ TEST(ResolveIsos, MemoryIsReservedFirst) {
 TEST(ResolveIsos, ParticlesHaveTheValueOfTheirMethod) {
   const auto found = resolve_isos(std::vector<IsoChoice>{choice("auto"), 0.2}, points::Method::weight, "a.csv");
   ASSERT_TRUE(found);
-  EXPECT_EQ(found->at(0).value, 0.15);
+  EXPECT_EQ(found->at(0).id, 0.15);
   EXPECT_EQ(found->at(0).found_by, "the usual one of summed weights");
-  EXPECT_EQ(found->at(1).value, 0.2);
+  EXPECT_EQ(found->at(1).id, 0.2);
   const auto refused = resolve_isos(std::vector{choice("p99")}, points::Method::sph, "a.csv");
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::usage);
@@ -129,7 +129,7 @@ class IsoConversionTest : public testing::Test {
  protected:
   Outcome run(const std::vector<IsoChoice>& isos) {
     job_.source.input = "demo:gyroid?size=24";
-    job_.format = mesh_io::MeshFormat::obj;
+    job_.file = MeshFileOptions{mesh_io::MeshFormat::obj};
     job_.outputs = {{(folder_ / "a.obj").string(), isos}};
     Events unheard;
     return convert::run(job_, Context(), unheard);
@@ -148,7 +148,7 @@ TEST_F(IsoConversionTest, TheValueDoesNotDependOnRegionAndResolution) {
   const Outcome whole = run({choice("p80")});
   ASSERT_TRUE(whole.done()) << whole.error->message;
   const std::vector<double> iso = found(whole);
-  EXPECT_EQ(whole.first(StageName::extract)->iso, iso.at(0));
+  EXPECT_EQ(whole.first(StageName::extract)->id, SurfaceId(iso.at(0)));
   EXPECT_EQ(asked(whole), std::vector<std::string>{"p80"});
   EXPECT_NE(whole.notes.at(0).find("iso p80 is "), std::string::npos) << whole.notes.at(0);
   job_.source.roi = field::Box{{-0.5, -0.5, -0.5}, {0.2, 0.2, 0.2}};

@@ -23,7 +23,7 @@ TEST(StageReport, FindsFiguresByTheirNames) {
 
 TEST(StageReport, TellsFiguresInTheirOrder) {
   StageReport report = report_on(StageName::smooth, "fire.vdb");
-  report.iso = 0.5;
+  report.id = 0.5;
   report.grid = "heat";
   report.add_timed(kFigures, {1, 2});
   EXPECT_EQ(entry_of(report, report.entries.front()).dump(),

@@ -14,7 +14,7 @@ namespace {
 
 TEST(Materials, OuterSurfacesLetInnerOnesBeSeen) {
   ConversionJob job;
-  std::vector<double> isos{1, 3, 2};
+  std::vector<SurfaceId> isos{1, 3, 2};
   EXPECT_FALSE(material_of(job, isos, 1, field::FieldKind::density));
   job.colour = ColourChoice{{}, edit::Colormap::gray, {}};
   const auto opacity = [&](double iso, field::FieldKind kind) { return material_of(job, isos, iso, kind)->opacity; };
