@@ -210,7 +210,7 @@ Result<void> report_no_plan(const ConvertFlags& flags, const std::vector<std::st
   for (const convert::ConversionJob& job : plan_files(flags)) {
     TRY(check_report_file(path, job, Context()));
   }
-  return write_report(path, nullptr, failed(error), arguments, 0);
+  return write_report(path, nullptr, failed(error), {}, arguments, 0);
 }
 
 // Tells what happens to the one frame of a batch.
@@ -317,7 +317,7 @@ Result<void> run_convert(const ConvertFlags& flags, const std::vector<std::strin
   }
   if (!plan->report) return done;
   auto reported = attempt(
-      [&] { return write_report(*plan->report, &plan->job, outcome, arguments, plan->context.memory().limit()); });
+      [&] { return write_report(*plan->report, &plan->job, outcome, {}, arguments, plan->context.memory().limit()); });
   if (done) return reported;
   if (!reported) messages.error(reported.error());
   return done;

@@ -1,5 +1,7 @@
 #include "cli/report_file.hpp"
 
+#include <utility>
+
 #include "cli/remedies.hpp"
 #include "convert/json_values.hpp"
 #include "convert/output_checks.hpp"
@@ -14,9 +16,14 @@ Result<void> check_report_file(const std::string& path, const convert::Conversio
 }
 
 Result<void> write_report(const std::string& path, const convert::ConversionJob* job, const convert::Outcome& outcome,
-                          const std::vector<std::string>& arguments, std::uint64_t memory_limit) {
+                          const std::vector<std::string>& notes, const std::vector<std::string>& arguments,
+                          std::uint64_t memory_limit) {
   const std::string hint = outcome.error ? words_of(outcome.error->hint) : "";
-  return files::write_file(path, convert::json_text(convert::report_of(job, outcome, arguments, memory_limit, hint)));
+  convert::Json report = convert::report_of(job, outcome, arguments, memory_limit, hint);
+  convert::Json all = notes;
+  for (const std::string& note : outcome.notes) all.push_back(note);
+  report["notes"] = std::move(all);
+  return files::write_file(path, convert::json_text(report));
 }
 
 }  // namespace isoextract::cli

@@ -14,9 +14,9 @@ namespace isoextract::cli {
 [[nodiscard]] Result<void> check_report_file(const std::string& path, const convert::ConversionJob& job,
                                              const Context& context);
 
-// `job` as convert::report_of() has it.
+// `job` as convert::report_of() has it. `notes` come before those of the outcome.
 [[nodiscard]] Result<void> write_report(const std::string& path, const convert::ConversionJob* job,
-                                        const convert::Outcome& outcome, const std::vector<std::string>& arguments,
-                                        std::uint64_t memory_limit);
+                                        const convert::Outcome& outcome, const std::vector<std::string>& notes,
+                                        const std::vector<std::string>& arguments, std::uint64_t memory_limit);
 
 }  // namespace isoextract::cli
