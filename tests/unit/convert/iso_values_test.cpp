@@ -50,6 +50,18 @@ TEST(IsoChoice, WordsComeBack) {
   EXPECT_NE(IsoChoice(50), IsoChoice::percentile(field::Percent(50)));
 }
 
+TEST(SurfaceId, IsAnIsoValueOrALabel) {
+  const SurfaceId iso = 5;
+  const SurfaceId label = Label{5};
+  EXPECT_NE(iso, label);
+  EXPECT_EQ(iso.name(), "iso 5");
+  EXPECT_EQ(label.name(), "label 5");
+  EXPECT_EQ(iso.figure(), label.figure());
+  EXPECT_THROW(static_cast<void>(iso.label()), std::bad_variant_access);
+  EXPECT_THROW(static_cast<void>(label.iso()), std::bad_variant_access);
+  EXPECT_EQ(text_of(IsoChoice::label(9007199254740993)), "label 9007199254740993");  // a double has no such number
+}
+
 TEST(ResolveIsos, EachInItsPlace) {
   const std::vector<IsoChoice> asked{choice("p50"), -3, choice("auto"), choice("p100"), choice("p5.1")};
   const field::ScalarField field = two_heaps();
