@@ -32,7 +32,7 @@ constexpr std::string_view kStyle =
 constexpr std::string_view kTable = "<div class=\"scroll\"><table>\n";
 constexpr std::string_view kTableEnd = "</table></div>\n";
 
-std::string escaped(std::string_view text) {
+std::string html_text(std::string_view text) {
   std::string html;
   for (const char c : printable(text)) {
     switch (c) {
@@ -79,7 +79,7 @@ std::string count_text(const std::optional<std::uint64_t>& value) { return value
 
 // A cell about an iso value, of a grid where there are several.
 std::string with_grid(const std::string& grid, const std::string& iso) {
-  return grid.empty() ? iso : fmt::format("{} {}", escaped(grid), iso);
+  return grid.empty() ? iso : fmt::format("{} {}", html_text(grid), iso);
 }
 
 std::string frames_section(std::span<const batch::FrameRow> rows) {
@@ -89,22 +89,23 @@ std::string frames_section(std::span<const batch::FrameRow> rows) {
   for (const batch::FrameRow& row : rows) {
     const std::string status = row.error.empty() ? std::string(word_of(row.status))
                                                  : fmt::format("<span class=\"failed\">{}: {}</span>",
-                                                               word_of(row.status), escaped(row.error));
+                                                               word_of(row.status), html_text(row.error));
     std::vector<const batch::SurfaceFigures*> surfaces = batch::rows_of(row.figures);
     const bool none = surfaces.empty();
     const batch::SurfaceFigures no_surface;
     if (none) surfaces.push_back(&no_surface);
     for (const batch::SurfaceFigures* figures : surfaces) {
       const batch::SurfaceFigures& surface = *figures;
-      const std::string value = surface.asked.empty() ? fmt::format("{:.6g}", surface.iso)
-                                                      : fmt::format("{:.6g} ({})", surface.iso, escaped(surface.asked));
+      const std::string value = surface.asked.empty()
+                                    ? fmt::format("{:.6g}", surface.iso)
+                                    : fmt::format("{:.6g} ({})", surface.iso, html_text(surface.asked));
       const std::string iso = with_grid(surface.grid, value);
       html += row_of(
-          std::array<std::string, 13>{fmt::format("{}", row.frame), escaped(row.input),
-                                      escaped(batch::output_of(row, none ? nullptr : &surface)), status,
+          std::array<std::string, 13>{fmt::format("{}", row.frame), html_text(row.input),
+                                      html_text(batch::output_of(row, none ? nullptr : &surface)), status,
                                       none ? "" : iso, none ? "" : fmt::format("{}", surface.triangles),
                                       count_text(surface.vertices), optional_text(surface.area),
-                                      optional_text(surface.volume), escaped(row.figures.unit),
+                                      optional_text(surface.volume), html_text(row.figures.unit),
                                       count_text(surface.components), fmt::format("{:.3f}", row.figures.wall_seconds),
                                       fmt::format("{}", surface.bytes.value_or(row.figures.bytes))},
           "td", 4);
@@ -146,7 +147,7 @@ std::string HtmlPage::left_out_section() const {
   if (left_out_.empty()) return {};
   std::string html = "<h2>What was looked at, and what was left out</h2>\n<ul>\n";
   for (const auto& [name, fact] : left_out_) {
-    html += fmt::format("<li><b>{}</b> {}: {}", escaped(name.first), escaped(name.second), escaped(fact.first));
+    html += fmt::format("<li><b>{}</b> {}: {}", html_text(name.first), html_text(name.second), html_text(fact.first));
     if (fact.times > 1 && fact.total > 0) {
       html += fmt::format("; in all {} of {} over {} surfaces or frames", fact.count, fact.total, fact.times);
     }
@@ -177,7 +178,7 @@ std::string HtmlPage::stage_section() const {
   std::string html = "<h2>Time by stage</h2>\n" + std::string(kTable) +
                      row_of(std::array<std::string, 2>{"stage", "seconds, of all frames"}, "th", 1);
   for (const auto& [stage, seconds] : stages_) {
-    html += row_of(std::array<std::string, 2>{escaped(stage), fmt::format("{:.4f}", seconds)}, "td", 1);
+    html += row_of(std::array<std::string, 2>{html_text(stage), fmt::format("{:.4f}", seconds)}, "td", 1);
   }
   return html + std::string(kTableEnd);
 }
@@ -193,12 +194,12 @@ Result<std::string> HtmlPage::text(std::span<const batch::FrameRow> rows, const 
       "content=\"width=device-width\">\n<meta name=\"generator\" "
       "content=\"{0}\">\n<title>{1}</title>\n<style>{2}</style>\n"
       "</head>\n<body>\n<h1>{1}</h1>\n<pre>{3}</pre>\n",
-      escaped(generator()), escaped(title), kStyle, escaped(fmt::format("{}", fmt::join(words, " "))));
+      html_text(generator()), html_text(title), kStyle, html_text(fmt::format("{}", fmt::join(words, " "))));
   if (pictures.count() > 0) html += "<h2>Pictures</h2>\n<div>\n";
   for (std::size_t n = 0; n < pictures.count(); ++n) {
     const auto picture = TRY(pictures.draw(n, context));
     const auto png = TRY(image_io::encode_png(convert::light_of(picture), pictures.mesh(n).label, context));
-    const std::string label = escaped(pictures.mesh(n).label);
+    const std::string label = html_text(pictures.mesh(n).label);
     html += fmt::format("<figure><img width=\"{}\" height=\"{}\" alt=\"{}\" src=\"data:image/png;base64,{}\">",
                         picture.width, picture.height, label, base64(png.bytes()));
     html += fmt::format("<figcaption>{}</figcaption></figure>\n", label);
@@ -213,11 +214,11 @@ Result<std::string> HtmlPage::text(std::span<const batch::FrameRow> rows, const 
   html += error_section() + left_out_section() + stage_section();
   if (!notes_.empty()) {
     html += "<h2>Notes</h2>\n<ul>\n";
-    for (const auto& [frame, note] : notes_) html += fmt::format("<li>{}: {}</li>\n", frame, escaped(note));
+    for (const auto& [frame, note] : notes_) html += fmt::format("<li>{}: {}</li>\n", frame, html_text(note));
     html += "</ul>\n";
   }
-  html += fmt::format("<h2>Versions</h2>\n<p>{}", escaped(generator()));
-  for (const std::string& device : devices_) html += "; " + escaped(device);
+  html += fmt::format("<h2>Versions</h2>\n<p>{}", html_text(generator()));
+  for (const std::string& device : devices_) html += "; " + html_text(device);
   return html + "</p>\n</body>\n</html>\n";
 }
 

@@ -16,7 +16,7 @@ constexpr std::string_view kDate = "November 22, 2026";  // of the last change t
 constexpr std::size_t kLineWidth = 72;                   // before escapes
 
 // Text that roff prints as it is.
-std::string escaped(std::string_view text) {
+std::string roff_text(std::string_view text) {
   std::string out;
   for (const char c : text) {
     if (c == '\\') {
@@ -44,7 +44,7 @@ std::string paragraph(std::string_view text) {
     const std::string_view sentence = text.substr(0, stop == std::string_view::npos ? text.size() : stop + 1);
     text.remove_prefix(std::min(text.size(), sentence.size() + 1));
     for (const std::string& line : wrapped(sentence, kLineWidth)) {
-      out += fmt::format("{}{}\n", line.front() == '.' || line.front() == '\'' ? "\\&" : "", escaped(line));
+      out += fmt::format("{}{}\n", line.front() == '.' || line.front() == '\'' ? "\\&" : "", roff_text(line));
     }
   }
   return out;
@@ -54,7 +54,7 @@ std::string paragraph(std::string_view text) {
 std::string tagged_list(const std::vector<HelpRow>& rows) {
   std::string out = ".Bl -tag -width Ds\n";
   for (const HelpRow& row : rows) {
-    out += fmt::format(".It Sy \"{}\"\n{}", escaped(row.term), paragraph(row.text));
+    out += fmt::format(".It Sy \"{}\"\n{}", roff_text(row.term), paragraph(row.text));
   }
   return out + ".El\n";
 }
@@ -76,7 +76,7 @@ std::string synopsis_section(const Command& program) {
   for (const Command* command : all_commands(program)) {
     if (!command->inner().empty()) continue;
     const std::string line = command->synopsis();
-    out += fmt::format(".Nm\n{}\n", escaped(line.substr(line.find(' ') + 1)));
+    out += fmt::format(".Nm\n{}\n", roff_text(line.substr(line.find(' ') + 1)));
   }
   return out;
 }
@@ -99,7 +99,7 @@ std::string options_section(const Command& command) {
 std::string examples_section() {
   std::string out = ".Sh EXAMPLES\n";
   for (const Example& example : examples()) {
-    out += fmt::format("{}.Pp\n.Dl {}\n.Pp\n", paragraph(example.text), escaped(example.command));
+    out += fmt::format("{}.Pp\n.Dl {}\n.Pp\n", paragraph(example.text), roff_text(example.command));
   }
   return out.substr(0, out.size() - std::string_view(".Pp\n").size());
 }
