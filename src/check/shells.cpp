@@ -94,7 +94,8 @@ Shell shell_of(const Component& component) {
 Result<std::vector<Component>> describe_components(const mesh::Mesh& mesh, const mesh::Components& components,
                                                    const MeshBorders& borders, const Context& context) {
   const std::string what = fmt::format("{}: its components", mesh.name);
-  const auto memory = TRY(context.reserve(components.count() * (sizeof(Component) + sizeof(std::uint32_t)), what));
+  const std::uint64_t of_one = sizeof(Component) + sizeof(mesh::Surroundings) + sizeof(std::uint32_t);
+  const auto memory = TRY(context.reserve(components.count() * of_one, what));
   try {
     std::vector<Component> all = measure_components(mesh, components, borders);
     mesh::ShellQuestion question;

@@ -73,8 +73,7 @@ class FrameTeller final : public batch::RunEvents {
     const std::string path = report_path_of(frame);
     const convert::ConversionJob& job = plan_.batch.frames[frame].job;
     TRY(check_report_file(path, job, plan_.common.context));
-    return cli::write_report(path, &job, outcome, plan_.common.notes, arguments_,
-                             plan_.common.context.memory().limit());
+    return cli::write_report(path, &job, outcome, plan_.frame_notes, arguments_, plan_.common.context.memory().limit());
   }
 
   void over(std::size_t frame, const batch::FrameRow& row, const convert::Outcome* outcome,

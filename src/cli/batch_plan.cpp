@@ -260,14 +260,17 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   const auto read = TRY(plan_read(one.input));
   auto found = TRY(wants_all_volumes(flags) ? volumes_of(flags, read, context)
                                             : batch::find_frames(flags.input.inputs, flags.batch.frames));
+  std::string usual_iso;
   if (!flags.batch.iso_table && !writes_field(flags)) {
-    auto note = TRY(take_usual_iso(one, found.frames.front().input, context));
-    if (!note.empty()) found.notes.push_back(std::move(note));
+    usual_iso = TRY(take_usual_iso(one, found.frames.front().input, context));
+    if (!usual_iso.empty()) found.notes.push_back(usual_iso);
     flags.isos = one.isos;
   }
   auto sources = TRY(sources_of(flags, found));
   auto common = TRY(plan_conversion(one, sources.front().isos, context));
   plan.common = std::move(common);
+  plan.frame_notes = plan.common.notes;
+  if (!usual_iso.empty()) plan.frame_notes.push_back(std::move(usual_iso));
   if (std::string note = changing_isos(flags, sources.size()); !note.empty()) found.notes.push_back(std::move(note));
   for (std::string& note : found.notes) plan.common.notes.push_back(std::move(note));
   if (std::string note = note_of_frames(plan.common.job); !note.empty()) plan.common.notes.push_back(std::move(note));

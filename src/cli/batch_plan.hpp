@@ -20,7 +20,8 @@
 namespace isoextract::cli {
 
 struct BatchPlan {
-  ConvertPlan common;  // what all frames share; its job is without input, iso values and outputs
+  ConvertPlan common;                    // what all frames share; its job is without input, iso values and outputs
+  std::vector<std::string> frame_notes;  // those of common that a conversion of one frame has
   batch::BatchJob batch;
   std::vector<std::size_t> frames;    // that are this run's, by index: those of its shard
   std::vector<batch::FrameRun> gaps;  // frames that are not there

@@ -1,5 +1,6 @@
 #include "convert/conversion_job.hpp"
 
+#include <bit>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>

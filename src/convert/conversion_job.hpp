@@ -201,7 +201,7 @@ struct ConversionJob {
   [[nodiscard]] const Options* writes() const {
     return std::get_if<Options>(&file);
   }
-  // How the meshes are made. A picture shows those of a glb file.
+  // The options of meshes; those of a glb file where the field or a picture is written.
   [[nodiscard]] MeshFileOptions meshes() const;
 
   // Of all outputs, in their order.

@@ -10,7 +10,6 @@ namespace {
 constexpr std::string_view kSuggested = "auto";
 constexpr std::string_view kZero = "zero";
 constexpr char kPercentile = 'p';
-constexpr std::string_view kLabel = "label ";
 constexpr std::string_view kAllLabels = "all labels";
 
 }  // namespace

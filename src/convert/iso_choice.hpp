@@ -26,7 +26,7 @@ class SurfaceId {
   // Each throws where it is the other.
   [[nodiscard]] double iso() const { return std::get<double>(of_); }
   [[nodiscard]] std::int64_t label() const { return static_cast<std::int64_t>(std::get<Label>(of_)); }
-  // As documents list it, whichever it is.
+  // The iso value, or the label as a number: what reports list.
   [[nodiscard]] double figure() const { return is_label() ? static_cast<double>(label()) : iso(); }
   [[nodiscard]] std::string text() const;  // "0.3", "5"
   [[nodiscard]] std::string name() const;  // "iso 0.3", "label 5"

@@ -16,7 +16,7 @@ namespace isoextract::convert {
 
 struct ResolvedIso {
   IsoChoice asked;
-  SurfaceId id;          // of all labels none
+  SurfaceId id;          // of all labels iso 0, which stands for none
   std::string found_by;  // "Otsu's threshold (1979) of the histogram"; empty of numbers and labels
 };
 

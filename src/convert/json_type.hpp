@@ -1,4 +1,4 @@
-// JSON whose members keep their order. What makes or reads some includes <nlohmann/json.hpp>; others need this alone.
+// JSON whose members keep their order, declared alone. Sources that make or read JSON include convert/json_values.hpp.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -12,14 +12,14 @@
 namespace isoextract::convert {
 
 struct MeshCollector {
-  // What its owner asks for.
-  bool checks_files =
-      true;  // the meshes go to the job's files later: the conversion first checks that it may write them
-  bool wants_source = false;  // so that samples away from the surfaces are right, too; the surfaces are the same
+  // Set by the caller. Whether the conversion first checks that it may write the job's files, to which the meshes go
+  // later; and whether it hands over its source, with samples that are right also away from the surfaces.
+  bool checks_files = true;
+  bool wants_source = false;
 
-  // The surfaces of all outputs, in the order of their iso values, as they would be written: placed, simplified,
-  // verified. Those that EmptyPolicy::skip leaves out are not among them, and no old file is removed. Where there are
-  // several iso values, each mesh is named after its own. The meshes keep what they have reserved.
+  // The surfaces of all outputs, in the order of these, as they would be written: placed, simplified, verified. Those
+  // that EmptyPolicy::skip leaves out are not among them, and no old file is removed. Where there are several iso
+  // values, each mesh is named after its own. The meshes keep what they have reserved.
   std::vector<mesh::Mesh> meshes = {};
   std::vector<SurfaceId> ids = {};    // one a mesh
   mesh_io::MeshPacking packing = {};  // how they are to be packed

@@ -66,25 +66,28 @@ Result<Nesting> find_nesting(const mesh::Mesh& mesh, const Components& component
                                                 : mesh::Facing::outward);
   }
   const auto surroundings = TRY(find_surroundings(mesh, components, question, context));
-  const auto is_wall = [&](std::uint32_t i) {
-    return facts[i].is_cavity() && (surroundings[i].in_material() || surroundings[i].open != Nesting::kNone);
-  };
   const auto is_deeper = [&](std::uint32_t a, std::uint32_t b) {
     return surroundings[a].around.size() < surroundings[b].around.size();
   };
+  // The body that a cavity is in: the innermost shell around it, if that is a body's, or an open one.
+  const auto body_around = [&](std::uint32_t cavity) {
+    const std::vector<std::uint32_t>& around = surroundings[cavity].around;
+    if (around.empty()) return surroundings[cavity].open;
+    const std::uint32_t innermost = *std::ranges::max_element(around, is_deeper);
+    return facts[innermost].is_cavity() ? Nesting::kNone : innermost;
+  };
   for (std::uint32_t i = 0; i < facts.size(); ++i) {
-    const std::vector<std::uint32_t>& around = surroundings[i].around;
-    if (is_wall(i)) {
-      nesting.body[i] = around.empty() ? surroundings[i].open : *std::ranges::max_element(around, is_deeper);
-      continue;
-    }
-    for (const std::uint32_t other : around) {
-      std::uint32_t& within = nesting.within[i];
-      if (is_wall(other) && (within == Nesting::kNone || is_deeper(within, other))) within = other;
+    if (!facts[i].is_cavity()) continue;
+    if (const std::uint32_t body = body_around(i); body != Nesting::kNone) nesting.body[i] = body;
+  }
+  for (std::uint32_t i = 0; i < facts.size(); ++i) {
+    if (nesting.body[i] != i) continue;
+    std::uint32_t& within = nesting.within[i];
+    for (const std::uint32_t other : surroundings[i].around) {
+      const bool is_wall = nesting.body[other] != other;
+      if (is_wall && (within == Nesting::kNone || is_deeper(within, other))) within = other;
     }
   }
-  // Of the wall of a cavity in one that an open body has.
-  for (std::uint32_t& body : nesting.body) body = nesting.body[body];
   return nesting;
 }
 

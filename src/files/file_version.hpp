@@ -31,6 +31,7 @@ struct FileVersion {
 
 // What the path names now; nothing where that is no regular file, or cannot be told.
 [[nodiscard]] std::optional<FileVersion> version_of(const std::filesystem::path& path);
+// What the system tells of an open file, or of one by its name.
 [[nodiscard]] FileVersion version_of(const struct ::stat& status);
 
 // What the file is now. Fails with ErrorCode::input where the system does not tell.

@@ -1,6 +1,7 @@
 // Packed bytes of a file on their way into zlib: read a block at a time, from places in the file.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>

@@ -1,7 +1,7 @@
-// A bounding volume hierarchy over things that have a box: triangles, rays, components.
+// A bounding volume hierarchy over items that have a box: triangles, rays, components.
 //
-// A complete binary tree, split at the median of the things' centres along their longest axis. Its 2^d leaves share the
-// things evenly however they lie, so those of a node follow from its number, and a node stores nothing but its box.
+// A complete binary tree, split at the median of the items' centres along their longest axis. Its 2^d leaves share the
+// items evenly however they lie, so those of a node follow from its number, and a node stores nothing but its box.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@ struct FloatBox {
   glm::vec3 min{std::numeric_limits<float>::infinity()};
   glm::vec3 max{-std::numeric_limits<float>::infinity()};
 
-  // With their border.
+  // Boxes that only touch meet.
   [[nodiscard]] bool meets(const FloatBox& other) const {
     return min.x <= other.max.x && other.min.x <= max.x && min.y <= other.max.y && other.min.y <= max.y &&
            min.z <= other.max.z && other.min.z <= max.z;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
@@ -19,9 +20,9 @@
 namespace isoextract::mesh {
 namespace {
 
-// Along no line that vertices of a grid have in common.
+// Parallel to no line through two points of a grid that are near each other.
 const glm::dvec3 kWay(8112, 4361, 3897);
-// Halves, so that nothing that is seen leaves the range of float.
+// Of length 0.5, so that projected coordinates stay finite in float.
 const glm::dvec3 kAlong = 0.5 * glm::normalize(kWay);
 const glm::dvec3 kAcross = 0.5 * glm::normalize(glm::cross(kWay, glm::dvec3(0, 0, 1)));
 const glm::dvec3 kUp = 2.0 * glm::cross(kAlong, kAcross);
@@ -32,9 +33,10 @@ glm::vec3 seen(const glm::dvec3& p) { return {glm::dot(p, kAcross), glm::dot(p, 
 struct Ray {
   std::uint32_t component = 0;  // that it starts from
   glm::vec3 start{0.0F};
-  bool to_open = false;  // whether open components are looked for
-  bool touches = false;  // the start is on another closed component
-  // The closed components of triangles that it passes. Those that it passes an even number of times may be gone.
+  bool to_open = false;       // whether open components are looked for
+  bool touches = false;       // the start is on another closed component
+  bool is_undecided = false;  // it was so at the first start
+  // The closed component of each triangle that it passes; reduce() takes away pairs.
   std::vector<std::uint32_t> passed{};
   std::uint32_t open_triangle = 0;  // the first of an open component
   double open_along = std::numeric_limits<double>::infinity();
@@ -46,7 +48,7 @@ struct Ray {
     }
     passed.push_back(closed);
   }
-  // Leaves each once that was passed an odd number of times.
+  // Leaves each component that was passed an odd number of times, once.
   void reduce() {
     std::ranges::sort(passed);
     std::size_t left = 0;
@@ -88,6 +90,7 @@ class ShellRays {
 
   Result<std::vector<Surroundings>> run() {
     std::vector<Ray> rays;
+    rays.reserve(components_.count());
     for (std::uint32_t c = 0; c < components_.count(); ++c) {
       const Facing facing = question_.facing[c];
       if (facing == Facing::inward || (facing == Facing::outward && question_.of_outward)) {
@@ -99,14 +102,18 @@ class ShellRays {
     for (Ray& ray : rays) {
       found[ray.component].around = std::move(ray.passed);
       ray.to_open = question_.of_open && question_.facing[ray.component] == Facing::inward;
+      ray.is_undecided = ray.touches;
     }
-    std::erase_if(
-        rays, [&](const Ray& ray) { return !ray.touches && !(ray.to_open && found[ray.component].around.empty()); });
-    start_beside(rays);
-    shoot(rays);
+    std::erase_if(rays, [&](const Ray& ray) {
+      return !ray.is_undecided && !(ray.to_open && found[ray.component].around.empty());
+    });
+    if (!rays.empty()) {
+      start_beside(rays);
+      shoot(rays);
+    }
     for (Ray& ray : rays) {
       Surroundings& of = found[ray.component];
-      if (ray.touches) of.around = std::move(ray.passed);
+      if (ray.is_undecided) of.around = std::move(ray.passed);
       if (of.around.empty() && std::isfinite(ray.open_along)) {
         of.open = components_.of_vertex(mesh_.triangles[ray.open_triangle].x);
       }
@@ -137,7 +144,9 @@ class ShellRays {
   }
 
   // Starts at the middle of a triangle at the farthest vertex that faces most along the rays; the wall of a cavity
-  // faces against them there. A little off it, on the side that it faces away from: nearer than what does not touch it.
+  // faces against them there. A little off it, on the side that it faces away from. A wall that is nearer than that, or
+  // a triangle that is as thin, may take the start to the other side of the wall: shells so near may be told either
+  // way.
   void start_beside(std::vector<Ray>& rays) const {
     std::vector<std::uint32_t> ray_of(components_.count(), Components::kNone);
     for (std::uint32_t i = 0; i < rays.size(); ++i) ray_of[rays[i].component] = i;
@@ -164,8 +173,8 @@ class ShellRays {
     }
   }
 
-  // As far as boxes of closed components reach that hold the start, which are marked as met, and those of open ones if
-  // it looks for them. Empty where there are none.
+  // Returns the ray's box: from its start to the far end of every closed component's box that holds the start (marked
+  // in is_met), and of open ones if the ray looks for them. Empty where there are none.
   [[nodiscard]] FloatBox box_of(const Ray& ray, std::vector<std::uint8_t>& is_met) const {
     const glm::vec3 at = seen(glm::dvec3(ray.start));
     FloatBox box{at - rounding_, at + rounding_};
@@ -191,7 +200,7 @@ class ShellRays {
     Buffer<BoxTree::Item> items(rays.size());
     std::size_t count = 0;
     for (std::uint32_t i = 0; i < rays.size(); ++i) {
-      // They are long: only what is across them tells them apart.
+      // By their places across the rays: along them the boxes overlap.
       if (boxes[i].min.x <= boxes[i].max.x) items[count++] = {{boxes[i].min.x, boxes[i].min.y, 0}, i};
     }
     if (count == 0) return;

@@ -23,11 +23,10 @@ enum class Facing : std::uint8_t { open, outward, inward };
 struct Surroundings {
   // The other closed components that the component lies in, in rising order.
   std::vector<std::uint32_t> around;
-  // Of one that faces inward and lies in no closed one: the open component that bounds the same material, as far as its
-  // ray meets one.
+  // Of one that faces inward and lies in no closed one: the first open component that its ray meets.
   std::uint32_t open = Components::kNone;
 
-  // In material that others bound, if those face as they should.
+  // Whether an odd number of closed shells is around: it lies in material, if all of them face as they should.
   [[nodiscard]] bool in_material() const { return around.size() % 2 == 1; }
 };
 

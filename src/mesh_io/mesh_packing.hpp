@@ -46,7 +46,7 @@ struct PackingOptions {
   friend bool operator==(const PackingOptions&, const PackingOptions&) = default;
 };
 
-// And what the field of the meshes gives to the lattice.
+// Packing, and what it takes of the field: the voxel and the box of its samples.
 struct MeshPacking : PackingOptions {
   // The shortest side of a voxel, in the mesh's units. 0: not known; the step is as fine as the bits allow.
   double voxel = 0;

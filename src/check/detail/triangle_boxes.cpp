@@ -12,7 +12,7 @@ TriangleBoxes::TriangleBoxes(std::span<const glm::vec3> positions, std::span<con
   tree_.fit(directions_.span(), [&](std::uint32_t triangle) { return directions_of(triangle); });
 }
 
-// Of its triangles and stars alone: it is not whole yet.
+// Reads positions_, triangles_ and stars_ alone: it is called while the object is made.
 mesh::BoxTree TriangleBoxes::tree_of(const TriangleBoxes& boxes, std::span<const std::uint32_t> chosen) {
   Buffer<mesh::BoxTree::Item> items(chosen.size());
   tbb::parallel_for(std::size_t{0}, chosen.size(), [&](std::size_t i) {

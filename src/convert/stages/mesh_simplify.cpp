@@ -67,7 +67,8 @@ Result<ComponentCount> count_components(const mesh::Mesh& mesh, const Context& c
   const auto memory =
       TRY(context.reserve(mesh::Components::bytes(mesh.positions.size()), mesh.name + ": its components"));
   const mesh::Components components(mesh.triangles.span(), mesh.positions.size());
-  const auto sums_memory = TRY(context.reserve(components.count() * sizeof(Sum), mesh.name + ": its components"));
+  const auto sums_memory = TRY(
+      context.reserve(components.count() * (sizeof(Sum) + sizeof(mesh::Surroundings)), mesh.name + ": its components"));
   std::vector<Sum> sums(components.count());
   for (const glm::uvec3& t : mesh.triangles) {
     if (mesh::repeats_index(t)) continue;

@@ -6,7 +6,6 @@
 #pragma once
 
 #include <algorithm>
-#include <numbers>
 
 namespace isoextract::points {
 
@@ -16,11 +15,6 @@ template <class T>
   const T outer = std::max(T(0), T(1) - q);
   const T inner = std::max(T(0), outer + outer - T(1));
   return T(2) * outer * outer * outer - inner * inner * inner;
-}
-
-// W(0): one over the integral of S.
-[[nodiscard]] constexpr double spline_scale(double support) {
-  return 8 / (std::numbers::pi * support * support * support);
 }
 
 }  // namespace isoextract::points

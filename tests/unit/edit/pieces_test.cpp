@@ -150,6 +150,29 @@ TEST(Pieces, CavitiesWithoutABodyArePieces) {
   }
 }
 
+// A hollow grain in a bubble, around which matter is open at the border of the data, or goes on without an end.
+TEST(Pieces, TheCavityOfAGrainInABubbleIsTheGrains) {
+  const field::ScalarField open =
+      nested({{{0, 24, 24}, 20}, {{9.1, 24.2, 24.3}, 8}, {{9.2, 24.1, 24.4}, 6}, {{9.3, 24.4, 24.2}, 3.3}});
+  const field::ScalarField without_end = test::dense_field<float>(glm::ivec3(40), [](int i, int j, int k) {
+    const double d = glm::length(glm::dvec3(i, j, k) - glm::dvec3(20.1, 20.2, 20.3));
+    return std::max(d - 14, std::min(9 - d, d - 5));
+  });
+  for (const field::ScalarField* field : {&open, &without_end}) {
+    const bool is_open = field == &open;
+    const mesh::Mesh mesh = surface_of(*field);
+    PieceOptions options;
+    options.largest = 2;
+    const PieceFacts facts = must_keep(mesh, options).facts;
+    EXPECT_EQ(facts.before.components, is_open ? 4U : 3U);
+    EXPECT_EQ(facts.before.bodies, 2U) << is_open;
+    EXPECT_EQ(facts.after.components, facts.before.components) << "the grain keeps its cavity";
+    const auto pieces = split_pieces(copy(mesh), 2, Context()).value();
+    ASSERT_EQ(pieces.size(), 2U);
+    EXPECT_GT(mesh::measure_size(pieces[1]).volume, 0) << "no cavity is a piece by itself";
+  }
+}
+
 // Many balls, some of them hollow: what lies in what is known from how they were made.
 TEST(Pieces, NestingOfManyIsWhatItIsInTheField) {
   std::mt19937 engine(5);

@@ -23,17 +23,6 @@ TEST(CubicSpline, IsThePiecewisePolynomial) {
   }
 }
 
-TEST(CubicSpline, HasAnIntegralOfOne) {
-  const double support = 0.37;
-  const int steps = 20000;
-  double sum = 0;
-  for (int n = 0; n < steps; ++n) {
-    const double r = support * (n + 0.5) / steps;
-    sum += 4 * std::numbers::pi * r * r * spline_scale(support) * spline_shape(r / support) * support / steps;
-  }
-  EXPECT_NEAR(sum, 1, 1e-8);
-}
-
 TEST(SymmetricEigen, GivesTheMatrixBack) {
   std::mt19937 engine(3);
   std::uniform_real_distribution<double> entry(-1, 1);
