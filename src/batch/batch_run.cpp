@@ -227,7 +227,7 @@ RunResult BatchRun::State::run(RunEvents& the_events) {
     return events->note_of_field(field);
   };
   const std::vector<std::size_t> others = keep_what_is_done();
-  static_cast<void>(batch::run(batch, others, options.scheduler, context, *this, animation ? &*animation : nullptr));
+  batch::run(batch, others, options.scheduler, context, *this, animation ? &*animation : nullptr);
   mesh_io::MeshWriteResult animated;
   if (animation && others.empty()) {
     animated.notes.push_back(fmt::format("{} is left as it is", batch.animation->path));

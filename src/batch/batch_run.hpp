@@ -23,7 +23,7 @@
 
 namespace isoextract::batch {
 
-// What a run does with a frame that an earlier run converted.
+// Which frames of an earlier run a run keeps instead of converting them again.
 enum class EarlierFrames {
   converted_again,
   kept_if_unchanged,  // where the manifest has the job, and all inputs and outputs are what they were, byte by byte

@@ -66,8 +66,7 @@ struct BatchCounts {
 // holds its meshes, and its place among those that run, meanwhile: so there is one frame a job in memory, however many
 // there are. One that fails has no turn. Where one fails for want of memory beside others, those that come after it
 // are converted again as well, after it. Where the batch ends early, frames that wait fail with ErrorCode::cancelled.
-[[nodiscard]] BatchCounts run(const BatchJob& batch, std::span<const std::size_t> which,
-                              const SchedulerOptions& options, const Context& context, FrameEvents& events,
-                              FrameReceiver* receiver = nullptr);
+BatchCounts run(const BatchJob& batch, std::span<const std::size_t> which, const SchedulerOptions& options,
+                const Context& context, FrameEvents& events, FrameReceiver* receiver = nullptr);
 
 }  // namespace isoextract::batch

@@ -78,7 +78,7 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& given) {
   plan.job.verify = false;
   plan.job.normals = convert::Normals::none;         // of which triangles do not depend
   plan.job.empty = convert::EmptyPolicy::write;      // the mesh may be empty, too
-  plan.job.file = convert::MeshFileOptions{format};  // what a file rounds by is told by the mesh that is read
+  plan.job.file = convert::MeshFileOptions{format};  // the mesh file says how it was packed
   plan.job.outputs = {{plan.mesh.value_or(""), flags.isos}};
   return plan;
 }

@@ -51,7 +51,7 @@ std::string details_of(const PackedMesh& mesh) {
   return text;
 }
 
-// Of a voxel that `output_from_index` places.
+// Returns the shortest side of a voxel in the mesh, where `output_from_index` puts it.
 double shortest_side(const field::Affine& output_from_index) {
   const glm::dmat3& sides = output_from_index.linear;
   return std::min({glm::length(sides[0]), glm::length(sides[1]), glm::length(sides[2])});

@@ -35,7 +35,7 @@ class ContentHasher {
   ~ContentHasher();
 
   void add(std::span<const std::byte> bytes);
-  // Of all bytes that were added.
+  // Returns the hash of all bytes that were added.
   [[nodiscard]] std::string hash() const;
 
  private:

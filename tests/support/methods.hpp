@@ -44,7 +44,7 @@ inline std::vector<extract::Method> methods_with(bool extract::MethodTraits::*tr
 inline std::vector<extract::Method> methods_without(bool extract::MethodTraits::*trait) {
   return methods_where([&](const extract::MethodInfo& info) { return !(info.traits.*trait); });
 }
-// Those that draw each cell by a table of cases (cell_tables.hpp).
+// Returns the methods that draw each cell by a table of cases (cell_tables.hpp).
 inline std::vector<extract::Method> cell_methods() {
   return methods_where([](const extract::MethodInfo& info) { return info.run_on_cpu == extract::extract_by_cells; });
 }

@@ -48,7 +48,7 @@ struct OutputMeshes {
     collector.placement = std::move(options.placement);
   }
 
-  // What packing did to each mesh that has triangles.
+  // Reports what packing did to each mesh that has triangles.
   [[nodiscard]] std::vector<StageReport> packed(const std::vector<mesh_io::PackedFacts>& done,
                                                 const mesh_io::MeshPacking& packing) const {
     std::vector<StageReport> reports;

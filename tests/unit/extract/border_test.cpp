@@ -1,4 +1,4 @@
-// Whether the surface meets the border of the data is told without looking at the mesh; here the mesh is looked at. A
+// Extraction says whether the surface meets the border of the data; these tests find it in the mesh as well. A
 // surface that is always closed never meets it.
 #include <algorithm>
 #include <map>
