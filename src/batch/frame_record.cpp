@@ -22,7 +22,7 @@ using convert::StageReport;
 
 using convert::Json;
 
-Result<FileRecord> record_of(const mesh_io::WrittenFile& file, const Context& context) {
+Result<FileRecord> file_record_of(const mesh_io::WrittenFile& file, const Context& context) {
   const auto version = files::version_of(std::filesystem::path(file.path));
   if (file.hash && version && version->bytes == file.bytes) {
     return FileRecord{file.path, {file.bytes, version->modified, *file.hash}};
@@ -319,7 +319,7 @@ Result<FrameRecord> record_of(const FrameJob& frame, std::vector<FileRecord> inp
                               const Context& context) {
   std::vector<FileRecord> outputs;
   for (const mesh_io::WrittenFile& file : outcome.files) {
-    auto record = TRY(record_of(file, context));
+    auto record = TRY(file_record_of(file, context));
     outputs.push_back(std::move(record));
   }
   return FrameRecord{frame.number, convert::hash_of(frame.job), std::move(inputs), std::move(outputs),

@@ -37,7 +37,7 @@ namespace fs = std::filesystem;
 Result<std::vector<batch::OutputSource>> sources_of(const ConvertFlags& flags, const batch::Frames& found) {
   std::optional<batch::IsoTable> table;
   if (flags.batch.iso_table) {
-    if (!flags.isos.empty()) return refuse_usage("--iso and --iso-table exclude each other");
+    TRY(refuse_both(flags.isos, flags.batch.iso_table));
     table = TRY(batch::IsoTable::read(*flags.batch.iso_table, Context()));
     std::vector<std::int64_t> numbers;
     for (const batch::Frame& frame : found.frames) numbers.push_back(frame.number);
@@ -312,9 +312,7 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   const int threads = plan.common.threads.value_or(tbb::this_task_arena::max_concurrency());
   plan.jobs = flags.batch.jobs.value_or(threads);
   plan.flags = flags.batch;
-  if (plan.flags.resume && plan.flags.no_clobber) {
-    return refuse_usage("--resume and --no-clobber exclude each other", "--resume does only what is not done yet");
-  }
+  TRY(refuse_both(plan.flags.resume, plan.flags.no_clobber, "", "--resume does only what is not done yet"));
   if (plan.flags.resume) plan.earlier = batch::EarlierFrames::kept_if_unchanged;
   if (plan.flags.no_clobber) plan.earlier = batch::EarlierFrames::kept_if_there;
   plan.make_folders = flags.batch.make_folders || (flags.output && flags.output->ends_with('/'));

@@ -10,6 +10,7 @@
 #include "batch/output_names.hpp"
 #include "cli/edit_plan.hpp"
 #include "cli/field_plan.hpp"
+#include "cli/output_folders.hpp"
 #include "cli/output_plan.hpp"
 #include "cli/packing_plan.hpp"
 #include "cli/pages_plan.hpp"
@@ -23,11 +24,6 @@
 
 namespace isoextract::cli {
 namespace {
-
-bool is_folder(const std::string& path) {
-  std::error_code none;
-  return path.ends_with('/') || std::filesystem::is_directory(path, none);
-}
 
 Result<mesh_io::MeshFormat> plan_format(const ConvertFlags& flags) {
   if (writes_field(flags) || writes_picture(flags)) return mesh_io::MeshFormat::glb;  // which nothing is written as
@@ -127,7 +123,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   TRY(as_field ? Result<void>() : check_isos(isos));
   TRY(check_filters(flags.surface, flags.particles));
   const auto verbosity = TRY(plan_verbosity(flags.run));
-  if (flags.explain && flags.run.quiet) return refuse_usage("--quiet and --explain exclude each other");
+  TRY(refuse_both(flags.run.quiet, flags.explain));
 
   ConvertPlan plan;
   plan.verbosity = verbosity;

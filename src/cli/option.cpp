@@ -120,4 +120,11 @@ Result<std::size_t> place_among(const std::vector<std::string>& words, std::stri
               near.empty() ? "" : fmt::format("did you mean '{}'?", near));
 }
 
+Result<void> refuse_both(const Option& a, const Option& b, std::string_view why, Hint hint) {
+  if (!a.is_set() || !b.is_set()) return {};
+  return fail(ErrorCode::usage,
+              fmt::format("{} and {} exclude each other{}{}", a.name(), b.name(), why.empty() ? "" : ": ", why),
+              std::move(hint));
+}
+
 }  // namespace isoextract::cli

@@ -219,6 +219,9 @@ concept HasWords = requires {
 template <class T>
 using Parse = std::function<Result<T>(std::string_view)>;
 
+// Fails with ErrorCode::usage if both are set: "--scale and --unit exclude each other: WHY".
+[[nodiscard]] Result<void> refuse_both(const Option& a, const Option& b, std::string_view why = "", Hint hint = {});
+
 // An option with one value.
 template <class T>
 class Value : public Option, public std::optional<T> {

@@ -10,6 +10,11 @@ namespace isoextract::cli {
 
 namespace fs = std::filesystem;
 
+bool is_folder(const std::string& output) {
+  std::error_code none;
+  return output.ends_with('/') || fs::is_directory(output, none);
+}
+
 Result<void> see_to_folders(std::span<const fs::path> files, bool make) {
   std::set<fs::path> folders;
   for (const fs::path& file : files) folders.insert(file.parent_path());

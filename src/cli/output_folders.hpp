@@ -3,10 +3,14 @@
 
 #include <filesystem>
 #include <span>
+#include <string>
 
 #include "base/error.hpp"
 
 namespace isoextract::cli {
+
+// Returns whether `output` is an existing folder or ends with a slash.
+[[nodiscard]] bool is_folder(const std::string& output);
 
 // Sees that the folders of the files are there: makes them if `make` says so. Fails with ErrorCode::output.
 [[nodiscard]] Result<void> see_to_folders(std::span<const std::filesystem::path> files, bool make);

@@ -23,14 +23,9 @@ Result<mesh_io::PackingOptions> plan_packing(const ConvertFlags& flags, mesh_io:
   }
   const bool draco = flags.draco || is_drc;
   const std::string_view by_draco = flags.draco ? std::string_view(flags.draco.name()) : "drc";
-  if (draco && flags.meshopt) {
-    return refuse_usage("--draco and --meshopt exclude each other: a mesh is compressed once", "leave out one of them");
-  }
-  if (draco && flags.quantize) {
-    return refuse_usage(
-        "--draco and --quantize exclude each other: Draco rounds positions by itself, to the bits it is given",
-        "--draco=16 has as many bits as --quantize");
-  }
+  TRY(refuse_both(flags.draco, flags.meshopt, "a mesh is compressed once", "leave out one of them"));
+  TRY(refuse_both(flags.draco, flags.quantize, "Draco rounds positions by itself, to the bits it is given",
+                  "--draco=16 has as many bits as --quantize"));
   if (draco && flags.optimize_order) {
     return refuse_usage(fmt::format("--optimize-order does not go with {}: Draco has an order of its own", by_draco),
                         "leave it out");

@@ -105,7 +105,7 @@ Result<convert::Placement> plan_placement(const PlacementFlags& flags, mesh_io::
                      "leave out {} or --space index"));
     return placement;
   }
-  if (flags.scale && flags.unit) return refuse_usage("--scale and --unit exclude each other");
+  TRY(refuse_both(flags.scale, flags.unit));
   if (flags.to_unit && !flags.unit) {
     return refuse_usage("--to-unit needs the unit of the input's world as well",
                         "give --unit file where the input states it, or for example --unit mm");
@@ -216,7 +216,7 @@ Result<void> refuse_two_sides(const InputFlags& flags, std::string_view command)
 }
 
 Result<Verbosity> plan_verbosity(const RunFlags& flags) {
-  if (flags.quiet && flags.verbose) return refuse_usage("--quiet and --verbose exclude each other");
+  TRY(refuse_both(flags.quiet, flags.verbose));
   return flags.quiet ? Verbosity::quiet : flags.verbose ? Verbosity::verbose : Verbosity::normal;
 }
 

@@ -9,6 +9,7 @@
 
 #include "batch/output_names.hpp"
 #include "batch/output_template.hpp"
+#include "cli/output_folders.hpp"
 #include "cli/plan_parts.hpp"
 #include "field/demo_field.hpp"
 
@@ -16,11 +17,6 @@ namespace isoextract::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool is_folder(const std::string& output) {
-  std::error_code none;
-  return output.ends_with('/') || fs::is_directory(output, none);
-}
 
 // Whether the name is one of a sequence. Nothing that is wrong with it is wrong later.
 Result<bool> names_sequence(const std::string& output, const SequenceKind& kind) {

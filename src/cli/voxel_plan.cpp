@@ -21,8 +21,8 @@ Result<void> take_labels(ConvertFlags& flags) {
                     method.title),
         "leave out --method, or give --method voxels");
   }
-  if (!flags.isos.empty()) return refuse_usage("--labels and --iso exclude each other");
-  if (flags.batch.iso_table) return refuse_usage("--labels and --iso-table exclude each other");
+  TRY(refuse_both(flags.labels, flags.isos));
+  TRY(refuse_both(flags.labels, flags.batch.iso_table));
   if (has_all_labels(flags) && flags.output && flags.output->find("{iso}") != std::string::npos) {
     return refuse_usage("--labels all does not go with {iso} in -o: which labels there are is known once they are read",
                         "list the labels, which 'isoextract info' shows, or write all into a glb");
@@ -86,9 +86,7 @@ Result<void> plan_voxels(const ConvertFlags& flags, std::vector<std::string>& no
     notes.emplace_back("--smooth moves the faces of voxels one by one: they are not merged");
   }
   if (!flags.no_merge && !flags.t_junctions) return {};
-  if (flags.no_merge && flags.t_junctions) {
-    return refuse_usage("--no-merge and --t-junctions exclude each other: faces by themselves have no T-junctions");
-  }
+  TRY(refuse_both(flags.no_merge, flags.t_junctions, "faces by themselves have no T-junctions"));
   if (surface.method != extract::Method::voxels) {
     TRY(flags.refuse(About::voxel_faces,
                      fmt::format("{{}} does not go with {}, which has no faces to merge", method.title),

@@ -25,11 +25,11 @@ namespace {
 using points::ParticleAttribute;
 using points::ParticleSet;
 
-constexpr std::size_t kMostName = 40;
+constexpr std::size_t kMostLetters = 40;
 constexpr std::size_t kMostAttributes = 100;  // headers stay short
 
 bool is_plain_name(const std::string& name) {
-  return !name.empty() && name.size() <= kMostName &&
+  return !name.empty() && name.size() <= kMostLetters &&
          std::ranges::all_of(name, [](char c) { return is_letter(c) || is_digit(c) || c == '_'; });
 }
 
@@ -44,7 +44,7 @@ Result<void> check_names(const std::string& file, const ParticleSet& particles) 
       return fail(ErrorCode::output,
                   fmt::format("{}: expected a name of letters, digits and underscores that nothing else has, found the "
                               "attribute '{}'",
-                              file, printable(attribute.name, 2 * kMostName)));
+                              file, printable(attribute.name, 2 * kMostLetters)));
     }
   }
   return {};

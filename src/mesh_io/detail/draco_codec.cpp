@@ -24,8 +24,8 @@ constexpr const char* kPlacementKey = "placement";
 // of both once more for each connectivity of attributes, whose seams may give each corner a vertex of its own (two maps
 // of vertices that grow by doubling, two that do not, the corners' vertices, the list of seams); of a value of an
 // attribute, beside its numbers, in the map from points and in the sequence of decoding.
-constexpr std::uint64_t kTriangleBytes = 96;
-constexpr std::uint64_t kVertexBytes = 96;
+constexpr std::uint64_t kCodecTriangleBytes = 96;
+constexpr std::uint64_t kCodecVertexBytes = 96;
 constexpr std::uint64_t kSeamTriangleBytes = 112;
 constexpr std::uint64_t kSeamVertexBytes = 24;
 constexpr std::uint64_t kValueMapBytes = 12;
@@ -58,9 +58,9 @@ std::optional<mesh::ComponentType> component_type(draco::DataType type) {
 }
 
 // Builds the library's mesh: points are vertices, or the corners of triangles where those have normals of their own.
-class Encoding {
+class DracoEncoding {
  public:
-  explicit Encoding(const DracoInput& input) : input_(input) {
+  explicit DracoEncoding(const DracoInput& input) : input_(input) {
     const std::size_t triangles = input.triangles.size();
     mesh_.set_num_points(static_cast<std::uint32_t>(input.face_normals ? 3 * triangles : input.positions.size()));
     mesh_.SetNumFaces(triangles);
@@ -188,7 +188,7 @@ class BoundedDecoder final : public Decoder {
     if (!draco::DecodeVarint(&first, &ahead) || !draco::DecodeVarint(&second, &ahead)) return false;
     // Of one method vertices come first, of the other triangles.
     const std::uint64_t most = std::max(first, second);
-    std::uint64_t bytes = most * (kTriangleBytes + kVertexBytes);
+    std::uint64_t bytes = most * (kCodecTriangleBytes + kCodecVertexBytes);
     if constexpr (std::is_same_v<Decoder, draco::MeshEdgebreakerDecoder>) {
       std::uint8_t connectivities = 0;
       if (!ahead.Decode(&connectivities)) return false;
@@ -266,7 +266,7 @@ DracoAttribute* DracoSurface::find(std::uint64_t id) {
 }
 
 Result<std::vector<std::byte>> encode_draco(const DracoInput& input, DracoMethod method) {
-  return Encoding(input).encode(method);
+  return DracoEncoding(input).encode(method);
 }
 
 bool is_draco(std::span<const std::byte> bytes) {

@@ -65,10 +65,10 @@ struct Element {
   }
 };
 
-enum class Encoding { text, little, big };
+enum class BodyEncoding { text, little, big };
 
 struct Header {
-  Encoding encoding = Encoding::text;
+  BodyEncoding encoding = BodyEncoding::text;
   std::vector<Element> elements;
   std::size_t bytes = 0;
   bool is_ours = false;   // a comment says so
@@ -94,11 +94,11 @@ Header read_header(std::string_view text, MemoryUse& memory) {
       const std::string_view name = scanner.word();
       has_format = true;
       if (name == "ascii") {
-        header.encoding = Encoding::text;
+        header.encoding = BodyEncoding::text;
       } else if (name == "binary_little_endian") {
-        header.encoding = Encoding::little;
+        header.encoding = BodyEncoding::little;
       } else if (name == "binary_big_endian") {
-        header.encoding = Encoding::big;
+        header.encoding = BodyEncoding::big;
       } else {
         scanner.expected("ascii, binary_little_endian or binary_big_endian", name);
       }
@@ -418,7 +418,7 @@ void read_body(Body body, const Header& header, const MeshSource& source, FileSu
   MemoryUse& memory = source.memory;
   std::uint64_t left = body.size();
   for (const Element& element : header.elements) {
-    const std::uint64_t least = element.least_bytes(header.encoding == Encoding::text);
+    const std::uint64_t least = element.least_bytes(header.encoding == BodyEncoding::text);
     const auto bytes = checked_product(element.count, least);
     // The last number of a text needs no blank behind it.
     if (!bytes || *bytes > left + 1) {
@@ -451,14 +451,14 @@ FileSurface read_ply(const MeshSource& source) {
   }
   const Header header = read_header(text, source.memory);
   FileSurface surface;
-  surface.format = header.encoding == Encoding::text ? "PLY, text" : "PLY, binary";
+  surface.format = header.encoding == BodyEncoding::text ? "PLY, text" : "PLY, binary";
   surface.is_ours = header.is_ours;
   surface.placement = header.placement;
   const std::string_view body = text.substr(header.bytes);
-  if (header.encoding == Encoding::text) {
+  if (header.encoding == BodyEncoding::text) {
     read_body(TextBody(body), header, source, surface);
   } else {
-    read_body(BinaryBody(body, header.encoding == Encoding::big), header, source, surface);
+    read_body(BinaryBody(body, header.encoding == BodyEncoding::big), header, source, surface);
   }
   return surface;
 }

@@ -7,13 +7,13 @@
 #include <fmt/format.h>
 
 #include "mesh_io/detail/placement_entry.hpp"
+#include "mesh_io/detail/stl_layout.hpp"
 #include "mesh_io/read/mesh_format_readers.hpp"
 
 namespace isoextract::mesh_io {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 80;
-constexpr std::size_t kPreambleBytes = kHeaderBytes + sizeof(std::uint32_t);
+constexpr std::size_t kPreambleBytes = kStlHeaderBytes + sizeof(std::uint32_t);
 constexpr std::size_t kRecordBytes = 4 * sizeof(glm::vec3) + sizeof(std::uint16_t);
 
 // `normals` are one a triangle, where they were asked for.
@@ -66,7 +66,7 @@ FileSurface read_binary(const MeshSource& source) {
     if (source.with_normals) std::memcpy(&normals[t], record, sizeof(glm::vec3));
   }
   FileSurface surface = weld(corners, std::move(normals), source, "STL, binary");
-  const std::string_view header = source.text().substr(0, kHeaderBytes);
+  const std::string_view header = source.text().substr(0, kStlHeaderBytes);
   surface.is_ours = is_signature(header);
   const std::string entry = fmt::format(" {} ", kPlacementEntry);
   if (const std::size_t at = header.find(entry); at != std::string_view::npos) {

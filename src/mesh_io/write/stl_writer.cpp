@@ -10,13 +10,12 @@
 #include "files/record_stream.hpp"
 #include "mesh/metrics.hpp"
 #include "mesh_io/detail/placement_entry.hpp"
+#include "mesh_io/detail/stl_layout.hpp"
 #include "mesh_io/write/mesh_encoding.hpp"
 #include "mesh_io/write/mesh_format_writers.hpp"
 
 namespace isoextract::mesh_io {
 namespace {
-
-constexpr std::size_t kHeaderBytes = 80;
 
 // What is lost where the mesh's own positions are finer than float32 coordinates.
 std::string precision_note(const mesh::Mesh& mesh) {
@@ -34,11 +33,11 @@ std::string precision_note(const mesh::Mesh& mesh) {
 }
 
 // Readers would take one that starts with "solid" for text; the program's name is another word.
-std::array<char, kHeaderBytes> binary_header(const std::string& placement) {
+std::array<char, kStlHeaderBytes> binary_header(const std::string& placement) {
   std::string text(generator());
   if (!placement.empty()) text += fmt::format(" {} ", kPlacementEntry);
-  text += text.size() + placement.size() <= kHeaderBytes ? std::string_view(placement) : kPlacementElsewhere;
-  std::array<char, kHeaderBytes> header{};
+  text += text.size() + placement.size() <= kStlHeaderBytes ? std::string_view(placement) : kPlacementElsewhere;
+  std::array<char, kStlHeaderBytes> header{};
   put_text(header.data(), text);
   return header;
 }
@@ -46,7 +45,7 @@ std::array<char, kHeaderBytes> binary_header(const std::string& placement) {
 template <class Position>
 Result<void> write_binary(const mesh::Mesh& mesh, Position position, const std::string& placement,
                           files::OutputFile& file) {
-  const std::array<char, kHeaderBytes> header = binary_header(placement);
+  const std::array<char, kStlHeaderBytes> header = binary_header(placement);
   const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
   auto written = file.write(std::as_bytes(std::span(header)));
   if (written) written = file.write(std::as_bytes(std::span(&count, 1)));

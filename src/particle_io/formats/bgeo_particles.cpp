@@ -15,7 +15,7 @@ namespace isoextract::particle_io {
 namespace {
 
 constexpr std::string_view kBgeoMagic = "BgeoV";
-constexpr std::size_t kMostName = 1024;  // bytes; Houdini's own names are far shorter
+constexpr std::size_t kMostNameBytes = 1024;  // bytes; Houdini's own names are far shorter
 
 std::uint32_t bgeo_whole(ContentReader& content, std::size_t bytes, std::string_view what) {
   std::uint32_t value = 0;
@@ -49,9 +49,9 @@ struct BgeoFile {
 // What an attribute of points is, and its default; it adds its columns and their places in a record.
 void read_bgeo_attribute(ContentReader& content, BgeoFile& bgeo) {
   const std::string name = bgeo_text(content, "the name of an attribute");
-  if (name.size() > kMostName) {
+  if (name.size() > kMostNameBytes) {
     throw DamagedParticles(fmt::format("expected a name of an attribute of at most {} bytes before byte {}, found {}",
-                                       kMostName, content.position(), name.size()));
+                                       kMostNameBytes, content.position(), name.size()));
   }
   const std::size_t size = bgeo_whole(content, 2, "the size of an attribute");
   const std::uint32_t type = bgeo_whole(content, 4, "the type of an attribute");
