@@ -35,7 +35,7 @@ struct ErrorStatistics {
 };
 
 // Takes distances one by one. The answer depends on the order of merging only in the last digits of rms; merged in a
-// fixed order (tbb::parallel_deterministic_reduce) it is the same for any number of threads.
+// fixed order (base/parallel.hpp) it is the same for any number of threads.
 class ErrorAccumulator {
  public:
   // `world_voxel` is about how long a voxel is in the world.

@@ -6,11 +6,9 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/partitioner.h>
 
 #include "accuracy/detail/same_triangles.hpp"
+#include "base/parallel.hpp"
 #include "mesh/greatest_distance.hpp"
 #include "mesh/metrics.hpp"
 #include "mesh/triangle_tree.hpp"
@@ -18,15 +16,12 @@
 namespace isoextract::accuracy {
 namespace {
 
-// The ends of the ranges follow from the size alone (simple_partitioner), and with them every hint.
+// The ends of the ranges follow from the size alone, and with them every hint.
 constexpr std::size_t kGrain = 512;
 
 template <class Body>
 void for_ranges(std::size_t size, const Body& body) {
-  const tbb::blocked_range<std::size_t> range(0, size, kGrain);
-  tbb::parallel_for(
-      range, [&](const tbb::blocked_range<std::size_t>& part) { body(part.begin(), part.end()); },
-      tbb::simple_partitioner());
+  for_each_fixed_range(size, kGrain, body);
 }
 
 // Two coordinates in the unit square for the n-th sample, spread evenly: the sequence R2 of M. Roberts, The

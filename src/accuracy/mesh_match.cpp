@@ -8,11 +8,10 @@
 #include <tuple>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include "accuracy/extraction_comparison.hpp"
 #include "accuracy/float_spacing.hpp"
-#include "base/reduction.hpp"
+#include "base/parallel.hpp"
 #include "mesh/buckets.hpp"
 #include "mesh/metrics.hpp"
 
@@ -109,7 +108,7 @@ class Places {
     rounded_ = Buffer<glm::vec3>(mesh.positions.size());
     const auto on_lattice = [&](const glm::dvec3& place) { return step * glm::floor(place / step + 0.5); };
     origin_ = step == 0 ? glm::dvec3(0) : on_lattice(mesh.origin);
-    tbb::parallel_for(std::size_t{0}, rounded_.size(), [&](std::size_t v) {
+    for_each_index(rounded_.size(), [&](std::size_t v) {
       rounded_[v] = step == 0 ? mesh.position(v) : on_lattice(mesh.position(v)) - origin_;
     });
     stored_ = rounded_.span();
@@ -149,7 +148,7 @@ mesh::Buckets<PlacedVertex> by_cell(const Places& places, const Cells& cells) {
 Buffer<std::uint32_t> first_at_place(const mesh::Buckets<PlacedVertex>& buckets, std::size_t vertices) {
   Buffer<std::uint32_t> first(vertices);
   std::fill(first.begin(), first.end(), kNoName);
-  tbb::parallel_for(std::size_t{0}, buckets.size(), [&](std::size_t b) {
+  for_each_index(buckets.size(), [&](std::size_t b) {
     const PlacedVertex* before = nullptr;
     for (const PlacedVertex& v : buckets.at(b)) {
       first[v.vertex] = before != nullptr && before->key() == v.key() ? first[before->vertex] : v.vertex;
@@ -216,7 +215,7 @@ Result<MeshMatch> match_meshes(const mesh::Mesh& written, const mesh::Mesh& extr
   Buffer<std::uint32_t> their_names = first_at_place(by_cell(theirs, cells), written.positions.size());
 
   Buffer<Nearest> nearest(written.positions.size());
-  tbb::parallel_for(std::size_t{0}, nearest.size(), [&](std::size_t v) {
+  for_each_index(nearest.size(), [&](std::size_t v) {
     nearest[v] =
         their_names[v] == v ? nearest_to(written.position(v), result.allowed, ours, cells, our_buckets) : Nearest{};
   });

@@ -4,9 +4,7 @@
 #include <atomic>
 #include <vector>
 
-#include <tbb/parallel_for.h>
-
-#include "base/reduction.hpp"
+#include "base/parallel.hpp"
 #include "mesh/components.hpp"
 
 namespace isoextract::accuracy {
@@ -28,14 +26,14 @@ std::uint64_t count_found(const mesh::Mesh& mesh, const mesh::Mesh& surface, con
                           const mesh::Components& components, std::span<const std::uint8_t> counts,
                           const Context& context) {
   std::vector<std::uint8_t> found(components.count(), 0);
-  tbb::parallel_for(PointRange(0, mesh.positions.size(), 1 << 12), [&](const PointRange& range) {
+  for_each_range(mesh.positions.size(), 1 << 12, [&](std::size_t begin, std::size_t end) {
     std::uint32_t near = 0;
-    for (std::size_t v = range.begin(); v != range.end() && !context.cancelled(); ++v) {
+    for (std::size_t v = begin; v != end && !context.cancelled(); ++v) {
       near = tree.nearest(mesh.position(v) - surface.origin, near).slot;
       const std::uint32_t label = components.of_vertex(surface.triangles[tree.triangle(near)].x);
       if (label < found.size()) std::atomic_ref(found[label]).store(1, std::memory_order_relaxed);
     }
-    context.progress().advance(range.size());
+    context.progress().advance(end - begin);
   });
   std::uint64_t both = 0;
   for (std::size_t c = 0; c < found.size(); ++c) both += found[c] != 0 && counts[c] != 0 ? 1 : 0;

@@ -5,14 +5,21 @@
 #include <cstddef>
 #include <new>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
+#include "base/parallel.hpp"
 #include "base/progress.hpp"
 
 namespace isoextract {
 
-using PointRange = tbb::blocked_range<std::size_t>;
+class PointRange {
+ public:
+  PointRange(std::size_t begin, std::size_t end) : begin_(begin), end_(end) {}
+  [[nodiscard]] std::size_t begin() const { return begin_; }
+  [[nodiscard]] std::size_t end() const { return end_; }
+
+ private:
+  std::size_t begin_;
+  std::size_t end_;
+};
 
 // Runs body(range, sums) over [0, count) in pieces of at most `piece`, each into sums that start as a copy of `none`,
 // and merges them with Sums::merge in an order that depends on `count` only. A copy of `none` takes no memory. Throws
@@ -33,13 +40,13 @@ template <class Sums, class Body>
     }
     return none;
   };
-  Sums all = tbb::parallel_deterministic_reduce(
-      PointRange(0, count, piece), none,
-      [&](const PointRange& range, const Sums& before) {
+  Sums all = reduce_ranges(
+      count, piece, none,
+      [&](std::size_t begin, std::size_t end, const Sums& before) {
         return guarded([&] {
           Sums sums = before;
-          body(range, sums);
-          if (progress != nullptr) progress->advance(range.size());
+          body(PointRange{begin, end}, sums);
+          if (progress != nullptr) progress->advance(end - begin);
           return sums;
         });
       },

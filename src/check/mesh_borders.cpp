@@ -6,10 +6,9 @@
 #include <tuple>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include "base/no_memory.hpp"
+#include "base/parallel.hpp"
 #include "mesh/adjacency.hpp"
 
 namespace isoextract::check {
@@ -56,10 +55,10 @@ class BorderSearch {
     const auto triangles = mesh_.triangles.span();
     Buffer<std::uint8_t> sound(mesh_.positions.size());
     constexpr std::size_t kVerticesAtATime = 1 << 10;
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, sound.size(), kVerticesAtATime), [&](const auto& range) {
+    for_each_range(sound.size(), kVerticesAtATime, [&](std::size_t begin, std::size_t end) {
       mesh::VertexStar star;
       std::vector<mesh::Corner> corners;
-      for (std::size_t v = range.begin(); v != range.end(); ++v) {
+      for (std::size_t v = begin; v != end; ++v) {
         take_sound_corners(adjacency_.corners(v), triangles, corners);
         if (!corners.empty()) star.look_at(corners, triangles);
         sound[v] = corners.empty() || star.is_closed_fan() ? 1 : 0;

@@ -5,8 +5,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include "base/no_memory.hpp"
 #include "check/detail/places.hpp"

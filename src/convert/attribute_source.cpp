@@ -6,9 +6,8 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
+#include "base/parallel.hpp"
 #include "base/printable.hpp"
 #include "base/reserved_buffer.hpp"
 #include "base/stopwatch.hpp"
@@ -26,8 +25,8 @@ Result<std::shared_ptr<ReservedBuffer<glm::dvec3>>> world_positions(const field:
                                                                     const mesh::Mesh& mesh, const Context& context) {
   auto places = make_reserved_buffer<glm::dvec3>(mesh.positions.size(), context, "places of vertices");
   if (!places) return places;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.positions.size(), 4096), [&](const auto& range) {
-    for (std::size_t v = range.begin(); v < range.end(); ++v) {
+  for_each_range(mesh.positions.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
       (*places)->values[v] = world_from_output(mesh.position(v));
     }
   });

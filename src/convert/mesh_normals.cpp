@@ -9,10 +9,9 @@
 #include <variant>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include "base/buffer.hpp"
+#include "base/parallel.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/stages/mesh_facts.hpp"
 #include "convert/stages/surface_stages.hpp"
@@ -117,9 +116,8 @@ Result<StageReport> fit_normals(Surface& surface, const StageContext& stage) {
   Buffer<std::uint8_t> planes(triangles);
   if (has_caps) {
     const CapFaces face_of(mesh, source.output_from_index, box, cuts);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles, 1 << 12), [&](const auto& part) {
-      for (std::size_t t = part.begin(); t != part.end(); ++t) planes[t] = face_of(mesh.triangles[t]);
-    });
+    for_each_index(
+        triangles, [&](std::size_t t) { planes[t] = face_of(mesh.triangles[t]); }, 1 << 12);
     options.planes = std::as_const(planes).span();
   }
   const std::uint64_t before = mesh.positions.size();

@@ -5,9 +5,8 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
+#include "base/parallel.hpp"
 #include "convert/stages/surface_stages.hpp"
 #include "mesh/half_space.hpp"
 #include "mesh/metrics.hpp"
@@ -37,8 +36,8 @@ Result<edit::Sites> voxel_sites(const mesh::Mesh& mesh, const Source& source, co
   const double on_plane = 2 * mesh::on_plane_distance(mesh::farthest_coordinate(mesh.positions.span()));
   const field::Affine index_from_output = source.output_from_index.inverse();
   edit::Sites sites(mesh.positions.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, sites.size(), 1 << 12), [&](const auto& range) {
-    for (std::size_t v = range.begin(); v != range.end(); ++v) {
+  for_each_range(sites.size(), 1 << 12, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v != end; ++v) {
       const glm::dvec3 place = mesh.position(v);
       const bool is_cut = std::ranges::any_of(
           source.clip, [&](const mesh::HalfSpace& kept) { return std::abs(kept.depth(place)) <= on_plane; });

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <tbb/parallel_for.h>
 
 #include "base/finite.hpp"
+#include "base/parallel.hpp"
 #include "convert/json_values.hpp"
 
 namespace isoextract::convert {
@@ -197,8 +197,8 @@ std::string placement_text(const ResolvedPlacement& resolved) {
 void move_mesh(mesh::Mesh& mesh, const field::Affine& map, const std::vector<NamedKind>& attributes) {
   if (map == field::Affine()) return;
   mesh.origin = map(mesh.origin);
-  tbb::parallel_for(std::size_t{0}, mesh.positions.size(),
-                    [&](std::size_t v) { mesh.positions[v] = glm::vec3(map.linear * glm::dvec3(mesh.positions[v])); });
+  for_each_index(mesh.positions.size(),
+                 [&](std::size_t v) { mesh.positions[v] = glm::vec3(map.linear * glm::dvec3(mesh.positions[v])); });
   change_attributes(mesh, attributes, map);
   if (map.determinant() > 0) return;
   for (glm::uvec3& triangle : mesh.triangles) std::swap(triangle.y, triangle.z);

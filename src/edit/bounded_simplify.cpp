@@ -9,11 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include "base/no_memory.hpp"
+#include "base/parallel.hpp"
 #include "edit/detail/collapse_state.hpp"
 #include "edit/detail/distance_proof.hpp"
 #include "edit/detail/edge_collapse.hpp"
@@ -232,7 +231,7 @@ class Simplifier {
       return static_cast<std::uint64_t>(static_cast<double>(share.work) * static_cast<double>(triangle) /
                                         static_cast<double>(std::max<std::size_t>(triangles.size(), 1)));
     };
-    tbb::parallel_for(std::size_t{0}, patches, [&](std::size_t p) {
+    for_each_index(patches, [&](std::size_t p) {
       if (context_.cancelled()) return;
       const std::span patch(triangles.data() + first[p], first[p + 1] - first[p]);
       CollapseLimits own = limits;
@@ -283,8 +282,8 @@ class Simplifier {
     if (!(size < largest)) return places;
     const double side = std::max(size, largest / kMostCells);
     const double shift = facts_.rounds % 2 == 0 ? 1.0 : 1.5;  // corners that are outside have no negative number
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, places.size()), [&](const auto& part) {
-      for (std::size_t i = part.begin(); i < part.end(); ++i) {
+    for_each_range(places.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
         const glm::uvec3& c = state_.corners[places[i].triangle];
         const glm::dvec3 centre = (glm::dvec3(state_.positions[c.x]) + glm::dvec3(state_.positions[c.y]) +
                                    glm::dvec3(state_.positions[c.z])) /

@@ -9,9 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
+#include "base/parallel.hpp"
 #include "edit/detail/cut_cap.hpp"
 #include "mesh/metrics.hpp"
 
@@ -33,8 +31,8 @@ class PlaneCut {
         ends_(ends),
         on_plane_(mesh::on_plane_distance(mesh::farthest_coordinate(mesh.positions.span()))),
         depth_(mesh.positions.size()) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, depth_.size(), 4096), [&](const auto& range) {
-      for (std::size_t v = range.begin(); v < range.end(); ++v) {
+    for_each_range(depth_.size(), 4096, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) {
         const double depth = kept.depth(mesh.position(v));
         depth_[v] = std::abs(depth) <= on_plane_ ? 0 : depth;
       }

@@ -9,11 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
-
 #include "base/no_memory.hpp"
+#include "base/parallel.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/metrics.hpp"
 
@@ -27,8 +24,8 @@ constexpr std::size_t kVerticesAtATime = 1 << 12;
 
 template <class Body>
 void for_each_vertex(std::size_t count, const Body& body) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kVerticesAtATime), [&](const auto& range) {
-    for (std::size_t v = range.begin(); v != range.end(); ++v) body(v);
+  for_each_range(count, kVerticesAtATime, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v != end; ++v) body(v);
   });
 }
 
@@ -230,10 +227,10 @@ Result<SmoothFacts> smooth_mesh(mesh::Mesh& mesh, const SmoothOptions& options, 
     context.progress().begin("smoothing", options.passes);
     auto moves = TRY(options.method == SmoothMethod::taubin ? taubin_moves(signal, vertices, options, context)
                                                             : sinc_moves(signal, vertices, options, context));
-    const glm::dvec2 most = tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, vertices, kVerticesAtATime), glm::dvec2(0),
-        [&](const auto& range, glm::dvec2 so_far) {
-          for (std::size_t v = range.begin(); v != range.end(); ++v) {
+    const glm::dvec2 most = reduce_ranges(
+        vertices, kVerticesAtATime, glm::dvec2(0),
+        [&](std::size_t begin, std::size_t end, glm::dvec2 so_far) {
+          for (std::size_t v = begin; v != end; ++v) {
             const glm::vec3 place = glm::dvec3(mesh.positions[v]) + glm::dvec3(moves[v]);
             const glm::dvec3 move = glm::dvec3(place) - glm::dvec3(mesh.positions[v]);
             so_far = glm::max(so_far, {glm::length(options.to_metric * move), glm::length(move)});

@@ -7,10 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
-
+#include "base/parallel.hpp"
 #include "base/srgb.hpp"
 
 namespace isoextract::edit {
@@ -39,10 +36,10 @@ class ColorValues {
 // Of the finite values; 0 and 0 where there are none.
 ValueRange range_of(const ColorValues& value, std::size_t vertices) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const ValueRange range = tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, vertices, 1 << 14), ValueRange{kInfinity, -kInfinity},
-      [&](const tbb::blocked_range<std::size_t>& part, ValueRange found) {
-        for (std::size_t v = part.begin(); v != part.end(); ++v) {
+  const ValueRange range = reduce_ranges(
+      vertices, 1 << 14, ValueRange{kInfinity, -kInfinity},
+      [&](std::size_t begin, std::size_t end, ValueRange found) {
+        for (std::size_t v = begin; v != end; ++v) {
           const double x = value(v);
           if (std::isfinite(x)) found = {std::min(found[0], x), std::max(found[1], x)};
         }
@@ -107,9 +104,9 @@ Result<ValueColors> color_by_values(mesh::Mesh& mesh, const std::string& attribu
   const ValueRange ends = range ? *range : range_of(value, vertices);  // which looks at every vertex
   const bool linear = storage == ColorStorage::linear_u16;
   std::atomic<std::uint64_t> not_numbers{0};
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices, 4096), [&](const auto& part) {
+  for_each_range(vertices, 4096, [&](std::size_t begin, std::size_t end) {
     std::uint64_t grey = 0;
-    for (std::size_t v = part.begin(); v != part.end(); ++v) {
+    for (std::size_t v = begin; v != end; ++v) {
       const double place = place_in(ends, value(v));
       if (std::isnan(place)) ++grey;
       put_color(color_at(map, place), linear, made.values.data() + v * made.stride());

@@ -2,8 +2,7 @@
 
 #include <atomic>
 
-#include <tbb/parallel_for.h>
-
+#include "base/parallel.hpp"
 #include "extract/detail/classify_samples.hpp"
 #include "extract/row_bits.hpp"
 
@@ -33,7 +32,7 @@ std::uint64_t classify(const DenseView<T>& view, const InsideThreshold<T>& thres
   std::atomic<bool> border_inside{false};
   std::atomic<bool> border_outside{false};
   if (progress != nullptr) progress->begin("classifying samples", static_cast<std::uint64_t>(nz));
-  tbb::parallel_for(0, nz, [&, nx = nx, ny = ny](int k) {
+  for_each_index(nz, [&, nx = nx, ny = ny](int k) {
     std::uint64_t slice_nan = 0;
     BorderSides slice_border;
     for (int j = 0; j < ny; ++j) {

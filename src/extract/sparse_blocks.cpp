@@ -5,7 +5,7 @@
 #include <numeric>
 #include <tuple>
 
-#include <tbb/parallel_for.h>
+#include "base/parallel.hpp"
 
 namespace isoextract::extract {
 namespace {
@@ -75,7 +75,7 @@ std::vector<glm::ivec3> unstored_places(const field::SparseSamples& samples, con
   constexpr int kPlaces = field::SparseLookup::Node::kPlaces;
   constexpr int kSide = kPlaces + 2;
   std::vector<std::vector<glm::ivec3>> found(lookup.nodes().size() + 1);
-  tbb::parallel_for(std::size_t{0}, lookup.nodes().size(), [&](std::size_t n) {
+  for_each_index(lookup.nodes().size(), [&](std::size_t n) {
     const field::SparseLookup::Node& node = lookup.nodes()[n];
     // Where little is stored, its surroundings are looked at and not the whole node.
     constexpr std::size_t kLittle = 64;

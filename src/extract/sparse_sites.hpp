@@ -8,8 +8,7 @@
 #include <string>
 #include <vector>
 
-#include <tbb/parallel_for.h>
-
+#include "base/parallel.hpp"
 #include "extract/edge_geometry.hpp"
 #include "extract/extractor.hpp"
 #include "extract/sparse_blocks.hpp"
@@ -88,9 +87,9 @@ class SparseSites {
   void for_each(const char* stage, std::size_t count, const F& f) const {
     constexpr std::size_t kGrain = 64;
     context_.progress().begin(stage, count);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
-      for (std::size_t i = range.begin(); i != range.end(); ++i) f(i);
-      context_.progress().advance(range.size());
+    for_each_range(count, kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i != end; ++i) f(i);
+      context_.progress().advance(end - begin);
     });
   }
 

@@ -10,8 +10,8 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
+#include "base/parallel.hpp"
 #include "extract/dense_input.hpp"
 #include "extract/detail/label_samples.hpp"
 #include "extract/detail/net_points.hpp"
@@ -285,7 +285,7 @@ struct LabelVoxels::Found {
     wrong.assign(portions, std::nullopt);
     nan_samples.assign(portions, 0);
     context.progress().begin("finding labels", portions);
-    tbb::parallel_for(std::size_t{0}, portions, [&](std::size_t p) {
+    for_each_index(portions, [&](std::size_t p) {
       if (context.cancelled()) return;
       ChunkLabels chunk(*filter, nan);
       add(chunk, kChunksATask * p, std::min(kChunksATask * (p + 1), count), tasks[p]);

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
+#include "base/parallel.hpp"
 #include "base/reserved_buffer.hpp"
 #include "extract/dense_input.hpp"
 #include "extract/detail/voxel_input.hpp"
@@ -26,7 +26,7 @@ Result<VoxelChunks> fill_chunks(const field::ScalarField& field, std::size_t cou
                                 const Origin& origin, VoxelChunks::Unlisted unlisted, const Context& context) {
   auto memory = TRY(context.reserve(VoxelChunks::bytes(count), chunks_text(field)));
   std::vector<VoxelChunk> chunks(count);
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n) {
+  for_each_index(count, [&](std::size_t n) {
     ChunkBits bits;
     fill(n, bits);
     const auto all = [&](std::uint64_t word) {
@@ -41,7 +41,7 @@ Result<VoxelChunks> fill_chunks(const field::ScalarField& field, std::size_t cou
   for (VoxelChunk& chunk : chunks) {
     if (is_mixed(chunk)) chunk.bits = &bits->values[next++];
   }
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n) {
+  for_each_index(count, [&](std::size_t n) {
     if (chunks[n].bits == &full_chunk() || chunks[n].bits == &empty_chunk()) return;
     fill(n, bits->values[static_cast<std::size_t>(chunks[n].bits - bits->values.data())]);
   });

@@ -14,8 +14,8 @@
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
+#include "base/parallel.hpp"
 #include "field/detail/blurred_samples.hpp"
 
 namespace isoextract::field {
@@ -107,7 +107,7 @@ class DensePasses {
     const std::int64_t beside_step = strides[static_cast<std::size_t>(beside)];
     const std::int64_t group_step = strides[static_cast<std::size_t>(groups)];
     tbb::enumerable_thread_specific<std::vector<double>> scratch;
-    tbb::parallel_for(std::int64_t{0}, std::int64_t{dims_[groups]}, [&](std::int64_t group) {
+    for_each_index(std::int64_t{dims_[groups]}, [&](std::int64_t group) {
       if (context_.cancelled()) return;
       for (std::int64_t line = 0; line < dims_[beside]; line += kLines) {
         const std::int64_t lines = std::min(kLines, dims_[beside] - line);

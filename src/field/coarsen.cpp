@@ -4,8 +4,8 @@
 #include <tuple>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
+#include "base/parallel.hpp"
 #include "base/reserved_buffer.hpp"
 #include "field/sparse_lookup.hpp"
 
@@ -49,7 +49,7 @@ Result<Samples> coarsen_dense(const ScalarField& field, const DenseSamples& fine
   const glm::i64vec3 dims(fine.dims);
   const auto* source = static_cast<const T*>(fine.data);
   context.progress().begin("making the field coarser", static_cast<std::uint64_t>(coarse.dims.z));
-  tbb::parallel_for(0, coarse.dims.z, [&](int k) {
+  for_each_index(coarse.dims.z, [&](int k) {
     auto* row = values + static_cast<std::size_t>(coarse.dims.x) * static_cast<std::size_t>(coarse.dims.y) *
                              static_cast<std::size_t>(k);
     for (int j = 0; j < coarse.dims.y; ++j) {
@@ -98,7 +98,7 @@ Result<Samples> coarsen_sparse(const ScalarField& field, const SparseSamples& fi
   Coarse<T>* const values = made->values.data();
   const SparseLookup lookup(fine);
   context.progress().begin("making the field coarser", origins.size());
-  tbb::parallel_for(std::size_t{0}, origins.size(), [&](std::size_t b) {
+  for_each_index(origins.size(), [&](std::size_t b) {
     for (int v = 0; v < kBlockSamples; ++v) {
       const glm::ivec3 p = origins[b] + glm::ivec3(v >> 6, v >> 3 & 7, v & 7);
       values[b * kBlockSamples + static_cast<std::size_t>(v)] =

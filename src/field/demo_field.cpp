@@ -10,9 +10,9 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <tbb/parallel_for.h>
 
 #include "base/hash.hpp"
+#include "base/parallel.hpp"
 #include "base/reserved_buffer.hpp"
 #include "field/demo_formulas.hpp"
 
@@ -238,7 +238,7 @@ Result<ScalarField> make_demo_field(std::string_view spec, const Context& contex
   const Demo& demo = *find_demo(parsed.name);
   const FillRow fill = parsed.time == 0 ? demo.make(axis) : demo.make_moved(axis, parsed.time);
   context.progress().begin("making the demo field", n);
-  tbb::parallel_for(std::size_t{0}, n, [&](std::size_t k) {
+  for_each_index(n, [&](std::size_t k) {
     if (context.cancelled()) return;
     for (std::size_t j = 0; j < n; ++j) fill(j, k, values + n * (j + n * k));
     context.progress().advance(1);

@@ -7,9 +7,8 @@
 #include <type_traits>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
+#include "base/parallel.hpp"
 #include "base/reserved_buffer.hpp"
 
 namespace isoextract::field {
@@ -60,11 +59,11 @@ template <class T>
 Result<void> mark(ScalarField& field, const DenseSamples& samples, double value, const Context& context) {
   const NoDataTest<T> is_no_data(field.scale, value);
   const T* const from = static_cast<const T*>(samples.data);
-  const tbb::blocked_range<std::size_t> all(0, samples.count(), kMarkedAtOnce);
+  const std::size_t all = samples.count();
   std::atomic<std::uint64_t> found{0};
-  tbb::parallel_for(all, [&](const auto& range) {
+  for_each_range(all, kMarkedAtOnce, [&](std::size_t begin, std::size_t end) {
     std::uint64_t count = 0;
-    for (std::size_t i = range.begin(); i < range.end(); ++i) count += is_no_data(from[i]) ? 1 : 0;
+    for (std::size_t i = begin; i < end; ++i) count += is_no_data(from[i]) ? 1 : 0;
     found += count;
   });
   if (found == 0) {
@@ -75,8 +74,8 @@ Result<void> mark(ScalarField& field, const DenseSamples& samples, double value,
   auto made = TRY(make_reserved_buffer<Marked>(samples.count(), context,
                                                fmt::format("{}: samples with NaN for no data", field.source)));
   Marked* const to = made->values.data();
-  tbb::parallel_for(all, [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+  for_each_range(all, kMarkedAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
       to[i] = is_no_data(from[i]) ? std::numeric_limits<Marked>::quiet_NaN() : static_cast<Marked>(from[i]);
     }
   });

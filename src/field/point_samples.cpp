@@ -8,9 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
+#include "base/parallel.hpp"
 #include "field/sparse_lookup.hpp"
 
 namespace isoextract::field {
@@ -86,11 +84,11 @@ Result<PointCounts> sample_points(const ScalarField& field, std::span<const glm:
   context.progress().begin("sampling attributes", places.size());
   visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
     const StoredValues<T> stored(field.samples, nodes);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, places.size(), 2048), [&](const auto& range) {
+    for_each_range(places.size(), 2048, [&](std::size_t begin, std::size_t end) {
       if (context.cancelled()) return;
       std::uint64_t beyond = 0;
       std::uint64_t no_numbers = 0;
-      for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      for (std::size_t i = begin; i != end; ++i) {
         const glm::dvec3 index = index_of_world(places[i]);
         const glm::dvec3 nearest = stored.nearest(index);
         if (dense && glm::any(glm::greaterThan(glm::abs(index - nearest), glm::dvec3(kBorder)))) ++beyond;
@@ -100,7 +98,7 @@ Result<PointCounts> sample_points(const ScalarField& field, std::span<const glm:
       }
       outside.fetch_add(beyond, std::memory_order_relaxed);
       not_finite.fetch_add(no_numbers, std::memory_order_relaxed);
-      context.progress().advance(range.size());
+      context.progress().advance(end - begin);
     });
   });
   TRY(context.check());

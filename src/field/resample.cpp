@@ -12,10 +12,10 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include "base/byte_size.hpp"
 #include "base/checked.hpp"
+#include "base/parallel.hpp"
 #include "base/reserved_buffer.hpp"
 #include "field/detail/axis_weights.hpp"
 #include "field/sample_value.hpp"
@@ -326,7 +326,7 @@ void fill(const SourceRows<T>& source, const glm::ivec3& old_dims, const glm::iv
   const AxisWeights& along_z = weights[2];
   const std::int64_t bands = (std::int64_t{dims.y} + kRows - 1) / kRows;
   context.progress().begin("resampling", static_cast<std::uint64_t>(bands * dims.z));
-  tbb::parallel_for(std::int64_t{0}, bands * dims.z, [&](std::int64_t part) {
+  for_each_index(bands * dims.z, [&](std::int64_t part) {
     const auto k = static_cast<int>(part / bands);
     const int first = static_cast<int>(part % bands) * kRows;
     const int end = first + std::min(kRows, dims.y - first);

@@ -8,9 +8,7 @@
 #include <span>
 #include <variant>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
+#include "base/parallel.hpp"
 #include "field/detail/sample_passes.hpp"
 #include "field/sparse_lookup.hpp"
 
@@ -166,17 +164,17 @@ class PassedCounter {
 
   [[nodiscard]] Passed count() const {
     const auto sum = [](Passed a, const Passed& b) { return a += b; };
-    Passed passed = tbb::parallel_deterministic_reduce(
-        tbb::blocked_range<std::size_t>(0, samples_.tiles.size(), 16), Passed{},
-        [&](const tbb::blocked_range<std::size_t>& range, Passed part) {
-          for (std::size_t t = range.begin(); t != range.end(); ++t) part += of_tile(samples_.tiles[t]);
+    Passed passed = reduce_ranges(
+        samples_.tiles.size(), 16, Passed{},
+        [&](std::size_t begin, std::size_t end, Passed part) {
+          for (std::size_t t = begin; t != end; ++t) part += of_tile(samples_.tiles[t]);
           return part;
         },
         sum);
-    return passed += tbb::parallel_deterministic_reduce(
-               tbb::blocked_range<std::size_t>(0, samples_.blocks.size(), 64), Passed{},
-               [&](const tbb::blocked_range<std::size_t>& range, Passed part) {
-                 for (std::size_t b = range.begin(); b != range.end(); ++b) part += of_block(samples_.blocks[b]);
+    return passed += reduce_ranges(
+               samples_.blocks.size(), 64, Passed{},
+               [&](std::size_t begin, std::size_t end, Passed part) {
+                 for (std::size_t b = begin; b != end; ++b) part += of_block(samples_.blocks[b]);
                  return part;
                },
                sum);
@@ -288,10 +286,10 @@ template <class T>
 std::uint64_t crossings_along_rows(const DenseSamples& dense, const ScalarField& field, double iso) {
   const auto row_length = static_cast<std::size_t>(dense.dims.x);
   const std::span<const T> all(static_cast<const T*>(dense.data), dense.count());
-  return tbb::parallel_deterministic_reduce(
-      tbb::blocked_range<std::size_t>(0, all.size() / row_length, 64), std::uint64_t{0},
-      [&](const tbb::blocked_range<std::size_t>& rows, std::uint64_t crossings) {
-        for (std::size_t row = rows.begin(); row != rows.end(); ++row) {
+  return reduce_ranges(
+      all.size() / row_length, 64, std::uint64_t{0},
+      [&](std::size_t begin, std::size_t end, std::uint64_t crossings) {
+        for (std::size_t row = begin; row != end; ++row) {
           crossings += count_crossings(all.subspan(row * row_length, row_length), field, iso);
         }
         return crossings;
@@ -308,10 +306,11 @@ std::uint64_t count_vertices(const ScalarField& field, double iso, const std::op
   if (box) samples = {glm::max(samples.min, box->min), glm::min(samples.max, box->max)};
   if (samples.empty()) return 0;
   return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
-    return tbb::parallel_deterministic_reduce(
-        tbb::blocked_range<int>(samples.min.z, samples.max.z + 1), std::uint64_t{0},
-        [&](const tbb::blocked_range<int>& planes, std::uint64_t crossings) {
-          for (int k = planes.begin(); k != planes.end(); ++k) {
+    return reduce_ranges(
+        static_cast<std::size_t>(samples.max.z - samples.min.z) + 1, 1, std::uint64_t{0},
+        [&](std::size_t begin, std::size_t end, std::uint64_t crossings) {
+          for (std::size_t plane = begin; plane != end; ++plane) {
+            const int k = samples.min.z + static_cast<int>(plane);
             for (int j = samples.min.y; j <= samples.max.y; ++j) {
               crossings += count_from_row<T>(field, *dense, samples, iso, j, k);
             }

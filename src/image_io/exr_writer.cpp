@@ -15,8 +15,8 @@
 #include <ImfIO.h>
 #include <ImfOutputFile.h>
 #include <half.h>
-#include <tbb/parallel_for.h>
 
+#include "base/parallel.hpp"
 #include "base/reserved_buffer.hpp"
 
 namespace isoextract::image_io {
@@ -58,7 +58,7 @@ void encode(MemoryStream& stream, const LightImage& image, std::span<Imath::half
   const auto add = [&](const char* name, const std::function<float(std::size_t)>& value) {
     const std::span<Imath::half> plane = halves.first(pixels);
     halves = halves.subspan(pixels);
-    tbb::parallel_for(std::size_t{0}, pixels / width, [&](std::size_t y) {
+    for_each_index(pixels / width, [&](std::size_t y) {
       for (std::size_t i = y * width; i < (y + 1) * width; ++i) plane[i] = value(i);
     });
     header.channels().insert(name, Imf::Channel(Imf::HALF));

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include <png.h>
-#include <tbb/parallel_for.h>
 
+#include "base/parallel.hpp"
 #include "base/reserved_buffer.hpp"
 #include "base/srgb.hpp"
 
@@ -46,7 +46,7 @@ Result<EncodedImage> encode_png(const LightImage& image, const std::string& name
       TRY(make_reserved_buffer<std::uint8_t>(row_bytes * static_cast<std::size_t>(image.height), context, what));
   auto encoded = TRY(make_reserved_buffer<std::byte>(PNG_IMAGE_PNG_SIZE_MAX(header), context, what));
 
-  tbb::parallel_for(std::size_t{0}, static_cast<std::size_t>(image.height), [&](std::size_t y) {
+  for_each_index(static_cast<std::size_t>(image.height), [&](std::size_t y) {
     const auto width = static_cast<std::size_t>(image.width);
     encode_row(image.colour.subspan(y * width, width), channels, rows->values.data() + y * row_bytes);
   });

@@ -4,8 +4,7 @@
 #include <cstring>
 #include <utility>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "base/parallel.hpp"
 
 namespace isoextract::mesh {
 
@@ -27,8 +26,8 @@ void map_attribute(Attribute& attribute, AttributeKind kind, const glm::dmat3& l
   mapped.normalised = false;
   const std::size_t vertices = attribute.values.size() / attribute.stride();
   mapped.values = Buffer<std::byte>(vertices * mapped.stride());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices, 1 << 12), [&](const auto& range) {
-    for (std::size_t v = range.begin(); v != range.end(); ++v) {
+  for_each_range(vertices, 1 << 12, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v != end; ++v) {
       const std::byte* from = attribute.at(v).data();
       const std::size_t size = component_size(attribute.type);
       glm::dvec3 value;

@@ -7,9 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
+#include "base/parallel.hpp"
 #include "mesh/mesh.hpp"
 
 namespace isoextract::mesh {
@@ -38,8 +36,8 @@ Buffer<T> gathered(const Buffer<T>& old, std::size_t stride, std::span<const std
   if (old.empty()) return {};
   constexpr std::size_t kGrain = 1 << 14;
   Buffer<T> values(old_of_new.size() * stride);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, old_of_new.size(), kGrain), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+  for_each_range(old_of_new.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i != end; ++i) {
       std::copy_n(old.data() + old_of_new[i] * stride, stride, values.data() + i * stride);
     }
   });

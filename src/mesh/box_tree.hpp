@@ -9,10 +9,10 @@
 #include <limits>
 #include <span>
 
-#include <tbb/parallel_for.h>
 #include <glm/glm.hpp>
 
 #include "base/buffer.hpp"
+#include "base/parallel.hpp"
 
 namespace isoextract::mesh {
 
@@ -104,20 +104,18 @@ template <class Box, class BoxOf>
 void BoxTree::fit(std::span<Box> all, const BoxOf& box_of) const {
   constexpr std::size_t kGrain = 1 << 9;
   for (std::size_t level = depth_ + 1; level-- > 0;) {
-    const auto nodes = tbb::blocked_range<std::size_t>(0, std::size_t{1} << level, kGrain);
-    tbb::parallel_for(nodes, [&](const auto& range) {
-      for (std::size_t number = range.begin(); number != range.end(); ++number) {
-        const Node node{level, number};
-        if (level < depth_) {
-          all[node.index()] = all[node.child(0).index()].with(all[node.child(1).index()]);
-          continue;
-        }
-        const auto inside = numbers_of(node);
-        Box box = box_of(inside[0]);
-        for (const std::uint32_t item : inside.subspan(1)) box = box.with(box_of(item));
-        all[node.index()] = box;
+    const auto fit_node = [&](std::size_t number) {
+      const Node node{level, number};
+      if (level < depth_) {
+        all[node.index()] = all[node.child(0).index()].with(all[node.child(1).index()]);
+        return;
       }
-    });
+      const auto inside = numbers_of(node);
+      Box box = box_of(inside[0]);
+      for (const std::uint32_t item : inside.subspan(1)) box = box.with(box_of(item));
+      all[node.index()] = box;
+    };
+    for_each_index(std::size_t{1} << level, fit_node, kGrain);
   }
 }
 

@@ -8,11 +8,9 @@
 #include <span>
 #include <utility>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include "base/buffer.hpp"
 #include "base/hash.hpp"
+#include "base/parallel.hpp"
 
 namespace isoextract::mesh {
 
@@ -57,8 +55,8 @@ class Buckets {
 
   template <class F>
   static void each(std::size_t count, const F& f) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
-      for (std::size_t i = range.begin(); i != range.end(); ++i) f(i);
+    for_each_range(count, kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i != end; ++i) f(i);
     });
   }
 

@@ -7,9 +7,8 @@
 #include <string>
 #include <utility>
 
-#include <tbb/parallel_for.h>
-
 #include "base/no_memory.hpp"
+#include "base/parallel.hpp"
 #include "mesh/adjacency.hpp"
 
 namespace isoextract::mesh {
@@ -64,7 +63,7 @@ std::vector<ComponentFacts> measure(const Mesh& mesh, const Components& componen
   // A map that mirrors turns no shell inside out.
   const double handedness = glm::determinant(to_metric) < 0 ? -1 : 1;
   std::vector<std::vector<PartialSum>> chunks((mesh.triangles.size() + kChunk - 1) / kChunk);
-  tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t chunk) {
+  for_each_index(chunks.size(), [&](std::size_t chunk) {
     chunks[chunk] = sums_of_chunk(mesh, components, to_metric, handedness, chunk);
   });
   constexpr double kInfinity = std::numeric_limits<double>::infinity();

@@ -6,9 +6,7 @@
 #include <atomic>
 #include <utility>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
+#include "base/parallel.hpp"
 #include "mesh/adjacency.hpp"
 
 namespace isoextract::mesh {
@@ -65,8 +63,8 @@ class DisjointSets {
 template <class Body>
 void for_each_below(std::size_t count, const Body& body) {
   constexpr std::size_t kGrain = 1 << 12;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
+  for_each_range(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i != end; ++i) body(i);
   });
 }
 

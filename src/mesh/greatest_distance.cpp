@@ -4,25 +4,20 @@
 #include <cmath>
 #include <limits>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
-#include <tbb/partitioner.h>
+
+#include "base/parallel.hpp"
 
 namespace isoextract::mesh {
 namespace {
 
-// The ends of the ranges follow from the size alone (simple_partitioner), and with them every hint.
+// The ends of the ranges follow from the size alone, and with them every hint.
 template <class Body>
 void for_distance_ranges(std::size_t size, const Context& context, const Body& body) {
   constexpr std::size_t kGrain = 512;
-  const tbb::blocked_range<std::size_t> range(0, size, kGrain);
-  tbb::parallel_for(
-      range,
-      [&](const tbb::blocked_range<std::size_t>& part) {
-        if (!context.cancelled()) body(part.begin(), part.end());
-      },
-      tbb::simple_partitioner());
+  for_each_fixed_range(size, kGrain, [&](std::size_t begin, std::size_t end) {
+    if (!context.cancelled()) body(begin, end);
+  });
 }
 
 }  // namespace
@@ -116,7 +111,7 @@ GreatestDistance GreatestDistanceSearch::bound_triangles() {
     const std::size_t count = std::min(round, open.size() - first);
     bounds.assign(count, {});
     const double known = found_.lower;
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    for_each_index(count, [&](std::size_t i) {
       if (context_.cancelled()) return;
       const glm::uvec3& t = from_.triangles[open[first + i].triangle];
       bounds[i] = bound_distance({point(t.x), point(t.y), point(t.z)}, to_, limits_, known, corners_[t.x].slot);

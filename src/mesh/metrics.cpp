@@ -3,27 +3,23 @@
 #include <algorithm>
 #include <limits>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
+#include "base/parallel.hpp"
 
 namespace isoextract::mesh {
 namespace {
 
-// Fixed-size chunks, summed by a deterministic reduction, so that nothing depends on the number of threads. Least and
-// greatest coordinates do not depend on the order anyway.
+// Fixed-size chunks, so that no sum depends on the number of threads.
 constexpr std::size_t kTrianglesAtATime = 1 << 15;
-
-using Range = tbb::blocked_range<std::size_t>;
 
 }  // namespace
 
 LocalBounds measure_local_bounds(const Mesh& mesh) {
   if (mesh.positions.empty()) return {};
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  return tbb::parallel_reduce(
-      Range(0, mesh.positions.size(), kTrianglesAtATime), LocalBounds{glm::vec3(kInfinity), glm::vec3(-kInfinity)},
-      [&](const Range& range, LocalBounds bounds) {
-        for (std::size_t v = range.begin(); v != range.end(); ++v) {
+  return reduce_ranges(
+      mesh.positions.size(), kTrianglesAtATime, LocalBounds{glm::vec3(kInfinity), glm::vec3(-kInfinity)},
+      [&](std::size_t begin, std::size_t end, LocalBounds bounds) {
+        for (std::size_t v = begin; v != end; ++v) {
           bounds.min = glm::min(bounds.min, mesh.positions[v]);
           bounds.max = glm::max(bounds.max, mesh.positions[v]);
         }
@@ -41,10 +37,10 @@ Bounds measure_bounds(const Mesh& mesh) {
 }
 
 float farthest_coordinate(std::span<const glm::vec3> positions) {
-  return tbb::parallel_reduce(
-      Range(0, positions.size(), kTrianglesAtATime), 0.0F,
-      [&](const Range& range, float farthest) {
-        for (std::size_t v = range.begin(); v != range.end(); ++v) {
+  return reduce_ranges(
+      positions.size(), kTrianglesAtATime, 0.0F,
+      [&](std::size_t begin, std::size_t end, float farthest) {
+        for (std::size_t v = begin; v != end; ++v) {
           const glm::vec3 size = glm::abs(positions[v]);
           farthest = std::max({farthest, size.x, size.y, size.z});
         }
@@ -57,10 +53,10 @@ MeshSize measure_size(const Mesh& mesh) {
   if (mesh.triangles.empty()) return {};
   // Volume as a sum of tetrahedra to one vertex of the mesh: far from it in no direction, so little cancels.
   const glm::dvec3 apex(mesh.positions[0]);
-  return tbb::parallel_deterministic_reduce(
-      Range(0, mesh.triangles.size(), kTrianglesAtATime), MeshSize{},
-      [&](const Range& range, MeshSize sum) {
-        for (std::size_t t = range.begin(); t != range.end(); ++t) {
+  return reduce_ranges(
+      mesh.triangles.size(), kTrianglesAtATime, MeshSize{},
+      [&](std::size_t begin, std::size_t end, MeshSize sum) {
+        for (std::size_t t = begin; t != end; ++t) {
           const glm::uvec3 triangle = mesh.triangles[t];
           const glm::dvec3 a(mesh.positions[triangle.x]);
           const glm::dvec3 b(mesh.positions[triangle.y]);

@@ -13,11 +13,9 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
 
 #include "base/no_memory.hpp"
+#include "base/parallel.hpp"
 #include "mesh/adjacency.hpp"
 
 namespace isoextract::mesh {
@@ -370,8 +368,8 @@ class Shading {
   template <class Body>
   void for_ranges(const Body& body) const {
     const std::size_t ranges = (vertices_ + kVerticesAtATime - 1) / kVerticesAtATime;
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, ranges, 1), [&](const tbb::blocked_range<std::size_t>& part) {
-      for (std::size_t r = part.begin(); r != part.end(); ++r) {
+    for_each_range(ranges, 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t r = begin; r != end; ++r) {
         body(r, r * kVerticesAtATime, std::min<std::size_t>((r + 1) * kVerticesAtATime, vertices_));
       }
     });
@@ -407,10 +405,10 @@ Result<std::uint64_t> shade_by_triangles(Mesh& mesh, const ShadingOptions& optio
 }
 
 NormalAgreement measure_normal_agreement(const Mesh& mesh) {
-  return tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), kVerticesAtATime), NormalAgreement(),
-      [&](const tbb::blocked_range<std::size_t>& part, NormalAgreement sum) {
-        for (std::size_t t = part.begin(); t != part.end(); ++t) {
+  return reduce_ranges(
+      mesh.triangles.size(), kVerticesAtATime, NormalAgreement(),
+      [&](std::size_t begin, std::size_t end, NormalAgreement sum) {
+        for (std::size_t t = begin; t != end; ++t) {
           const glm::dvec3 area = area_vector(mesh.positions.span(), mesh.triangles[t]);
           if (area == glm::dvec3(0)) continue;
           sum.pairs += 3;

@@ -8,10 +8,9 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/spin_mutex.h>
 
+#include "base/parallel.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/box_tree.hpp"
 #include "mesh/exact_sign.hpp"
@@ -196,7 +195,7 @@ class ShellRays {
     if (std::ranges::any_of(rays, &Ray::to_open)) {
       for (std::size_t c = 0; c < is_met.size(); ++c) is_met[c] = question_.facing[c] == Facing::open ? 1 : 0;
     }
-    tbb::parallel_for(std::size_t{0}, rays.size(), [&](std::size_t i) { boxes[i] = box_of(rays[i], is_met); });
+    for_each_index(rays.size(), [&](std::size_t i) { boxes[i] = box_of(rays[i], is_met); });
     Buffer<BoxTree::Item> items(rays.size());
     std::size_t count = 0;
     for (std::uint32_t i = 0; i < rays.size(); ++i) {
@@ -207,9 +206,9 @@ class ShellRays {
     const BoxTree tree(items.span().first(count), [&](std::uint32_t i) { return boxes[i]; });
     std::vector<tbb::spin_mutex> locks(rays.size());
     context_.progress().begin("looking for shells within shells", mesh_.triangles.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh_.triangles.size(), 1 << 12), [&](const auto& range) {
-      context_.progress().advance(range.size());
-      for (std::size_t t = range.begin(); t != range.end() && !context_.cancelled(); ++t) {
+    for_each_range(mesh_.triangles.size(), 1 << 12, [&](std::size_t begin, std::size_t end) {
+      context_.progress().advance(end - begin);
+      for (std::size_t t = begin; t != end && !context_.cancelled(); ++t) {
         const glm::uvec3& triangle = mesh_.triangles[t];
         if (repeats_index(triangle) || is_met[components_.of_vertex(triangle.x)] == 0) continue;
         const Corners at = corners(triangle);

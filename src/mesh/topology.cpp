@@ -7,12 +7,11 @@
 #include <string>
 #include <vector>
 
-#include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include "base/no_memory.hpp"
+#include "base/parallel.hpp"
 #include "mesh/adjacency.hpp"
 
 namespace isoextract::mesh {
@@ -31,7 +30,7 @@ class VertexRanges {
         size_(range_size(vertices)),
         blocks_((triangles.size() + kBlock - 1) / kBlock) {
     tbb::enumerable_thread_specific<std::array<std::uint64_t, kMost>> parts(std::array<std::uint64_t, kMost>{});
-    tbb::parallel_for(std::size_t{0}, blocks_.size(), [&](std::size_t b) {
+    for_each_index(blocks_.size(), [&](std::size_t b) {
       auto& counts = parts.local();
       Block& block = blocks_[b];
       for (const glm::uvec3& t : triangles.subspan(b * kBlock, std::min(kBlock, triangles.size() - b * kBlock))) {
@@ -183,13 +182,12 @@ std::vector<Topology> look_at_vertices(std::span<const glm::uvec3> triangles, co
   for (std::size_t range = 0; range < ranges.count(); ++range) {
     const Buckets<Corner> corners = ranges.corners(range);
     const std::size_t first = ranges.first(range);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(first, ranges.end(range), kVerticesTogether),
-                      [&](const auto& vertices) {
-                        Part& part = parts.local();
-                        for (std::size_t v = vertices.begin(); v != vertices.end(); ++v) {
-                          part.look_at(static_cast<std::uint32_t>(v), part_of(v), corners.at(v - first), triangles);
-                        }
-                      });
+    for_each_range(ranges.end(range) - first, kVerticesTogether, [&](std::size_t begin, std::size_t end) {
+      Part& part = parts.local();
+      for (std::size_t v = begin; v != end; ++v) {
+        part.look_at(static_cast<std::uint32_t>(first + v), part_of(first + v), corners.at(v), triangles);
+      }
+    });
   }
   std::vector<Topology> results(count);
   for (const Part& part : parts) {

@@ -5,9 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
-
+#include "base/parallel.hpp"
 #include "mesh/closest_point.hpp"
 
 namespace isoextract::mesh {
@@ -26,7 +24,7 @@ double distance_squared(const FloatBox& box, const glm::dvec3& p) {
 
 BoxTree tree_of(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles) {
   Buffer<BoxTree::Item> items(triangles.size());
-  tbb::parallel_for(std::size_t{0}, triangles.size(), [&](std::size_t t) {
+  for_each_index(triangles.size(), [&](std::size_t t) {
     const glm::uvec3& corner = triangles[t];
     // Thirds are taken first: sums of coordinates may leave the range of float.
     constexpr float kThird = 1.0F / 3;
@@ -43,7 +41,7 @@ BoxTree tree_of(std::span<const glm::vec3> positions, std::span<const glm::uvec3
 
 TriangleTree::TriangleTree(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles)
     : tree_(tree_of(positions, triangles)), corners_(triangles.size()) {
-  tbb::parallel_for(std::size_t{0}, corners_.size(), [&](std::size_t slot) {
+  for_each_index(corners_.size(), [&](std::size_t slot) {
     const glm::uvec3& corner = triangles[tree_.numbers()[slot]];
     corners_[slot] = {positions[corner.x], positions[corner.y], positions[corner.z]};
   });
@@ -69,16 +67,16 @@ bool TriangleTree::boxes_are_loose() const {
     double boxes = 0;
     double triangles = 0;
   };
-  const Sums sums = tbb::parallel_deterministic_reduce(
-      tbb::blocked_range<std::size_t>(0, tree_.leaves(), 1 << 10), Sums{},
-      [&](const auto& leaves, Sums sum) {
-        for (std::size_t leaf = leaves.begin(); leaf != leaves.end(); ++leaf) {
+  const Sums sums = reduce_ranges(
+      tree_.leaves(), 1 << 10, Sums{},
+      [&](std::size_t first, std::size_t last, Sums sum) {
+        for (std::size_t leaf = first; leaf != last; ++leaf) {
           const FloatBox& box = tree_.box(tree_.leaf(leaf).index());
           const glm::dvec3 size = glm::dvec3(box.max) - glm::dvec3(box.min);
           sum.boxes += size.x * size.y + size.y * size.z + size.z * size.x;
         }
-        const std::size_t end = tree_.first_slot(tree_.leaf(leaves.end()));
-        for (std::size_t t = tree_.first_slot(tree_.leaf(leaves.begin())); t < end; ++t) {
+        const std::size_t end = tree_.first_slot(tree_.leaf(last));
+        for (std::size_t t = tree_.first_slot(tree_.leaf(first)); t < end; ++t) {
           const glm::dvec3 a(corners_[t].a);
           sum.triangles += glm::length(glm::cross(glm::dvec3(corners_[t].b) - a, glm::dvec3(corners_[t].c) - a));
         }
@@ -93,7 +91,7 @@ bool TriangleTree::boxes_are_loose() const {
 void TriangleTree::make_slabs() {
   slabs_ = Buffer<std::array<Slab, 2>>(tree_.leaves() - 1);
   for (std::size_t level = 0; std::size_t{1} << level < tree_.leaves(); ++level) {
-    tbb::parallel_for(std::size_t{0}, std::size_t{1} << level, [&](std::size_t number) {
+    for_each_index(std::size_t{1} << level, [&](std::size_t number) {
       const BoxTree::Node node{level, number};
       slabs_[node.index()] = slabs_of(node);
     });

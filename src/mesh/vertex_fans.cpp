@@ -6,16 +6,13 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include "base/no_memory.hpp"
+#include "base/parallel.hpp"
 #include "mesh/adjacency.hpp"
 
 namespace isoextract::mesh {
 namespace {
-
-using VertexRange = tbb::blocked_range<std::uint32_t>;
 
 Result<void> part_fans(Mesh& mesh, const std::string& source) {
   const auto vertices = static_cast<std::uint32_t>(mesh.positions.size());
@@ -27,9 +24,9 @@ Result<void> part_fans(Mesh& mesh, const std::string& source) {
   const auto at_corner = [&](Corner corner) -> std::uint32_t& {
     return triangles[triangle_of(corner)][static_cast<int>(corner % 3)];
   };
-  tbb::parallel_for(VertexRange(0, vertices, kVerticesAtOnce), [&](const VertexRange& range) {
+  for_each_range(vertices, kVerticesAtOnce, [&](std::size_t begin, std::size_t end) {
     VertexStar star;
-    for (std::uint32_t v = range.begin(); v != range.end(); ++v) {
+    for (auto v = static_cast<std::uint32_t>(begin); v != end; ++v) {
       const auto corners = adjacency.corners(v);
       star.look_at(corners, old_triangles);
       first[v] = star.fans();
@@ -47,8 +44,8 @@ Result<void> part_fans(Mesh& mesh, const std::string& source) {
     const auto number = static_cast<std::uint32_t>(source_of.size());
     source_of.insert(source_of.end(), std::exchange(first[v], number), v);
   }
-  tbb::parallel_for(VertexRange(0, vertices, kVerticesAtOnce), [&](const VertexRange& range) {
-    for (std::uint32_t v = range.begin(); v != range.end(); ++v) {
+  for_each_range(vertices, kVerticesAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (auto v = static_cast<std::uint32_t>(begin); v != end; ++v) {
       for (const Corner corner : adjacency.corners(v)) at_corner(corner) += first[v];
     }
   });

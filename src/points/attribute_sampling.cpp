@@ -6,9 +6,8 @@
 #include <limits>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
+#include "base/parallel.hpp"
 #include "field/samples.hpp"
 #include "points/cell_grid.hpp"
 #include "points/detail/cubic_spline.hpp"
@@ -24,8 +23,8 @@ Result<std::shared_ptr<ReservedBuffer<float>>> spot_means(const CellGrid& grid, 
                                                           const Context& context, const std::string& what) {
   auto made = make_reserved_buffer<float>(grid.size() * attribute.components, context, what);
   if (!made) return made;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, grid.size(), 1024), [&](const auto& range) {
-    for (std::size_t s = range.begin(); s != range.end(); ++s) {
+  for_each_range(grid.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s != end; ++s) {
       for (std::size_t c = 0; c < attribute.components; ++c) {
         double sum = 0;
         for (const std::uint32_t particle : grid.members(s)) {
@@ -100,10 +99,10 @@ Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::s
 
   context.progress().begin("sampling attributes", vertices.size());
   std::atomic<std::uint64_t> out_of_reach{0};
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices.size(), 512), [&](const auto& range) {
+  for_each_range(vertices.size(), 512, [&](std::size_t begin, std::size_t end) {
     if (context.cancelled()) return;
     std::vector<double> sums(components);
-    for (std::size_t v = range.begin(); v != range.end(); ++v) {
+    for (std::size_t v = begin; v != end; ++v) {
       // A vertex that is farther away than any kernel reaches; its cell might not be a number.
       const glm::dvec3 p = frame(vertices[v]);
       const bool near = glm::all(glm::lessThan(glm::abs(p), half + 1.5));
@@ -130,15 +129,15 @@ Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::s
         }
       }
     }
-    context.progress().advance(range.size());
+    context.progress().advance(end - begin);
   });
   TRY(context.check());
   result.out_of_reach = out_of_reach.load();
   if (result.out_of_reach == 0) return result;
 
   auto tree = TRY(NearestTree::make(positions, context, particles.label));
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices.size(), 512), [&](const auto& range) {
-    for (std::size_t v = range.begin(); v != range.end(); ++v) {
+  for_each_range(vertices.size(), 512, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v != end; ++v) {
       if (flags->values[v] == 0) continue;
       const std::size_t nearest = tree.nearest(vertices[v], NearestTree::Same::counts).point;
       for (std::size_t a = 0; a < attributes.size(); ++a) {

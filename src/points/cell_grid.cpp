@@ -3,11 +3,10 @@
 #include <limits>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include "base/finite.hpp"
+#include "base/parallel.hpp"
 #include "base/reserved_buffer.hpp"
 
 namespace isoextract::points {
@@ -55,8 +54,8 @@ Result<CellGrid> CellGrid::make(std::span<const glm::dvec3> points, const GridFr
   CellGrid grid;
   grid.side_ = side;
   context.progress().begin("sorting particles", 0);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), 4096), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+  for_each_range(points.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i != end; ++i) {
       keys[i] = is_finite(points[i]) ? key_of(grid.cell_at(frame(points[i])), static_cast<std::uint32_t>(i))
                                      : CellKey{kNoCell, kNoCell};
     }
@@ -92,8 +91,8 @@ Result<CellGrid> CellGrid::make(std::span<const glm::dvec3> points, const GridFr
   grid.columns_[columns] = {kBeyond, kBeyond, static_cast<std::uint32_t>(cells)};
   grid.cells_[cells] = {glm::ivec3(kBeyond), static_cast<std::uint32_t>(count)};
 
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cells, 256), [&](const auto& range) {
-    for (std::size_t c = range.begin(); c != range.end(); ++c) {
+  for_each_range(cells, 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c != end; ++c) {
       const std::size_t first = grid.cells_[c].first;
       const std::size_t last = grid.cells_[c + 1].first;
       for (std::size_t k = first; k != last; ++k) {

@@ -5,9 +5,8 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
+#include "base/parallel.hpp"
 #include "points/cell_grid.hpp"
 #include "points/detail/anisotropy.hpp"
 #include "points/detail/field_lengths.hpp"
@@ -86,8 +85,8 @@ Result<field::SparseSamples> sum_kernels(const CellGrid& grid, double support, c
     return fill_bricks(KernelBricks(kernels.set()), iso, kInside, counts, context, label);
   }
   // m / rho_j W(0): one over the density in units of a particle by itself, for each that is there.
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, grid.size(), 4096), [&](const auto& range) {
-    for (std::size_t s = range.begin(); s != range.end(); ++s) {
+  for_each_range(grid.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s != end; ++s) {
       values[s] = static_cast<float>(grid.members(s).size()) / values[s];
     }
   });

@@ -6,12 +6,10 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
 
 #include "base/finite.hpp"
 #include "base/median.hpp"
+#include "base/parallel.hpp"
 #include "points/detail/nearest_tree.hpp"
 
 namespace isoextract::points {
@@ -29,10 +27,10 @@ struct BoundsPart {
 }  // namespace
 
 ParticleBounds measure_bounds(std::span<const glm::dvec3> positions) {
-  const BoundsPart all = tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, positions.size(), 4096), BoundsPart{},
-      [&](const auto& range, BoundsPart part) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+  const BoundsPart all = reduce_ranges(
+      positions.size(), 4096, BoundsPart{},
+      [&](std::size_t begin, std::size_t end, BoundsPart part) {
+        for (std::size_t i = begin; i != end; ++i) {
           if (!is_finite(positions[i])) {
             ++part.not_finite;
             part.first_broken = std::min(part.first_broken, i);
@@ -68,9 +66,9 @@ Result<ParticleStatistics> measure_statistics(const ParticleSet& particles, cons
   const std::size_t asked = std::min(positions.size(), kMostAsked);
   auto memory = TRY(context.reserve(2 * asked * sizeof(double), particles.label + ": distances of particles"));
   std::vector<double> distances(asked);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, asked, 256), [&](const auto& range) {
+  for_each_range(asked, 256, [&](std::size_t begin, std::size_t end) {
     if (context.cancelled()) return;
-    for (std::size_t n = range.begin(); n != range.end(); ++n) {
+    for (std::size_t n = begin; n != end; ++n) {
       const glm::dvec3& p = positions[n * positions.size() / asked];
       distances[n] = is_finite(p) ? std::sqrt(tree.nearest(p, NearestTree::Same::ignored).squared_distance)
                                   : std::numeric_limits<double>::infinity();

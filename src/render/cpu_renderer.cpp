@@ -4,9 +4,9 @@
 #include <optional>
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include "base/machine.hpp"
+#include "base/parallel.hpp"
 #include "render/detail/ray_caster.hpp"
 #include "render/renderer.hpp"
 
@@ -137,7 +137,7 @@ class CpuRenderer : public Renderer {
     tbb::enumerable_thread_specific<Local> locals([&] { return Local(work); });
     const detail::TileGrid grid(work.options.size);
     work.context.progress().begin("drawing", grid.count());
-    tbb::parallel_for(std::size_t{0}, grid.count(), [&](std::size_t number) {
+    for_each_index(grid.count(), [&](std::size_t number) {
       if (failure.any() || work.context.cancelled()) return;
       Local& local = locals.local();
       if (auto drawn = work.tiles.draw(number, local.fragments); !drawn) {

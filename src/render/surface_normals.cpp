@@ -2,9 +2,7 @@
 
 #include <cmath>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
+#include "base/parallel.hpp"
 #include "mesh/adjacency.hpp"
 
 namespace isoextract::render {
@@ -31,8 +29,8 @@ Result<void> add_normals(mesh::Mesh& mesh, const std::string& source, const Cont
       TRY(context.reserve(mesh::Adjacency::bytes(mesh.triangles.size(), vertices), source + ": triangles at vertices"));
   const mesh::Adjacency around(mesh.triangles.span(), vertices);
   Buffer<glm::vec3> normals(vertices);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices, 4096), [&](const auto& range) {
-    for (std::size_t v = range.begin(); v != range.end(); ++v) {
+  for_each_range(vertices, 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v != end; ++v) {
       glm::dvec3 sum(0);
       for (const mesh::Corner corner : around.corners(v)) {
         sum += weighted_normal(mesh, mesh.triangles[mesh::triangle_of(corner)], static_cast<int>(corner % 3));

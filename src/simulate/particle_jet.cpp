@@ -8,10 +8,9 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include "base/finite.hpp"
+#include "base/parallel.hpp"
 #include "simulate/detail/fluid.hpp"
 #include "simulate/detail/nozzle.hpp"
 
@@ -209,8 +208,8 @@ Result<points::ParticleSet> ParticleJet::particles(const Context& context) const
   set.attributes.push_back({"age", 1, Buffer<float>(count)});
   set.attributes.push_back({"id", 1, Buffer<float>(count)});
   const double now = static_cast<double>(s.figures.frames) / s.options.fps;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 4096), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+  for_each_range(count, 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i != end; ++i) {
       const std::uint32_t number = s.fluid.numbers()[i];
       set.positions[number] = s.fluid.places()[i];
       for (int axis = 0; axis < 3; ++axis) {

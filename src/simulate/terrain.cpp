@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
+#include "base/parallel.hpp"
 #include "simulate/detail/perlin_noise.hpp"
 
 namespace isoextract::simulate {
@@ -42,7 +42,7 @@ Result<std::shared_ptr<ReservedBuffer<double>>> make_terrain(const TerrainOption
   Buffer<double>& heights = (*made)->values;
   const FractalNoise noise(options.seed, options.octaves);
   const double scale = kHillsAcross / std::max(size.x, size.y);
-  tbb::parallel_for(0, size.y, [&](int y) {
+  for_each_index(size.y, [&](int y) {
     for (int x = 0; x < size.x; ++x) {
       const glm::dvec2 middle = glm::dvec2(x, y) + 0.5;
       // Down to the basin from all sides, steeper further out; hills on top.

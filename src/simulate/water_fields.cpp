@@ -5,8 +5,8 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
+#include "base/parallel.hpp"
 #include "base/reserved_buffer.hpp"
 
 namespace isoextract::simulate {
@@ -25,7 +25,7 @@ Result<field::ScalarField> make_field(const WaterAutomaton& automaton, const std
   samples.dims = dims;
   auto made = TRY(make_reserved_buffer<T>(samples.count(), context, fmt::format("the volume of the {}", name)));
   T* const values = made->values.data();
-  tbb::parallel_for(0, layers, [&](int k) {
+  for_each_index(layers, [&](int k) {
     for (int y = 0; y < dims.y; ++y) fill(y, k, values + std::ptrdiff_t{dims.x} * (y + std::ptrdiff_t{dims.y} * k));
   });
   samples.data = values;

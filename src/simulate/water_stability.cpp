@@ -6,7 +6,8 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
+
+#include "base/parallel.hpp"
 
 namespace isoextract::simulate {
 namespace {
@@ -119,7 +120,7 @@ Result<std::vector<WaterStabilityRow>> run_water_stability(std::uint64_t steps, 
     }
   }
   std::vector<std::optional<Error>> errors(rows.size());
-  tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t i) {
+  for_each_index(rows.size(), [&](std::size_t i) {
     WaterStabilityRow& row = rows[i];
     for (const WaterRule rule : {WaterRule::conservative, WaterRule::printed}) {
       WaterOptions options;

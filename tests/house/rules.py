@@ -49,6 +49,8 @@ RESERVED = [
     (r"#\s*include\s*<spdlog/", ["cli"], "only cli speaks"),
     (r"#\s*include\s*[<\"]CLI/", ["cli/parser.cpp"], "options are declared as cli/option.hpp has them"),
     (r"\bSTDOUT_FILENO\b", ["cli", "files/output_file.cpp", "sandbox/worker.cpp", "sandbox/detail/server.cpp"], "write through OutputFile"),
+    (r"\btbb::parallel_(for|reduce|deterministic_reduce)\b", ["base/parallel.cpp"],
+     "base/parallel.hpp has loops whose machinery is compiled once, not for every body"),
     (r"\bContext\s*&\s*\w+\s*=\s*(Context\b|\{)", ["cli"], "a forgotten context has no limit and no end: let the caller pass it"),
 ]
 

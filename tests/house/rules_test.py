@@ -153,6 +153,12 @@ class RulesTest(unittest.TestCase):
         self.plant("src/cli/main.cpp", "#include <CLI/App.hpp>\n")
         self.expect_one("src/cli/main.cpp:1", "options are declared as")
 
+    def test_loops_of_tbb_elsewhere(self):
+        self.plant("src/base/parallel.cpp", "void f() { tbb::parallel_for(r, body); }\n")
+        self.assertEqual(self.findings(), [])
+        self.plant_in_room("volume_io", "int x;\nauto s = tbb::parallel_deterministic_reduce(r, body);\n")
+        self.expect_one("src/volume_io/planted.cpp:2", "base/parallel.hpp")
+
     def test_commands_known_by_name(self):
         self.plant("src/cli/merge_command.cpp", 'auto m = CommandOf({"merge", "FOLDER"});\nauto hint = "merge";\n')
         self.plant("src/cli/plan.cpp", 'auto hint = "merge";\n')

@@ -8,11 +8,10 @@
 #include <tuple>
 #include <vector>
 
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 #include <glm/glm.hpp>
 
-#include "base/reduction.hpp"
+#include "base/parallel.hpp"
 
 namespace isoextract::accuracy {
 
@@ -27,11 +26,12 @@ struct BrickMember {
 template <class BrickOf>
 [[nodiscard]] std::vector<BrickMember> members_by_brick(std::size_t count, const BrickOf& brick_of) {
   std::vector<BrickMember> members(count);
-  tbb::parallel_for(PointRange(0, count, 1 << 12), [&](const PointRange& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) {
-      members[i] = {brick_of(i), static_cast<std::uint32_t>(i)};
-    }
-  });
+  for_each_index(
+      count,
+      [&](std::size_t i) {
+        members[i] = {brick_of(i), static_cast<std::uint32_t>(i)};
+      },
+      1 << 12);
   tbb::parallel_sort(members.begin(), members.end(),
                      [](const BrickMember& a, const BrickMember& b) { return a.order() < b.order(); });
   return members;

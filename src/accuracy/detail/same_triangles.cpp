@@ -5,9 +5,8 @@
 #include <bit>
 #include <tuple>
 
-#include <tbb/parallel_for.h>
-
 #include "base/hash.hpp"
+#include "base/parallel.hpp"
 #include "mesh/buckets.hpp"
 
 namespace isoextract::accuracy {
@@ -56,7 +55,7 @@ std::vector<char> triangles_in_both(const mesh::Mesh& a, const mesh::Mesh& b, co
     put(hash % count, Known{hash, static_cast<std::uint32_t>(t)});
   });
   std::vector<char> in_both(a.triangles.size(), 0);
-  tbb::parallel_for(std::size_t{0}, in_both.size(), [&](std::size_t t) {
+  for_each_index(in_both.size(), [&](std::size_t t) {
     const Corners corners = corners_of(a, t, shift);
     const std::uint64_t hash = hash_of(corners);
     const auto all = known.at(hash % count);

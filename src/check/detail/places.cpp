@@ -4,10 +4,9 @@
 #include <tuple>
 #include <utility>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
+#include "base/parallel.hpp"
 #include "mesh/exact_sign.hpp"
 
 namespace isoextract::check {
@@ -29,8 +28,8 @@ struct CornerKey {
 template <class Body>
 void for_each_number(std::size_t count, const Body& body) {
   constexpr std::size_t kNumbersAtATime = 1 << 12;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kNumbersAtATime), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
+  for_each_range(count, kNumbersAtATime, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i != end; ++i) body(i);
   });
 }
 

@@ -1,6 +1,6 @@
 #include "check/detail/triangle_boxes.hpp"
 
-#include <tbb/parallel_for.h>
+#include "base/parallel.hpp"
 
 namespace isoextract::check {
 
@@ -15,9 +15,7 @@ TriangleBoxes::TriangleBoxes(std::span<const glm::vec3> positions, std::span<con
 // Reads positions_, triangles_ and stars_ alone: it is called while the object is made.
 mesh::BoxTree TriangleBoxes::tree_of(const TriangleBoxes& boxes, std::span<const std::uint32_t> chosen) {
   Buffer<mesh::BoxTree::Item> items(chosen.size());
-  tbb::parallel_for(std::size_t{0}, chosen.size(), [&](std::size_t i) {
-    items[i] = {boxes.box_of(chosen[i]).centre(), chosen[i]};
-  });
+  for_each_index(chosen.size(), [&](std::size_t i) { items[i] = {boxes.box_of(chosen[i]).centre(), chosen[i]}; });
   return {items.span(), [&](std::uint32_t triangle) { return boxes.box_of(triangle); }, boxes.stars_.of_triangles()};
 }
 

@@ -6,10 +6,7 @@
 #include <initializer_list>
 #include <limits>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/partitioner.h>
-
+#include "base/parallel.hpp"
 #include "mesh/distance_bound.hpp"
 #include "mesh/metrics.hpp"
 #include "mesh/triangle_tree.hpp"
@@ -112,14 +109,11 @@ class DistanceProof {
 
   template <class Body>
   void for_each_in_doubt(const std::vector<std::uint32_t>& triangles, const Body& body) {
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, triangles.size(), kProofGrain),
-        [&](const tbb::blocked_range<std::size_t>& part) {
-          if (context_.cancelled()) return;
-          for (std::size_t i = part.begin(); i < part.end(); ++i) body(i, triangles[i]);
-          context_.progress().advance(part.size());
-        },
-        tbb::simple_partitioner());
+    for_each_fixed_range(triangles.size(), kProofGrain, [&](std::size_t begin, std::size_t end) {
+      if (context_.cancelled()) return;
+      for (std::size_t i = begin; i < end; ++i) body(i, triangles[i]);
+      context_.progress().advance(end - begin);
+    });
   }
 
   // What takes more parts than triangles of the original mesh could be under it, by far, is near to the limit: refused.
@@ -179,8 +173,8 @@ class DistanceProof {
   template <class Predicate>
   [[nodiscard]] std::vector<char> marked(const Predicate& holds) const {
     std::vector<char> marks(state_.original.size(), 0);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, marks.size(), kProofGrain), [&](const auto& part) {
-      for (std::size_t t = part.begin(); t < part.end(); ++t) {
+    for_each_range(marks.size(), kProofGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t t = begin; t < end; ++t) {
         marks[t] = holds(static_cast<std::uint32_t>(t)) ? 1 : 0;
       }
     });

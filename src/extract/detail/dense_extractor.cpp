@@ -10,8 +10,8 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
+#include "base/parallel.hpp"
 #include "base/stopwatch.hpp"
 #include "extract/asymptotic_decider.hpp"
 #include "extract/dense_input.hpp"
@@ -165,7 +165,7 @@ class DenseExtraction final : private CellDecider {
     const int rows_y = bricks_.rows_y();
     const int brick_rows = rows_y * bricks_.rows_z();
     context_.progress().begin(stage, static_cast<std::uint64_t>(brick_rows));
-    tbb::parallel_for(0, brick_rows, [&](int b) {
+    for_each_index(brick_rows, [&](int b) {
       const int bj = b % rows_y;
       const int bk = b / rows_y;
       f(bj, bk);
@@ -235,7 +235,7 @@ class DenseExtraction final : private CellDecider {
     const std::size_t rows = row_index(0, 1);
     const std::size_t vertices = rows * static_cast<std::size_t>(directions_);
     std::vector<MeshSizes> first(slices);
-    tbb::parallel_for(std::size_t{0}, slices, [&](std::size_t k) {
+    for_each_index(slices, [&](std::size_t k) {
       const auto vertex_counts = vertex_base_.span().subspan(k * vertices, vertices);
       const auto triangle_counts = triangle_base_.span().subspan(k * rows, rows);
       first[k] = {std::accumulate(vertex_counts.begin(), vertex_counts.end(), std::uint64_t{0}),
@@ -246,7 +246,7 @@ class DenseExtraction final : private CellDecider {
       sizes.vertices += std::exchange(slice.vertices, sizes.vertices);
       sizes.triangles += std::exchange(slice.triangles, sizes.triangles);
     }
-    tbb::parallel_for(std::size_t{0}, slices, [&](std::size_t k) {
+    for_each_index(slices, [&](std::size_t k) {
       auto vertex = static_cast<std::uint32_t>(first[k].vertices);
       for (std::uint32_t& base : vertex_base_.span().subspan(k * vertices, vertices)) {
         vertex += std::exchange(base, vertex);

@@ -6,8 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include <tbb/parallel_for.h>
-
+#include "base/parallel.hpp"
 #include "extract/row_bits.hpp"
 
 namespace isoextract::extract {
@@ -222,7 +221,7 @@ Result<std::vector<LayerRectangles>> list_face_rectangles(const VoxelChunks& vox
   const std::vector<VoxelChunk>& chunks = voxels.chunks();
   const auto memory = TRY(context.reserve(3 * chunks.size() * sizeof(std::int32_t), what));
   std::array<std::vector<std::int32_t>, 3> orders;
-  tbb::parallel_for(0, 3, [&](int axis) { orders[static_cast<std::size_t>(axis)] = layer_order(chunks, axis); });
+  for_each_index(3, [&](int axis) { orders[static_cast<std::size_t>(axis)] = layer_order(chunks, axis); });
   std::vector<Layer> layers;
   for (int axis = 0; axis < 3; ++axis) {
     const std::vector<std::int32_t>& order = orders[static_cast<std::size_t>(axis)];
@@ -238,7 +237,7 @@ Result<std::vector<LayerRectangles>> list_face_rectangles(const VoxelChunks& vox
   found.reserve(layers.size());
   for (const Layer& layer : layers) found.push_back({layer.axis, ReservedList<FaceRectangle>(context, what)});
   context.progress().begin("merging faces", layers.size());
-  tbb::parallel_for(std::size_t{0}, layers.size(), [&](std::size_t l) {
+  for_each_index(layers.size(), [&](std::size_t l) {
     if (context.cancelled()) return;
     sweep_layer(voxels, layers[l], faces, found[l].rectangles);
     context.progress().advance(1);

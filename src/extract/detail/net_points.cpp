@@ -4,9 +4,9 @@
 #include <bit>
 #include <utility>
 
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
+#include "base/parallel.hpp"
 #include "base/reserved_buffer.hpp"
 #include "extract/detail/corner_fans.hpp"
 #include "extract/detail/corner_words.hpp"
@@ -199,7 +199,7 @@ Result<void> NetPoints::list_chunks(const LabelChunks& labels, const Context& co
   candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
 
   auto flags = TRY(make_reserved_buffer<std::uint8_t>(candidates.size(), context, what));
-  tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t c) {
+  for_each_index(candidates.size(), [&](std::size_t c) {
     const NearLabels near(labels, candidates[c]);
     std::uint64_t used = 0;
     for (int row = 0; row < 64 && used == 0; ++row) used = near.used(row & 7, row >> 3);
@@ -220,7 +220,7 @@ Result<void> NetPoints::list_chunks(const LabelChunks& labels, const Context& co
   }
   used_ = Buffer<ChunkBits>(chunks);
   first_ = Buffer<RowBases>(chunks);
-  tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t c) {
+  for_each_index(chunks, [&](std::size_t c) {
     const NearLabels near(labels, origins_[c]);
     for (int z = 0; z < 8; ++z) {
       for (int y = 0; y < 8; ++y) {
@@ -253,7 +253,7 @@ Result<void> NetPoints::list_chunks(const LabelChunks& labels, const Context& co
 
 Result<void> NetPoints::find_middles(const LabelChunks& labels, const Context& context, const std::string& what) {
   middles_number_ = Buffer<std::int32_t>(origins_.size());
-  tbb::parallel_for(std::size_t{0}, origins_.size(), [&](std::size_t c) {
+  for_each_index(origins_.size(), [&](std::size_t c) {
     Middles middles;
     middles_number_[c] = find_middles_of(labels, origins_[c], middles) ? 0 : -1;
   });
@@ -264,7 +264,7 @@ Result<void> NetPoints::find_middles(const LabelChunks& labels, const Context& c
   auto held = TRY(context.reserve(static_cast<std::uint64_t>(count) * sizeof(Middles), what));
   memory_.push_back(std::move(held));
   middles_ = Buffer<Middles>(static_cast<std::size_t>(count));
-  tbb::parallel_for(std::size_t{0}, origins_.size(), [&](std::size_t c) {
+  for_each_index(origins_.size(), [&](std::size_t c) {
     if (middles_number_[c] >= 0) {
       find_middles_of(labels, origins_[c], middles_[static_cast<std::size_t>(middles_number_[c])]);
     }
@@ -358,7 +358,7 @@ Result<void> NetPoints::relax(const LabelChunks& labels, std::uint64_t rounds, c
   if (rounds == 0) return {};
   auto joined = TRY(make_reserved_buffer<std::uint8_t>(offsets_.size(), context, what));
   auto other = TRY(make_reserved_buffer<glm::vec3>(offsets_.size(), context, what));
-  tbb::parallel_for(std::size_t{0}, origins_.size(), [&](std::size_t c) {
+  for_each_index(origins_.size(), [&](std::size_t c) {
     const NearLabels near(labels, origins_[c]);
     const NearRest rest(labels, near, origins_[c]);
     const std::array<NearChunks, 2> others = rest.near();
@@ -378,7 +378,7 @@ Result<void> NetPoints::relax(const LabelChunks& labels, std::uint64_t rounds, c
     for (const float step : {kForward, kBackward}) {
       TRY(context.check());
       const Moves moves{*this, labels.bounds(), joined->values, offsets_, other->values, step};
-      tbb::parallel_for(std::size_t{0}, origins_.size(), [&](std::size_t c) { moves.chunk(c); });
+      for_each_index(origins_.size(), [&](std::size_t c) { moves.chunk(c); });
       std::swap(offsets_, other->values);
     }
     context.progress().advance(1);

@@ -5,9 +5,9 @@
 #include <bit>
 #include <utility>
 
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
+#include "base/parallel.hpp"
 #include "base/reserved_buffer.hpp"
 #include "extract/detail/corner_words.hpp"
 #include "extract/row_bits.hpp"
@@ -91,7 +91,7 @@ Result<std::vector<glm::ivec3>> SurfacePoints::list_origins(const VoxelChunks& v
   std::vector<ReservedList<glm::ivec3>> of_layers;
   of_layers.reserve(rectangles.size());
   for (std::size_t l = 0; l < rectangles.size(); ++l) of_layers.emplace_back(context, what);
-  tbb::parallel_for(std::size_t{0}, rectangles.size(), [&](std::size_t l) {
+  for_each_index(rectangles.size(), [&](std::size_t l) {
     std::array<glm::ivec3, 4> last;  // neighbours in the list mostly share it
     last.fill(glm::ivec3(1));
     for_each_corner(rectangles[l], [&](std::size_t c, const glm::ivec3& corner) {
@@ -110,7 +110,7 @@ Result<std::vector<glm::ivec3>> SurfacePoints::list_origins(const VoxelChunks& v
   // By chunk, those after it, itself first, in which voxels touch along an edge. One that is listed speaks for itself.
   const std::vector<VoxelChunk>& chunks = voxels.chunks();
   auto flags = TRY(make_reserved_buffer<std::uint8_t>(closes ? chunks.size() : 0, context, what));
-  tbb::parallel_for(std::size_t{0}, flags->values.size(), [&](std::size_t c) {
+  for_each_index(flags->values.size(), [&](std::size_t c) {
     unsigned found = 0;
     for (int n = 0; n < 8; ++n) {
       const glm::ivec3 origin = chunks[c].origin + chunk_step(n);
@@ -152,16 +152,16 @@ Result<SurfacePoints> SurfacePoints::make(const VoxelChunks& voxels, const std::
   points.special_number_ = Buffer<std::int32_t>(chunks);
 
   context.progress().begin("numbering corners", 0);
-  tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t c) {
+  for_each_index(chunks, [&](std::size_t c) {
     points.used_[c].fill(0);
     if (closes) points.mark_contacts(voxels, c);
   });
-  tbb::parallel_for(std::size_t{0}, rectangles.size(), [&](std::size_t l) {
+  for_each_index(rectangles.size(), [&](std::size_t l) {
     for_each_corner(rectangles[l], [&](std::size_t /*which*/, const glm::ivec3& corner) { points.mark(corner); });
   });
   TRY(context.check());
 
-  tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t c) {
+  for_each_index(chunks, [&](std::size_t c) {
     points.special_number_[c] = points.has_specials(voxels, c, closes) ? 0 : kNoSpecials;
   });
   std::int32_t specials = 0;
@@ -172,7 +172,7 @@ Result<SurfacePoints> SurfacePoints::make(const VoxelChunks& voxels, const std::
   if (!memory) return tl::unexpected(memory.error());
   points.memory_.push_back(std::move(*memory));
   points.specials_ = Buffer<Specials>(static_cast<std::size_t>(specials));
-  tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t c) {
+  for_each_index(chunks, [&](std::size_t c) {
     if (points.special_number_[c] != kNoSpecials) points.fill_specials(voxels, c, closes);
     points.count_rows(c);
   });
@@ -270,7 +270,7 @@ void SurfacePoints::count_rows(std::size_t chunk) {
 }
 
 void SurfacePoints::write_positions(const OutputFrame& placement, const glm::ivec3& base, mesh::Mesh& mesh) const {
-  tbb::parallel_for(std::size_t{0}, origins_.size(), [&](std::size_t c) { write_chunk(placement, base, mesh, c); });
+  for_each_index(origins_.size(), [&](std::size_t c) { write_chunk(placement, base, mesh, c); });
 }
 
 // A voxel is a box around its sample.

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
+#include "base/parallel.hpp"
 #include "base/reserved_buffer.hpp"
 #include "base/stopwatch.hpp"
 #include "extract/detail/face_rectangles.hpp"
@@ -190,7 +190,7 @@ Result<void> drop_unused_vertices(mesh::Mesh& mesh, const Context& context, cons
     number[v] = used++;
   }
   if (used == number.size()) return {};
-  tbb::parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t t) {
+  for_each_index(mesh.triangles.size(), [&](std::size_t t) {
     glm::uvec3& triangle = mesh.triangles[t];
     triangle = {number[triangle.x], number[triangle.y], number[triangle.z]};
   });
@@ -206,7 +206,7 @@ Result<void> drop_unused_vertices(mesh::Mesh& mesh, const Context& context, cons
 template <class F>
 void for_each_portion(std::vector<Portion>& portions, const SurfacePoints& points, bool closes, bool mirrored,
                       const Context& context, const F& f) {
-  tbb::parallel_for(std::size_t{0}, portions.size(), [&](std::size_t p) {
+  for_each_index(portions.size(), [&](std::size_t p) {
     if (context.cancelled()) return;
     BorderPolygon polygon(points, portions[p].axis, closes, mirrored);
     f(portions[p], polygon);

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include "base/parallel.hpp"
 #include "base/reserved_buffer.hpp"
 #include "field/detail/blurred_blocks.hpp"
 #include "field/scalar_field.hpp"
@@ -49,7 +49,7 @@ inline std::uint64_t threads_at_most() {
 template <class F>
 void for_slices(const DenseSamples& samples, const Context& context, const F& f) {
   const std::size_t slice = static_cast<std::size_t>(samples.dims.x) * static_cast<std::size_t>(samples.dims.y);
-  tbb::parallel_for(0, samples.dims.z, [&](int k) {
+  for_each_index(samples.dims.z, [&](int k) {
     if (!context.cancelled()) f(k, static_cast<std::size_t>(k) * slice, static_cast<std::size_t>(k + 1) * slice);
   });
 }
@@ -128,7 +128,7 @@ Result<Samples> blur_sparse(const ScalarField& field, const SparseSamples& data,
   auto made = TRY(make_reserved_buffer<Out>(count * kBlurBlockSamples, context, what));
   Out* const values = made->values.data();
   tbb::enumerable_thread_specific<std::vector<double>> scratch([&] { return std::vector<double>(scratch_size); });
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t b) {
+  for_each_index(count, [&](std::size_t b) {
     if (context.cancelled()) return;
     std::vector<double>& own = scratch.local();
     around.gather(places.origins[b], own.data());

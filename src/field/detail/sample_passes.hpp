@@ -5,14 +5,14 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <variant>
 #include <vector>
 
-#include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_reduce.h>
 
+#include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "field/samples.hpp"
 #include "field/scalar_field.hpp"
@@ -27,27 +27,22 @@ template <class T, class Partial, class Body, class Join>
 [[nodiscard]] Partial reduce_stored(const Samples& samples, const Partial& identity, const Body& body, const Join& join,
                                     Progress* progress) {
   constexpr std::size_t kGrain = 1U << 16U;  // samples a task; fixed, so that sums do not depend on the thread count
-  if (const auto* dense = std::get_if<DenseSamples>(&samples)) {
-    const std::span<const T> all(static_cast<const T*>(dense->data), dense->count());
-    if (progress != nullptr) progress->begin("measuring", all.size());
-    return tbb::parallel_deterministic_reduce(
-        tbb::blocked_range<std::size_t>(0, all.size(), kGrain), identity,
-        [&](const tbb::blocked_range<std::size_t>& range, Partial partial) {
-          body(partial, all.subspan(range.begin(), range.size()));
-          if (progress != nullptr) progress->advance(range.size());
-          return partial;
-        },
-        join);
-  }
-  const auto& blocks = std::get<SparseSamples>(samples).blocks;
-  if (progress != nullptr) progress->begin("measuring", blocks.size());
-  return tbb::parallel_deterministic_reduce(
-      tbb::blocked_range<std::size_t>(0, blocks.size(), kGrain / kBlockSamples), identity,
-      [&](const tbb::blocked_range<std::size_t>& range, Partial partial) {
-        for (std::size_t b = range.begin(); b != range.end(); ++b) {
-          body(partial, std::span<const T>(static_cast<const T*>(blocks[b].values), kBlockSamples));
+  const auto* dense = std::get_if<DenseSamples>(&samples);
+  std::span<const SparseBlock> blocks;
+  if (dense == nullptr) blocks = std::get<SparseSamples>(samples).blocks;
+  const std::size_t count = dense != nullptr ? dense->count() : blocks.size();
+  if (progress != nullptr) progress->begin("measuring", count);
+  return reduce_ranges(
+      count, dense != nullptr ? kGrain : kGrain / kBlockSamples, identity,
+      [&](std::size_t begin, std::size_t end, Partial partial) {
+        if (dense != nullptr) {
+          body(partial, std::span<const T>(static_cast<const T*>(dense->data) + begin, end - begin));
+        } else {
+          for (std::size_t b = begin; b != end; ++b) {
+            body(partial, std::span<const T>(static_cast<const T*>(blocks[b].values), kBlockSamples));
+          }
         }
-        if (progress != nullptr) progress->advance(range.size());
+        if (progress != nullptr) progress->advance(end - begin);
         return partial;
       },
       join);
@@ -70,14 +65,18 @@ template <class T, class Partial, class Body, class Join>
 [[nodiscard]] Partial reduce_samples(const ScalarField& field, const Partial& identity, const Body& body,
                                      const Join& join, Progress* progress) {
   const auto* sparse = std::get_if<SparseSamples>(&field.samples);
-  if (sparse == nullptr) return reduce_stored<T>(field.samples, identity, body, join, progress);
-  const FarValues far(field, *sparse);
-  const auto without_far = [&](Partial& partial, std::span<const T> block) {
+  std::optional<FarValues> far;
+  if (sparse != nullptr) far.emplace(field, *sparse);
+  const auto without_far = [&](Partial& partial, std::span<const T> values) {
+    if (!far) {
+      body(partial, values);
+      return;
+    }
     std::array<T, kBlockSamples> kept;
     std::size_t count = 0;
-    for (const T value : block) {
+    for (const T value : values) {
       kept[count] = value;
-      count += far.has(static_cast<double>(value)) ? 0 : 1;
+      count += far->has(static_cast<double>(value)) ? 0 : 1;
     }
     body(partial, std::span<const T>(kept.data(), count));
   };

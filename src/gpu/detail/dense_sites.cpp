@@ -2,8 +2,7 @@
 
 #include <algorithm>
 
-#include <tbb/parallel_for.h>
-
+#include "base/parallel.hpp"
 #include "extract/edge_geometry.hpp"
 #include "extract/row_bits.hpp"
 
@@ -47,7 +46,7 @@ DenseSites::DenseSites(const extract::DenseMasks& masks, const glm::ivec3& low)
     : low_(low),
       bricks_((masks.dims() + kBrickCells - 1) / kBrickCells),
       numbers_(brick_index(bricks_, {0, 0, bricks_.z}), -1) {
-  tbb::parallel_for(0, bricks_.z, [&](int bk) {
+  for_each_index(bricks_.z, [&](int bk) {
     for (int bj = 0; bj < bricks_.y; ++bj) {
       for (int w = 0; w < masks.words(); ++w) {
         const unsigned mixed = mixed_bricks(masks, w, bj, bk);

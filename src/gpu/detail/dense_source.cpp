@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <atomic>
 
-#include <tbb/parallel_for.h>
-
+#include "base/parallel.hpp"
 #include "gpu/detail/dense_sites.hpp"
 
 namespace isoextract::gpu {
@@ -181,7 +180,7 @@ void DenseSource::leave_out_resident(std::vector<BrickHash>& hashes) {
   std::atomic<std::uint64_t> uploaded{0};
   std::atomic<std::uint64_t> kept{0};
   std::atomic<std::uint64_t> kept_samples{0};
-  tbb::parallel_for(0, bricks_.z, [&](int z) {
+  for_each_index(bricks_.z, [&](int z) {
     for (int y = 0; y < bricks_.y; ++y) {
       for (int x = 0; x < bricks_.x; ++x) {
         std::uint8_t& needed =

@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
+#include "base/parallel.hpp"
 #include "base/stopwatch.hpp"
 
 namespace isoextract::gpu {
@@ -33,8 +33,8 @@ int cell_number(const glm::ivec3& cell) { return cell.x | cell.y << 3 | cell.z <
 
 template <class F>
 void for_each_site(std::size_t count, const F& f) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kSitesPerPiece), [&](const auto& range) {
-    for (std::size_t s = range.begin(); s != range.end(); ++s) f(s);
+  for_each_range(count, kSitesPerPiece, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s != end; ++s) f(s);
   });
 }
 
@@ -75,7 +75,7 @@ void SiteWeld::add(std::span<const std::uint32_t> batch, const CapturedSoup& sou
   const std::size_t first_piece = pieces_.size();
   pieces_.resize(first_piece + pieces);
   tbb::enumerable_thread_specific<LocalVertices> scratch;
-  tbb::parallel_for(std::size_t{0}, pieces, [&](std::size_t p) {
+  for_each_index(pieces, [&](std::size_t p) {
     Piece& piece = pieces_[first_piece + p];
     LocalVertices& local = scratch.local();
     const std::size_t begin = p * kSitesPerPiece;

@@ -5,10 +5,9 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
 #include <nlohmann/json.hpp>
 
+#include "base/parallel.hpp"
 #include "base/printable_json.hpp"
 #include "base/version.hpp"
 #include "mesh_io/detail/json_tree.hpp"
@@ -23,10 +22,10 @@ mesh::LocalBounds measure_corner_bounds(const mesh::Mesh& mesh) {
   const auto join = [](mesh::LocalBounds a, const mesh::LocalBounds& b) {
     return mesh::LocalBounds{glm::min(a.min, b.min), glm::max(a.max, b.max)};
   };
-  return tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, mesh.triangles.size()), mesh::LocalBounds{some_corner, some_corner},
-      [&](const tbb::blocked_range<std::size_t>& range, mesh::LocalBounds bounds) {
-        for (std::size_t t = range.begin(); t != range.end(); ++t) {
+  return reduce_ranges(
+      mesh.triangles.size(), 1 << 12, mesh::LocalBounds{some_corner, some_corner},
+      [&](std::size_t begin, std::size_t end, mesh::LocalBounds bounds) {
+        for (std::size_t t = begin; t != end; ++t) {
           for (int corner = 0; corner < 3; ++corner) {
             const glm::vec3& p = mesh.positions[mesh.triangles[t][corner]];
             bounds = join(bounds, {p, p});

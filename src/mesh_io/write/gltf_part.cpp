@@ -8,10 +8,9 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
 #include <nlohmann/json.hpp>
 
+#include "base/parallel.hpp"
 #include "files/record_stream.hpp"
 #include "mesh_io/write/gltf_packed_part.hpp"
 #include "mesh_io/write/mesh_encoding.hpp"
@@ -25,10 +24,10 @@ using ShortTriangle = glm::vec<3, std::uint16_t>;
 bool has_finite_values(const mesh::Attribute& attribute) {
   if (attribute.type != mesh::ComponentType::f32) return true;
   const std::size_t count = attribute.values.size() / sizeof(float);
-  return tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, count, 1 << 16), true,
-      [&](const tbb::blocked_range<std::size_t>& range, bool finite) {
-        for (std::size_t i = range.begin(); i != range.end() && finite; ++i) {
+  return reduce_ranges(
+      count, 1 << 16, true,
+      [&](std::size_t begin, std::size_t end, bool finite) {
+        for (std::size_t i = begin; i != end && finite; ++i) {
           float value = 0;
           std::memcpy(&value, attribute.values.data() + i * sizeof value, sizeof value);
           finite = std::isfinite(value);

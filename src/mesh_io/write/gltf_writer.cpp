@@ -34,11 +34,11 @@ class GlbWriter final : public FormatWriter {
     TRY(check_length(glb_bytes(0, binary_bytes)));
     GltfModel model(options_.placement);
     for (const GltfPart& part : parts_) model.add(part);
-    std::string json = model.json({}, -1, notes);
-    pad_glb_json(json);
-    TRY(check_length(glb_bytes(json.size(), binary_bytes)));
-    auto written = file_.write(glb_start(json.size(), binary_bytes));
-    if (written) written = file_.write(json);
+    std::string text = model.json({}, -1, notes);
+    pad_glb_json(text);
+    TRY(check_length(glb_bytes(text.size(), binary_bytes)));
+    auto written = file_.write(glb_start(text.size(), binary_bytes));
+    if (written) written = file_.write(text);
     if (!written || binary_bytes == 0) return written;
     written = file_.write(glb_binary_head(binary_bytes));
     for (std::size_t p = 0; p < parts_.size() && written; ++p) written = write_part(parts_[p], file_);

@@ -6,9 +6,8 @@
 #include <limits>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
+
+#include "base/parallel.hpp"
 
 namespace isoextract::mesh_io {
 namespace {
@@ -80,15 +79,14 @@ PositionLattice choose_lattice(const MeshPacking& packing, const mesh::Bounds& b
 }
 
 Result<LatticePositions> put_on_lattice(const mesh::Mesh& mesh, const PositionLattice& lattice) {
-  using Range = tbb::blocked_range<std::size_t>;
   constexpr std::size_t kGrain = 1 << 14;
   LatticePositions result;
   result.numbers = Buffer<glm::uvec3>(mesh.positions.size());
   const glm::dvec3 last(lattice.last);
-  const Moved moved = tbb::parallel_reduce(
-      Range(0, mesh.positions.size(), kGrain), Moved{},
-      [&](const Range& range, Moved sum) {
-        for (std::size_t v = range.begin(); v != range.end(); ++v) {
+  const Moved moved = reduce_ranges(
+      mesh.positions.size(), kGrain, Moved{},
+      [&](std::size_t begin, std::size_t end, Moved sum) {
+        for (std::size_t v = begin; v != end; ++v) {
           const glm::dvec3 position = mesh.position(v);
           const glm::dvec3 point = nearest(position, lattice.step);
           const glm::dvec3 number = point - lattice.first;
@@ -110,10 +108,10 @@ Result<LatticePositions> put_on_lattice(const mesh::Mesh& mesh, const PositionLa
                             low.x, low.y, low.z, high.x, high.y, high.z));
   }
   result.facts = {lattice.bits, lattice.step, moved.axis, std::sqrt(moved.squared)};
-  result.flattened_triangles = tbb::parallel_reduce(
-      Range(0, mesh.triangles.size(), kGrain), std::uint64_t{0},
-      [&](const Range& range, std::uint64_t count) {
-        for (std::size_t t = range.begin(); t != range.end(); ++t) {
+  result.flattened_triangles = reduce_ranges(
+      mesh.triangles.size(), kGrain, std::uint64_t{0},
+      [&](std::size_t begin, std::size_t end, std::uint64_t count) {
+        for (std::size_t t = begin; t != end; ++t) {
           const glm::uvec3& corners = mesh.triangles[t];
           const auto& n = result.numbers;
           const auto& p = mesh.positions;

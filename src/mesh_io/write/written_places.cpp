@@ -7,10 +7,9 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
 
 #include "base/finite.hpp"
+#include "base/parallel.hpp"
 #include "mesh/metrics.hpp"
 
 namespace isoextract::mesh_io {
@@ -41,15 +40,14 @@ struct Change {
 
 template <class Number>
 Change measure_change(const mesh::Mesh& mesh) {
-  using Range = tbb::blocked_range<std::size_t>;
   constexpr std::size_t kGrain = 1 << 15;
   constexpr std::size_t kAtATime = 256;
-  return tbb::parallel_deterministic_reduce(
-      Range(0, mesh.triangles.size(), kGrain), Change{},
-      [&](const Range& range, Change sum) {
+  return reduce_ranges(
+      mesh.triangles.size(), kGrain, Change{},
+      [&](std::size_t begin, std::size_t end, Change sum) {
         std::array<std::array<glm::vec<3, Number>, 3>, kAtATime> written;
-        for (std::size_t first = range.begin(); first < range.end(); first += kAtATime) {
-          const std::size_t last = std::min(first + kAtATime, range.end());
+        for (std::size_t first = begin; first < end; first += kAtATime) {
+          const std::size_t last = std::min(first + kAtATime, end);
           // Rounded in a loop of its own: where they become double again in the same expression, GCC 12 may leave the
           // rounding out (-ftree-slp-vectorize).
           for (std::size_t t = first; t < last; ++t) {

@@ -3,10 +3,8 @@
 #include <algorithm>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
 
+#include "base/parallel.hpp"
 #include "points/detail/near_spots.hpp"
 #include "points/detail/symmetric_eigen.hpp"
 
@@ -65,12 +63,12 @@ Result<AnisotropicKernels> make_anisotropic_kernels(const CellGrid& grid, double
   context.progress().begin("shaping kernels", grid.size());
   const double radius = options.neighbourhood * support;
   AnisotropicKernels kernels;
-  kernels.reach = tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, grid.cell_count(), 32), 0.0,
-      [&](const auto& range, double reach) {
+  kernels.reach = reduce_ranges(
+      grid.cell_count(), 32, 0.0,
+      [&](std::size_t begin, std::size_t end, double reach) {
         if (context.cancelled()) return reach;
         Moments moments;
-        for (std::size_t c = range.begin(); c != range.end(); ++c) {
+        for (std::size_t c = begin; c != end; ++c) {
           for_each_near_batch(
               grid, c, radius, [&](const CellTargets&) { moments = Moments(); },
               [&](const CellTargets& targets, const BallBatch& batch) {
@@ -86,7 +84,7 @@ Result<AnisotropicKernels> make_anisotropic_kernels(const CellGrid& grid, double
                 }
               });
         }
-        context.progress().advance(grid.cell_end(range.end() - 1) - grid.cell(range.begin()).first);
+        context.progress().advance(grid.cell_end(end - 1) - grid.cell(begin).first);
         return reach;
       },
       [](double a, double b) { return std::max(a, b); });

@@ -2,16 +2,15 @@
 
 #include <atomic>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "base/parallel.hpp"
 
 namespace isoextract::points {
 
 std::uint64_t count_near_pairs(const CellGrid& grid, double radius, std::uint64_t most) {
   const int rings = static_cast<int>(std::ceil(radius / grid.side()));
   std::atomic<std::uint64_t> pairs{0};
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, grid.cell_count(), 32), [&](const auto& range) {
-    for (std::size_t c = range.begin(); c != range.end(); ++c) {
+  for_each_range(grid.cell_count(), 32, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c != end; ++c) {
       if (pairs.load(std::memory_order_relaxed) > most) return;
       const glm::ivec3 at = grid.cell(c).at;
       std::uint64_t near = 0;

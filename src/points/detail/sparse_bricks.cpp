@@ -6,12 +6,10 @@
 #include <span>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
 #include <tbb/parallel_sort.h>
 
 #include "base/checked.hpp"
+#include "base/parallel.hpp"
 #include "base/reserved_buffer.hpp"
 #include "points/detail/brick_list.hpp"
 
@@ -20,7 +18,7 @@ namespace {
 
 constexpr int kSide = field::SparseBlock::kSize;
 constexpr std::size_t kBrickSamples = std::size_t{kSide} * kSide * kSide;
-constexpr int kTasks = 4;  // bricks that a task takes at least
+constexpr int kTasks = 4;  // more bricks than these are split into tasks
 
 using Flags = Buffer<std::uint8_t>;
 
@@ -29,8 +27,8 @@ Result<BrickList> occupied_bricks(const CellGrid& grid, const Context& context, 
   auto made = make_reserved_buffer<glm::ivec3>(grid.size(), context, label);
   if (!made) return made;
   Buffer<glm::ivec3>& all = (*made)->values;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, grid.size(), 4096), [&](const auto& range) {
-    for (std::size_t s = range.begin(); s != range.end(); ++s) {
+  for_each_range(grid.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s != end; ++s) {
       all[s] = glm::ivec3(glm::floor(grid.place(s) / static_cast<double>(kSide)));
     }
   });
@@ -50,12 +48,12 @@ Result<BrickList> bricks_where(const BrickList& bricks, const char* stage, const
   auto flags = TRY(make_reserved_buffer<std::uint8_t>(list.size(), context, label));
   Flags& kept = flags->values;
   context.progress().begin(stage, list.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, list.size(), kTasks), [&](const auto& range) {
+  for_each_range(list.size(), kTasks, [&](std::size_t begin, std::size_t end) {
     if (context.cancelled()) return;
-    for (std::size_t b = range.begin(); b != range.end(); ++b) {
+    for (std::size_t b = begin; b != end; ++b) {
       kept[b] = static_cast<std::uint8_t>(keep(list[b] * kSide));
     }
-    context.progress().advance(range.size());
+    context.progress().advance(end - begin);
   });
   TRY(context.check());
   return chosen_bricks(
@@ -171,17 +169,17 @@ Result<field::SparseSamples> fill_bricks(const BrickSource& source, std::optiona
   samples.type = field::SampleType::f32;
   samples.blocks.resize(list.size());
   context.progress().begin("summing kernels", list.size());
-  Active active = tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, list.size(), kTasks), Active{},
-      [&](const auto& range, Active part) {
+  Active active = reduce_ranges(
+      list.size(), kTasks, Active{},
+      [&](std::size_t begin, std::size_t end, Active part) {
         if (context.cancelled()) return part;
-        for (std::size_t b = range.begin(); b != range.end(); ++b) {
+        for (std::size_t b = begin; b != end; ++b) {
           float* const brick = values + b * kBrickSamples;
           source.fill(list[b] * kSide, brick, SpotMarks(marks->values.data()));
           samples.blocks[b] = {list[b] * kSide, brick};
           part.add_block(list[b] * kSide, brick);
         }
-        context.progress().advance(range.size());
+        context.progress().advance(end - begin);
         return part;
       },
       [](Active a, const Active& b) {

@@ -3,9 +3,8 @@
 #include <array>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
+#include "base/parallel.hpp"
 #include "points/detail/near_spots.hpp"
 
 namespace isoextract::points {
@@ -29,10 +28,10 @@ Result<std::shared_ptr<ReservedBuffer<float>>> measure_density(const CellGrid& g
                                           fmt::format("{}: the densities of {} particles", label, grid.size()));
   if (!made) return made;
   context.progress().begin("measuring densities", grid.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, grid.cell_count(), 32), [&](const auto& range) {
+  for_each_range(grid.cell_count(), 32, [&](std::size_t begin, std::size_t end) {
     if (context.cancelled()) return;
-    for (std::size_t c = range.begin(); c != range.end(); ++c) measure_cell(grid, c, support, (*made)->values.data());
-    context.progress().advance(grid.cell_end(range.end() - 1) - grid.cell(range.begin()).first);
+    for (std::size_t c = begin; c != end; ++c) measure_cell(grid, c, support, (*made)->values.data());
+    context.progress().advance(grid.cell_end(end - 1) - grid.cell(begin).first);
   });
   TRY(context.check());
   return made;

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include "base/byte_size.hpp"
+#include "base/parallel.hpp"
 #include "render/detail/volume_bricks.hpp"
 #include "render/detail/volume_nodes.hpp"
 #include "render/detail/volume_samples.hpp"
@@ -83,8 +83,7 @@ Result<void> write_atlas(const gl::GlContext& gl, const VolumeSamples& samples, 
     const BrickWriter<T> writer(samples, nodes, slots);
     for (std::uint64_t first = 0; first < rows; first += batch) {
       const std::uint64_t count = std::min(batch, rows - first);
-      tbb::parallel_for(std::uint64_t{0}, count,
-                        [&](std::uint64_t n) { writer.write(first + n, values.data() + n * row * kBrickSamples); });
+      for_each_index(count, [&](std::uint64_t n) { writer.write(first + n, values.data() + n * row * kBrickSamples); });
       for (std::uint64_t n = 0; n < count; ++n) {
         const auto number = static_cast<int>(first + n);
         glTexSubImage3D(GL_TEXTURE_3D, 0, 0, kBrickSide * (number % slots.y), kBrickSide * (number / slots.y),

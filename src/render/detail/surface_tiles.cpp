@@ -6,10 +6,9 @@
 #include <tuple>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
 
 #include "base/finite.hpp"
+#include "base/parallel.hpp"
 
 namespace isoextract::render::detail {
 namespace {
@@ -97,10 +96,10 @@ Result<SurfaceTiles> SurfaceTiles::sort(const SurfaceView& view, const Camera& c
     const PixelBox pixels = tiles.pixels_of(view.corners(triangle), whole);
     if (!pixels.empty()) tiles.grid_.each_in(pixels, f);
   };
-  const auto things = tbb::parallel_reduce(
-      tbb::blocked_range<std::uint64_t>(0, count, 4096), std::uint64_t{0},
-      [&](const auto& range, std::uint64_t sum) {
-        for (std::uint64_t t = range.begin(); t != range.end(); ++t) each_tile(t, [&](std::size_t) { ++sum; });
+  const auto things = reduce_ranges(
+      count, 4096, std::uint64_t{0},
+      [&](std::size_t begin, std::size_t end, std::uint64_t sum) {
+        for (std::uint64_t t = begin; t != end; ++t) each_tile(t, [&](std::size_t) { ++sum; });
         return sum;
       },
       std::plus<>{});

@@ -5,8 +5,7 @@
 #include <limits>
 #include <tuple>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "base/parallel.hpp"
 
 namespace isoextract::render::detail {
 namespace {
@@ -68,10 +67,10 @@ Result<VolumeBricks> VolumeBricks::measure(const VolumeSamples& samples, const C
   bricks.seen_.resize(count);
   context.progress().begin("measuring bricks", count);
   field::visit_sample_type(samples.field().type(), [&]<class T>(std::type_identity<T>) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 64), [&](const auto& range) {
+    for_each_range(count, 64, [&](std::size_t first, std::size_t last) {
       if (context.cancelled()) return;
       SampleReader<T> reader(samples);
-      for (std::size_t n = range.begin(); n != range.end(); ++n) {
+      for (std::size_t n = first; n != last; ++n) {
         glm::ivec3 origin;
         glm::ivec3 end;  // the samples' last
         if (dense != nullptr) {
@@ -91,7 +90,7 @@ Result<VolumeBricks> VolumeBricks::measure(const VolumeSamples& samples, const C
         }
         bricks.seen_[n] = positions.seen(samples.transfer()) ? 1 : 0;
       }
-      context.progress().advance(range.size());
+      context.progress().advance(last - first);
     });
   });
   TRY(context.check());

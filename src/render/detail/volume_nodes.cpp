@@ -8,7 +8,8 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
+
+#include "base/parallel.hpp"
 
 namespace isoextract::render::detail {
 
@@ -98,7 +99,7 @@ class VolumeNodes::Lister {
       std::ranges::fill(list_.nodes_, kOwn);
       return;
     }
-    tbb::parallel_for(std::size_t{0}, list_.nodes_.size(), [&](std::size_t n) {
+    for_each_index(list_.nodes_.size(), [&](std::size_t n) {
       // Blocks and small tiles are in nodes of the lookup, which are as large as these; the last samples are the next
       // one's.
       const glm::ivec3 origin = kCells * node_at(n);
@@ -117,7 +118,7 @@ class VolumeNodes::Lister {
   }
 
   void find_bricks() {
-    tbb::parallel_for(std::size_t{0}, list_.nodes_.size(), [&](std::size_t n) {
+    for_each_index(list_.nodes_.size(), [&](std::size_t n) {
       const std::int32_t node = list_.nodes_[n];
       if (node < 0 || context_.cancelled()) return;
       const glm::ivec3 first = kSide * node_at(n);

@@ -6,9 +6,8 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
+
+#include "base/parallel.hpp"
 
 namespace isoextract::simulate {
 namespace {
@@ -18,13 +17,9 @@ constexpr std::size_t kGrain = 256;  // particles
 // Epsilon of equation 11, times the square of the spacing. Within a fluid the sum that it is added to is about 0.4.
 constexpr double kRelaxation = 0.1;
 
-using Range = tbb::blocked_range<std::size_t>;
-
 template <class F>
-void for_each_index(std::size_t count, const F& f) {
-  tbb::parallel_for(Range(0, count, kGrain), [&](const Range& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) f(i);
-  });
+void for_each_particle(std::size_t count, const F& f) {
+  for_each_index(count, f, kGrain);
 }
 
 }  // namespace
@@ -66,7 +61,7 @@ Result<void> Fluid::step(double duration, const Context& context) {
   stabilise();
   for (int i = 0; i < options_.iterations && find_multipliers(moved_); ++i) {
     find_corrections(moved_);
-    for_each_index(size_, [&](std::size_t k) { moved_[k] = glm::clamp(moved_[k] + scratch_[k], least_, most_); });
+    for_each_particle(size_, [&](std::size_t k) { moved_[k] = glm::clamp(moved_[k] + scratch_[k], least_, most_); });
   }
   update_velocities(duration);
   if (options_.viscosity > 0) even_out_velocities();
@@ -74,14 +69,13 @@ Result<void> Fluid::step(double duration, const Context& context) {
 }
 
 double Fluid::fastest() const {
-  const auto most = [&](const Range& range, double speed2) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+  const auto most = [&](std::size_t begin, std::size_t end, double speed2) {
+    for (std::size_t i = begin; i != end; ++i) {
       speed2 = std::max(speed2, glm::dot(velocities_[i], velocities_[i]));
     }
     return speed2;
   };
-  return std::sqrt(
-      tbb::parallel_reduce(Range(0, size_, kGrain), 0.0, most, [](double a, double b) { return std::max(a, b); }));
+  return std::sqrt(reduce_ranges(size_, kGrain, 0.0, most, [](double a, double b) { return std::max(a, b); }));
 }
 
 double Fluid::energy() const {
@@ -94,7 +88,7 @@ double Fluid::energy() const {
 
 void Fluid::predict(double duration) {
   const glm::dvec3 fall(0, 0, -options_.gravity * duration);
-  for_each_index(size_, [&](std::size_t i) {
+  for_each_particle(size_, [&](std::size_t i) {
     moved_[i] = glm::clamp(places_[i] + duration * (velocities_[i] + fall), least_, most_);
   });
 }
@@ -105,7 +99,7 @@ Result<void> Fluid::sort_by_cells(const Context& context) {
       TRY(points::CellGrid::make(moved_.span().first(size_), {.origin = options_.low, .unit = 1}, kernels_.reach(),
                                  points::CellGrid::Coinciding::apart, context, "a fluid"));
   const auto member = [&](std::size_t spot) { return grid.members(spot).front(); };
-  for_each_index(size_, [&](std::size_t i) {
+  for_each_particle(size_, [&](std::size_t i) {
     scratch_[i] = moved_[member(i)];
     velocities_[i] = places_[member(i)];
     number_scratch_[i] = numbers_[member(i)];
@@ -164,10 +158,10 @@ bool Fluid::find_multipliers(const Buffer<glm::dvec3>& places) {
     }
     return (1 - density) / (squares + glm::dot(own, own));
   };
-  return tbb::parallel_reduce(
-      Range(0, size_, kGrain), false,
-      [&](const Range& range, bool any) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+  return reduce_ranges(
+      size_, kGrain, false,
+      [&](std::size_t begin, std::size_t end, bool any) {
+        for (std::size_t i = begin; i != end; ++i) {
           multipliers_[i] = find(i);
           any = any || multipliers_[i] != 0;
         }
@@ -178,7 +172,7 @@ bool Fluid::find_multipliers(const Buffer<glm::dvec3>& places) {
 
 // Equation 12, into the scratch.
 void Fluid::find_corrections(const Buffer<glm::dvec3>& places) {
-  for_each_index(size_, [&](std::size_t i) {
+  for_each_particle(size_, [&](std::size_t i) {
     const double own = multipliers_[i];
     glm::dvec3 correction(0);
     for (const std::uint32_t j : neighbours_.of(i)) {
@@ -197,7 +191,7 @@ void Fluid::find_corrections(const Buffer<glm::dvec3>& places) {
 void Fluid::stabilise() {
   if (!find_multipliers(places_)) return;
   find_corrections(places_);
-  for_each_index(size_, [&](std::size_t i) {
+  for_each_particle(size_, [&](std::size_t i) {
     places_[i] = glm::clamp(places_[i] + scratch_[i], least_, most_);
     moved_[i] = glm::clamp(moved_[i] + scratch_[i], least_, most_);
   });
@@ -205,10 +199,10 @@ void Fluid::stabilise() {
 
 void Fluid::update_velocities(double duration) {
   const double top2 = options_.top_speed * options_.top_speed;
-  slowed_down_ += tbb::parallel_reduce(
-      Range(0, size_, kGrain), std::uint64_t{0},
-      [&](const Range& range, std::uint64_t slowed) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+  slowed_down_ += reduce_ranges(
+      size_, kGrain, std::uint64_t{0},
+      [&](std::size_t begin, std::size_t end, std::uint64_t slowed) {
+        for (std::size_t i = begin; i != end; ++i) {
           velocities_[i] = (moved_[i] - places_[i]) / duration;
           const double speed2 = glm::dot(velocities_[i], velocities_[i]);
           if (speed2 > top2) {
@@ -226,8 +220,8 @@ void Fluid::update_velocities(double duration) {
 // Equation 17, divided by the larger of two densities where that is above the one at rest. So the velocities of a crowd
 // are a weighted mean of what they were, and no particle gets faster than the fastest.
 void Fluid::even_out_velocities() {
-  for_each_index(size_, [&](std::size_t i) { multipliers_[i] = std::max(density_at(i, places_), 1.0); });
-  for_each_index(size_, [&](std::size_t i) {
+  for_each_particle(size_, [&](std::size_t i) { multipliers_[i] = std::max(density_at(i, places_), 1.0); });
+  for_each_particle(size_, [&](std::size_t i) {
     glm::dvec3 change(0);
     for (const std::uint32_t j : neighbours_.of(i)) {
       const glm::dvec3 d = places_[i] - places_[j];

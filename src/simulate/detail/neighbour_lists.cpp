@@ -4,8 +4,7 @@
 #include <array>
 #include <utility>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "base/parallel.hpp"
 
 namespace isoextract::simulate {
 namespace {
@@ -82,8 +81,8 @@ Result<void> NeighbourLists::make(const points::CellGrid& grid, std::span<const 
   }
   const std::size_t blocks = (grid.cell_count() + kBlockCells - 1) / kBlockCells;
   if (blocks_.size() < blocks) blocks_.resize(blocks);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks, 1), [&](const auto& range) {
-    for (std::size_t b = range.begin(); b != range.end(); ++b) {
+  for_each_range(blocks, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b != end; ++b) {
       fill(blocks_[b], b * kBlockCells, std::min(grid.cell_count(), (b + 1) * kBlockCells), grid, places, reach,
            context);
     }

@@ -4,8 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "base/parallel.hpp"
 
 namespace isoextract::simulate {
 namespace {
@@ -21,10 +20,7 @@ void for_rows(glm::ivec2 size, const Row& row) {
     for (int y = 0; y < size.y; ++y) row(y);
     return;
   }
-  tbb::parallel_for(tbb::blocked_range<int>(0, size.y, static_cast<std::size_t>(rows)),
-                    [&](const tbb::blocked_range<int>& range) {
-                      for (int y = range.begin(); y < range.end(); ++y) row(y);
-                    });
+  for_each_index(size.y, row, static_cast<std::size_t>(rows));
 }
 
 // What flows out of the cells of a row. No branches, so that several cells go at a time.

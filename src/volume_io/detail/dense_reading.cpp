@@ -8,9 +8,8 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
+#include "base/parallel.hpp"
 #include "base/reserved_buffer.hpp"
 #include "volume_io/detail/grid_choice.hpp"
 
@@ -35,8 +34,8 @@ Result<void> widen(const files::InputFile& file, const glm::ivec3& dims, std::sp
                    std::optional<double> no_data) {
   const std::size_t count = bytes.size() / sizeof(T);
   std::atomic<std::size_t> first_bad{count};
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kSamplesAtOnce), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+  for_each_range(count, kSamplesAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
       T value{};
       std::memcpy(&value, bytes.data() + i * sizeof value, sizeof value);
       const auto as_double = static_cast<double>(value);
@@ -113,8 +112,8 @@ Result<SampleSource> part_of(const SampleSource& all, const DenseFile& dense, st
 
 template <class Length, class T>
 void add_to_lengths(const T* component, bool first, const field::ValueScale& scale, std::span<Length> lengths) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, lengths.size(), kSamplesAtOnce), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+  for_each_range(lengths.size(), kSamplesAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
       const double value = scale(static_cast<double>(component[i]));
       const double before = first ? 0 : static_cast<double>(lengths[i]);
       // hypot() gives infinity for infinity and NaN.

@@ -13,10 +13,10 @@
 #include <variant>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include "base/checked.hpp"
 #include "base/no_memory.hpp"
+#include "base/parallel.hpp"
 #include "files/file_bytes.hpp"
 #include "files/gzip_stream.hpp"
 
@@ -46,7 +46,7 @@ Result<void> for_each_parallel(std::size_t count, const std::function<Result<voi
   std::mutex mutex;
   std::optional<Error> error;
   std::atomic<bool> failed{false};
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+  for_each_index(count, [&](std::size_t i) {
     if (failed.load(std::memory_order_relaxed)) return;
     auto done = work(i);
     if (done) return;
@@ -314,7 +314,7 @@ void transpose_slab(const T* slab, T* out, const glm::ivec3& dims, int x_begin, 
   const auto nx = static_cast<std::size_t>(dims.x);
   const auto ny = static_cast<std::size_t>(dims.y);
   const auto nz = static_cast<std::size_t>(dims.z);
-  tbb::parallel_for(std::size_t{0}, ny, [&](std::size_t y) {
+  for_each_index(ny, [&](std::size_t y) {
     for (std::size_t z = 0; z < nz; ++z) {
       T* row = out + (z * ny + y) * nx + static_cast<std::size_t>(x_begin);
       for (int x = 0; x < x_count; ++x) row[x] = slab[(static_cast<std::size_t>(x) * ny + y) * nz + z];
