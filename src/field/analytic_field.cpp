@@ -12,7 +12,7 @@ namespace {
 using formulas::kPi;
 
 template <class Formula>
-double value_of(const glm::dvec3& p) {
+double formula_value(const glm::dvec3& p) {
   return Formula{}(p.x, p.y, p.z);
 }
 
@@ -52,13 +52,14 @@ double marschner_lobb_length(double x, double y, double iso) {
 std::optional<SurfaceSize> unknown_size(double) { return std::nullopt; }
 
 constexpr std::array kFields{
-    AnalyticField{"sphere", value_of<formulas::Sphere>, dual_of<formulas::Sphere>, true, sphere_size, nullptr, false},
-    AnalyticField{"torus", value_of<formulas::Torus>, dual_of<formulas::Torus>, true, torus_size, nullptr, false},
-    AnalyticField{"gyroid", value_of<formulas::Gyroid>, dual_of<formulas::Gyroid>, false, unknown_size, gyroid_length,
+    AnalyticField{"sphere", formula_value<formulas::Sphere>, dual_of<formulas::Sphere>, true, sphere_size, nullptr,
                   false},
-    AnalyticField{"marschner-lobb", value_of<formulas::MarschnerLobb>, dual_of<formulas::MarschnerLobb>, false,
+    AnalyticField{"torus", formula_value<formulas::Torus>, dual_of<formulas::Torus>, true, torus_size, nullptr, false},
+    AnalyticField{"gyroid", formula_value<formulas::Gyroid>, dual_of<formulas::Gyroid>, false, unknown_size,
+                  gyroid_length, false},
+    AnalyticField{"marschner-lobb", formula_value<formulas::MarschnerLobb>, dual_of<formulas::MarschnerLobb>, false,
                   unknown_size, marschner_lobb_length, true},
-    AnalyticField{"metaballs", value_of<formulas::Metaballs>, dual_of<formulas::Metaballs>, false, unknown_size,
+    AnalyticField{"metaballs", formula_value<formulas::Metaballs>, dual_of<formulas::Metaballs>, false, unknown_size,
                   nullptr, false},
 };
 

@@ -16,7 +16,7 @@ namespace isoextract::field {
 namespace {
 
 constexpr int kDigitBits = 16;
-constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
+constexpr std::size_t kDigitValues = std::size_t{1} << kDigitBits;
 constexpr std::size_t kAtOnce = 8;  // percentiles that are looked for in one pass
 
 // Numbers of T as unsigned ones of the same size and order.
@@ -62,11 +62,11 @@ std::vector<double> samples_of_ranks(const ScalarField& field, std::vector<std::
       const Key key = key_of(stored);
       const Key before = first ? 0 : key >> (shift + kDigitBits) % (8 * sizeof(Key));
       for (std::size_t slot = 0; slot < prefixes.size(); ++slot) {
-        if (prefixes[slot] == before) counts[slot * kDigits + (key >> shift) % kDigits] += times;
+        if (prefixes[slot] == before) counts[slot * kDigitValues + (key >> shift) % kDigitValues] += times;
       }
     };
     std::vector<std::uint64_t> counts = count_samples<T>(
-        field, prefixes.size() * kDigits,
+        field, prefixes.size() * kDigitValues,
         [&](std::vector<std::uint64_t>& part, std::span<const T> values) {
           for (const T stored : values) add(part, stored, 1);
         },
@@ -76,8 +76,8 @@ std::vector<double> samples_of_ranks(const ScalarField& field, std::vector<std::
       const auto slot = static_cast<std::size_t>(std::ranges::find(prefixes, found[p]) - prefixes.begin());
       // Samples of a file that somebody writes to may have become others since they were counted.
       Key digit = 0;
-      for (; digit + 1 < kDigits && ranks[p] >= counts[slot * kDigits + digit]; ++digit) {
-        ranks[p] -= counts[slot * kDigits + digit];
+      for (; digit + 1 < kDigitValues && ranks[p] >= counts[slot * kDigitValues + digit]; ++digit) {
+        ranks[p] -= counts[slot * kDigitValues + digit];
       }
       found[p] = (first ? 0 : found[p] << kDigitBits) | digit;
     }
@@ -196,8 +196,8 @@ std::optional<std::vector<double>> measure_percentiles(const ScalarField& field,
 
 std::uint64_t measuring_bytes(std::size_t percents) {
   const auto threads = static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency());
-  const std::uint64_t counts = std::clamp<std::uint64_t>(percents, 1, kAtOnce) * kDigits * sizeof(std::uint64_t);
-  return (threads + 1) * counts + kDigits * sizeof(CountedValue);
+  const std::uint64_t counts = std::clamp<std::uint64_t>(percents, 1, kAtOnce) * kDigitValues * sizeof(std::uint64_t);
+  return (threads + 1) * counts + kDigitValues * sizeof(CountedValue);
 }
 
 }  // namespace isoextract::field

@@ -23,7 +23,7 @@ constexpr std::array<ComponentInfo, 8> kComponents{
 const ComponentInfo& info(ComponentType type) { return kComponents[static_cast<std::size_t>(type)]; }
 
 template <class T>
-double value_of(const std::byte* place, bool normalised) {
+double component_of(const std::byte* place, bool normalised) {
   T value;
   std::memcpy(&value, place, sizeof value);
   const auto number = static_cast<double>(value);
@@ -58,16 +58,16 @@ std::string_view component_name(ComponentType type) { return info(type).name; }
 
 double component_value(const std::byte* place, ComponentType type, bool normalised) {
   switch (type) {
-    case ComponentType::i8: return value_of<std::int8_t>(place, normalised);
-    case ComponentType::u8: return value_of<std::uint8_t>(place, normalised);
-    case ComponentType::i16: return value_of<std::int16_t>(place, normalised);
-    case ComponentType::u16: return value_of<std::uint16_t>(place, normalised);
-    case ComponentType::i32: return value_of<std::int32_t>(place, normalised);
-    case ComponentType::u32: return value_of<std::uint32_t>(place, normalised);
-    case ComponentType::f32: return value_of<float>(place, false);
+    case ComponentType::i8: return component_of<std::int8_t>(place, normalised);
+    case ComponentType::u8: return component_of<std::uint8_t>(place, normalised);
+    case ComponentType::i16: return component_of<std::int16_t>(place, normalised);
+    case ComponentType::u16: return component_of<std::uint16_t>(place, normalised);
+    case ComponentType::i32: return component_of<std::int32_t>(place, normalised);
+    case ComponentType::u32: return component_of<std::uint32_t>(place, normalised);
+    case ComponentType::f32: return component_of<float>(place, false);
     case ComponentType::f64: break;
   }
-  return value_of<double>(place, false);
+  return component_of<double>(place, false);
 }
 
 std::size_t vertex_bytes(const Mesh& mesh) {

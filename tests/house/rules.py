@@ -170,6 +170,43 @@ def check_namespaces(root):
                 yield f"{place}: {declared.group(1)}, expected {expected}"
 
 
+# What is declared at the start of a line: functions, constants and types.
+DECLARED = re.compile(
+    r"^(?!return\b|using\b|namespace\b|static_assert\b)(?:\[\[nodiscard\]\] )?(?:inline |static |constexpr |const )*"
+    r"(?:[A-Za-z_][\w:<>,*& ]*?[ &*>](?P<name>\w+)(?=\(| =|\{))",
+    re.MULTILINE,
+)
+
+
+def unnamed_namespaces(code):
+    """What stands in the unnamed namespaces of C++ source."""
+    for start in re.finditer(r"^namespace \{$", code, re.MULTILINE):
+        depth, end = 1, start.end()
+        while depth > 0 and end < len(code):
+            depth += {"{": 1, "}": -1}.get(code[end], 0)
+            end += 1
+        yield start.end(), code[start.end() : end - 1]
+
+
+def check_hidden_names(root):
+    """A room compiles as one file: a name of base in an unnamed namespace would hide that of base from the files after."""
+    sources = list(room_sources(root))
+    of_base = {
+        found["name"]
+        for room, path, code in sources
+        if room == "base" and path.suffix == ".hpp"
+        for found in DECLARED.finditer(code)
+    }
+    for room, path, code in sources:
+        if room == "base" or path.suffix != ".cpp":
+            continue
+        for offset, body in unnamed_namespaces(code):
+            for found in DECLARED.finditer(body):
+                if found["name"] in of_base:
+                    line = code.count("\n", 0, offset + found.start("name")) + 1
+                    yield f"{path.relative_to(root)}:{line}: {found['name']} hides what base declares: choose another name"
+
+
 def check_reserved(root):
     """Graphics headers, output, the command line and the end of the program each have their place."""
     for room, path, code in room_sources(root):
@@ -328,7 +365,7 @@ def check_stage_names(root):
 CHECKS = [
     check_includes, check_links, check_namespaces, check_reserved, check_reservations, check_option_names, check_options_once,
     check_commands_by_name,
-    check_map, check_doors, check_length, check_machine_paths, check_remedies, check_stage_names,
+    check_map, check_doors, check_length, check_machine_paths, check_remedies, check_stage_names, check_hidden_names,
 ]
 
 

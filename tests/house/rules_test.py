@@ -153,6 +153,13 @@ class RulesTest(unittest.TestCase):
         self.plant("src/cli/main.cpp", "#include <CLI/App.hpp>\n")
         self.expect_one("src/cli/main.cpp:1", "options are declared as")
 
+    def test_names_that_hide_those_of_base(self):
+        self.plant("src/base/error.hpp", "namespace isoextract {\n[[nodiscard]] constexpr int value_of(int x) {\n  return x;\n}\n}\n")
+        self.plant_in_room("volume_io", "namespace {\nint other(int x) { return value_of(x); }\n}\nint value_of(int);\n")
+        self.assertEqual(self.findings(), [])
+        self.plant_in_room("volume_io", "int x;\nnamespace {\nint f() { return 1; }\n\nint value_of(int x) { return x; }\n}\n")
+        self.expect_one("src/volume_io/planted.cpp:5", "value_of hides what base declares")
+
     def test_loops_of_tbb_elsewhere(self):
         self.plant("src/base/parallel.cpp", "void f() { tbb::parallel_for(r, body); }\n")
         self.assertEqual(self.findings(), [])

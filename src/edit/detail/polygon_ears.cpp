@@ -12,7 +12,7 @@
 namespace isoextract::edit {
 namespace {
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kNoCorner = std::numeric_limits<std::uint32_t>::max();
 
 // What may be cut off, from the best to what there is left.
 enum class EarKind {
@@ -51,7 +51,7 @@ class NodeGrid {
     for (const std::uint32_t n : nodes) listed_[at[index_of(n)]++] = n;
   }
 
-  // The first node in the box for which `is_it` holds, or kNone.
+  // The first node in the box for which `is_it` holds, or kNoCorner.
   template <class Test>
   [[nodiscard]] std::uint32_t find(const glm::dvec2& low, const glm::dvec2& high, const Test& is_it) const {
     const glm::uvec2 from = cell_at(low);
@@ -62,7 +62,7 @@ class NodeGrid {
         if (is_it(listed_[i])) return listed_[i];
       }
     }
-    return kNone;
+    return kNoCorner;
   }
 
  private:
@@ -112,12 +112,12 @@ class EarCutter {
       cut_folds();
       while (facts_[at].gone) at = ring_[at].next;
       if (left_ <= 3) return put(at);
-      std::uint32_t ear = kNone;
+      std::uint32_t ear = kNoCorner;
       for (const EarKind kind : {EarKind::clear, EarKind::touching, EarKind::flat, EarKind::rough, EarKind::any}) {
         ear = find_ear(at, kind);
-        if (ear != kNone) break;
+        if (ear != kNoCorner) break;
       }
-      if (ear == kNone) return false;
+      if (ear == kNoCorner) return false;
       // Beyond the neighbour, so that ears are cut all around and none becomes a fan.
       at = ring_[ring_[ear].next].next;
       cut(ear);
@@ -129,12 +129,12 @@ class EarCutter {
   // What was found about a node, until it or what stood in its way changes.
   struct NodeFacts {
     std::uint32_t version = 0;
-    std::uint32_t blocker = kNone;
+    std::uint32_t blocker = kNoCorner;
     std::uint32_t blocker_version = 0;
     std::uint32_t own_version = 0;
     EarKind kind = EarKind::clear;
     bool gone = false;
-    std::uint32_t node = kNone;
+    std::uint32_t node = kNoCorner;
     HalfEdge beyond = kNoHalfEdge;  // of the ear that was cut off between this and the next, if there was one
   };
 
@@ -152,7 +152,7 @@ class EarCutter {
     for (std::size_t i = 0; i < left_; ++i, n = ring_[n].next) {
       if (is_ear(n, kind)) return n;
     }
-    return kNone;
+    return kNoCorner;
   }
 
   [[nodiscard]] bool is_ear(std::uint32_t n, EarKind kind) {
@@ -197,7 +197,7 @@ class EarCutter {
 
   [[nodiscard]] bool is_blocked(std::uint32_t n, EarKind kind) {
     NodeFacts& facts = facts_[n];
-    if (facts.blocker != kNone && facts.kind == kind && facts.own_version == facts.version &&
+    if (facts.blocker != kNoCorner && facts.kind == kind && facts.own_version == facts.version &&
         facts.blocker_version == facts_[facts.blocker].version && !facts_[facts.blocker].gone) {
       return true;
     }
@@ -210,7 +210,7 @@ class EarCutter {
       return q != before && q != n && q != after && !facts_[q].gone && blocks(q, ear, kind);
     });
     facts.blocker = blocker;
-    if (blocker == kNone) return false;
+    if (blocker == kNoCorner) return false;
     facts.kind = kind;
     facts.own_version = facts.version;
     facts.blocker_version = facts_[blocker].version;

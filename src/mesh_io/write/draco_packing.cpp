@@ -159,8 +159,8 @@ class Comparison {
 };
 
 // Packs, unpacks and compares. Nothing where what comes back is not the mesh.
-Result<std::optional<DracoPacked>> attempt(const mesh::Mesh& mesh, const DracoPacking& packing, const DracoInput& input,
-                                           DracoMethod method) {
+Result<std::optional<DracoPacked>> attempt_packing(const mesh::Mesh& mesh, const DracoPacking& packing,
+                                                   const DracoInput& input, DracoMethod method) {
   auto bytes = TRY(encode_draco(input, method));
   const auto unpacked = decode_draco(bytes, [](std::uint64_t /*reserved before*/) {});
   if (!unpacked) return std::optional<DracoPacked>();
@@ -202,11 +202,11 @@ Result<DracoPacked> pack_with_draco(const mesh::Mesh& mesh, const DracoPacking& 
   input.placement = packing.placement;
 
   bool one_by_one = false;
-  auto packed = attempt(mesh, packing, input, DracoMethod::edgebreaker);
+  auto packed = attempt_packing(mesh, packing, input, DracoMethod::edgebreaker);
   if (!packed || !*packed) {
     TRY(context.check());
     one_by_one = true;
-    packed = attempt(mesh, packing, input, DracoMethod::sequential);
+    packed = attempt_packing(mesh, packing, input, DracoMethod::sequential);
   }
   if (!packed) return tl::unexpected(std::move(packed.error()));
   if (!*packed) return fail(ErrorCode::output, "what Draco unpacks of its own bytes is not the mesh that was packed");

@@ -20,16 +20,16 @@ constexpr char kWords = ' ';  // fields are words
 
 bool is_space(char c) { return c == ' ' || c == '\t'; }
 
-std::string_view trimmed(std::string_view text) {
+std::string_view without_blanks(std::string_view text) {
   while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
   while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
   return text;
 }
 
-bool is_blank(std::string_view line) { return trimmed(line).empty(); }
+bool is_blank(std::string_view line) { return without_blanks(line).empty(); }
 
 bool is_comment(std::string_view line) {
-  const std::string_view text = trimmed(line);
+  const std::string_view text = without_blanks(line);
   return text.starts_with('#') || (text.starts_with("sep=") && text.size() <= 5);
 }
 
@@ -67,7 +67,7 @@ class FieldSplitter {
         continue;
       }
       const std::size_t end = delimiter_ == kWords ? line.find_first_of(" \t") : line.find(delimiter_);
-      fields.push_back(trimmed(line.substr(0, end)));
+      fields.push_back(without_blanks(line.substr(0, end)));
       if (end == std::string_view::npos) return true;
       line.remove_prefix(end + 1);
     }
@@ -90,13 +90,13 @@ class FieldSplitter {
     if (end == std::string_view::npos) return std::nullopt;
     const std::string_view inside = line.substr(1, end - 1);
     line.remove_prefix(end + 1);
-    if (!is_doubled) return trimmed(inside);
+    if (!is_doubled) return without_blanks(inside);
     std::string& text = unescaped_.emplace_back();
     for (std::size_t i = 0; i < inside.size(); ++i) {
       text += inside[i];
       if (inside[i] == '"') ++i;
     }
-    return trimmed(text);
+    return without_blanks(text);
   }
 
   char delimiter_;
@@ -149,7 +149,7 @@ void name_columns(CsvFile& csv, std::span<const std::string_view> names) {
 void name_columns_of_values(CsvFile& csv, const std::string& comment, std::size_t count) {
   std::vector<std::string_view> names;
   FieldSplitter splitter(csv.delimiter);
-  const std::string_view text = trimmed(comment);
+  const std::string_view text = without_blanks(comment);
   if (!text.empty() && splitter.split(text.substr(1), names) && names.size() == count &&
       are_names(names, csv.delimiter)) {
     return name_columns(csv, names);

@@ -38,7 +38,7 @@ void read_metadata(VdbCursor& cursor,
 }
 
 template <class T>
-std::optional<T> value_of(const std::string& bytes) {
+std::optional<T> number_of(const std::string& bytes) {
   T value;
   if (bytes.size() != sizeof value) return std::nullopt;
   std::memcpy(&value, bytes.data(), sizeof value);
@@ -57,10 +57,10 @@ void read_grid_metadata(VdbCursor& cursor, VdbGridRecord& grid) {
     if (name == "vector_type" && type == "string") grid.vector_type = bytes;
     if (name == "is_local_space" && type == "bool") grid.in_local_space = bytes == std::string(1, '\1');
     if (name == "is_saved_as_half_float" && type == "bool") grid.half = bytes == std::string(1, '\1');
-    if (name == "file_bbox_min" && type == "vec3i") box_min = value_of<glm::ivec3>(bytes);
-    if (name == "file_bbox_max" && type == "vec3i") box_max = value_of<glm::ivec3>(bytes);
+    if (name == "file_bbox_min" && type == "vec3i") box_min = number_of<glm::ivec3>(bytes);
+    if (name == "file_bbox_max" && type == "vec3i") box_max = number_of<glm::ivec3>(bytes);
     if (name == "file_voxel_count" && type == "int64") {
-      const auto voxels = value_of<std::int64_t>(bytes);
+      const auto voxels = number_of<std::int64_t>(bytes);
       if (voxels && *voxels >= 0) grid.voxels = static_cast<std::uint64_t>(*voxels);
     }
   });

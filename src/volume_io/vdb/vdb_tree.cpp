@@ -35,7 +35,7 @@ void for_each_bit(const std::array<std::uint64_t, Words>& mask, F&& use) {
 }
 
 template <std::size_t Words>
-std::array<std::uint64_t, Words> words_of(std::span<const std::byte> mask) {
+std::array<std::uint64_t, Words> mask_words(std::span<const std::byte> mask) {
   std::array<std::uint64_t, Words> words;
   std::memcpy(words.data(), mask.data(), sizeof words);
   return words;
@@ -137,8 +137,8 @@ class TopologyReader {
     cursor_.prepare(2 * kEntries / 8 + max_packed_bytes(kEntries, layout_.value_size));
     const auto child_bytes = cursor_.take(kEntries / 8);
     const auto active_bytes = cursor_.take(kEntries / 8);
-    const auto children = words_of<kWords>(child_bytes);
-    const auto active = words_of<kWords>(active_bytes);
+    const auto children = mask_words<kWords>(child_bytes);
+    const auto active = mask_words<kWords>(active_bytes);
     values_.resize(kEntries);
     unpack_values<Value>(take_values(cursor_, active_bytes, layout_), layout_, background_, values_);
 
@@ -246,7 +246,7 @@ LeafRun take_run(VdbCursor& cursor, const VdbValueLayout& layout, const std::vec
   LeafRun run{cursor.window(), first, {}};
   for (std::size_t i = first; i < masks.size() && cursor.is_prepared(longest); ++i) {
     const auto active = cursor.take(kLeafMaskBytes);
-    if (words_of<8>(active) != masks[i]) {
+    if (mask_words<8>(active) != masks[i]) {
       throw VdbDamaged(
           fmt::format("the leaf at byte {} has another mask than the tree says", cursor.position() - kLeafMaskBytes));
     }
