@@ -19,11 +19,6 @@ namespace {
 // The ends of the ranges follow from the size alone, and with them every hint.
 constexpr std::size_t kGrain = 512;
 
-template <class Body>
-void for_ranges(std::size_t size, const Body& body) {
-  for_each_fixed_range(size, kGrain, body);
-}
-
 // Two coordinates in the unit square for the n-th sample, spread evenly: the sequence R2 of M. Roberts, The
 // unreasonable effectiveness of quasirandom sequences (2018).
 glm::dvec2 spread(std::uint64_t n) {
@@ -98,7 +93,7 @@ class Direction {
     samples_.resize(options_.samples);
     const double share = area_up_to.back() / static_cast<double>(samples_.size());
     std::vector<glm::dvec3> places(samples_.size());
-    for_ranges(samples_.size(), [&](std::size_t first, std::size_t last) {
+    for_each_fixed_range(samples_.size(), kGrain, [&](std::size_t first, std::size_t last) {
       std::uint32_t hint = 0;
       for (std::size_t k = first; k < last; ++k) {
         const double area = (static_cast<double>(k) + 0.5) * share;

@@ -44,11 +44,13 @@ class SplitReduction {
 
   void operator()(const Range& range) {
     if (kept_.any()) return;
-    if (part_ == nullptr) {
-      kept_.keep_from([&] { own_ = all_.fresh(); });
-      part_ = own_.get();
-    }
-    if (part_ != nullptr) part_->run(range.begin(), range.end());
+    kept_.keep_from([&] {
+      if (part_ == nullptr) {
+        own_ = all_.fresh();
+        part_ = own_.get();
+      }
+      part_->run(range.begin(), range.end());
+    });
   }
   void join(SplitReduction& later) {
     if (part_ == nullptr || later.part_ == nullptr || kept_.any()) return;  // there is no result

@@ -68,7 +68,7 @@ void for_each_index(Index count, const Body& body, std::size_t grain = 1) {
 
 // Returns join(earlier, later) of body(begin, end, partial) over ranges of at most `grain` indices that cover [0,
 // count); `partial` is `identity` at first. The ranges and the tree of joins depend on `count` and `grain` only. Throws
-// what a body threw, and what a join or a copy of `identity` threw once all bodies have ended.
+// the first exception of a body, a join or a copy of `identity` once all bodies have ended.
 template <class Partial, class Body, class Join>
 [[nodiscard]] Partial reduce_ranges(std::size_t count, std::size_t grain, const Partial& identity, const Body& body,
                                     const Join& join) {

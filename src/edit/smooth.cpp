@@ -24,9 +24,7 @@ constexpr std::size_t kVerticesAtATime = 1 << 12;
 
 template <class Body>
 void for_each_vertex(std::size_t count, const Body& body) {
-  for_each_range(count, kVerticesAtATime, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v != end; ++v) body(v);
-  });
+  for_each_index(count, body, kVerticesAtATime);
 }
 
 // The other way round for the vertices that triangles come back from.

@@ -33,9 +33,7 @@ int cell_number(const glm::ivec3& cell) { return cell.x | cell.y << 3 | cell.z <
 
 template <class F>
 void for_each_site(std::size_t count, const F& f) {
-  for_each_range(count, kSitesPerPiece, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s != end; ++s) f(s);
-  });
+  for_each_index(count, f, kSitesPerPiece);
 }
 
 }  // namespace

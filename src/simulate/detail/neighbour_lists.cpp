@@ -81,11 +81,8 @@ Result<void> NeighbourLists::make(const points::CellGrid& grid, std::span<const 
   }
   const std::size_t blocks = (grid.cell_count() + kBlockCells - 1) / kBlockCells;
   if (blocks_.size() < blocks) blocks_.resize(blocks);
-  for_each_range(blocks, 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t b = begin; b != end; ++b) {
-      fill(blocks_[b], b * kBlockCells, std::min(grid.cell_count(), (b + 1) * kBlockCells), grid, places, reach,
-           context);
-    }
+  for_each_index(blocks, [&](std::size_t b) {
+    fill(blocks_[b], b * kBlockCells, std::min(grid.cell_count(), (b + 1) * kBlockCells), grid, places, reach, context);
   });
   for (std::size_t b = 0; b < blocks; ++b) {
     if (blocks_[b].error) return tl::unexpected(*blocks_[b].error);

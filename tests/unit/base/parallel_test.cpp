@@ -134,6 +134,24 @@ TEST(Parallel, ALoopWithinABodyIsWholeWhereAnotherPartFails) {
   EXPECT_EQ(done, begun);
 }
 
+TEST(Parallel, ALoopWithinABodyIsWholeWhereAnotherBodyFails) {
+  std::atomic<int> begun{0};
+  std::atomic<int> done{0};
+  const auto body = [&](std::size_t begin, std::size_t /*end*/, int part) {
+    if (begin % 64 == 63) throw std::bad_alloc();
+    ++begun;
+    std::atomic<int> indices{0};
+    for_each_index(20'000, [&](int) { ++indices; });
+    done += indices == 20'000 ? 1 : 0;
+    return part;
+  };
+  for (int round = 0; round < 20; ++round) {
+    EXPECT_THROW(static_cast<void>(reduce_ranges(256, 1, 0, body, std::plus<>())), std::bad_alloc);
+  }
+  EXPECT_GT(begun, 0);
+  EXPECT_EQ(done, begun);
+}
+
 TEST(Parallel, PassesOnWhatAJoinThrows) {
   const auto body = [](std::size_t begin, std::size_t end, int part) { return part + static_cast<int>(end - begin); };
   const auto join = [](int a, int b) -> int { return a + b > 100 ? throw std::bad_alloc() : a + b; };
