@@ -117,10 +117,10 @@ class Scheduler {
       ++counts_.repeated;
       return;
     }
-    queue_.end(place);
     lock.unlock();
     const bool kept = events_.finished(frame, outcome);
     lock.lock();
+    queue_.end(place);  // only now, so that none after it is taken where the batch ends with it
     ++(outcome.done() ? counts_.done : counts_.failed);
     if (!kept || (options_.fail_fast && !outcome.done())) end();
   }

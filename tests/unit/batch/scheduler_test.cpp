@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <map>
 #include <mutex>
 #include <numeric>
 #include <optional>
+#include <thread>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -49,6 +51,7 @@ class Watcher final : public FrameEvents {
     return nullptr;
   }
   bool finished(std::size_t frame, const convert::Outcome& outcome) override {
+    if (!outcome.done()) std::this_thread::sleep_for(pause_after_a_failure);
     const std::lock_guard lock(mutex_);
     --running_;
     ended[frame] = outcome.done();
@@ -61,6 +64,7 @@ class Watcher final : public FrameEvents {
   std::map<std::size_t, bool> ended;
   std::vector<std::string> errors;
   bool stop = false;
+  std::chrono::milliseconds pause_after_a_failure{0};
 
  private:
   std::mutex mutex_;
@@ -298,6 +302,21 @@ TEST(Scheduler, WhoWaitsForItsTurnIsWokenWhereTheBatchEnds) {
   EXPECT_EQ(ended.frames, (std::vector<std::size_t>{0, 1, 2}));
   EXPECT_EQ(counts.done, 3U);
   EXPECT_EQ(counts.failed + counts.not_started, 6U);
+}
+
+// The next frame is made while the caller hears of the failure: its turn must not come.
+TEST(Scheduler, NothingIsTakenAfterAFailureThatEndsTheBatch) {
+  const TempFolder folder;
+  const BatchJob batch = uneven(folder, 9);
+  Watcher watcher;
+  watcher.pause_after_a_failure = std::chrono::milliseconds(200);
+  const Context context;
+  Basket basket(context);
+  basket.refused = 2;  // a small one, before a large one
+  const BatchCounts counts =
+      run(batch, every_frame(batch), {.jobs = 4, .threads = 2, .fail_fast = true}, context, watcher, &basket);
+  EXPECT_EQ(basket.frames, (std::vector<std::size_t>{0, 1}));
+  EXPECT_EQ(counts.done, 2U);
 }
 
 TEST(Scheduler, NothingStartsOnceTheEndIsAskedFor) {
