@@ -1,4 +1,4 @@
-// Characters and texts as ASCII has them, in every locale.
+// ASCII characters and text: the results do not depend on the locale.
 #pragma once
 
 #include <string>
@@ -17,7 +17,7 @@ inline constexpr std::string_view kDigits = "0123456789";
   return lower;
 }
 
-// Without spaces, tabs and CR at both ends.
+// Returns `text` without spaces, tabs and carriage returns at both ends.
 [[nodiscard]] inline std::string_view trimmed(std::string_view text) {
   constexpr std::string_view kBlanks = " \t\r";
   const std::size_t first = text.find_first_not_of(kBlanks);

@@ -13,7 +13,7 @@ struct NamedKind {
   AttributeKind kind;
 };
 
-// Names as a whole.
+// Whole names.
 constexpr std::array<NamedKind, 31> kNames{
     {{"v", AttributeKind::vector},           {"u", AttributeKind::vector},
      {"f", AttributeKind::vector},           {"momenta", AttributeKind::vector},
@@ -32,7 +32,7 @@ constexpr std::array<NamedKind, 31> kNames{
      {"disp", AttributeKind::vector},        {"impulse", AttributeKind::vector},
      {"rest_position", AttributeKind::point}}};
 
-// Beginnings of names.
+// Prefixes of names.
 constexpr std::array<NamedKind, 6> kBeginnings{{{"vel", AttributeKind::vector},
                                                 {"force", AttributeKind::vector},
                                                 {"accel", AttributeKind::vector},
@@ -40,13 +40,13 @@ constexpr std::array<NamedKind, 6> kBeginnings{{{"vel", AttributeKind::vector},
                                                 {"color", AttributeKind::color},
                                                 {"colour", AttributeKind::color}}};
 
-// Words anywhere in names: "wind_velocity".
+// Parts of names, such as "wind_velocity".
 constexpr std::array<NamedKind, 4> kWords{{{"velocity", AttributeKind::vector},
                                            {"acceleration", AttributeKind::vector},
                                            {"displacement", AttributeKind::vector},
                                            {"momentum", AttributeKind::vector}}};
 
-// Velocities of rotation do not grow with lengths.
+// Angular velocities do not scale with lengths, so they are not vectors here.
 constexpr std::string_view kAngular = "angular";
 
 template <class Names, class Matches>

@@ -1,4 +1,4 @@
-// What the numbers of an attribute mean, which decides how they change where a mesh is turned, scaled or mirrored.
+// The meaning of an attribute's values. It decides how they change when a mesh is rotated, scaled or mirrored.
 #pragma once
 
 #include <array>
@@ -11,11 +11,11 @@
 namespace isoextract {
 
 enum class AttributeKind : std::uint8_t {
-  scalar,  // numbers that stay as they are
-  color,   // likewise
-  vector,  // a displacement or a velocity: changes as the difference of two positions does
+  scalar,  // unchanged by any transform
+  color,   // unchanged by any transform
+  vector,  // a displacement or a velocity: transformed like the difference of two positions
   point,   // a position
-  normal   // perpendicular to a surface, of length 1
+  normal   // a unit vector perpendicular to a surface
 };
 constexpr auto words_of(AttributeKind /*type*/) {
   return std::array{Word{AttributeKind::scalar, "scalar"}, Word{AttributeKind::color, "color"},
@@ -23,13 +23,13 @@ constexpr auto words_of(AttributeKind /*type*/) {
                     Word{AttributeKind::normal, "normal"}};
 }
 
-// Whether attributes of that kind change with the mesh. Only those of three components do.
+// Returns whether attributes of this kind are transformed with the mesh. Only attributes of three components are.
 [[nodiscard]] constexpr bool changes_with_mesh(AttributeKind kind) {
   return kind == AttributeKind::vector || kind == AttributeKind::point || kind == AttributeKind::normal;
 }
 
-// The kind of an attribute of several components that is called so, whatever the case: "v", "velocity", "N", "Cd", "P".
-// Nothing where the name says nothing.
+// Returns the kind that a name suggests for an attribute of several components ("v", "velocity", "N", "Cd", "P"),
+// ignoring case. Returns nothing if the name suggests none.
 [[nodiscard]] std::optional<AttributeKind> kind_by_name(std::string_view name);
 
 }  // namespace isoextract

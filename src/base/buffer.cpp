@@ -25,14 +25,15 @@ namespace {
 
 constexpr std::size_t kCacheLine = 64;
 constexpr std::size_t kHugePage = std::size_t{2} << 20;
-constexpr std::size_t kLarge = 2 * kHugePage;  // blocks from this size on have huge pages, and are kept
-constexpr std::size_t kSlack = 2 * kHugePage;  // what rounding up and aligning can add to a block
+constexpr std::size_t kLarge = 2 * kHugePage;  // blocks of this size and more use huge pages and are kept for reuse
+constexpr std::size_t kSlack = 2 * kHugePage;  // the most that rounding and alignment can add to a block
 
-// Large blocks that were given back. One extraction after another (several iso values, rounds of a benchmark) needs
-// blocks of about the same sizes, and to have the system clear pages for a mesh takes longer than to extract it.
+// Freed large blocks, kept for reuse. Repeated extractions (several iso values, benchmark rounds) need blocks of
+// similar sizes, and the system takes longer to clear the pages of a mesh than an extraction takes.
 class KeptBlocks {
  public:
-  // A block of `bytes` or little more, or null; then the smaller ones go, for sizes have changed.
+  // Returns a kept block of `bytes` or slightly more. Without one, returns null and frees all smaller blocks, because
+  // the sizes have changed.
   void* take(std::size_t bytes) {
     const std::scoped_lock lock(mutex_);
     Block* best = nullptr;
@@ -50,7 +51,7 @@ class KeptBlocks {
     return nullptr;
   }
 
-  // In the place of the oldest, where there are many; others go to make room for it.
+  // Keeps a block in the place of the oldest one, and frees more of the oldest blocks to stay within the limit.
   void keep(void* start, std::size_t bytes) {
     const std::scoped_lock lock(mutex_);
     if (bytes > limit_) {
@@ -67,7 +68,7 @@ class KeptBlocks {
     total_ += bytes;
   }
 
-  // The oldest go until at most `bytes` are left; false if none had to.
+  // Frees the oldest blocks until at most `bytes` are left. Returns false if there was nothing to free.
   bool release_to(std::size_t bytes) {
     const std::scoped_lock lock(mutex_);
     const bool any = total_ > bytes;
@@ -88,7 +89,7 @@ class KeptBlocks {
     std::free(std::exchange(block, {}).start);
   }
 
-  // Of all kept blocks together.
+  // Returns the limit for the sum of all kept blocks.
   static std::size_t choose_limit() {
     constexpr std::size_t kMost = std::size_t{512} << 20;
     constexpr std::size_t kShare = 16;  // of the machine's memory
@@ -100,12 +101,12 @@ class KeptBlocks {
 
   std::mutex mutex_;
   std::array<Block, 16> blocks_{};
-  std::size_t next_ = 0;  // where the next one is kept: the oldest
+  std::size_t next_ = 0;  // the place of the oldest block, where the next one goes
   std::size_t total_ = 0;
   std::size_t limit_ = choose_limit();
 };
 
-// Never destroyed: buffers may outlive everything that has a destructor.
+// Never destroyed, because a buffer may outlive every static object.
 KeptBlocks& kept_blocks() {
   static auto* const kept = new KeptBlocks;
   return *kept;
@@ -126,7 +127,7 @@ void* allocate_pages(std::size_t count, std::size_t size) {
   void* block = std::aligned_alloc(alignment, rounded);
   if (block == nullptr && kept_blocks().release_to(0)) block = std::aligned_alloc(alignment, rounded);
   if (block == nullptr) throw std::bad_alloc();
-  // Advice only: where the system does not know huge pages nothing is lost.
+  // Only advice: without huge pages the block works as well.
   if (large) static_cast<void>(::madvise(block, bytes, MADV_HUGEPAGE));
   return block;
 }
@@ -134,7 +135,7 @@ void* allocate_pages(std::size_t count, std::size_t size) {
 void free_pages(void* block) {
   const std::size_t bytes = ::malloc_usable_size(block);
 #ifdef ISOEXTRACT_ADDRESS_SANITIZER
-  const bool keep = false;  // what is used after it was given back must be found
+  const bool keep = false;  // so that the sanitizer finds uses after free
 #else
   const bool keep = bytes >= kLarge && reinterpret_cast<std::uintptr_t>(block) % kHugePage == 0;
 #endif

@@ -1,5 +1,5 @@
-// A fixed-size array on the heap whose elements are not initialised: large outputs are written once, by the threads
-// that compute them, and are never zeroed first. Movable (what is moved from is empty), not copyable; owns its memory.
+// A fixed-size heap array with uninitialized elements: large outputs are written once, by the threads that compute
+// them, and never zeroed first. Owns its memory. Movable (the moved-from buffer is empty), not copyable.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +12,9 @@
 namespace isoextract {
 
 namespace detail {
-// count * size bytes, aligned to a cache line at least. Large blocks have huge pages where the system lets them, and
-// are kept for whoever asks next, up to 512 MiB of them. Null for no bytes; throws std::bad_alloc.
+// Allocates count * size bytes, aligned at least to a cache line. Returns null for 0 bytes. Throws std::bad_alloc.
+// Blocks of 4 MiB and more use huge pages where the system allows them, and free_pages() keeps up to 512 MiB of them
+// for later calls.
 [[nodiscard]] void* allocate_pages(std::size_t count, std::size_t size);
 void free_pages(void* block);
 // Frees kept blocks until at most `bytes` of them are left.
@@ -29,7 +30,7 @@ class Buffer {
 
   Buffer() = default;
 
-  // Throws std::bad_alloc; callers that take sizes from outside reserve them first (Context::reserve).
+  // Throws std::bad_alloc. Reserve sizes that come from outside first (Context::reserve).
   explicit Buffer(std::size_t size) : data_(static_cast<T*>(detail::allocate_pages(size, sizeof(T)))), size_(size) {}
 
   Buffer(Buffer&& other) noexcept : data_(std::move(other.data_)), size_(std::exchange(other.size_, 0)) {}

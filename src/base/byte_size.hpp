@@ -1,4 +1,4 @@
-// Sizes in bytes as words.
+// Byte sizes as text.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,11 @@
 
 namespace isoextract {
 
-// "512", "16M", "2G", "1.5GiB": bytes with an optional binary suffix K, M, G, T. Fails with ErrorCode::usage.
+// Parses a number of bytes with an optional binary suffix K, M, G or T: "512", "16M", "2G", "1.5GiB". Fails with
+// ErrorCode::usage.
 [[nodiscard]] Result<std::uint64_t> parse_byte_size(std::string_view text);
 
-// 1536 -> "1.5 KiB"
+// Formats with a binary unit: 1536 -> "1.5 KiB".
 [[nodiscard]] std::string format_byte_size(std::uint64_t bytes);
 
 }  // namespace isoextract

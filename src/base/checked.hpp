@@ -1,4 +1,4 @@
-// Arithmetic on sizes that come from files: overflow is an answer, not a wrapped number.
+// Overflow-checked arithmetic for sizes that come from files.
 #pragma once
 
 #include <concepts>
@@ -7,7 +7,7 @@
 
 namespace isoextract {
 
-// The product of all arguments, or nothing if it does not fit into 64 bits.
+// Return the product or the sum of all arguments, or nothing if it exceeds 64 bits.
 template <std::unsigned_integral... Ts>
 [[nodiscard]] constexpr std::optional<std::uint64_t> checked_product(Ts... factors) {
   std::uint64_t product = 1;

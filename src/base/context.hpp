@@ -1,6 +1,6 @@
-// What work runs in: how much memory it may take, whether somebody wants it to end, what it counts, who watches it.
-// Functions that work long take a `const Context&` as their last argument; Context() is the machine's memory, nobody
-// watching. There are no process globals for any of this, so conversions can run side by side.
+// The environment of a task: its memory budget, a cancellation flag, counters and progress. Long-running functions take
+// a `const Context&` as their last argument. Context() has the machine's memory and no observer. None of this is
+// global, so conversions can run side by side.
 #pragma once
 
 #include <atomic>
@@ -20,24 +20,25 @@ class OpenedFiles;  // files/detail/opened_files.hpp
 }
 
 struct Counters {
-  std::atomic<std::uint64_t> bytes_read{0};  // of input files; packed bytes count as they lie in the file
+  std::atomic<std::uint64_t> bytes_read{0};  // of input files; compressed files count their compressed size
 };
 
-// A handle: copies share what they stand for. Safe to use from several threads.
+// A handle: copies share one state. Safe to use from several threads.
 class Context {
  public:
   explicit Context(MemoryBudget memory = MemoryBudget())
       : memory_(std::move(memory)), state_(std::make_shared<State>()), opened_(std::make_shared<Opened>()) {}
 
-  // Work within this work: a part of the memory, and nothing counted or cancelled yet. Files that are open here are not
-  // opened again there; those that are opened there are closed with it.
+  // Returns the context of a subtask: a part of this memory budget, with its own counters, progress and cancellation.
+  // The subtask uses the files that are open here, and closes the files that it opens itself.
   [[nodiscard]] Context part() const {
     Context part(memory_.part());
     const std::lock_guard lock(opened_->mutex);
     part.opened_->before = opened_->files ? opened_->files : opened_->before;
     return part;
   }
-  // The same memory and the same open files, and nothing counted or cancelled yet.
+  // Returns a context that shares the memory budget and the open files, with its own counters, progress and
+  // cancellation.
   [[nodiscard]] Context beside() const {
     Context other = *this;
     other.state_ = std::make_shared<State>();
@@ -51,18 +52,18 @@ class Context {
   [[nodiscard]] Counters& counters() const { return state_->counters; }
   [[nodiscard]] Progress& progress() const { return state_->progress; }
 
-  // Asks what runs in this context to end soon, with ErrorCode::cancelled. May be called from a signal handler's
-  // thread, not from the handler itself.
+  // Asks the work in this context to end soon, with ErrorCode::cancelled. Call it from the thread that waits for
+  // signals, not from a signal handler.
   void cancel() const { state_->cancelled.store(true, std::memory_order_relaxed); }
   [[nodiscard]] bool cancelled() const { return state_->cancelled.load(std::memory_order_relaxed); }
-  // Fails where the end was asked for. Called between stages, and in long ones now and then.
+  // Fails if cancel() was called. Long stages call this between steps.
   [[nodiscard]] Result<void> check() const {
     if (cancelled()) return fail(ErrorCode::cancelled, "cancelled");
     return {};
   }
 
-  // For files::InputFile: the files that stay open until the context and its copies are gone. `make` makes the table
-  // at the first call, of the one that part() took over, or null.
+  // For files::InputFile: returns the table of the files that stay open until this context and its copies are
+  // destroyed. The first call makes the table by make(table of the context that part() was called on, or null).
   template <class Make>
   [[nodiscard]] std::shared_ptr<files::OpenedFiles> opened_files(const Make& make) const {
     const std::lock_guard lock(opened_->mutex);

@@ -6,9 +6,9 @@
 
 namespace isoextract {
 
-// A text as a cell (RFC 4180): in quotes where it holds a comma, a quote or a line end. Spreadsheets run a cell that
-// begins with = + - @, a tab or a carriage return as a formula, so such a text gets an apostrophe before it. Numbers
-// are no texts: write them without this function.
+// Returns `text` as a cell (RFC 4180), in quotes if it contains a comma, a quote or a line end. Spreadsheets run a cell
+// that begins with = + - @, a tab or a carriage return as a formula, so such a text gets a leading apostrophe. Write
+// numbers without this function.
 [[nodiscard]] std::string csv_cell(std::string_view text);
 
 }  // namespace isoextract

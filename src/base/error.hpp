@@ -1,8 +1,8 @@
-// Errors are values: every function that can fail below `cli` returns Result<T>; nothing there prints or exits, and all
-// that it throws across a room's border is std::bad_alloc. `cli` turns an Error into a message on stderr and the exit
-// code that exit_code_of() tells.
+// Errors are values: every function below `cli` that can fail returns Result<T>. Those rooms neither print nor exit,
+// and the only exception that crosses a room's border is std::bad_alloc. `cli` prints the Error on stderr and exits
+// with exit_code_of().
 //
-// Below `cli` nobody knows what an option is called: what helps is told by code (Remedy), and `cli` puts it into words.
+// No room below `cli` knows the name of an option: an error suggests a Remedy, and `cli` words it.
 #pragma once
 
 #include <string>
@@ -13,21 +13,21 @@
 
 namespace isoextract {
 
-// What failed. The code is for branching; the message is for people, the hint for whoever words it.
+// The cause of a failure. Programs branch on the code; people read the message and the hint.
 enum class ErrorCode {
-  usage,          // the options or their combination make no sense
-  input,          // the input cannot be read, or does not hold what was asked for
-  empty_grid,     // the input was read and is sound, but its grid has no voxels
-  no_surface,     // likewise, but its values do not pass the iso value
-  out_of_memory,  // the memory limit or the machine does not allow it now; it may when less runs beside it
-  unavailable,    // a feature or device that was asked for is not there
-  output,         // the result cannot be written
+  usage,          // the options or their combination are invalid
+  input,          // the input cannot be read, or does not contain the requested data
+  empty_grid,     // the input is valid, but its grid has no voxels
+  no_surface,     // the input is valid, but no value crosses the iso value
+  out_of_memory,  // the memory limit or the machine does not allow it now; it may with fewer conversions at a time
+  unavailable,    // a requested feature or device is missing
+  output,         // the output cannot be written
   frames,         // some of many frames failed
-  verification,   // what was to be verified does not hold
-  cancelled,      // somebody asked for the end
+  verification,   // a verification failed
+  cancelled,      // cancelled by the user or the calling program
 };
 
-// The program's exit code.
+// Returns the program's exit code.
 [[nodiscard]] constexpr int exit_code_of(ErrorCode code) {
   switch (code) {
     case ErrorCode::usage: return 1;
@@ -44,7 +44,7 @@ enum class ErrorCode {
   return 130;  // 128 + SIGINT
 }
 
-// Whether the input was read and is sound, and there is no mesh all the same: to programs that may be no error.
+// Returns whether the input is valid but has no surface. Some programs do not treat this as an error.
 [[nodiscard]] constexpr bool has_no_surface(ErrorCode code) {
   return code == ErrorCode::empty_grid || code == ErrorCode::no_surface;
 }
@@ -124,14 +124,14 @@ struct Hint {
 
 struct Error {
   ErrorCode code;
-  std::string message;  // names the file, what was expected and what was found; no trailing full stop or newline
-  Hint hint;            // the step that helps; may be empty
+  std::string message;  // names the file, the expected and the found value; no trailing full stop or newline
+  Hint hint;            // what the user can do; may be empty
 };
 
 template <class T>
 using Result = tl::expected<T, Error>;
 
-// return fail(ErrorCode::input, "a.nrrd: expected ..., found ...", Remedy::place_by_hand);
+// Example: return fail(ErrorCode::input, "a.nrrd: expected ..., found ...", Remedy::place_by_hand);
 [[nodiscard]] inline tl::unexpected<Error> fail(ErrorCode code, std::string message, Hint hint = {}) {
   return tl::unexpected<Error>(Error{code, std::move(message), std::move(hint)});
 }
@@ -150,7 +150,7 @@ T taken(const tl::expected<T, E>& result) {
 }  // namespace detail
 }  // namespace isoextract
 
-// `result` is declared there: no parentheses.
+// The macro declares a variable called `result`, so it cannot be in parentheses.
 // NOLINTBEGIN(bugprone-macro-parentheses)
 #define ISOEXTRACT_JOINED(a, b) a##b
 #define ISOEXTRACT_TRY(expression, result)                                              \
@@ -162,11 +162,11 @@ T taken(const tl::expected<T, E>& result) {
 // NOLINTEND(bugprone-macro-parentheses)
 #define ISOEXTRACT_TRY_AS(expression, number) ISOEXTRACT_TRY(expression, ISOEXTRACT_JOINED(try_result_, number))
 
-// The value of a result; where it is an error, the function around returns that error.
+// Returns the value of a result. If the result is an error, the enclosing function returns that error.
 //
 //   const Mesh mesh = TRY(extract(field, context));
 //   TRY(write(mesh, path));
 //
-// Stands alone, or as all that initialises a variable or is returned: GCC forgets temporaries of the statement that
-// were made before a return within it.
+// Use it as a statement of its own, or as the whole initializer or return value. Elsewhere GCC does not destroy the
+// temporaries that the statement made before TRY returned.
 #define TRY(expression) ISOEXTRACT_TRY_AS(expression, __COUNTER__)

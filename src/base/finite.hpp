@@ -1,4 +1,4 @@
-// Numbers that are neither infinite nor NaN.
+// Tests for numbers that are neither infinite nor NaN.
 #pragma once
 
 #include <cmath>

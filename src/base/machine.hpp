@@ -1,4 +1,4 @@
-// The machine, and what this process has taken of it.
+// The machine, and the resources that this process uses.
 #pragma once
 
 #include <cstdint>
@@ -6,16 +6,17 @@
 
 namespace isoextract {
 
-// The processor's name as the system tells it, "AMD EPYC 7763 64-Core Processor"; its architecture where it tells none.
+// Returns the processor's name, such as "AMD EPYC 7763 64-Core Processor", or its architecture if the system gives no
+// name.
 [[nodiscard]] std::string cpu_name();
 
-// The most memory that this process has held so far, in bytes.
+// Returns the peak memory of this process so far, in bytes.
 [[nodiscard]] std::uint64_t peak_memory();
 
-// How many threads beside this one the system lets start, all of them at a time: `wanted`, or fewer, with its reason.
+// Starts up to `wanted` threads that all live at the same time, ends them, and returns how many the system allowed.
 struct StartedThreads {
   int count = 0;
-  std::string refusal;  // empty where all could
+  std::string refusal;  // the system's reason if it allowed fewer; else empty
 };
 [[nodiscard]] StartedThreads try_threads(int wanted);
 

@@ -1,4 +1,4 @@
-// The median: of an even number of values the mean of the two in the middle.
+// The median; for an even number of values, the mean of the middle two.
 #pragma once
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 
 namespace isoextract {
 
-// `values` must not be empty.
+// Requires at least one value.
 [[nodiscard]] inline double median(std::vector<double> values) {
   std::ranges::sort(values);
   const std::size_t half = values.size() / 2;

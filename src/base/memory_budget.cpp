@@ -19,11 +19,11 @@ namespace isoextract {
 
 namespace detail {
 
-// A child's reservations are its parent's as well; the top one decides.
+// Reservations of a child count in all its ancestors; only the root has a limit.
 struct MemoryAccount {
   std::shared_ptr<MemoryAccount> parent;
-  std::uint64_t limit = 0;  // of the top one
-  std::mutex mutex;         // of the top one
+  std::uint64_t limit = 0;  // of the root
+  std::mutex mutex;         // of the root
   std::atomic<std::uint64_t> reserved{0};
   std::atomic<std::uint64_t> peak{0};
 
@@ -48,11 +48,12 @@ std::optional<std::uint64_t> number_in(const std::string& path) {
   std::ifstream file(path);
   std::uint64_t number = 0;
   if (file >> number) return number;
-  return std::nullopt;  // not there, or "max"
+  return std::nullopt;  // missing file, or "max"
 }
 
-// The least limit of the process's control group and those around it: each holds. Version 2 has one tree; of version 1
-// the tree of the controller "memory" counts. In a container the group's own folder may be the root of the mount.
+// Returns the lowest limit of the process's control group and its ancestors, because all of them apply. Version 2 has
+// one tree; version 1 has one for the controller "memory". In a container the group's folder may be the root of the
+// mount.
 std::optional<std::uint64_t> control_group_limit() {
   std::optional<std::uint64_t> least;
   const auto look = [&](const std::string& path) {

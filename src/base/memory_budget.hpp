@@ -1,5 +1,5 @@
-// How much memory may be taken, by all that runs at once together. What is large is reserved before it is allocated,
-// and stays reserved for as long as it lives.
+// A limit for the memory of all work that runs at the same time. Code reserves large memory before it allocates it, and
+// holds the reservation as long as the memory lives.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,16 @@
 
 namespace isoextract {
 
-// What this process may use: the machine's physical memory, or less where a control group (v1 or v2) says so.
+// Returns the bytes that this process may use: the physical memory, or the limit of a control group (v1 or v2) if that
+// is lower.
 [[nodiscard]] std::uint64_t available_memory();
 
 namespace detail {
 struct MemoryAccount;
 }
 
-// A part of the budget, given back when it goes. Movable; what is moved from holds nothing. It may outlive the
-// MemoryBudget that it came from.
+// A reserved part of the budget; the destructor gives it back. Movable; a moved-from reservation holds nothing. It may
+// outlive its MemoryBudget.
 class [[nodiscard]] Reservation {
  public:
   Reservation() = default;
@@ -28,9 +29,9 @@ class [[nodiscard]] Reservation {
 
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
   void release();
-  // To what is still needed: `bytes` are at most those that are held.
+  // Reduces the reservation to `bytes`. Does nothing if it is not larger than that.
   void shrink(std::uint64_t bytes);
-  // Takes over what the other one holds, which is of the same context; either may hold nothing.
+  // Adds the bytes of `other`, which must come from the same budget. Either may hold nothing.
   void take(Reservation&& other);
 
  private:
@@ -46,18 +47,19 @@ class MemoryBudget {
  public:
   explicit MemoryBudget(std::uint64_t limit_bytes = available_memory());
 
-  // An account within this budget: what it reserves counts here as well, and its own peak is told apart. One conversion
-  // of many has one of its own.
+  // Returns an account within this budget: its reservations count here as well, and it records a peak of its own. Each
+  // conversion of a batch has one.
   [[nodiscard]] MemoryBudget part() const;
 
-  // Fails with ErrorCode::out_of_memory and Remedy::raise_memory_limit where that is more than is left. `what` starts
-  // the message, for example "in.nrrd: 4096x4096x4096 f32 samples". Kept blocks of Buffer give way first.
+  // Fails with ErrorCode::out_of_memory and Remedy::raise_memory_limit if `bytes` exceed the memory left. `what` starts
+  // the message, for example "in.nrrd: 4096x4096x4096 f32 samples". Frees blocks that Buffer keeps for reuse, down to
+  // the memory left.
   [[nodiscard]] Result<Reservation> reserve(std::uint64_t bytes, const std::string& what) const;
 
   [[nodiscard]] std::uint64_t limit() const;
-  [[nodiscard]] std::uint64_t left() const;      // of the limit, now, by all accounts of it
-  [[nodiscard]] std::uint64_t reserved() const;  // now, by this account
-  [[nodiscard]] std::uint64_t peak() const;      // the most that it has reserved at a time
+  [[nodiscard]] std::uint64_t left() const;      // bytes of the limit that no account has reserved now
+  [[nodiscard]] std::uint64_t reserved() const;  // bytes that this account holds now
+  [[nodiscard]] std::uint64_t peak() const;      // the most bytes that this account held at a time
 
  private:
   explicit MemoryBudget(std::shared_ptr<detail::MemoryAccount> account);

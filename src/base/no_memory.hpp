@@ -1,4 +1,4 @@
-// Errors of allocations that failed, with what limits the process.
+// Errors for failed allocations, with the limit of the process's address space.
 #pragma once
 
 #include <cstdint>
@@ -9,15 +9,15 @@
 
 namespace isoextract {
 
-// The limit of this process's address space (RLIMIT_AS, "ulimit -v") in bytes; nothing where it is unlimited.
+// Returns the limit of this process's address space (RLIMIT_AS, "ulimit -v") in bytes, or nothing if it is unlimited.
 [[nodiscard]] std::optional<std::uint64_t> address_space_limit();
 
-// Tells how to raise that limit.
+// The hint that tells how to raise that limit.
 inline constexpr const char* kRaiseAddressSpace =
     "raise that limit (ulimit -v unlimited; in a batch job, its limit of virtual memory)";
 
-// Returns the error of a failed allocation. Where the address space is limited, the message says so and the hint is to
-// raise that limit: the machine's memory and the memory budget have nothing to do with it.
+// Returns the error for a failed allocation. If the address space is limited, the message names that limit and the hint
+// suggests raising it, because neither the machine's memory nor the memory budget is the cause.
 [[nodiscard]] Error no_memory(std::string message, Hint hint = {});
 
 }  // namespace isoextract

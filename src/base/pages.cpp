@@ -13,7 +13,7 @@ void give_back_pages(const void* begin, std::size_t bytes) {
   const std::size_t lead = (page - within) % page;  // before the first whole page
   if (bytes < lead + page) return;
   const std::size_t whole = (bytes - lead) / page * page;
-  // Advice only: where the system does not take it, the pages stay. The mapping is read-only and stays as it is.
+  // Only advice: if the system ignores it, the pages stay. The read-only mapping itself does not change.
   static_cast<void>(::madvise(static_cast<char*>(const_cast<void*>(begin)) + lead, whole, MADV_DONTNEED));
 }
 

@@ -14,8 +14,8 @@ namespace {
 
 using Range = tbb::blocked_range<std::size_t>;
 
-// Keeps the first exception until the loop has ended: one that leaves a join or a split damages TBB's tree, and one
-// that leaves a body ends the loops within other bodies half done.
+// Keeps the first exception until the loop has ended. An exception that leaves a join or a split damages TBB's tree,
+// and an exception that leaves a body stops the loops inside other bodies halfway.
 class KeptException {
  public:
   [[nodiscard]] bool any() const { return any_; }
@@ -36,7 +36,7 @@ class KeptException {
   std::exception_ptr first_;
 };
 
-// The body of TBB's reduction.
+// The body that TBB's reduction splits and joins.
 class SplitReduction {
  public:
   SplitReduction(Reduction& all, KeptException& kept) : all_(all), kept_(kept), part_(&all) {}
@@ -53,7 +53,7 @@ class SplitReduction {
     });
   }
   void join(SplitReduction& later) {
-    if (part_ == nullptr || later.part_ == nullptr || kept_.any()) return;  // there is no result
+    if (part_ == nullptr || later.part_ == nullptr || kept_.any()) return;  // an exception left no result
     kept_.keep_from([&] { part_->join(*later.part_); });
   }
 

@@ -1,4 +1,4 @@
-// Parallel loops. parallel.cpp instantiates TBB's templates once, not once per body and sample type.
+// Parallel loops. Only parallel.cpp instantiates TBB's templates, instead of once for each body and sample type.
 #pragma once
 
 #include <concepts>
@@ -10,7 +10,7 @@ namespace isoextract {
 
 namespace detail {
 
-// Refers to a body; the caller keeps it alive.
+// A type-erased reference to a loop body. The caller keeps the body alive.
 struct RangeBody {
   const void* body;
   void (*run)(const void* body, std::size_t begin, std::size_t end);
@@ -26,7 +26,7 @@ struct RangeBody {
 void parallel_ranges(std::size_t count, std::size_t grain, RangeBody body);
 void fixed_ranges(std::size_t count, std::size_t grain, RangeBody body);
 
-// A partial result of reduce_ranges with its type erased.
+// A type-erased partial result of reduce_ranges.
 class Reduction {
  public:
   Reduction() = default;
@@ -37,7 +37,7 @@ class Reduction {
   // Returns a partial result that holds the identity.
   [[nodiscard]] virtual std::unique_ptr<Reduction> fresh() const = 0;
   virtual void run(std::size_t begin, std::size_t end) = 0;
-  // Merges `later`, the result of the indices that follow.
+  // Merges `later`, the partial result of the indices that follow.
   virtual void join(Reduction& later) = 0;
 };
 
@@ -45,20 +45,20 @@ void reduce_ranges(std::size_t count, std::size_t grain, Reduction& all);
 
 }  // namespace detail
 
-// Calls body(begin, end) in parallel on ranges that cover [0, count). A range of at most `grain` indices is not split.
-// Throws what a body threw; the others then end early.
+// Calls body(begin, end) in parallel on ranges that cover [0, count). A range of at most `grain` indices is not split
+// further. Rethrows the exception of a body; the remaining ranges are then skipped.
 template <class Body>
 void for_each_range(std::size_t count, std::size_t grain, const Body& body) {
   detail::parallel_ranges(count, grain, detail::RangeBody::of(body));
 }
 
-// The same, but the ranges depend on `count` and `grain` only.
+// Like for_each_range, but with ranges that depend on `count` and `grain` only.
 template <class Body>
 void for_each_fixed_range(std::size_t count, std::size_t grain, const Body& body) {
   detail::fixed_ranges(count, grain, detail::RangeBody::of(body));
 }
 
-// Calls body(index) in parallel for each index of [0, count).
+// Calls body(index) in parallel for each index in [0, count).
 template <std::integral Index, class Body>
 void for_each_index(Index count, const Body& body, std::size_t grain = 1) {
   for_each_range(count > 0 ? static_cast<std::size_t>(count) : 0, grain, [&](std::size_t begin, std::size_t end) {
@@ -66,9 +66,9 @@ void for_each_index(Index count, const Body& body, std::size_t grain = 1) {
   });
 }
 
-// Returns join(earlier, later) of body(begin, end, partial) over ranges of at most `grain` indices that cover [0,
-// count); `partial` is `identity` at first. The ranges and the tree of joins depend on `count` and `grain` only. Throws
-// the first exception of a body, a join or a copy of `identity` once all bodies have ended.
+// Returns the join of body(begin, end, partial) over ranges of at most `grain` indices that cover [0, count). `partial`
+// is `identity` at first; join(earlier, later) merges neighbors. The ranges and the order of joins depend on `count`
+// and `grain` only. Throws the first exception of a body, a join or a copy of `identity`, once all bodies have ended.
 template <class Partial, class Body, class Join>
 [[nodiscard]] Partial reduce_ranges(std::size_t count, std::size_t grain, const Partial& identity, const Body& body,
                                     const Join& join) {

@@ -13,7 +13,7 @@ struct Character {
   std::size_t bytes;
 };
 
-// The character that `text`, which is not empty, begins with; nothing where that is no UTF-8 (RFC 3629).
+// Returns the first character of a non-empty text, or nothing if the text does not begin with valid UTF-8 (RFC 3629).
 std::optional<Character> first_character(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char lead = byte(0);
@@ -31,7 +31,8 @@ std::optional<Character> first_character(std::string_view text) {
   return Character{code, bytes};
 }
 
-// Control characters, ends of lines and paragraphs, and what embeds, overrides or isolates a direction of writing.
+// Returns whether a terminal acts on the character: a control character, a line or paragraph separator, or an
+// embedding, override or isolate of the writing direction.
 bool is_obeyed(char32_t code) {
   return code < 0x20 || (code >= 0x7f && code < 0xa0) || (code >= 0x2028 && code <= 0x202e) ||
          (code >= 0x2066 && code <= 0x2069);

@@ -1,4 +1,4 @@
-// Text that came from a file or a path, for messages: such text may hold anything, and a terminal obeys some of it.
+// Escapes text from files and paths for messages: it may contain characters that control the terminal.
 #pragma once
 
 #include <cstddef>
@@ -8,10 +8,9 @@
 
 namespace isoextract {
 
-// Valid UTF-8 stays as it is. Escaped are control characters, line ends among them (\n, \x1b), what turns the direction
-// of writing round (\u202e), and bytes that are no UTF-8 (\xe9). What is printable already stays as it is, so that
-// doing it twice does no harm. Of a longer text "..." stands for what comes after `max_bytes` of it, whole characters
-// only.
+// Returns valid UTF-8 as it is, except that it escapes control characters and line ends (\n, \x1b) and characters that
+// change the direction of writing (\u202e). Also escapes bytes that are not UTF-8 (\xe9). Escaping twice changes
+// nothing more. Reads at most `max_bytes` of `text`, in whole characters; "..." stands for the rest.
 [[nodiscard]] std::string printable(std::string_view text, std::size_t max_bytes = std::string_view::npos);
 [[nodiscard]] std::string printable(std::span<const std::byte> bytes, std::size_t max_bytes);
 

@@ -1,5 +1,5 @@
-// What a long stage tells about itself; `cli` reads it from another thread. A room that works long takes a
-// `Progress*` (null: nobody is watching) and never prints.
+// Progress of a long stage, for `cli` to read from another thread. A long-running function takes a `Progress*` (null if
+// nobody watches) and never prints.
 #pragma once
 
 #include <atomic>
@@ -9,7 +9,7 @@ namespace isoextract {
 
 class Progress {
  public:
-  // `stage` must be a string literal. `total` is in units of the stage's choice; 0 means unknown.
+  // `stage` must be a string literal. The stage chooses the unit of `total`; 0 means unknown.
   void begin(const char* stage, std::uint64_t total) {
     done_.store(0, std::memory_order_relaxed);
     total_.store(total, std::memory_order_relaxed);

@@ -1,4 +1,4 @@
-// Sums over many points, in parallel and the same for any number of threads.
+// Parallel sums over many points, with the same result for any number of threads.
 #pragma once
 
 #include <cstddef>
@@ -19,9 +19,9 @@ class PointRange {
   std::size_t end_;
 };
 
-// Runs body(range, sums) over [0, count) in pieces of at most `piece`, each into sums that start as a copy of `none`,
-// and merges them with Sums::merge in an order that depends on `count` only. Throws the first exception of a body or a
-// merge once all bodies have ended, as reduce_ranges does.
+// Runs body(range, sums) on ranges of at most `piece` indices that cover [0, count). The sums of each range start as a
+// copy of `none`; Sums::merge joins them in an order that depends on `count` and `piece` only. Throws the first
+// exception of a body or a merge once all bodies have ended, as reduce_ranges does.
 template <class Sums, class Body>
 [[nodiscard]] Sums reduce_in_order(std::size_t count, const Sums& none, Progress* progress, const Body& body,
                                    std::size_t piece = 1 << 13) {

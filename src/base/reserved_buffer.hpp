@@ -1,4 +1,4 @@
-// An array together with what is reserved for it.
+// An array that holds the reservation of its memory.
 #pragma once
 
 #include <memory>
@@ -16,7 +16,8 @@ struct ReservedBuffer {
   Reservation memory;
 };
 
-// `count` elements, not initialised, reserved before they are allocated; fails as MemoryBudget::reserve() does.
+// Reserves memory for `count` elements, then allocates them uninitialized. Fails like MemoryBudget::reserve(); throws
+// std::bad_alloc.
 template <class T>
 Result<std::shared_ptr<ReservedBuffer<T>>> make_reserved_buffer(std::size_t count, const Context& context,
                                                                 const std::string& what) {

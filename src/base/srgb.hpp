@@ -1,12 +1,12 @@
-// Between what screens show and linear light (IEC 61966-2-1). glTF's colours of vertices and materials are linear, and
-// so is everything that is computed with.
+// Conversion between sRGB and linear light (IEC 61966-2-1). glTF stores vertex and material colors in linear light, and
+// all computations here use it.
 #pragma once
 
 #include <cmath>
 
 namespace isoextract {
 
-// Of a channel from 0 to 1.
+// Both functions convert one channel in [0, 1].
 [[nodiscard]] inline double linear_of_srgb(double channel) {
   return channel <= 0.04045 ? channel / 12.92 : std::pow((channel + 0.055) / 1.055, 2.4);
 }

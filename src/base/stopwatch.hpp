@@ -8,7 +8,7 @@ namespace isoextract {
 
 struct StageTime {
   double wall_seconds = 0;
-  double cpu_seconds = 0;  // of the whole process: all threads together
+  double cpu_seconds = 0;  // of the whole process, summed over its threads
 
   StageTime& operator+=(const StageTime& other) {
     wall_seconds += other.wall_seconds;

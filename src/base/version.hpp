@@ -1,4 +1,4 @@
-// The program's version, from CMake's project(). Not a constant of the header: another version compiles one file anew.
+// The program's version, from CMake's project(). Functions, not constants: a new version recompiles one file only.
 #pragma once
 
 #include <string_view>
@@ -6,6 +6,6 @@
 namespace isoextract {
 
 [[nodiscard]] std::string_view version();    // "0.1.0"
-[[nodiscard]] std::string_view generator();  // "isoextract 0.1.0": what files say made them
+[[nodiscard]] std::string_view generator();  // "isoextract 0.1.0": the generator that output files name
 
 }  // namespace isoextract

@@ -1,4 +1,4 @@
-// The words of an enum, beside the enum: options, reports and jobs spell a value in one way.
+// Words for the values of an enum, declared beside the enum. Options, reports and jobs spell each value the same way.
 //
 //   enum class Space { world, index };
 //   constexpr auto words_of(Space) { return std::array{Word{Space::world, "world"}, Word{Space::index, "index"}}; }
@@ -18,7 +18,7 @@ struct Word {
 template <class E>
 Word(E, const char*) -> Word<E>;
 
-// Every value has a word; one that was made by a cast has none, and comes out empty.
+// Returns the word of `value`, or an empty text if a cast made a value that the enum does not have.
 template <class E>
 [[nodiscard]] constexpr std::string_view word_of(E value) {
   for (const Word<E>& entry : words_of(E{})) {
@@ -26,6 +26,7 @@ template <class E>
   }
   return {};
 }
+// Returns the value that `word` names, or nothing.
 
 template <class E>
 [[nodiscard]] constexpr std::optional<E> value_of(std::string_view word) {

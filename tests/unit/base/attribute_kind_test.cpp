@@ -5,7 +5,7 @@
 namespace isoextract {
 namespace {
 
-TEST(AttributeKind, IsFoundByName) {
+TEST(AttributeKind, FindsKindByName) {
   for (const char* name : {"v", "V", "u", "f", "vel", "velocity", "Velocity", "vel_old", "force", "forces", "accel",
                            "wind_velocity", "displacement", "momenta"}) {
     EXPECT_EQ(kind_by_name(name), AttributeKind::vector) << name;

@@ -22,7 +22,7 @@ TEST(Buffer, HoldsSmallAndHugePageSizes) {
   }
 }
 
-TEST(Buffer, MovesAndLeavesNothingBehind) {
+TEST(Buffer, MoveLeavesSourceEmpty) {
   Buffer<int> a(3);
   a[2] = 7;
   Buffer<int> b(std::move(a));
@@ -34,12 +34,12 @@ TEST(Buffer, MovesAndLeavesNothingBehind) {
   EXPECT_TRUE(b.empty());  // NOLINT(bugprone-use-after-move)
 }
 
-TEST(Buffer, RefusesSizesThatOverflow) {
+TEST(Buffer, ThrowsWhenSizeOverflows) {
   EXPECT_THROW(Buffer<double>(std::numeric_limits<std::size_t>::max() / 4), std::bad_alloc);
 }
 
-// How much of a mapping is left behind its first huge page depends on where the system puts it.
-TEST(Buffer, ALargeBlockIsUsedAgainWhereverItLies) {
+// The offset of the first huge page within a mapping depends on where the system places the mapping.
+TEST(Buffer, ReusesLargeBlockAtAnyOffset) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "blocks are not kept below the address sanitizer";
 #endif
@@ -52,7 +52,7 @@ TEST(Buffer, ALargeBlockIsUsedAgainWhereverItLies) {
   }
 }
 
-TEST(Buffer, OfNothingIsEmpty) {
+TEST(Buffer, HasNoElementsForSizeZero) {
   const Buffer<int> none(0);
   EXPECT_TRUE(none.empty());
   EXPECT_EQ(none.begin(), none.end());

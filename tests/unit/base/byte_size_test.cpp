@@ -16,7 +16,7 @@ TEST(ByteSize, Parses) {
   EXPECT_EQ(parse_byte_size("1T").value(), std::uint64_t{1} << 40);
 }
 
-TEST(ByteSize, RefusesWhatIsNoSize) {
+TEST(ByteSize, RefusesInvalidSizes) {
   for (const char* text : {"", "M", "-1", "1X", "1MBs", "nan", "inf", "1e30", "12 M", "1.5GiBi"}) {
     const auto result = parse_byte_size(text);
     ASSERT_FALSE(result) << text;

@@ -8,16 +8,16 @@
 namespace isoextract {
 namespace {
 
-// What the reference implementation gives, started with 0 (S. Vigna, https://prng.di.unimi.it/splitmix64.c).
-TEST(Hash, Splitmix64IsTheOneOfThePaper) {
+// Values of the reference implementation with seed 0 (S. Vigna, https://prng.di.unimi.it/splitmix64.c).
+TEST(Hash, Splitmix64MatchesReference) {
   EXPECT_EQ(splitmix64(0), 0xE220A8397B1DCDAFU);
   EXPECT_EQ(splitmix64(1), 0x6E789E6AA1B965F4U);
   EXPECT_EQ(splitmix64(2), 0x06C45D188009454FU);
 }
 
-// Corners of neighbouring triangles, and origins of blocks, which have many zero bits, negative ones too: a table that
-// is half full has no long chains.
-TEST(Hash, SpreadsWhatIsRegular) {
+// Corners of neighboring triangles and origins of bricks have many zero bits, also when negative. A half-full table
+// must not get long chains.
+TEST(Hash, SpreadsRegularCoordinates) {
   constexpr std::size_t kTable = 1 << 16;
   for (const std::uint64_t step : {1U, 16U, 4096U}) {
     std::vector<int> taken(kTable, 0);
@@ -30,7 +30,7 @@ TEST(Hash, SpreadsWhatIsRegular) {
   }
 }
 
-TEST(Hash, TheOrderOfTheThreeCounts) {
+TEST(Hash, DependsOnOrderOfCoordinates) {
   EXPECT_NE(hash_of_three(1, 2, 3), hash_of_three(2, 3, 1));
   EXPECT_NE(hash_of_three(1, 2, 3), hash_of_three(1, 3, 2));
 }

@@ -13,7 +13,7 @@
 namespace isoextract {
 namespace {
 
-TEST(MemoryBudget, IsSharedByAllThatIsReserved) {
+TEST(MemoryBudget, SharesLimitAmongReservations) {
   const MemoryBudget budget(100);
   auto first = budget.reserve(60, "a");
   ASSERT_TRUE(first);
@@ -30,7 +30,7 @@ TEST(MemoryBudget, IsSharedByAllThatIsReserved) {
   EXPECT_EQ(budget.peak(), 100U);
 }
 
-TEST(MemoryBudget, SumsThatOverflowAreTooMuch) {
+TEST(MemoryBudget, RefusesSumsThatOverflow) {
   const MemoryBudget budget(~std::uint64_t{0} - 1);
   const auto most = budget.reserve(~std::uint64_t{0} - 2, "a");
   ASSERT_TRUE(most);
@@ -39,7 +39,7 @@ TEST(MemoryBudget, SumsThatOverflowAreTooMuch) {
   EXPECT_TRUE(budget.reserve(1, "d"));
 }
 
-TEST(MemoryBudget, ReservationsMoveShrinkAndOutliveTheBudget) {
+TEST(MemoryBudget, ReservationsMoveShrinkAndOutliveBudget) {
   std::optional<MemoryBudget> budget(1000);
   auto reserved = budget->reserve(900, "a");
   ASSERT_TRUE(reserved);
@@ -56,7 +56,7 @@ TEST(MemoryBudget, ReservationsMoveShrinkAndOutliveTheBudget) {
   budget.reset();
 }
 
-TEST(MemoryBudget, PartsShareTheLimitAndHaveAPeakOfTheirOwn) {
+TEST(MemoryBudget, PartsShareLimitAndHaveOwnPeak) {
   const MemoryBudget whole(100);
   const MemoryBudget a = whole.part();
   const MemoryBudget b = whole.part();
@@ -70,7 +70,7 @@ TEST(MemoryBudget, PartsShareTheLimitAndHaveAPeakOfTheirOwn) {
   EXPECT_EQ(b.limit(), 100U);
 }
 
-TEST(MemoryBudget, HoldsWhenManyThreadsReserve) {
+TEST(MemoryBudget, HoldsLimitAcrossThreads) {
   const MemoryBudget budget(1000);
   std::atomic<bool> beyond{false};
   std::vector<std::jthread> threads;
@@ -89,12 +89,12 @@ TEST(MemoryBudget, HoldsWhenManyThreadsReserve) {
   EXPECT_GE(budget.peak(), 400U);
 }
 
-TEST(AvailableMemory, IsSomeAndNotMoreThanTheMachineHas) {
+TEST(AvailableMemory, IsWithinPlausibleRange) {
   EXPECT_GT(available_memory(), std::uint64_t{64} << 20);
   EXPECT_LT(available_memory(), std::uint64_t{1} << 50);
 }
 
-TEST(Context, CopiesShareWhatTheyStandFor) {
+TEST(Context, CopiesShareState) {
   const Context context{MemoryBudget(10)};
   const Context copy = context;
   EXPECT_TRUE(context.check());

@@ -15,7 +15,7 @@
 namespace isoextract::test {
 namespace {
 
-// For each page whether this process has it in its memory: bit 63 of its entry in pagemap.
+// Returns for each page whether it is in this process's memory: bit 63 of its entry in pagemap.
 std::vector<bool> present(const char* begin, std::size_t pages, std::size_t page_size) {
   const int file = ::open("/proc/self/pagemap", O_RDONLY | O_CLOEXEC);
   std::vector<std::uint64_t> entries(pages);
@@ -28,7 +28,7 @@ std::vector<bool> present(const char* begin, std::size_t pages, std::size_t page
   return known ? result : std::vector<bool>();
 }
 
-TEST(Pages, OnlyWholePagesAreGivenBackAndTheyComeAgain) {
+TEST(Pages, GivesBackWholePagesAndReadsThemAgain) {
   const auto page_size = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
   constexpr std::size_t kPages = 40;
   std::string bytes(kPages * page_size, '\0');

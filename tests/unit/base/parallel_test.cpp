@@ -22,7 +22,7 @@ namespace {
 
 using Ranges = std::set<std::pair<std::size_t, std::size_t>>;
 
-// Terms whose sum depends on the order that they are added in.
+// Terms whose floating-point sum depends on the order of addition.
 double term(std::size_t i) { return std::sin(static_cast<double>(i)) * std::exp(static_cast<double>(i % 40)); }
 
 double add_terms(std::size_t begin, std::size_t end, double sum) {
@@ -30,7 +30,7 @@ double add_terms(std::size_t begin, std::size_t end, double sum) {
   return sum;
 }
 
-TEST(Parallel, EachIndexComesOnce) {
+TEST(Parallel, VisitsEachIndexOnce) {
   for (const int count : {0, 1, 7, 100'000}) {
     std::vector<std::atomic<int>> seen(static_cast<std::size_t>(count));
     for_each_index(count, [&](int i) { ++seen[static_cast<std::size_t>(i)]; });
@@ -38,11 +38,11 @@ TEST(Parallel, EachIndexComesOnce) {
   }
 }
 
-TEST(Parallel, FewerThanNoneAreNone) {
+TEST(Parallel, IgnoresNegativeCount) {
   for_each_index(-3, [](int i) { FAIL() << i; });
 }
 
-TEST(Parallel, FixedRangesDependOnTheCountAlone) {
+TEST(Parallel, FixedRangesDependOnCountOnly) {
   const auto ranges_of = [](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     std::mutex lock;
@@ -64,8 +64,8 @@ TEST(Parallel, FixedRangesDependOnTheCountAlone) {
   EXPECT_EQ(next, 10'000);
 }
 
-// Bits of sums in reports depend on the tree of joins: it is TBB's.
-TEST(Parallel, ReducesAsTbbsDeterministicReductionDoes) {
+// Sums in reports depend on the order of joins, bit for bit: it must stay that of TBB.
+TEST(Parallel, ReducesLikeTbbDeterministicReduce) {
   for (const std::size_t threads : {1, 4}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     for (const std::size_t count : {0, 1, 63, 64, 65, 12'345}) {
@@ -94,7 +94,7 @@ TEST(Parallel, JoinsEarlierWithLater) {
   EXPECT_EQ(all, expected);
 }
 
-TEST(Parallel, PassesOnWhatABodyThrows) {
+TEST(Parallel, RethrowsExceptionOfBody) {
   EXPECT_THROW(for_each_index(1000, [](int i) { i == 500 ? throw std::bad_alloc() : void(); }), std::bad_alloc);
   const auto body = [](std::size_t begin, std::size_t end, int part) {
     return begin <= 500 && 500 < end ? throw std::bad_alloc() : part;
@@ -102,7 +102,7 @@ TEST(Parallel, PassesOnWhatABodyThrows) {
   EXPECT_THROW(static_cast<void>(reduce_ranges(1000, 8, 0, body, std::plus<>())), std::bad_alloc);
 }
 
-// Its copies fail from the `last`-th on.
+// The first `last` copies succeed, later ones throw.
 class FailingCopies {
  public:
   explicit FailingCopies(int last) : left_(std::make_shared<std::atomic<int>>(last)) {}
@@ -118,7 +118,7 @@ class FailingCopies {
   std::shared_ptr<std::atomic<int>> left_;
 };
 
-TEST(Parallel, ALoopWithinABodyIsWholeWhereAnotherPartFails) {
+TEST(Parallel, FinishesInnerLoopWhenCopyFails) {
   std::atomic<int> begun{0};
   std::atomic<int> done{0};
   const auto body = [&](std::size_t /*begin*/, std::size_t /*end*/, FailingCopies part) {
@@ -134,7 +134,7 @@ TEST(Parallel, ALoopWithinABodyIsWholeWhereAnotherPartFails) {
   EXPECT_EQ(done, begun);
 }
 
-TEST(Parallel, ALoopWithinABodyIsWholeWhereAnotherBodyFails) {
+TEST(Parallel, FinishesInnerLoopWhenOtherBodyFails) {
   std::atomic<int> begun{0};
   std::atomic<int> done{0};
   const auto body = [&](std::size_t begin, std::size_t /*end*/, int part) {
@@ -152,7 +152,7 @@ TEST(Parallel, ALoopWithinABodyIsWholeWhereAnotherBodyFails) {
   EXPECT_EQ(done, begun);
 }
 
-TEST(Parallel, PassesOnWhatAJoinThrows) {
+TEST(Parallel, RethrowsExceptionOfJoin) {
   const auto body = [](std::size_t begin, std::size_t end, int part) { return part + static_cast<int>(end - begin); };
   const auto join = [](int a, int b) -> int { return a + b > 100 ? throw std::bad_alloc() : a + b; };
   EXPECT_THROW(static_cast<void>(reduce_ranges(1000, 8, 0, body, join)), std::bad_alloc);

@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::string_view_literals;
 
-TEST(Printable, Utf8StaysAsItIs) {
+TEST(Printable, KeepsPrintableUtf8) {
   for (const std::string_view text :
        {""sv, "density"sv, "a name, with 'quotes' and \\ and [1]"sv, "fläche"sv, "flèche"sv, "密度"sv, "\U0001f4a8"sv,
         "\u00a0 \u07ff \u0800 \ud7ff \ue000 \U00010000 \U0010ffff"sv}) {
@@ -19,7 +19,7 @@ TEST(Printable, Utf8StaysAsItIs) {
   }
 }
 
-TEST(Printable, WhatATerminalWouldObeyIsEscaped) {
+TEST(Printable, EscapesCharactersThatControlTerminal) {
   const std::array<std::pair<std::string_view, std::string_view>, 9> cases{
       {{"\x1b[31mred\x1b[0m"sv, R"(\x1b[31mred\x1b[0m)"},
        {"two\nlines\r\n"sv, R"(two\nlines\r\n)"},
@@ -36,7 +36,7 @@ TEST(Printable, WhatATerminalWouldObeyIsEscaped) {
   }
 }
 
-TEST(Printable, BytesThatAreNoUtf8AreEscaped) {
+TEST(Printable, EscapesInvalidUtf8) {
   const std::array<std::pair<std::string_view, std::string_view>, 9> cases{{
       {"fl\xe8"
        "che"sv,
@@ -56,7 +56,7 @@ TEST(Printable, BytesThatAreNoUtf8AreEscaped) {
             R"(\xe5\xafx)");
 }
 
-TEST(Printable, LongTextsAreCutBetweenCharacters) {
+TEST(Printable, CutsLongTextBetweenCharacters) {
   EXPECT_EQ(printable("abcdef", 6), "abcdef");
   EXPECT_EQ(printable("abcdef", 5), "abcde...");
   EXPECT_EQ(printable("abc\u00e4f", 4), "abc...");
@@ -66,7 +66,7 @@ TEST(Printable, LongTextsAreCutBetweenCharacters) {
   EXPECT_EQ(printable(bytes, 3), R"(\x89PN...)");
 }
 
-TEST(Printable, JsonKeepsItsStringsAndShowsNothing) {
+TEST(Printable, JsonKeepsItsStrings) {
   const std::pair<std::string_view, std::string_view> cases[] = {
       {"{\"a\": \"\\n b\"}\n", "{\"a\": \"\\n b\"}\n"},
       {"[\"\x7f\"]", "[\"\\u007f\"]"},
