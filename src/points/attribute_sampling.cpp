@@ -18,7 +18,7 @@
 namespace isoextract::points {
 namespace {
 
-// The attribute of each spot: the mean of its particles'.
+// Returns the attribute of each spot: the mean over its particles.
 Result<std::shared_ptr<ReservedBuffer<float>>> spot_means(const CellGrid& grid, const ParticleAttribute& attribute,
                                                           const Context& context, const std::string& what) {
   auto made = make_reserved_buffer<float>(grid.size() * attribute.components, context, what);
@@ -38,7 +38,7 @@ Result<std::shared_ptr<ReservedBuffer<float>>> spot_means(const CellGrid& grid, 
   return made;
 }
 
-// f(spot, m / rho_j W / W(0)) for those that reach `p`, in grid coordinates, where the support is 1.
+// Calls f(spot, m / rho_j W / W(0)) for the kernels that reach `p`. Positions are in grid coordinates with support 1.
 template <class F>
 void for_each_kernel_at(const CellGrid& grid, const float* densities, const glm::dvec3& p, const F& f) {
   grid.for_each_spot_run(p - 1.0, p + 1.0, [&](std::size_t first, std::size_t last) {
@@ -47,7 +47,7 @@ void for_each_kernel_at(const CellGrid& grid, const float* densities, const glm:
       const double squared = glm::dot(away, away);
       if (squared >= 1) continue;
       const double shape = spline_shape(std::sqrt(squared));
-      // Far out it gets so small that it is nothing.
+      // Near the rim the value can round to 0.
       if (shape > 0) f(s, shape * static_cast<double>(grid.members(s).size()) / static_cast<double>(densities[s]));
     }
   });
@@ -103,7 +103,7 @@ Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::s
     if (context.cancelled()) return;
     std::vector<double> sums(components);
     for (std::size_t v = begin; v != end; ++v) {
-      // A vertex that is farther away than any kernel reaches; its cell might not be a number.
+      // Vertices beyond the reach of every kernel are excluded first: their cell coordinates could overflow an int.
       const glm::dvec3 p = frame(vertices[v]);
       const bool near = glm::all(glm::lessThan(glm::abs(p), half + 1.5));
       double total = 0;

@@ -12,7 +12,7 @@
 namespace isoextract::points {
 namespace {
 
-// A point and its cell, so packed that numbers compare as (x, y, z, index).
+// A point and its cell, packed so that keys compare by (x, y, z, index).
 struct CellKey {
   std::uint64_t xy;
   std::uint64_t z_index;
@@ -22,7 +22,7 @@ struct CellKey {
   }
 };
 
-constexpr std::uint64_t kNoCell = std::numeric_limits<std::uint64_t>::max();  // of a point that is left out: the last
+constexpr std::uint64_t kNoCell = std::numeric_limits<std::uint64_t>::max();  // key part of a skipped point; sorts last
 constexpr std::uint32_t kSignBit = 0x80000000U;
 
 std::uint64_t ordered(int v) { return static_cast<std::uint32_t>(v) ^ kSignBit; }
@@ -36,7 +36,7 @@ glm::ivec3 cell_of(const CellKey& key) {
 }
 bool same_cell(const CellKey& a, const CellKey& b) { return a.xy == b.xy && a.z_index >> 32 == b.z_index >> 32; }
 
-// Cells with more points than this are looked through for those that coincide.
+// In cells with more points than this, coincident points are sorted together.
 constexpr std::size_t kCrowd = 32;
 
 bool placed_before(const glm::dvec3& a, const glm::dvec3& b) {
@@ -110,7 +110,7 @@ Result<CellGrid> CellGrid::make(std::span<const glm::dvec3> points, const GridFr
     }
   });
 
-  // From points to spots, in place. All of a spot's points are equal in the file's own coordinates.
+  // Merges points into spots, in place. Compares the original coordinates: grid coordinates are rounded.
   for (std::size_t c = 0; c < cells; ++c) {
     const std::size_t first = grid.cells_[c].first;
     const std::size_t last = grid.cells_[c + 1].first;

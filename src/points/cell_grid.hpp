@@ -1,10 +1,12 @@
-// Points sorted into the cells of a uniform grid, for finding those near a place. Only cells that hold a point are
-// kept, so memory follows the points, however far apart they are.
+// Sorts points into the cells of a uniform grid to find the neighbors of a location. Stores only occupied cells, so
+// memory grows with the number of points, however far apart they are.
 //
-// Points of one cell that coincide and are met one after the other are one spot with several members; in a crowded cell
-// all that coincide are. So a million points at one place cost what one costs.
+// A spot is one or several points at the same position. In a cell with few points, coincident points share a spot only
+// if they are consecutive in index order; in a crowded cell all of them do. So a million coincident points cost no more
+// than one.
 //
-// The order depends on the points alone: by cell (x, then y, then z), then by index, in crowded cells by place first.
+// The order depends on the points alone: by cell (x, then y, then z), then by index; in crowded cells by position
+// first.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +22,7 @@
 
 namespace isoextract::points {
 
-// Grid coordinates of a place: (p - origin) / unit.
+// Maps a position p to grid coordinates: (p - origin) / unit.
 struct GridFrame {
   glm::dvec3 origin{0.0};
   double unit = 1;
@@ -31,36 +33,37 @@ struct GridFrame {
 class CellGrid {
  public:
   struct Cell {
-    glm::ivec3 at;        // holds grid coordinates from at * side up to (at + 1) * side
-    std::uint32_t first;  // spot
+    glm::ivec3 at;        // the cell covers grid coordinates from at * side to (at + 1) * side
+    std::uint32_t first;  // index of the cell's first spot
   };
 
-  // Which points share a spot.
+  // Whether coincident points share a spot.
   enum class Coinciding { merged, apart };
 
-  // Points that are not finite are left out. Grid coordinates / side are to fit into an int, and the points' number
-  // into 32 bits. Fails as Context::reserve() does; `label` names the points then.
+  // Builds the grid; skips non-finite points. Grid coordinates / side must fit into an int and the number of points
+  // into 32 bits. Fails as Context::reserve() does; `label` names the points in the message.
   [[nodiscard]] static Result<CellGrid> make(std::span<const glm::dvec3> points, const GridFrame& frame, double side,
                                              Coinciding coinciding, const Context& context, const std::string& label);
 
   [[nodiscard]] std::size_t size() const { return spots_; }
   [[nodiscard]] double side() const { return side_; }
-  // In grid coordinates.
+  // Returns the position of a spot in grid coordinates.
   [[nodiscard]] const glm::dvec3& place(std::size_t spot) const { return places_[spot]; }
-  // Indices of the points that are there.
+  // Returns the indices of the points that share the spot.
   [[nodiscard]] std::span<const std::uint32_t> members(std::size_t spot) const {
     return {order_.data() + firsts_[spot], firsts_[spot + 1] - firsts_[spot]};
   }
 
-  // Sorted by `at`.
+  // Cells are sorted by `at`.
   [[nodiscard]] std::size_t cell_count() const { return cell_count_; }
   [[nodiscard]] const Cell& cell(std::size_t c) const { return cells_[c]; }
-  // One past the last spot of a cell.
+  // Returns the index after the last spot of a cell.
   [[nodiscard]] std::size_t cell_end(std::size_t c) const { return cells_[c + 1].first; }
 
   [[nodiscard]] glm::ivec3 cell_at(const glm::dvec3& place) const { return glm::ivec3(glm::floor(place / side_)); }
 
-  // f(first, last): the cells that there are from `low` to `high`, as runs along z of cells' numbers, in order.
+  // Calls f(first, last) with ranges of cell numbers: the occupied cells in the box [low, high], one run along z after
+  // another, in order.
   template <class F>
   void for_each_run(const glm::ivec3& low, const glm::ivec3& high, const F& f) const {
     const Column* const end = columns_.data() + column_count_;
@@ -79,7 +82,7 @@ class CellGrid {
     }
   }
 
-  // f(first, last): spots, those of all cells that meet the box from `low` to `high`, in order.
+  // Calls f(first, last) with ranges of spots: those of all cells that intersect the box [low, high], in order.
   template <class F>
   void for_each_spot_run(const glm::dvec3& low, const glm::dvec3& high, const F& f) const {
     for_each_run(cell_at(low), cell_at(high), [&](std::size_t first, std::size_t last) {
@@ -91,7 +94,7 @@ class CellGrid {
   struct Column {
     int x;
     int y;
-    std::uint32_t first;  // cell
+    std::uint32_t first;  // index of the column's first cell
   };
 
   [[nodiscard]] const Column* lower_column(int x, int y) const {
@@ -104,10 +107,10 @@ class CellGrid {
   std::size_t cell_count_ = 0;
   std::size_t column_count_ = 0;
   Buffer<glm::dvec3> places_;
-  Buffer<std::uint32_t> firsts_;  // of a spot, in order_; one more at the end
+  Buffer<std::uint32_t> firsts_;  // per spot: its first entry in order_; one extra at the end
   Buffer<std::uint32_t> order_;
-  Buffer<Cell> cells_;      // one more at the end
-  Buffer<Column> columns_;  // one more at the end
+  Buffer<Cell> cells_;      // one extra at the end
+  Buffer<Column> columns_;  // one extra at the end
   Reservation memory_;
 };
 

@@ -1,4 +1,4 @@
-// The ways from particles to a field: what they are called, and what each takes where nothing else is asked for.
+// Methods that turn particles into a field: their names and default parameters.
 #pragma once
 
 #include <array>
@@ -11,31 +11,31 @@
 namespace isoextract::points {
 
 enum class Method {
-  weight,       // each particle adds a fixed weight to the samples next to it
-  sph,          // the interpolation of smoothed particle hydrodynamics, by a cubic spline
-  anisotropic,  // the same with a kernel of its own shape for each particle (Yu and Turk 2013)
-  spheres,      // the union of the particles' spheres, by OpenVDB
-  smooth,       // spheres around averaged positions (Zhu and Bridson 2005), by OpenVDB
+  weight,       // each particle adds a fixed weight to the nearest samples
+  sph,          // interpolation of smoothed particle hydrodynamics with a cubic spline kernel
+  anisotropic,  // as sph, with an anisotropic kernel for each particle (Yu and Turk 2013)
+  spheres,      // union of the particles' spheres, computed by OpenVDB
+  smooth,       // spheres around averaged positions (Zhu and Bridson 2005), computed by OpenVDB
 };
 
 struct MethodInfo {
   Method method = Method::sph;
   std::string_view id;     // "sph"
   std::string_view title;  // "SPH interpolation"
-  std::string_view help;   // how the help lists it
-  double iso = 0;          // what is inside: more than this, of a level set less
-  double cell_size = 0;    // spacing of the samples, in particle radii
-  // A level set is made by whoever has OpenVDB (volume_io/grid_tools.hpp), of what make_spheres() gives; make_field()
-  // makes densities.
+  std::string_view help;   // its line in the help
+  double iso = 0;          // default iso value; inside is above it, for a level set below it
+  double cell_size = 0;    // default spacing of the samples, in particle radii
+  // make_field() computes density fields. Level sets are computed by OpenVDB (volume_io/grid_tools.hpp) from the result
+  // of make_spheres().
   field::FieldKind kind = field::FieldKind::density;
 };
 
-// In the order of the enum.
+// In the order of the enum. Sources of the defaults:
 //
-// weight: a weight of 0.1 each and the iso value 0.15 are those of the seed paper on marching tetrahedra in shaders;
-// two particles make a sample inside. So samples are two particle distances apart: eight particles share a cell in the
-// liquid. sph: the threshold and the size of the cells are those that splashsurf's documentation suggests. spheres,
-// smooth: two voxels a radius leave room above the 1.5 below which a sphere falls between samples (kLeastSphere).
+// weight: the weight 0.1 and the iso value 0.15 come from the seed paper on marching tetrahedra in shaders; two
+// particles put a sample inside. Samples are therefore two particle distances apart: eight particles share a cell in
+// the liquid. sph: splashsurf's documentation suggests this iso value and cell size. spheres, smooth: two voxels a
+// radius stay clear of kLeastSphere.
 inline constexpr std::array kMethods{
     MethodInfo{.method = Method::weight,
                .id = "weight",
@@ -71,7 +71,7 @@ inline constexpr std::array kMethods{
                .kind = field::FieldKind::level_set},
 };
 
-// In samples: particles of less radius are left out of level sets.
+// Smallest radius in samples: OpenVDB omits smaller particles, as a sphere below 1.5 samples can fall between samples.
 inline constexpr double kLeastSphere = 1.5;
 
 [[nodiscard]] constexpr const MethodInfo& method_info(Method method) {
@@ -86,17 +86,17 @@ constexpr auto words_of(Method /*type*/) {
 
 // Where the weight of a particle goes (Method::weight).
 enum class Deposit {
-  nearest,    // all of it to the nearest sample; between two of them to the upper one
-  trilinear,  // shared among the eight samples around it, as a trilinear interpolant would weigh them
+  nearest,    // How a particle's weight is distributed to samples (Method::weight).
+  trilinear,  // all of it to the nearest sample; halfway between two, to the upper one
 };
 constexpr auto words_of(Deposit /*type*/) {
   return std::array{Word{Deposit::nearest, "nearest"}, Word{Deposit::trilinear, "trilinear"}};
 }
 
-// Particles whose position is not finite.
+// to the eight surrounding samples by the weights of trilinear interpolation
 enum class BadParticles {
   error,  // ErrorCode::input; the message says which is the first
-  skip,   // left out and counted
+  skip,   // Treatment of particles with a non-finite position.
 };
 constexpr auto words_of(BadParticles /*type*/) {
   return std::array{Word{BadParticles::error, "error"}, Word{BadParticles::skip, "skip"}};

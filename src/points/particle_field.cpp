@@ -21,9 +21,9 @@ namespace isoextract::points {
 namespace {
 
 constexpr double kBrickSide = field::SparseBlock::kSize;
-constexpr double kInside = 1;  // of tiles: about what the field is within the liquid
-// Particles that one may have within reach on average, so that the work grows with their number and not with its
-// square. Where particles touch, and kernels are as wide as usual, there are 216, with anisotropic kernels 1000.
+constexpr double kInside = 1;  // value of tiles: about the value of the field within the liquid
+// Limit of the average number of particles within a kernel's reach, so that run time is linear in their number.
+// Touching particles with the usual kernel width have 216, with anisotropic kernels 1000.
 constexpr std::uint64_t kMostNear = 32768;
 
 Result<void> check_positive(double value, const char* what) {
@@ -31,7 +31,7 @@ Result<void> check_positive(double value, const char* what) {
   return fail(ErrorCode::usage, fmt::format("expected {} above 0, found {}", what, value));
 }
 
-// Where the samples are. Index coordinates of p: (p - origin) / unit.
+// Returns the mapping from world to index coordinates, (p - origin) / unit; its origin is a multiple of the brick size.
 Result<GridFrame> index_frame(const ParticleSet& particles, const ParticleBounds& bounds, double spacing,
                               double reach) {
   const glm::dvec3 centre = bounds.box.min / 2.0 + bounds.box.max / 2.0;
@@ -39,14 +39,14 @@ Result<GridFrame> index_frame(const ParticleSet& particles, const ParticleBounds
   const double half_size = std::max({half.x, half.y, half.z});
   const glm::dvec3 far = glm::max(glm::abs(bounds.box.min), glm::abs(bounds.box.max));
   const double farthest = std::max({far.x, far.y, far.z});
-  // Two bricks of room for rounding to bricks and for the reach of kernels.
+  // Two bricks of margin for rounding to bricks and for the reach of kernels.
   if (!(half_size / spacing + reach + 2 * kBrickSide < field::kMaxSparseIndex)) {
     return fail(ErrorCode::input,
                 fmt::format("{}: the particles lie within {} units, which is more than {} samples at a spacing of {}",
                             particles.label, 2 * half_size, 2LL * field::kMaxSparseIndex, spacing),
                 Hint("a larger radius or spacing, or particles without strays, would do"));
   }
-  // A sample's place is rounded to a double: to a hundredth of the spacing at least.
+  // Sample positions are rounded to double; the error must stay below a hundredth of the spacing.
   if (!(farthest * std::numeric_limits<double>::epsilon() < spacing / 100)) {
     return fail(ErrorCode::input,
                 fmt::format("{}: particles as far from 0 as {} cannot be told apart at a spacing of {}",
@@ -56,7 +56,7 @@ Result<GridFrame> index_frame(const ParticleSet& particles, const ParticleBounds
   return GridFrame{glm::round(centre / (kBrickSide * spacing)) * (kBrickSide * spacing), spacing};
 }
 
-// Fails where the radius is so far above the distance of the particles that nearly all of them meet.
+// Fails if the radius is so large relative to the particle distances that nearly all kernels overlap.
 Result<void> check_crowding(const ParticleSet& particles, const CellGrid& grid, const FieldOptions& options,
                             const FieldFigures& figures, const Context& context) {
   const bool is_anisotropic = options.method == Method::anisotropic;
@@ -84,7 +84,7 @@ Result<field::SparseSamples> sum_kernels(const CellGrid& grid, double support, c
     densities.reset();
     return fill_bricks(KernelBricks(kernels.set()), iso, kInside, counts, context, label);
   }
-  // m / rho_j W(0): one over the density in units of a particle by itself, for each that is there.
+  // m / rho_j W(0): the spot's members divided by its density relative to an isolated particle.
   for_each_range(grid.size(), 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s != end; ++s) {
       values[s] = static_cast<float>(grid.members(s).size()) / values[s];

@@ -1,4 +1,4 @@
-// Particles as a simulation leaves them: places, and named values of each.
+// Particles of a simulation: positions and named attributes.
 #pragma once
 
 #include <cstddef>
@@ -14,20 +14,20 @@
 
 namespace isoextract::points {
 
-// Values as float32, which is what meshes carry; integers beyond 2^24 and doubles are rounded to it.
+// Stored as float32, as in meshes: doubles and integers above 2^24 are rounded.
 struct ParticleAttribute {
-  std::string name;                        // as the file has it
-  std::size_t components = 1;              // values of one particle lie together
+  std::string name;                        // as in the file
+  std::size_t components = 1;              // the values of one particle are consecutive
   Buffer<float> values;                    // components * particles
-  std::optional<AttributeKind> kind = {};  // where the file says so
+  std::optional<AttributeKind> kind = {};  // if the file specifies it
 };
 
-// Structure of arrays, in the order of the file.
+// Structure of arrays in file order.
 struct ParticleSet {
-  std::string label;  // what messages call it: the file, and the frame or part of it
+  std::string label;  // name for messages: the file, with the frame or part if any
   Buffer<glm::dvec3> positions;
-  std::vector<ParticleAttribute> attributes;  // no two of one name
-  Reservation memory;                         // for all of this, by whoever allocated it
+  std::vector<ParticleAttribute> attributes;  // with unique names
+  Reservation memory;                         // for all arrays; made by the code that allocated them
 
   [[nodiscard]] std::size_t size() const { return positions.size(); }
 };

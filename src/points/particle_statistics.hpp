@@ -1,4 +1,4 @@
-// Facts of a particle set that need no field: where it is, how densely its particles lie.
+// Statistics of a particle set that need no field: its bounds and particle distances.
 #pragma once
 
 #include <cstdint>
@@ -16,18 +16,18 @@
 namespace isoextract::points {
 
 struct ParticleBounds {
-  field::Box box;                           // of the finite positions; zero where there are none
+  field::Box box;                           // of the finite positions; zero if there are none
   std::uint64_t finite = 0;                 // particles
-  std::uint64_t not_finite = 0;             // particles with a coordinate that is infinite or NaN
-  std::optional<std::size_t> first_broken;  // the first of those
+  std::uint64_t not_finite = 0;             // particles with an infinite or NaN coordinate
+  std::optional<std::size_t> first_broken;  // index of the first of them
 };
 
-// The same for any number of threads.
+// The result is the same for any number of threads.
 [[nodiscard]] ParticleBounds measure_bounds(std::span<const glm::dvec3> positions);
 
-// Distances from particles to the nearest one at another place, in world units.
+// Distances from particles to their nearest neighbor at a different position, in world units.
 struct NeighbourDistances {
-  std::uint64_t asked = 0;  // how many particles these are of: all up to 2^16, of more so many, evenly spaced by index
+  std::uint64_t asked = 0;  // number of particles measured: all up to 2^16, else 2^16 of them, evenly spaced by index
   double min = 0;
   double median = 0;
   double max = 0;
@@ -35,16 +35,16 @@ struct NeighbourDistances {
 
 struct ParticleStatistics {
   ParticleBounds bounds;
-  std::optional<NeighbourDistances> neighbours;  // nothing where no two are at different places
+  std::optional<NeighbourDistances> neighbours;  // empty unless two particles differ in position
 
-  // Half the median distance: that of particles that lie on a lattice and touch.
+  // Returns half the median distance: the radius of touching particles on a lattice.
   [[nodiscard]] std::optional<double> suggested_radius() const {
     if (!neighbours) return std::nullopt;
     return neighbours->median / 2;
   }
 };
 
-// Fails as Context::reserve() does, and where the context is cancelled. The same for any number of threads.
+// Fails as Context::reserve() does and if the context is cancelled. The result is the same for any number of threads.
 [[nodiscard]] Result<ParticleStatistics> measure_statistics(const ParticleSet& particles, const Context& context);
 
 }  // namespace isoextract::points

@@ -15,17 +15,17 @@
 
 namespace isoextract::points {
 
-// Attributes of one number that are the radius of each particle, in world units: the first of them that a set has.
+// Names of one-component attributes that hold the radius of each particle in world units; the first one found counts.
 inline constexpr std::array<std::string_view, 2> kRadiusAttributes{"pscale", "radius"};
 
-// Refers to the set that it was made of.
+// Refers to the particle set it was made from, which must outlive it.
 class SphereSet {
  public:
-  // Those at finite places.
+  // Returns the particles at finite positions.
   [[nodiscard]] const ParticleSet& particles() const { return kept_ ? *kept_ : *all_; }
-  // Of each; empty where FieldFigures::radius is that of all.
+  // Returns one radius per particle; empty if all have FieldFigures::radius.
   [[nodiscard]] std::span<const float> radii() const { return radii_; }
-  // Without what the field has to say: bricks, and particles that are too small.
+  // Returns the figures known before the field exists: without bricks and without particles that are too small.
   [[nodiscard]] const FieldFigures& figures() const { return figures_; }
 
  private:
@@ -33,16 +33,16 @@ class SphereSet {
   explicit SphereSet(const ParticleSet& all) : all_(&all) {}
 
   const ParticleSet* all_;
-  std::shared_ptr<const ParticleSet> kept_;  // where some were dropped
+  std::shared_ptr<const ParticleSet> kept_;  // set if particles were dropped
   std::shared_ptr<const ReservedBuffer<float>> kept_radii_;
   std::span<const float> radii_;
   FieldFigures figures_;
 };
 
-// Radii are FieldOptions::radius, else those of an attribute of kRadiusAttributes, else suggested by the distances.
-// What is in radii (the spacing, and for Method::smooth the support, twice the smoothing length) is in radii of their
-// median. Fails as make_field() does, and with ErrorCode::input where an attribute holds what is no radius. The same
-// for any number of threads.
+// Takes the radii from FieldOptions::radius, else from an attribute of kRadiusAttributes, else from the particle
+// distances. Lengths given in radii (spacing; for Method::smooth the support, twice the smoothing length) refer to the
+// median radius. Fails as make_field() does, and with ErrorCode::input if a radius attribute holds an invalid radius.
+// The result is the same for any number of threads.
 [[nodiscard]] Result<SphereSet> make_spheres(const ParticleSet& particles, const FieldOptions& options,
                                              const Context& context);
 

@@ -11,7 +11,7 @@
 namespace isoextract::points {
 namespace {
 
-// Of what (9) gives for a constant density all around, in squares of the radius r.
+// Eigenvalue of (9) for constant density on all sides, in units of r^2.
 constexpr double kFullVariance = 0.15;
 
 struct ShapedKernel {
@@ -20,7 +20,7 @@ struct ShapedKernel {
   Ellipsoid shape;
 };
 
-// From the moments about target t, in units of `radius`.
+// Returns the kernel of a spot from the moments about target t, which are in units of `radius`.
 ShapedKernel shape_of(const CellGrid& grid, std::size_t spot, const Moments& moments, std::size_t t, double radius,
                       double support, float density, const AnisotropyOptions& options) {
   const auto sum = [&](Moments::Sum m) { return static_cast<double>(moments.sums[m][t]); };

@@ -12,10 +12,10 @@ glm::ivec3 step_along(int axis) {
   return step;
 }
 
-// f(brick) for those of the list and of itself moved by some steps along an axis, each once and in order.
+// Calls f(brick) for the union of the list and its translate along an axis, each brick once and in order.
 template <class F>
 void for_each_joined(std::span<const glm::ivec3> bricks, const glm::ivec3& move, const F& f) {
-  std::size_t here = 0;  // is ahead of `moved` all the time: a brick comes before where it moves to
+  std::size_t here = 0;  // never behind `moved`: a brick sorts before its translate
   for (std::size_t moved = 0; moved < bricks.size();) {
     const glm::ivec3 there = bricks[moved] + move;
     if (here < bricks.size() && brick_before(bricks[here], there)) {
@@ -28,7 +28,7 @@ void for_each_joined(std::span<const glm::ivec3> bricks, const glm::ivec3& move,
   }
 }
 
-// f(number) for the bricks whose two neighbours along an axis are in the list.
+// Calls f(index) for the bricks whose two neighbors along an axis are in the list.
 template <class F>
 void for_each_eroded(std::span<const glm::ivec3> bricks, int axis, const F& f) {
   const glm::ivec3 step = step_along(axis);
@@ -52,7 +52,7 @@ Result<BrickList> dilated(std::span<const glm::ivec3> bricks, int rings, const C
   if (!list) return list;
   std::ranges::transform(bricks, (*list)->values.begin(), [&](const glm::ivec3& brick) { return brick - rings; });
   for (int axis = 2; axis >= 0; --axis) {
-    // Twice as wide with each join, so that many rings take few of them.
+    // Each union doubles the width, so many rings need few of them.
     const int wanted = 2 * rings + 1;
     for (int width = 1; width < wanted;) {
       TRY(context.check());

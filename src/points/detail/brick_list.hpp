@@ -1,6 +1,6 @@
-// Sets of bricks as sorted lists of their places: (x, y, z) counts bricks, not samples. Bricks are those of
-// field::SparseBlock, 8 samples a side. Moving a whole list keeps its order, so neighbours are found by merging lists;
-// there is no table, and memory follows the bricks.
+// Sets of bricks as sorted lists of brick coordinates (x, y, z): sample coordinates divided by 8, the side of
+// field::SparseBlock. Translating a whole list keeps its order, so merging two lists finds neighbors without a hash
+// table, and memory grows with the number of bricks.
 #pragma once
 
 #include <memory>
@@ -17,15 +17,15 @@ namespace isoextract::points {
 
 using BrickList = std::shared_ptr<ReservedBuffer<glm::ivec3>>;
 
-// x first, then y, then z.
+// Compares by x, then y, then z.
 [[nodiscard]] inline bool brick_before(const glm::ivec3& a, const glm::ivec3& b) {
   if (a.x != b.x) return a.x < b.x;
   return a.y != b.y ? a.y < b.y : a.z < b.z;
 }
 
-// All of these fail as Context::reserve() does; `label` names the particles then.
+// The functions below fail as Context::reserve() does; `label` names the particles in the message.
 
-// Those of `bricks` for which keep(number) holds.
+// Returns the bricks for which keep(index) holds.
 template <class F>
 [[nodiscard]] Result<BrickList> chosen_bricks(std::span<const glm::ivec3> bricks, const F& keep, const Context& context,
                                               const std::string& label) {
@@ -40,12 +40,12 @@ template <class F>
   return chosen;
 }
 
-// Every brick that is at most `rings` away from one of `bricks` along each axis. Fails where the context is cancelled,
-// too.
+// Returns every brick at most `rings` bricks away from one of `bricks` along each axis. Also fails if the context is
+// cancelled.
 [[nodiscard]] Result<BrickList> dilated(std::span<const glm::ivec3> bricks, int rings, const Context& context,
                                         const std::string& label);
 
-// Those of `bricks` whose 26 neighbours are all among `bricks`.
+// Returns the bricks whose 26 neighbors are all in `bricks`.
 [[nodiscard]] Result<BrickList> eroded(std::span<const glm::ivec3> bricks, const Context& context,
                                        const std::string& label);
 

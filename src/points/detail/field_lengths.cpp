@@ -46,7 +46,7 @@ Result<void> settle_lengths(const ParticleSet& particles, const FieldOptions& op
     return fail(ErrorCode::input, fmt::format("{}: a particle radius of {} leaves the range of numbers",
                                               particles.label, figures.radius));
   }
-  // Else particles between samples would leave no trace.
+  // Otherwise particles between samples would have no effect.
   if (has_kernels && !(figures.support >= figures.spacing)) {
     return fail(ErrorCode::usage,
                 fmt::format("{}: expected samples at most as far apart as a kernel reaches, {:.6g}; found a spacing of "

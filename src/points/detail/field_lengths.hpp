@@ -1,4 +1,4 @@
-// What has to be known of particles before they become a field, whatever the method.
+// Checks and lengths needed before particles become a field, for every method.
 #pragma once
 
 #include "base/context.hpp"
@@ -8,12 +8,12 @@
 
 namespace isoextract::points {
 
-// Fails with ErrorCode::input where there are too many particles to be numbered, or where a position is not finite and
-// that is an error. `bounds` is of the particles.
+// Fails with ErrorCode::input if there are too many particles for 32-bit indices, or if a position is not finite and
+// `bad` is BadParticles::error. `bounds` are those of the particles.
 [[nodiscard]] Result<void> check_places(const ParticleSet& particles, const ParticleBounds& bounds, BadParticles bad);
 
-// Puts radius, spacing and support into `figures`, as FieldOptions says them. Where an attribute has given the radii
-// (FieldFigures::radius_attribute), the radius is there already. At least one position is finite.
+// Sets radius, spacing and support of `figures` from the options. If FieldFigures::radius_attribute is set, the radius
+// is already there. Requires at least one finite position.
 [[nodiscard]] Result<void> settle_lengths(const ParticleSet& particles, const FieldOptions& options,
                                           FieldFigures& figures, const Context& context);
 

@@ -8,10 +8,11 @@ namespace isoextract::points {
 namespace {
 
 constexpr int kSampleCount = 512;
-// Of a kernel's radius: four fifths of the integral of S are nearer, in a fifth of the volume.
+// Fraction of a kernel's radius that holds four fifths of the integral of S, in a fifth of the volume.
 constexpr float kNearPart = 0.6F;
 
-// An eighth of what the cell in the middle has. A sample of the cells is enough: no value depends on it.
+// Returns an eighth of the median number of spots in a cell, from a sample of the cells. It only selects bricks for a
+// proof; no value depends on it.
 std::size_t crowded_cell(const CellGrid& grid) {
   constexpr std::size_t kAsked = 4096;
   std::vector<std::size_t> sizes;
@@ -22,7 +23,7 @@ std::size_t crowded_cell(const CellGrid& grid) {
   return std::max<std::size_t>(1, sizes[sizes.size() / 2] / 8);
 }
 
-// Along one axis, from a box.
+// Returns the distance from p to the interval [low, high].
 inline double away_from(double p, double low, double high) { return std::max(std::max(low - p, p - high), 0.0); }
 
 }  // namespace
@@ -58,7 +59,7 @@ bool KernelBricks::touches(const glm::ivec3& origin) const {
 
 void KernelBricks::sum(const glm::ivec3& origin, float part, float* values, const SpotMarks& marks) const {
   const glm::dvec3 low(origin);
-  // The distance of samples: balls have a radius of 1.
+  // Distance between samples, in units where balls have radius 1.
   const double step = kernels_.shapes != nullptr ? 1 : 1 / kernels_.reach;
   EllipsoidBatch batch;
   const auto add = [&] {
@@ -111,8 +112,8 @@ bool KernelBricks::looks_inside(const glm::ivec3& origin) const {
 }
 
 bool KernelBricks::surely_above(const glm::ivec3& origin, double iso) const {
-  // fill() adds these very numbers in this order, with some of at least 0 between them. Rounding is monotone, so each
-  // of its sums is at least the one here, in floating point as well.
+  // fill() adds the same numbers in the same order, with further nonnegative ones between them. Rounding is monotone,
+  // so each of its sums is at least the sum here, in floating point as well.
   alignas(64) std::array<float, kSampleCount> values{};
   sum(origin, kNearPart, values.data(), SpotMarks(nullptr));
   return static_cast<double>(*std::ranges::min_element(values)) > iso;

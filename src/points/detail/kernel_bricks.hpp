@@ -1,4 +1,4 @@
-// Bricks of a field that is a sum of kernels, one at each spot.
+// Computes bricks of a field that is a sum of kernels, one at each spot.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace isoextract::points {
 
-// S(sqrt(d^T M d)) at d from the spot; `reach` is the longest half axis.
+// A kernel S(sqrt(d^T M d)), with d relative to the spot; `reach` is the longest semi-axis.
 struct Ellipsoid {
   float xx;
   float xy;
@@ -21,13 +21,13 @@ struct Ellipsoid {
   float reach;
 };
 
-// In index coordinates, by spot of the grid. Does not own what it points to.
+// In index coordinates; one entry per spot of the grid. Does not own the arrays.
 struct KernelSet {
   const CellGrid* grid = nullptr;
-  const float* weights = nullptr;         // a kernel's value at its centre
-  const Ellipsoid* shapes = nullptr;      // null: all are balls
-  const std::uint32_t* counts = nullptr;  // of particles a spot; null: the members of the grid's spots
-  double reach = 0;                       // the radius of the balls, or the longest half axis of all
+  const float* weights = nullptr;         // value of each kernel at its center
+  const Ellipsoid* shapes = nullptr;      // null: all kernels are balls
+  const std::uint32_t* counts = nullptr;  // particles per spot; null: as many as the grid's spots have members
+  double reach = 0;                       // radius of the balls, or the longest semi-axis of all ellipsoids
 };
 
 class KernelBricks final : public BrickSource {
@@ -40,19 +40,19 @@ class KernelBricks final : public BrickSource {
   [[nodiscard]] bool touches(const glm::ivec3& origin) const override;
   void fill(const glm::ivec3& origin, float* values, const SpotMarks& marks) const override;
   [[nodiscard]] bool looks_inside(const glm::ivec3& origin) const override;
-  // Kernels are nowhere below 0, so a part of the sum is a lower bound of it: that of rows near the centres, where most
-  // of a kernel's integral is.
+  // Sums only rows of samples near kernel centers, which hold most of a kernel's integral. Kernels are never negative,
+  // so this partial sum is a lower bound of the full sum.
   [[nodiscard]] bool surely_above(const glm::ivec3& origin, double iso) const override;
 
  private:
-  // f(spot) for those that come nearer than `part` of their reach to a sample's box.
+  // Calls f(spot) for spots closer to the brick's samples than `part` of their reach.
   template <class F>
   void for_each_near(const glm::ivec3& origin, double part, const F& f) const;
-  // Adds the rows of kernels within `part` of their reach.
+  // Adds the rows of samples within `part` of each kernel's reach.
   void sum(const glm::ivec3& origin, float part, float* values, const SpotMarks& marks) const;
 
   KernelSet kernels_;
-  std::size_t crowded_ = 1;  // spots that a cell within the particles has at least
+  std::size_t crowded_ = 1;  // smallest number of spots of a cell that probably lies inside
 };
 
 }  // namespace isoextract::points

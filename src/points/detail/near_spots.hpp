@@ -1,4 +1,4 @@
-// The spots of a cell together with all spots near them, as the vectorised sums take them.
+// Collects the spots of a cell and all spots near them, in the layout of the vectorized sums.
 #pragma once
 
 #include <algorithm>
@@ -13,23 +13,24 @@
 
 namespace isoextract::points {
 
-// Some spots of one cell: relative to its corner, a radius being 1. Filled up to a multiple of 8.
+// Up to 64 spots of one cell, relative to the cell's corner, in units of the radius. Padded to a multiple of 8.
 struct CellTargets {
   static constexpr std::size_t kMost = Moments::kTargets;
   alignas(64) std::array<float, kMost> x{};
   alignas(64) std::array<float, kMost> y{};
   alignas(64) std::array<float, kMost> z{};
-  std::size_t first = 0;   // spot
-  std::size_t size = 0;    // of them
-  std::size_t padded = 0;  // the next multiple of 8
+  std::size_t first = 0;   // index of the first spot
+  std::size_t size = 0;    // number of spots
+  std::size_t padded = 0;  // size rounded up to a multiple of 8
 };
 
-// Pairs of a spot and one that for_each_near_batch() gives it, itself included: what its work is. Stops counting soon
-// after `most`. The same for any number of threads up to there.
+// Counts the pairs that for_each_near_batch() visits (a spot with each spot near it, itself included), which measures
+// its work. Stops soon after `most`. Up to `most`, the result is the same for any number of threads.
 [[nodiscard]] std::uint64_t count_near_pairs(const CellGrid& grid, double radius, std::uint64_t most);
 
-// begin(targets), add(targets, batch) for all spots within `radius` of any of them and some more, each weighing its
-// members, and end(targets); for the spots of the cell, 64 at a time. The order depends on the grid alone.
+// Visits the spots of cell c, 64 at a time: calls begin(targets), then add(targets, batch) for each batch of source
+// spots, then end(targets). The batches have every spot within `radius` of a target and some farther ones; each counts
+// as many times as it has members. The order depends on the grid alone.
 template <class Begin, class Add, class End>
 void for_each_near_batch(const CellGrid& grid, std::size_t c, double radius, const Begin& begin, const Add& add,
                          const End& end) {

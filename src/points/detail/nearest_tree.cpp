@@ -11,8 +11,8 @@
 namespace isoextract::points {
 namespace {
 
-constexpr std::uint32_t kLeaf = 12;         // points a leaf has at most, unless they all coincide
-constexpr std::uint32_t kOneThread = 8192;  // fewer points than this are not worth a second thread
+constexpr std::uint32_t kLeaf = 12;         // most points in a leaf, unless all coincide
+constexpr std::uint32_t kOneThread = 8192;  // smaller subtrees are built without another thread
 
 double squared_distance_to_box(const glm::dvec3& p, const glm::dvec3& low, const glm::dvec3& high) {
   const glm::dvec3 away = glm::max(glm::max(low - p, p - high), glm::dvec3(0));
@@ -25,7 +25,7 @@ Result<NearestTree> NearestTree::make(std::span<const glm::dvec3> points, const 
                                       const std::string& label) {
   std::size_t count = 0;
   for (const glm::dvec3& p : points) count += static_cast<std::size_t>(is_finite(p));
-  // Halving goes on until none has more than a leaf: levels of a complete tree.
+  // Splits until each node fits into a leaf: the levels of a complete tree.
   const std::size_t nodes = 2 * std::bit_ceil(count / kLeaf + 1);
   auto memory = TRY(context.reserve(count * sizeof(std::uint32_t) + nodes * sizeof(Node),
                                     fmt::format("{}: the nearest of {} particles", label, count)));

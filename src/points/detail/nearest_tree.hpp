@@ -1,5 +1,6 @@
-// The nearest of many points, however unevenly they lie: a tree of boxes, each halved at its points' median along its
-// longest side (J. L. Bentley: Multidimensional binary search trees used for associative searching. CACM 18(9), 1975).
+// Finds the nearest of many points, however unevenly they are distributed: a k-d tree of boxes, each split at the
+// median along its longest side (J. L. Bentley: Multidimensional binary search trees used for associative searching.
+// CACM 18(9), 1975).
 #pragma once
 
 #include <cstddef>
@@ -18,17 +19,17 @@ namespace isoextract::points {
 
 class NearestTree {
  public:
-  // Points that are not finite are left out. The points are to stay where they are. Fails as Context::reserve() does;
-  // `label` names the points then.
+  // Builds the tree; skips non-finite points. Keeps a view of `points`, which must outlive it. Fails as
+  // Context::reserve() does; `label` names the points in the message.
   [[nodiscard]] static Result<NearestTree> make(std::span<const glm::dvec3> points, const Context& context,
                                                 const std::string& label);
 
   struct Found {
     double squared_distance = std::numeric_limits<double>::infinity();
-    std::uint32_t point = 0;  // the least index among the nearest; nothing where the distance is infinite
+    std::uint32_t point = 0;  // the lowest index among the nearest points; undefined if the distance is infinite
   };
 
-  // Points that coincide with `p`.
+  // Whether points that coincide with `p` are candidates.
   enum class Same { counts, ignored };
   [[nodiscard]] Found nearest(const glm::dvec3& p, Same same) const;
 
@@ -36,7 +37,7 @@ class NearestTree {
   struct Node {
     glm::dvec3 low;
     glm::dvec3 high;
-    std::uint32_t first;  // in order_
+    std::uint32_t first;  // index into order_
     std::uint32_t last;
     bool leaf;
   };
@@ -45,7 +46,7 @@ class NearestTree {
 
   std::span<const glm::dvec3> points_;
   Buffer<std::uint32_t> order_;
-  Buffer<Node> nodes_;  // the children of n are 2n + 1 and 2n + 2
+  Buffer<Node> nodes_;  // the children of node n are 2n + 1 and 2n + 2
   Reservation memory_;
 };
 

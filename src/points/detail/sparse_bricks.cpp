@@ -18,11 +18,11 @@ namespace {
 
 constexpr int kSide = field::SparseBlock::kSize;
 constexpr std::size_t kBrickSamples = std::size_t{kSide} * kSide * kSide;
-constexpr int kTasks = 4;  // more bricks than these are split into tasks
+constexpr int kTasks = 4;  // lists with more bricks than this are split into tasks
 
 using Flags = Buffer<std::uint8_t>;
 
-// Of the spots themselves, each once and in order.
+// Returns the bricks that contain a spot, each once and in order.
 Result<BrickList> occupied_bricks(const CellGrid& grid, const Context& context, const std::string& label) {
   auto made = make_reserved_buffer<glm::ivec3>(grid.size(), context, label);
   if (!made) return made;
@@ -32,7 +32,7 @@ Result<BrickList> occupied_bricks(const CellGrid& grid, const Context& context, 
       all[s] = glm::ivec3(glm::floor(grid.place(s) / static_cast<double>(kSide)));
     }
   });
-  // Neighbours in the grid mostly share a brick.
+  // Consecutive spots mostly share a brick, so this first unique() makes the sort cheap.
   const auto last = std::unique(all.begin(), all.end());
   tbb::parallel_sort(all.begin(), last, brick_before);
   const auto end = std::unique(all.begin(), last);
@@ -40,7 +40,7 @@ Result<BrickList> occupied_bricks(const CellGrid& grid, const Context& context, 
       all.span().first(static_cast<std::size_t>(end - all.begin())), [](std::size_t) { return true; }, context, label);
 }
 
-// Those of `bricks` for which keep(origin) holds, asked in parallel.
+// Returns the bricks for which keep(origin) holds; calls keep in parallel.
 template <class F>
 Result<BrickList> bricks_where(const BrickList& bricks, const char* stage, const F& keep, const Context& context,
                                const std::string& label) {
@@ -60,14 +60,14 @@ Result<BrickList> bricks_where(const BrickList& bricks, const char* stage, const
       list, [&](std::size_t b) { return kept[b] != 0; }, context, label);
 }
 
-// Of `bricks`, those that the surface at `iso` does not come near.
+// Returns the bricks that can become tiles: they and all their neighbors are proved to be above `iso`.
 Result<BrickList> deep_bricks(const BrickSource& source, const BrickList& bricks, double iso, const Context& context,
                               const std::string& label) {
   auto likely = bricks_where(
       bricks, "looking for the inside", [&](const glm::ivec3& origin) { return source.looks_inside(origin); }, context,
       label);
   if (!likely) return likely;
-  // Only bricks around such as could be left out are worth a proof.
+  // Only bricks next to a possible tile need a proof.
   auto hearts = eroded((*likely)->values.span(), context, label);
   if (!hearts) return hearts;
   auto worth = dilated((*hearts)->values.span(), 1, context, label);
@@ -79,7 +79,7 @@ Result<BrickList> deep_bricks(const BrickSource& source, const BrickList& bricks
   return eroded((*proved)->values.span(), context, label);
 }
 
-// Those of `bricks` that are not in `others`; both sorted.
+// Returns the bricks that are not in `others`; both lists are sorted.
 Result<BrickList> without(const BrickList& bricks, const BrickList& others, const Context& context,
                           const std::string& label) {
   const std::span<const glm::ivec3> list = std::as_const(bricks->values).span();
@@ -89,7 +89,7 @@ Result<BrickList> without(const BrickList& bricks, const BrickList& others, cons
       context, label);
 }
 
-// What is not 0.
+// Bounds and count of the active voxels.
 struct Active {
   glm::ivec3 min{std::numeric_limits<int>::max()};
   glm::ivec3 max{std::numeric_limits<int>::min()};
@@ -110,8 +110,7 @@ struct Active {
   }
 };
 
-// The list of bricks around a single spot has to fit already: with a fine spacing and a far reach that is more than any
-// machine has, and is told before the work of making it.
+// Fails before the work if even the bricks around one spot exceed memory, as with a fine spacing and a long reach.
 Result<void> check_rings(int rings, const Context& context, const std::string& label) {
   const std::uint64_t side = 2 * static_cast<std::uint64_t>(rings) + 1;
   const auto bricks = checked_product(side * side, side);

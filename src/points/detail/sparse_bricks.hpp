@@ -1,5 +1,5 @@
-// Sparse samples that a source gives brick by brick: only bricks that a particle reaches, and of those deep inside only
-// that they are inside.
+// Builds sparse samples from a source that computes one brick at a time. Stores only bricks within reach of a particle;
+// bricks deep inside become tiles.
 #pragma once
 
 #include <atomic>
@@ -14,7 +14,7 @@
 
 namespace isoextract::points {
 
-// Which spots had a say in a stored brick; written by several threads.
+// Marks the spots that contribute to a stored brick. Safe to use from several threads.
 class SpotMarks {
  public:
   explicit SpotMarks(std::uint8_t* marks) : marks_(marks) {}
@@ -23,42 +23,44 @@ class SpotMarks {
   }
 
  private:
-  std::uint8_t* marks_;  // null: nobody asks
+  std::uint8_t* marks_;  // null: marks are not needed
 };
 
-// `origin` is that of a block: a multiple of 8 in each axis. Safe to use from several threads.
+// Computes bricks of 8^3 samples. `origin` is the index of a brick's first sample, a multiple of 8 in each axis. Safe
+// to use from several threads.
 class BrickSource {
  public:
   virtual ~BrickSource() = default;
 
   [[nodiscard]] virtual const CellGrid& grid() const = 0;  // in index coordinates
-  [[nodiscard]] virtual double reach() const = 0;          // the farthest that a spot can be from a sample it adds to
+  [[nodiscard]] virtual double reach() const = 0;          // largest distance along an axis from a spot to a sample
+                                                           // that it contributes to
   [[nodiscard]] virtual std::uint64_t particles_at(std::size_t spot) const = 0;
 
-  // Whether a sample of the brick may get anything.
+  // Returns whether a sample of the brick may get a contribution.
   [[nodiscard]] virtual bool touches(const glm::ivec3& origin) const = 0;
-  // The 512 values, over whatever is there.
+  // Writes the 512 values, overwriting the previous ones.
   virtual void fill(const glm::ivec3& origin, float* values, const SpotMarks& marks) const = 0;
 
-  // Whether it is worth the while to ask surely_above().
+  // Returns whether surely_above() is likely to succeed.
   [[nodiscard]] virtual bool looks_inside(const glm::ivec3& origin) const = 0;
-  // Proves that fill() would give more than `iso` for all samples; false where it cannot.
+  // Returns true if it can prove that fill() would give more than `iso` for every sample.
   [[nodiscard]] virtual bool surely_above(const glm::ivec3& origin, double iso) const = 0;
 };
 
 struct BrickCounts {
   std::uint64_t bricks_stored = 0;
-  std::uint64_t bricks_inside = 0;       // only tiles were made of them
-  std::uint64_t particles_left_out = 0;  // had no say in a stored brick
+  std::uint64_t bricks_inside = 0;       // replaced by tiles
+  std::uint64_t particles_left_out = 0;  // contribute to no stored brick
 };
 
-// Where `iso` is given, bricks whose samples and those of all 26 neighbours are proved to be above it become tiles of
-// `inside`, which is to be above it too. The surface at `iso`, with vertices and gradients by samples at most two steps
-// from a crossed cell, is the same bit by bit: between a sample of such a brick and one that is not above iso are at
-// least eight that are.
+// If `iso` is given, replaces deep bricks by tiles of value `inside`, which must be above iso. A brick is deep if all
+// samples of it and of its 26 neighbors are proved to be above iso. A sample of such a brick is then at least eight
+// samples away from any sample not above iso. So the surface at `iso` stays bit-identical, as vertices and gradients
+// use samples at most two steps from a crossed cell.
 //
-// Samples that are not 0, and tiles, are the active voxels. Fails as Context::reserve() does, where more bricks
-// are needed than a list of blocks can number, and where the context is cancelled.
+// Nonzero samples and tiles are the active voxels. Fails as Context::reserve() does, if more bricks are needed than
+// block indices can number, and if the context is cancelled.
 [[nodiscard]] Result<field::SparseSamples> fill_bricks(const BrickSource& source, std::optional<double> iso,
                                                        double inside, BrickCounts& counts, const Context& context,
                                                        const std::string& label);

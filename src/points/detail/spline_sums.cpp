@@ -3,7 +3,7 @@
 #include "base/simd_targets.hpp"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "points/detail/spline_sums.cpp"  // included once for each instruction set
+#define HWY_TARGET_INCLUDE "points/detail/spline_sums.cpp"  // Highway includes this file once for each instruction set
 #include <hwy/foreach_target.h>
 
 #include <hwy/highway.h>
@@ -14,11 +14,11 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Rows and targets come in eights.
+// Rows and targets have lengths that are multiples of 8.
 using Lanes = hn::CappedTag<float, 8>;
 using Floats = hn::Vec<Lanes>;
 
-// weight * S(q) by its square, as spline_shape().
+// Returns weight * S(q) from q^2, as spline_shape() does.
 HWY_INLINE Floats spline(Lanes d, Floats squared, Floats weight) {
   const Floats zero = hn::Zero(d);
   const Floats one = hn::Set(d, 1);
@@ -70,8 +70,8 @@ void ellipsoids_in_rows(const EllipsoidBatch& ellipsoids, float step, float cut,
   const float cut_squared = cut * cut;
   alignas(64) float at[8];
   for (int i = 0; i < 8; ++i) at[i] = step * static_cast<float>(i);
-  // Along a row the form is constant + linear * z + zz * z^2; its least value says whether the row is left out. Those
-  // of eight rows are taken at a time.
+  // Along a row of samples the quadratic form is constant + linear * z + zz * z^2. Its minimum decides whether the row
+  // is skipped. Minima of eight rows are computed together.
   alignas(64) float constants[8];
   alignas(64) float linears[8];
   alignas(64) float least[8];

@@ -1,5 +1,5 @@
-// Sums of cubic splines (cubic_spline.hpp), vectorised. Every sum is taken in the order of the batch, one addition a
-// source and no multiplication fused with one, so results are the same bits for every instruction set.
+// Vectorized sums of cubic splines (cubic_spline.hpp). Adds sources in the order of the batch, one addition each,
+// without fused multiply-add, so results are bit-identical for every instruction set.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@ namespace isoextract::points {
 
 inline constexpr std::size_t kBatch = 512;
 
-// Balls around (x, y, z) with a radius of 1, where S is 0; at the centre each counts `weight`, which is at least 0.
+// Balls of radius 1 around (x, y, z): S is 0 at the surface and the contribution at the center is `weight` >= 0.
 struct BallBatch {
   alignas(64) std::array<float, kBatch> x;
   alignas(64) std::array<float, kBatch> y;
@@ -18,7 +18,7 @@ struct BallBatch {
   std::size_t size = 0;
 };
 
-// Ellipsoids: S of sqrt(d^T M d) at d from the centre, with the entries of the symmetric M.
+// Ellipsoids: S(sqrt(d^T M d)) at d from the center, with the entries of the symmetric matrix M.
 struct EllipsoidBatch : BallBatch {
   alignas(64) std::array<float, kBatch> xx;
   alignas(64) std::array<float, kBatch> xy;
@@ -29,27 +29,27 @@ struct EllipsoidBatch : BallBatch {
 };
 
 // Adds the balls to the 512 samples of a block in the order of field::SparseBlock; sample (i, j, k) is at step * (i, j,
-// k). Rows of samples along z that are farther than `cut` from a ball's centre are left out for it; with 1 none is that
-// would get anything. What a sample gets from one ball does not depend on `cut`, unless it gets nothing.
+// k). Skips, for each ball, rows of samples along z farther than `cut` from its center; a cut of 1 skips only rows
+// without a contribution. A ball's contribution to a sample that is not skipped does not depend on `cut`.
 void add_balls(const BallBatch& balls, float step, float cut, float* values);
 
-// Likewise, `cut` as a part of the ellipsoids.
+// Does the same for ellipsoids; `cut` is a fraction of their axes.
 void add_ellipsoids(const EllipsoidBatch& ellipsoids, float step, float cut, float* values);
 
-// Adds to `sums` what the balls are at `count` targets, a multiple of 8.
+// Adds the contributions of the balls at `count` targets, a multiple of 8, to `sums`.
 void add_at_targets(const BallBatch& balls, const float* x, const float* y, const float* z, std::size_t count,
                     float* sums);
 
-// Moments of the points nearer than 1 to each of at most 64 targets, about the target, by the weight
-// w = weight * (1 - distance^3).
+// Moments of the points nearer than 1 to each of at most 64 targets, relative to the target, with the weight w = weight
+// * (1 - distance^3).
 struct Moments {
   static constexpr std::size_t kTargets = 64;
   enum Sum : std::size_t { kPoints, kTotal, kX, kY, kZ, kXX, kXY, kXZ, kYY, kYZ, kZZ, kSums };
-  // kPoints is the sum of the weights, kTotal that of w, kX that of w * x, kXX that of w * x^2, ...
+  // kPoints sums the plain weights, kTotal sums w, kX sums w * x, kXX sums w * x^2, and so on.
   alignas(64) std::array<std::array<float, kTargets>, kSums> sums{};
 };
 
-// Adds to those of `count` targets, a multiple of 8.
+// Adds to the moments of `count` targets, a multiple of 8.
 void add_moments(const BallBatch& points, const float* x, const float* y, const float* z, std::size_t count,
                  Moments& moments);
 

@@ -1,4 +1,4 @@
-// How crowded the place of each spot is.
+// Measures the SPH density at each spot.
 #pragma once
 
 #include <memory>
@@ -11,8 +11,8 @@
 
 namespace isoextract::points {
 
-// For each spot the sum of S(distance / support) over all points, itself included, so at least 1: its SPH density in
-// units of that of a point by itself. `support` is in grid coordinates. Fails as Context::reserve() does, and where the
+// Returns for each spot the sum of S(distance / support) over all points including itself, so at least 1: its SPH
+// density relative to an isolated point. `support` is in grid coordinates. Fails as Context::reserve() does and if the
 // context is cancelled.
 [[nodiscard]] Result<std::shared_ptr<ReservedBuffer<float>>> measure_density(const CellGrid& grid, double support,
                                                                              const Context& context,

@@ -10,14 +10,14 @@
 namespace isoextract::points {
 
 struct SymmetricEigen {
-  glm::dvec3 values{0.0};   // the largest first
+  glm::dvec3 values{0.0};   // in descending order
   glm::dmat3 vectors{1.0};  // column n belongs to value n; orthonormal
 };
 
-// By cyclic Jacobi rotations (Golub and Van Loan: Matrix computations, section 8.5.3), which keep small eigenvalues
-// exact and need no case for equal ones. Finite entries expected; of a and its transpose, the upper one is read.
+// Uses cyclic Jacobi rotations (Golub and Van Loan: Matrix computations, section 8.5.3), which keep small eigenvalues
+// accurate and need no special case for equal ones. Reads only the upper triangle of `a`; its entries must be finite.
 [[nodiscard]] inline SymmetricEigen symmetric_eigen(glm::dmat3 a) {
-  constexpr int kSweeps = 16;  // four or five are enough
+  constexpr int kSweeps = 16;  // four or five usually suffice
   SymmetricEigen eigen;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     const double off = std::abs(a[1][0]) + std::abs(a[2][0]) + std::abs(a[2][1]);
@@ -26,7 +26,7 @@ struct SymmetricEigen {
     for (const auto& [p, q] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)}) {
       const double apq = a[q][p];
       if (apq == 0) continue;
-      // The smaller of the two angles that make the entry 0.
+      // The smaller of the two rotation angles that make the entry 0.
       const double theta = (a[q][q] - a[p][p]) / (2 * apq);
       const double t = std::copysign(1.0, theta) / (std::abs(theta) + std::sqrt(theta * theta + 1));
       const double c = 1 / std::sqrt(t * t + 1);
@@ -35,7 +35,7 @@ struct SymmetricEigen {
       a[p][p] -= t * apq;
       a[q][q] += t * apq;
       a[q][p] = 0;
-      // The other two entries, each in the upper triangle.
+      // The other two off-diagonal entries, in the upper triangle.
       double& arp = a[std::max(r, p)][std::min(r, p)];
       double& arq = a[std::max(r, q)][std::min(r, q)];
       const double old = arp;

@@ -1,4 +1,4 @@
-// Bricks of a field to which each particle adds a fixed weight (Method::weight).
+// Computes bricks of a field to which each particle adds a fixed weight (Method::weight).
 #pragma once
 
 #include "points/detail/sparse_bricks.hpp"
@@ -6,7 +6,7 @@
 
 namespace isoextract::points {
 
-// The sum of a sample is taken in double and rounded once. All bricks are stored.
+// Sums each sample in double and rounds once. Stores all bricks; none become tiles.
 class WeightBricks final : public BrickSource {
  public:
   WeightBricks(const CellGrid& grid, Deposit deposit, double weight)
@@ -21,7 +21,8 @@ class WeightBricks final : public BrickSource {
   [[nodiscard]] bool surely_above(const glm::ivec3& /*origin*/, double /*iso*/) const override { return false; }
 
  private:
-  // f(spot, slot, share) for every sample of the brick that gets something.
+  // Calls f(spot, slot, share) for every sample of the brick that gets a contribution; `slot` is its index in the
+  // brick.
   template <class F>
   void for_each_share(const glm::ivec3& origin, const F& f) const;
 
