@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-// The hash is compiled into this file: the library is not needed when the program runs.
+// Compiles the hash into this file: no library is needed at run time.
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
@@ -24,14 +24,15 @@ namespace {
 
 std::string text_of(const XXH128_hash_t& hash) { return fmt::format("{:016x}{:016x}", hash.high64, hash.low64); }
 
-// States of the last few files, so that one with thousands of frames is not read for the record of each.
+// Caches the states of recent files, so that a file with thousands of frames is not hashed again for the record of
+// each.
 class KnownStates {
  public:
   std::optional<FileState> find(const FileVersion& version) {
     const std::lock_guard lock(mutex_);
     const auto found = std::ranges::find(states_, version, &std::pair<FileVersion, FileState>::first);
     if (found == states_.end()) return std::nullopt;
-    std::rotate(found, found + 1, states_.end());  // the one that was used last goes last
+    std::rotate(found, found + 1, states_.end());  // the most recently used one goes last
     return states_.back().second;
   }
   void add(const FileVersion& version, const FileState& state) {

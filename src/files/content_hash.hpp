@@ -1,4 +1,4 @@
-// What a file holds, as a short text: to tell later whether it still does.
+// Size, time and hash of a file's content, to detect later changes.
 #pragma once
 
 #include <cstddef>
@@ -17,16 +17,16 @@ namespace isoextract::files {
 struct FileState {
   std::uint64_t bytes = 0;
   std::int64_t modified = 0;  // nanoseconds since 1970
-  std::string hash;           // 32 hexadecimal digits: XXH3, 128 bits, of its bytes
+  std::string hash;           // XXH3 of the content, 128 bits as 32 hexadecimal digits
 
   friend bool operator==(const FileState&, const FileState&) = default;
 };
 
-// Fails with ErrorCode::input where the file cannot be read, or changes meanwhile. What is read does not count in the
-// context.
+// Reads the file and returns its state. Fails with ErrorCode::input if the file cannot be read or changes meanwhile.
+// The bytes read do not count in the context.
 [[nodiscard]] Result<FileState> state_of_file(const std::filesystem::path& path, const Context& context);
 
-// The hash of bytes as they come.
+// Hashes bytes incrementally.
 class ContentHasher {
  public:
   ContentHasher();
@@ -35,7 +35,7 @@ class ContentHasher {
   ~ContentHasher();
 
   void add(std::span<const std::byte> bytes);
-  // Returns the hash of all bytes that were added.
+  // Returns the hash of all bytes added so far.
   [[nodiscard]] std::string hash() const;
 
  private:
@@ -45,7 +45,7 @@ class ContentHasher {
   std::unique_ptr<void, Free> state_;
 };
 
-// 32 hexadecimal digits of a text, the same way.
+// Returns the hash of a text as 32 hexadecimal digits.
 [[nodiscard]] std::string content_hash(std::string_view text);
 
 }  // namespace isoextract::files

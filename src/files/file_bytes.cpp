@@ -39,11 +39,11 @@ Result<InputFile> InputFile::open(const std::filesystem::path& path, const Conte
   const auto cannot_read = [&](int error) {
     return fail(ErrorCode::input, fmt::format("{}: cannot be read: {}", name, system_message(error)));
   };
-  const auto file = std::make_shared<OpenFile>();  // before there is a descriptor that could be lost
+  const auto file = std::make_shared<OpenFile>();  // allocated first: a later failure would leak the descriptor
   if (is_stdin) {
     file->descriptor = TRY(detail::open_standard_input(context));
   } else {
-    // Without O_NONBLOCK, opening a pipe that nobody writes to would wait for ever.
+    // Without O_NONBLOCK, opening a pipe without a writer would block forever.
     file->descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   }
   struct stat status {};
@@ -96,7 +96,7 @@ Result<std::vector<std::byte>> first_bytes(const InputFile& file, std::size_t co
   TRY(file.read_at(0, bytes));
   if (!is_gzip(bytes)) return bytes;
 
-  // The file may be small and its content large: ask for all of `count`.
+  // A small file can decompress to more, so the result has room for all of `count`.
   bytes.resize(count);
   std::vector<std::byte> packed(std::min<std::uint64_t>(file.size(), 2 * count + 1024));
   TRY(file.read_at(0, packed));
@@ -108,7 +108,7 @@ Result<std::vector<std::byte>> first_bytes(const InputFile& file, std::size_t co
   stream.avail_in = static_cast<uInt>(packed.size());
   stream.next_out = reinterpret_cast<Bytef*>(bytes.data());
   stream.avail_out = static_cast<uInt>(bytes.size());
-  // Whatever came out is what there is; a damaged stream is reported when its samples are read.
+  // Keeps the bytes that were decompressed; a damaged stream is reported when its samples are read.
   static_cast<void>(::inflate(&stream, Z_SYNC_FLUSH));
   bytes.resize(bytes.size() - stream.avail_out);
   return bytes;
@@ -132,7 +132,7 @@ Result<std::filesystem::path> resolve_beside(const std::filesystem::path& header
   std::error_code error;
   const fs::path folder = fs::canonical(header.has_parent_path() ? header.parent_path() : fs::path("."), error);
   if (error) return fail(ErrorCode::input, fmt::format("{}: {}", header.string(), error.message()));
-  // By name first, so that nothing outside the folder is even looked for.
+  // Checks the name first, so that nothing outside the folder is accessed.
   const fs::path named = folder / data_file;
   if (fs::path(data_file).is_relative() && !is_within(folder, named.lexically_normal())) return outside();
   const fs::path resolved = fs::canonical(named, error);

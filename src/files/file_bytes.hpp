@@ -1,4 +1,4 @@
-// Files as bytes: opening with clear messages, the first bytes, and where a header may point to.
+// Input files as bytes: opening, reading, gzip detection, and resolving data files that a header names.
 #pragma once
 
 #include <cstddef>
@@ -16,36 +16,36 @@
 
 namespace isoextract::files {
 
-// "-" as the path of an input is standard input; a file of that name is "./-".
+// Returns whether the input path is "-", which means standard input. A file named "-" is "./-".
 [[nodiscard]] bool is_standard_input(const std::filesystem::path& path);
 inline constexpr std::string_view kStandardInputName = "standard input";
-// What messages call an input.
+// Returns the name of an input for messages.
 [[nodiscard]] std::string shown_input_name(const std::filesystem::path& path);
 
 struct OpenFile;  // detail/opened_files.hpp
 
-// An open, regular file with at least one byte. Its errors are ErrorCode::input and start with its name. What is read
-// of it counts in the context that it was opened in.
+// An open, regular, non-empty file. Its errors are ErrorCode::input and start with its name. Bytes read count in the
+// context it was opened in.
 class InputFile {
  public:
-  // A file that is open in the context already is not opened again, unless it was written to meanwhile.
+  // Opens a file. Reuses a file that is already open in the context, unless it was written to since.
   //
-  // Standard input is read to its end when it is opened first, unless it is a file, and kept until the process ends: so
-  // it can be opened again like any file. What is kept is reserved in the context that it was opened in first; a
-  // terminal is ErrorCode::usage.
+  // On the first call, standard input is read to its end unless it is a file, and kept until the process ends; so it
+  // can be opened again like a file. The kept bytes are reserved in the context of that first call. Fails with
+  // ErrorCode::usage if standard input is a terminal.
   [[nodiscard]] static Result<InputFile> open(const std::filesystem::path& path, const Context& context);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] std::string name() const { return shown_input_name(path_); }
   [[nodiscard]] std::uint64_t size() const { return size_; }
-  // Others may have it too: nobody moves its place, or closes it.
+  // Returns the descriptor. Others may share it: do not seek or close it.
   [[nodiscard]] int descriptor() const;
   [[nodiscard]] const Context& context() const { return context_; }
 
-  // Fills all of `bytes` with what lies from `offset` on. Safe to call from several threads.
+  // Fills all of `bytes` from byte `offset` of the file. Safe to call from several threads.
   [[nodiscard]] Result<void> read_at(std::uint64_t offset, std::span<std::byte> bytes) const;
 
-  // For what goes past read_at. Packed bytes count as they lie in the file.
+  // Counts bytes that were read without read_at(). For compressed data, counts the compressed bytes.
   void count_bytes_read(std::uint64_t bytes) const;
 
  private:
@@ -59,16 +59,16 @@ class InputFile {
 
 [[nodiscard]] bool is_gzip(std::span<const std::byte> content);
 
-// At most `count` bytes from the start of the content, inflated where the file is gzip. Fewer where the content is
-// shorter or cannot be inflated.
+// Returns the first bytes of the content, at most `count`, decompressed if the file is gzip. Returns fewer if the
+// content is shorter or cannot be decompressed.
 [[nodiscard]] Result<std::vector<std::byte>> first_bytes(const InputFile& file, std::size_t count);
 
-// The path of a data file that a header names. Fails with ErrorCode::input where it does not exist, or where it lies
-// neither beside nor below the header once links and ".." are resolved: a header must not reach for other files. A
-// header from standard input lies nowhere.
+// Returns the path of a data file that a header names. Fails with ErrorCode::input if the file does not exist, or if it
+// lies neither in the header's folder nor below it after resolving links and "..": a header must not open arbitrary
+// files. A header from standard input has no folder, so it always fails.
 [[nodiscard]] Result<std::filesystem::path> resolve_beside(const std::filesystem::path& header,
                                                            const std::string& data_file);
 
-using isoextract::printable;  // what is shown of a file's bytes
+using isoextract::printable;  // escapes bytes of a file for messages
 
 }  // namespace isoextract::files

@@ -1,4 +1,4 @@
-// What files begin with, by which formats know their own.
+// The first bytes of a file, from which formats recognize their files.
 #pragma once
 
 #include <cstddef>
@@ -11,17 +11,18 @@
 
 namespace isoextract::files {
 
-// The beginning of a file, for formats to know their own by. kStartBytes of it, or all where there are fewer.
+// The first kStartBytes of a file's content, or all of it if it is shorter.
 inline constexpr std::size_t kStartBytes = 1024;
 struct FileStart {
   const std::filesystem::path& path;
-  std::span<const std::byte> bytes;  // inflated where the file is gzip
-  bool packed = false;               // it is
+  std::span<const std::byte> bytes;  // decompressed if the file is gzip
+  bool packed = false;               // whether the file is gzip
 };
 
 [[nodiscard]] bool starts_with(std::span<const std::byte> content, std::string_view magic);
 
-// What `file` should start with and does not. For formats that an extension or an option chose.
+// Returns the error for a file that does not start with its format's signature: what was expected and what was found.
+// For formats chosen by extension or option.
 [[nodiscard]] tl::unexpected<Error> fail_magic(const InputFile& file, std::string_view format,
                                                std::string_view expected);
 

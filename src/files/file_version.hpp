@@ -1,4 +1,4 @@
-// Whether a file is still the one that it was.
+// Detects whether a file was written to.
 #pragma once
 
 #include <cstdint>
@@ -14,31 +14,30 @@ namespace isoextract::files {
 
 class InputFile;
 
-// Tells a file that was written to from the one it was, as far as the system's clock does.
+// Identifies one version of a file by its metadata; as reliable as the resolution of the system's clock.
 struct FileVersion {
   std::uint64_t device = 0;
   std::uint64_t inode = 0;
   std::uint64_t bytes = 0;
   std::int64_t modified = 0;  // nanoseconds since 1970
-  std::int64_t changed = 0;   // likewise, its entry too: nobody can set this one back
+  std::int64_t changed = 0;   // likewise, for the inode (ctime): no program can set it back
 
-  // Whether the next write will give another version: one that follows at once may fall into the same tick of the
-  // clock, of 2 s where a file system keeps whole seconds.
+  // Returns whether any later write will give a different version. A write right after this one may fall into the same
+  // clock tick, which is 2 s on file systems that store whole seconds.
   [[nodiscard]] bool is_settled() const;
 
   friend bool operator==(const FileVersion&, const FileVersion&) = default;
 };
 
-// What the path names now; nothing where that is no regular file, or cannot be told.
+// Returns the version of the file that the path names; nothing if it is not a regular file or stat() fails.
 [[nodiscard]] std::optional<FileVersion> version_of(const std::filesystem::path& path);
-// What the system tells of an open file, or of one by its name.
+// Returns the version from the result of stat() or fstat().
 [[nodiscard]] FileVersion version_of(const struct ::stat& status);
 
-// What the file is now. Fails with ErrorCode::input where the system does not tell.
+// Returns the current version of an open file. Fails with ErrorCode::input if fstat() fails.
 [[nodiscard]] Result<FileVersion> version_of(const InputFile& file);
 
-// Fails with ErrorCode::input where the file was written to since it was `before`; for readers that go through it
-// twice.
+// Fails with ErrorCode::input if the file was written to since `before`; for readers that make two passes.
 [[nodiscard]] Result<void> check_unchanged(const InputFile& file, const FileVersion& before);
 
 }  // namespace isoextract::files

@@ -1,4 +1,4 @@
-// The content of a gzip file from front to back.
+// Decompresses a gzip file sequentially.
 #pragma once
 
 #include <cstddef>
@@ -11,27 +11,28 @@
 
 namespace isoextract::files {
 
-// Deflate cannot shrink anything below 1/1032 of its size.
+// Largest ratio of decompressed to compressed size that deflate can reach.
 inline constexpr std::uint64_t kMostInflated = 1032;
 
-// Outlived by the file it reads. Members may follow each other; what follows the last one is not looked at.
+// The file must outlive the stream. Reads all consecutive gzip members; ignores data after the last one.
 class GzipStream {
  public:
-  // `offset` is where in the file the packed data begins.
+  // Starts at byte `offset` of the file.
   [[nodiscard]] static Result<GzipStream> open(const InputFile& file, std::uint64_t offset);
 
-  // How many bytes came; fewer than asked for only at the end of intact data. At most 2 GiB at a time.
+  // Returns the number of bytes written to `out`; it is smaller than out.size() only at the end of intact data. At most
+  // 2 GiB at a time.
   [[nodiscard]] Result<std::size_t> inflate(std::span<std::byte> out);
 
  private:
   explicit GzipStream(PackedInput input) : input_(std::move(input)) {}
 
-  // Behind a member: whether another one follows.
+  // Starts the next member, if there is one, and returns whether there is. Call at the end of a member.
   [[nodiscard]] Result<bool> begin_next_member();
   [[nodiscard]] tl::unexpected<Error> damaged(const char* why) const;
 
   PackedInput input_;
-  bool ended_ = false;  // the last member has
+  bool ended_ = false;  // whether the last member is fully read
 };
 
 }  // namespace isoextract::files

@@ -27,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
-constexpr std::size_t kDirectBytes = std::size_t{1} << 16;  // spans from this size on are not copied
+constexpr std::size_t kDirectBytes = std::size_t{1} << 16;  // spans of at least this size are not copied
 constexpr mode_t kPermissionBits = S_IRWXU | S_IRWXG | S_IRWXO;
 constexpr int kMostOldFiles = 1000;
 constexpr const char* kAnotherPlace = "choose another place for the file";
@@ -51,7 +51,8 @@ Error system_error(const std::string& shown, std::string_view action, int code) 
   }
 }
 
-// The file a chain of symbolic links ends at, which need not exist. Loops were found by stat() before.
+// Returns the file at the end of a chain of symbolic links; it need not exist. A stat() call has ruled out loops
+// before.
 fs::path follow_links(fs::path path) {
   std::error_code ignored;
   while (fs::is_symlink(fs::symlink_status(path, ignored))) {
@@ -61,14 +62,14 @@ fs::path follow_links(fs::path path) {
   return path;
 }
 
-// A rename or a removal would not ask about a write-protected file.
+// Returns whether the user may write to the file: rename and unlink would not respect write protection.
 bool may_replace(const fs::path& target) { return ::faccessat(AT_FDCWD, target.c_str(), W_OK, AT_EACCESS) == 0; }
 
 bool status_of(const fs::path& path, struct stat& status) {
   return (path == "-" ? ::fstat(STDOUT_FILENO, &status) : ::stat(path.c_str(), &status)) == 0;
 }
 
-// A regular file that an output of this name would replace.
+// Returns whether the path is a regular file that an output of this name would replace.
 bool is_old_file(const fs::path& path) {
   struct stat old {};
   return path != "-" && ::stat(path.c_str(), &old) == 0 && S_ISREG(old.st_mode);
@@ -82,12 +83,12 @@ struct OutputFile::State {
   enum class Kind { file, device, standard_output };
 
   Kind kind = Kind::file;
-  std::string shown;  // what messages call it
-  fs::path target;    // Kind::file: the name that commit gives
+  std::string shown;  // name for messages
+  fs::path target;    // Kind::file: the name after commit
   fs::path folder;
   bool replaces = false;  // the target exists
   int fd = -1;
-  TemporaryName temporary;  // the name on disk before commit; empty while there is none
+  TemporaryName temporary;  // the name on disk before commit; may be empty
   Buffer<std::byte> buffer;
   std::size_t buffered = 0;
   std::uint64_t bytes = 0;
@@ -138,10 +139,10 @@ Result<void> OutputFile::State::open_file(const fs::path& path, const std::optio
   }
   replaces = old_mode.has_value();
   if (replaces && !may_replace(target)) return failed("replace it", errno);
-  constexpr mode_t kNewFile = 0666;  // less what the umask takes away
+  constexpr mode_t kNewFile = 0666;  // minus the umask
   const std::string action = fmt::format("make a file in {}", folder.string());
   fd = retry_interrupted([&] { return ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, kNewFile); });
-  if (fd >= 0 && ::access(descriptor_link(fd).c_str(), F_OK) != 0) {  // no /proc: the file could never get a name
+  if (fd >= 0 && ::access(descriptor_link(fd).c_str(), F_OK) != 0) {  // without /proc the file could never get a name
     ::close(fd);
     fd = -1;
     errno = EOPNOTSUPP;
@@ -176,7 +177,7 @@ Result<void> OutputFile::State::flush() {
   return write_through(std::span<const std::byte>(buffer.span()).first(size));
 }
 
-// Before bytes in the middle are touched.
+// Prepares a change of bytes already written.
 Result<void> OutputFile::State::begin_change() {
   if (kind != Kind::file && !failure) return failed("change what it got", ESPIPE);
   hasher.reset();
@@ -205,7 +206,7 @@ Result<void> OutputFile::State::read_from(std::uint64_t place, std::span<std::by
   return {};
 }
 
-// All that can fail for want of space; afterwards only a rename is left to do.
+// Does everything that can fail for lack of space; only a rename remains.
 Result<void> OutputFile::State::prepare() {
   TRY(flush());
   if (kind == Kind::standard_output) return {};
@@ -214,7 +215,8 @@ Result<void> OutputFile::State::prepare() {
     if (!name) return failed("name it", errno);
     temporary = std::move(*name);
   }
-  // Some network file systems tell only here that a write failed. An interrupted close has closed.
+  // Some network file systems report failed writes only here. On Linux, an interrupted close() has closed the
+  // descriptor.
   if (::close(std::exchange(fd, -1)) != 0 && errno != EINTR) return failed("finish it", errno);
   return {};
 }
@@ -244,7 +246,7 @@ Result<std::optional<fs::path>> set_aside_old_file(const fs::path& path) {
     if (::renameat2(AT_FDCWD, target.c_str(), AT_FDCWD, old.c_str(), RENAME_NOREPLACE) == 0) return old;
     if (errno == EEXIST) continue;
     if (errno != EINVAL && errno != ENOSYS) return failed(errno);
-    // A file system without that flag.
+    // The file system does not support RENAME_NOREPLACE.
     struct stat taken {};
     if (::lstat(old.c_str(), &taken) == 0) continue;
     if (::rename(target.c_str(), old.c_str()) == 0) return old;
@@ -264,7 +266,7 @@ bool same_place(const fs::path& a, const fs::path& b) {
   struct stat other {};
   if (status_of(a, one) && status_of(b, other)) {
     const bool same = one.st_dev == other.st_dev && one.st_ino == other.st_ino;
-    struct stat nowhere {};  // where nothing can be lost
+    struct stat nowhere {};  // /dev/null, where no data can be lost
     const bool is_lost = S_ISCHR(one.st_mode) && ::stat("/dev/null", &nowhere) == 0 && one.st_rdev == nowhere.st_rdev;
     return same && !is_lost;
   }
@@ -337,7 +339,7 @@ Result<void> OutputFile::move_end(std::uint64_t from, std::uint64_t to) {
   State& state = *state_;
   if (auto ready = state.begin_change(); !ready || from == to) return ready;
   const std::uint64_t count = state.bytes - from;
-  // The buffer is empty now. Blocks go in the order in which none is overwritten before it was read.
+  // The buffer is empty here. The order of the blocks ensures that none is overwritten before it was read.
   const std::span<std::byte> block(state.buffer.span());
   for (std::uint64_t done = 0; done < count;) {
     const std::size_t size = std::min<std::uint64_t>(block.size(), count - done);
@@ -371,7 +373,7 @@ Result<void> OutputFile::commit_all(std::span<OutputFile* const> files) {
   for (OutputFile* file : files) {
     TRY(file->state_->prepare());
   }
-  std::vector<TemporaryName> old(files.size());  // second names of the files that are about to be replaced
+  std::vector<TemporaryName> old(files.size());  // second names of the files to be replaced
   for (std::size_t f = 0; f < files.size(); ++f) {
     State& state = *files[f]->state_;
     if (state.replaces && f + 1 < files.size()) {

@@ -1,13 +1,14 @@
-// Output that is whole or not there: bytes go to an unnamed file in the target's folder, and only commit() gives them
-// the target's name. Destroying an OutputFile that was not committed leaves nothing behind.
+// Atomic output: bytes go to an unnamed file in the target's folder, and only commit() gives it the target's name.
+// Destroying an OutputFile that was not committed leaves nothing behind.
 //
-// What is promised: whoever opens the target sees the old file or the whole new one, also if this process fails, is
-// killed or runs out of space. Not promised: that a committed file survives a power cut. The data is not forced to the
-// disk, which would cost as much as writing it again.
-// On file systems without unnamed files (O_TMPFILE) the bytes go to a file `.isoextract-HOST-PID-N` beside the target;
-// elsewhere a file has such a name for the moment before it takes the target's. It is removed when this process ends in
-// any way but SIGKILL or a crash; what those leave behind, the next process of the same user and machine removes that
-// writes into that folder.
+// Guarantee: anyone who opens the target sees the old file or the whole new one, even if this process fails, is killed
+// or runs out of space. No guarantee: a committed file may be lost in a power failure. Forcing the data to disk would
+// cost as much as writing it again.
+//
+// On file systems without unnamed files (O_TMPFILE) the bytes go to `.isoextract-HOST-PID-N` in the target's folder. On
+// others, a file has such a name only briefly before the rename to the target. The name is removed when this process
+// ends, except by SIGKILL or a crash; then the next process of the same user and machine that writes into the folder
+// removes it.
 #pragma once
 
 #include <cstddef>
@@ -23,70 +24,75 @@
 
 namespace isoextract::files {
 
-// What messages call an output.
+// Returns the name of an output for messages.
 [[nodiscard]] std::string shown_output_name(const std::filesystem::path& path);
 
-// Takes away the regular file that an OutputFile of this name would replace, through symbolic links. False where there
-// is none: nothing, a folder, a device or a pipe, standard output. Fails with ErrorCode::output.
+// Removes the regular file, through symbolic links, that an OutputFile of this name would replace. Returns false if
+// there is none: no file, a folder, a device, a pipe or standard output. Fails with ErrorCode::output.
 [[nodiscard]] Result<bool> remove_old_file(const std::filesystem::path& path);
 
-// The same, but the file stays under another name: NAME.old or, where that is taken, NAME.old.2 and so on. Nothing
-// where there is none.
+// Renames that file to NAME.old or, if taken, NAME.old.2 and so on, and returns the new path; nothing if there is no
+// such file.
 [[nodiscard]] Result<std::optional<std::filesystem::path>> set_aside_old_file(const std::filesystem::path& path);
 
-// Standard output, a pipe or a device: what was written there cannot be taken back.
+// Returns whether the path is standard output, a pipe or a device: bytes written there cannot be taken back.
 [[nodiscard]] bool is_stream(const std::filesystem::path& path);
 
-// Whether what is written to both would come to one place, be it a file, a pipe or a device, by whatever names ("-" is
-// standard output), and would not be lost there (/dev/null). Files that do not exist are compared by their names.
+// Returns whether both paths write to the same file, pipe or device, under whatever names ("-" is standard output).
+// Returns false for places that discard data (/dev/null). Compares files that do not exist by their names.
 [[nodiscard]] bool same_place(const std::filesystem::path& a, const std::filesystem::path& b);
 
-// Whether a file, a folder or anything else has the name. False where that cannot be told.
+// Returns whether a file, a folder or anything else has this name; false if that is unknown.
 [[nodiscard]] bool is_there(const std::filesystem::path& path);
 
 class OutputFile {
  public:
-  // `path` may name a regular file (replaced on commit, through symbolic links, with its permission bits), something
-  // that does not exist yet (made with the permissions the umask leaves), or a device or pipe (written directly).
-  // "-" is standard output; SIGPIPE must be ignored for a closed pipe to be an error. Fails with ErrorCode::output.
+  // Opens an output. `path` may be a regular file (replaced on commit, through symbolic links, keeping its permission
+  // bits), a new name (permissions from the umask), or a device or pipe (written directly). "-" is standard output;
+  // SIGPIPE must be ignored so that a closed pipe is reported as an error. Fails with ErrorCode::output.
   [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& path);
 
   OutputFile(OutputFile&&) noexcept;
   OutputFile& operator=(OutputFile&&) noexcept;
   ~OutputFile();
 
-  // Buffered; large spans go to the system without a copy. After a failure every later call fails alike.
+  // Appends bytes. Buffered; large spans go to the system without a copy. After a failure every later call fails with
+  // the same error.
   [[nodiscard]] Result<void> write(std::span<const std::byte> bytes);
   [[nodiscard]] Result<void> write(std::string_view text);
 
-  // Both are for regular files; a device, a pipe or standard output cannot take back what it got, and fails.
-  // Puts `bytes` in the place of some that were written, all of which must be there.
+  // overwrite() and move_end() need a regular file; they fail for a device, a pipe or standard output, which cannot
+  // take bytes back.
+  //
+  // Replaces bytes at `place`; the whole range must have been written already.
   [[nodiscard]] Result<void> overwrite(std::uint64_t place, std::span<const std::byte> bytes);
-  // Makes what was written from byte `from` on begin at byte `to`. Where that is later, the room holds anything.
+  // Moves the bytes from `from` to the end, so that they begin at `to`. If `to` is larger, the gap has undefined
+  // content.
   [[nodiscard]] Result<void> move_end(std::uint64_t from, std::uint64_t to);
 
-  // Hashes what is written from now on; call before the first byte.
+  // Hashes everything written from now on; call before the first byte.
   void keep_hash();
-  // As content_hash.hpp has it. Nothing without keep_hash(), and where bytes were changed after they were written.
+  // Returns the hash in the form of content_hash.hpp. Returns nothing without keep_hash(), or if bytes were changed
+  // after they were written.
   [[nodiscard]] std::optional<std::string> hash() const;
 
   [[nodiscard]] std::uint64_t bytes_written() const;
 
-  // What messages call it: the path, or "standard output".
+  // Returns the name for messages: the path, or "standard output".
   [[nodiscard]] const std::string& shown_name() const;
 
-  // Flushes and gives the file its name. Call once, last.
+  // Flushes the buffer and gives the file its name. Call once, last.
   [[nodiscard]] Result<void> commit();
 
-  // Commits files that belong together; a later one may refer to those before it. All that can fail for want of space
-  // or permission is done before any gets its name; then they get theirs in order. If one cannot get its own, those
-  // before it lose theirs again, and files that they replaced are put back (where the file system has hard links). A
-  // process killed between two renames leaves new files beside old ones.
+  // Commits files that belong together; a file may refer to earlier ones. First does everything for all files that can
+  // fail for lack of space or permission, then renames them in order. If a rename fails, undoes the earlier ones and
+  // restores the files that they replaced (if the file system has hard links). A process killed between two renames
+  // leaves new files beside old ones.
   [[nodiscard]] static Result<void> commit_all(std::span<OutputFile* const> files);
   [[nodiscard]] static Result<void> commit_pair(OutputFile& first, OutputFile& last);
 
-  // Removes what this process has not committed; nothing can be written after it. For handlers of signals that end the
-  // process: async-signal-safe.
+  // Removes all uncommitted files of this process; nothing can be written afterwards. Async-signal-safe, for handlers
+  // of signals that end the process.
   static void remove_unfinished() noexcept;
 
  private:
@@ -95,7 +101,7 @@ class OutputFile {
   std::unique_ptr<State> state_;
 };
 
-// A file whose content is there already: created, written and committed.
+// Creates a file with the given content and commits it.
 [[nodiscard]] Result<void> write_file(const std::filesystem::path& path, std::string_view text);
 
 }  // namespace isoextract::files

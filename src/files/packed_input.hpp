@@ -1,4 +1,4 @@
-// Packed bytes of a file on their way into zlib: read a block at a time, from places in the file.
+// Feeds compressed bytes of a file to zlib, one block at a time.
 #pragma once
 
 #include <cstddef>
@@ -13,21 +13,21 @@ struct z_stream_s;
 
 namespace isoextract::files {
 
-// Outlived by the file it reads.
+// The file must outlive it.
 class PackedInput {
  public:
-  // The packed bytes lie in [begin, end) of the file. `window_bits` says what is around them, as zlib's inflateInit2()
-  // has it.
+  // The compressed bytes are [begin, end) of the file. `window_bits` selects the container format as in zlib's
+  // inflateInit2().
   PackedInput(const InputFile& file, std::uint64_t begin, std::uint64_t end, int window_bits);
 
   [[nodiscard]] const InputFile& file() const { return *file_; }
-  // For inflate(): its next_in and avail_in are the bytes that were read and not inflated.
+  // Returns the stream for inflate(): next_in and avail_in are the bytes read and not yet decompressed.
   [[nodiscard]] z_stream_s& stream() { return *stream_; }
   [[nodiscard]] const z_stream_s& stream() const { return *stream_; }
-  // Whether all packed bytes were read.
+  // Returns whether all compressed bytes have been read from the file.
   [[nodiscard]] bool is_read() const { return next_ >= end_; }
 
-  // Reads the next block; bytes that are not inflated come before it.
+  // Reads the next block; keeps unconsumed bytes in front of it.
   [[nodiscard]] Result<void> refill();
 
  private:

@@ -28,7 +28,7 @@ const std::string& PlaceKeys::folder(const std::string& name) {
     const fs::path absolute = fs::absolute(name.empty() ? "." : name, none);
     fs::path canonical = fs::weakly_canonical(absolute, none);
     if (none) canonical = absolute.lexically_normal();
-    if (!canonical.has_filename()) canonical = canonical.parent_path();  // a slash at its end
+    if (!canonical.has_filename()) canonical = canonical.parent_path();  // the path ended with a slash
     known->second = canonical.string();
   }
   return known->second;

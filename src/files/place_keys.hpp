@@ -1,4 +1,4 @@
-// Places on the disk as texts, to find names of one file among many.
+// Keys of file locations, to find different names of the same file among many.
 #pragma once
 
 #include <filesystem>
@@ -7,13 +7,12 @@
 
 namespace isoextract::files {
 
-// Texts that are equal where what is written to two paths would come to one place, as same_place() has it. Each folder
-// is looked up once.
+// Two paths have equal keys if writing to them would reach the same place; see same_place(). Looks up each folder once.
 class PlaceKeys {
  public:
   [[nodiscard]] std::string key(const std::filesystem::path& path);
 
-  // Of a path whose file need not be there.
+  // Returns the key from the path alone, for files that may not exist.
   [[nodiscard]] std::string by_name(const std::filesystem::path& path);
 
  private:

@@ -1,4 +1,4 @@
-// What a run reads, so that nothing that it writes takes its place.
+// The files a run reads, to prevent its outputs from overwriting them.
 #pragma once
 
 #include <sys/types.h>
@@ -14,10 +14,11 @@ namespace isoextract::files {
 
 class ReadFiles {
  public:
-  // `what` it does stands in messages: "is the input". "-" is what standard input is; what is not there is left out.
+  // Adds an input. `what` is the file's role in messages: "is the input". "-" is the file that standard input is, if
+  // any. Ignores files that do not exist.
   void add(const std::filesystem::path& file, const std::string& what);
 
-  // Fails with ErrorCode::usage where `written` is one of them on the disk, whatever names and links lead there.
+  // Fails with ErrorCode::usage if `written` is one of the inputs on disk, through whatever names and links.
   [[nodiscard]] Result<void> check(const std::filesystem::path& written) const;
 
  private:

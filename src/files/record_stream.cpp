@@ -13,7 +13,8 @@
 namespace isoextract::files {
 
 Result<void> write_records(OutputFile& file, std::size_t count, std::size_t max_record_bytes, const FillRecords& fill) {
-  constexpr std::size_t kBlockBytes = std::size_t{1} << 20;  // still in the cache when the system copies it
+  constexpr std::size_t kBlockBytes = std::size_t{1} << 20;  // small enough to be in the cache when the system copies
+                                                             // it
   const std::size_t per_block = std::max<std::size_t>(1, kBlockBytes / max_record_bytes);
   const std::size_t block_count = (count + per_block - 1) / per_block;
 
@@ -25,10 +26,10 @@ Result<void> write_records(OutputFile& file, std::size_t count, std::size_t max_
   const std::size_t threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
   std::vector<Block> blocks(std::min(block_count, 2 * threads));
 
-  Result<void> written;              // of write_block alone until all is done
-  std::atomic<bool> failed = false;  // what begin may know of it
+  Result<void> written;              // used by write_block alone until all is done
+  std::atomic<bool> failed = false;  // tells begin of a failure
   std::size_t next = 0;
-  // At most blocks.size() blocks are under way, and they end in order: block i is free again when i + size begins.
+  // At most blocks.size() blocks are in flight and end in order: block i is free again when i + size begins.
   const auto begin = [&](tbb::flow_control& control) -> Block* {
     if (next == block_count || failed) {
       control.stop();

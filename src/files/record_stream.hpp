@@ -1,4 +1,4 @@
-// Many small records of one kind on their way into a file: filled in parallel, written in order.
+// Writes many small records of one kind to a file: formatted in parallel, written in order.
 #pragma once
 
 #include <cstddef>
@@ -9,11 +9,11 @@
 
 namespace isoextract::files {
 
-// Puts records [first, last) at `out` and returns the end of what it put. Called from many threads.
+// Writes records [first, last) to `out` and returns the end of the written bytes. Called from several threads.
 using FillRecords = std::function<char*(std::size_t first, std::size_t last, char* out)>;
 
-// Writes records [0, count). A record takes at most `max_record_bytes`. The bytes do not depend on the number of
-// threads; memory is a few blocks a thread, however many records there are.
+// Writes records [0, count). `max_record_bytes` is the largest size of one record. The bytes do not depend on the
+// number of threads; memory is a few blocks per thread for any number of records.
 [[nodiscard]] Result<void> write_records(OutputFile& file, std::size_t count, std::size_t max_record_bytes,
                                          const FillRecords& fill);
 

@@ -1,4 +1,4 @@
-// Small files of text, as a whole.
+// Reads small text files as a whole.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@
 
 namespace isoextract::files {
 
-// All of a text file. Fails with ErrorCode::input where it is longer than `most` bytes, before memory is taken; `what`
-// stands for it in the message: "a table of labels".
+// Returns the whole file. Fails with ErrorCode::input if it is longer than `most` bytes, before allocating memory;
+// `what` describes the file in the message: "a table of labels".
 [[nodiscard]] Result<std::string> read_text_file(const std::filesystem::path& path, std::string_view what,
                                                  std::uint64_t most, const Context& context);
 

@@ -84,19 +84,19 @@ constexpr auto words_of(Method /*type*/) {
   return words;
 }
 
-// Where the weight of a particle goes (Method::weight).
+// How a particle's weight is distributed to samples (Method::weight).
 enum class Deposit {
-  nearest,    // How a particle's weight is distributed to samples (Method::weight).
-  trilinear,  // all of it to the nearest sample; halfway between two, to the upper one
+  nearest,    // all of it to the nearest sample; halfway between two, to the upper one
+  trilinear,  // to the eight surrounding samples by the weights of trilinear interpolation
 };
 constexpr auto words_of(Deposit /*type*/) {
   return std::array{Word{Deposit::nearest, "nearest"}, Word{Deposit::trilinear, "trilinear"}};
 }
 
-// to the eight surrounding samples by the weights of trilinear interpolation
+// Treatment of particles with a non-finite position.
 enum class BadParticles {
-  error,  // ErrorCode::input; the message says which is the first
-  skip,   // Treatment of particles with a non-finite position.
+  error,  // fails with ErrorCode::input; the message names the first one
+  skip,   // drops and counts them
 };
 constexpr auto words_of(BadParticles /*type*/) {
   return std::array{Word{BadParticles::error, "error"}, Word{BadParticles::skip, "skip"}};

@@ -85,9 +85,12 @@ struct ParticleField {
 // check_options() fails with ErrorCode::usage if an option is out of range, and names the expected range.
 //
 // make_field() computes the density methods of method.hpp and fails with ErrorCode::usage for the others. It fails with
-// ErrorCode::input if a position is not finite (BadParticles::error), if no radius is given and none can be derived, if
-// particles are too far apart or too far from 0 for the spacing, or if memory does not suffice. It fails with
-// ErrorCode::cancelled if the context is cancelled.
+// ErrorCode::input
+// - if a position is not finite (BadParticles::error),
+// - if no radius is given and none can be derived,
+// - if particles are too far apart or too far from 0 for the spacing,
+// - if memory does not suffice.
+// It fails with ErrorCode::cancelled if the context is cancelled.
 [[nodiscard]] Result<void> check_options(const FieldOptions& options);
 [[nodiscard]] Result<ParticleField> make_field(const ParticleSet& particles, const FieldOptions& options,
                                                const Context& context);

@@ -19,8 +19,8 @@ std::atomic<MappedRange*> first_range{nullptr};
 struct sigaction previous {};
 std::uintptr_t page_size = 0;
 
-// The range that `address` is in, which whoever looks at it keeps as it is; other entries may change meanwhile, and are
-// then not the one.
+// Returns the range that contains `address`. That entry cannot change meanwhile, as its memory is in use; entries that
+// change are not the one.
 MappedRange* find_range(std::uintptr_t address, std::uintptr_t& end) {
   for (MappedRange* range = first_range.load(std::memory_order_acquire); range != nullptr; range = range->next) {
     const std::uint64_t version = range->version.load(std::memory_order_acquire);
@@ -33,7 +33,8 @@ MappedRange* find_range(std::uintptr_t address, std::uintptr_t& end) {
   return nullptr;
 }
 
-// What comes after the page is missing as well where the file became shorter, and no longer matters where it did not.
+// Replaces the pages from `address` to the end of its range by zeros. If the file was truncated, they are all missing;
+// if the disk failed, the data is discarded anyway.
 bool replace_lost_pages(const void* address) {
   const auto at = reinterpret_cast<std::uintptr_t>(address);
   std::uintptr_t end = 0;
@@ -46,11 +47,11 @@ bool replace_lost_pages(const void* address) {
          MAP_FAILED;
 }
 
-// To whoever was asked before; else the process ends as it would have without a handler.
+// Calls the previous handler; without one, ends the process as if there were no handler.
 void pass_on(int signal, siginfo_t* info, void* context) {
   if ((previous.sa_flags & SA_SIGINFO) != 0) {
     previous.sa_sigaction(signal, info, context);
-  } else if (previous.sa_handler == SIG_IGN && info->si_code <= 0) {  // sent by a process, which may be ignored
+  } else if (previous.sa_handler == SIG_IGN && info->si_code <= 0) {  // sent by a process, so it may be ignored
     return;
   } else if (previous.sa_handler == SIG_DFL || previous.sa_handler == SIG_IGN) {
     std::signal(signal, SIG_DFL);

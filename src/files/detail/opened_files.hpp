@@ -1,5 +1,5 @@
-// Input files that stay open while work goes on in a context: what was probed, what is read and what is hashed is one
-// file, whatever gets its name meanwhile.
+// Keeps input files open during the work in a context, so that probing, reading and hashing use the same file even if
+// its name is given to another one.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace isoextract::files {
 
-// Closes its descriptor.
+// Owns its descriptor and closes it.
 struct OpenFile {
   OpenFile() = default;
   OpenFile(const OpenFile&) = delete;
@@ -20,18 +20,18 @@ struct OpenFile {
   ~OpenFile();
 
   int descriptor = -1;
-  FileVersion version;  // when it was opened
+  FileVersion version;  // at the time of opening
 };
 
-// The files that were opened last, of which kMost stay open. Used by several threads.
+// The kMost files opened last. Safe to use from several threads.
 class OpenedFiles {
  public:
   static constexpr std::size_t kMost = 8;
 
-  // `before` is searched as well, and stays as it is; null: there is none.
+  // Also searches `before`, without changing it; may be null.
   explicit OpenedFiles(std::shared_ptr<OpenedFiles> before) : before_(std::move(before)) {}
 
-  // The open file that the path names now, if nobody has written to it since it was opened; else null.
+  // Returns the open file that the path names now, if nobody has written to it since it was opened; else null.
   [[nodiscard]] std::shared_ptr<const OpenFile> find(const std::filesystem::path& path) const;
   void add(std::shared_ptr<const OpenFile> file);
 
@@ -40,7 +40,7 @@ class OpenedFiles {
 
   std::shared_ptr<OpenedFiles> before_;
   mutable std::mutex mutex_;
-  std::vector<std::shared_ptr<const OpenFile>> files_;  // the last one last
+  std::vector<std::shared_ptr<const OpenFile>> files_;  // most recent last
 };
 
 }  // namespace isoextract::files

@@ -1,4 +1,4 @@
-// System calls that a signal may interrupt.
+// Repeats a system call for as long as signals interrupt it.
 #pragma once
 
 #include <cerrno>

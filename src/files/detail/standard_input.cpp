@@ -20,7 +20,7 @@ namespace isoextract::files::detail {
 namespace {
 
 constexpr std::size_t kPart = std::size_t{1} << 20;
-// Small beside what is worth reserving, large beside what reserving takes.
+// Step of reservations: small beside useful memory limits, large enough to make few calls.
 constexpr std::uint64_t kReserved = std::uint64_t{16} << 20;
 
 tl::unexpected<Error> cannot_read(int error) {
@@ -28,7 +28,7 @@ tl::unexpected<Error> cannot_read(int error) {
               fmt::format("{}: cannot be read: {}", kStandardInputName, std::generic_category().message(error)));
 }
 
-// Of a pipe that is slow, as many bytes as there are.
+// Reads the bytes that are available, at least one unless the input ends; waits for a slow pipe.
 Result<std::size_t> read_some(int descriptor, std::span<std::byte> bytes, const Context& context) {
   while (true) {
     TRY(context.check());
@@ -56,7 +56,7 @@ Result<void> write_all(int descriptor, std::span<const std::byte> bytes) {
   return {};
 }
 
-// All of it into `kept`, each part reserved before it is written.
+// Copies everything into `kept`; reserves each part before writing it.
 Result<std::vector<Reservation>> copy_all(int descriptor, int kept, const Context& context) {
   std::vector<Reservation> memory;
   Buffer<std::byte> part(kPart);
@@ -94,7 +94,7 @@ Result<KeptInput> KeptInput::take(int descriptor, const Context& context) {
     return fail(ErrorCode::usage, fmt::format("{}: expected a pipe or a file, found a terminal", kStandardInputName),
                 "pipe a file into it, or give the path of a file");
   }
-  // Only from its start: what somebody has read already is not meant.
+  // Uses the file directly only if nothing was read from it yet: bytes already consumed are not part of the input.
   if (S_ISREG(status.st_mode) && ::lseek(descriptor, 0, SEEK_CUR) == 0) {
     if (const int file = open_again(descriptor); file >= 0) return KeptInput(file, {});
   }
@@ -119,7 +119,7 @@ KeptInput::~KeptInput() {
 int KeptInput::open() const { return open_again(descriptor_); }
 
 Result<int> open_standard_input(const Context& context) {
-  // What was read of it does not come again: a failure is kept as well.
+  // Also keeps a failure, as bytes already read cannot be read again.
   static std::mutex mutex;
   static std::optional<Result<KeptInput>> kept;
   const std::scoped_lock lock(mutex);

@@ -1,5 +1,5 @@
-// Standard input as a file: opened where it is one, else read once and kept in memory that has a descriptor, so that
-// whoever reads files, maps them or jumps in them can read it as often as is needed.
+// Standard input as a file: opened as one if it is a file, else read once and kept in memory that has a descriptor. So
+// it can be mapped, read in any order and read again.
 #pragma once
 
 #include <vector>
@@ -11,16 +11,15 @@ namespace isoextract::files::detail {
 
 class KeptInput {
  public:
-  // What is left to read of `descriptor`, which stays open. Bytes that are kept are reserved in the context's memory as
-  // they come, and for as long as this lives. Fails with ErrorCode::usage for a terminal.
+  // Reads the rest of `descriptor`, which stays open. Kept bytes are reserved in the context's memory as they arrive,
+  // for the lifetime of this object. Fails with ErrorCode::usage for a terminal.
   [[nodiscard]] static Result<KeptInput> take(int descriptor, const Context& context);
 
   KeptInput(KeptInput&& other) noexcept;
   KeptInput& operator=(KeptInput&& other) = delete;
   ~KeptInput();
 
-  // A new descriptor that starts at the first byte and shares its place with no other; the caller closes it. -1 with
-  // errno set where that fails.
+  // Returns a new descriptor at byte 0 with its own file offset, which the caller closes; -1 with errno set on failure.
   [[nodiscard]] int open() const;
 
  private:
@@ -30,8 +29,8 @@ class KeptInput {
   std::vector<Reservation> memory_;
 };
 
-// The same for this process's standard input, which is taken at the first call, in that call's context, and kept until
-// the process ends. May be called by several threads.
+// Returns such a descriptor for this process's standard input. The first call reads it, in its context, and keeps it
+// until the process ends. Safe to call from several threads.
 [[nodiscard]] Result<int> open_standard_input(const Context& context);
 
 }  // namespace isoextract::files::detail

@@ -27,16 +27,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What a handler looks at. A name is taken out of its slot by whoever removes the file, so only one does. Names beyond
-// the last slot are not found by handlers, and left to the next run.
+// Names for the signal handler. Whoever removes a file takes its name out of the slot first, so only one does. Names
+// beyond the last slot are invisible to the handler and left to the next run.
 constexpr std::size_t kSlots = 256;
 constinit std::array<std::atomic<const std::string*>, kSlots> slots{};
 constinit std::atomic<int> being_made{0};
 constinit std::atomic<bool> ending{false};
 static_assert(std::atomic<const std::string*>::is_always_lock_free);
 
-// While a file is made whose name is in no slot yet, this thread must not run the handler, which waits for the end of
-// it.
+// Blocks signals on this thread while a file exists whose name is in no slot. The handler waits for that moment to end,
+// so it must not run on this thread.
 class Making {
  public:
   Making() {
@@ -64,7 +64,7 @@ int put_into_slot(const std::string* name) {
   return -1;
 }
 
-// Files of other machines in a shared folder are told apart by it.
+// Contains the host name, to tell apart files of different machines in a shared folder.
 const std::string& name_prefix() {
   static const std::string prefix = [] {
     std::array<char, 65> host{};
@@ -79,7 +79,7 @@ const std::string& name_prefix() {
   return prefix;
 }
 
-// Of a name exactly as they are made here: its prefix, PID-N.
+// Returns the process in a name that has exactly this program's form: the prefix, then PID-N.
 std::optional<pid_t> owner_of(std::string_view file_name) {
   const std::string& prefix = name_prefix();
   if (!file_name.starts_with(prefix)) return std::nullopt;
@@ -94,8 +94,8 @@ std::optional<pid_t> owner_of(std::string_view file_name) {
   return pid;
 }
 
-// Only what no process owns: its number is free, and so is the lock, which says the same where processes do not see
-// each other's numbers (containers). Where the file system has no locks, the file stays.
+// Removes the file only if no process owns it: its process does not exist, and its lock is free. The lock also works
+// across containers, which do not see each other's processes. Without support for locks, the file stays.
 void remove_left_behind(const fs::path& path) {
   const int fd = ::open(path.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (fd < 0) return;
@@ -103,7 +103,7 @@ void remove_left_behind(const fs::path& path) {
   const bool own = ::fstat(fd, &found) == 0 && S_ISREG(found.st_mode) && found.st_uid == ::geteuid();
   struct stat named {};
   const bool locked = own && ::flock(fd, LOCK_EX | LOCK_NB) == 0;
-  // Another process may have removed the file meanwhile, and a third one made its own of the name.
+  // Another process may have removed the file meanwhile, and a third one made its own under the same name.
   const bool same =
       locked && ::lstat(path.c_str(), &named) == 0 && named.st_dev == found.st_dev && named.st_ino == found.st_ino;
   if (same) ::unlink(path.c_str());
@@ -128,8 +128,8 @@ void clean_once(const fs::path& folder) {
 
 }  // namespace
 
-// Calls make(name) with fresh names until it does not answer that the name is taken. A name is allocated before there
-// is a file: otherwise a failure could leave a file that nobody knows.
+// Calls make(name) with new names until one is free. Allocates the name before the file exists, as a later failure
+// could leave a file without an owner.
 template <class Make>
 std::optional<TemporaryName> TemporaryName::make(const fs::path& folder, Make make) {
   constexpr int kAttempts = 10000;
@@ -154,13 +154,13 @@ std::optional<TemporaryName::File> TemporaryName::make_file(const fs::path& fold
   int fd = -1;
   int lock = -1;
   auto name = make(folder, [&](const char* fresh) {
-    constexpr mode_t kNewFile = 0666;  // less what the umask takes away
+    constexpr mode_t kNewFile = 0666;  // minus the umask
     fd = retry_interrupted([&] { return ::open(fresh, O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, kNewFile); });
     if (fd < 0) return false;
-    // A second descriptor holds the lock, since the first is closed before the file gets its last name.
+    // A second descriptor holds the lock, as the first is closed before the final rename.
     lock = ::fcntl(fd, F_DUPFD_CLOEXEC, 0);
     int reason = lock < 0 ? errno : 0;
-    // Another process may take the new file for one that was left behind, until it is locked.
+    // Until it is locked, another process may remove the new file as one left behind.
     struct stat made {};
     if (::flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) reason = EEXIST;
     if (::fstat(fd, &made) == 0 && made.st_nlink == 0) reason = EEXIST;
@@ -183,7 +183,7 @@ std::optional<TemporaryName> TemporaryName::name_file(const fs::path& folder, in
     return ::linkat(AT_FDCWD, from.c_str(), AT_FDCWD, fresh, AT_SYMLINK_FOLLOW) == 0;
   });
   if (!name) return std::nullopt;
-  // For other containers, which do not see that its owner is alive. Not all file systems have locks.
+  // The lock tells other containers that the owner is alive. Not all file systems have locks.
   name->lock_ = ::fcntl(fd, F_DUPFD_CLOEXEC, 0);
   if (name->lock_ >= 0) static_cast<void>(::flock(name->lock_, LOCK_EX | LOCK_NB));
   return name;
@@ -224,14 +224,14 @@ std::unique_ptr<const std::string> TemporaryName::take() noexcept {
   const int slot = std::exchange(slot_, -1);
   const std::string* held = name.get();
   if (slot >= 0 && !slots[static_cast<std::size_t>(slot)].compare_exchange_strong(held, nullptr)) {
-    static_cast<void>(name.release());  // a handler reads it, in a process that is about to end
+    static_cast<void>(name.release());  // a handler may still read it; the process is about to end
   }
   return name;
 }
 
 void TemporaryName::remove_all() noexcept {
   ending = true;
-  // A file that another thread is about to make; a file system that hangs is not waited for.
+  // Waits for a file that another thread is making, but at most a second, as the file system may hang.
   for (int i = 0; i < 1000 && being_made != 0; ++i) ::poll(nullptr, 0, 1);
   for (std::atomic<const std::string*>& slot : slots) {
     if (const std::string* const name = slot.exchange(nullptr)) ::unlink(name->c_str());

@@ -1,5 +1,5 @@
-// Names of files that are not finished: gone with their owner, with a process that a signal ends, and, where neither
-// was possible, with the next run into that folder.
+// Names of unfinished files. A name is removed with its owner or by a signal that ends the process; if neither was
+// possible, by the next run that writes into the folder.
 #pragma once
 
 #include <filesystem>
@@ -11,15 +11,17 @@ namespace isoextract::files {
 
 class TemporaryName {
  public:
-  // Both lock the file as long as the name stands, by which others see that it has an owner, and remove before, once a
-  // process and folder, what processes that are gone left there. Nothing, with errno set, where they fail.
-  // A new file in `folder`, open for reading and writing, of its own name.
+  // make_file() and name_file() lock the file for as long as the name exists, so that other processes see that it has
+  // an owner. Once per process and folder, they first remove files left by processes that have ended. They return
+  // nothing, with errno set, on failure.
+  //
+  // Creates a named file in `folder`, open for reading and writing.
   struct File;
   [[nodiscard]] static std::optional<File> make_file(const std::filesystem::path& folder);
-  // A new name for an open file without one (O_TMPFILE).
+  // Names an open file that has no name (O_TMPFILE).
   [[nodiscard]] static std::optional<TemporaryName> name_file(const std::filesystem::path& folder, int fd);
 
-  // A second name for the file `path`. Nothing with errno set.
+  // Gives the file `path` a second name. Returns nothing, with errno set, on failure.
   [[nodiscard]] static std::optional<TemporaryName> name_again(const std::filesystem::path& folder,
                                                                const std::filesystem::path& path);
 
@@ -30,29 +32,29 @@ class TemporaryName {
 
   [[nodiscard]] bool empty() const { return name_ == nullptr; }
   [[nodiscard]] const char* c_str() const { return name_->c_str(); }
-  // The file stays, under this name.
+  // Leaves the file under this name.
   void keep();
-  // Whether the file got its last name `target`, with errno set where not.
+  // Renames the file to `target`. Returns false, with errno set, on failure.
   [[nodiscard]] bool rename_to(const std::filesystem::path& target);
 
-  // Removes all there are; no more are made in this process. For signal handlers: async-signal-safe, and to be called
-  // while the signals that lead here are not blocked in all other threads.
+  // Removes all temporary files of this process and prevents new ones. For signal handlers: async-signal-safe. Some
+  // other thread must not have the handler's signals blocked.
   static void remove_all() noexcept;
 
  private:
   template <class Make>
   static std::optional<TemporaryName> make(const std::filesystem::path& folder, Make make);
-  // Leaves this without a name. Nothing where there was none, or a handler removes the file.
+  // Releases the name. Returns nothing if there was none or if a handler is removing the file.
   std::unique_ptr<const std::string> take() noexcept;
 
   std::unique_ptr<const std::string> name_;
-  int slot_ = -1;  // where handlers find it
+  int slot_ = -1;  // index in the table for signal handlers
   int lock_ = -1;
 };
 
 struct TemporaryName::File {
   TemporaryName name;
-  int fd = -1;  // the caller's to close
+  int fd = -1;  // the caller closes it
 };
 
 }  // namespace isoextract::files

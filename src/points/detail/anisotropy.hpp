@@ -14,8 +14,8 @@
 // P is the cubic spline and h its support. As in the paper r = 2h, so that a particle has enough neighbors: about 250
 // in a liquid and 50 in a one-layer sheet, with a support of four particle radii.
 //
-// In the paper k_s is a length^-2 in its own units, chosen so that |k_s C| is about 1 within the liquid. There C = 0.15
-// r^2 I, from (9) with constant density. Here k_s is in units of 1 / (0.15 r^2), so 1 is right in every unit.
+// In the paper k_s is a length^-2 in its own units, chosen so that |k_s C| is about 1 within the liquid. There
+// C = 0.15 r^2 I, from (9) with constant density. Here k_s is in units of 1 / (0.15 r^2), so 1 fits every unit.
 //
 // Differs from the paper: if k_s s_1 is below k_n, the particle counts as having few neighbors. Otherwise a cluster
 // narrower than one particle's kernel, such as coincident particles, would have a degenerate shape.
