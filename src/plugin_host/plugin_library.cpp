@@ -23,13 +23,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What the structs of all kinds start with.
+// The first members of every plug-in struct.
 struct PluginHead {
   std::uint32_t version;
   const char* id;
 };
 
-// "key: value"; what is not understood is left to later versions.
+// Parses lines "key: value"; ignores unknown keys, which later versions may define.
 PluginTable read_table(const std::string& id, const fs::path& path) {
   PluginTable table;
   table.id = id;
@@ -118,8 +118,8 @@ tl::unexpected<Error> refuse(const std::string& input, const std::string& path, 
                                      : printable(refusal.advice, 200));
 }
 
-// What OpenVDB's libraries take, the largest of any plug-in here: 60 MiB as they are mapped, and four threads that
-// log4cplus starts as it is loaded, which waits for ever, or ends the process, where it gets none.
+// Address space needed to load OpenVDB's libraries, the largest of any plug-in here: 60 MiB of mappings and four
+// threads of log4cplus. log4cplus hangs or ends the process if it cannot start its threads.
 std::size_t room_to_load() {
   constexpr std::size_t kLibraries = std::size_t{72} << 20;
   constexpr std::size_t kThreads = 4;
@@ -132,7 +132,8 @@ std::size_t room_to_load() {
   return kLibraries + kThreads * stack;
 }
 
-// What libraries do with less cannot be foreseen. One that is loaded already takes nothing.
+// Fails if the limited address space is too small, as libraries behave unpredictably then. A library that is loaded
+// already needs no room.
 tl::expected<void, sandbox::Refusal> check_room(const std::string& path) {
   const auto limit = address_space_limit();
   if (!limit || ::dlopen(path.c_str(), RTLD_NOW | RTLD_NOLOAD) != nullptr) return {};
@@ -179,7 +180,7 @@ tl::expected<const void*, sandbox::Refusal> open_plugin(const PluginKind& kind, 
                                                         const std::string& path) {
   const auto wrong = [](std::string why) { return tl::unexpected(sandbox::Refusal{std::move(why), {}}); };
   TRY(check_room(path));
-  // Not closed again: what it gave may outlive the format, and libraries seldom like it.
+  // Never closed: its results may outlive the format, and many libraries do not support being unloaded.
   void* library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) return wrong(fmt::format("cannot be opened: {}", ::dlerror()));
   const auto get = reinterpret_cast<const void* (*)()>(::dlsym(library, kind.function.c_str()));

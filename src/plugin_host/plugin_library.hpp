@@ -1,5 +1,5 @@
-// Plug-ins as shared objects: which there are is known from tables beside them; one is opened when it is asked for, and
-// stays open: in this process, or in one whose workers read files with it.
+// Plug-ins as shared objects. Text files beside them (tables) list which exist. A plug-in is opened on demand and stays
+// open, in this process or in a server process whose workers read files with it.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +19,8 @@ namespace isoextract::plugin_host {
 
 using PluginFolders = std::vector<std::filesystem::path>;
 
-// Where plug-ins are looked for, in this order: ISOEXTRACT_PLUGINS, `plugins` beside the program, and
-// `../lib/isoextract/plugins` from there. They need not exist.
+// Returns the folders to search, in this order: those of ISOEXTRACT_PLUGINS, `plugins` beside the program, and
+// `../lib/isoextract/plugins` relative to that. They need not exist.
 [[nodiscard]] PluginFolders plugin_folders();
 
 struct PluginTable {
@@ -29,19 +29,20 @@ struct PluginTable {
   std::vector<std::string> extensions;
 };
 
-// What the tables NAME_START-ID.txt in the folders say, by folder and then by name; the first of an id counts.
+// Returns the tables NAME_START-ID.txt in the folders, by folder and then by name. Of several with the same ID, only
+// the first.
 [[nodiscard]] std::vector<PluginTable> find_plugin_tables(const PluginFolders& folders, const std::string& name_start);
 
-// What plug-ins of one kind are called, and what they export.
+// File name prefix and exported function of one kind of plug-in.
 struct PluginKind {
   std::string name_start;  // "isoextract-volume-"
-  std::string function;    // gives a struct that starts with a version (uint32_t) and an id (const char*)
+  std::string function;    // exported; returns a struct that starts with a version (uint32_t) and an id (const char*)
   std::uint32_t version = 0;
-  bool is_format = true;  // it reads one; else it is for work that messages name
+  bool is_format = true;  // reads a file format; if false, its messages name the work instead
 };
 
-// Opens a plug-in's file in this process. Fails with what is wrong with it, "has version 1 of the interface, expected
-// 2", and where too little of a limited address space is left for its libraries.
+// Opens a plug-in's file in this process. Fails with the problem, "has version 1 of the interface, expected 2"; also if
+// too little of a limited address space is left for its libraries.
 [[nodiscard]] tl::expected<const void*, sandbox::Refusal> open_plugin(const PluginKind& kind, const std::string& id,
                                                                       const std::string& path);
 
@@ -50,16 +51,16 @@ class PluginLibrary {
  public:
   PluginLibrary(PluginKind kind, std::string id, PluginFolders folders);
 
-  // Whether a file of its name is in one of the folders.
+  // Returns whether one of the folders has the plug-in's file.
   [[nodiscard]] bool is_there() const { return found({}).has_value(); }
 
-  // What its function gives, whose version and id are as they should be, in this process. `input` starts the message of
-  // a failure, which is ErrorCode::unavailable: it is in none of the folders, cannot be opened, or is of another
-  // version.
+  // Returns the result of the exported function after checking its version and id, in this process. Fails with
+  // ErrorCode::unavailable if no folder has the plug-in, if it cannot be opened, or if its version differs. `input`
+  // starts the message.
   [[nodiscard]] Result<const void*> opened(const std::string& input) const;
 
-  // A worker that reads `input` with it (plugin_worker.hpp); its greeting is what the plug-in calls its format. Fails
-  // in the same ways, and where no process can be started.
+  // Starts a worker that reads `input` with the plug-in (plugin_worker.hpp); its greeting is the plug-in's name of the
+  // format. Fails for the same reasons, and if no process can be started.
   [[nodiscard]] Result<sandbox::Workers::Started> start_worker(const std::string& input, const sandbox::Limits& limits,
                                                                const Context& context) const;
 

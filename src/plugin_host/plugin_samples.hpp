@@ -1,4 +1,4 @@
-// What goes between plug-ins and fields (plugins/plugin_samples.h): types of samples, sparse samples, and memory.
+// Converts between plug-ins and fields (plugins/plugin_samples.h): sample types, sparse samples, and memory.
 #pragma once
 
 #include <array>
@@ -19,32 +19,34 @@
 
 namespace isoextract::plugin_host {
 
-// Nothing for ISOEXTRACT_NOT_SCALAR and what is not known.
+// Returns nothing for ISOEXTRACT_NOT_SCALAR and unknown types.
 [[nodiscard]] std::optional<field::SampleType> sample_type_of(std::int32_t type);
 [[nodiscard]] std::int32_t plugin_type_of(field::SampleType type);
 
-// A text of a plug-in, which may be null.
+// Returns a plug-in's text; "" for null.
 [[nodiscard]] inline std::string plugin_text(const char* text) { return text == nullptr ? "" : text; }
 
-// Three rows of four, as plug-ins have them.
+// Converts from and to the three rows of four of the plug-in interface.
 [[nodiscard]] field::Affine affine_of(const double* index_to_world);
 [[nodiscard]] std::array<double, 12> plugin_rows_of(const field::Affine& affine);
 
-// The memory that a plug-in asks for during a call. What it has not given back then stays reserved for as long as this
-// lives. The context outlives the call.
+// Memory that a plug-in requests during a call. Anything it does not release stays reserved for the lifetime of this
+// object. The context must outlive the call.
 class PluginMemory {
  public:
-  // `what` starts the message where there is not enough.
+  // `what` starts the message if memory does not suffice.
   PluginMemory(const Context& context, std::string what);
   PluginMemory(const PluginMemory&) = delete;
   PluginMemory& operator=(const PluginMemory&) = delete;
 
   [[nodiscard]] const isoextract_plugin_host& host() const { return host_; }
 
-  // Reserves `bytes` for as long as this lives; release() does not give them back. False where there are not enough.
+  // Reserves `bytes` for the lifetime of this object; release() does not return them. Returns false if memory does not
+  // suffice.
   [[nodiscard]] bool hold(std::uint64_t bytes);
 
-  // Why the call has failed where that is no fault of the plug-in's or of what it read: `otherwise` if it is.
+  // Returns the refusal or cancellation that made the call fail, if any; else `otherwise`, the fault of the plug-in or
+  // its input.
   [[nodiscard]] Error failure_or(Error otherwise) const;
 
  private:
@@ -62,13 +64,12 @@ class PluginMemory {
   std::optional<Error> refusal_;
 };
 
-// Sparse samples of a plug-in as those of a field. Their values stay where they are, kept alive by `owner`. The lists
-// of blocks and tiles are copied. Fails with what is wrong with them, as the end of a sentence: "blocks that are not in
-// order".
+// Converts a plug-in's sparse samples. Copies the lists of blocks and tiles; the values stay in place, kept alive by
+// `owner`. Fails with the problem as the end of a sentence: "blocks that are not in order".
 [[nodiscard]] tl::expected<field::SparseSamples, std::string> sparse_samples_of(const isoextract_sparse_samples& given,
                                                                                 std::shared_ptr<const void> owner);
 
-// And back; the lists refer to the field's values.
+// The reverse conversion; the lists refer to the field's values.
 struct PluginSparse {
   std::vector<isoextract_sparse_block> blocks;
   std::vector<isoextract_sparse_tile> tiles;

@@ -21,7 +21,7 @@ std::atomic<bool> files_are_trusted{false};
 
 bool reads_apart() { return sandbox::can_start_children() && !files_are_trusted; }
 
-// Samples of a plug-in, given back in the end, and what is reserved for them.
+// Owns a plug-in's samples and their reservation.
 struct GivenSamples {
   GivenSamples(const VolumePlugin& the_plugin, const Context& context, std::string what)
       : plugin(the_plugin), memory(context, std::move(what)) {}

@@ -1,5 +1,5 @@
-// A file in the hands of a plug-in: in a child process, or in this one where its files are trusted. What comes of it is
-// the same for whoever asks, and is not believed in either case.
+// Reads a file with a plug-in, in a child process or, for trusted files, in this one. Callers see the same interface,
+// and must validate the results in both cases.
 #pragma once
 
 #include <cstdint>
@@ -20,13 +20,13 @@ namespace isoextract::plugin_host {
 // From now on files are read in this process.
 void trust_files();
 
-// Samples as a plug-in has given them.
+// Samples as given by a plug-in.
 struct VisitedSamples {
   const isoextract_volume_samples* samples = nullptr;
-  std::shared_ptr<const void> owner;  // keeps them alive, and what is reserved for them
+  std::shared_ptr<const void> owner;  // keeps the samples and their reservation alive
 };
 
-// Texts and lists live as long as this.
+// A volume file opened with a plug-in. Its texts and lists live as long as this object.
 class VolumeVisit {
  public:
   VolumeVisit() = default;
@@ -36,14 +36,15 @@ class VolumeVisit {
 
   [[nodiscard]] virtual std::string format() const = 0;
   [[nodiscard]] virtual const isoextract_volume_list& list() const = 0;
-  // Once. `box_bytes` are those of a full box, for which the caller has reserved memory; 0 for sparse samples.
+  // Reads a grid; call once. `box_bytes` is the size of a full box, for which the caller has reserved memory; 0 for
+  // sparse samples.
   [[nodiscard]] virtual Result<VisitedSamples> open(std::size_t grid, std::uint64_t box_bytes) = 0;
-  // What the plug-in and its library have printed, as one line, so that nobody else hears it; may be empty.
+  // Returns the captured output of the plug-in and its library as one line; may be empty.
   [[nodiscard]] virtual std::string printed() const { return {}; }
 };
 
-// Lists what is in a file. Fails where the plug-in is not there (ErrorCode::unavailable), and where it takes the file
-// for none of its format, cannot read it, crashes over it, or wants more time or memory than it may have.
+// Lists the grids of a file. Fails if the plug-in is missing (ErrorCode::unavailable), if it rejects or cannot read the
+// file, crashes on it, or exceeds its limits of time or memory.
 [[nodiscard]] Result<std::unique_ptr<VolumeVisit>> visit_volume(const PluginLibrary& library, const std::string& id,
                                                                 const files::InputFile& file);
 
@@ -57,23 +58,23 @@ class ParticleVisit {
   [[nodiscard]] virtual const isoextract_particle_file& file() const = 0;
   [[nodiscard]] virtual Result<void> positions(std::span<double> values) = 0;
   [[nodiscard]] virtual Result<void> quantity(std::size_t number, std::span<float> values) = 0;
-  // Nothing more is asked for. Fails where the plug-in has not come to a good end.
+  // Ends the visit; no calls may follow. Fails if the plug-in did not end normally.
   [[nodiscard]] virtual Result<void> finish() { return {}; }
   [[nodiscard]] virtual std::string printed() const { return {}; }
 };
 
 struct WantedParticles {
   std::uint64_t frame = 0;
-  const std::string* grid = nullptr;  // or null
+  const std::string* grid = nullptr;  // may be null
 };
 
-// Opens a frame of a file. Fails as visit_volume does.
+// Opens a frame of a file. Fails as visit_volume() does.
 [[nodiscard]] Result<std::unique_ptr<ParticleVisit>> visit_particles(const PluginLibrary& library,
                                                                      const std::string& id,
                                                                      const files::InputFile& file,
                                                                      const WantedParticles& wanted);
 
-// The same in a child process; for those two.
+// Do the same in a child process; called by the two functions above.
 [[nodiscard]] Result<std::unique_ptr<VolumeVisit>> visit_volume_apart(const PluginLibrary& library,
                                                                       const std::string& id,
                                                                       const files::InputFile& file);
@@ -82,11 +83,11 @@ struct WantedParticles {
                                                                            const files::InputFile& file,
                                                                            const WantedParticles& wanted);
 
-// What all of them say.
+// Errors and messages that both ways share.
 [[nodiscard]] Error plugin_failed(const std::string& input, const std::string& text);
 [[nodiscard]] Error not_of_format(const std::string& input, const std::string& id, std::span<const std::byte> start);
 [[nodiscard]] std::string plugin_needs(const std::string& input, const std::string& id);
-// The first bytes of a file as they lie in it.
+// Returns the first bytes of a file without decompressing them.
 [[nodiscard]] Result<std::vector<std::byte>> start_as_stored(const files::InputFile& file);
 
 }  // namespace isoextract::plugin_host

@@ -1,4 +1,4 @@
-// An open file, socket or pipe, closed in the end.
+// Owns a file, socket or pipe descriptor and closes it.
 #pragma once
 
 #include <utility>

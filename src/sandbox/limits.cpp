@@ -25,12 +25,12 @@
 namespace isoextract::sandbox {
 namespace {
 
-// Of the stacks of oneTBB's threads; libraries of volumes do not recurse deeply.
+// Stack size of oneTBB's threads; the libraries that read volumes do not recurse deeply.
 constexpr std::uint64_t kStackBytes = std::uint64_t{1} << 20;
-// What a library takes before it has read anything: stacks, code that is loaded late, the allocator's reserves.
+// Memory that a library needs before it reads anything: stacks, code loaded on demand, the allocator's reserves.
 constexpr std::uint64_t kSpareBytes = std::uint64_t{48} << 20;
 
-// A soft limit, and `further` above it a hard one.
+// Sets a soft limit, and a hard limit that is `further` above it.
 void limit(decltype(RLIMIT_AS) what, std::uint64_t value, std::uint64_t further = 0) {
   rlimit old{};
   static_cast<void>(::getrlimit(what, &old));
@@ -40,7 +40,7 @@ void limit(decltype(RLIMIT_AS) what, std::uint64_t value, std::uint64_t further 
 }
 
 #ifndef ISOEXTRACT_SHADOW_MEMORY
-// Of this process, now.
+// Returns the current address space of this process in bytes.
 std::uint64_t address_space() {
   std::ifstream file("/proc/self/statm");
   std::uint64_t pages = 0;
@@ -53,7 +53,7 @@ void limit_memory(const Limits& limits) {
 #ifdef ISOEXTRACT_SHADOW_MEMORY
   static_cast<void>(limits);
 #else
-  // Each further arena of the allocator would take 64 MiB of the address space that the file may need.
+  // Each additional malloc arena would use 64 MiB of the address space that the file may need.
   static_cast<void>(::mallopt(M_ARENA_MAX, 1));
   const auto stacks = checked_product(limits.threads, 2 * kStackBytes);
   const auto all = checked_sum(address_space(), kSpareBytes, stacks.value_or(0), limits.memory);
@@ -64,13 +64,13 @@ void limit_memory(const Limits& limits) {
 }  // namespace
 
 void apply(const Limits& limits) {
-  // Kept until the process ends.
+  // Static: they hold until the process ends.
   static const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
                                            static_cast<std::size_t>(std::max<std::uint64_t>(limits.threads, 1)));
   static const tbb::global_control stacks(tbb::global_control::thread_stack_size, kStackBytes);
-  limit(RLIMIT_CORE, 1);  // 1, and not 0: it keeps programs that take core dumps from being started, too
+  limit(RLIMIT_CORE, 1);  // 1, not 0: it also keeps the system from starting programs that process core dumps
   limit(RLIMIT_FSIZE, 0);
-  // The soft limit's signal tells why it has ended.
+  // The signal of the soft limit tells the parent why the worker ended.
   limit(RLIMIT_CPU, checked_product(limits.seconds, limits.threads).value_or(std::uint64_t{RLIM_INFINITY}), 2);
   limit_memory(limits);
   static_cast<void>(::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0));

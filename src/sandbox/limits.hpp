@@ -1,4 +1,4 @@
-// What a child process may do that reads a file with a library that trusts it.
+// Limits of a child process that reads a file with a library that does not validate its input.
 #pragma once
 
 #include <cstdint>
@@ -6,14 +6,14 @@
 namespace isoextract::sandbox {
 
 struct Limits {
-  std::uint64_t memory = 0;   // bytes that it may take, besides its libraries and the stacks of its threads
-  std::uint64_t seconds = 0;  // that it may take, of the clock, and of each of its processors
+  std::uint64_t memory = 0;   // bytes it may allocate, besides its libraries and thread stacks
+  std::uint64_t seconds = 0;  // limit of wall-clock time and, multiplied by `threads`, of processor time
   std::uint64_t threads = 1;
 };
 
-// Limits this process for good: memory, processor time, no files written, no core dumps; with the kernel's seccomp also
-// no sockets, no programs started and no changes of the file system (detail/system_calls.hpp). What the system refuses
-// is left out. The address space stays as it is where the address sanitizer needs all of it.
+// Limits this process permanently: memory, processor time, no files written, no core dumps. With the kernel's seccomp
+// it also cannot open sockets, start programs or change the file system (detail/system_calls.hpp). Ignores limits that
+// the system does not support. Does not limit the address space under the address sanitizer, which needs all of it.
 void apply(const Limits& limits);
 
 }  // namespace isoextract::sandbox

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kMostDescriptors = 8;
 using Control = std::array<std::byte, CMSG_SPACE(kMostDescriptors * sizeof(int))>;
 
-// Sends a part of `bytes` and all descriptors with it; how many bytes, or -1.
+// Sends some of `bytes` and all descriptors with them. Returns the number of bytes sent, or -1.
 ssize_t send_part(int socket, std::span<const std::byte> bytes, std::span<const int> descriptors, int flags) {
   iovec part{const_cast<std::byte*>(bytes.data()), bytes.size()};  // NOLINT: sendmsg does not write to it
   msghdr header{};
@@ -48,7 +48,7 @@ bool send_all(int socket, std::span<const std::byte> bytes, std::span<const int>
   return true;
 }
 
-// Receives some bytes, and the descriptors that come with them; how many bytes, or -1.
+// Receives some bytes and the descriptors that come with them. Returns the number of bytes, or -1.
 ssize_t receive_part(int socket, std::span<std::byte> bytes, std::vector<Descriptor>& descriptors) {
   iovec part{bytes.data(), bytes.size()};
   msghdr header{};

@@ -1,4 +1,4 @@
-// Messages between this program and its child processes: numbers and texts, one after the other, behind their length.
+// Messages between this program and its child processes: a length, then numbers and texts.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace isoextract::sandbox {
 
-// Longer messages are refused: what is large goes through shared memory.
+// Longer messages are rejected: large data goes through shared memory.
 inline constexpr std::uint64_t kMostMessageBytes = std::uint64_t{64} << 20;
 
 class MessageWriter {
@@ -27,7 +27,8 @@ class MessageWriter {
   std::vector<std::byte> bytes_;
 };
 
-// Reads what a MessageWriter wrote. A message that ends too early gives 0 and "" from there on, and is not whole.
+// Reads the fields of a MessageWriter in order. Past the end of the message it returns 0 and "", and is_whole() becomes
+// false.
 class MessageReader {
  public:
   MessageReader() = default;
@@ -36,9 +37,9 @@ class MessageReader {
   [[nodiscard]] std::uint64_t number();
   [[nodiscard]] double real();
   [[nodiscard]] std::string text();
-  // Everything that was read was there.
+  // Returns whether every field read so far was there.
   [[nodiscard]] bool is_whole() const { return is_whole_; }
-  // Bytes that are not read yet: no list has more entries.
+  // Returns the number of unread bytes, an upper bound for the number of entries of a list.
   [[nodiscard]] std::uint64_t left() const { return bytes_.size() - at_; }
 
  private:
@@ -49,23 +50,23 @@ class MessageReader {
   bool is_whole_ = true;
 };
 
-// Sends a message, with a descriptor unless that is -1. With `wait` false it fails where the other side has not read
-// earlier ones. False where it failed.
+// Sends a message, with a descriptor unless it is -1. If `wait` is false, fails instead of blocking when the socket's
+// buffer is full. Returns false on failure.
 [[nodiscard]] bool send_message(int socket, const MessageWriter& message, int descriptor = -1, bool wait = true);
 
-// Sends numbers that follow a message, as they are.
+// Sends raw bytes that follow a message.
 [[nodiscard]] bool send_bytes(int socket, std::span<const std::byte> bytes);
 
 struct ReceivedMessage {
   MessageReader message;
-  Descriptor descriptor;  // open where one came along
+  Descriptor descriptor;  // open if the message came with one
 };
-// Waits for a message; nothing where the other side has closed, or sent no message.
+// Waits for a message. Returns nothing if the other side has closed the socket or sent something else.
 [[nodiscard]] std::optional<ReceivedMessage> receive_message(int socket);
 
-// Sends `descriptors`, eight at most, through a socket that keeps messages apart. False where it failed.
+// Sends at most eight descriptors through a socket that preserves message boundaries. Returns false on failure.
 [[nodiscard]] bool send_descriptors(int socket, std::span<const int> descriptors);
-// Receives them, and their number; none where the other side has closed.
+// Receives descriptors; none if the other side has closed the socket.
 [[nodiscard]] std::vector<Descriptor> receive_descriptors(int socket);
 
 }  // namespace isoextract::sandbox

@@ -23,7 +23,7 @@
 namespace isoextract::sandbox {
 namespace {
 
-// No file is called so by anybody; who calls one so has no socket there.
+// Marks a child's command line. Not a plausible file name; without Workers' socket it has no effect.
 constexpr std::string_view kChildWord = "@child-process";
 
 std::atomic<bool> children_allowed{false};
@@ -41,7 +41,7 @@ std::vector<std::string> own_command_line() {
   return words;
 }
 
-// Words of a loader that is started like a program, up to the program's file.
+// Counts the words of a dynamic loader that was started as a program, up to the program's file.
 std::size_t loader_words(std::span<const std::string> words) {
   constexpr std::array<std::string_view, 6> kWithValue{"library-path",  "preload", "audit",
                                                        "inhibit-rpath", "argv0",   "glibc-hwcaps-prepend"};
@@ -71,7 +71,7 @@ bool can_start_children() { return children_allowed; }
 
 std::vector<std::string> words_to_start(const std::vector<std::string>& further) {
   std::vector<std::string> command = own_command_line();
-  // Without an interpreter of the program's own, the loader was started as the program.
+  // A process without an interpreter (AT_BASE is 0) was started through the loader.
   const bool by_loader = ::getauxval(AT_BASE) == 0;
   const std::size_t kept = by_loader ? loader_words(command) + 1 : 1;
   command.resize(std::min(kept, command.size()));

@@ -1,4 +1,4 @@
-// This program as its own child process: started again, it does the work of a child in place of its own.
+// Runs this program as its own child process: the same executable, started again, does a child's work.
 #pragma once
 
 #include <functional>
@@ -9,24 +9,27 @@
 
 namespace isoextract::sandbox {
 
-// What a child does. Its libraries are loaded by whoever makes this.
+// The work of a child. Its creator loads the libraries.
 struct ChildWork {
-  std::string greeting;          // what it tells the parent once; where it cannot work: why
-  std::function<void(int)> run;  // the work of one worker, which speaks through that socket; empty where it cannot work
-  std::string advice;            // where it cannot work: what to do
+  std::string greeting;          // sent to the parent once; if the child cannot work: the reason
+  std::function<void(int)> run;  // runs one worker, which communicates through the given socket; empty if the child
+                                 // cannot work
+  std::string advice;            // if the child cannot work: what to do about it
 };
 
-// Called by main() before anything else, with its arguments. Where this process was started by Workers, it does what
-// `make_work` gives for the words that Workers has, and this gives the exit code. Else it gives nothing, and this
-// program may start itself as a child from now on.
+// main() calls this before anything else, with its arguments. If Workers started this process, runs the work that
+// `make_work` returns for the words of Workers, and returns the exit code. Otherwise returns nothing, and from now on
+// this program may start itself as a child.
 [[nodiscard]] std::optional<int> run_if_child(std::span<char* const> arguments,
                                               const std::function<ChildWork(std::span<const std::string>)>& make_work);
 
-// Whether main() has called run_if_child, and children can work: not under the thread sanitizer, which ends them.
+// Returns whether main() has called run_if_child and children can work. They cannot under the thread sanitizer, which
+// terminates them.
 [[nodiscard]] bool can_start_children();
 
-// The words that start this program again with further ones, its file apart: "/proc/self/exe" is to be started. Where a
-// loader runs the program, as in the portable folder, that is the loader, and its own words are among these.
+// Returns the command line that starts this program again with more words, without its first word, which is
+// "/proc/self/exe". If a loader runs the program, as in the portable folder, that file is the loader, and the command
+// line includes the loader's own words.
 [[nodiscard]] std::vector<std::string> words_to_start(const std::vector<std::string>& further);
 
 }  // namespace isoextract::sandbox

@@ -1,5 +1,5 @@
-// Memory that this program and a child process share. This side makes it, and decides how large it is: its size can
-// never change, so that no access to it fails.
+// Memory shared by this program and a child process. This program creates it and fixes its size, so the child cannot
+// make an access fail by shrinking it.
 #pragma once
 
 #include <cstddef>
@@ -12,10 +12,10 @@
 
 namespace isoextract::sandbox {
 
-// Memory without a name in any file system: it is gone with the last process that has it.
+// Has no name in any file system; the system frees it with the last process that holds it.
 class SharedMemory {
  public:
-  // Zeros. Nothing where the system gives none.
+  // Returns zero-filled memory; nothing if the system provides none.
   [[nodiscard]] static std::optional<SharedMemory> create(std::uint64_t bytes);
 
   [[nodiscard]] int descriptor() const { return descriptor_.get(); }
@@ -28,11 +28,11 @@ class SharedMemory {
   std::uint64_t bytes_ = 0;
 };
 
-// Shared memory in the address space of a process.
+// Maps shared memory into this process.
 class Mapping {
  public:
   enum class Access { read, write };
-  // Empty where the system refuses.
+  // bytes() is empty if the system refuses the mapping.
   Mapping(int descriptor, std::uint64_t bytes, Access access);
   Mapping(Mapping&& other) noexcept : bytes_(std::exchange(other.bytes_, {})) {}
   Mapping& operator=(Mapping&& other) = delete;

@@ -26,9 +26,9 @@ namespace isoextract::sandbox {
 namespace {
 
 constexpr std::size_t kMostOutput = 4096;
-constexpr int kSliceMilliseconds = 50;  // after which the context is asked again
-constexpr int kSlicesToEnd = 40;        // that a process has to end in once it was told to; then it is killed
-constexpr int kShortWaits = 50;         // of a millisecond each, in which a server usually ends
+constexpr int kSliceMilliseconds = 50;  // interval between checks for cancellation
+constexpr int kSlicesToEnd = 40;        // intervals that a process gets to end before it is killed
+constexpr int kShortWaits = 50;         // waits of 1 ms, in which a server usually ends
 
 bool socket_pair(int type, std::array<Descriptor, 2>& sockets) {
   std::array<int, 2> numbers{-1, -1};
@@ -72,7 +72,7 @@ std::optional<MessageReader> Worker::receive() {
   for (;;) {
     const bool is_open = read_socket();
     if (auto message = take_message()) return message;
-    // One that has closed its socket before it was done ends, or is ended.
+    // A worker that closed its socket before it was done has ended or is about to be ended.
     if (!is_open || ending_) break;
     wait_a_little(true);
   }
@@ -107,7 +107,7 @@ const Ending& Worker::finish() {
   return *ending_;
 }
 
-// Until something comes, or a moment has passed. Time in which this process was stopped does not count.
+// Waits for data or the end of an interval. Does not count time in which this process was stopped.
 void Worker::wait_a_little(bool for_messages) {
   std::array<pollfd, 3> awaited{pollfd{status_.get(), POLLIN, 0}, pollfd{printed_.get(), POLLIN, 0},
                                 pollfd{for_messages ? socket_.get() : -1, POLLIN, 0}};
@@ -120,7 +120,7 @@ void Worker::wait_a_little(bool for_messages) {
   if (awaited[0].revents != 0) read_status();
   if (ending_) return;
   if (wanted_end_) {
-    if (++waited_for_end_ == kSlicesToEnd) kill_server_();  // as where somebody has stopped it (SIGSTOP)
+    if (++waited_for_end_ == kSlicesToEnd) kill_server_();  // the server may have been stopped by SIGSTOP
     return;
   }
   if (context_.cancelled()) end_it(Ending::Reason::cancelled);
@@ -142,7 +142,7 @@ void Worker::read_output() {
   }
 }
 
-// What is there; false where no more can come.
+// Reads the available data. Returns false at the end of the stream.
 bool Worker::read_socket() {
   std::array<std::byte, 16384> part{};
   while (socket_.is_open() && received_.size() < kMostMessageBytes) {
@@ -159,7 +159,7 @@ std::optional<MessageReader> Worker::take_message() {
   std::uint64_t length = 0;
   if (received_.size() < sizeof(length)) return std::nullopt;
   std::memcpy(&length, received_.data(), sizeof(length));
-  if (length > kMostMessageBytes) {  // no message of ours
+  if (length > kMostMessageBytes) {  // not a valid message
     socket_.close();
     end_it(Ending::Reason::done);
     return std::nullopt;
@@ -211,7 +211,7 @@ void Workers::kill_server(pid_t server) {
   if (server_ == server && server_ > 0) ::kill(server_, SIGKILL);
 }
 
-// What becomes of a library's loading: the child says so, ends, or is given up.
+// Waits until the child has loaded its library: it sends its greeting, ends, or exceeds the time limit.
 tl::expected<void, Refusal> Workers::hear_greeting(const Limits& limits, const Context& context) {
   std::uint64_t milliseconds_left = std::min<std::uint64_t>(limits.seconds, 1U << 30U) * 1000;
   pollfd awaited{control_.get(), POLLIN, 0};
@@ -283,7 +283,7 @@ tl::expected<Workers::Started, Refusal> Workers::start(const Limits& limits, con
   }
   const std::array along{socket[1].get(), status[1].get(), output[1].get()};
   const std::scoped_lock lock(mutex_);
-  // One that has ended since it was last asked, as the system may have ended it, is started anew.
+  // Restarts the server if it has ended since the last worker, for example killed by the system.
   if (!control_.is_open() || !send_descriptors(control_.get(), along)) {
     end_server();
     TRY(start_server());

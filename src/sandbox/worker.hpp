@@ -1,5 +1,5 @@
-// Child processes that do work which may crash, hang, take memory without end, or be led by its input to do anything
-// else: what becomes of them is a value here.
+// Child processes for work that may crash, hang, use unlimited memory, or be exploited through its input. The way they
+// end is returned as a value.
 #pragma once
 
 #include <cstdint>
@@ -21,41 +21,41 @@
 
 namespace isoextract::sandbox {
 
-// How a worker has ended.
+// How a worker ended.
 struct Ending {
   enum class Reason {
-    done,       // by itself
-    signal,     // `signal` has ended it
-    too_long,   // its time was over
-    cancelled,  // the context was
-    lost,       // it could not be started, or nobody knows what became of it
+    done,       // exited by itself
+    signal,     // killed by `signal`
+    too_long,   // exceeded its time limit
+    cancelled,  // the context was cancelled
+    lost,       // could not be started, or its end is unknown
   };
   Reason reason = Reason::lost;
   int signal = 0;
-  bool lacked_memory = false;  // it was refused some that it asked for
+  bool lacked_memory = false;  // an allocation was refused
 };
 
-// One process, alive until it has ended or this goes. Used by one thread at a time.
+// One child process; killed when this object is destroyed. Use it from one thread at a time.
 class Worker {
  public:
-  // `kill_server` ends the process that the worker was forked from, and the worker with it: it is called where that
-  // process does not end the worker when it is told to.
+  // `kill_server` kills the process that the worker was forked from, and with it the worker. It is called if that
+  // process does not end the worker on request.
   Worker(Descriptor socket, Descriptor status, Descriptor output, std::uint64_t seconds, Context context,
          std::function<void()> kill_server);
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
   ~Worker();
 
-  // Nothing is waited for. Where it fails, receive() tells how the worker has ended.
+  // Sends without blocking. After a failure, receive() reports how the worker ended.
   void send(const MessageWriter& message, int descriptor = -1);
-  // The next message. Nothing where it has ended, or had to be: ending() says how.
+  // Returns the next message. Returns nothing if the worker ended or had to be ended; see ending().
   [[nodiscard]] std::optional<MessageReader> receive();
-  // Bytes that follow a message. False where it has ended before that.
+  // Receives bytes that follow a message. Returns false if the worker ended before sending them all.
   [[nodiscard]] bool receive_bytes(std::span<std::byte> to);
-  // Takes no more messages and waits for its end. After that it has no more access to shared memory.
+  // Stops reading messages and waits for the worker to end. Afterwards the worker can no longer access shared memory.
   const Ending& finish();
   [[nodiscard]] const Ending& ending() const { return *ending_; }
-  // The beginning of what it has printed.
+  // Returns the beginning of what the worker has printed.
   [[nodiscard]] const std::string& output() const { return output_; }
 
  private:
@@ -72,24 +72,24 @@ class Worker {
   std::int64_t microseconds_left_ = 0;
   Context context_;
   std::function<void()> kill_server_;
-  int waited_for_end_ = 0;  // how often, since it was told to end
+  int waited_for_end_ = 0;  // number of waits since the worker was told to end
   std::vector<std::byte> received_;
   std::string output_;
   std::optional<Ending::Reason> wanted_end_;
   std::optional<Ending> ending_;
 };
 
-// Why there is no worker.
+// Why no worker could be started.
 struct Refusal {
-  std::string what;    // "has version 1 of the interface, expected 2"
+  std::string what;    // the problem: "has version 1 of the interface, expected 2"
   std::string advice;  // what to do about it; may be empty
 };
 
-// The workers of one library, which is loaded in a process that all of them are forked from. That is started for the
-// first one, and ends with this.
+// The workers of one library. A server process loads the library and forks the workers; it starts with the first worker
+// and ends with this object.
 class Workers {
  public:
-  // `words` tell run_if_child of the child what to do.
+  // `words` tell the child's run_if_child() which work to do.
   explicit Workers(std::vector<std::string> words) : words_(std::move(words)) {}
   Workers(const Workers&) = delete;
   Workers& operator=(const Workers&) = delete;
@@ -97,15 +97,16 @@ class Workers {
 
   struct Started {
     std::unique_ptr<Worker> worker;
-    std::string greeting;  // of the child
+    std::string greeting;  // the child's greeting
   };
-  // From any thread, several at once. Fails where the child cannot work, or does not greet within limits.seconds.
+  // Starts a worker. Safe to call from several threads. Fails if the child cannot work or does not send its greeting
+  // within limits.seconds.
   [[nodiscard]] tl::expected<Started, Refusal> start(const Limits& limits, const Context& context);
 
  private:
   [[nodiscard]] tl::expected<void, Refusal> start_server();
   [[nodiscard]] tl::expected<void, Refusal> hear_greeting(const Limits& limits, const Context& context);
-  // Waits for the server's end, kills it where it does not end, and returns its status as of waitpid.
+  // Waits for the server to end, kills it if it does not, and returns its status in the form of waitpid.
   int end_server();
   void kill_server(pid_t server);
 

@@ -1,6 +1,6 @@
-// What is said between this program and a worker that reads a file with a plug-in (sandbox/worker.hpp). A message
-// begins with one of these; what comes then stands beside it. Everything that a worker says is checked: it may be in
-// the hands of the file that it reads.
+// The protocol between this program and a worker that reads a file with a plug-in (sandbox/worker.hpp). A message
+// starts with one of these values, followed by the fields in its comment. The program validates every message of a
+// worker, as the file it reads may have taken control of it.
 #pragma once
 
 #include <cstdint>
@@ -10,46 +10,47 @@
 namespace isoextract::plugin_host {
 
 enum class Said : std::uint64_t {
-  // The program, of a volume:
+  // From the program, for volumes:
   list_volume,  // path, first bytes of the file
-  open_grid,    // number of the grid, bytes of the full box; with memory for it unless that is 0
-  // The program, of particles:
-  open_particles,  // path, 1 and the name of a grid or 0, frame
+  open_grid,    // grid index, bytes of the full box; with shared memory unless that is 0
+  // From the program, for particles:
+  open_particles,  // path, 1 and a grid name or 0, frame
   positions,
-  quantity,  // its number
-  // The program, as an answer:
-  granted,  // with memory where that was asked for
+  quantity,  // index
+  // From the program, in reply:
+  granted,  // with shared memory if requested
   refused,
-  // The worker:
-  failed,       // why
-  not_of_it,    // the file is none of the format
-  listed,       // count; of each grid what isoextract_volume_grid has
-  reserve,      // bytes
-  release,      // bytes
-  allocate,     // bytes
-  box_opened,   // note, whether there are samples, bytes
-  grid_opened,  // note, whether there are samples, what isoextract_sparse_samples has; blocks and tiles as SharedPlace
-  particles_opened,  // what isoextract_particle_file has; of each quantity what isoextract_particle_quantity has
-  filled,            // bytes; then that many, numbers of all particles
+  // From the worker:
+  failed,            // reason
+  not_of_it,         // the file does not have the plug-in's format
+  listed,            // count; for each grid the members of isoextract_volume_grid
+  reserve,           // bytes
+  release,           // bytes
+  allocate,          // bytes
+  box_opened,        // note, whether there are samples, bytes
+  grid_opened,       // note, whether there are samples, members of isoextract_sparse_samples; blocks and tiles as
+                     // SharedPlace
+  particles_opened,  // members of isoextract_particle_file; for each quantity those of isoextract_particle_quantity
+  filled,            // bytes; then that many bytes, the numbers of all particles
 };
 
-// A message that begins so.
+// Returns a message that starts with this value.
 [[nodiscard]] inline sandbox::MessageWriter say(Said what) {
   sandbox::MessageWriter message;
   message.number(static_cast<std::uint64_t>(what));
   return message;
 }
 
-// A place in one of the memories that the worker has asked for, by their number.
+// A location in one of the shared memories that the worker requested; `memory` is its index.
 struct SharedPlace {
   std::uint64_t memory = 0;
   std::uint64_t offset = 0;
 };
 
-// A block as it lies in shared memory.
+// The layout of a block in shared memory.
 struct SharedBlock {
   std::int32_t origin[3];  // NOLINT(modernize-avoid-c-arrays): as isoextract_sparse_block has it
-  std::uint32_t memory;    // of its values
+  std::uint32_t memory;    // index of the shared memory with its values
   std::uint64_t offset;
 };
 

@@ -1,4 +1,4 @@
-// Files read by workers: what is asked of them, what they answer, and whether that can be true.
+// Reads files with workers: sends requests and validates the replies.
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
@@ -32,10 +32,10 @@ using sandbox::SharedMemory;
 
 constexpr const char* kSecondsVariable = "ISOEXTRACT_PLUGIN_SECONDS";
 constexpr std::uint64_t kUsualSeconds = 60;
-constexpr std::size_t kMostText = 4096;    // bytes of a name
-constexpr std::size_t kMostMemories = 64;  // that a worker asks for; each is a descriptor
+constexpr std::size_t kMostText = 4096;    // longest name in bytes
+constexpr std::size_t kMostMemories = 64;  // most shared memories of a worker; each uses a descriptor
 
-// Time and memory of a worker. The file counts on top of the memory, as libraries map it.
+// Returns the time and memory limits of a worker. Adds the size of the file to the memory, as libraries map it.
 Result<sandbox::Limits> limits_for(const files::InputFile& file) {
   std::uint64_t seconds = kUsualSeconds;
   if (const char* given = std::getenv(kSecondsVariable)) {
@@ -62,7 +62,7 @@ Result<SharedMemory> share_memory(const std::string& name, std::uint64_t bytes) 
               Remedy::read_in_process);
 }
 
-// A worker with a file, and everything that can become of it as errors.
+// A conversation with the worker that reads one file; turns every way it can end into an error.
 class Talk {
  public:
   Talk(sandbox::Workers::Started started, std::string id, const files::InputFile& file, const sandbox::Limits& limits)
@@ -80,7 +80,7 @@ class Talk {
 
   void tell(const MessageWriter& message, int descriptor = -1) { worker_->send(message, descriptor); }
 
-  // What it says next. Fails where it says that it cannot, and where it has ended.
+  // Returns the worker's next message. Fails if it reports a failure or has ended.
   Result<Heard> hear() {
     auto message = worker_->receive();
     if (!message) return tl::unexpected(error_of(worker_->ending(), "ended"));
@@ -95,20 +95,20 @@ class Talk {
     return tl::unexpected(std::move(failed));
   }
 
-  // Bytes that follow what it has said.
+  // Receives bytes that follow a message.
   Result<void> take(std::span<std::byte> to) {
     if (worker_->receive_bytes(to)) return {};
     return tl::unexpected(error_of(worker_->ending(), "ended"));
   }
 
-  // After that nothing of the shared memory changes any more.
+  // Ends the worker, after which the shared memory no longer changes.
   Result<void> finish() {
     const Ending& ending = worker_->finish();
     if (ending.reason == Ending::Reason::done) return {};
     return tl::unexpected(error_of(ending, "ended"));
   }
 
-  // What comes is no answer, or one that cannot be true.
+  // Returns the error for a reply that is invalid.
   [[nodiscard]] tl::unexpected<Error> refused(const std::string& what) const {
     return fail(ErrorCode::input, fmt::format("{}: the plug-in for {} gives {}", name_, id_, what));
   }
@@ -184,7 +184,7 @@ struct SharedSamples {
   std::string note;
   isoextract_volume_samples samples{};
 
-  // Where `bytes` lie; null where there are not that many.
+  // Returns a pointer to the `bytes` at `place`; null if they are not all within the memory.
   [[nodiscard]] const std::byte* find(const SharedPlace& place, std::uint64_t bytes) const {
     if (place.memory >= mapped.size()) return nullptr;
     const auto all = mapped[place.memory].bytes();
@@ -193,7 +193,7 @@ struct SharedSamples {
   }
 };
 
-// A list of `count` entries in shared memory, copied; nothing where it is not within it.
+// Copies a list of `count` entries from shared memory; returns nothing if it is not within it.
 template <class T>
 std::optional<std::vector<T>> list_of(const SharedSamples& from, const SharedPlace& place, std::uint64_t count) {
   if (count == 0) return std::vector<T>();
@@ -212,7 +212,7 @@ SharedPlace place_in(MessageReader& message) {
   return place;
 }
 
-// False where blocks or tiles lie elsewhere than in the memory that there is.
+// Returns false if blocks or tiles are not within the shared memory.
 bool take_sparse(MessageReader& message, SharedSamples& to) {
   isoextract_sparse_samples& sparse = to.sparse;
   sparse.sample_type = signed_of(message.number());
@@ -301,7 +301,7 @@ class VolumeApart final : public VolumeVisit {
  private:
   bool take_list(MessageReader& message) {
     const std::uint64_t count = message.number();
-    constexpr std::uint64_t kGridBytes = 29 * sizeof(std::uint64_t);  // at least
+    constexpr std::uint64_t kGridBytes = 29 * sizeof(std::uint64_t);  // least size of a grid in the message
     if (count > message.left() / kGridBytes) return false;
     grids_.resize(static_cast<std::size_t>(count));
     texts_.reserve(3 * grids_.size());
@@ -326,7 +326,7 @@ class VolumeApart final : public VolumeVisit {
     return message.is_whole();
   }
 
-  // The answer, after what the worker asks for on the way.
+  // Handles the worker's requests for memory until its final reply comes.
   Result<Talk::Heard> answer_after_requests(SharedSamples& given) {
     const isoextract_plugin_host& host = given.memory.host();
     for (;;) {
@@ -396,7 +396,7 @@ class ParticlesApart final : public ParticleVisit {
     const bool has_texts = take_text(message, frame_name_) && take_text(message, length_unit_);
     const bool has_list = message.number() != 0;
     const std::uint64_t count = message.number();
-    constexpr std::uint64_t kQuantityBytes = 5 * sizeof(std::uint64_t);  // at least
+    constexpr std::uint64_t kQuantityBytes = 5 * sizeof(std::uint64_t);  // least size of a quantity in the message
     if (!has_texts || (has_list && count > message.left() / kQuantityBytes)) return false;
     quantities_.resize(has_list ? static_cast<std::size_t>(count) : 0);
     texts_.resize(2 * quantities_.size());
@@ -421,7 +421,7 @@ class ParticlesApart final : public ParticleVisit {
   }
 
   Result<void> fill(const MessageWriter& what, std::span<std::byte> values) {
-    // The worker has them, too.
+    // The worker needs as many bytes for its copy.
     const auto reserved = TRY(talk_->context().reserve(values.size(), plugin_needs(talk_->name(), talk_->id())));
     talk_->tell(what);
     auto answer = TRY(talk_->hear());

@@ -28,10 +28,10 @@ using sandbox::Mapping;
 using sandbox::MessageReader;
 using sandbox::MessageWriter;
 
-// Numbers with a sign go as the 64 bits of one.
+// Sends a signed number as the 64 bits of an unsigned one.
 std::uint64_t bits(std::int64_t number) { return static_cast<std::uint64_t>(number); }
 
-// The program at the other end of a socket. Where it has gone, so has the reason for this process.
+// The program at the other end of the socket. Calls fail once the program has ended.
 class Program {
  public:
   explicit Program(int socket) : socket_(socket) {}
@@ -61,7 +61,7 @@ class Program {
     return memories_.back().bytes().data();
   }
 
-  // Where `bytes` lie, if the program has them.
+  // Returns where `bytes` at `from` are in shared memory, if they are.
   [[nodiscard]] std::optional<SharedPlace> place_of(const void* from, std::uint64_t bytes) const {
     const auto begin = reinterpret_cast<std::uintptr_t>(from);
     for (std::size_t i = 0; i < memories_.size(); ++i) {
@@ -107,7 +107,8 @@ MessageWriter listed(const isoextract_volume_list& list) {
   return message;
 }
 
-// Blocks and their values where the program has them; nothing where it has no memory for them.
+// Stores the blocks in shared memory, and copies values that the plug-in has elsewhere. Returns nothing if the program
+// grants no memory.
 std::optional<SharedPlace> share_blocks(Program& program, const isoextract_sparse_samples& samples) {
   const auto type = sample_type_of(samples.sample_type);
   if (!type) return std::nullopt;
@@ -115,7 +116,7 @@ std::optional<SharedPlace> share_blocks(Program& program, const isoextract_spars
       std::uint64_t{field::SparseBlock::kSize} * field::SparseBlock::kSize * field::SparseBlock::kSize;
   const std::uint64_t block_bytes = kSamples * field::sample_size(*type);
   const std::span blocks(samples.blocks, samples.block_count);
-  std::byte* copies = nullptr;  // of the values of all blocks, where a plug-in has them elsewhere
+  std::byte* copies = nullptr;  // copies of all blocks' values, if the plug-in has them elsewhere
   const auto is_shared = [&](const auto& block) { return program.place_of(block.values, block_bytes).has_value(); };
   if (!std::ranges::all_of(blocks, is_shared)) {
     copies = static_cast<std::byte*>(program.allocate(blocks.size() * block_bytes));
@@ -141,7 +142,7 @@ std::optional<SharedPlace> share_tiles(Program& program, const isoextract_sparse
   return program.place_of(shared, bytes);
 }
 
-// Nothing where the program has no memory for them.
+// Returns nothing if the program grants no memory.
 std::optional<MessageWriter> grid_opened(Program& program, const isoextract_volume_samples& given) {
   MessageWriter message = say(Said::grid_opened);
   message.text(plugin_text(given.note)).number(given.sparse == nullptr ? 0 : 1);
@@ -175,7 +176,7 @@ class HostCalls {
               [](void* self, std::uint64_t bytes) { return static_cast<Program*>(self)->reserve(bytes) ? 0 : 1; },
               [](void* self, std::uint64_t bytes) { static_cast<Program*>(self)->release(bytes); },
               [](void* self, std::uint64_t bytes) { return static_cast<Program*>(self)->allocate(bytes); },
-              [](void* /*self*/) { return 0; }} {}  // the program ends this process where it wants no more of it
+              [](void* /*self*/) { return 0; }} {}  // the program kills this process to cancel
   [[nodiscard]] const isoextract_plugin_host& get() const { return host_; }
 
  private:
@@ -238,8 +239,8 @@ MessageWriter particles_opened(const isoextract_particle_file& file) {
   return message;
 }
 
-// Sends what a plug-in fills: as many numbers as it has told of. They go through the socket, whose memory is warm,
-// which takes less time than fresh pages that both processes see. False where the program has gone.
+// Sends as many numbers as the plug-in announced. Uses the socket, as its cached buffers are faster than fresh shared
+// pages. Returns false if the program has ended.
 template <class Number, class Fill>
 bool send_filled(const ParticlePlugin& plugin, const Program& program, std::uint64_t particles,
                  std::uint64_t components, Fill&& fill) {

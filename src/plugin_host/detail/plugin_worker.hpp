@@ -1,5 +1,4 @@
-// The side of the child process: files read with a plug-in on behalf of the program, by its messages
-// (plugin_messages.hpp).
+// The child process's side: reads files with a plug-in as the program's messages ask (plugin_messages.hpp).
 #pragma once
 
 #include <span>
@@ -9,7 +8,7 @@
 
 namespace isoextract::plugin_host {
 
-// Opens the plug-in that `words` name: its function, its id and its file.
+// Opens the plug-in given by `words`: exported function, id and file.
 [[nodiscard]] sandbox::ChildWork make_plugin_work(std::span<const std::string> words);
 
 }  // namespace isoextract::plugin_host

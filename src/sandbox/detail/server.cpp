@@ -29,7 +29,7 @@
 namespace isoextract::sandbox::detail {
 namespace {
 
-// At once where Linux can (5.9).
+// Uses one system call if Linux has it (5.9).
 void close_from(int first) {
 #ifdef __NR_close_range
   if (::syscall(__NR_close_range, first, ~0U, 0) == 0) return;
@@ -38,7 +38,7 @@ void close_from(int first) {
   for (int number = first; number < kMost; ++number) ::close(number);
 }
 
-// Whether each other thread of this process sleeps: then none holds a lock that a forked process would wait for.
+// Returns whether all other threads sleep: then none holds a lock that a forked process would wait for.
 bool others_sleep() {
   std::error_code error;
   const std::string self = std::to_string(::getpid());
@@ -53,14 +53,15 @@ bool others_sleep() {
   return true;
 }
 
-// Libraries may start threads as they are loaded (OpenVDB's log4cplus does), which soon wait for work that never comes.
+// Libraries may start threads when they are loaded, as OpenVDB's log4cplus does. They soon sleep, waiting for work that
+// never comes.
 void wait_for_other_threads() {
   for (int tried = 0; tried < 200 && !others_sleep(); ++tried) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 }
 
-// What a worker and this process share.
+// Memory that a worker and this process share.
 struct Shared {
   std::atomic<std::int32_t> lacked_memory{0};
 };
@@ -70,7 +71,7 @@ Shared* make_shared_page() {
   return page == MAP_FAILED ? nullptr : new (page) Shared;
 }
 
-Shared* own_page = nullptr;  // of a worker
+Shared* own_page = nullptr;  // set in a worker
 
 void note_lack_of_memory() {
   own_page->lacked_memory = 1;
@@ -109,7 +110,7 @@ class Server {
   }
 
  private:
-  // False where the parent has gone.
+  // Returns false if the parent has ended.
   bool start() {
     std::vector<Descriptor> given = receive_descriptors(kControlSocket);
     if (given.size() != 3) return !given.empty();
@@ -126,7 +127,7 @@ class Server {
   }
 
   [[noreturn]] void become_worker(pid_t server, int socket, int output, Shared* shared) const {
-    constexpr int kSocket = kControlSocket;  // a worker has no other use for that number
+    constexpr int kSocket = kControlSocket;  // a worker does not need the control socket's number
     ::prctl(PR_SET_PDEATHSIG, SIGKILL, 0, 0, 0);
     if (::getppid() != server) ::_exit(1);
     own_page = shared;
@@ -145,11 +146,11 @@ class Server {
       work_.run(kSocket);
     }
     static_cast<void>(std::fflush(nullptr));
-    // Nothing of what libraries do at an orderly end: it takes time, and some wait for threads that are not here.
+    // Skips the libraries' exit handlers: they take time, and some wait for threads that do not exist after fork().
     ::_exit(0);
   }
 
-  // A second time does no harm: it is this process's own until it is buried.
+  // Calling it twice is harmless: the process ID stays reserved until waitpid().
   static void end(Running& worker) { ::kill(worker.process, SIGKILL); }
 
   void bury() {

@@ -1,5 +1,5 @@
-// The process that is started once for a library, loads it, and forks a worker for each file: what a file does to a
-// worker goes with the worker, and no file pays for loading the library again.
+// The server process of a library: loads it once and forks a worker for each file. A file can only damage its worker,
+// and no file pays for loading the library again.
 #pragma once
 
 #include <cstdint>
@@ -10,19 +10,19 @@ namespace isoextract::sandbox::detail {
 
 inline constexpr int kControlSocket = 3;
 
-// Three descriptors come through the control socket for each worker: its socket, the one of its status, and the pipe
-// for what it prints. On the one of the status this comes when the worker has ended:
+// For each worker, three descriptors arrive through the control socket: the worker's message socket, its status socket,
+// and the pipe for its output. When the worker has ended, the server sends this through the status socket:
 struct WorkerStatus {
-  std::int32_t wait_status = 0;    // as waitpid has it; -1 where the worker could not be started
-  std::int32_t lacked_memory = 0;  // not 0 where it was refused memory
+  std::int32_t wait_status = 0;    // in the form of waitpid; -1 if the worker could not be started
+  std::int32_t lacked_memory = 0;  // nonzero if an allocation was refused
 };
-// Any byte that comes from the parent there ends the worker, as does the end of the parent.
+// The worker is ended by any byte that the parent sends through the status socket, and by the end of the parent.
 
-// Before libraries are loaded: nothing is open but the control socket, nothing can be printed, and signals for the
-// parent's group end nothing here.
+// Call before loading libraries: closes everything but the control socket, discards printed output, and ignores signals
+// sent to the parent's process group.
 void prepare_server();
 
-// Until the parent closes the control socket. Gives the exit code.
+// Serves until the parent closes the control socket. Returns the exit code.
 [[nodiscard]] int serve(const ChildWork& work);
 
 }  // namespace isoextract::sandbox::detail

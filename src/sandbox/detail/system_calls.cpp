@@ -27,10 +27,10 @@ constexpr std::uint32_t kArchitecture = 0;
 #endif
 
 constexpr std::uint32_t kRefuse = SECCOMP_RET_ERRNO | EPERM;
-constexpr std::uint32_t kUnknown = SECCOMP_RET_ERRNO | ENOSYS;  // the C library then takes an older call
+constexpr std::uint32_t kUnknown = SECCOMP_RET_ERRNO | ENOSYS;  // ENOSYS makes the C library use an older call
 
 constexpr std::array kForbidden {
-  // sockets, and what would get round the rules for other calls
+  // sockets, and calls that could circumvent the other rules
   __NR_socket, __NR_connect, __NR_bind, __NR_listen, __NR_accept, __NR_accept4, __NR_io_uring_setup, __NR_bpf,
       __NR_perf_event_open, __NR_userfaultfd, __NR_unshare, __NR_setns, __NR_keyctl, __NR_add_key, __NR_request_key,
       // programs and other processes
@@ -50,12 +50,12 @@ constexpr std::array kForbidden {
 sock_filter load(std::size_t offset) { return BPF_STMT(BPF_LD | BPF_W | BPF_ABS, static_cast<std::uint32_t>(offset)); }
 
 constexpr std::size_t kNumber = offsetof(seccomp_data, nr);
-// The lower half of an argument, on machines whose numbers begin with it.
+// Returns the offset of an argument's lower 32 bits on a little-endian machine.
 constexpr std::size_t lower_half(std::size_t argument) { return offsetof(seccomp_data, args) + 8 * argument; }
 
 class Filter {
  public:
-  // Whatever the call is called: a number of another architecture means another call.
+  // System call numbers are only valid for one architecture.
   void check_architecture() {
     rules_.push_back(load(offsetof(seccomp_data, arch)));
     rules_.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, kArchitecture, 1, 0));
@@ -73,7 +73,7 @@ class Filter {
     end(with);
   }
 
-  // Refuses a call whose argument has one of `bits`; `or_none`: or has none of them.
+  // Refuses a call if its argument has any of `bits`; with `or_none` also if it has none of them.
   void refuse_bits(long call, std::size_t argument, std::uint32_t bits, bool or_none = false) {
     rules_.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 4));
     rules_.push_back(load(lower_half(argument)));
@@ -84,7 +84,7 @@ class Filter {
     end(SECCOMP_RET_ALLOW);
   }
 
-  // Refuses a call whose argument is not `value`.
+  // Refuses a call unless its argument is `value`.
   void refuse_others(long call, std::size_t argument, std::uint32_t value) {
     rules_.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 4));
     rules_.push_back(load(lower_half(argument)));
@@ -113,14 +113,15 @@ bool forbid_system_calls() {
   Filter filter;
   filter.check_architecture();
   for (const long call : kForbidden) filter.answer(call, kRefuse);
-  filter.answer(__NR_clone3, kUnknown);  // its flags lie in memory, where a filter cannot read them
+  filter.answer(__NR_clone3, kUnknown);  // its flags are in memory, which a filter cannot read
   filter.refuse_bits(__NR_clone, 0, CLONE_THREAD, true);
   filter.refuse_bits(__NR_openat, 2, kWrites);
 #if defined(__x86_64__)
   filter.refuse_bits(__NR_open, 1, kWrites);
 #endif
-  filter.refuse_bits(__NR_prlimit64, 2, ~std::uint32_t{0});  // new limits; the C library reads old ones so
-  // What a process does to itself as it aborts.
+  filter.refuse_bits(__NR_prlimit64, 2, ~std::uint32_t{0});  // refuses new limits; the C library uses this call to read
+                                                             // old ones
+  // abort() sends a signal to its own process.
   filter.refuse_others(__NR_kill, 0, self);
   filter.refuse_others(__NR_tgkill, 0, self);
   filter.end(SECCOMP_RET_ALLOW);
