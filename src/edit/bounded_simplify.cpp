@@ -37,7 +37,6 @@ class Simplifier {
         wanted_(mesh.positions.size(), 1),
         left_(mesh.triangles.size()) {}
 
-  // Fails where the context is cancelled.
   Result<Triangles> run() {
     const double enough = options_.max_distance - slack_;
     if (!(enough > 0) || left_ <= options_.triangles) return original();
@@ -57,7 +56,7 @@ class Simplifier {
       facts_.measured_upper += slack_;
       facts_.measured_lower = std::max(0.0, facts_.measured_lower - slack_);
     }
-    if (facts_.measured_upper > options_.max_distance) {  // rounding is to blame
+    if (facts_.measured_upper > options_.max_distance) {  // because of rounding
       facts_.measured_lower = facts_.measured_upper = 0;
       return original();
     }
@@ -67,7 +66,7 @@ class Simplifier {
  private:
   [[nodiscard]] Triangles original() const { return {mesh_.triangles.begin(), mesh_.triangles.end()}; }
 
-  // What is known of the distance, in all.
+  // Adds the figures of a proof or measurement.
   Result<void> look(const Result<Proof>& proof) {
     if (!proof) return tl::unexpected(proof.error());
     facts_.taken_back += proof->undone;
@@ -77,22 +76,21 @@ class Simplifier {
     return {};
   }
 
-  // Positions in the space of to_metric. Without a map they are the mesh's own; with one, rounding moves them.
+  // Returns positions in the space of to_metric, or nothing if that is the mesh's own. Sets slack_, as mapping rounds.
   std::vector<glm::vec3> place_vertices() {
     std::vector<glm::vec3> placed;
     if (options_.to_metric == glm::dmat3(1.0)) return placed;
     placed.resize(mesh_.positions.size());
     std::transform(mesh_.positions.begin(), mesh_.positions.end(), placed.begin(),
                    [&](const glm::vec3& p) { return glm::vec3(options_.to_metric * glm::dvec3(p)); });
-    slack_ = 2 * mesh::float32_resolution(placed);  // both surfaces move by at most half a last place on each axis
+    slack_ = 2 * mesh::float32_resolution(placed);  // rounding moves each surface by at most half a last place an axis
     return placed;
   }
 
-  // Rounds that look again at what was on the borders of patches; and all of them for distances that grow, so that
-  // what is flat has gone, whatever patch it was in, before what is not is made flat. For a larger distance more is
-  // done after the same.
+  // Sweeps with growing distances, so that flat regions in all patches go before curved ones are flattened. A larger
+  // distance does more after the same start, so it never leaves more triangles.
   Result<void> within(double enough) {
-    constexpr double kFirst = 1.0 / 320;  // of the patches; a tenth of a voxel
+    constexpr double kFirst = 1.0 / 320;  // of the patch size: a tenth of a voxel
     constexpr double kSteps = 10;
     constexpr double kMuchLess = 0.5;
     std::vector<double> distances;
@@ -112,7 +110,7 @@ class Simplifier {
     std::fill(wanted_.begin(), wanted_.end(), 1);
     std::uint64_t work = kSweepWork;
     for (double size = options_.patch_size;; size *= kLargerPatches) {
-      const std::uint64_t share = work - work / 4;  // few triangles are looked at again
+      const std::uint64_t share = work - work / 4;  // later rounds visit few triangles
       auto patches = TRY(round(size, {kOfVertices * distance, distance, 0}, {.work = share}));
       work -= share;
       if (patches > 1) continue;
@@ -121,15 +119,15 @@ class Simplifier {
     }
   }
 
-  // Rounds whose distances grow, until so little is left to do that one patch may have all of it: then what costs least
-  // goes first. Where points knew too little, collapses are taken back for good, and others done instead.
+  // Runs rounds with growing distances until one patch can hold the rest; then collapses the cheapest edges first.
+  // Where the samples underestimated a distance, undoes collapses for good and does others instead.
   Result<void> to_count(double enough) {
-    constexpr double kFirst = 1.0 / 2000;  // of the patches
+    constexpr double kFirst = 1.0 / 2000;  // of the patch size
     constexpr double kSteps = 1.5;
     constexpr double kAlmost = 1.5;
     constexpr std::size_t kFew = 8;
     const auto target = static_cast<double>(options_.triangles);
-    constexpr double kLeastGrowth = 1.2;  // where topology lets little go, too, there are few patches soon
+    constexpr double kLeastGrowth = 1.2;  // where topology blocks collapses, too, few patches are left soon
     const double farthest = std::min(enough, extent());
     double distance = kFirst * options_.patch_size;
     double size = options_.patch_size;
@@ -140,13 +138,13 @@ class Simplifier {
       std::fill(wanted_.begin(), wanted_.end(), 1);
       patches = TRY(round(size, {distance, enough, 0}, {.least_part = target / before}));
       distance *= kSteps;
-      size *= std::max(std::sqrt(before / static_cast<double>(left_)), kLeastGrowth);  // as many triangles a patch
+      // as many triangles a patch as before
+      size *= std::max(std::sqrt(before / static_cast<double>(left_)), kLeastGrowth);
     }
     TRY(cheapest(enough));
     return replace_worst(enough);
   }
 
-  // The longest side of the box of all vertices.
   [[nodiscard]] double extent() const {
     glm::vec3 low = state_.positions.front();
     glm::vec3 high = low;
@@ -157,7 +155,7 @@ class Simplifier {
     return std::max({high.x - low.x, high.y - low.y, high.z - low.z});
   }
 
-  // As one patch, to the number of triangles.
+  // Collapses all that is left as one patch, down to the number of triangles.
   Result<void> cheapest(double enough) {
     std::fill(wanted_.begin(), wanted_.end(), 1);
     TRY(round(std::numeric_limits<double>::infinity(), {enough, enough, options_.triangles}, {}));
@@ -167,7 +165,7 @@ class Simplifier {
   Result<void> replace_worst(double enough) {
     constexpr int kTimes = 3;
     constexpr double kMuchMore = 2;
-    constexpr double kLeast = 1.0 / 320;  // of the patches
+    constexpr double kLeast = 1.0 / 320;  // of the patch size
     refused_.assign(mesh_.positions.size(), 0);
     const double distance = std::max(kMuchMore * std::sqrt(farthest_squared_), kLeast * options_.patch_size);
     for (int time = 0; time < kTimes && left_ <= options_.triangles && distance < enough; ++time) {
@@ -201,11 +199,11 @@ class Simplifier {
   };
 
   struct Share {
-    double least_part = 0;   // of the triangles of each patch that is left
-    std::uint64_t work = 0;  // that the round reports when it is done; 0: the triangles that it removes
+    double least_part = 0;   // of the triangles of each patch that must stay
+    std::uint64_t work = 0;  // progress that the round reports; 0: the number of removed triangles
   };
 
-  // Collapses edges in patches of this size. Returns how many there were.
+  // Collapses edges in patches of this size. Returns the number of patches.
   Result<std::size_t> round(double size, const CollapseLimits& limits, const Share& share) {
     TRY(context_.check());
     std::vector<Place> places = split(size);
@@ -213,7 +211,7 @@ class Simplifier {
       return fail(ErrorCode::input,
                   mesh_.name + ": simplifying it takes more rounds than collapses can be numbered in");
     }
-    std::vector<std::size_t> first;  // of each patch, and where they end
+    std::vector<std::size_t> first;  // start of each patch, and the end
     for (std::size_t i = 0; i < places.size(); ++i) {
       if (i == 0 || places[i].cell != places[i - 1].cell) first.push_back(i);
     }
@@ -254,9 +252,9 @@ class Simplifier {
     return patches;
   }
 
-  // The triangles in question, by the box of a grid that their centroids are in.
+  // Returns the wanted triangles and some rings around them, sorted by the grid cell of their centroids.
   std::vector<Place> split(double size) {
-    std::vector<char> near = wanted_;  // with some rings around
+    std::vector<char> near = wanted_;
     constexpr int kRings = 2;
     const bool all = std::all_of(near.begin(), near.end(), [](char w) { return w != 0; });
     for (int ring = 0; ring < kRings && !all; ++ring) {
@@ -276,12 +274,13 @@ class Simplifier {
       low = glm::min(low, glm::dvec3(state_.positions[c.x]));
       high = glm::max(high, glm::dvec3(state_.positions[c.x]));
     }
-    constexpr double kMostCells = 1 << 20;  // a side
+    constexpr double kMostCells = 1 << 20;  // per side
     const glm::dvec3 extent = high - low;
     const double largest = std::max({extent.x, extent.y, extent.z});
     if (!(size < largest)) return places;
     const double side = std::max(size, largest / kMostCells);
-    const double shift = facts_.rounds % 2 == 0 ? 1.0 : 1.5;  // corners that are outside have no negative number
+    // above 0, so that cells of centroids outside the box are not negative
+    const double shift = facts_.rounds % 2 == 0 ? 1.0 : 1.5;
     for_each_range(places.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const glm::uvec3& c = state_.corners[places[i].triangle];
@@ -297,7 +296,7 @@ class Simplifier {
     return places;
   }
 
-  // Vertices of several patches, and those that have triangles in none.
+  // Locks the vertices of several patches, and those with triangles outside all patches.
   void lock_borders(const std::vector<std::uint32_t>& triangles, const std::vector<std::size_t>& first) {
     patch_of_.assign(mesh_.positions.size(), kNone);
     std::fill(locked_.begin(), locked_.end(), 0);
@@ -322,7 +321,7 @@ class Simplifier {
     }
   }
 
-  // What was between patches, and what is beside it: edges that would have joined two of these.
+  // Wants the vertices between patches and their neighbors, whose edges would have joined two locked vertices.
   void want_borders(const std::vector<std::uint32_t>& triangles, const std::vector<std::size_t>& first) {
     std::fill(wanted_.begin(), wanted_.end(), 0);
     for (std::size_t i = 0; i < first.back(); ++i) {
@@ -333,8 +332,8 @@ class Simplifier {
     }
   }
 
-  static constexpr double kOfVertices = 0.95;           // vertices are less far away than what lies between them
-  static constexpr std::uint64_t kSweepWork = 1 << 20;  // in parts: which share of them a round does is a guess
+  static constexpr double kOfVertices = 0.95;           // samples are nearer than the points between them
+  static constexpr std::uint64_t kSweepWork = 1 << 20;  // in parts; the share of a round is a guess
   static constexpr char kBetweenPatches = 1;
   static constexpr char kOutside = 2;
 
@@ -342,21 +341,21 @@ class Simplifier {
   const SimplifyOptions& options_;
   Simplification& facts_;
   const Context& context_;
-  double slack_ = 0;  // before placed_, which sets it
+  double slack_ = 0;  // must stand before placed_, whose initializer sets it
   std::vector<glm::vec3> placed_;
   CollapseState state_;
   std::vector<char> locked_;
   std::vector<char> wanted_;
-  std::vector<char> refused_;  // vertices that stay, as the surface would be too far away without them; empty: none
+  std::vector<char> refused_;  // vertices that must stay to keep the distance; empty: none
   std::vector<std::uint32_t> patch_of_;
   std::vector<CollapseLog> logs_;
-  std::uint64_t numbers_ = 0;  // of collapses, so far
+  std::uint64_t numbers_ = 0;  // of collapses so far
   std::size_t left_;
-  double farthest_squared_ = 0;  // of points of the triangles that changed
+  double farthest_squared_ = 0;  // largest squared distance of samples and new triangles
 };
 
-// Vertices that no triangle uses any more are left out; the others keep their order. Edge keys go: they are of meshes
-// as they were extracted.
+// Sets the triangles and drops vertices without one; the others keep their order. Drops the edge keys, as they describe
+// only extracted meshes.
 void set_triangles(mesh::Mesh& mesh, const Triangles& triangles) {
   constexpr std::uint32_t kUnused = ~0U;
   std::vector<std::uint32_t> number(mesh.positions.size(), kUnused);
@@ -375,8 +374,7 @@ void set_triangles(mesh::Mesh& mesh, const Triangles& triangles) {
   mesh.triangles = std::move(renumbered);
 }
 
-// What a Simplifier takes at most at a time: the state of the collapses, and their logs; patches with their places,
-// and those in work; or two trees, and what is known of triangles.
+// Returns the peak memory of a Simplifier: collapse state and logs, plus the largest of patches, proof and measurement.
 std::uint64_t working_bytes(const mesh::Mesh& mesh, const SimplifyOptions& options) {
   constexpr std::uint64_t kLog = sizeof(Collapse) + 6 * sizeof(CollapseLog::Record);
   constexpr std::uint64_t kPlaces = 3 * sizeof(std::uint64_t) + sizeof(std::uint32_t) + 1;

@@ -1,15 +1,16 @@
-// Fewer triangles within a stated distance, or a stated number of them: what comes out is measured against what went
-// in, and where a distance is asked for never farther from it, in both directions, at any point.
+// Simplifies a mesh to a largest distance, to a number of triangles, or to both. The distance between result and input
+// is bounded in both directions at every point, not only at vertices.
 //
-// Edges are collapsed in patches, side by side, whose common vertices stay (detail/edge_collapse.hpp). What stayed for
-// that reason has its turn in the next round, whose patches are larger; in the last round all that is left is one
-// patch, so nothing of the patches is seen in the end. A large distance is reached by way of small ones, each of which
-// has all these rounds: more triangles than for a small one are not left. Points of the mesh that came in tell on the
-// way how far away new triangles are. What they cannot tell, every point of both surfaces, is proven afterwards, and
-// collapses that went too far are taken back (detail/distance_proof.hpp). A number of triangles is reached by distances
-// that grow, and the distance measured in the end.
+// Edges are collapsed in patches that run in parallel; vertices shared by patches stay (detail/edge_collapse.hpp). The
+// next round takes the vertices between patches, with larger patches, until one patch holds all that is left: so no
+// patch border remains visible. A large distance is approached through smaller ones, each with all its rounds, so that
+// it never leaves more triangles than a small one. During collapses, sample points of the input estimate the distance.
+// Afterwards the distance is proven for every point, and collapses that went too far are undone
+// (detail/distance_proof.hpp). A number of triangles is reached by growing distances; the final distance is then
+// measured.
 //
-// Distances are bounded triangle by triangle as in distance_bound.hpp, against the mesh that came in. The result is the
+// Distances are bounded triangle by triangle as in mesh/distance_bound.hpp. The result does not depend on the number of
+// threads.
 // same for any number of threads.
 #pragma once
 
@@ -25,26 +26,26 @@
 namespace isoextract::edit {
 
 struct SimplifyOptions {
-  // In the space that to_metric leads to; infinity: as far as the number of triangles asks for.
+  // The largest allowed distance, in the space of to_metric; infinity: no limit but `triangles`.
   double max_distance = 0;
-  std::uint64_t triangles = 0;  // no fewer than these, but one
-  // From the mesh's coordinates to the space in which distances are meant: for voxels, where a voxel is a unit cube.
+  std::uint64_t triangles = 0;  // stop here, or one triangle below; 0: no target
+  // Maps the mesh's coordinates to the space in which distances are measured, for example voxels as unit cubes.
   glm::dmat3 to_metric{1.0};
-  double patch_size = 32;  // side of the first patches, in that space; some tens of the mesh's triangles
+  double patch_size = 32;  // side of the first patches in that space; some tens of the mesh's triangles
 };
 
 struct Simplification {
-  // The Hausdorff distance of the result to the mesh that came in: at least, at most, in the space of to_metric. Never
-  // above max_distance.
+  // Lower and upper bound of the Hausdorff distance between result and input, in the space of to_metric. The upper
+  // bound never exceeds max_distance.
   double measured_lower = 0;
   double measured_upper = 0;
   std::uint64_t triangles_before = 0;
   std::uint64_t triangles_after = 0;
-  std::uint64_t patches = 0;     // of all rounds
-  std::uint64_t collapses = 0;   // of edges, those that were taken back among them
-  std::uint64_t taken_back = 0;  // because something was too far away
+  std::uint64_t patches = 0;     // in all rounds
+  std::uint64_t collapses = 0;   // collapsed edges, including those undone later
+  std::uint64_t taken_back = 0;  // collapses undone because a triangle was too far away
   int rounds = 0;
-  int passes = 0;  // times that the result was measured: once more each time that collapses were taken back
+  int passes = 0;  // distance measurements: the first, and one more after each undo
   StageTime time;
 };
 
@@ -53,11 +54,14 @@ struct SimplifiedMesh {
   Simplification facts;
 };
 
-// The result has some of the mesh's vertices, with all that belongs to them but edge keys, in their order. Vertices of
-// open borders go where the others of the border can stand for them. Where the mesh is a manifold, so is the result,
-// with as many components and borders and the same Euler number, which may need more triangles than were asked for; it
-// has no triangles without area and none twice that the mesh has not. Where nothing can be gained, it is the mesh.
-// Fails where its working memory, some 400 bytes a triangle, is more than is left, and where the context is cancelled.
+// Returns the simplified mesh and its figures.
+//
+// Keeps a subset of the vertices, in their order, with their normals and attributes; edge keys are dropped. Vertices of
+// open borders move along their border. A manifold stays a manifold with the same components, boundary loops and Euler
+// number; that can need more triangles than were asked for. Adds no zero-area triangle and no duplicate triangle.
+// Returns the mesh unchanged if no collapse is possible.
+//
+// Fails if the working memory (about 400 bytes a triangle) exceeds the budget, or if the context is cancelled.
 [[nodiscard]] Result<SimplifiedMesh> simplify_within(mesh::Mesh mesh, const SimplifyOptions& options,
                                                      const Context& context);
 

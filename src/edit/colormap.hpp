@@ -1,4 +1,4 @@
-// Color maps: numbers from 0 to 1 as colors.
+// Color maps: they turn numbers from 0 to 1 into colors.
 #pragma once
 
 #include <array>
@@ -21,11 +21,11 @@ constexpr auto words_of(Colormap /*type*/) {
 
 inline constexpr std::size_t kColormapPoints = 86;
 
-// 0xRRGGBB in sRGB, at equal distances from 0 to 1 (colormap_tables.cpp).
+// Returns the map's colors as 0xRRGGBB in sRGB, equally spaced from 0 to 1 (colormap_tables.cpp).
 [[nodiscard]] const std::array<std::uint32_t, kColormapPoints>& colormap_points(Colormap map);
 
-// sRGB, each channel from 0 to 1; linear between the points. Below 0 it is the first color, above 1 the last, and NaN
-// is a grey of one half.
+// Returns the sRGB color at `place`, channels from 0 to 1, interpolated linearly. Values below 0 give the first color,
+// above 1 the last; NaN gives mid gray (0.5).
 [[nodiscard]] glm::dvec3 color_at(Colormap map, double place);
 
 }  // namespace isoextract::edit

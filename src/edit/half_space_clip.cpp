@@ -20,7 +20,7 @@ constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
 
 bool comes_before(const glm::vec3& p, const glm::vec3& q) { return std::tie(p.x, p.y, p.z) < std::tie(q.x, q.y, q.z); }
 
-// An edge by its vertices, the smaller first.
+// Returns the key of an edge: its vertices, the smaller first.
 std::uint64_t key_of(std::uint32_t a, std::uint32_t b) { return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b); }
 
 class PlaneCut {
@@ -39,7 +39,7 @@ class PlaneCut {
     });
   }
 
-  // For arrays beside the mesh, until it is known how many edges are cut.
+  // Bytes for arrays beside the mesh, before the number of cut edges is known.
   [[nodiscard]] static std::uint64_t bytes(const mesh::Mesh& mesh) {
     return mesh.positions.size() * (sizeof(double) + sizeof(std::uint32_t));
   }
@@ -48,7 +48,7 @@ class PlaneCut {
     return std::ranges::any_of(depth_, [](double depth) { return depth < 0; });
   }
 
-  // Counts what is left, and numbers its vertices.
+  // Counts the remaining triangles and numbers the vertices.
   void plan() {
     new_of_old_.assign(depth_.size(), kUnused);
     for (const glm::uvec3& t : mesh_.triangles) {
@@ -73,7 +73,7 @@ class PlaneCut {
   }
 
   [[nodiscard]] std::uint64_t cut() const { return cut_; }
-  // Vertices within this are on the plane, those among them that are made.
+  // Vertices within this distance count as on the plane, new ones included.
   [[nodiscard]] double on_plane() const { return on_plane_; }
   [[nodiscard]] std::uint64_t result_bytes() const {
     const std::uint64_t vertex = sizeof(glm::vec3) * (mesh_.normals.empty() ? 1 : 2);
@@ -101,7 +101,7 @@ class PlaneCut {
   }
 
  private:
-  // A vertex, or where the edge between two is cut.
+  // A vertex (a == b), or the crossing on the edge from a to b.
   struct Corner {
     std::uint32_t a, b;
   };
@@ -128,7 +128,7 @@ class PlaneCut {
     return polygon;
   }
 
-  // Of a triangle in the plane, whether what it bounds is on the kept side.
+  // Returns whether a triangle in the plane bounds a solid on the kept side.
   [[nodiscard]] bool faces_out(const glm::uvec3& t) const {
     const glm::dvec3 a(mesh_.positions[t.x]);
     const glm::dvec3 across = glm::cross(glm::dvec3(mesh_.positions[t.y]) - a, glm::dvec3(mesh_.positions[t.z]) - a);
@@ -144,7 +144,8 @@ class PlaneCut {
   void put_crossing(std::uint64_t edge, std::size_t at, mesh::Mesh& result) const {
     std::size_t a = edge >> 32;
     std::size_t b = edge & kUnused;
-    // The order of positions, not of numbers: meshes that share the edge, and both sides of the plane, get one place.
+    // Orders ends by position, not by number: other meshes with this edge, and both sides of the plane, get the same
+    // point.
     if (comes_before(mesh_.positions[b], mesh_.positions[a])) std::swap(a, b);
     const double t = depth_[a] / (depth_[a] - depth_[b]);
     const glm::dvec3 from(mesh_.positions[a]);
@@ -155,7 +156,7 @@ class PlaneCut {
     result.normals[at] = length > 0 ? glm::vec3(normal / length) : mesh_.normals[a];
   }
 
-  // A quadrilateral along its shorter diagonal.
+  // Splits a quadrilateral along its shorter diagonal.
   glm::uvec3* put_triangles(const Polygon& polygon, const mesh::Mesh& result, glm::uvec3* out) const {
     if (polygon.size == 0) return out;
     std::array<std::uint32_t, 4> v{};
@@ -179,7 +180,7 @@ class PlaneCut {
   double on_plane_;
   std::vector<double> depth_;
   std::vector<std::uint32_t> new_of_old_;
-  std::vector<std::uint64_t> edges_;  // that are cut, sorted
+  std::vector<std::uint64_t> edges_;  // edges that the plane cuts, sorted
   std::uint32_t kept_ = 0;
   std::uint64_t triangles_ = 0;
   std::uint64_t cut_ = 0;

@@ -1,6 +1,5 @@
-// Triangles cut at planes: of a mesh what lies in half-spaces is kept, exactly. This is the clipping of polygons by
-// Sutherland and Hodgman (Reentrant polygon clipping, Comm. ACM 17(1), 1974), triangle by triangle; triangles that
-// share an edge share the vertex that it is cut at.
+// Clips a mesh to half-spaces. This is polygon clipping by Sutherland and Hodgman (Reentrant polygon clipping, Comm.
+// ACM 17(1), 1974), applied to each triangle. Triangles that share an edge share the new vertex on it.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +12,7 @@
 
 namespace isoextract::edit {
 
-// What becomes of the surface where a plane cuts it.
+// Whether the clipped mesh stays open where a plane cuts it.
 enum class CutEnds {
   open,
   capped  // closed by triangles in the plane
@@ -21,25 +20,28 @@ enum class CutEnds {
 
 struct ClipFacts {
   std::uint64_t triangles_before = 0;
-  std::uint64_t triangles_cut = 0;  // that a plane goes through
+  std::uint64_t triangles_cut = 0;  // triangles that a plane crosses
   std::uint64_t triangles_after = 0;
   std::uint64_t cap_triangles = 0;  // of all caps, before later planes cut them
-  std::uint64_t caps_overlap =
-      0;  // of them, that overlap others by more than rounding: there the surface passes through itself
+  // Cap triangles that overlap others by more than rounding: the surface intersects itself there.
+  std::uint64_t caps_overlap = 0;
 };
 
-// Keeps of `mesh`, which has no attributes yet, what lies in all of `kept`, given in its own coordinates. Vertices that
-// are nearer to a plane than a few roundings of a float32 position count as on it and stay where they are; all that is
-// left is within that of the half-spaces. Old vertices stay in their order, new ones follow; triangles stay in their
-// order and wind as before, and normals of new vertices are those between. Nothing changes where nothing is
-// outside. An edge that two meshes share, or that is cut for both sides of a plane, is cut at the same place, bit for
-// bit. The same for any number of threads. Memory is reserved; fails where it is not there.
+// Keeps the part of `mesh` that lies inside all half-spaces of `kept` (mesh coordinates, origin included). `mesh` must
+// have no attributes; its edge keys are dropped if a plane cuts it. A plane that leaves nothing outside changes
+// nothing.
 //
-// The mesh is open where it was cut, or capped: then what each plane opens is closed by flat triangles behind all
-// others, which face out of the half-space, before the next plane cuts; triangles in a plane whose outside is on its
-// kept side, on which there is nothing left to bound, go. The edges of a cap's loops are those of the cut, and it has
-// their vertices: what was closed, oriented and a manifold is so afterwards, and has lost the volume outside. A cut
-// that ends at a border of the surface is refused, with ErrorCode::input.
+// Vertices within mesh::on_plane_distance() of a plane count as on it and do not move, so the result lies inside `kept`
+// up to that distance. Old vertices keep their order, new ones follow with interpolated normals; triangles keep order
+// and winding. Two meshes that share an edge, and the two sides of one plane, get bitwise the same new vertex. The
+// result does not depend on the number of threads.
+//
+// With CutEnds::capped, flat triangles that face out of the half-space close each cut before the next plane cuts; they
+// come after all other triangles. Triangles in the plane that bound only the removed side are dropped. Caps use the
+// vertices and edges of the cut, so a closed oriented manifold stays one.
+//
+// Fails if the memory exceeds the budget, or with ErrorCode::input if a capped cut ends at an open border of the
+// surface.
 [[nodiscard]] Result<ClipFacts> clip_to_half_spaces(mesh::Mesh& mesh, std::span<const mesh::HalfSpace> kept,
                                                     CutEnds ends, const Context& context);
 

@@ -24,28 +24,28 @@ namespace {
 using mesh::ComponentFacts;
 using mesh::Components;
 
-// Which components lie in which: cavities in bodies, bodies in cavities.
+// Which cavity lies in which body, and which body lies in which cavity.
 struct Nesting {
   static constexpr std::uint32_t kNone = Components::kNone;
 
-  // Of each component: of the wall of a cavity the body around it, of a body itself. A cavity around which no body is
-  // found, as where it lies in matter that goes on beyond the data, is a body by itself.
+  // For each component its body: a cavity's surrounding body, a body itself. A cavity without a body around it (it lies
+  // in matter that continues beyond the data) is its own body.
   std::vector<std::uint32_t> body;
-  // Of each body: the cavity that it lies in, or kNone.
+  // For each body: the cavity that it lies in, or kNone.
   std::vector<std::uint32_t> within;
 };
 
-// What the list of components takes, with their nesting and the choice among them.
+// Bytes for each component: its measures, its nesting and the selection.
 constexpr std::uint64_t kComponentBytes = sizeof(ComponentFacts) + sizeof(mesh::Surroundings) + 64;
 
-// Of a vertex: the component that it was of when mark_bodies() looked at it, and the body around that.
+// The component of a vertex when mark_bodies() ran, and the body of that component.
 struct BodyMark {
   std::uint32_t component;
   std::uint32_t body;
 };
 constexpr std::string_view kBodyMarks = "bodies of components";
 
-// Null where there are none.
+// Returns null if there are none.
 const mesh::Attribute* find_marks(const mesh::Mesh& mesh) {
   const auto found = std::ranges::find(mesh.attributes, kBodyMarks, &mesh::Attribute::name);
   return found == mesh.attributes.end() ? nullptr : std::to_address(found);
@@ -69,7 +69,7 @@ Result<Nesting> find_nesting(const mesh::Mesh& mesh, const Components& component
   const auto is_deeper = [&](std::uint32_t a, std::uint32_t b) {
     return surroundings[a].around.size() < surroundings[b].around.size();
   };
-  // The body that a cavity is in: the innermost shell around it, if that is a body's, or an open one.
+  // Returns the body around a cavity: the innermost shell around it if that is outward, or an open component, or kNone.
   const auto body_around = [&](std::uint32_t cavity) {
     const std::vector<std::uint32_t>& around = surroundings[cavity].around;
     if (around.empty()) return surroundings[cavity].open;
@@ -91,14 +91,14 @@ Result<Nesting> find_nesting(const mesh::Mesh& mesh, const Components& component
   return nesting;
 }
 
-// The components of a mesh, measured, and which lies in which.
+// The measured components of a mesh and their nesting.
 struct Shells {
   Components components;
   std::vector<ComponentFacts> facts;
   Nesting nesting;
   Reservation memory;
 
-  // With the nesting of `marks`, or where there are none that of the positions.
+  // Takes the nesting from `marks`; without marks, from the positions.
   static Result<Shells> find(const mesh::Mesh& mesh, const glm::dmat3& to_metric, const Context& context,
                              const mesh::Attribute* marks = nullptr) {
     const std::string what = mesh.name + ": the pieces of its surface";
@@ -112,7 +112,7 @@ struct Shells {
     return Shells{std::move(components), std::move(facts), std::move(nesting), std::move(memory)};
   }
 
-  // The same with other positions, which are the mesh's again afterwards.
+  // Does the same with `sites` as positions, and restores the mesh's own.
   static Result<Shells> find_at(Sites sites, mesh::Mesh& mesh, const glm::dmat3& to_metric, const Context& context) {
     if (sites.empty()) return find(mesh, to_metric, context);
     std::swap(mesh.positions, sites);
@@ -121,7 +121,7 @@ struct Shells {
     return shells;
   }
 
-  // Of a component that is not there any more none is the body: what was in it is by itself.
+  // Reads the nesting from the marks. If the body of a cavity no longer exists, the cavity becomes its own body.
   static Nesting marked_nesting(const mesh::Attribute& marks, const Components& components, std::size_t vertices) {
     std::vector<BodyMark> mark_of(components.count());
     std::unordered_map<std::uint32_t, std::uint32_t> number_of;
@@ -144,27 +144,28 @@ struct Shells {
   [[nodiscard]] bool is_body(std::size_t i) const { return nesting.body[i] == i; }
 };
 
-// With what the rounding of vertices, which moves each by `rounding` at most, may have taken of it.
+// Returns the measure plus the largest loss through rounding, which moves each vertex by at most `rounding`.
 double measured(const ComponentFacts& facts, PieceMeasure measure, double rounding) {
   const auto triangles = static_cast<double>(facts.triangles);
   switch (measure) {
     case PieceMeasure::triangles: return triangles;
-    // The sum of sides is at least that of regular triangles: 4.56 roots of their areas. Longer ones change more.
+    // Sides are at least as long as those of regular triangles: their sum is 4.56 roots of the area. Longer ones change
+    // more.
     case PieceMeasure::area: return facts.area + 4 * rounding * std::sqrt(triangles * facts.area);
     case PieceMeasure::volume: break;
   }
   return facts.is_closed() ? std::abs(facts.volume) + facts.area * rounding : std::numeric_limits<double>::infinity();
 }
 
-// How far from its place a vertex may be, in the space that `to_metric` leads to: by its rounding to float32, and by
-// the margin at the ends of edges, which is eight times that.
+// Returns how far a vertex may be from its exact position, in the space of `to_metric`: rounding to float32, plus the
+// margin at the ends of grid edges, which is eight times that.
 double rounding_of(const mesh::Mesh& mesh, const glm::dmat3& to_metric) {
   constexpr double kMarginAndRounding = 9;
   const double stretch = glm::length(to_metric[0]) + glm::length(to_metric[1]) + glm::length(to_metric[2]);
   return kMarginAndRounding * stretch * mesh::float32_resolution(mesh.positions.span());
 }
 
-// Bodies by their area, the largest first.
+// Returns the remaining bodies, the largest area first.
 std::vector<std::uint32_t> bodies_by_area(const Shells& shells, const std::vector<bool>& stays) {
   std::vector<std::uint32_t> bodies;
   for (std::uint32_t i = 0; i < shells.count(); ++i) {
@@ -177,7 +178,7 @@ std::vector<std::uint32_t> bodies_by_area(const Shells& shells, const std::vecto
 std::vector<bool> choose(const Shells& shells, const PieceOptions& options, double rounding) {
   const std::size_t count = shells.count();
   std::vector<bool> stays(count, true);
-  std::vector<bool> filled(count, false);  // cavities that are, by themselves and not with their body
+  std::vector<bool> filled(count, false);  // cavities that are filled although their body stays
   for (std::size_t i = 0; i < count; ++i) {
     const bool small = options.least && measured(shells.facts[i], options.measure, rounding) < *options.least;
     if (!shells.is_body(i)) {
@@ -186,7 +187,7 @@ std::vector<bool> choose(const Shells& shells, const PieceOptions& options, doub
       stays[i] = false;
     }
   }
-  // A filled cavity takes the bodies in it along, and their cavities are filled with it.
+  // Filling a cavity removes the bodies in it and fills their cavities, too.
   for (bool more = true; more;) {
     more = false;
     for (std::size_t i = 0; i < count; ++i) {
@@ -220,7 +221,7 @@ PieceCounts counts_of(const Shells& shells, const std::vector<bool>& stays) {
   return counts;
 }
 
-// Leaves of the mesh what stays.
+// Removes the components that do not stay.
 Result<void> take_out(mesh::Mesh& mesh, const Components& components, const std::vector<bool>& stays,
                       std::uint64_t triangles, const Context& context) {
   const auto remains = [&](std::size_t vertex) {
@@ -271,7 +272,7 @@ Result<KeptPieces> keep(mesh::Mesh mesh, const PieceOptions& options, const Cont
   return KeptPieces{std::move(mesh), facts};
 }
 
-// The vertices and triangles of each piece, as its part of two lists.
+// Vertices and triangles sorted by piece; piece p has the range first[p] to first[p + 1].
 struct PieceLists {
   Buffer<std::uint32_t> vertices;
   Buffer<std::uint32_t> triangles;

@@ -1,9 +1,8 @@
-// The pieces of a surface: small ones dropped, the largest kept, each as a mesh of its own.
+// Selects and splits the bodies of a surface: drops small ones, keeps the largest, makes a mesh of each.
 //
-// A piece is a body: a shell together with the walls of the cavities in it, as what is printed or simulated is. A shell
-// is a component of the mesh that is closed; where its triangles face into the space that it closes off, it is the wall
-// of a cavity. A component that is open is a piece by itself, and so is a cavity around which no shell is found. What
-// lies loose in a cavity is a piece by itself.
+// A body is an outer shell with the cavities in it. A shell is a closed component; a closed component whose triangles
+// face the space it encloses is a cavity. An open component is a body by itself, and so is a cavity without a shell
+// around it. A component that lies loose in a cavity is a body by itself.
 #pragma once
 
 #include <array>
@@ -28,24 +27,24 @@ constexpr auto words_of(PieceMeasure /*type*/) {
                     Word{PieceMeasure::volume, "volume"}};
 }
 
-// What goes, in this order.
+// The removal steps, applied in this order.
 struct PieceOptions {
-  // Components of less, each measured by itself: a body goes with its cavities, a cavity that goes is filled. What is
-  // of less by no more than the rounding of its vertices stays. Open components have no volume and stay where that is
-  // what is measured.
+  // Removes components that measure less than this. Removing a body removes its cavities; removing a cavity fills it.
+  // Keeps a component if rounding of its vertices alone could make it too small. With PieceMeasure::volume, open
+  // components stay, as they have no volume.
   std::optional<double> least;
   PieceMeasure measure = PieceMeasure::triangles;
-  bool fill_cavities = false;  // all of them
-  // How many bodies stay: those of the largest area, their cavities not counted; of equal ones the first.
+  bool fill_cavities = false;  // fills all cavities
+  // Keeps this many bodies, those of the largest outer area (cavities not counted); the first of equal ones.
   std::optional<std::uint64_t> largest;
-  // From the mesh's coordinates to the space in which areas and volumes are meant.
+  // Maps the mesh's coordinates to the space in which areas and volumes are measured.
   glm::dmat3 to_metric{1.0};
 };
 
 struct PieceCounts {
   std::uint64_t triangles = 0;
   std::uint64_t components = 0;
-  std::uint64_t bodies = 0;  // with the open components; the other components are walls of cavities
+  std::uint64_t bodies = 0;  // including open components; all other components are cavities
 };
 
 struct PieceFacts {
@@ -60,25 +59,25 @@ struct KeptPieces {
   PieceFacts facts;
 };
 
-// Positions in place of a mesh's own, one for each vertex, that decide which components are walls of cavities, in which
-// bodies they lie, and how large they are: of a mesh whose vertices were moved off the places where the field puts
-// them. Empty: the mesh's own.
+// Positions, one a vertex, that replace the mesh's own when cavities and bodies are found and measured. Use them for a
+// mesh whose vertices were moved away from the isosurface. Empty: the mesh's own positions.
 using Sites = Buffer<glm::vec3>;
 
-// The vertices and triangles of what stays, in their order and with all that belongs to them; where all stays, the
-// mesh. A filled cavity takes what lies in it along. No triangle is changed: what was closed is closed. The same for
-// any number of threads. Fails where the memory for it is not there.
+// Keeps the components that `options` select, with their vertices and triangles in their order and with all attributes.
+// Filling a cavity also removes the components in it. Changes no triangle, so closed components stay closed; returns
+// the mesh unchanged if nothing is removed. The result does not depend on the number of threads. Fails if memory is
+// short.
 [[nodiscard]] Result<KeptPieces> keep_pieces(mesh::Mesh mesh, const PieceOptions& options, const Context& context,
                                              Sites sites = {});
 
-// Adds an attribute that holds the body of each vertex, for split_pieces(). Stages that move or leave out vertices, but
-// join no components, may follow: cavities stay with their bodies. Fails where the memory for it is not there.
+// Adds an attribute that stores the body of each vertex, for split_pieces(). Later stages may move or remove vertices
+// but must not join components; cavities then stay with their bodies. Fails if memory is short.
 [[nodiscard]] Result<void> mark_bodies(mesh::Mesh& mesh, const Context& context, Sites sites = {});
 
-// Each piece as a mesh, the largest area first, with all that belongs to its vertices but that attribute; none of a
-// mesh without triangles. Without the attribute the mesh as it is says which cavity is in which body. Names are the
-// mesh's. Fails where the memory is not there for all of them beside the mesh, and where there are more than `most`:
-// nothing is made then.
+// Returns one mesh for each body, the largest area first, with all attributes but that of mark_bodies(); an empty list
+// for a mesh without triangles. Without that attribute, finds from the positions which cavity is in which body. All
+// meshes have the name of `mesh`. Fails with ErrorCode::input, before it splits, if there are more than `most` bodies;
+// fails if memory for all of them beside `mesh` is short.
 [[nodiscard]] Result<std::vector<mesh::Mesh>> split_pieces(mesh::Mesh mesh, std::uint64_t most, const Context& context);
 
 }  // namespace isoextract::edit

@@ -27,7 +27,7 @@ void for_each_vertex(std::size_t count, const Body& body) {
   for_each_index(count, body, kVerticesAtATime);
 }
 
-// The other way round for the vertices that triangles come back from.
+// Lists for each vertex the next (outgoing) or previous vertex of its triangles. The lists differ on open borders.
 Neighbours ends_of_edges(const mesh::Mesh& mesh, bool outgoing) {
   return {mesh.triangles.size(), mesh.positions.size(), [&mesh, outgoing](std::size_t i, const auto& put) {
             const glm::uvec3& t = mesh.triangles[i];
@@ -43,9 +43,9 @@ Neighbours ends_of_edges(const mesh::Mesh& mesh, bool outgoing) {
           }};
 }
 
-// How a vertex may move, as bits.
-constexpr std::uint8_t kStays = 8;   // 1, 2 and 4: not across a side of the box along x, y, z
-constexpr std::uint8_t kInCut = 16;  // stays, too
+// Bits that say how a vertex may move.
+constexpr std::uint8_t kStays = 8;   // does not move; bits 1, 2, 4: not across a side of the box in x, y, z
+constexpr std::uint8_t kInCut = 16;  // does not move either: it lies in a cut
 
 class Signal {
  public:
@@ -60,7 +60,8 @@ class Signal {
     keep_cuts(options.cuts);
   }
 
-  // The mean of the neighbours less the vertex, of places that are moved by `moves`; as far as the vertex may move.
+  // Returns the mean of the neighbors minus the vertex, for positions moved by `moves`; only components the vertex may
+  // move in.
   [[nodiscard]] glm::dvec3 laplacian(const Buffer<glm::vec3>& moves, std::size_t v) const {
     if (bound_[v] >= kStays) return glm::dvec3(0);
     const glm::dvec3 here = glm::dvec3(mesh_.positions[v]) + glm::dvec3(moves[v]);
@@ -135,7 +136,7 @@ Result<Buffer<glm::vec3>> taubin_moves(const Signal& signal, std::size_t vertice
   return moves;
 }
 
-// What a sum of Chebyshev polynomials is at cos(angle).
+// Returns the sum of Chebyshev polynomials at cos(angle).
 double chebyshev_sum(const std::vector<double>& coefficients, double angle) {
   double sum = 0;
   for (std::size_t i = 0; i < coefficients.size(); ++i) {
@@ -146,7 +147,7 @@ double chebyshev_sum(const std::vector<double>& coefficients, double angle) {
 
 double angle_of(double frequency) { return std::acos(1 - frequency / 2); }
 
-// Of a step at `angle`, so that what does not vary stays as it is.
+// Returns the coefficients of a step at `angle`, normalized so that a constant signal does not change.
 std::vector<double> step_coefficients(std::uint64_t degree, double angle) {
   std::vector<double> coefficients{angle / std::numbers::pi};
   for (std::uint64_t i = 1; i <= degree; ++i) {
@@ -159,7 +160,7 @@ std::vector<double> step_coefficients(std::uint64_t degree, double angle) {
   return coefficients;
 }
 
-// The nearest step beyond the pass band that passes all of it, but for a thousandth.
+// Returns the step nearest to the pass band that passes all of it to within a thousandth.
 std::vector<double> sinc_coefficients(const SmoothOptions& options) {
   const double band = angle_of(options.pass_band);
   constexpr int kSteps = 1000;
@@ -172,7 +173,7 @@ std::vector<double> sinc_coefficients(const SmoothOptions& options) {
   return coefficients;
 }
 
-// T_n of the places less the places: T_n = 2 X T_(n-1) - T_(n-2), with X = I + L / 2.
+// Computes T_n of the positions minus the positions: T_n = 2 X T_(n-1) - T_(n-2), with X = I + L / 2.
 Result<Buffer<glm::vec3>> sinc_moves(const Signal& signal, std::size_t vertices, const SmoothOptions& options,
                                      const Context& context) {
   const std::vector<double> coefficients = sinc_coefficients(options);
@@ -209,7 +210,7 @@ void renew_normals(mesh::Mesh& mesh) {
       const double length = glm::length(normal);
       if (length > 0) sum += normal / length * std::atan2(length, glm::dot(a, b));
     }
-    // One that has none keeps what it had.
+    // A vertex without a normal keeps its old one.
     if (const double length = glm::length(sum); length > 0) mesh.normals[v] = sum / length;
   });
 }

@@ -1,14 +1,15 @@
-// Smoother surfaces by low-pass filters of the vertices' places: what is noise goes, what is shape keeps its size.
+// Smooths surfaces by low-pass filters of the vertex positions: removes noise and keeps the size of the shape.
 //
-// Places are filtered as a signal on the mesh, whose frequencies are the eigenvalues, 0 to 2, of I - W; W is the mean
-// of a vertex' neighbours. A plain mean shrinks; these pass what is below the pass band and damp what is above.
+// Positions are filtered as a signal on the mesh. Frequencies are the eigenvalues, 0 to 2, of I - W, where W is the
+// mean of a vertex's neighbors. A plain mean shrinks the shape; these filters pass the pass band and damp what is above
+// it.
 //
-// - Taubin: G. Taubin, A signal processing approach to fair surface design. SIGGRAPH 1995. A step towards the mean by
-//   lambda, one away from it by mu, with 1/lambda + 1/mu = pass band: the transfer function is
+// - Taubin: G. Taubin, A signal processing approach to fair surface design. SIGGRAPH 1995. Each pass takes a step
+//   towards the mean by lambda and one away from it by mu, with 1/lambda + 1/mu = pass band. The transfer function is
 //   ((1 - lambda k)(1 - mu k))^passes. Here lambda is 1/2.
-// - Windowed sinc: G. Taubin, T. Zhang, G. Golub, Optimal surface smoothing as filter design. ECCV 1996. The ideal low
-//   pass as a sum of Chebyshev polynomials up to degree `passes`, with a Hamming window against its ripples; the step
-//   is moved so far that the pass band is passed whole. It is that of VTK's vtkWindowedSincPolyDataFilter.
+// - Windowed sinc: G. Taubin, T. Zhang, G. Golub, Optimal surface smoothing as filter design. ECCV 1996. An ideal low
+//   pass as a sum of Chebyshev polynomials up to degree `passes`, with a Hamming window against ripples. The step is
+//   shifted until the whole pass band passes. VTK's vtkWindowedSincPolyDataFilter is the same filter.
 #pragma once
 
 #include <array>
@@ -34,9 +35,9 @@ constexpr auto words_of(SmoothMethod /*type*/) {
 
 inline constexpr std::uint64_t kMaxSmoothPasses = 1000;
 
-// A box of which the surface may have parts in common, the caps where it leaves the data.
+// The box of the data. Caps lie on its sides where the surface leaves the data.
 struct SmoothWalls {
-  glm::dmat3 to_box{1.0};  // from the mesh's coordinates, origin included, to those of the box
+  glm::dmat3 to_box{1.0};  // maps the mesh's coordinates, origin included, to the box's coordinates
   glm::dvec3 offset{0.0};
   glm::dvec3 min{0.0};
   glm::dvec3 max{0.0};
@@ -46,33 +47,32 @@ struct SmoothOptions {
   SmoothMethod method = SmoothMethod::taubin;
   std::uint64_t passes = 20;  // 1 to kMaxSmoothPasses
   double pass_band = 0.1;     // above 0, below 1
-  // Vertices on a side of the box stay on it: caps stay flat.
+  // Vertices on a side of the box stay on that side, so caps stay flat.
   std::optional<SmoothWalls> walls;
-  // Vertices in their planes stay where they are: the caps of cuts, and what they were cut along.
+  // Vertices in these planes do not move: caps of cuts, and the edges along the cuts.
   std::span<const mesh::HalfSpace> cuts;
-  // From the mesh's coordinates to the space in which the greatest displacement is told.
+  // Maps the mesh's coordinates to the space in which the largest displacement is reported.
   glm::dmat3 to_metric{1.0};
 };
 
 struct SmoothFacts {
   std::uint64_t vertices = 0;
-  std::uint64_t border_vertices = 0;  // of open borders, which stay where they are
+  std::uint64_t border_vertices = 0;  // on open borders; they do not move
   std::uint64_t wall_vertices = 0;    // on sides of the box and in the planes of cuts
-  double greatest_move = 0;           // of a vertex, in the space of to_metric
-  double greatest_move_world = 0;     // and in the mesh's own
-  double volume_before = 0;           // of the mesh's coordinates; they mean something where it is closed
+  double greatest_move = 0;           // largest displacement of a vertex, in the space of to_metric
+  double greatest_move_world = 0;     // the same in the mesh's coordinates
+  double volume_before = 0;           // in the mesh's coordinates; meaningful only for closed meshes
   double volume_after = 0;
   StageTime time;
 };
 
-// Moves the vertices of `mesh`, and makes its normals anew from the triangles, weighted by their angles (G. Thuermer
-// and C. Wuethrich, Computing vertex normals from polygonal facets, 1998), where it has any. Triangles and everything
-// else stay: what was closed and manifold is so. Edge keys go, as vertices lie on edges no more. The same for any
-// number of threads. Fails where the memory for it is not there, some 56 bytes a vertex and 24 a triangle, and where
-// the context is cancelled.
+// Moves the vertices of `mesh`. Recomputes existing normals from the triangles, weighted by angle (G. Thuermer and C.
+// Wuethrich, Computing vertex normals from polygonal facets, 1998). Drops edge keys, as vertices leave their grid
+// edges; keeps triangles and attributes, so closed manifolds stay closed manifolds. The result does not depend on the
+// number of threads. Fails if memory is short (about 56 bytes a vertex and 24 a triangle) or the context is cancelled.
 [[nodiscard]] Result<SmoothFacts> smooth(mesh::Mesh& mesh, const SmoothOptions& options, const Context& context);
 
-// What the filter leaves of a frequency from 0 to 2.
+// Returns the filter's gain at a frequency from 0 to 2.
 [[nodiscard]] double smoothing_gain(const SmoothOptions& options, double frequency);
 
 }  // namespace isoextract::edit

@@ -13,7 +13,7 @@
 namespace isoextract::edit {
 namespace {
 
-// The value of a vertex that its color stands for.
+// Returns the value that a vertex's color shows.
 class ColorValues {
  public:
   explicit ColorValues(const mesh::Attribute& attribute) : attribute_(attribute) {}
@@ -33,7 +33,7 @@ class ColorValues {
   const mesh::Attribute& attribute_;
 };
 
-// Of the finite values; 0 and 0 where there are none.
+// Returns the range of the finite values, 0 to 0 if there are none.
 ValueRange range_of(const ColorValues& value, std::size_t vertices) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const ValueRange range = reduce_ranges(
@@ -69,7 +69,7 @@ void put_color(const glm::dvec3& color, bool linear, std::byte* out) {
   for (int c = 0; c < 3; ++c) out[c] = static_cast<std::byte>(as_fraction<std::uint8_t>(color[c]));
 }
 
-// An attribute of colors without its values.
+// Returns a color attribute without values.
 mesh::Attribute color_attribute(ColorStorage storage) {
   const bool linear = storage == ColorStorage::linear_u16;
   mesh::Attribute made;
@@ -101,7 +101,7 @@ Result<ValueColors> color_by_values(mesh::Mesh& mesh, const std::string& attribu
   made.values = Buffer<std::byte>(vertices * made.stride());
 
   const ColorValues value(*std::ranges::find(mesh.attributes, attribute, &mesh::Attribute::name));
-  const ValueRange ends = range ? *range : range_of(value, vertices);  // which looks at every vertex
+  const ValueRange ends = range ? *range : range_of(value, vertices);  // range_of() reads every vertex
   const bool linear = storage == ColorStorage::linear_u16;
   std::atomic<std::uint64_t> not_numbers{0};
   for_each_range(vertices, 4096, [&](std::size_t begin, std::size_t end) {

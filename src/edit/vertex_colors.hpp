@@ -1,4 +1,4 @@
-// Colors of vertices, as an attribute of theirs.
+// Colors of vertices, stored as an attribute.
 #pragma once
 
 #include <array>
@@ -15,26 +15,27 @@
 
 namespace isoextract::edit {
 
-// How colors are stored: in linear light as u16 with an alpha of 1, which glTF wants, or in sRGB as u8.
+// linear_u16: linear light with an alpha of 1, as glTF requires. srgb_u8: sRGB without alpha.
 enum class ColorStorage { linear_u16, srgb_u8 };
 
 using ValueRange = std::array<double, 2>;
 
-// Where a value lies in a range, from 0 to 1. In a range of one value it is the middle; NaN stays NaN.
+// Returns where a value lies in a range, 0 at its start and 1 at its end, not clamped; 0.5 if the range has one value.
+// NaN stays NaN.
 [[nodiscard]] double place_in(const ValueRange& range, double value);
 
 struct ValueColors {
-  ValueRange range{};             // the values at the ends of the map
-  std::uint64_t not_numbers = 0;  // vertices that are grey, as their value is NaN
+  ValueRange range{};             // the values that get the first and the last color
+  std::uint64_t not_numbers = 0;  // vertices with a NaN value, which are gray
 };
 
-// Adds colors by an attribute of float32 that the mesh has; of several components their length counts. Without a range
-// it is that of the finite values. Fails with ErrorCode::input where the memory is not there.
+// Adds colors by a float32 attribute that the mesh must have; of several components, by their length. Without `range`
+// uses the range of the finite values. Fails with ErrorCode::input if memory is short.
 [[nodiscard]] Result<ValueColors> color_by_values(mesh::Mesh& mesh, const std::string& attribute, Colormap map,
                                                   const std::optional<ValueRange>& range, ColorStorage storage,
                                                   const Context& context);
 
-// Adds one color of all vertices, in sRGB, as u8. Fails as color_by_values() does.
+// Gives all vertices one color, in sRGB, as u8. Fails with ErrorCode::input if memory is short.
 [[nodiscard]] Result<void> color_all(mesh::Mesh& mesh, const glm::dvec3& color, const Context& context);
 
 }  // namespace isoextract::edit

@@ -20,10 +20,10 @@ namespace {
 
 using VertexPair = std::pair<std::uint32_t, std::uint32_t>;
 
-// What of the mesh lies in the plane: edges of its border, and others.
+// The mesh's edges in the plane.
 struct PlaneEdges {
-  std::vector<VertexPair> border;  // as their triangles run along them, in their order
-  std::vector<VertexPair> others;  // the smaller first
+  std::vector<VertexPair> border;  // boundary edges in the direction of their triangles, sorted
+  std::vector<VertexPair> others;  // inner edges, the smaller vertex first
 };
 
 PlaneEdges edges_in_plane(const mesh::Mesh& mesh, const mesh::HalfSpace& kept, double on_plane) {
@@ -60,11 +60,13 @@ PlaneEdges edges_in_plane(const mesh::Mesh& mesh, const mesh::HalfSpace& kept, d
 
 bool start_at_one_vertex(const VertexPair& a, const VertexPair& b) { return a.first == b.first; }
 
-// The border as loops of points, each of a vertex: what follows each, against the sense of the triangles.
+// Returns for each point the next point of its loop, against the direction of the triangles; nothing if loops do not
+// close.
 std::optional<std::vector<std::uint32_t>> loops_of(const std::vector<VertexPair>& border) {
   // Point n is where border[n] starts.
   std::vector<std::uint32_t> next(border.size());
-  std::vector<std::uint32_t> entered(border.size(), 0);  // of the first point at a vertex, how many of it
+  // For the first point at each vertex: how many points of that vertex have a predecessor.
+  std::vector<std::uint32_t> entered(border.size(), 0);
   for (std::uint32_t n = 0; n < border.size(); ++n) {
     const auto at = std::ranges::lower_bound(border, VertexPair(border[n].second, 0));
     const auto first = static_cast<std::size_t>(at - border.begin());
@@ -76,7 +78,7 @@ std::optional<std::vector<std::uint32_t>> loops_of(const std::vector<VertexPair>
   return next;
 }
 
-// Seen from outside, without rounding.
+// Projects without rounding, seen from outside.
 glm::dvec2 in_plane(const glm::vec3& p, const mesh::HalfSpace& kept) {
   const glm::dvec3 size = glm::abs(kept.normal);
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
@@ -84,8 +86,8 @@ glm::dvec2 in_plane(const glm::vec3& p, const mesh::HalfSpace& kept) {
   return kept.normal[axis] < 0 ? seen : glm::dvec2(seen.y, seen.x);
 }
 
-// Points that are nearer to each other than `near` are at one place for the triangulation: those around a sample that
-// is on the surface, which lie in an order that rounding has made. No vertex moves.
+// Moves points nearer than `near` to each other to one place, for the triangulation only. Rounding gives the vertices
+// around a sample on the surface a wrong order. Moves no vertex.
 void merge_places(std::vector<glm::dvec2>& points, double near) {
   if (!(near > 0)) return;
   std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells;
@@ -153,7 +155,7 @@ Result<void> append(const std::vector<VertexPair>& border, const LoopTriangles& 
 
 Result<CutCap> close_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, double on_plane, const Context& context) {
   const std::string what = "closing a cut";
-  // Edges in the plane are few, unless the mesh lies in it.
+  // Edges in the plane are few, unless the mesh lies in it, so only the flags are reserved yet.
   const auto flags = TRY(context.reserve(mesh.positions.size() / 8 + 8, what));
   PlaneEdges edges = edges_in_plane(mesh, kept, on_plane);
   if (std::ranges::adjacent_find(edges.border, start_at_one_vertex) != edges.border.end()) {
@@ -170,7 +172,7 @@ Result<CutCap> close_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, double o
   std::vector<glm::dvec2> points;
   points.reserve(edges.border.size());
   for (const VertexPair& edge : edges.border) points.push_back(in_plane(mesh.positions[edge.first], kept));
-  // Edges of points in place of vertices.
+  // Inner edges by points instead of vertices.
   std::vector<VertexPair> taken;
   const auto point_at = [&](std::uint32_t vertex) -> std::optional<std::uint32_t> {
     const auto at = std::ranges::lower_bound(edges.border, VertexPair(vertex, 0));
@@ -184,7 +186,7 @@ Result<CutCap> close_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, double o
   }
   auto cap = triangulate_loops(points, *next, taken, 0, context);
   if (cap && cap->turned > 0) {
-    // Of a cluster of vertices around a sample that is on the surface each may have been moved on its own.
+    // Vertices clustered around a sample on the surface may have been rounded independently.
     constexpr double kRoundings = 16;
     merge_places(points, kRoundings * on_plane);
     cap = triangulate_loops(points, *next, taken, kRoundings * on_plane, context);

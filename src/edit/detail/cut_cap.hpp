@@ -1,4 +1,4 @@
-// The cap that closes a mesh where a plane has cut it.
+// The cap that closes a mesh where a plane cuts it.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +12,16 @@ namespace isoextract::edit {
 
 struct CutCap {
   std::uint64_t triangles = 0;
-  std::uint64_t turned = 0;  // that overlap others by more than rounding, as the cut crosses itself
+  // Cap triangles that overlap others by more than rounding because the cut crosses itself.
+  std::uint64_t turned = 0;
 };
 
-// Fills the loops of edges of `mesh` that have one triangle and lie with both ends within `on_plane` of the plane of
-// `kept`, with triangles that face out of it. They have no new vertices but in the middle of edges that there would be
-// twice; a vertex in which the loops meet is given a copy for each fan of triangles. New triangles come last. Fails
-// with ErrorCode::input where such edges form no loops, as the mesh was open before it was cut, and where the memory is
-// not there.
+// Fills the boundary loops in the plane of `kept` with triangles that face out of `kept`. A boundary edge counts if
+// both its ends lie within `on_plane` of the plane. Splits a vertex where loops meet, one copy for each fan of
+// triangles. Adds vertices only at midpoints of edges that would occur twice. New triangles come last.
+//
+// Fails with ErrorCode::input if the edges form no closed loops (the mesh was open before the cut), or if memory is
+// short.
 [[nodiscard]] Result<CutCap> close_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, double on_plane,
                                        const Context& context);
 

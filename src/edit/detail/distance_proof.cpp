@@ -24,7 +24,7 @@ class DistanceProof {
     limits_.tolerance = 0;
     limits_.enough = options.enough;
     limits_.refuse = options.enough;
-    limits_.floor = 1e-3 * options.enough;  // what is so near to the limit is refused, not looked into without end
+    limits_.floor = 1e-3 * options.enough;  // closer to the limit than this: reject
   }
 
   Result<Proof> run() {
@@ -59,7 +59,8 @@ class DistanceProof {
   }
 
  private:
-  // Triangles that are too far away, or in place of these what is nearest to them.
+  // Measures the triangles in doubt. Returns those that are too far away, or instead of an unchanged one the triangle
+  // nearest to it.
   std::vector<std::uint32_t> measure(const std::vector<std::uint32_t>& new_in_doubt,
                                      const std::vector<std::uint32_t>& old_in_doubt) {
     std::vector<std::uint32_t> wrong(new_in_doubt.size() + old_in_doubt.size(), kNone);
@@ -71,7 +72,7 @@ class DistanceProof {
       if (!good(found)) wrong[i] = t;
     });
     if (context_.cancelled()) return {};
-    // In later passes the triangles around suffice: what is nearer can only be better.
+    // Later passes need only the triangles near changes: nearer ones elsewhere can only lower the distance.
     std::vector<std::uint32_t> numbers;
     std::vector<glm::uvec3> there;
     const bool first = old_in_doubt.size() == state_.corners.size();
@@ -85,7 +86,7 @@ class DistanceProof {
       there.push_back(state_.corners[t]);
     }
     const mesh::TriangleTree tree(state_.positions, there);
-    std::vector<std::uint32_t> slot_near(state_.positions.size(), 0);  // to each vertex, if it is known
+    std::vector<std::uint32_t> slot_near(state_.positions.size(), 0);  // a slot near each vertex, if known
     for (std::uint32_t slot = 0; slot < there.size(); ++slot) {
       const std::uint32_t t = numbers[tree.triangle(slot)];
       for (int corner = 0; corner < 3; ++corner) slot_near[state_.corners[t][corner]] = slot;
@@ -116,7 +117,7 @@ class DistanceProof {
     });
   }
 
-  // What takes more parts than triangles of the original mesh could be under it, by far, is near to the limit: refused.
+  // A triangle that takes far more parts than the original triangles under it is close to the limit: it is rejected.
   // `near` are slots of the tree that may be near.
   [[nodiscard]] mesh::TriangleBound bound(const glm::uvec3& t, const mesh::TriangleTree& tree,
                                           std::initializer_list<std::uint32_t> near) const {
@@ -169,7 +170,7 @@ class DistanceProof {
     return found;
   }
 
-  // For each triangle whether `holds` says so: 1 or 0.
+  // Returns 1 or 0 for each triangle: whether `holds`.
   template <class Predicate>
   [[nodiscard]] std::vector<char> marked(const Predicate& holds) const {
     std::vector<char> marks(state_.original.size(), 0);
@@ -181,7 +182,7 @@ class DistanceProof {
     return marks;
   }
 
-  // Triangles that came back, and original ones that may have been near to what changed.
+  // Finds the triangles that came back, and the original triangles near changed ones.
   void find_doubts(const std::vector<PutBack>& changed, std::vector<std::uint32_t>& new_in_doubt,
                    std::vector<std::uint32_t>& old_in_doubt) {
     new_in_doubt.clear();

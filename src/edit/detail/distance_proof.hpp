@@ -1,8 +1,8 @@
-// Whether a mesh whose edges were collapsed is within a distance of what it was, in both directions, at every point;
-// and collapses taken back where it is not.
+// Proves that a mesh with collapsed edges is within a distance of the original, in both directions and at every point;
+// undoes collapses where it is not.
 //
-// A triangle that is too far away has the last collapse undone that changed it, or what is nearest to it. That leads
-// back to the original mesh in the end, so it comes to an end; mostly a few collapses of thousands are enough.
+// If a triangle is too far away, the last collapse that changed it (or the triangle nearest to it) is undone. This ends
+// at the original mesh at the latest; usually a few collapses of thousands are undone.
 #pragma once
 
 #include <cstdint>
@@ -16,35 +16,37 @@
 namespace isoextract::edit {
 
 struct ProofOptions {
-  double enough = 0;     // the distance that is to be proven, finite
-  bool once = false;     // what is too far away is undone, and nothing is measured again: nothing is proven then
-  double cell_size = 1;  // of a grid by which triangles near to changes are found again; a few triangles wide
+  double enough = 0;     // the distance to prove; finite
+  bool once = false;     // undo once, do not measure again: proves nothing
+  double cell_size = 1;  // of the grid that finds triangles near changed ones; a few triangles wide
 };
 
 struct Proof {
-  double lower = 0;  // of the Hausdorff distance
+  double lower = 0;  // bounds of the Hausdorff distance
   double upper = 0;
-  std::uint64_t undone = 0;            // collapses
-  std::vector<std::uint32_t> refused;  // the vertices whose collapses were not to be; others had to be undone for them
-  int passes = 0;                      // measurements, the first of the whole mesh
+  std::uint64_t undone = 0;  // undone collapses
+  // With `once`: the vertices whose collapses went too far. Collapses that were undone only because they depend on
+  // these are not listed.
+  std::vector<std::uint32_t> refused;
+  int passes = 0;  // measurements; the first covers the whole mesh
 };
 
-// What it takes for each triangle of the original mesh, beside the state and a tree: what is known of it, which are in
-// doubt, and those that are there.
+// Bytes for each triangle of the original mesh, without the state and the trees.
 inline constexpr std::uint64_t kProofTriangleBytes =
     sizeof(KnownDistance) + 6 * sizeof(std::uint32_t) + sizeof(glm::uvec3) + 1;
 
-// Fails where the context is cancelled. The same for any number of threads.
+// Undoes collapses in `state` until the distance is proven. The result does not depend on the number of threads. Fails
+// if the context is cancelled.
 [[nodiscard]] Result<Proof> prove_distance(CollapseState& state, std::span<const CollapseLog> logs,
                                            const ProofOptions& options, const Context& context);
 
-// What measure_distance() takes, likewise; and for each vertex.
+// Bytes that measure_distance() uses for each triangle and each vertex, without the state and the trees.
 inline constexpr std::uint64_t kMeasureTriangleBytes =
     mesh::GreatestDistanceSearch::bytes(0, 1) + sizeof(glm::uvec3) + 2;
 inline constexpr std::uint64_t kMeasureVertexBytes = mesh::GreatestDistanceSearch::bytes(1, 0);
 
-// The distance as it is: nothing is taken back. The interval is no wider than a fiftieth of it and what float
-// resolves, but where a triangle would take millions of parts.
+// Measures the distance and undoes nothing. The interval is at most 2 % of the distance plus the float32 resolution
+// wide, except where a triangle would have to be cut into millions of parts.
 [[nodiscard]] Result<Proof> measure_distance(const CollapseState& state, const Context& context);
 
 }  // namespace isoextract::edit

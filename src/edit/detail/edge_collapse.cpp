@@ -48,14 +48,14 @@ class PatchCollapse : private PatchMesh {
     double cost;
     std::uint32_t vertex;
     std::uint32_t version;
-    std::uint32_t to;                               // kNone: not looked at yet, and the cost is the least it could be
+    std::uint32_t to;                               // kNone: not chosen yet, `cost` is a lower bound
     bool operator<(const Candidate& other) const {  // std::priority_queue has the greatest on top
       return cost != other.cost ? cost > other.cost : vertex > other.vertex;
     }
   };
   struct Near {
-    double distance_squared;  // of points of a new triangle, and of samples to it
-    std::uint32_t slot;       // near to it, in the tree of the original mesh
+    double distance_squared;  // of points of a new triangle, and of its samples
+    std::uint32_t slot;       // a near slot in the tree of the original mesh
     KnownDistance known;
   };
   struct Attached {
@@ -86,7 +86,8 @@ class PatchCollapse : private PatchMesh {
     }
   }
 
-  // Where all is flat, short edges go first, and vertices that have not taken in much: none shall have very many edges.
+  // The area term collapses short edges and vertices of small area first in flat regions, so no vertex gets very many
+  // edges.
   [[nodiscard]] double least_cost(std::uint32_t from, std::uint32_t to) const {
     constexpr double kOfArea = 1e-10;
     const glm::dvec3 way = places_[to] - places_[from];
@@ -114,9 +115,9 @@ class PatchCollapse : private PatchMesh {
     }
   }
 
-  // At once, or when it is its turn.
+  // Collapses now, or queues the candidate until its cost is among the lowest.
   void collapse_in_turn(const Candidate& candidate) {
-    constexpr double kMuchMore = 10;  // of a square; in strict order all would be looked at again, for little
+    constexpr double kMuchMore = 10;  // of the squared distance; strict order would cost many repeated searches
     if (!queue_.empty() && candidate.cost > kMuchMore * queue_.top().cost) {
       queue_.push(candidate);
       return;
@@ -134,10 +135,10 @@ class PatchCollapse : private PatchMesh {
     if (new_are_near()) collapse(v, to);
   }
 
-  // The ring is that of the candidate's vertex.
+  // Expects ring_ to be that of the candidate's vertex.
   void look_at_targets(const Candidate& candidate) {
     const std::uint32_t v = candidate.vertex;
-    // The best by their planes; what is tried in vain is tried again only when something around has changed.
+    // Tries the best targets by quadric error. A vertex that fails is tried again only after a change around it.
     constexpr std::size_t kTries = 2;
     targets_.clear();
     for (const std::uint32_t to : ring_.neighbours) {
@@ -162,8 +163,8 @@ class PatchCollapse : private PatchMesh {
     }
   }
 
-  // The link condition: v and `to` have those neighbours in common that face their edge, and no more; they are not two
-  // vertices of a tetrahedron, nor of a hole with three. And no new edge joins two fixed vertices.
+  // The link condition: v and `to` share only the neighbors opposite their edge. They belong to no tetrahedron and no
+  // triangular hole. No new edge joins two fixed vertices.
   [[nodiscard]] bool keeps_topology(std::uint32_t v, std::uint32_t to) const {
     std::array<std::uint32_t, 2> apex{kNone, kNone};
     std::size_t apexes = 0;
@@ -174,13 +175,13 @@ class PatchCollapse : private PatchMesh {
     const bool along_border = border_[v] != 0;
     if (apexes != (along_border ? 1 : 2) || apex[0] == apex[1]) return false;
     if (along_border && (border_[to] == 0 || ring_.around.size() < 2)) return false;
-    // What is left of three triangles may be there already, in another patch.
+    // The triangle that replaces these three may already exist in another patch.
     const bool three_around = !along_border && ring_.around.size() == 3;
     if (three_around && fixed_[to] != 0 && fixed_[apex[0]] != 0 && fixed_[apex[1]] != 0) return false;
     for (const std::uint32_t neighbour : ring_.neighbours) {
       if (neighbour == to) continue;
       if (neighbour == apex[0] || neighbour == apex[1]) {
-        // At a border the edges to the apex become one, which must not be a border on both sides.
+        // At a border, the two edges to the apex merge; they must not both be border edges.
         if (along_border && is_border_edge(v, neighbour) && is_border_edge(to, neighbour)) return false;
         continue;
       }
@@ -196,7 +197,7 @@ class PatchCollapse : private PatchMesh {
     return true;
   }
 
-  // The triangles around v that stay, with `to` in its place.
+  // Lists the remaining triangles of v, with `to` in its place.
   void make_new(std::uint32_t v, std::uint32_t to) {
     new_.clear();
     for (const Around& a : ring_.around) {
@@ -209,8 +210,8 @@ class PatchCollapse : private PatchMesh {
     }
   }
 
-  // No triangle turns by more than some 75 degrees, or becomes all but a line where none was nearly that thin. One that
-  // is all but a line has no direction of its own: what comes of it is held against all faces around.
+  // No triangle may turn by more than about 75 degrees, or become a sliver unless one was nearly as thin. A sliver has
+  // no reliable normal, so its successor is compared with the sum of all triangles around v.
   [[nodiscard]] bool keeps_shape(std::uint32_t v) const {
     constexpr double kLeastCosine = 0.25;
     constexpr double kThin = 1e-2;
@@ -232,8 +233,8 @@ class PatchCollapse : private PatchMesh {
     return first_corner_[v] != kNone;
   }
 
-  // Finds which of the new triangles is nearest to each sample around v, and to v itself. Returns the greatest of their
-  // squared distances, or infinity where it is beyond the limit.
+  // Finds the new triangle nearest to v and to each sample around v. Returns the largest squared distance, or infinity
+  // if it exceeds the limit.
   double attach(std::uint32_t v) {
     attached_.clear();
     targets_of_new_.clear();
@@ -265,8 +266,8 @@ class PatchCollapse : private PatchMesh {
     return greatest;
   }
 
-  // The greatest squared distance of points of the new triangles to the original mesh: the middles of the new
-  // edges. Or `known`, where that is greater. After attach(v).
+  // Returns the largest squared distance from the midpoints of new edges to the original mesh, at least `known`. Call
+  // attach(v) first.
   double look_from_new(std::uint32_t to, double known) {
     double farthest = known;
     near_.clear();
@@ -291,16 +292,16 @@ class PatchCollapse : private PatchMesh {
     return farthest;
   }
 
-  // Whether the new triangles are as near as they must be, at every point. After look_from_new().
+  // Returns whether every point of the new triangles is within `proven_`. Call look_from_new() first.
   [[nodiscard]] bool new_are_near() {
-    constexpr double kClearlyNear = 0.5;  // of what is allowed: then no more is looked at
+    constexpr double kClearlyNear = 0.5;  // of the limit: nearer triangles are not measured
     if (!std::isfinite(proven_)) return true;
     mesh::DistanceLimits limits;
     limits.tolerance = 0;
     limits.floor = 1e-2 * proven_;
     limits.enough = proven_;
     limits.refuse = proven_;
-    limits.most_parts = 64;  // what takes longer to decide is near to the limit
+    limits.most_parts = 64;  // a harder case is close to the limit
     for (std::size_t i = 0; i < new_.size(); ++i) {
       if (near_[i].distance_squared < kClearlyNear * kClearlyNear * proven_ * proven_) continue;
       const Corners& t = new_[i].second;
@@ -312,7 +313,7 @@ class PatchCollapse : private PatchMesh {
     return true;
   }
 
-  // After make_new(v, to) and attach(v).
+  // Call make_new(v, to) and attach(v) first.
   void collapse(std::uint32_t v, std::uint32_t to) {
     const std::uint32_t number = log_.first + static_cast<std::uint32_t>(log_.collapses.size());
     log_.collapses.push_back({vertices_[v], vertices_[to], static_cast<std::uint32_t>(log_.records.size()),
@@ -328,7 +329,7 @@ class PatchCollapse : private PatchMesh {
       --left_;
       ++log_.removed;
     }
-    // The corners of v's list are to's from now on.
+    // Appends the corner list of v to that of `to`.
     std::uint32_t* end = &first_corner_[to];
     while (*end != kNone) end = &next_corner_[*end];
     *end = first_corner_[v];
@@ -374,16 +375,16 @@ class PatchCollapse : private PatchMesh {
   std::size_t left_;
   CollapseLog log_;
   std::vector<Quadric> quadrics_;
-  std::vector<std::uint32_t> version_;  // of what is around a vertex: candidates of older ones do not count
+  std::vector<std::uint32_t> version_;  // of the surroundings of a vertex; candidates with an older one are void
   std::priority_queue<Candidate> queue_;
   Ring ring_;
   Ring pushed_;
   std::vector<std::pair<double, std::uint32_t>> targets_;
-  std::uint32_t prepared_ = kNone;  // the target that what follows is of, if it is of one
+  std::uint32_t prepared_ = kNone;  // the target that the members below belong to, or kNone
   std::vector<std::pair<std::uint32_t, Corners>> new_;
   std::vector<mesh::TriangleTarget> targets_of_new_;
   std::vector<Attached> attached_;
-  std::vector<Near> near_;  // of each of new_
+  std::vector<Near> near_;  // for each of new_
 };
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint32_t kNoNode = std::numeric_limits<std::uint32_t>::max();
 
-// By x, then by y.
+// Orders by x, then by y.
 bool is_before(const glm::dvec2& a, const glm::dvec2& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; }
 
 class HoleBridges {
@@ -60,9 +60,9 @@ class HoleBridges {
 
  private:
   struct Loop {
-    std::uint32_t first;  // of its nodes the one that is_before() all others
+    std::uint32_t first;  // its node that is_before() all others
     double twice_area = 0;
-    bool joined = false;  // it bounds what is filled, and is part of a polygon
+    bool joined = false;  // bounds the filled region as part of a polygon
   };
 
   [[nodiscard]] const glm::dvec2& place(std::uint32_t node) const { return points_[result_.nodes[node].point]; }
@@ -85,7 +85,7 @@ class HoleBridges {
     }
   }
 
-  // Edges by the strips that they go through. As many strips as there are edges along a side, if edges are short.
+  // Lists edges by the strips they cross; about as many strips as edges along a side, if edges are short.
   void make_rows() {
     low_ = std::numeric_limits<double>::infinity();
     double high = -low_;
@@ -111,7 +111,7 @@ class HoleBridges {
     for (std::size_t row = row_of(std::min(a, b)); row <= last; ++row) rows_[row].push_back(n);
   }
 
-  // The node to join a hole's first to, or kNoNode.
+  // Returns the node to join the hole's first node to, or kNoNode.
   [[nodiscard]] std::uint32_t seen_from(std::uint32_t hole) const {
     const glm::dvec2& p = place(hole);
     std::uint32_t edge = kNoNode;
@@ -120,7 +120,7 @@ class HoleBridges {
       if (!loops_[loop_of_[n]].joined) continue;
       const glm::dvec2& a = place(n);
       const glm::dvec2& b = place(result_.nodes[n].next);
-      // What is filled is on the right of edges that run downward.
+      // The filled region is on the right of edges that run downward.
       if (a.y <= b.y || p.y > a.y || p.y < b.y || mesh::turn_of(a, b, p) < 0) continue;
       const double x = a.x + (p.y - a.y) * ((b.x - a.x) / (b.y - a.y));
       if (x > nearest) {
@@ -134,8 +134,8 @@ class HoleBridges {
     return best_in_triangle(hole, {std::min(nearest, p.x), p.y}, from_start ? edge : end);
   }
 
-  // Of the nodes in the triangle of the hole's first, of what it sees on its left, and of the end of the edge there,
-  // which is farther to the left: that in the direction nearest to the left, which nothing can hide.
+  // Chooses among the nodes in the triangle of the hole's first node p, the point seen on its left, and the farther
+  // left end of the seen edge. Returns the node whose direction from p is nearest to the left: nothing can hide it.
   [[nodiscard]] std::uint32_t best_in_triangle(std::uint32_t hole, const glm::dvec2& seen, std::uint32_t end) const {
     const glm::dvec2& p = place(hole);
     const glm::dvec2& far = place(end);
@@ -160,7 +160,7 @@ class HoleBridges {
     return p.x > q.x ? std::abs(q.y - p.y) / (p.x - q.x) : std::numeric_limits<double>::infinity();
   }
 
-  // Whether q is not beyond the edge from `seen` to `far`, on the side of the hole.
+  // Returns whether q is on the hole's side of the edge from `seen` to `far`, or on it.
   [[nodiscard]] static bool is_right_of(const glm::dvec2& seen, const glm::dvec2& far, const glm::dvec2& q) {
     if (far.y == seen.y) return true;
     return q.x >= seen.x + (q.y - seen.y) * ((far.x - seen.x) / (far.y - seen.y));
@@ -176,7 +176,7 @@ class HoleBridges {
     return q.x > old.x;
   }
 
-  // How surely the corner at node n opens towards a hole's first: 2, 1 where that is along one of its edges, else 0.
+  // Rates how the corner at node n opens towards the hole's first node: 2 inside, 1 along an edge, 0 not.
   [[nodiscard]] int faces(std::uint32_t n, std::uint32_t hole) const {
     const glm::dvec2& at = place(n);
     const glm::dvec2 before = place(other_place(n, false));
@@ -191,7 +191,7 @@ class HoleBridges {
     return (convex ? both : either) + 1;
   }
 
-  // The next node, or that before, that is at another place.
+  // Returns the next or previous node at another place.
   [[nodiscard]] std::uint32_t other_place(std::uint32_t n, bool forward) const {
     std::uint32_t other = n;
     do {
@@ -200,7 +200,7 @@ class HoleBridges {
     return other;
   }
 
-  // There and back: edges that are listed stay those of their nodes.
+  // Inserts the bridge. New nodes carry it, so edges listed in rows_ keep their nodes.
   void join(std::uint32_t to, std::uint32_t hole) {
     std::vector<PolygonNode>& nodes = result_.nodes;
     const auto there = static_cast<std::uint32_t>(nodes.size());

@@ -1,4 +1,4 @@
-// Holes of polygons joined to what is around them: see loop_triangulation.hpp.
+// Joins the holes of polygons to their outlines: see loop_triangulation.hpp.
 #pragma once
 
 #include <cstdint>
@@ -12,13 +12,13 @@
 
 namespace isoextract::edit {
 
-// The polygons that the loops of `next` bound, each without holes: the nodes of all, and one of each polygon. A loop
-// that runs clockwise is joined to what it sees on its left by an edge there and back; where it sees nothing, and where
-// a loop has no area, it is a polygon of its own.
+// Turns the loops of `next` into polygons without holes: all nodes, and one node of each polygon. A bridge (an edge
+// there and back) joins each clockwise loop to the outline that it sees on its left. A loop that sees none, or has no
+// area, becomes a polygon of its own.
 struct BridgedLoops {
   std::vector<PolygonNode> nodes;
   std::vector<std::uint32_t> polygons;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> bridges;  // nodes from which one leads there, and back
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> bridges;  // the nodes where each starts, there and back
 };
 
 [[nodiscard]] BridgedLoops bridge_holes(std::span<const glm::dvec2> points, std::span<const std::uint32_t> next);

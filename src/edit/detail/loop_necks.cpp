@@ -11,11 +11,11 @@
 namespace isoextract::edit {
 namespace {
 
-// An edge at a place, seen from there.
+// An edge at a place, seen from the place.
 struct Spoke {
   glm::dvec2 end;
   bool leaves;
-  std::uint32_t node;  // the last of those of its loop that are at the place one after the other
+  std::uint32_t node;  // of consecutive nodes of a loop at this place, the last
 };
 
 class NeckCutter {
@@ -53,9 +53,9 @@ class NeckCutter {
     if (spokes_.size() < 4) return;
     sort_around(at);
     if (!alternate(at, false) && !alternate(at, true)) return;
-    // What is filled begins at an edge that leaves, counter-clockwise, and ends at the next, which comes in.
+    // Counter-clockwise, each filled sector begins at a leaving edge and ends at the next one, which enters.
     const std::size_t count = around_.size();
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> goes_on;  // which node's edge is to follow
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> goes_on;  // which node's edge follows which node
     for (std::size_t i = 0; i < count; ++i) {
       if (!around_[i].leaves) goes_on.emplace_back(around_[i].node, around_[(i + count - 1) % count].node);
     }
@@ -71,8 +71,8 @@ class NeckCutter {
     });
   }
 
-  // The edges around the place, one that leaves and one that comes in by turns: those in one direction as that needs
-  // it.
+  // Orders the edges around the place so that leaving and entering edges alternate; edges in one direction are swapped
+  // as needed. Returns false if that is impossible.
   bool alternate(const glm::dvec2& at, bool filled) {
     around_.clear();
     bool inside = filled;
@@ -110,7 +110,7 @@ class NeckCutter {
       nodes_[old[i].next].prev = made;
       nodes_[node].next = made;
     }
-    // The edges without length between them: two of a pair are one, and three or more bound a polygon without area.
+    // Zero-length edges join the nodes: two form one bridge, three or more bound a polygon without area.
     std::vector<bool> done(goes_on.size());
     for (std::size_t i = 0; i < goes_on.size(); ++i) {
       if (done[i] || goes_on[i].first == goes_on[i].second) continue;
@@ -126,7 +126,7 @@ class NeckCutter {
       const auto first = static_cast<std::uint32_t>(nodes_.size());
       const auto count = static_cast<std::uint32_t>(cycle.size());
       for (std::uint32_t k = 0; k < count; ++k) {
-        // From what follows cycle[k] back to it.
+        // From the node after cycle[k] back to cycle[k].
         nodes_.push_back(
             {nodes_[cycle[(k + 1) % count]].point, first + (k + 1) % count, first + (k + count - 1) % count});
         loops_.bridges.emplace_back(cycle[k], first + k);

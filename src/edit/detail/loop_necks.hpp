@@ -1,4 +1,4 @@
-// Where loops touch, and what they fill hangs together in a point: see loop_triangulation.hpp.
+// Splits loops at pinch points, where the filled region touches itself: see loop_triangulation.hpp.
 #pragma once
 
 #include <span>
@@ -9,9 +9,9 @@
 
 namespace isoextract::edit {
 
-// Cuts what the loops of `loops` fill wherever it is joined in a point alone, between points at one place: by edges
-// without length there and back, which are listed as bridges. Then each corner has nothing but what is filled in its
-// angle. Where edges cross, as rounding may let them, a place is left as it is.
+// Splits the region that `loops` fill wherever it is connected through a single point. Adds zero-length edges there and
+// back between the coincident nodes and lists them as bridges. Afterwards the angle at each corner holds filled region
+// only. Leaves a point unchanged if edges cross there because of rounding.
 void cut_necks(std::span<const glm::dvec2> points, BridgedLoops& loops);
 
 }  // namespace isoextract::edit

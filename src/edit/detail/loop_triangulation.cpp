@@ -15,13 +15,14 @@ using PointPair = std::pair<std::uint32_t, std::uint32_t>;
 
 PointPair pair_of(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-// The triangles with their neighbours, and what changes edges among them.
+// Triangles with their neighbors, and the operations on their edges.
 class Triangulation {
  public:
   Triangulation(std::span<const glm::dvec2> points, Ears ears)
       : points_(points.begin(), points.end()), triangles_(std::move(ears.triangles)), twin_(std::move(ears.twins)) {}
 
-  // Lawson's flips. Each makes the triangulation better by a measure that has a greatest value, but for rounding.
+  // Lawson's flips. Each increases a bounded measure of quality; rounding could make it cycle, so their number is
+  // limited.
   void flip_to_delaunay() {
     std::vector<HalfEdge> waiting(twin_.size());
     for (HalfEdge h = 0; h < twin_.size(); ++h) waiting[h] = h;
@@ -38,7 +39,7 @@ class Triangulation {
     }
   }
 
-  // Of inner edges that join what another edge joins, and edges of the loops may, too.
+  // Splits each inner edge whose end points another edge joins, too: an inner edge, a loop edge or one of `taken`.
   void part_double_edges(std::span<const PointPair> taken, std::vector<PointPair>& midpoints) {
     std::vector<PointPair> edges(taken.begin(), taken.end());
     for (HalfEdge h = 0; h < twin_.size(); ++h) {
@@ -57,7 +58,7 @@ class Triangulation {
       const HalfEdge t = twin_[h];
       const auto first = static_cast<HalfEdge>(twin_.size());
       part(h);
-      // Those that have moved.
+      // Moves the flags along with their half-edges.
       twice.resize(twin_.size());
       twice[following(first)] = twice[following(h)];
       twice[following(first + 3)] = twice[following(t)];
@@ -90,7 +91,7 @@ class Triangulation {
     if (b != kNoHalfEdge) twin_[b] = a;
   }
 
-  // Whether the angles opposite the edge are more than half a turn together, and the other diagonal is within.
+  // Returns whether the angles opposite the edge sum to more than 180 degrees and the other diagonal is inside.
   [[nodiscard]] bool is_flip_better(HalfEdge h) const {
     const std::uint32_t c = tip(h);
     const std::uint32_t d = tip(twin_[h]);
@@ -110,7 +111,7 @@ class Triangulation {
     return mesh::turn_of(points_[c], a, points_[d]) > 0 && mesh::turn_of(points_[d], b, points_[c]) > 0;
   }
 
-  // a b c and b a d become d c a and c d b; h runs from d to c then, and its twin back.
+  // Turns triangles abc and bad into dca and cdb; then h runs from d to c, and its twin from c to d.
   void flip(HalfEdge h) {
     const HalfEdge t = twin_[h];
     const std::uint32_t a = start(h);
@@ -130,7 +131,7 @@ class Triangulation {
     pair(preceding(t), bc);
   }
 
-  // The triangle of h is then p, q and r, with h from p to q.
+  // Sets the triangle of h to p, q, r, with h from p to q.
   void set(HalfEdge h, std::uint32_t p, std::uint32_t q, std::uint32_t r) {
     glm::uvec3& t = triangles_[h / 3];
     t[static_cast<int>(h % 3)] = p;
@@ -138,7 +139,7 @@ class Triangulation {
     t[static_cast<int>(preceding(h) % 3)] = r;
   }
 
-  // A point in the middle of the edge; the triangles at it become two each.
+  // Splits the edge at its midpoint, and each of its triangles in two.
   void part(HalfEdge h) {
     const HalfEdge t = twin_[h];
     const std::uint32_t a = start(h);
@@ -176,7 +177,7 @@ Result<LoopTriangles> triangulate_loops(std::span<const glm::dvec2> points, std:
                                         std::span<const PointPair> taken, double rounding, const Context& context) {
   LoopTriangles result;
   if (points.empty()) return result;
-  // Nodes, strips, cells and half-edges, counted together at their most.
+  // An upper bound of nodes, strips, cells and half-edges together.
   constexpr std::uint64_t kBytesAPoint = 400;
   const auto memory =
       TRY(context.reserve(points.size() * kBytesAPoint + taken.size_bytes(), "triangles that close a cut"));

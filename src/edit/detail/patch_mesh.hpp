@@ -1,4 +1,4 @@
-// A patch of a mesh whose edges are collapsed: its vertices under numbers of its own, and what is around each.
+// A patch of a mesh with its own vertex numbers, and the triangles around each vertex.
 #pragma once
 
 #include <algorithm>
@@ -14,26 +14,26 @@
 
 namespace isoextract::edit {
 
-// What a collapse of edges works on, and keeps up to date itself: corners_, removed_ and the lists of corners.
+// Connectivity of a patch. The derived class keeps corners_, removed_ and the corner lists up to date.
 class PatchMesh {
  protected:
-  using Corners = glm::uvec3;  // in the patch's numbers of vertices
+  using Corners = glm::uvec3;  // in the patch's vertex numbers
   struct Around {
-    std::uint32_t triangle, from, next;  // the edge opposite, in the direction of the triangle
+    std::uint32_t triangle, from, next;  // the edge opposite the vertex, in the triangle's direction
   };
   struct Ring {
     std::vector<Around> around;
-    std::vector<std::uint32_t> neighbours;  // once each
+    std::vector<std::uint32_t> neighbours;  // without duplicates
   };
 
-  // `patch` as in collapse_edges(). Vertices that are `locked` are fixed.
+  // Takes `patch` as collapse_edges() does; `locked` vertices are fixed.
   PatchMesh(CollapseState& state, std::span<const std::uint32_t> patch, std::span<const char> locked)
       : state_(state), triangles_(patch) {
     number_vertices();
     look_around_vertices(locked);
   }
 
-  // Unlinks corners of triangles that went on the way.
+  // Lists the triangles and neighbors of v. Also unlinks the corners of removed triangles.
   void look_around(std::uint32_t v, Ring& ring) {
     ring.around.clear();
     ring.neighbours.clear();
@@ -50,7 +50,7 @@ class PatchMesh {
       link = &next_corner_[corner];
     }
     for (const Around& a : ring.around) ring.neighbours.push_back(a.from);
-    if (border_[v] != 0) {  // its ring is open: the last vertex starts no edge
+    if (border_[v] != 0) {  // the ring is open: its last vertex starts no edge
       for (const Around& a : ring.around) {
         if (std::none_of(ring.around.begin(), ring.around.end(), [&](const Around& b) { return b.from == a.next; })) {
           ring.neighbours.push_back(a.next);
@@ -59,7 +59,7 @@ class PatchMesh {
     }
   }
 
-  // Of an edge whose triangle is there.
+  // Returns whether an existing edge has one triangle.
   [[nodiscard]] bool is_border_edge(std::uint32_t a, std::uint32_t b) const {
     std::size_t triangles = 0;
     for (std::uint32_t c = first_corner_[a]; c != kNone; c = next_corner_[c]) {
@@ -81,7 +81,7 @@ class PatchMesh {
     return false;
   }
 
-  // In double, of the stored positions.
+  // Tests the stored positions, in double.
   [[nodiscard]] bool has_area(const Corners& t) const {
     const glm::dvec3 a(state_.stored[vertices_[t.x]]);
     const glm::dvec3 ab = glm::dvec3(state_.stored[vertices_[t.y]]) - a;
@@ -89,7 +89,7 @@ class PatchMesh {
     return glm::cross(ab, ac) != glm::dvec3(0);
   }
 
-  // Height to longest side.
+  // Returns height divided by longest side.
   [[nodiscard]] double thickness(const Corners& t) const {
     double longest = 0;
     for (int corner = 0; corner < 3; ++corner) {
@@ -100,23 +100,22 @@ class PatchMesh {
   }
 
   CollapseState& state_;
-  std::span<const std::uint32_t> triangles_;  // their numbers in the mesh
-  std::vector<std::uint32_t> vertices_;       // their numbers in the mesh
+  std::span<const std::uint32_t> triangles_;  // triangle numbers in the mesh
+  std::vector<std::uint32_t> vertices_;       // vertex numbers in the mesh
   glm::dvec3 origin_{0.0};
   std::vector<glm::dvec3> places_;
   std::vector<Corners> corners_;
-  std::vector<char> removed_;                // triangles
+  std::vector<char> removed_;                // 1: triangle removed
   std::vector<std::uint32_t> first_corner_;  // of each vertex: 3 triangle + corner
   std::vector<std::uint32_t> next_corner_;
-  std::vector<char> fixed_;   // vertices that stay
-  std::vector<char> border_;  // vertices with one open fan
+  std::vector<char> fixed_;   // 1: vertex must stay
+  std::vector<char> border_;  // 1: vertex has a single open fan
 
  private:
-  // Numbers in the order in which vertices first occur, and coordinates relative to one vertex, so that products of
-  // them keep their digits.
+  // Numbers vertices by first use. Positions become relative to one vertex, so that products keep their precision.
   void number_vertices() {
     std::size_t size = 16;
-    while (size < triangles_.size() * 4) size *= 2;  // up to three vertices each
+    while (size < triangles_.size() * 4) size *= 2;  // up to three vertices a triangle
     std::vector<std::pair<std::uint32_t, std::uint32_t>> table(size, {kNone, kNone});
     const auto number = [&](std::uint32_t vertex) {
       std::size_t slot = hash_of_three(vertex, 0, 0) & (size - 1);
@@ -139,7 +138,7 @@ class PatchMesh {
     places_.reserve(vertices_.size());
     for (const std::uint32_t vertex : vertices_) places_.push_back(glm::dvec3(state_.positions[vertex]) - origin_);
     removed_.assign(triangles_.size(), 0);
-    // Lists of the corners at each vertex.
+    // Linked lists of the corners at each vertex.
     first_corner_.assign(vertices_.size(), kNone);
     next_corner_.assign(3 * triangles_.size(), kNone);
     for (std::uint32_t corner = static_cast<std::uint32_t>(next_corner_.size()); corner-- > 0;) {
@@ -149,7 +148,7 @@ class PatchMesh {
     }
   }
 
-  // Fixed are the locked ones, and those where the surface is neither one closed fan of triangles nor one open one.
+  // Fixes locked vertices, and vertices whose triangles form neither one closed fan nor one open fan.
   void look_around_vertices(std::span<const char> locked) {
     fixed_.assign(vertices_.size(), 0);
     border_.assign(vertices_.size(), 0);

@@ -14,16 +14,16 @@ namespace {
 
 constexpr std::uint32_t kNoCorner = std::numeric_limits<std::uint32_t>::max();
 
-// What may be cut off, from the best to what there is left.
+// Kinds of ears, in order of preference.
 enum class EarKind {
-  clear,     // nothing lies on the edge that cuts it off
-  touching,  // something may touch that edge
-  flat,      // without area
-  rough,     // overlapping the rest by no more than rounding
-  any        // overlapping the rest
+  clear,     // no node lies on the edge that cuts it off
+  touching,  // nodes may touch that edge
+  flat,      // zero area
+  rough,     // overlaps the rest by rounding at most
+  any        // overlaps the rest
 };
 
-// The nodes of a polygon by their place, in square cells.
+// The nodes of a polygon, sorted into square cells.
 class NodeGrid {
  public:
   void build(std::span<const glm::dvec2> places, std::span<const std::uint32_t> nodes) {
@@ -34,7 +34,7 @@ class NodeGrid {
       high = glm::max(high, places[n]);
     }
     const glm::dvec2 size = high - low_;
-    // About one a cell where they lie along lines.
+    // About one node a cell where nodes lie along lines.
     const double count = static_cast<double>(nodes.size());
     cell_ = std::max({std::sqrt(size.x * size.y / count), size.x / count, size.y / count});
     if (!(cell_ > 0)) cell_ = 1;
@@ -51,7 +51,7 @@ class NodeGrid {
     for (const std::uint32_t n : nodes) listed_[at[index_of(n)]++] = n;
   }
 
-  // The first node in the box for which `is_it` holds, or kNoCorner.
+  // Returns the first node in the box for which `is_it` holds, or kNoCorner.
   template <class Test>
   [[nodiscard]] std::uint32_t find(const glm::dvec2& low, const glm::dvec2& high, const Test& is_it) const {
     const glm::uvec2 from = cell_at(low);
@@ -87,7 +87,7 @@ class EarCutter {
   EarCutter(std::span<const glm::dvec2> points, std::span<const PolygonNode> nodes, std::uint32_t first, Ears& ears,
             double rounding)
       : points_(points), ears_(ears), rounding_(rounding) {
-    // By numbers of its own, so that a small polygon among many takes little.
+    // Own numbers, so that a small polygon among many takes little memory.
     std::uint32_t n = first;
     do {
       ring_.push_back({nodes[n].point, 0, 0});
@@ -118,7 +118,7 @@ class EarCutter {
         if (ear != kNoCorner) break;
       }
       if (ear == kNoCorner) return false;
-      // Beyond the neighbour, so that ears are cut all around and none becomes a fan.
+      // Continues beyond the neighbor, so that ears are cut all around instead of in a fan.
       at = ring_[ring_[ear].next].next;
       cut(ear);
       if (left_ * 2 < listed_) rebuild();
@@ -126,7 +126,7 @@ class EarCutter {
   }
 
  private:
-  // What was found about a node, until it or what stood in its way changes.
+  // What is known of a node, valid until it or its blocker changes.
   struct NodeFacts {
     std::uint32_t version = 0;
     std::uint32_t blocker = kNoCorner;
@@ -135,7 +135,7 @@ class EarCutter {
     EarKind kind = EarKind::clear;
     bool gone = false;
     std::uint32_t node = kNoCorner;
-    HalfEdge beyond = kNoHalfEdge;  // of the ear that was cut off between this and the next, if there was one
+    HalfEdge beyond = kNoHalfEdge;  // half-edge of the ear cut off between this node and the next, if any
   };
 
   void rebuild() {
@@ -169,8 +169,8 @@ class EarCutter {
     return turn > 0 && !is_blocked(n, kind);
   }
 
-  // Where the border goes back on itself the rest has the same shape without that. It has to go first: what an ear may
-  // have beside it is seen only where no more than a point of the border lies at each place of its own.
+  // Cuts off folds, where the border runs back on itself; the remaining shape is the same. They go first: the test of
+  // an ear's neighborhood is right only where one point of the border lies at each place.
   void cut_folds() {
     while (!folds_.empty() && left_ > 3) {
       const std::uint32_t n = folds_.back();
@@ -217,14 +217,14 @@ class EarCutter {
     return true;
   }
 
-  // Across the longest side; negative where it runs clockwise.
+  // Returns the width across the longest side; negative if the triangle runs clockwise.
   [[nodiscard]] static double width_of(const std::array<glm::dvec2, 3>& ear) {
     const glm::dvec2 u = ear[1] - ear[0];
     const glm::dvec2 v = ear[2] - ear[0];
     return (u.x * v.y - u.y * v.x) / std::max({glm::length(u), glm::length(v), glm::length(v - u)});
   }
 
-  // Whether a place is in the ear by more than rounding.
+  // Returns whether q lies inside the ear by more than rounding.
   [[nodiscard]] bool is_deep(const glm::dvec2& q, const std::array<glm::dvec2, 3>& ear) const {
     for (std::size_t i = 0; i < 3; ++i) {
       const glm::dvec2 along = ear[(i + 1) % 3] - ear[i];
@@ -234,10 +234,10 @@ class EarCutter {
     return true;
   }
 
-  // Whether a node lies in the ear, or an edge at it runs into the ear from its border.
+  // Returns whether node q lies in the ear, or an edge at q enters the ear from the ear's border.
   [[nodiscard]] bool blocks(std::uint32_t q, const std::array<glm::dvec2, 3>& ear, EarKind kind) const {
     if (kind == EarKind::rough) return is_deep(places_[q], ear);
-    std::array<int, 3> side{};  // of the edges from before to n, from n to after, and of that which cuts
+    std::array<int, 3> side{};  // of the ear's three edges; the last is the one that cuts
     for (std::size_t i = 0; i < 3; ++i) {
       side[i] = mesh::turn_of(ear[i], ear[(i + 1) % 3], places_[q]);
       if (side[i] < 0) return false;
@@ -259,7 +259,7 @@ class EarCutter {
     return true;
   }
 
-  // The triangle at a node; returns its half-edge from the next to the one before.
+  // Adds the triangle at n. Returns its half-edge from the next node to the previous one.
   HalfEdge add(std::uint32_t n) {
     const auto h = static_cast<HalfEdge>(3 * ears_.triangles.size());
     const std::uint32_t before = ring_[n].prev;
@@ -270,7 +270,7 @@ class EarCutter {
     return h + 2;
   }
 
-  // A half-edge from a node to its next.
+  // Connects half-edge h, which runs from node n to the next.
   void meet(std::uint32_t n, HalfEdge h) {
     const HalfEdge beyond = facts_[n].beyond;
     if (beyond == kNoHalfEdge) {
@@ -301,7 +301,7 @@ class EarCutter {
   std::vector<glm::dvec2> places_;
   std::vector<NodeFacts> facts_;
   NodeGrid grid_;
-  std::vector<std::uint32_t> folds_;  // where there may be some
+  std::vector<std::uint32_t> folds_;  // candidates for folds
   double rounding_;
   std::size_t left_ = 0;
   std::size_t listed_ = 0;

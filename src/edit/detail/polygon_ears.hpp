@@ -1,4 +1,4 @@
-// Ears cut off a polygon: see loop_triangulation.hpp.
+// Clips ears off a polygon: see loop_triangulation.hpp.
 #pragma once
 
 #include <cstdint>
@@ -10,27 +10,27 @@
 
 namespace isoextract::edit {
 
-// A place of a polygon's border. Points where bridges end have several.
+// A corner of a polygon. A point where a bridge ends has several nodes.
 struct PolygonNode {
   std::uint32_t point = 0;
   std::uint32_t prev = 0;
   std::uint32_t next = 0;
 };
 
-// An edge of a triangle: 3 * triangle + the corner that it starts at.
+// An edge of a triangle: 3 * triangle + the corner where it starts.
 using HalfEdge = std::uint32_t;
 constexpr HalfEdge kNoHalfEdge = std::numeric_limits<HalfEdge>::max();
 
-// Triangles of points, and how they hang together.
+// Triangles and their connectivity.
 struct Ears {
   std::vector<glm::uvec3> triangles;
-  std::vector<HalfEdge> twins;    // of each half-edge that across the edge, or kNoHalfEdge
-  std::vector<HalfEdge> of_node;  // the half-edge from each node to its next
+  std::vector<HalfEdge> twins;    // the half-edge across each edge, or kNoHalfEdge
+  std::vector<HalfEdge> of_node;  // the half-edge from each node to the next
 };
 
-// Cuts the polygon that `first` is of into triangles, added to `ears`. `rounding` is how far points may be from
-// where they should be. False where none is left that has
-// three different points; then the polygon is not of one piece with an inside.
+// Cuts the polygon of node `first` into triangles and adds them to `ears`. `rounding` is how far a point may be from
+// its exact position. Returns false if no three different points are left for an ear; the polygon then has no connected
+// inside.
 [[nodiscard]] bool cut_ears(std::span<const glm::dvec2> points, std::span<const PolygonNode> nodes, std::uint32_t first,
                             Ears& ears, double rounding = 0);
 

@@ -8,7 +8,7 @@
 
 namespace isoextract::edit {
 
-// The sum of the squared distances: p^T A p + 2 b^T p + c, and the sum of the weights.
+// The weighted sum of squared distances to planes, p^T A p + 2 b^T p + c, and the sum of the weights.
 struct Quadric {
   double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
   glm::dvec3 b{0.0};
@@ -44,7 +44,7 @@ struct Quadric {
   }
 };
 
-// The mean square of the distances of p to the planes of both.
+// Returns the weighted mean squared distance of p to the planes of a and b.
 [[nodiscard]] inline double mean_square(const Quadric& a, const Quadric& b, const glm::dvec3& p) {
   const double weight = a.weight + b.weight;
   return weight > 0 ? std::max(a.sum_at(p) + b.sum_at(p), 0.0) / weight : 0;
