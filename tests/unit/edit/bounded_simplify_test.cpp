@@ -44,10 +44,10 @@ struct Case {
   bool normals = false;
   extract::Method method = extract::Method::mc;
   glm::dmat3 to_metric{1.0};
-  double patch_size = 8;  // small, so that small tests have many borders of patches
+  double patch_size = 8;  // small, so that small tests have many patch borders
 };
 
-// Extracts, simplifies, and holds the result to everything that is promised. Returns triangles after / before.
+// Extracts, simplifies and checks every promise of the header. Returns the ratio of triangles after to before.
 double expect_kept_promises(const field::ScalarField& field, const Case& c) {
   extract::ExtractOptions options;
   options.iso = c.iso;
@@ -84,7 +84,7 @@ double expect_kept_promises(const field::ScalarField& field, const Case& c) {
   EXPECT_LE(distance->hausdorff_lower, facts.measured_upper + distance->resolution);
   EXPECT_LE(facts.measured_lower, distance->hausdorff_upper + distance->resolution);
 
-  // Vertices are some of those that were there, in their order, with their normals.
+  // The vertices are a subset of the old ones, in their order and with their normals.
   std::size_t v = 0;
   for (std::size_t w = 0; w < after.positions.size(); ++w, ++v) {
     while (v < before.positions.size() && before.positions[v] != after.positions[w]) ++v;
@@ -99,7 +99,7 @@ double expect_kept_promises(const field::ScalarField& field, const Case& c) {
 
 field::ScalarField demo(const std::string& name) { return *field::make_demo_field(name, Context()); }
 
-TEST(BoundedSimplify, SmoothSurfacesLoseMostTriangles) {
+TEST(BoundedSimplify, RemovesMostTrianglesOfSmoothSurfaces) {
   Case c;
   c.normals = true;
   c.max_distance = 0.1 * 2 / 47;  // the samples are on the cube from -1 to 1
@@ -114,7 +114,7 @@ TEST(BoundedSimplify, SmoothSurfacesLoseMostTriangles) {
   EXPECT_LT(expect_kept_promises(demo("demo:gyroid?size=32"), c), 0.7);  // its tubes are a few voxels wide
 }
 
-TEST(BoundedSimplify, OpenBordersStayNear) {
+TEST(BoundedSimplify, KeepsOpenBordersWithinDistance) {
   Case c;
   c.cap = false;
   c.max_distance = 0.2 * 2 / 47;
@@ -122,7 +122,7 @@ TEST(BoundedSimplify, OpenBordersStayNear) {
   EXPECT_LT(expect_kept_promises(demo("demo:gyroid?size=48"), c), 0.6);
 }
 
-TEST(BoundedSimplify, NoiseAndCheckerboards) {
+TEST(BoundedSimplify, KeepsPromisesOnNoiseAndCheckerboards) {
   for (unsigned seed = 0; seed < 4; ++seed) {
     Case c;
     c.method = seed % 2 == 0 ? extract::Method::mc : extract::Method::mt;
@@ -138,7 +138,7 @@ TEST(BoundedSimplify, NoiseAndCheckerboards) {
   }
 }
 
-TEST(BoundedSimplify, ThinShellsSpeckAndTubes) {
+TEST(BoundedSimplify, KeepsThinShellsSpecksAndTubes) {
   for (const double distance : {0.05, 0.3, 2.0}) {
     Case c;
     c.iso = 0.5;
@@ -149,7 +149,7 @@ TEST(BoundedSimplify, ThinShellsSpeckAndTubes) {
       return std::max(0.0, 1 - std::abs(r - 8));
     });
     expect_kept_promises(shell, c);
-    // Single voxels that stand alone, and tubes of one voxel, which collapse into nothing but for the checks.
+    // Single voxels and tubes one voxel wide, which would collapse to nothing without the topology checks.
     const auto specks = test::dense_field<std::uint8_t>(
         {24, 24, 24}, [](int i, int j, int k) { return i % 4 == 1 && j % 4 == 1 && k % 4 == 1; });
     expect_kept_promises(specks, c);
@@ -161,7 +161,7 @@ TEST(BoundedSimplify, ThinShellsSpeckAndTubes) {
   }
 }
 
-TEST(BoundedSimplify, FlatRegionsLoseTheirTriangles) {
+TEST(BoundedSimplify, RemovesTrianglesOfFlatRegions) {
   const auto half = test::dense_field<float>({40, 40, 40}, [](int i, int, int) { return 19.3 - i; });
   Case c;
   c.max_distance = 0.01;
@@ -169,8 +169,8 @@ TEST(BoundedSimplify, FlatRegionsLoseTheirTriangles) {
   EXPECT_LT(expect_kept_promises(half, c), 0.05);
 }
 
-// Its sides are on planes of the grid, where a patch's border would be seen.
-TEST(BoundedSimplify, BoxesKeepLittleMoreThanTheirCorners) {
+// Its sides lie on planes of the grid, where a patch border would be visible.
+TEST(BoundedSimplify, ReducesBoxesToTheirCorners) {
   const auto box = test::dense_field<float>({64, 64, 64}, [](int i, int j, int k) {
     return 25.0 - std::max({std::abs(i - 32.0), std::abs(j - 32.0), std::abs(k - 32.0)});
   });
@@ -181,8 +181,8 @@ TEST(BoundedSimplify, BoxesKeepLittleMoreThanTheirCorners) {
   }
 }
 
-// Values of float put vertices a hair beside the samples: triangles so thin that they have no normal to speak of.
-TEST(BoundedSimplify, TiltedPlanesKeepLittleMoreThanTheirCorners) {
+// Float values put vertices very close to the samples: the triangles are too thin to have a reliable normal.
+TEST(BoundedSimplify, ReducesTiltedPlanesToTheirCorners) {
   const auto plane = test::dense_field<float>(
       {48, 48, 48}, [](int i, int j, int k) { return static_cast<float>(10.0 - (k - 0.3 * i - 0.17 * j)); });
   extract::ExtractOptions options;
@@ -197,7 +197,7 @@ TEST(BoundedSimplify, TiltedPlanesKeepLittleMoreThanTheirCorners) {
   }
 }
 
-TEST(BoundedSimplify, NoMoreTrianglesForALargerDistance) {
+TEST(BoundedSimplify, NeverAddsTrianglesForLargerDistance) {
   const auto box = test::dense_field<float>({32, 32, 32}, [](int i, int j, int k) {
     return 11.0 - std::max({std::abs(i - 16.0), std::abs(j - 16.0), std::abs(k - 16.0)});
   });
@@ -217,7 +217,7 @@ TEST(BoundedSimplify, NoMoreTrianglesForALargerDistance) {
     for (const double distance : {0.01, 0.03, 0.1, 0.3, 1.0, 2.0, 4.0}) {
       SimplifyOptions simplify;
       simplify.max_distance = distance;
-      simplify.patch_size = 8;  // many borders, where what is done in one patch is in the way of the next
+      simplify.patch_size = 8;  // many borders, where collapses of one patch block the next
       const std::size_t left = must_simplify(copy(mesh), simplify).mesh.triangles.size();
       EXPECT_LE(left, fewest) << "input " << i << " at " << distance;
       fewest = left;
@@ -225,8 +225,8 @@ TEST(BoundedSimplify, NoMoreTrianglesForALargerDistance) {
   }
 }
 
-// The percentage that people see is of all rounds: it falls where a stage begins, and nowhere else.
-TEST(BoundedSimplify, ProgressIsOfAllRounds) {
+// The percentage covers all rounds: it falls only where a stage begins.
+TEST(BoundedSimplify, ReportsProgressOverAllRounds) {
   const mesh::Mesh before = test::sphere(64, false);
   SimplifyOptions options;
   options.max_distance = 0.5;
@@ -249,7 +249,7 @@ TEST(BoundedSimplify, ProgressIsOfAllRounds) {
   EXPECT_LE(falls, done->facts.passes + 1);
 }
 
-TEST(BoundedSimplify, AnisotropicObliqueMirroredAndFarFrames) {
+TEST(BoundedSimplify, WorksInAnisotropicObliqueMirroredAndFarFrames) {
   for (const glm::dvec3 far : {glm::dvec3(0), glm::dvec3(1e7, -1e7, 1e7)}) {
     field::ScalarField field = demo("demo:torus?size=40");
     field.index_to_world = {glm::dmat3(-0.5, 0.1, 0, 0.2, 3, 0, 0, 0.7, 20), far};
@@ -261,7 +261,7 @@ TEST(BoundedSimplify, AnisotropicObliqueMirroredAndFarFrames) {
   }
 }
 
-TEST(BoundedSimplify, SameForAnyNumberOfThreads) {
+TEST(BoundedSimplify, IsIndependentOfThreads) {
   extract::ExtractOptions options;
   options.cap = true;
   const mesh::Mesh mesh = test::extract(demo("demo:gyroid?size=40"), options).mesh;
@@ -281,7 +281,7 @@ TEST(BoundedSimplify, SameForAnyNumberOfThreads) {
   EXPECT_EQ(one.facts.measured_lower, four.facts.measured_lower);
 }
 
-TEST(BoundedSimplify, NothingToGain) {
+TEST(BoundedSimplify, ReturnsMeshIfNothingCanCollapse) {
   SimplifyOptions options;
   options.max_distance = 1e-3;
   const auto [empty, none] = must_simplify(mesh::Mesh{}, options);
@@ -292,7 +292,7 @@ TEST(BoundedSimplify, NothingToGain) {
   EXPECT_EQ(facts.measured_upper, 0);
 }
 
-TEST(BoundedSimplify, KeepsToItsContext) {
+TEST(BoundedSimplify, ObeysCancellationAndMemoryBudget) {
   SimplifyOptions options;
   options.max_distance = 0.05;
   const Context small{MemoryBudget(100000)};
@@ -305,7 +305,7 @@ TEST(BoundedSimplify, KeepsToItsContext) {
   const auto ended = simplify_within(test::sphere(40, true), options, cancelled);
   ASSERT_FALSE(ended);
   EXPECT_EQ(ended.error().code, ErrorCode::cancelled);
-  // What the mesh no longer needs goes back.
+  // Memory that the smaller mesh does not need is released.
   const Context context;
   mesh::Mesh mesh = test::sphere(40, true);
   mesh.memory = std::move(*context.reserve(1 << 20, "test"));
@@ -316,7 +316,7 @@ TEST(BoundedSimplify, KeepsToItsContext) {
             done->mesh.positions.size() * 2 * sizeof(glm::vec3) + done->mesh.triangles.size_bytes());
 }
 
-TEST(BoundedSimplify, KeepsWhatBelongsToVertices) {
+TEST(BoundedSimplify, KeepsVertexAttributes) {
   mesh::Mesh before = test::sphere(40, true);
   test::add_colour(before, mesh::ComponentType::u8, 3);
   SimplifyOptions options;
@@ -332,7 +332,7 @@ TEST(BoundedSimplify, KeepsWhatBelongsToVertices) {
   }
 }
 
-// Collapses edges of all triangles as one patch; what is left.
+// Collapses edges of all triangles as one patch. Returns the remaining triangles.
 mesh::Mesh collapsed(const std::vector<glm::vec3>& positions, const std::vector<glm::uvec3>& triangles,
                      const std::vector<char>& locked, double distance) {
   CollapseState state(positions, positions, triangles);
@@ -346,7 +346,7 @@ mesh::Mesh collapsed(const std::vector<glm::vec3>& positions, const std::vector<
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     if (state.gone[t] == 0) left.push_back(state.corners[t]);
   }
-  // All of it can be taken back, and then the mesh is what it was.
+  // All collapses can be undone; then the mesh equals the original.
   std::vector<PutBack> changed;
   std::size_t undone = 0;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
@@ -358,8 +358,8 @@ mesh::Mesh collapsed(const std::vector<glm::vec3>& positions, const std::vector<
   return test::make_mesh("collapsed", positions, left);
 }
 
-// Without the link condition a thin tube, closed at both ends, becomes two triangles back to back.
-TEST(EdgeCollapse, TubesStayTubes) {
+// Without the link condition, a thin closed tube becomes two triangles back to back.
+TEST(EdgeCollapse, KeepsTubesClosed) {
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;
   constexpr unsigned kRings = 20;
@@ -388,8 +388,8 @@ TEST(EdgeCollapse, TubesStayTubes) {
   }
 }
 
-// Three of its triangles in one patch, the fourth in another: it must not become that one and its mirror image.
-TEST(EdgeCollapse, TetrahedraBetweenPatchesStay) {
+// A tetrahedron with three triangles in one patch and one in another must not become two mirrored triangles.
+TEST(EdgeCollapse, KeepsTetrahedraBetweenPatches) {
   const std::vector<glm::vec3> positions{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3F, 0.3F, 0.05F}};
   const std::vector<glm::uvec3> triangles{{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {0, 2, 1}};
   CollapseState state(positions, positions, triangles);
@@ -399,7 +399,7 @@ TEST(EdgeCollapse, TetrahedraBetweenPatchesStay) {
   EXPECT_EQ(collapse_edges(state, patch, {locked, wanted}, CollapseLimits(), 0).collapses.size(), 0U);
 }
 
-TEST(EdgeCollapse, LockedVerticesStayAndStraightBordersGo) {
+TEST(EdgeCollapse, KeepsLockedVerticesAndCollapsesStraightBorders) {
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;
   constexpr unsigned kSide = 20;

@@ -36,7 +36,7 @@ ClipFacts must_cap(mesh::Mesh& mesh, const std::vector<mesh::HalfSpace>& kept, c
   return *facts;
 }
 
-// The area in a plane of the triangles that lie in it, and of those among them that face to its kept side.
+// Returns the area of the triangles in a plane, and of those that face its kept side.
 struct PlaneArea {
   double area = 0;
   double against = 0;
@@ -67,8 +67,8 @@ void expect_closed(const mesh::Mesh& mesh, const std::string& what) {
 
 double volume_of(const mesh::Mesh& mesh) { return mesh::measure_size(mesh).volume; }
 
-// Planes in general place, along the samples' axes between samples, and through samples.
-TEST(CutCap, BothSidesAreClosedAndMakeTheWhole) {
+// General planes, planes along the sample axes between samples, and planes through samples.
+TEST(CutCap, ClosesBothSidesAndKeepsVolume) {
   struct Surface {
     const char* demo;
     double iso;
@@ -104,8 +104,8 @@ TEST(CutCap, BothSidesAreClosedAndMakeTheWhole) {
   }
 }
 
-// A half, a quarter and an eighth: later planes cut the caps of earlier ones. No handles, no parts.
-TEST(CutCap, PlaneAfterPlane) {
+// A half, a quarter and an eighth: later planes cut the caps of earlier ones. No handles, no extra components.
+TEST(CutCap, CutsCapsOfEarlierPlanes) {
   for (const glm::dvec3& origin : {glm::dvec3(0), glm::dvec3(1e5, -2e5, 3e5)}) {
     mesh::Mesh part = closed_surface("demo:sphere?size=49", 0, origin);
     double volume = volume_of(part);
@@ -126,8 +126,8 @@ TEST(CutCap, PlaneAfterPlane) {
   EXPECT_EQ(mesh::measure_topology(ring).euler, 2);  // a half of a ring
 }
 
-// Triangles of a plane whose body is outside go, those whose body is kept stay, and the rest of the plane is closed.
-TEST(CutCap, FacesInThePlane) {
+// In a plane, triangles of a removed body go, triangles of a kept body stay, and the rest of the plane is capped.
+TEST(CutCap, DropsOrKeepsFacesInPlane) {
   // A block with a smaller one on top: the step is at z = 0.
   mesh::Mesh above = test::box_mesh({0, 0, 0}, {1, 1, 1});
   must_cap(above, {{{0, 0, 1}, 0}});
@@ -143,7 +143,7 @@ TEST(CutCap, FacesInThePlane) {
   EXPECT_NEAR(volume_of(half), 6, 1e-6);
 }
 
-TEST(CutCap, WhatWasOpenIsRefused) {
+TEST(CutCap, RejectsCutsThatEndAtOpenBorder) {
   const field::ScalarField field = field::make_demo_field("demo:gyroid?size=30", Context()).value();
   extract::ExtractOptions options;
   options.iso = 0;
@@ -156,7 +156,7 @@ TEST(CutCap, WhatWasOpenIsRefused) {
   EXPECT_NE(refused.error().message.find("cannot be closed"), std::string::npos);
 }
 
-TEST(CutCap, IsTheSameForAnyNumberOfThreadsAndWithinItsMemory) {
+TEST(CutCap, IsIndependentOfThreadsAndReservesMemory) {
   const std::vector<mesh::HalfSpace> kept{{glm::normalize(glm::dvec3(1, 2, 3)), 0.1}, {{0, 0, -1}, -0.5}};
   std::vector<mesh::Mesh> results;
   for (const std::size_t threads : {1, 4}) {

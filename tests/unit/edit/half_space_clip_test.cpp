@@ -32,9 +32,9 @@ ClipFacts must_clip(mesh::Mesh& mesh, const std::vector<mesh::HalfSpace>& kept, 
 
 double area_of(const mesh::Mesh& mesh) { return mesh::measure_size(mesh).area; }
 
-// Both sides of planes in general place make the whole: areas add up, no triangle is without area, normals are of unit
-// length, and the only open edges are on the plane.
-TEST(HalfSpaceClip, BothSidesMakeTheWhole) {
+// Both sides of general planes together have the whole area. No triangle has zero area, normals have unit length, and
+// all boundary edges lie on the plane.
+TEST(HalfSpaceClip, SplitsAreaBetweenBothSides) {
   for (const glm::dvec3& origin : {glm::dvec3(0), glm::dvec3(1e6, -2e6, 3e6)}) {
     const mesh::Mesh whole = surface_of("demo:torus?size=40", origin);
     const glm::dvec3 normal = glm::normalize(glm::dvec3(0.3, -0.7, 0.5));
@@ -59,7 +59,7 @@ TEST(HalfSpaceClip, BothSidesMakeTheWhole) {
         on_plane += std::abs(kept.depth(part->position(v))) < 2e-6 ? 1 : 0;
       }
       const mesh::Topology topology = mesh::measure_topology(*part);
-      // A closed surface that is cut open: each open edge joins two vertices on the plane, in loops.
+      // A closed surface is cut open: each boundary edge joins two vertices on the plane, in loops.
       EXPECT_EQ(topology.open_edges, on_plane);
       EXPECT_EQ(topology.nonmanifold_edges, 0U);
       EXPECT_EQ(topology.misoriented_edges, 0U);
@@ -72,21 +72,21 @@ TEST(HalfSpaceClip, BothSidesMakeTheWhole) {
   }
 }
 
-// Where a plane goes through vertices these are kept, and nothing without area is made of them.
-TEST(HalfSpaceClip, VerticesOnThePlaneStay) {
+// A plane through vertices keeps them and makes no zero-area triangles.
+TEST(HalfSpaceClip, KeepsVerticesOnPlane) {
   const std::vector<glm::vec3> corners{{-1, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 2, 1}};
   const mesh::Mesh whole = test::make_mesh("m", corners, {{0, 1, 2}, {0, 3, 1}, {2, 1, 4}, {3, 0, 2}});
   mesh::Mesh right = copy(whole);
   const ClipFacts facts = must_clip(right, {{{1, 0, 0}, 0}});
   EXPECT_EQ(facts.triangles_cut, 2U);
   EXPECT_EQ(right.triangles.size(), 3U);
-  EXPECT_EQ(right.positions.size(), 5U);  // 1, 2, 3, 4, and one on the edge from 0 to 1
+  EXPECT_EQ(right.positions.size(), 5U);  // vertices 1, 2, 3, 4 and one on the edge from 0 to 1
   EXPECT_EQ(right.positions[4], glm::vec3(0));
   EXPECT_FLOAT_EQ(static_cast<float>(area_of(right)),
                   1 + static_cast<float>(area_of(test::make_mesh("m", corners, {{2, 1, 4}}))));
 }
 
-TEST(HalfSpaceClip, OfABoxWhatIsOutsideIsGoneAndWhatIsInsideStays) {
+TEST(HalfSpaceClip, ClipsToBox) {
   const mesh::Mesh whole = surface_of("demo:gyroid?size=30");
   mesh::Mesh same = copy(whole);
   must_clip(same, {{{1, 0, 0}, -100}, {{0, 0, -1}, -100}});
@@ -105,7 +105,7 @@ TEST(HalfSpaceClip, OfABoxWhatIsOutsideIsGoneAndWhatIsInsideStays) {
   EXPECT_NEAR(size.max.y, 0.75, 1e-6);
 }
 
-TEST(HalfSpaceClip, IsTheSameForAnyNumberOfThreadsAndWithinItsMemory) {
+TEST(HalfSpaceClip, IsIndependentOfThreadsAndReservesMemory) {
   const mesh::HalfSpace kept{glm::normalize(glm::dvec3(1, 2, 3)), 0.1};
   std::vector<mesh::Mesh> results;
   for (const std::size_t threads : {1, 4}) {

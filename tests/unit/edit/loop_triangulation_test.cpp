@@ -58,7 +58,7 @@ std::vector<glm::dvec2> all_points(const PlanarLoops& loops, const LoopTriangles
   return points;
 }
 
-// Every edge of the loops has one triangle, every other two, which run along it in opposite directions.
+// Expects one triangle at every loop edge and two at every other edge, in opposite directions.
 void expect_closing(const PlanarLoops& loops, const LoopTriangles& made, const std::string& what) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
   for (const glm::uvec3& t : made.triangles) {
@@ -76,7 +76,7 @@ void expect_closing(const PlanarLoops& loops, const LoopTriangles& made, const s
   ASSERT_EQ(border, loops.points.size()) << what;
 }
 
-// And the triangles cover what is on the left of the loops once.
+// Also expects the triangles to cover the region on the left of the loops once.
 void expect_filling(const PlanarLoops& loops, const LoopTriangles& made, const std::string& what, bool none_flat) {
   expect_closing(loops, made, what);
   const std::vector<glm::dvec2> points = all_points(loops, made);
@@ -95,7 +95,7 @@ void expect_filling(const PlanarLoops& loops, const LoopTriangles& made, const s
   EXPECT_TRUE(!none_flat || flat == 0) << what;
 }
 
-TEST(LoopTriangulation, NestedCircles) {
+TEST(LoopTriangulation, FillsNestedCircles) {
   PlanarLoops loops;
   for (const double x : {-3.0, 3.0}) {
     loops.add_circle({x, 0}, 2.5, 100, false);
@@ -108,20 +108,20 @@ TEST(LoopTriangulation, NestedCircles) {
   const LoopTriangles made = must_triangulate(loops);
   expect_filling(loops, made, "circles", true);
   EXPECT_TRUE(made.midpoints.empty());
-  // Of a polygon with n points and h holes, n + 2 h - 2.
+  // A polygon with n points and h holes has n + 2 h - 2 triangles.
   const std::size_t polygons = 2 * ((100 + 70 + 2 - 2) + (50 + 20 + 9 + 4 - 2) + (5 - 2));
   EXPECT_EQ(made.triangles.size(), polygons);
 }
 
-// The border of squares of a chessboard taken at random: rich in points on one line and in loops that touch in points,
-// each of which is parted in one way or the other.
+// The outline of random chessboard squares: many collinear points and loops that touch in points. Each touching point
+// may separate or join the squares.
 PlanarLoops borders_of_squares(std::mt19937& random, int size, double share, bool joined) {
   std::vector<char> taken(static_cast<std::size_t>(size) * size);
   for (char& square : taken) square = static_cast<char>(std::bernoulli_distribution(share)(random));
   const auto is_taken = [&](int x, int y) {
     return x >= 0 && y >= 0 && x < size && y < size && taken[static_cast<std::size_t>(y) * size + x] != 0;
   };
-  // From each corner in each direction: east, north, west, south. The taken square is on the left.
+  // For each corner, each direction: east, north, west, south. The filled square is on the left.
   const int dx[] = {1, 0, -1, 0};
   const int dy[] = {0, 1, 0, -1};
   const auto is_border = [&](int x, int y, int d) {
@@ -143,7 +143,7 @@ PlanarLoops borders_of_squares(std::mt19937& random, int size, double share, boo
           loop.emplace_back(at_x, at_y);
           at_x += dx[along];
           at_y += dy[along];
-          // Squares that touch in a corner stay apart, or are joined there.
+          // Squares that touch in a corner stay separate or are joined there.
           for (const int turn : joined ? std::array{3, 0, 1} : std::array{1, 0, 3}) {
             const int other = (along + turn) % 4;
             if (!is_border(at_x, at_y, other)) continue;
@@ -158,7 +158,7 @@ PlanarLoops borders_of_squares(std::mt19937& random, int size, double share, boo
   return loops;
 }
 
-TEST(LoopTriangulation, SquaresThatTouch) {
+TEST(LoopTriangulation, FillsTouchingSquares) {
   std::mt19937 random(1);
   for (int i = 0; i < 600; ++i) {
     const int size = 2 + i % 19;
@@ -172,8 +172,8 @@ TEST(LoopTriangulation, SquaresThatTouch) {
   }
 }
 
-// What whole numbers as samples make of surfaces: points at one place, and edges there and back.
-TEST(LoopTriangulation, PointsAtOnePlace) {
+// Integer samples give such surfaces: coincident points, and edges there and back.
+TEST(LoopTriangulation, FillsLoopsWithCoincidentPoints) {
   std::mt19937 random(2);
   for (int i = 0; i < 200; ++i) {
     const PlanarLoops plain = borders_of_squares(random, 3 + i % 11, 0.6, i % 2 == 1);
@@ -192,7 +192,7 @@ TEST(LoopTriangulation, PointsAtOnePlace) {
       }
       if (!loop.empty()) loops.add(loop);
     }
-    // Loops without area, some of them within.
+    // Loops without area, some inside the polygon.
     loops.add({{1, 1}, {1, 1}, {1, 1}});
     loops.add({{0.5, 0.5}, {2.5, 0.5}, {1.5, 0.5}, {0.75, 0.5}});
     expect_filling(loops, must_triangulate(loops), "places " + std::to_string(i), false);
@@ -200,7 +200,7 @@ TEST(LoopTriangulation, PointsAtOnePlace) {
   }
 }
 
-TEST(LoopTriangulation, TrianglesAreDelaunay) {
+TEST(LoopTriangulation, FlipsToDelaunay) {
   PlanarLoops loops;
   loops.add({{0, 0}, {4, 0}, {8, 0}, {8, 1}, {4, 1.25}, {0, 1}});
   const LoopTriangles made = must_triangulate(loops);
@@ -210,11 +210,11 @@ TEST(LoopTriangulation, TrianglesAreDelaunay) {
       return (t.x == a || t.y == a || t.z == a) && (t.x == b || t.y == b || t.z == b);
     });
   };
-  EXPECT_TRUE(has(1, 4));  // the short way across
+  EXPECT_TRUE(has(1, 4));  // the shorter diagonal
 }
 
-// An edge that there is already gets a point in its middle.
-TEST(LoopTriangulation, NoEdgeTwice) {
+// An edge that exists already gets a midpoint.
+TEST(LoopTriangulation, SplitsDuplicateEdges) {
   PlanarLoops loops;
   loops.add({{0, 0}, {2, -1}, {4, 0}, {2, 1}});
   const LoopTriangles made = must_triangulate(loops, {{1, 3}});
@@ -225,8 +225,8 @@ TEST(LoopTriangulation, NoEdgeTwice) {
   EXPECT_TRUE(must_triangulate(loops, {{0, 2}}).midpoints.empty());
 }
 
-// Loops that cross, or run the wrong way, are closed nevertheless, and that is counted.
-TEST(LoopTriangulation, WhatOverlapsIsClosedAndCounted) {
+// Loops that cross or run clockwise are closed, too, and their overlaps are counted.
+TEST(LoopTriangulation, ClosesCrossingLoopsAndCountsOverlaps) {
   PlanarLoops crossing;
   crossing.add({{0, 0}, {2, 2}, {2, 0}, {0, 2}, {-1, 1}});
   PlanarLoops turned;
@@ -238,7 +238,7 @@ TEST(LoopTriangulation, WhatOverlapsIsClosedAndCounted) {
   }
 }
 
-TEST(LoopTriangulation, StaysWithinItsMemoryAndEndsWhereAsked) {
+TEST(LoopTriangulation, ObeysMemoryBudgetAndCancellation) {
   PlanarLoops loops;
   loops.add_circle({0, 0}, 1, 500, false);
   EXPECT_FALSE(triangulate_loops(loops.points, loops.next, {}, 0, Context(MemoryBudget(1000))));

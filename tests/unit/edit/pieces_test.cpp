@@ -22,10 +22,10 @@ struct Ball {
   double radius;
 };
 
-// Inside where it is in an odd number of the balls: balls in balls are cavities, those in these loose bodies.
+// Inside is where an odd number of balls overlap: a ball in a ball is a cavity, a ball in a cavity a loose body.
 field::ScalarField nested(const std::vector<Ball>& balls, const glm::ivec3& dims = glm::ivec3(48)) {
   return test::dense_field<float>(dims, [&](int i, int j, int k) {
-    double value = -1;  // of the nearest sphere, with the sign of the side
+    double value = -1;  // signed distance to the nearest sphere
     double nearest = 1e9;
     int around = 0;
     for (const Ball& ball : balls) {
@@ -54,14 +54,14 @@ KeptPieces must_keep(const mesh::Mesh& mesh, const PieceOptions& options) {
 
 double volume_of(double radius) { return 4 * std::numbers::pi / 3 * radius * radius * radius; }
 
-// A shell with a cavity in which a pebble lies that is hollow itself, and a small ball beside it.
+// A shell with a cavity that holds a hollow pebble, and a small ball beside the shell.
 const std::vector<Ball> kShells{{{20.2, 20.3, 20.1}, 16},
                                 {{20.1, 20.4, 20.2}, 11},
                                 {{21.3, 19.2, 20.5}, 6},
                                 {{21.1, 19.4, 20.3}, 3},
                                 {{42.2, 42.1, 41.8}, 4}};
 
-TEST(Pieces, TheLargestKeepsItsCavitiesAndNothingElse) {
+TEST(Pieces, KeepsLargestBodiesWithTheirCavities) {
   const mesh::Mesh mesh = surface_of(nested(kShells));
   PieceOptions options;
   options.largest = 1;
@@ -77,7 +77,7 @@ TEST(Pieces, TheLargestKeepsItsCavitiesAndNothingElse) {
   EXPECT_EQ(must_keep(mesh, options).facts.after.components, 4U) << "and the hollow pebble";
 }
 
-TEST(Pieces, FilledCavitiesTakeAlongWhatLiesInThem) {
+TEST(Pieces, RemovesContentsOfFilledCavities) {
   const mesh::Mesh mesh = surface_of(nested(kShells));
   PieceOptions options;
   options.fill_cavities = true;
@@ -86,20 +86,20 @@ TEST(Pieces, FilledCavitiesTakeAlongWhatLiesInThem) {
   EXPECT_NEAR(mesh::measure_size(kept).volume, volume_of(16) + volume_of(4), 0.02 * volume_of(16));
 }
 
-TEST(Pieces, SmallOnesGoByEachMeasure) {
+TEST(Pieces, RemovesSmallComponentsByEachMeasure) {
   const mesh::Mesh mesh = surface_of(nested(kShells));
   PieceOptions options;
   options.measure = PieceMeasure::volume;
-  options.least = volume_of(3.5);  // the cavity of the pebble is less
+  options.least = volume_of(3.5);  // more than the pebble's cavity
   auto kept = must_keep(mesh, options);
   EXPECT_EQ(kept.facts.after.components, 4U);
   EXPECT_EQ(kept.facts.after.bodies, 3U);
-  options.least = volume_of(5);  // and the ball beside
+  options.least = volume_of(5);  // more than the ball, too
   EXPECT_EQ(must_keep(mesh, options).facts.after.bodies, 2U);
   options.measure = PieceMeasure::area;
-  options.least = 4 * std::numbers::pi * 7 * 7;  // and the pebble
+  options.least = 4 * std::numbers::pi * 7 * 7;  // more than the pebble, too
   EXPECT_EQ(must_keep(mesh, options).facts.after.components, 2U);
-  options.to_metric = glm::dmat3(0.5);  // areas are a quarter: the cavity is filled
+  options.to_metric = glm::dmat3(0.5);  // quarters areas, so the cavity is filled
   EXPECT_EQ(must_keep(mesh, options).facts.after.components, 1U);
   options.to_metric = glm::dmat3(-0.5);  // mirrored: bodies stay bodies
   EXPECT_EQ(must_keep(mesh, options).facts.after.components, 1U);
@@ -110,7 +110,7 @@ TEST(Pieces, SmallOnesGoByEachMeasure) {
   EXPECT_TRUE(kept.mesh.positions.empty());
 }
 
-TEST(Pieces, OpenOnesAreBodiesWithoutVolume) {
+TEST(Pieces, TreatsOpenComponentsAsBodiesWithoutVolume) {
   const field::ScalarField field = nested({{{0, 24, 24}, 12}, {{4, 24, 24}, 3.2}, {{30.1, 24.2, 24.3}, 4}});
   const mesh::Mesh mesh = surface_of(field);
   PieceOptions options;
@@ -128,9 +128,9 @@ TEST(Pieces, OpenOnesAreBodiesWithoutVolume) {
   EXPECT_GT(mesh::measure_topology(open.mesh).open_edges, 0U);
 }
 
-// Matter without an end around bubbles: each is a piece, also where the first is in front of the second as the rays of
-// mesh/shells.hpp go.
-TEST(Pieces, CavitiesWithoutABodyArePieces) {
+// Bubbles in unbounded matter: each is a body. In one case the rays of mesh/shells.hpp from one bubble pass through the
+// other.
+TEST(Pieces, TreatsCavitiesWithoutShellAsBodies) {
   for (const glm::dvec3& other : {glm::dvec3(28.1, 28.2, 28.3), glm::dvec3(28.1, 20.9, 19.8)}) {
     const field::ScalarField field = test::dense_field<float>(glm::ivec3(40), [&](int i, int j, int k) {
       const glm::dvec3 p(i, j, k);
@@ -150,8 +150,8 @@ TEST(Pieces, CavitiesWithoutABodyArePieces) {
   }
 }
 
-// A hollow grain in a bubble, around which matter is open at the border of the data, or goes on without an end.
-TEST(Pieces, TheCavityOfAGrainInABubbleIsTheGrains) {
+// A hollow grain in a bubble. The matter around it is open at the data boundary, or unbounded.
+TEST(Pieces, AssignsCavityToInnermostGrain) {
   const field::ScalarField open =
       nested({{{0, 24, 24}, 20}, {{9.1, 24.2, 24.3}, 8}, {{9.2, 24.1, 24.4}, 6}, {{9.3, 24.4, 24.2}, 3.3}});
   const field::ScalarField without_end = test::dense_field<float>(glm::ivec3(40), [](int i, int j, int k) {
@@ -173,8 +173,8 @@ TEST(Pieces, TheCavityOfAGrainInABubbleIsTheGrains) {
   }
 }
 
-// Many balls, some of them hollow: what lies in what is known from how they were made.
-TEST(Pieces, NestingOfManyIsWhatItIsInTheField) {
+// Many balls, some hollow, with known nesting.
+TEST(Pieces, FindsNestingOfManyBalls) {
   std::mt19937 engine(5);
   std::vector<Ball> balls;
   std::size_t hollow = 0;
@@ -212,7 +212,7 @@ TEST(Pieces, NestingOfManyIsWhatItIsInTheField) {
   EXPECT_EQ(cavities, hollow);
 }
 
-TEST(Pieces, SplitIntoBodiesThatTogetherAreTheMesh) {
+TEST(Pieces, SplitsMeshIntoBodies) {
   mesh::Mesh mesh = surface_of(nested(kShells));
   mesh.name = "balls";
   mesh.origin = {10, 20, 30};
@@ -241,7 +241,7 @@ TEST(Pieces, SplitIntoBodiesThatTogetherAreTheMesh) {
   EXPECT_TRUE(split_pieces(mesh::Mesh(), 2, Context()).value().empty());
 }
 
-TEST(Pieces, SameForAnyNumberOfThreadsAndWithinTheMemory) {
+TEST(Pieces, IsIndependentOfThreadsAndReservesMemory) {
   const field::ScalarField field = test::random_field<std::uint8_t>({40, 40, 40}, 3, 256);
   extract::ExtractOptions options;
   options.iso = 200;

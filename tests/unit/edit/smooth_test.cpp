@@ -38,7 +38,7 @@ mesh::Mesh rough_surface(const field::ScalarField& field, bool cap, bool normals
   return std::move(test::extract(field, options).mesh);
 }
 
-// How far vertices are from a sphere, root mean square.
+// Returns the root mean square distance of the vertices to a sphere.
 double roughness(const mesh::Mesh& mesh, double radius) {
   double sum = 0;
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
@@ -52,7 +52,7 @@ class SmoothMethods : public testing::TestWithParam<SmoothMethod> {};
 INSTANTIATE_TEST_SUITE_P(Smooth, SmoothMethods, testing::Values(SmoothMethod::taubin, SmoothMethod::sinc),
                          [](const auto& parameter) { return std::string(word_of(parameter.param)); });
 
-TEST_P(SmoothMethods, TakesNoiseAndLeavesTheSize) {
+TEST_P(SmoothMethods, RemovesNoiseAndKeepsSize) {
   mesh::Mesh mesh = rough_surface(noisy_sphere(18), false, true);
   const mesh::Mesh before = copy(mesh);
   SmoothOptions options;
@@ -78,9 +78,9 @@ TEST_P(SmoothMethods, TakesNoiseAndLeavesTheSize) {
   EXPECT_LT(most, 2);
 }
 
-// On a ring of vertices, the tops of a bipyramid apart, a wave is damped by what the filter says; here on a torus
-// whose vertices all have the same six neighbours, where frequencies are known.
-TEST_P(SmoothMethods, DampsAWaveByItsGain) {
+// The filter damps a wave by its gain. On this torus all vertices have six neighbors in the same directions, so the
+// frequency of a wave is known.
+TEST_P(SmoothMethods, DampsWaveByItsGain) {
   constexpr unsigned kSide = 24;
   std::vector<glm::uvec3> triangles;
   const auto vertex = [](unsigned a, unsigned b) { return a % kSide * kSide + b % kSide; };
@@ -102,7 +102,7 @@ TEST_P(SmoothMethods, DampsAWaveByItsGain) {
     options.passes = 15;
     options.pass_band = 0.15;
     must_smooth(mesh, options);
-    // Of its six neighbours two have the same phase, two are a step ahead and two a step behind.
+    // Two of the six neighbors have the same phase, two are a step ahead, two a step behind.
     const double frequency = 1 - (2 + 4 * std::cos(turn)) / 6;
     EXPECT_NEAR(mesh.positions[0].x, smoothing_gain(options, frequency), 1e-5) << wave;
     if (wave == 0) {
@@ -115,7 +115,7 @@ TEST_P(SmoothMethods, DampsAWaveByItsGain) {
   EXPECT_LT(std::abs(smoothing_gain(options, 1.5)), 0.01);
 }
 
-TEST_P(SmoothMethods, OpenBordersStay) {
+TEST_P(SmoothMethods, KeepsOpenBorders) {
   const field::ScalarField field = field::make_demo_field("demo:gyroid?size=32", Context()).value();
   mesh::Mesh mesh = rough_surface(field, false);
   const mesh::Mesh before = copy(mesh);
@@ -137,7 +137,7 @@ TEST_P(SmoothMethods, OpenBordersStay) {
   EXPECT_GT(stayed, 100U);
 }
 
-TEST_P(SmoothMethods, CapsStayFlat) {
+TEST_P(SmoothMethods, KeepsCapsFlat) {
   const field::ScalarField field = field::make_demo_field("demo:gyroid?size=32", Context()).value();
   extract::ExtractOptions extract;
   extract.cap = true;
@@ -170,7 +170,7 @@ TEST_P(SmoothMethods, CapsStayFlat) {
   EXPECT_NEAR(facts.volume_after / facts.volume_before, 1, 0.01);
 }
 
-TEST_P(SmoothMethods, SameForAnyNumberOfThreads) {
+TEST_P(SmoothMethods, IsIndependentOfThreads) {
   std::vector<mesh::Mesh> results;
   for (const std::size_t threads : {1, 4}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
@@ -183,7 +183,7 @@ TEST_P(SmoothMethods, SameForAnyNumberOfThreads) {
   EXPECT_TRUE(std::ranges::equal(results[0].normals, results[1].normals));
 }
 
-TEST(Smooth, FailsWithinItsMemoryAndLeavesTheMesh) {
+TEST(Smooth, LeavesMeshUnchangedIfMemoryIsShort) {
   mesh::Mesh mesh = rough_surface(noisy_sphere(12), false);
   const mesh::Mesh before = copy(mesh);
   const auto little = smooth(mesh, {}, Context(MemoryBudget(1000)));

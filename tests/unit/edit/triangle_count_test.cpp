@@ -35,7 +35,7 @@ void expect_measured(const mesh::Mesh& before, const SimplifiedMesh& simplified)
   EXPECT_LE(simplified.facts.measured_lower, distance->hausdorff_upper + distance->resolution);
 }
 
-TEST(SimplifyToCount, AsManyTrianglesAsAskedFor) {
+TEST(SimplifyToCount, ReachesTriangleCount) {
   const mesh::Mesh before = test::sphere(40, false);
   for (const std::size_t asked : {before.triangles.size() / 2, before.triangles.size() / 10, std::size_t{100}}) {
     SimplifyOptions options;
@@ -52,8 +52,8 @@ TEST(SimplifyToCount, AsManyTrianglesAsAskedFor) {
   }
 }
 
-// In patches, of a surface with an open border and handles; for any number of threads.
-TEST(SimplifyToCount, AsManyTrianglesOfPatches) {
+// Uses patches on a surface with an open border and handles, with several numbers of threads.
+TEST(SimplifyToCount, ReachesTriangleCountInPatches) {
   extract::ExtractOptions extract;
   extract.output_from_index = {glm::dmat3(1.0), {}};
   const mesh::Mesh before = test::extract(*field::make_demo_field("demo:gyroid?size=40", Context()), extract).mesh;
@@ -88,9 +88,8 @@ TEST(SimplifyToCount, AsManyTrianglesOfPatches) {
   }
 }
 
-// Blocks of a few voxels on a plane: vertices tell too little there, so collapses are taken back, and others done in
-// their place.
-TEST(SimplifyToCount, WhatIsTakenBackIsReplaced) {
+// Blocks of a few voxels on a plane. Samples underestimate the distance there, so collapses are undone and replaced.
+TEST(SimplifyToCount, ReplacesUndoneCollapses) {
   constexpr int kSide = 96;
   std::mt19937 random(8);
   std::vector<float> height(kSide * kSide, 0.0F);
@@ -120,8 +119,8 @@ TEST(SimplifyToCount, WhatIsTakenBackIsReplaced) {
   EXPECT_GT(taken_back, 0U);
 }
 
-// A vertex that is there again must be held against no triangle: the next collapse would hold it twice.
-TEST(SimplifyToCount, SamplesThatAreBackAreDropped) {
+// A vertex that an undo restored must not be in a sample list: the next collapse would list it twice.
+TEST(SimplifyToCount, DropsSamplesOfRestoredVertices) {
   const mesh::Mesh mesh = test::sphere(16, false);
   CollapseState state(mesh.positions.span(), mesh.positions.span(), mesh.triangles.span());
   std::vector<std::uint32_t> patch(mesh.triangles.size());
@@ -152,8 +151,8 @@ TEST(SimplifyToCount, SamplesThatAreBackAreDropped) {
   EXPECT_GT(gone, 100U);
 }
 
-// Open specks: discs that become one triangle each, in more patches than any number of rounds could empty.
-TEST(SimplifyToCount, SpecksThatTopologyKeeps) {
+// Isolated specks become one triangle each, in more patches than any number of rounds could merge.
+TEST(SimplifyToCount, EndsIfTopologyBlocksCollapses) {
   extract::ExtractOptions extract;
   extract.iso = 0.5;
   const auto field = test::dense_field<std::uint8_t>(

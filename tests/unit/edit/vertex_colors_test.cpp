@@ -33,7 +33,7 @@ std::vector<T> colors_of(const mesh::Mesh& mesh) {
   return numbers;
 }
 
-TEST(VertexColors, GltfIsLinearAndPlyIsSrgb) {
+TEST(VertexColors, StoresLinearForGltfAndSrgbForPly) {
   mesh::Mesh mesh = with_values({0, 1, 0.5});
   const auto record = color_by_values(mesh, "heat", Colormap::gray, {}, ColorStorage::linear_u16, Context());
   ASSERT_TRUE(record);
@@ -50,7 +50,7 @@ TEST(VertexColors, GltfIsLinearAndPlyIsSrgb) {
   EXPECT_EQ(colors_of<std::uint8_t>(other), (std::vector<std::uint8_t>{0, 0, 0, 255, 255, 255, 128, 128, 128}));
 }
 
-TEST(VertexColors, RangesLengthsAndNumbersThatAreNone) {
+TEST(VertexColors, HandlesRangesVectorsAndNan) {
   mesh::Mesh mesh = with_values({kNan, 5, 10, std::numeric_limits<float>::infinity()});
   auto record = color_by_values(mesh, "heat", Colormap::gray, std::array{0.0, 10.0}, kBytes, Context());
   ASSERT_TRUE(record);
@@ -79,7 +79,7 @@ TEST(VertexColors, RangesLengthsAndNumbersThatAreNone) {
   EXPECT_FALSE(color_by_values(mesh, "heat", Colormap::gray, {}, kBytes, Context{MemoryBudget(1)}));
 }
 
-TEST(VertexColors, OneColorOfAllVertices) {
+TEST(VertexColors, ColorsAllVertices) {
   mesh::Mesh mesh = with_values({1, 2});
   ASSERT_TRUE(color_all(mesh, {1, 0.5, 0}, Context()));
   EXPECT_EQ(colors_of<std::uint8_t>(mesh), (std::vector<std::uint8_t>{255, 128, 0, 255, 128, 0}));
