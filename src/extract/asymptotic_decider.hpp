@@ -1,15 +1,16 @@
-// What an ambiguous cell draws, so that its surface has the topology of the trilinear interpolant of its corners.
+// Chooses the triangles of an ambiguous cell so that the surface has the topology of the trilinear interpolant of the
+// cell's corners.
 //
-// Faces: Nielson and Hamann, "The asymptotic decider", IEEE Visualization 1991. Tunnels: the same decision in slices of
-// the cell, tunnel_cases.hpp.
+// Ambiguous faces: Nielson and Hamann, "The asymptotic decider", IEEE Visualization 1991. Tunnels through the cell: the
+// same test in slices of the cell, see tunnel_cases.hpp.
 //
-// Ties follow one rule, the rule for samples: what equals iso is outside, or, which is the same, iso stands for a value
-// infinitesimally further inside than it says. So a sample of value iso is outside, and a saddle of value iso keeps
-// inside corners apart. The field at that other iso is a field without ties; its topology is what is drawn.
+// Ties follow the rule for samples: a value equal to iso is outside. A sample of value iso is therefore outside, and a
+// saddle of value iso keeps the inside corners of its face apart. The drawn topology is that of the field at an iso
+// value infinitesimally further inside, where no ties exist.
 //
-// Differences and products are made in long double, so that no sample of any type overflows or vanishes. They are
-// rounded where depths need more than half its digits; then a saddle within rounding of iso may be taken for either
-// side, and the mesh is closed all the same: both cells at a face decide by the same products of the same four values.
+// Differences and products are long double, so that no sample of any type overflows or becomes zero. They are rounded
+// if depths need more than half of its digits. A saddle within rounding of iso may then fall on either side. The mesh
+// is closed all the same: both cells at a face compute the same products of the same four values.
 #pragma once
 
 #include <algorithm>
@@ -23,17 +24,16 @@
 
 namespace isoextract::extract {
 
-// On a face (or a slice of a cell) whose corners alternate: whether the bilinear interpolant joins the two inside
-// corners. Corners are given by their depths (inside_test.hpp). Where infinities leave it open, and for NaN, they are
-// apart.
+// Returns whether the bilinear interpolant joins the two inside corners of a face (or slice) whose corners alternate.
+// Takes the depths of the corners (InsideRule::depth). Returns false for NaN, and if infinities leave the answer open.
 [[nodiscard]] inline bool joins_inside(long double inside_a, long double inside_b, long double outside_a,
                                        long double outside_b) {
   return inside_a * inside_b > outside_a * outside_b;
 }
 
-using CornerValues = std::array<long double, 8>;  // depths (inside_test.hpp) by corner
+using CornerValues = std::array<long double, 8>;  // InsideRule::depth of each corner
 
-// The set of faces of a cell that are joined.
+// Returns the faces of a cell, as bits, whose inside corners are joined.
 [[nodiscard]] inline unsigned joined_faces(const CaseTable& table, unsigned cell_case, const CornerValues& corners) {
   unsigned joined = 0;
   for (unsigned f = 0; f < 6; ++f) {
@@ -48,10 +48,11 @@ using CornerValues = std::array<long double, 8>;  // depths (inside_test.hpp) by
   return joined;
 }
 
-// The variant with the tunnel that the values make, or `variant`. Slices across z at height z = t / (s + t) have the
-// corners s * lower + t * upper (up to a factor); D(z), a quadratic polynomial, has its extremum where s : t = D2 - D1
-// : D0 - D1 in Bernstein coefficients. The ends of the range of alternating slices are decided alike
-// (tunnel_cases.hpp), so there is a tunnel exactly if the extremum lies in the range and is decided differently.
+// Returns the variant with a tunnel if the corner values make one, otherwise `variant`.
+// A slice across z at height z = t / (s + t) has the corners s * lower + t * upper (up to a factor). D(z)
+// (tunnel_cases.hpp) is a quadratic polynomial with Bernstein coefficients D0, D1, D2; its extremum is where s : t = D2
+// - D1 : D0 - D1. Both ends of the range of alternating slices have the same decision. So a tunnel exists exactly if
+// the extremum lies in the range and has the other decision.
 [[nodiscard]] inline unsigned with_tunnel(const CaseTable& table, unsigned variant, const CornerValues& c) {
   const std::array<Tunnel, 2>& tunnels = table.tunnels[variant];
   if (tunnels[0].variant == 0 && tunnels[1].variant == 0) return variant;
@@ -77,8 +78,8 @@ using CornerValues = std::array<long double, 8>;  // depths (inside_test.hpp) by
   return variant;
 }
 
-// The variant that a cell draws; `value(c)` is the field at corner c. Values are looked at only where the case alone
-// does not decide.
+// Returns the variant that a cell draws. `value(c)` returns the field at corner c; it is called only if the case is
+// ambiguous.
 template <class Value>
 [[nodiscard]] unsigned cell_variant(const CaseTable& table, unsigned cell_case, const InsideRule& rule,
                                     const Value& value) {
@@ -88,7 +89,7 @@ template <class Value>
   return with_tunnel(table, table.variant(cell_case, joined_faces(table, cell_case, corners)), corners);
 }
 
-// The same, but nothing if `holes` and a corner is not a number.
+// Returns the same, or nullopt if `holes` is set and a corner is NaN.
 template <class Value>
 [[nodiscard]] std::optional<unsigned> variant_or_hole(const CaseTable& table, unsigned cell_case,
                                                       const InsideRule& rule, bool holes, const Value& value) {

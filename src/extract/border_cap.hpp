@@ -1,9 +1,9 @@
-// Closes the surface where it leaves a box of samples: the inside part of every border square becomes triangles.
+// Caps the surface at the faces of a box of samples: the inside part of every boundary square becomes triangles.
 //
-// A cap vertex stands at every inside sample of the border; the other corners of cap polygons are vertices that the
-// surface already has on the border's edges, so the cap is welded. Squares decide alternating corners like the cells
-// behind them (asymptotic_decider.hpp); where a method has edges across a cell's faces, a square is the two triangles
-// that its cells show.
+// A cap vertex stands at every inside sample of the box's faces. The other corners of cap polygons are vertices that
+// the surface already has on edges in these faces, so the cap is welded to the surface. Squares with alternating
+// corners are decided like the cells behind them (asymptotic_decider.hpp). For methods with edges across cell faces, a
+// square is split into the same two triangles as in its cell.
 #pragma once
 
 #include <algorithm>
@@ -22,17 +22,18 @@
 namespace isoextract::extract {
 
 struct BorderCap {
-  std::vector<glm::ivec3> samples;    // where the cap vertices stand, in the order of their numbers
-  std::vector<glm::uvec3> triangles;  // counter-clockwise seen from outside in right-handed index space
+  std::vector<glm::ivec3> samples;    // positions of the cap vertices, in the order of their numbers
+  std::vector<glm::uvec3> triangles;  // vertex numbers; counter-clockwise seen from outside in right-handed index space
 };
 
 namespace detail {
 
 struct BoxFace {
-  int axis;     // normal to the face
-  bool at_max;  // at box.max rather than box.min
-  int u, v;     // the axes within it, so that (u, v, outward) is right-handed
+  int axis;     // the axis normal to the face
+  bool at_max;  // at box.max, otherwise at box.min
+  int u, v;     // the axes in the face; (u, v, outward) is right-handed
 
+  // `face` is 2 * axis, plus 1 at box.max.
   static BoxFace of(int face) {
     const int axis = face / 2;
     const bool at_max = face % 2 != 0;
@@ -42,7 +43,7 @@ struct BoxFace {
   }
 };
 
-// visit(face, box face, sample), face by face; a sample on several faces comes several times.
+// Calls visit(face number, box face, sample) face by face. A sample on several faces is visited once for each.
 template <class Visit>
 void for_each_border_sample(const field::IndexBox& box, const Visit& visit) {
   for (int face = 0; face < 6; ++face) {
@@ -55,9 +56,9 @@ void for_each_border_sample(const field::IndexBox& box, const Visit& visit) {
   }
 }
 
-using Square = std::array<glm::ivec3, 4>;  // samples, counter-clockwise seen from outside
+using Square = std::array<glm::ivec3, 4>;  // four samples, counter-clockwise seen from outside
 
-// visit(box face, square) for every border square.
+// Calls visit(box face, square) for every square of the six faces.
 template <class Visit>
 void for_each_border_square(const field::IndexBox& box, const Visit& visit) {
   for_each_border_sample(box, [&](int, const BoxFace& f, const glm::ivec3& p) {
@@ -70,7 +71,7 @@ void for_each_border_square(const field::IndexBox& box, const Visit& visit) {
   });
 }
 
-// Numbers of the cap vertices. A sample on several faces belongs to the first of them.
+// The vertex number of each sample on the six faces. A sample on several faces is stored with the first of them.
 class CapNumbers {
  public:
   explicit CapNumbers(const field::IndexBox& box) : box_(box), dims_(box.dims()) {
@@ -102,10 +103,13 @@ class CapNumbers {
 
 }  // namespace detail
 
-// `inside(p)` for a sample; `edge_vertex(p, direction)` is the number of the surface's vertex on the crossed edge from
-// sample p along the axis bits `direction`; `depth(p)` is InsideRule::depth of a sample; cap vertices are numbered from
-// `first_number` on; squares with a corner that is `missing(p)` are left out. `whole_squares`:
-// MethodTraits::axis_edges_only.
+// Returns the cap of `box`. The callbacks take samples by index:
+// - inside(p): whether the sample is inside;
+// - edge_vertex(p, direction): the surface vertex on the crossed edge from sample p along the axis bits `direction`;
+// - depth(p): InsideRule::depth of the sample;
+// - missing(p): whether the sample is missing (NaN); squares with a missing corner are left out.
+// Cap vertices are numbered from `first_number`. `whole_squares` is MethodTraits::axis_edges_only; if false, each
+// square is split into two triangles first.
 template <class Inside, class EdgeVertex, class Depth, class Missing>
 BorderCap make_border_cap(const field::IndexBox& box, bool whole_squares, std::uint32_t first_number,
                           const Inside& inside, const EdgeVertex& edge_vertex, const Depth& depth,
@@ -113,8 +117,9 @@ BorderCap make_border_cap(const field::IndexBox& box, bool whole_squares, std::u
   BorderCap cap;
   detail::CapNumbers numbers(box);
 
-  // The inside part of a polygon of samples, corner by corner: each run of inside corners, with the crossings before
-  // and after it, is one convex piece, drawn as a fan from the crossing before (or from a corner, if all are inside).
+  // Adds the inside part of a polygon of samples. Each run of inside corners, with the crossings before and after it,
+  // is a convex polygon. It becomes a fan around the crossing before the run, or around a corner if all corners are
+  // inside.
   const auto fill = [&](std::span<const glm::ivec3> corners) {
     const std::size_t count = corners.size();
     std::array<bool, 4> in{};
@@ -122,7 +127,7 @@ BorderCap make_border_cap(const field::IndexBox& box, bool whole_squares, std::u
     const auto crossing = [&](std::size_t c) {
       const glm::ivec3& a = corners[c];
       const glm::ivec3& b = corners[(c + 1) % count];
-      const glm::ivec3 low = glm::min(a, b);  // edges run up in every axis they run along
+      const glm::ivec3 low = glm::min(a, b);  // edges lead upward along each of their axes
       return edge_vertex(low, step_direction(glm::max(a, b) - low));
     };
     const auto fan = [&](std::span<const std::uint32_t> ring) {
@@ -135,11 +140,11 @@ BorderCap make_border_cap(const field::IndexBox& box, bool whole_squares, std::u
       return;
     }
     const bool alternating = count == 4 && in[0] == in[2] && in[1] == in[3];
-    const std::size_t a = in[0] ? 0 : 1;  // inside, if the square alternates
+    const std::size_t a = in[0] ? 0 : 1;  // an inside corner, if the square alternates
     const std::size_t b = 1 - a;
     if (alternating && in[0] != in[1] &&
         joins_inside(depth(corners[a]), depth(corners[a + 2]), depth(corners[b]), depth(corners[b + 2]))) {
-      // From a corner, so that no diagonal joins two crossings: the cell behind the square may draw those.
+      // The fan starts at a corner, so that no diagonal joins two crossings: the cell behind may draw such a diagonal.
       fan(std::array{numbers.of(corners[a]), crossing(a), crossing(a + 1), numbers.of(corners[a + 2]), crossing(a + 2),
                      crossing((a + 3) % 4)});
       return;
@@ -172,7 +177,7 @@ BorderCap make_border_cap(const field::IndexBox& box, bool whole_squares, std::u
   return cap;
 }
 
-// Whether the cell behind a border square has no `missing(p)` sample.
+// Returns whether the cell behind a boundary square has no missing sample (missing(p) is true for none of its eight).
 template <class Missing>
 [[nodiscard]] bool is_drawn_behind(const detail::BoxFace& face, const detail::Square& square, const Missing& missing) {
   glm::ivec3 inward(0);
@@ -180,8 +185,8 @@ template <class Missing>
   return std::ranges::none_of(square, [&](const glm::ivec3& p) { return missing(p) || missing(p + inward); });
 }
 
-// Whether a cell at the border of the box draws something there, where cells with a missing sample draw nothing:
-// whether a square whose corners are on both sides has none in the cell behind it.
+// Returns whether any cell at the faces of the box draws triangles that reach the face. Cells with a missing sample
+// draw nothing. So the answer is true if a square has corners on both sides and the cell behind it misses no sample.
 template <class Inside, class Missing>
 [[nodiscard]] bool draws_at_border(const field::IndexBox& box, const Inside& inside, const Missing& missing) {
   bool found = false;
@@ -193,7 +198,8 @@ template <class Inside, class Missing>
   return found;
 }
 
-// The same, of the squares beside one crossed edge only: the one from `p` along `axis`, which lies in the border.
+// Returns the same for the squares next to one crossed edge only: the edge from `p` along `axis`, which lies in a face
+// of the box.
 template <class Missing>
 [[nodiscard]] bool draws_beside_edge(const field::IndexBox& box, const glm::ivec3& p, int axis,
                                      const Missing& missing) {
@@ -215,7 +221,7 @@ template <class Missing>
   return false;
 }
 
-// The sum of the outward axes of the faces that a border sample lies on, as an index-space covector.
+// Returns the sum of the outward axes of the faces that contain `p`, as a covector in index space.
 [[nodiscard]] inline glm::dvec3 border_normal(const field::IndexBox& box, const glm::ivec3& p) {
   return glm::dvec3(glm::equal(p, box.max)) - glm::dvec3(glm::equal(p, box.min));
 }

@@ -1,4 +1,4 @@
-// The corners, edges and faces of a cubic cell by number; corners and bits as in cell_tables.hpp.
+// Corners, edges and faces of a cubic cell by number; corners and case bits as in cell_tables.hpp.
 #pragma once
 
 #include <array>
@@ -8,7 +8,8 @@ namespace isoextract::extract {
 
 [[nodiscard]] constexpr bool is_inside(unsigned cell_case, unsigned corner) { return (cell_case >> corner & 1) != 0; }
 
-// The twelve edges: those along x first, then y, then z, each by rising lower corner.
+// Returns the number (0 to 11) of the edge between two corners: edges along x first, then y, then z, each by lower
+// corner.
 [[nodiscard]] constexpr std::uint8_t cube_edge(unsigned corner_a, unsigned corner_b) {
   const unsigned low = corner_a & corner_b;
   switch (corner_a ^ corner_b) {
@@ -22,7 +23,8 @@ namespace isoextract::extract {
 inline constexpr std::array<std::array<std::uint8_t, 4>, 6> kCubeFaces{
     {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
 
-// The face, parallel to `axis`, that has two corners that differ in one other axis.
+// Returns the face that contains the edge between the two corners and is parallel to `axis`, another axis than the
+// edge's.
 [[nodiscard]] constexpr unsigned cube_side_face(unsigned corner_a, unsigned corner_b, unsigned axis) {
   const unsigned along = corner_a ^ corner_b;
   const unsigned normal = 7U & ~along & ~(1U << axis);  // one bit

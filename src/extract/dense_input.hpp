@@ -1,4 +1,4 @@
-// What every backend does with dense samples before it looks for the surface.
+// Steps that every backend takes with dense samples before it looks for the surface.
 #pragma once
 
 #include <optional>
@@ -9,8 +9,8 @@
 
 namespace isoextract::extract {
 
-// The samples to extract from. Fails with ErrorCode::input for more samples along an axis than an extractor can number,
-// and where options.region holds no cell.
+// Returns the box of samples to extract from. Fails with ErrorCode::input if an axis has more samples than an extractor
+// can number (2^30), or if options.region contains no cell.
 [[nodiscard]] Result<field::IndexBox> dense_region(const field::ScalarField& field, const field::DenseSamples& samples,
                                                    const ExtractOptions& options);
 
@@ -28,12 +28,14 @@ template <class T>
           whole.stride_z, whole.transient};
 }
 
-// Room for a bit of each sample, reserved for as long as it lives.
+// Returns masks with one bit a sample, not filled yet. They keep their memory reserved in `context` for as long as they
+// live.
 [[nodiscard]] Result<DenseMasks> make_masks(const field::ScalarField& field, const glm::ivec3& dims,
                                             const Context& context);
-// Fills `masks` and the figures of classification. `view` is the part of the field from sample `low` on. Returns the
-// inside numbers, or nothing where no number of the type is inside; then the masks are not filled. Fails with
-// ErrorCode::input for NaN, if that is an error.
+// Compares the samples of `view` with the iso value; fills `masks` and the classification figures of `stats`. `low` is
+// the index of the view's first sample in the field. Returns the threshold of inside samples, or nullopt if no number
+// of the type is inside; then the masks may be left unfilled. Fails with ErrorCode::input for NaN samples under
+// NanPolicy::error.
 template <class T>
 [[nodiscard]] Result<std::optional<InsideThreshold<T>>> classify_dense(const field::ScalarField& field,
                                                                        const DenseView<T>& view, const glm::ivec3& low,
@@ -42,7 +44,7 @@ template <class T>
   const Stopwatch watch;
   const auto threshold = find_inside_threshold<T>({field.kind, options.iso}, field.scale);
   if (!threshold && !(field::is_floating_sample<T> && options.nan == NanPolicy::error)) return threshold;
-  // Without a threshold nothing is inside, but NaN must still be found.
+  // Without a threshold no sample is inside, but NaN samples must still be found.
   stats.nan_samples = classify(view, threshold.value_or(InsideThreshold<T>{}), masks, &context.progress());
   const glm::u64vec3 dims(view.dims);
   stats.samples_classified = dims.x * dims.y * dims.z;

@@ -1,5 +1,5 @@
-// One bit a sample: inside or not. Everything after the classification works on these bits and touches samples only
-// where they differ.
+// One bit a sample: inside or not. All passes after the classification work on these bits and read samples only next to
+// crossed edges.
 #pragma once
 
 #include <cmath>
@@ -15,18 +15,18 @@
 
 namespace isoextract::extract {
 
-// A box within a dense array: `data` is its first sample; x is contiguous.
+// A box within a dense array. `data` points to its first sample; x is contiguous; strides count samples.
 template <class T>
 struct DenseView {
   const T* data;
   glm::ivec3 dims;
   std::int64_t stride_y;
   std::int64_t stride_z;
-  bool transient = false;  // a large mapped file, of which no more than needed stays in memory
+  bool transient = false;  // the samples are a large mapped file; release pages early
 
   [[nodiscard]] const T* row(int j, int k) const { return data + j * stride_y + k * stride_z; }
 
-  // Says that slices begin .. end - 1 are done with for now. They may still be looked at.
+  // Releases the memory pages of slices begin to end - 1 (planes of equal z). The slices can still be read later.
   void leave_slices(int begin, int end) const {
     if (!transient || begin >= end) return;
     const T* first = row(0, begin);
@@ -37,7 +37,7 @@ struct DenseView {
 
 class DenseMasks {
  public:
-  // `memory` is for bytes(dims).
+  // `memory` is the reservation of bytes(dims) bytes.
   explicit DenseMasks(const glm::ivec3& dims, Reservation memory = {})
       : dims_(dims),
         words_((dims.x + 63) / 64),
@@ -52,17 +52,17 @@ class DenseMasks {
   [[nodiscard]] const glm::ivec3& dims() const { return dims_; }
   [[nodiscard]] int words() const { return words_; }
 
-  // words() words and a zero one after them; bits from dims().x on are zero.
+  // Row (j, k) is words() words and one zero word after them. Bits from dims().x on are zero.
   [[nodiscard]] const std::uint64_t* row(int j, int k) const { return bits_.data() + offset(j, k); }
   [[nodiscard]] std::uint64_t* row(int j, int k) { return bits_.data() + offset(j, k); }
 
   [[nodiscard]] bool inside(const glm::ivec3& p) const { return (row(p.y, p.z)[p.x / 64] >> (p.x % 64) & 1) != 0; }
 
-  // Of the outermost samples; known once all were classified.
+  // The sides on which the outermost samples are; known once all samples are classified.
   [[nodiscard]] const BorderSides& border() const { return border_; }
   void set_border(const BorderSides& border) { border_ = border; }
 
-  // Of those that row (j, k) has at the border.
+  // Returns the sides of the outermost samples in row (j, k).
   [[nodiscard]] BorderSides border_of_row(int j, int k) const;
 
  private:
@@ -78,7 +78,7 @@ class DenseMasks {
   BorderSides border_;
 };
 
-// Where the first NaN of a view is; there must be one.
+// Returns the index within the view of its first NaN; the view must contain one.
 template <class T>
 [[nodiscard]] glm::ivec3 first_nan(const DenseView<T>& view) {
   glm::ivec3 p(0);
@@ -93,7 +93,7 @@ template <class T>
   return glm::ivec3(0);
 }
 
-// Reads every sample once, in parallel, and fills the masks. Returns the number of NaN.
+// Reads every sample once, in parallel, and fills the masks. Returns the number of NaN samples.
 template <class T>
 std::uint64_t classify(const DenseView<T>& view, const InsideThreshold<T>& threshold, DenseMasks& masks,
                        Progress* progress);

@@ -1,5 +1,5 @@
-// Where on its edge a vertex is, where that is in the output, and which way its normal points. Shared by the dense and
-// the sparse extractor.
+// Positions of vertices on grid edges, their transform to the output, and normals. Both the dense and the sparse
+// extractor use them.
 #pragma once
 
 #include <cmath>
@@ -11,14 +11,14 @@
 
 namespace isoextract::extract {
 
-// The parameter of the crossing on an edge from value f0 to f1, of which exactly one is inside: (iso - f0) / (f1 - f0)
-// (Suravikin and Korobitsyn), in double, kept at least `margin` away from both ends.
+// Returns the parameter (0 to 1) of the crossing on an edge from value f0 to f1, exactly one of which is inside: (iso -
+// f0) / (f1 - f0) (Suravikin and Korobitsyn), in double. The result is at least `margin` away from both ends.
 //
-// The margin is what makes values that tie with iso harmless: a vertex is always strictly inside its edge, also after
-// rounding to float32. Three points strictly inside three different edges of a cube or a tetrahedron are never
-// collinear, so no triangle has zero area and no two vertices coincide.
+// The margin makes values equal to iso harmless: a vertex is always strictly inside its edge, also after rounding to
+// float32. Three points strictly inside three different edges of a cube or a tetrahedron are never collinear. So no
+// triangle has zero area and no two vertices coincide.
 //
-// An infinite value pulls the crossing to the finite end; NaN, or two infinities, leave it in the middle.
+// If one value is infinite, the crossing is at the finite end; for NaN or two infinities it is in the middle.
 [[nodiscard]] inline double edge_crossing(double f0, double f1, double iso, double margin) {
   double t = (iso - f0) / (f1 - f0);
   if (!std::isfinite(f1 - f0)) {
@@ -35,61 +35,64 @@ namespace isoextract::extract {
   return std::min(std::max(t, margin), 1 - margin);
 }
 
-// The derivative at a sample along one axis, from the samples `low` and `high` beside it: half their difference. Of a
-// sample that is NaN the difference to `here` takes the place; NaN where both are NaN, or `here` and one of them.
+// Returns the derivative at a sample along one axis: half the difference of its neighbors `low` and `high`. If one
+// neighbor is NaN, returns the difference between the other one and `here`. Returns NaN if both neighbors are NaN, or
+// `here` and one of them.
 [[nodiscard]] inline double sample_derivative(double low, double here, double high) {
   const double change = high - low;
   if (!std::isnan(change)) return change / 2;
-  if (!std::isnan(low) && !std::isnan(high)) return std::numeric_limits<double>::infinity();  // of two infinities
+  if (!std::isnan(low) && !std::isnan(high)) return std::numeric_limits<double>::infinity();  // two equal infinities
   return std::isnan(low) ? high - here : here - low;
 }
 
-// The same at the border, towards the inside of the data: from the next two samples, or the next alone where `far` is
-// NaN, or not there. NaN where `here` or `near` is.
+// Returns the derivative at the data boundary, toward the inside of the data, from the next two samples; from `near`
+// alone if `far` is NaN (also if the data ends there). Returns NaN if `here` or `near` is NaN.
 [[nodiscard]] inline double border_derivative(double here, double near, double far) {
   const double change = std::isnan(far) ? near - here : (4 * near - 3 * here - far) / 2;
   const bool of_infinities = std::isnan(change) && !std::isnan(here) && !std::isnan(near);
   return of_infinities ? std::numeric_limits<double>::infinity() : change;
 }
 
-// From index space to the float32 positions of a mesh.
+// Maps index space to the float32 positions of a mesh.
 class OutputFrame {
  public:
-  // `box` holds every sample that vertices may lie at.
+  // `box` must contain every sample next to which vertices may lie.
   OutputFrame(const field::Affine& output_from_index, const field::IndexBox& box, field::FieldKind kind,
               const field::ValueScale& scale);
 
   [[nodiscard]] const glm::dvec3& origin() const { return origin_; }
   [[nodiscard]] double margin() const { return margin_; }
-  // False if float32 cannot hold the positions apart: coordinates or steps leave its range, or the samples reach too
-  // far.
+  // Returns false if float32 cannot keep positions apart: coordinates or steps leave its range, or samples are too far
+  // from the origin.
   [[nodiscard]] bool fits_float32() const { return in_range_ && !reaches_too_far_; }
-  // True if samples lie so far (more than about 2^19 steps) from the origin that rounding eats the margin.
+  // Returns true if samples lie so far from the origin (more than about 2^19 steps) that rounding is as large as the
+  // margin.
   [[nodiscard]] bool reaches_too_far() const { return reaches_too_far_; }
-  // True if triangles must be turned over, because the transform mirrors.
+  // Returns true if the transform mirrors, so that the winding of triangles must be reversed.
   [[nodiscard]] bool mirrored() const { return mirrored_; }
 
   [[nodiscard]] const field::Affine& local_from_index() const { return local_from_index_; }
-  // Maps gradients of the stored samples in index space to outward normals, which are yet to be made unit length.
+  // Returns the matrix that maps gradients of stored samples in index space to outward normals (not of unit length).
   [[nodiscard]] glm::dmat3 outward_covectors() const { return outward_ * covector_map_; }
-  // Its parts, for those who round as normal() does: +1 or -1, and the map of covectors.
+  // The factors of outward_covectors(), for code that must round exactly like normal(): +1 or -1, and the map of
+  // covectors.
   [[nodiscard]] double outward() const { return outward_; }
   [[nodiscard]] const glm::dmat3& covector_map() const { return covector_map_; }
 
   [[nodiscard]] glm::vec3 position(const glm::dvec3& index) const { return local_from_index_(index); }
 
-  // The outward unit normal for a gradient of the stored samples in index space. `out` is an index-space step that
-  // leads outside; it decides where the gradient is zero or not finite.
+  // Returns the outward unit normal for a gradient of the stored samples in index space. If the gradient is zero or not
+  // finite, returns the direction of `out`, an index-space step that leads outside.
   [[nodiscard]] glm::vec3 normal(const glm::dvec3& gradient, const glm::dvec3& out) const;
 
-  // Stands for the normal of a vertex at which NaN leaves no gradient, until fill_normals() (mesh_assembly.hpp) finds
-  // one: `out` in the output, of length 2, which no normal has.
+  // Returns a placeholder for a normal that NaN samples leave unknown: the direction of `out` with length 2, which no
+  // normal has. fill_normals() (mesh_assembly.hpp) replaces it.
   [[nodiscard]] glm::vec3 unknown_normal(const glm::dvec3& out) const {
     return 2.0 * glm::normalize(local_from_index_.linear * out);
   }
   [[nodiscard]] static bool is_unknown(const glm::vec3& normal) { return glm::dot(normal, normal) > 2; }
 
-  // The unit normal of a plane whose index-space normal is `covector`.
+  // Returns the unit normal in the output of a plane whose normal in index space is `covector`.
   [[nodiscard]] glm::vec3 plane_normal(const glm::dvec3& covector) const {
     return glm::normalize(covector_map_ * covector);
   }
@@ -97,27 +100,28 @@ class OutputFrame {
  private:
   field::Affine local_from_index_;
   glm::dvec3 origin_{0.0};
-  glm::dmat3 covector_map_;  // inverse transpose of the linear part: gradients are covectors
-  double outward_;           // +1 if values grow outward in stored samples
+  glm::dmat3 covector_map_;  // inverse transpose of the linear part, because gradients are covectors
+  double outward_;           // +1 if stored samples grow outward, else -1
   double margin_;
   bool mirrored_;
   bool in_range_;
   bool reaches_too_far_;
 };
 
-// The frame for the samples of `field` in `region`, of all those in `stored`. It is that of all samples, so that a
-// region changes no position, unless they reach so far (more than about 512 steps) that their margin can be seen, or
-// the cap of a region stands outside of them: then it is that of the part that is drawn. Two regions then agree where
-// they meet up to the margin of the larger, not bit for bit, unless options.shared_frame is set.
+// Returns the output frame for `region`; `stored` is the box of all samples of `field`.
+// The frame is normally that of all samples, so that a region changes no position. It is the frame of the drawn part in
+// two cases. One: the samples extend so far (more than about 512 steps) that the margin of the whole frame is visible.
+// Two: the cap of a region lies outside `stored`. Two regions then agree where they meet up to the larger margin, but
+// not bit for bit, unless options.shared_frame is set.
 [[nodiscard]] OutputFrame output_frame(const field::ScalarField& field, const ExtractOptions& options,
                                        const field::IndexBox& stored, const field::IndexBox& region);
 
-// The step of a direction's axis bits, see cell_tables.hpp.
+// Returns the index step of axis bits (cell_tables.hpp).
 [[nodiscard]] inline glm::ivec3 direction_step(int direction) {
   return {direction & 1, direction >> 1 & 1, direction >> 2 & 1};
 }
 
-// And back.
+// Returns the axis bits of an index step whose components are 0 or 1.
 [[nodiscard]] inline int step_direction(const glm::ivec3& step) { return step.x | step.y << 1 | step.z << 2; }
 
 }  // namespace isoextract::extract

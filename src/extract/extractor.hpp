@@ -1,10 +1,12 @@
-// From a field to a mesh. One interface for every method (method.hpp) and backend.
+// Extracts the isosurface of a field as a mesh: one interface for all methods (method.hpp) and backends.
 //
-// Inside is value > iso for density, value < iso for level sets; a value equal to iso is outside. Triangles wind
-// counter-clockwise seen from outside, also where a transform mirrors. Vertices are welded by integers, never by
-// distance: those that lie on an edge of the grid by that edge's key. The mesh is a closed, oriented 2-manifold
-// wherever the surface does not leave the data, and everywhere if `cap` is set; by `mc` it has the topology of the
-// trilinear interpolant. The same field and options give the same bytes for any number of threads.
+// Inside is value > iso for density fields and value < iso for level sets; a value equal to iso is outside. Triangles
+// wind counter-clockwise seen from outside, also if the transform mirrors. Vertices are welded by integer keys
+// (vertices on grid edges by the key of their edge), never by distance.
+//
+// The mesh is a closed, oriented 2-manifold except where the surface reaches the data boundary; with `cap` it is closed
+// there, too. With Method::mc it has the topology of the trilinear interpolant. The same field and options give the
+// same bytes for any number of threads.
 #pragma once
 
 #include <array>
@@ -27,69 +29,70 @@
 namespace isoextract::extract {
 
 enum class NanPolicy {
-  error,    // a NaN sample is ErrorCode::input; the message says where the first one is
-  outside,  // a NaN sample is outside; the surface passes halfway between it and its inside neighbours
-  hole,     // a cell with a NaN corner draws nothing, nor does a square of the cap; all else is as if none were NaN.
-            // Where only a point would join what is left on both sides, each side has a vertex of its own there. Not of
-            // methods whose surfaces are always closed.
+  error,    // a NaN sample is an error (ErrorCode::input); the message tells the index of the first one
+  outside,  // a NaN sample is outside; the surface passes halfway between it and its inside neighbors
+  hole,     // a cell with a NaN corner gets no triangles, nor does a square of the cap; all others are as without NaN.
+            // If only a point would join the remaining parts, each part gets its own vertex there. Not available for
+            // methods that are always closed.
 };
 constexpr auto words_of(NanPolicy /*type*/) {
   return std::array{Word{NanPolicy::error, "error"}, Word{NanPolicy::outside, "outside"},
                     Word{NanPolicy::hole, "hole"}};
 }
 
-// How often the vertices of surface nets move where nobody says: of the area that steps between voxels add, one
-// hundredth is left.
+// Default number of smoothing rounds of surface nets. It removes all but one hundredth of the area that the steps
+// between voxels add.
 inline constexpr std::uint64_t kUsualRelaxations = 10;
 
 struct ExtractOptions {
   Method method = Method::mc;
   double iso = 0;
-  bool smooth_normals = false;  // from the gradient of the field at the vertex (MethodTraits::gradient_normals)
-  bool edge_keys = false;       // fill Mesh::edges (MethodTraits::vertices_on_edges): for who compares meshes
-  bool cap = false;             // close the surface where it leaves the data or the region; of methods whose surfaces
-                                // always are (MethodTraits::always_closed) it changes nothing
-  VoxelFaces voxel_faces = VoxelFaces::merged;    // Method::voxels
-  std::uint64_t relaxations = kUsualRelaxations;  // Method::surface_nets: rounds of smoothing; 0: none
+  bool smooth_normals = false;  // normals from the gradient of the field (needs MethodTraits::gradient_normals)
+  bool edge_keys = false;       // fill Mesh::edges, to compare meshes (needs MethodTraits::vertices_on_edges)
+  bool cap = false;             // close the surface at the data boundary or at the region's faces; no effect for
+                                // methods that are always closed (MethodTraits::always_closed)
+  VoxelFaces voxel_faces = VoxelFaces::merged;    // for Method::voxels
+  std::uint64_t relaxations = kUsualRelaxations;  // for Method::surface_nets: rounds of smoothing; 0: none
   NanPolicy nan = NanPolicy::error;
   std::optional<field::IndexBox> region;  // extract only from cells within this box of samples (clipped to the data)
-  bool shared_frame = false;  // regions of one field are relative to one origin, however far it reaches, so that they
+  bool shared_frame = false;  // all regions of one field get the same origin, however large the field, so that they
                               // meet bit for bit, with fewer digits (edge_geometry.hpp)
-  field::Affine output_from_index;  // places the mesh: index_to_world, or that with turns and scales after it
+  field::Affine output_from_index;  // places the mesh: index_to_world, followed by axis and unit changes if requested
 
   friend bool operator==(const ExtractOptions&, const ExtractOptions&) = default;
 };
 
-// What only a backend with a device of its own has to tell.
+// Figures that only a backend with a device of its own reports.
 struct DeviceStats {
-  std::uint64_t bytes_uploaded = 0;    // of samples
-  std::uint64_t samples_uploaded = 0;  // those of crossed bricks and around them; again where they were needed again
-  // Where samples stay on the device for the next extraction: those that were needed and there already, and bricks of
-  // 8 x 8 x 8 of them.
+  std::uint64_t bytes_uploaded = 0;    // size of the uploaded samples
+  std::uint64_t samples_uploaded = 0;  // samples of crossed bricks and around them; counts repeated uploads
+  // If samples stay on the device for the next extraction: the needed samples that were already there, and the bricks
+  // of 8x8x8 samples that were uploaded or already there.
   std::uint64_t samples_kept = 0;
   std::uint64_t bricks_uploaded = 0;
   std::uint64_t bricks_kept = 0;
-  std::uint64_t bytes_captured = 0;  // of triangles
-  std::uint64_t cells_decided = 0;   // ambiguous cells that the host decided
-  StageTime compile;                 // of shaders; none where they were kept from an earlier extraction
+  std::uint64_t bytes_captured = 0;  // size of the captured triangles
+  std::uint64_t cells_decided = 0;   // ambiguous cells that the CPU decided
+  StageTime compile;                 // of shaders; zero if they were kept from an earlier extraction
   StageTime upload;
   StageTime capture;  // `count` and `emit` below are sums of such stages
   StageTime read_back;
   StageTime weld;
 };
 
-// What was and was not looked at. A brick is a box of cells that is visited as a whole or not at all.
+// The work done and skipped. A brick is a box of cells that is visited or skipped as a whole.
 struct ExtractStats {
   std::string brick;                     // "64x8x8 cells", "8x8x8 voxels"
-  std::uint64_t bricks = 0;              // that the data has
-  std::uint64_t bricks_visited = 0;      // that the iso value crosses; the others were left out
-  std::uint64_t places_visited = 0;      // sparse: of brick size without stored samples, next to stored ones or tiles
-  std::uint64_t samples_classified = 0;  // compared with iso, each once
+  std::uint64_t bricks = 0;              // bricks in the data
+  std::uint64_t bricks_visited = 0;      // bricks that the iso value crosses; the others are skipped
+  std::uint64_t places_visited = 0;      // sparse: visited bricks without stored samples, next to stored bricks or
+                                         // tiles
+  std::uint64_t samples_classified = 0;  // samples compared with iso, each once
   std::uint64_t nan_samples = 0;
-  std::uint64_t hole_cells = 0;  // NanPolicy::hole: left out, though they have an inside corner
-  // Of the border of the data, or of the region: some of its samples are inside, which is what a cap stands on; and
-  // others are not, so that the surface meets the border, where it is open without a cap. Neither for sparse data
-  // without a region, which the background surrounds.
+  std::uint64_t hole_cells = 0;  // NanPolicy::hole: cells left out that have an inside corner
+  // The data boundary, or the faces of the region. inside_at_border: some samples there are inside, so a cap would have
+  // triangles. meets_border: others there are outside, too, so the surface reaches the boundary and is open there
+  // without a cap. Both are false for sparse data without a region, which the background surrounds.
   bool inside_at_border = false;
   bool meets_border = false;
   StageTime classify;
@@ -107,23 +110,25 @@ class Extractor {
  public:
   virtual ~Extractor() = default;
   [[nodiscard]] virtual std::string_view name() const = 0;  // "cpu", "gpu"
-  [[nodiscard]] virtual std::string device() const = 0;     // what it runs on: "AMD EPYC 7763 64-Core Processor"
+  [[nodiscard]] virtual std::string device() const = 0;     // name of the hardware: "AMD EPYC 7763 64-Core Processor"
   [[nodiscard]] virtual bool has(Method method) const = 0;
 
-  // What takes memory by the size of the field or of the surface is reserved in the context while it lives, the mesh
-  // exactly (Mesh::memory). Fails with ErrorCode::usage for an iso value that is not finite and as check_method() does,
-  // with ErrorCode::unavailable for a method that it does not have, with ErrorCode::input for a placement that flattens
-  // space and where memory runs out, with ErrorCode::cancelled between the passes.
+  // Extracts the surface. Reserves memory in the context for everything that grows with the field or the surface; the
+  // mesh keeps its exact reservation (Mesh::memory).
+  // Fails with ErrorCode::usage for an iso value that is not finite, and as check_method() does; with
+  // ErrorCode::unavailable for a method that this backend does not have; with ErrorCode::input for a transform that
+  // flattens space, and if memory runs out; with ErrorCode::cancelled between passes.
   [[nodiscard]] Result<Extraction> extract(const field::ScalarField& field, const ExtractOptions& options,
                                            const Context& context);
 
  private:
-  // May throw std::bad_alloc and std::length_error; need not name the mesh.
+  // Does the work of extract() after its checks. May throw std::bad_alloc and std::length_error; need not set the mesh
+  // name.
   [[nodiscard]] virtual Result<Extraction> run(const field::ScalarField& field, const ExtractOptions& options,
                                                const Context& context) = 0;
 };
 
-// Dense and sparse fields, on all threads that oneTBB is allowed.
+// Returns the CPU backend for dense and sparse fields; it uses all threads that oneTBB may use.
 [[nodiscard]] std::unique_ptr<Extractor> make_cpu_extractor();
 
 }  // namespace isoextract::extract

@@ -1,9 +1,9 @@
-// Which stored samples are inside, as one comparison in the stored type.
+// Decides which stored samples are inside, with one comparison in the stored type.
 //
 // "value(stored) > iso" (density) and "value(stored) < iso" (level set) are monotone in the stored number, also after
-// rounding, because value = slope * stored + intercept is. So the inside numbers are all from a threshold on, up or
-// down, and the threshold is found once, exactly, by bisection over the ordered numbers of the type. Integers wider
-// than float, doubles at large offsets and scaled integers are classified without rounding.
+// rounding, because value = slope * stored + intercept is. So the inside numbers are all numbers above (or below) a
+// threshold. Bisection over the ordered numbers of the type finds it once, exactly. Integers wider than float, doubles
+// at large offsets and scaled integers are thus classified without rounding.
 #pragma once
 
 #include <bit>
@@ -18,7 +18,7 @@
 
 namespace isoextract::extract {
 
-// The numbers of T in rising order, as unsigned integers; for floats from -infinity to +infinity, NaN left out.
+// Maps the numbers of T to unsigned integers of the same order; floats from -infinity to +infinity, without NaN.
 template <class T>
 struct OrderedKey {
   using Key = std::make_unsigned_t<T>;
@@ -53,13 +53,14 @@ struct OrderedKey<double> : OrderedFloat<double, std::uint64_t, 0x7FF00000000000
 template <>
 struct OrderedKey<field::Half> : OrderedFloat<field::Half, std::uint16_t, 0x7C00U> {};
 
-// The rule itself, in the field's own values. NaN is outside.
+// The rule for one value of the field (after its scale). NaN is outside.
 struct InsideRule {
   field::FieldKind kind;
   double iso;
   bool operator()(double value) const { return kind == field::FieldKind::density ? value > iso : value < iso; }
 
-  // How far a value is inside; not rounded to nothing, and without overflow, for all values and iso values.
+  // Returns how far a value is inside (negative: outside); neither underflows to zero nor overflows for any value and
+  // iso value.
   [[nodiscard]] long double depth(double value) const {
     const long double above = static_cast<long double>(value) - static_cast<long double>(iso);
     return kind == field::FieldKind::density ? above : -above;
@@ -68,11 +69,11 @@ struct InsideRule {
 
 template <class T>
 struct InsideThreshold {
-  T threshold;  // the first or last number that is inside
-  bool above;   // inside is stored >= threshold; otherwise stored <= threshold
+  T threshold;  // the lowest inside number if `above`, else the highest
+  bool above;   // inside is stored >= threshold, otherwise stored <= threshold
 };
 
-// Nothing if no number of T is inside.
+// Returns the threshold for stored samples of type T, or nullopt if no number of T is inside.
 template <class T>
 std::optional<InsideThreshold<T>> find_inside_threshold(const InsideRule& rule, const field::ValueScale& scale) {
   using Order = OrderedKey<T>;
@@ -91,14 +92,14 @@ std::optional<InsideThreshold<T>> find_inside_threshold(const InsideRule& rule, 
   return InsideThreshold<T>{Order::value(in), above};
 }
 
-// Compares `count` <= 64 samples; bit b of the answer is set where sample b is inside. Adds to `nan` the number of NaN.
+// Compares up to 64 samples. Bit b of the result is set if sample b is inside. Adds the number of NaN samples to `nan`.
 template <class T>
 class InsideClassifier {
  public:
   explicit InsideClassifier(const InsideThreshold<T>& threshold)
       : threshold_(comparable(threshold.threshold)), above_(threshold.above) {}
 
-  // What is compared with what samples are compared as: the number itself; a half's place in the order of halves.
+  // Returns the threshold in the form used for comparison: the number itself, or the ordered key of a half.
   [[nodiscard]] auto threshold() const { return threshold_; }
 
   std::uint64_t operator()(const T* samples, int count, std::uint64_t& nan) const {
@@ -106,7 +107,7 @@ class InsideClassifier {
   }
 
  private:
-  // What is compared: the number itself, except that halves are compared as ordered integers.
+  // Halves are compared as ordered integers.
   static auto comparable(T sample) {
     if constexpr (std::is_same_v<T, field::Half>) {
       return OrderedFloatBits<std::uint16_t>::key(sample.bits());
@@ -122,7 +123,8 @@ class InsideClassifier {
 
   template <bool kAbove>
   std::uint64_t compare(const T* samples, int count, std::uint64_t& nan) const {
-    // One byte a sample first: that is a loop compilers vectorise. Then eight bytes to eight bits by a multiplication.
+    // The first loop writes one byte a sample, which compilers can vectorize. A multiplication then packs eight bytes
+    // into eight bits.
     std::uint8_t flags[64] = {};
     unsigned found_nan = 0;
     for (int b = 0; b < count; ++b) {
@@ -145,7 +147,7 @@ class InsideClassifier {
   bool above_;
 };
 
-// The sides that the samples of a box's border are on.
+// The sides on which the outermost samples of a box lie.
 struct BorderSides {
   bool inside = false;
   bool outside = false;

@@ -1,4 +1,4 @@
-// The parts of a run (surface_run.hpp) that look at no sample: checks, allocation, the cap's part of a mesh.
+// The steps of a run (surface_run.hpp) that read no samples: checks, allocation, writing the cap.
 #pragma once
 
 #include "extract/border_cap.hpp"
@@ -11,45 +11,47 @@ struct MeshSizes {
   std::uint64_t triangles = 0;
 };
 
-// What no extraction can be made with: ErrorCode::usage for an iso value that is not finite, ErrorCode::input for a
-// placement that flattens space.
+// Fails with ErrorCode::usage for an iso value that is not finite, with ErrorCode::input for a transform that flattens
+// space.
 [[nodiscard]] Result<void> check_request(const field::ScalarField& field, const ExtractOptions& options);
 
-// The samples to extract from: the part of options.region within `box`. Fails with ErrorCode::input where that holds no
-// cell (two samples along each axis).
+// Returns the part of options.region within `box`, or `box` without a region. Fails with ErrorCode::input if that
+// contains no cell (two samples along each axis).
 [[nodiscard]] Result<field::IndexBox> clip_region(const field::ScalarField& field, const field::IndexBox& box,
                                                   const ExtractOptions& options);
 
-// Fails with ErrorCode::input where float32 cannot hold the mesh (OutputFrame::fits_float32).
+// Fails with ErrorCode::input if float32 cannot keep the vertices of the mesh apart (OutputFrame::fits_float32).
 [[nodiscard]] Result<void> check_placement(const field::ScalarField& field, const OutputFrame& placement);
 
-// For what allocate_mesh() takes. Fails with ErrorCode::input where there is no memory, and for more vertices than
-// 32-bit numbers count.
+// Reserves memory for allocate_mesh(). Fails with ErrorCode::input if the memory is not available, and for more
+// vertices than 32-bit indices can number.
 [[nodiscard]] Result<Reservation> reserve_mesh(const field::ScalarField& field, const MeshSizes& sizes,
                                                const ExtractOptions& options, const Context& context);
 
-// The sizes of surface and cap together.
+// Returns the sizes of surface and cap together.
 [[nodiscard]] MeshSizes with_cap(const MeshSizes& surface, const BorderCap& cap);
 
-// For numbering the cap's vertices while it is made, and then for the cap.
+// Reserve memory for numbering the cap vertices (while the cap is made), and for the finished cap.
 [[nodiscard]] Result<Reservation> reserve_cap_numbers(const field::ScalarField& field, const field::IndexBox& box,
                                                       const Context& context);
 [[nodiscard]] Result<Reservation> reserve_cap(const field::ScalarField& field, const BorderCap& cap,
                                               const Context& context);
 
-// `first` is told as an index of the file.
+// Returns the error about `count` NaN samples; its message tells `first`, the index of one in the field, as an index of
+// the file.
 [[nodiscard]] tl::unexpected<Error> nan_error(const field::ScalarField& field, std::uint64_t count,
                                               const glm::ivec3& first);
 
-// Room for the surface and the cap; nothing is initialised.
+// Allocates the arrays of the mesh for surface and cap, uninitialized.
 void allocate_mesh(mesh::Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const ExtractOptions& options);
 
-// Gives the vertices of the surface whose normals are unknown (OutputFrame) the mean of the normals of their triangles,
-// weighted by area, and where these cancel out, or there are none, the direction of their edge. Before append_cap().
+// Replaces unknown normals (OutputFrame::unknown_normal) by the mean of the normals of their triangles, weighted by
+// area. Uses the direction of the vertex's edge if that mean cancels out or there are no triangles. Call it before
+// append_cap().
 [[nodiscard]] Result<void> fill_normals(mesh::Mesh& mesh, const MeshSizes& surface, const field::ScalarField& field,
                                         const Context& context);
 
-// Writes the cap of `box` behind the surface.
+// Writes the cap of `box` behind the surface, into the room that allocate_mesh() made.
 void append_cap(mesh::Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const field::IndexBox& box,
                 const OutputFrame& placement);
 

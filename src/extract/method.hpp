@@ -1,8 +1,8 @@
-// The methods of extraction: what they are called, what can be said of the surfaces that they make, and where their run
-// is made. A row of the table is a method: options, help, bench, stability and verification know it by that.
+// The table of extraction methods: names, properties of their surfaces (traits), and the function that runs each on the
+// CPU. Options, help, bench, stability and verification read this table, so a new method is a new row.
 //
-// Who measures or compares surfaces asks the traits. What does not hold for a method is told as not applicable, by the
-// sentences below, and not measured.
+// Code that measures or compares surfaces checks the traits first. It reports a question that does not apply to a
+// method by the sentences below, instead of measuring.
 #pragma once
 
 #include <array>
@@ -23,23 +23,23 @@ struct Extraction;
 
 enum class Method {
   mc,            // marching cubes, with the topology of the trilinear interpolant (asymptotic_decider.hpp)
-  mt,            // marching tetrahedra, six a cell (cell_tables.hpp)
-  voxels,        // the exposed faces of the samples inside, each a box (voxels.hpp)
-  surface_nets,  // the same faces with their corners moved to smooth places (detail/net_points.hpp)
+  mt,            // marching tetrahedra with six a cell (cell_tables.hpp)
+  voxels,        // the exposed faces of inside samples, each a box (voxels.hpp)
+  surface_nets,  // the same faces with their corners moved to smooth positions (detail/net_points.hpp)
 };
 
 struct MethodTraits {
-  // Every vertex lies strictly within one edge of the grid whose ends are on two sides, no two within the same one
-  // (but where NanPolicy::hole parts them), and those of a cap stand at samples. Only such vertices have edge keys.
+  // Every surface vertex lies strictly inside one grid edge whose ends are on different sides; no edge has two
+  // vertices, unless NanPolicy::hole splits them. Cap vertices lie at samples. Only vertices on edges have edge keys.
   bool vertices_on_edges = true;
-  // Those edges run along the axes: what is drawn in a face of a cell is a polygon, not two triangles.
+  // These edges run along the axes only. The surface then crosses a cell face in a polygon, not in two triangles.
   bool axis_edges_only = true;
-  // The surface is that of the field between its samples, with an error of second order in the spacing; a vertex on an
-  // edge stands where the field is iso.
+  // The surface follows the field between its samples, with an error of second order in the spacing. A vertex on an
+  // edge lies where the field is equal to iso.
   bool follows_interpolant = true;
-  // There are normals from the field's gradient (ExtractOptions::smooth_normals).
+  // Normals can come from the gradient of the field (ExtractOptions::smooth_normals).
   bool gradient_normals = true;
-  // The surface is closed at the border of the data as well: there is no cap, and no hole.
+  // The surface is closed at the data boundary, too: there are no caps and no NaN holes.
   bool always_closed = false;
 
   friend bool operator==(const MethodTraits&, const MethodTraits&) = default;
@@ -49,27 +49,26 @@ struct MethodInfo {
   Method method = Method::mc;
   std::string_view id;     // "mc"
   std::string_view title;  // "marching cubes"
-  std::string_view help;   // how the help lists it: "marching tetrahedra with six a cell"
+  std::string_view help;   // text in the help: "marching tetrahedra with six a cell"
   MethodTraits traits;
-  // The run on the CPU, for dense and for sparse fields. Which methods a device has, the device's extractor says
-  // (Extractor::has).
+  // Runs the method on the CPU, for dense and sparse fields. Extractor::has() tells which methods a device has.
   Result<Extraction> (*run_on_cpu)(const field::ScalarField& field, const ExtractOptions& options,
                                    const Context& context) = nullptr;
 };
 
-// Cell by cell, by a table of cases (cell_tables.hpp).
+// Extracts cell by cell with a case table (cell_tables.hpp): mc and mt.
 [[nodiscard]] Result<Extraction> extract_by_cells(const field::ScalarField& field, const ExtractOptions& options,
                                                   const Context& context);
 
-// The boxes of the samples inside (voxels.hpp).
+// Extracts the exposed faces of the boxes around inside samples (voxels.hpp).
 [[nodiscard]] Result<Extraction> extract_voxels(const field::ScalarField& field, const ExtractOptions& options,
                                                 const Context& context);
 
-// The same faces, smooth (detail/net_points.hpp).
+// Extracts the same faces with smoothed corners (detail/net_points.hpp).
 [[nodiscard]] Result<Extraction> extract_surface_nets(const field::ScalarField& field, const ExtractOptions& options,
                                                       const Context& context);
 
-// In the order of the enum.
+// In the order of the enum Method.
 inline constexpr std::array kMethods{
     MethodInfo{.method = Method::mc,
                .id = "mc",
@@ -128,19 +127,20 @@ constexpr auto words_of(Method /*type*/) {
   return words;
 }
 
-// Those whose surface follows the field, in the order of the enum: what is compared by errors and crossings where
-// nobody names methods.
+// Returns the methods with follows_interpolant, in the order of the enum: the default where commands compare errors and
+// crossings.
 [[nodiscard]] std::vector<MethodInfo> following_methods();
 
-// Why a question cannot be put to the surfaces of a method, as a sentence without its full stop that begins with the
-// method's title; empty where it can.
-[[nodiscard]] std::string why_no_edges(const MethodInfo& method);             // no edges to compare vertices by
-[[nodiscard]] std::string why_no_crossings(const MethodInfo& method);         // no crossings to compare vertices with
-[[nodiscard]] std::string why_no_gradient_normals(const MethodInfo& method);  // no normals from gradients
-[[nodiscard]] std::string why_no_holes(const MethodInfo& method);             // no holes where samples are not numbers
+// Each returns why the surfaces of a method lack something, as a sentence without full stop that starts with the
+// method's title. Returns "" if the method has it.
+[[nodiscard]] std::string why_no_edges(const MethodInfo& method);             // edge keys
+[[nodiscard]] std::string why_no_crossings(const MethodInfo& method);         // vertices where the field is equal to
+                                                                              // iso
+[[nodiscard]] std::string why_no_gradient_normals(const MethodInfo& method);  // normals from gradients
+[[nodiscard]] std::string why_no_holes(const MethodInfo& method);             // holes around NaN samples
 
-// Fails with ErrorCode::usage where `options` ask for what the method does not have: edge keys without vertices on
-// edges, normals from gradients, holes.
+// Fails with ErrorCode::usage if `options` ask for something that the method does not have: edge keys, normals from
+// gradients, or holes.
 [[nodiscard]] Result<void> check_method(const MethodInfo& method, const ExtractOptions& options);
 
 }  // namespace isoextract::extract

@@ -1,4 +1,4 @@
-// Words of 64 inside bits along a row of samples.
+// Helpers for rows of inside bits, in words of 64 bits.
 #pragma once
 
 #include <bit>
@@ -6,20 +6,20 @@
 
 namespace isoextract::extract {
 
-// Calls f(position) for each set bit, rising.
+// Calls f(position) for each set bit, lowest first.
 template <class F>
 void for_each_bit(std::uint64_t word, F&& f) {
   for (; word != 0; word &= word - 1) f(std::countr_zero(word));
 }
 
-// Bits of word w of a row whose position is below `limit`.
+// Returns a mask of the bits of word w that stand for positions below `limit` in the row.
 [[nodiscard]] inline std::uint64_t bits_below(int w, int limit) {
   const int rest = limit - 64 * w;
   if (rest >= 64) return ~std::uint64_t{0};
   return rest <= 0 ? 0 : (std::uint64_t{1} << rest) - 1;
 }
 
-// Word w, moved by one: bit b is that of the sample after b.
+// Returns word w shifted by one: bit b is that of the sample after sample b. Reads word w + 1, too.
 [[nodiscard]] inline std::uint64_t next_bits(const std::uint64_t* row, int w) { return row[w] >> 1 | row[w + 1] << 63; }
 
 }  // namespace isoextract::extract

@@ -1,5 +1,6 @@
-// Vertices numbered site by site. A site is a place of 8 x 8 x 8 samples that the surface may pass; each owns the edges
-// of the grid whose lower end is one of its samples. Numbers rise with the site, then the direction, then the sample.
+// Numbers the vertices on crossed edges, site by site. A site is a brick of 8x8x8 samples that the surface may pass. It
+// owns the grid edges whose lower end is one of its samples. Vertex numbers rise with the site, then the direction,
+// then the sample.
 #pragma once
 
 #include <array>
@@ -15,16 +16,16 @@ namespace isoextract::extract {
 class SiteVertices {
  public:
   SiteVertices() = default;
-  // No edge is crossed at first.
+  // Starts with no crossed edges.
   SiteVertices(std::size_t sites, std::size_t directions) : directions_(directions), edges_(sites * directions) {
     for (Edges& edges : edges_) edges = {};
   }
 
-  // What the constructor allocates.
+  // Returns the bytes that the constructor allocates.
   [[nodiscard]] static std::uint64_t bytes(std::size_t sites, std::size_t directions) {
     return std::uint64_t{sites} * directions * sizeof(Edges);
   }
-  // The crossed edges of one direction (an index into CaseTable::directions), one bit a sample.
+  // Returns the crossed edges of a site in one direction (an index into CaseTable::directions), one bit a sample.
   [[nodiscard]] BlockBits& crossed(std::size_t site, std::size_t direction) {
     return edges_[site * directions_ + direction].crossed;
   }
@@ -35,7 +36,7 @@ class SiteVertices {
     return (crossed(site, direction)[static_cast<std::size_t>(offset >> 6)] >> (offset & 63) & 1) != 0;
   }
 
-  // Once all crossed edges of a site are known.
+  // Counts the crossed edges of a site; call it once they are all set.
   void count(std::size_t site) {
     for (std::size_t direction = 0; direction < directions_; ++direction) {
       Edges& edges = edges_[site * directions_ + direction];
@@ -48,19 +49,19 @@ class SiteVertices {
     }
   }
 
-  // Once all sites are counted: gives numbers, and returns how many there are.
+  // Numbers the vertices and returns their count; call it once all sites are counted.
   std::uint64_t number() {
     std::uint64_t total = 0;
     for (Edges& edges : edges_) total += std::exchange(edges.first, static_cast<std::uint32_t>(total));
     return total;
   }
 
-  // The first of the site's vertices in that direction.
+  // Returns the number of the first vertex of a site in that direction.
   [[nodiscard]] std::uint32_t first(std::size_t site, std::size_t direction) const {
     return edges_[site * directions_ + direction].first;
   }
 
-  // The vertex on a crossed edge; `offset` is block_offset() of its lower sample.
+  // Returns the number of the vertex on a crossed edge; `offset` is field::block_offset() of its lower sample.
   [[nodiscard]] std::uint32_t at(std::size_t site, std::size_t direction, int offset) const {
     const Edges& edges = edges_[site * directions_ + direction];
     const auto x = static_cast<std::size_t>(offset >> 6);
@@ -69,11 +70,11 @@ class SiteVertices {
   }
 
  private:
-  // Of one site and direction.
+  // The edges of one site and direction.
   struct Edges {
     BlockBits crossed;
-    std::array<std::uint16_t, 8> before;  // crossed edges in earlier words
-    std::uint32_t first;                  // a count at first, then the number of the first vertex
+    std::array<std::uint16_t, 8> before;  // number of crossed edges in earlier words
+    std::uint32_t first;                  // first a count; after number() the number of the first vertex
   };
 
   std::size_t directions_ = 0;

@@ -1,4 +1,5 @@
-// The places of a sparse grid that a surface may pass, and the 512 inside bits of its blocks.
+// Finds the block places of a sparse grid that a surface may pass. Holds the 512 inside bits of a block. A place is an
+// aligned 8x8x8 box of samples, stored or not.
 #pragma once
 
 #include <array>
@@ -14,17 +15,17 @@ namespace isoextract::extract {
 
 inline constexpr int kBlockSize = field::SparseBlock::kSize;
 
-// The box of all blocks and tiles; empty if there are none.
+// Returns the box of all stored blocks and tiles; an empty box if there are none.
 [[nodiscard]] field::IndexBox stored_box(const field::SparseSamples& samples);
 
-// The 3 x 3 x 3 places around and at one, numbered x fastest; `away` is -1 to 1 along each axis.
+// A place and its 26 neighbors get slots 0 to 26, x fastest; each component of `away` is -1, 0 or 1.
 inline constexpr std::size_t kNearPlaces = 27;
 [[nodiscard]] inline std::size_t near_place_slot(const glm::ivec3& away) {
   const int slot = (away.x + 1) + 3 * (away.y + 1) + 9 * (away.z + 1);
   return static_cast<std::size_t>(slot);
 }
 
-// f(slot, place) for those of them from `lowest` (0 or -1) to 1 along each axis; `place` is its lowest sample.
+// Calls f(slot, place) for the neighbors from `lowest` (0 or -1) to 1 along each axis; `place` is their lowest sample.
 template <class F>
 void for_each_near_place(const glm::ivec3& origin, int lowest, const F& f) {
   for (int z = lowest; z <= 1; ++z) {
@@ -36,40 +37,42 @@ void for_each_near_place(const glm::ivec3& origin, int lowest, const F& f) {
   }
 }
 
-// 512 bits, in the order of a block's values.
+// 512 bits in the order of the values of a block: bit 8 * y + z of word x.
 using BlockBits = std::array<std::uint64_t, 8>;
 
-// What listing the skins of large tiles that are not on the background's side will need in memory, about. The mesh on
-// them is counted exactly later.
+// Returns about how many bytes are needed to list the skins of large tiles that are not on the background's side. The
+// skin is the layer of places at the faces of a tile. The mesh at the skins is counted exactly later.
 [[nodiscard]] std::uint64_t tile_skin_bytes(const field::SparseSamples& samples, const InsideRule& rule,
                                             const field::ValueScale& scale);
 
-// On which side of iso the constants are.
+// The side of iso on which the tiles and the background are.
 struct ConstantSides {
-  std::vector<std::uint8_t> tiles_inside;  // by tile
+  std::vector<std::uint8_t> tiles_inside;  // one entry a tile
   bool background_inside = false;
 
-  // Of a place without a block, as SparseLookup tells it.
+  // Returns the side of a place without a stored block; `place` comes from SparseLookup.
   [[nodiscard]] bool inside(std::int32_t place) const {
     return place == field::SparseLookup::kBackground ? background_inside
                                                      : tiles_inside[field::SparseLookup::tile_of(place)] != 0;
   }
 };
 
-// What unstored_places() needs at most for places beside blocks and small tiles, those on skins apart.
+// Returns the most bytes that unstored_places() needs for places next to blocks and small tiles, without the skins of
+// large tiles.
 [[nodiscard]] std::uint64_t unstored_places_bytes(const field::SparseSamples& samples, std::size_t nodes);
 
-// Places without a stored block around which both sides may occur: those that share a cell with a stored block, and the
-// skins of tiles that are not on the background's side. Sorted; a place may be named that turns out to be one-sided.
+// Returns, sorted, the places without a stored block whose cells may have corners on both sides. These are places that
+// share a cell with a stored block, and the skins of tiles that are not on the background's side. Some of them may turn
+// out to have one side only.
 [[nodiscard]] std::vector<glm::ivec3> unstored_places(const field::SparseSamples& samples,
                                                       const field::SparseLookup& lookup, const ConstantSides& sides);
 
-// The bits of the planes x = 0 to 8 of a block, each four times: as they are, and moved by one sample along y, along z,
-// along both. `group[n]` are the bits of the block that lies n & 1, n >> 1 & 1, n >> 2 & 1 blocks along x, y, z.
+// The inside bits of planes x = 0 to 8 of a block, each four times: unmoved, and moved by one sample along y, along z,
+// along both. `group[n]` holds the bits of the block that is n & 1, n >> 1 & 1, n >> 2 & 1 blocks away along x, y, z.
 using SitePlanes = std::array<std::array<std::uint64_t, 4>, 9>;
 [[nodiscard]] SitePlanes site_planes(const std::array<const BlockBits*, 8>& group);
 
-// The bits of samples p + step for the samples p of plane x; `step` is a set of axis bits.
+// Returns the bits of samples p + step for all samples p of plane x; `step` is a set of axis bits.
 [[nodiscard]] inline std::uint64_t moved_bits(const SitePlanes& planes, int step, int x) {
   const int plane = x + (step & 1);
   return planes[static_cast<std::size_t>(plane)][static_cast<std::size_t>(step >> 1)];

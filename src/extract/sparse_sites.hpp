@@ -1,4 +1,4 @@
-// The places of sparse samples that a surface passes, and what each sample there is: inside, a value, not a number.
+// Finds the places of sparse samples that the surface passes, and answers what each sample is: inside, its value, NaN.
 // Both backends start from here.
 #pragma once
 
@@ -15,40 +15,42 @@
 
 namespace isoextract::extract {
 
-// The samples to extract from, and one of background all round, which closes every surface. Empty if nothing is stored.
-// Fails with ErrorCode::input where voxels lie too far from index 0, and where options.region holds no cell.
+// Returns the box of samples to extract from, with one layer of background around it, which closes every surface.
+// Returns an empty box if nothing is stored. Fails with ErrorCode::input if voxels lie too far from index 0
+// (field::kMaxSparseIndex), or if options.region contains no cell.
 [[nodiscard]] Result<field::IndexBox> sparse_region(const field::ScalarField& field,
                                                     const field::SparseSamples& samples, const ExtractOptions& options);
 
-// The extraction where nothing is stored.
+// Returns the empty extraction of a field without stored samples.
 [[nodiscard]] Extraction nothing_stored();
 
-// The box whose border a cap closes: the region that was asked for. Without one nothing leaves what is stored.
+// Returns the box whose faces a cap closes: options.region, clipped. Returns nullopt without a region, because no
+// surface then leaves the box.
 [[nodiscard]] std::optional<field::IndexBox> sparse_cap_box(const field::IndexBox& region,
                                                             const ExtractOptions& options);
 
-// A site is a place of 8 x 8 x 8 samples that owns a crossed edge: the lower end of the edge is one of its samples.
+// A site is a brick of 8x8x8 samples that owns a crossed edge: one of its samples is the lower end of the edge.
 class SparseSites {
  public:
-  // All arguments but the context must outlive it.
+  // All arguments except the context must outlive this object.
   SparseSites(const field::ScalarField& field, const field::SparseSamples& samples, const field::IndexBox& region,
               const ExtractOptions& options, const Context& context);
 
-  // Compares every sample with iso, then lists the sites. Fails with ErrorCode::input for NaN samples in the region, if
-  // those are errors, and where there is no memory for it; with ErrorCode::cancelled between the two.
+  // Compares every sample with iso, then lists the sites. Fails with ErrorCode::input for NaN samples in the region
+  // under NanPolicy::error, and if memory runs out. Fails with ErrorCode::cancelled between the two steps.
   [[nodiscard]] Result<void> find(ExtractStats& stats);
 
-  // The first part of that, for who needs no sites: what is inside, and the figures of it.
+  // Does only the comparison, for callers that need no sites. Sets the inside bits and the figures of `stats`.
   [[nodiscard]] Result<void> compare(ExtractStats& stats);
   [[nodiscard]] const BlockBits& block_bits(std::size_t block) const { return bits_[block]; }
   [[nodiscard]] const ConstantSides& sides() const { return sides_; }
 
-  // Stored blocks first, then places without one; each part sorted by x, y, z.
+  // The origins of all sites: stored blocks first, then places without a block, each group sorted by x, y, z.
   [[nodiscard]] const std::vector<glm::ivec3>& origins() const { return sites_; }
   [[nodiscard]] std::size_t stored() const { return stored_sites_; }
-  // The site at a place, or -1.
+  // Returns the number of the site at a place, or -1.
   [[nodiscard]] std::int32_t site(const glm::ivec3& origin) const { return site_index_.find(origin); }
-  // The sites that own the edges of this site's cells, itself first.
+  // Returns the sites that own the edges of the cells of `site`, itself first; -1 where there is none.
   [[nodiscard]] std::array<std::int32_t, 8> near(std::size_t site) const {
     std::array<std::int32_t, 8> sites;
     for (int n = 0; n < 8; ++n)
@@ -56,30 +58,32 @@ class SparseSites {
     return sites;
   }
 
-  [[nodiscard]] const field::SparseLookup& lookup() const { return *lookup_; }  // once samples were compared
-  [[nodiscard]] bool has_holes() const { return has_holes_; }  // some samples are NaN, and NanPolicy::hole
+  [[nodiscard]] const field::SparseLookup& lookup() const { return *lookup_; }  // valid after compare() or find()
+  [[nodiscard]] bool has_holes() const { return has_holes_; }  // NaN samples were found under NanPolicy::hole
 
-  // Of any sample: for the few that are looked at one by one.
+  // Random access to any sample; slow, so only for few samples.
   [[nodiscard]] bool inside(const glm::ivec3& p) const {
     const int offset = field::block_offset(p);
     return ((*bits_of(lookup_->place(field::block_origin(p))))[offset >> 6] >> (offset & 63) & 1) != 0;
   }
   [[nodiscard]] double value(const glm::ivec3& p) const;
 
-  // The bits of a site and around it.
+  // Returns the inside bits of a site and of the next samples around it.
   [[nodiscard]] SitePlanes planes(std::size_t site) const { return planes_of(groups_[site]); }
 
-  // Edges of one direction owned by the site's samples that are crossed and lie in the region.
+  // Returns the crossed edges of one direction that the samples of the site own and that lie in the region, one bit a
+  // sample.
   [[nodiscard]] BlockBits crossed_edges(std::size_t site, const SitePlanes& planes, int direction) const {
     return crossed_edges_at(sites_[site], planes, direction);
   }
 
-  // The cells whose lowest samples are the site's, that the surface passes and that lie in the region.
+  // Returns the cells that the surface passes, in the region, by their lowest sample, which belongs to the site.
   [[nodiscard]] BlockBits active_cells(std::size_t site, const SitePlanes& planes) const;
 
-  // The sides that the border of options.region has, by its crossed edges; neither side without a region.
+  // Returns the sides of the samples at the faces of options.region, found by its crossed edges; neither side without a
+  // region.
   [[nodiscard]] BorderSides border() const;
-  // Whether cells at that border draw something, where those with a NaN sample do not.
+  // Returns whether any cell at these faces has triangles; cells with a NaN sample have none.
   [[nodiscard]] bool draws_at_border() const;
 
   // Runs f(i) for 0 <= i < count in parallel.
@@ -106,7 +110,8 @@ class SparseSites {
   [[nodiscard]] BlockBits crossed_edges_at(const glm::ivec3& origin, const SitePlanes& planes, int direction) const;
   [[nodiscard]] std::uint64_t region_bits(const glm::ivec3& origin, const glm::ivec3& step, int x) const;
   [[nodiscard]] bool wholly_in_region(const glm::ivec3& origin) const;
-  // Whether found(p, axis) of one of the crossed edges that lie in the region's border: from `p` along `axis`.
+  // Returns whether found(p, axis) is true for a crossed edge in the faces of the region; the edge goes from `p` along
+  // `axis`.
   template <class Found>
   [[nodiscard]] bool any_border_edge(const Found& found) const;
 
@@ -120,10 +125,10 @@ class SparseSites {
   Reservation sites_memory_;
   std::optional<field::SparseLookup> lookup_;
   double (*stored_number_)(const void* values, int offset);
-  Buffer<BlockBits> bits_;  // of the stored blocks
-  ConstantSides sides_;     // of all else
+  Buffer<BlockBits> bits_;  // of stored blocks
+  ConstantSides sides_;     // of tiles and the background
   std::vector<glm::ivec3> sites_;
-  std::vector<field::SparseLookup::Group> groups_;  // by site
+  std::vector<field::SparseLookup::Group> groups_;  // one entry a site
   std::size_t stored_sites_ = 0;
   field::OriginIndex site_index_;
   bool has_holes_ = false;

@@ -1,5 +1,4 @@
-// The run of every extraction, dense or sparse, on the CPU or a device: what is checked, in which order, and what is
-// made of the passes that a surface brings.
+// The sequence of steps that every extraction shares, dense or sparse, on the CPU or a device.
 #pragma once
 
 #include <cmath>
@@ -17,33 +16,34 @@
 
 namespace isoextract::extract {
 
-// What a surface brings. The passes are called once each, in this order; samples are given by their index in the field.
+// The interface of a surface under extraction. The passes are called once each, in this order; samples are given by
+// their index in the field.
 template <class S>
 concept SurfacePasses = requires(S& surface, const S& seen, ExtractStats& stats, mesh::Mesh& mesh, const glm::ivec3& p,
                                  int direction) {
   { seen.placement() } -> std::convertible_to<const OutputFrame&>;
-  // Compares the samples with iso and fills the figures of that. False where there can be no surface.
+  // Compares the samples with iso and fills the classification figures. Returns false if there can be no surface.
   { surface.classify(stats) } -> std::same_as<Result<bool>>;
-  // Finds how large the surface is, and fills `count` and what else came out. A surface that is drawn in portions is
-  // drawn here, and its part of `emit` is known then.
+  // Counts vertices and triangles; fills `count` and other figures of `stats`. A surface that is drawn in portions is
+  // drawn here, so its share of `emit` is known then, too.
   { surface.count(stats) } -> std::same_as<Result<MeshSizes>>;
-  // Writes the first vertices and triangles of a mesh that has room for as many as were counted.
+  // Writes vertices and triangles to the start of a mesh that has room for as many as were counted.
   { surface.emit(mesh) } -> std::same_as<Result<void>>;
 
-  // Known once it was counted. The box whose border a cap closes, and the sides of its samples there; nothing where
-  // nothing leaves it.
+  // Valid after count(). The box whose faces a cap closes (nullopt if the surface never leaves the box), and the sides
+  // of its outermost samples.
   { seen.cap_box() } -> std::same_as<std::optional<field::IndexBox>>;
   { seen.border() } -> std::same_as<BorderSides>;
-  { seen.draws_at_border() } -> std::same_as<bool>;  // asked where it has both sides, and holes
-  { seen.has_holes() } -> std::same_as<bool>;        // some samples are NaN, and NanPolicy::hole
+  { seen.draws_at_border() } -> std::same_as<bool>;  // called if the border has both sides and there are holes
+  { seen.has_holes() } -> std::same_as<bool>;        // NaN samples were found under NanPolicy::hole
   { seen.inside(p) } -> std::same_as<bool>;
   { seen.value(p) } -> std::same_as<double>;
-  { seen.edge_vertex(p, direction) } -> std::same_as<std::uint32_t>;  // on the crossed edge from `p`
+  { seen.edge_vertex(p, direction) } -> std::same_as<std::uint32_t>;  // the vertex on the crossed edge from `p`
 };
 
-// What is the same wherever the surface comes from: its frame fits float32, its size fits the context's memory, the cap
-// is made of what the surface has at the border and stands behind it, and where cells were left out each fan of
-// triangles gets a vertex of its own.
+// Runs the passes of `surface` and returns its mesh. Checks that the frame fits float32, and reserves memory for the
+// counted size. Builds the cap from what the surface has at the faces of its box, and appends it behind the surface. If
+// NaN cells were left out, gives each fan of triangles its own vertex.
 template <SurfacePasses Surface>
 [[nodiscard]] Result<Extraction> extract_surface(const field::ScalarField& field, const ExtractOptions& options,
                                                  Surface& surface, const Context& context) {

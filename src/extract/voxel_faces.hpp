@@ -1,4 +1,4 @@
-// How the exposed faces of voxels become triangles.
+// The ways to turn exposed voxel faces into triangles.
 #pragma once
 
 #include <array>
@@ -8,9 +8,10 @@
 namespace isoextract::extract {
 
 enum class VoxelFaces {
-  merged,      // coplanar faces as large rectangles, each with the vertices that its neighbours have on its border
+  merged,      // coplanar faces merged into large rectangles, each with the vertices that its neighbors have on its
+               // boundary
   rectangles,  // the same rectangles as two triangles each: fewest triangles, but not closed edge by edge
-  plain,       // each by itself, as two triangles
+  plain,       // each face by itself, as two triangles
 };
 constexpr auto words_of(VoxelFaces /*type*/) {
   return std::array{Word{VoxelFaces::merged, "merged"}, Word{VoxelFaces::rectangles, "rectangles"},

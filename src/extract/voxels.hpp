@@ -1,12 +1,14 @@
-// Surfaces of voxels: a sample that is inside is a solid box of one index step around it, and the surface is what of
-// these boxes is exposed. Samples outside the data or the region are outside, so it is closed everywhere.
+// Surfaces of voxels: each inside sample is a solid box of one index step around it, and the surface consists of the
+// exposed faces of these boxes. Samples beyond the data or the region count as outside, so the surface is closed
+// everywhere.
 //
-// Voxels are joined by faces only. Where two touch along an edge or in a corner, each fan of faces has a vertex of its
-// own there (detail/corner_fans.hpp), so that the mesh is a closed, oriented 2-manifold whatever the voxels are. Its
-// volume is that of the voxels.
+// Voxels are connected through faces only. Where two voxels touch along an edge or at a corner only, each fan of faces
+// gets its own vertex (detail/corner_fans.hpp). So the mesh is a closed, oriented 2-manifold for any set of voxels, and
+// its volume is that of the voxels.
 //
-// Coplanar faces are merged to large rectangles (VoxelFaces), found as in a hash table of voxels from which the exposed
-// faces are taken (the voxel surface of the water automaton, see docs/papers.md), with whole words of bits for voxels.
+// Coplanar faces are merged into large rectangles (VoxelFaces). The method follows the voxel surface of the water
+// automaton (docs/papers.md), which removes hidden faces from a hash table of voxels. Here words of bits take the place
+// of the hash table.
 #pragma once
 
 #include <cstdint>
@@ -18,35 +20,36 @@
 
 namespace isoextract::extract {
 
-// Which labels of a label map.
+// The labels to extract from a label map.
 struct LabelChoice {
-  bool all = false;                  // but 0, and what a sparse field has all around
-  std::vector<std::int64_t> values;  // else these, each once
+  bool all = false;                  // all labels except 0 and the background of a sparse field
+  std::vector<std::int64_t> values;  // if not all: the labels, without duplicates
 
   friend bool operator==(const LabelChoice&, const LabelChoice&) = default;
 };
 
-// Where each label of a label map is, found in one look at the samples.
+// The voxels of each label of a label map, found in one pass over the samples.
 class LabelVoxels {
  public:
-  // Of the region in `options`, whose iso value plays no part; for surface nets with the net of all labels there are,
-  // whichever are asked for, so that the choice changes no mesh. What is found is reserved for as long as it lives.
-  // Floating-point samples are labels where all of the region are whole numbers, up to which their type has every one;
-  // with NanPolicy::outside, NaN has no label.
-  // Fails with ErrorCode::usage where a scale makes something else of the samples, and for a label that a sparse field
-  // has all around; with ErrorCode::input where a sample is no label or memory runs out; with ErrorCode::cancelled.
+  // Finds the voxels of the chosen labels in options.region; options.iso has no effect. For surface nets it also builds
+  // the net of all labels, chosen or not, so that the choice changes no mesh. The object keeps its memory reserved as
+  // long as it lives.
+  // Floating-point samples are labels if all samples of the region are whole numbers that their type can hold exactly
+  // (detail/label_samples.hpp). With NanPolicy::outside, NaN samples have no label.
+  // Fails with ErrorCode::usage if the field scales its samples, and if a chosen label is the background of a sparse
+  // field. Fails with ErrorCode::input if a sample is no label or memory runs out; with ErrorCode::cancelled.
   [[nodiscard]] static Result<LabelVoxels> find(const field::ScalarField& field, const ExtractOptions& options,
                                                 const LabelChoice& choice, const Context& context);
 
-  // Those that were asked for, in their order, found or not; all of them in rising order.
+  // Returns the chosen labels in the given order, found or not; for LabelChoice::all, the found labels in rising order.
   [[nodiscard]] const std::vector<std::int64_t>& labels() const;
 
-  // Sentences about the samples that a user should know.
+  // Returns sentences about the samples to show to the user.
   [[nodiscard]] const std::vector<std::string>& notes() const;
 
-  // The surface of one of them; empty where the label was not found. `field` is the one that was looked at, and
-  // `options` are the same but for what a mesh is like. By surface nets the borders of two labels are the same
-  // triangles in both meshes, turned over. Fails as Extractor::extract() does.
+  // Returns the surface of one label; an empty mesh if the label was not found. `field` must be the field given to
+  // find(); `options` may differ only in how the mesh is made. With surface nets, two labels share the triangles of
+  // their common border, with opposite winding. Fails as Extractor::extract() does.
   [[nodiscard]] Result<Extraction> extract(const field::ScalarField& field, std::int64_t label,
                                            const ExtractOptions& options, const Context& context) const;
 

@@ -1,4 +1,4 @@
-// A case table in the form the extractors' inner loops read: one short record a case, triangles as bytes.
+// A case table in the form that inner loops read: one short record a case, triangles as bytes.
 #pragma once
 
 #include <array>
@@ -13,35 +13,36 @@
 
 namespace isoextract::extract {
 
-// Decides what a cell draws whose case does not say it alone: ambiguous ones, and all where samples can be NaN.
+// Chooses the variant of cells whose case alone does not decide it: of ambiguous cells, and of all cells if samples may
+// be NaN.
 class CellDecider {
  public:
   virtual ~CellDecider() = default;
-  // The variant (CaseTable) drawn by the cell whose lowest sample is `p`; nothing where the cell is left out.
+  // Returns the variant (CaseTable) of the cell whose lowest sample is `p`, or nullopt if the cell is left out.
   [[nodiscard]] virtual std::optional<unsigned> variant(unsigned cell_case, const glm::ivec3& p) const = 0;
 };
 
 class CellDrawings {
  public:
-  using Triangle = std::array<std::uint8_t, 4>;  // three names of edges and a filling byte
+  using Triangle = std::array<std::uint8_t, 4>;  // three edge names and a padding byte
 
-  // Triangles first .. first + count - 1.
+  // The triangles first to first + count - 1.
   struct Drawing {
     std::uint16_t first = 0;
     std::uint8_t count = 0;
-    bool decided = false;   // of a case: the decider says which variant
-    bool left_out = false;  // by the decider
+    bool decided = false;   // for cases: the decider chooses the variant
+    bool left_out = false;  // the decider left the cell out
   };
 
-  // `mirrored` turns triangles over. `decide_all`: the decider is asked about every cell. `names` are what triangles
-  // call the table's edges; without them these are called by their numbers.
+  // `mirrored` reverses the winding. `decide_all`: ask the decider about every cell. `names` replace the numbers of the
+  // table's edges in triangles; without them, triangles hold edge numbers.
   CellDrawings(const CaseTable& table, bool mirrored, bool decide_all, std::span<const std::uint8_t> names = {});
 
   [[nodiscard]] int directions() const { return directions_; }
-  // The set of the table's edges whose ends are on different sides.
+  // Returns the edges of the table, as bits, whose ends are on different sides.
   [[nodiscard]] std::uint32_t crossed_edges(unsigned cell_case) const { return crossed_edges_[cell_case]; }
 
-  // What the cell whose lowest sample is origin + p draws.
+  // Returns the triangles of the cell whose lowest sample is origin + p.
   [[nodiscard]] Drawing of(unsigned cell_case, const CellDecider& decider, const glm::ivec3& origin,
                            const glm::ivec3& p) const {
     const Drawing drawing = by_case_[cell_case];
@@ -50,8 +51,8 @@ class CellDrawings {
     return variant ? by_variant_[*variant] : Drawing{.left_out = true};
   }
 
-  // Writes a cell's triangles to `out` and returns their end. `numbers` are those of vertices, by what triangles call
-  // their edges: an array, since through a pointer GCC vectorises the loop, which only pays from 16 triangles on.
+  // Writes the triangles of a cell to `out` and returns their end. `numbers` maps edge names to vertex numbers. It is
+  // an array, because with a pointer GCC vectorizes the loop, which pays only from 16 triangles on.
   template <class Numbers>
   glm::uvec3* write(const Drawing& drawing, const Numbers& numbers, glm::uvec3* out) const {
     const Triangle* triangle = triangles_.data() + drawing.first;
@@ -69,7 +70,7 @@ class CellDrawings {
   std::vector<Triangle> triangles_;
 };
 
-// What the cells of a row or a site draw together.
+// Counts over the cells of a row or a site.
 struct CellCounts {
   std::uint64_t triangles = 0;
   std::uint64_t left_out = 0;  // cells

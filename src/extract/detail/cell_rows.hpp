@@ -1,5 +1,5 @@
-// Rows of cells: which edges they cross, how many triangles they draw, and the triangles. Works on inside bits, a word
-// of 64 samples at a time, and looks at samples only where a case alone does not decide (CellDecider). Vectorised.
+// Processes rows of cells: finds their crossed edges, counts their triangles, writes them. Works on inside bits in
+// words of 64 samples, and reads samples only if a case alone does not decide (CellDecider). Vectorized.
 #pragma once
 
 #include <array>
@@ -16,38 +16,37 @@ namespace isoextract::extract {
 inline constexpr int kMaxDirections = 7;
 inline constexpr int kMaxStreams = 14;
 
-// What cells draw, with corners of triangles as slots: stream of CellStreams, plus kSlotsPerSide for the position after
-// the cell's.
+// Returns drawings whose triangles name slots: the number of the stream (CellStreams), plus kSlotsPerSide for an edge
+// at the position after the cell's.
 inline constexpr int kSlotsPerSide = 16;
 [[nodiscard]] CellDrawings row_drawings(const CaseTable& table, bool mirrored, bool decide_all);
 
-// The cells between four rows of samples. Bits are those of DenseMasks: zero after the last sample, and one more word.
+// The cells between four rows of samples. Bits are as in DenseMasks: zero after the last sample, with one extra word.
 struct CellRow {
-  glm::ivec3 origin;  // of the row, for the decider
-  // Row (j, k), then the next along y, along z, along both. Null where there is none; then there are no cells, and no
-  // edges towards it.
+  glm::ivec3 origin;  // position of the row, for the decider
+  // The rows (j, k), then the next along y, along z, along both. Null if a row does not exist; then there are no cells
+  // and no edges toward it.
   std::array<const std::uint64_t*, 4> bits;
-  int samples;                         // in a row
-  const std::uint8_t* crossed_bricks;  // a byte a word: 0 where all samples around are on one side
+  int samples;                         // samples in a row
+  const std::uint8_t* crossed_bricks;  // one byte a word: 0 if all samples of the brick are on one side
 
   [[nodiscard]] bool has_cells() const { return bits[3] != nullptr; }
 };
 
 struct RowCounts {
-  std::array<std::uint32_t, kMaxDirections> vertices{};  // of the edges the row's samples own, by direction
+  std::array<std::uint32_t, kMaxDirections> vertices{};  // crossed edges that the row's samples own, by direction
   CellCounts cells;
 };
 
 [[nodiscard]] RowCounts count_cells(const CellDrawings& drawings, const CellRow& row, const CellDecider& decider);
 
-// Writes the triangles of a row that has cells to `out`, which has room for just as many as were counted. `first` is
-// the number of each stream's first vertex (CellStreams). False if it is another number of triangles, because the
-// decider changed its mind; nothing is written past the end then.
+// Writes the triangles of a row that has cells. `out` has room for exactly the counted number. `first` holds the number
+// of each stream's first vertex (CellStreams). Returns false if the number of triangles differs from the count, because
+// the decider now answers otherwise; it never writes past the end.
 [[nodiscard]] bool write_cells(const CellDrawings& drawings, const CellRow& row, const CellDecider& decider,
                                std::span<const std::uint32_t> first, std::span<glm::uvec3> out);
 
-// Where along the row the crossed edges of each direction begin: positions from edges.begin(d) to edges.begin(d + 1),
-// rising. Reused from row to row.
+// Positions in a row of the crossed edges of each direction d, rising: from begin(d) to end(d). Reused from row to row.
 class EdgeList {
  public:
   EdgeList(int directions, int samples)
@@ -56,7 +55,7 @@ class EdgeList {
   [[nodiscard]] const std::int32_t* begin(int direction) const { return positions_.data() + first_[direction]; }
   [[nodiscard]] const std::int32_t* end(int direction) const { return positions_.data() + first_[direction + 1]; }
 
-  static constexpr std::size_t kSpare = 4;  // that may be written behind the last position
+  static constexpr std::size_t kSpare = 4;  // list_edges() may write this many entries after the last position
   [[nodiscard]] std::int32_t* positions() { return positions_.data(); }
   [[nodiscard]] std::array<std::int32_t, kMaxDirections + 1>& first() { return first_; }
 
@@ -65,10 +64,11 @@ class EdgeList {
   std::array<std::int32_t, kMaxDirections + 1> first_{};
 };
 
+// Fills `edges` with the crossed edges that the samples of the row own.
 void list_edges(const CellDrawings& drawings, const CellRow& row, EdgeList& edges);
 
-// Which words have samples on both sides in any of `rows`, all of one length: `crossed` gets a byte a word. A word's
-// samples include the first of the next one.
+// Sets one byte a word in `crossed`: whether the word has samples on both sides in any of `rows`, which all have
+// `samples` samples. The samples of a word include the first of the next word.
 void mark_crossed_words(std::span<const std::uint64_t* const> rows, int samples, std::uint8_t* crossed);
 
 }  // namespace isoextract::extract

@@ -1,9 +1,9 @@
-// How the dense extractor numbers vertices while it walks along a row of cells.
+// Vertex numbers while the dense extractor walks along a row of cells.
 //
-// A stream is the sequence of crossed edges of one direction, owned by the samples of one row; their vertices have
-// consecutive numbers. A cell's edges belong to the streams of its four rows, at the cell's own position or the next.
-// Every edge of a stream that lies before a cell belongs to an earlier cell of the same row, so walking over the cells
-// in order and adding each stream's bit keeps all numbers right with one addition a stream.
+// A stream is the sequence of crossed edges of one direction that the samples of one row own. Their vertices have
+// consecutive numbers. A cell's edges belong to the streams of its four rows, at the cell's own position or the next
+// one. All edges of a stream before a cell belong to earlier cells of the row. So walking over the cells in order and
+// adding the bit of each stream keeps all numbers right with one addition a stream.
 #pragma once
 
 #include <array>
@@ -13,13 +13,13 @@
 
 namespace isoextract::extract {
 
-// The place of axis bits in CaseTable::directions.
+// Returns the index of axis bits in CaseTable::directions.
 template <int kDirections>
 [[nodiscard]] constexpr int direction_index(int direction) {
   return kDirections == 3 ? direction / 2 : direction - 1;
 }
 
-// Streams and edges in the order of CaseTable::edges: by direction, then by corner.
+// The streams and edges of a cell, in the order of CaseTable::edges: by direction, then by corner.
 template <int kDirections>
 struct CellStreams {
   static_assert(kDirections == 3 || kDirections == 7);
@@ -28,11 +28,11 @@ struct CellStreams {
 
   struct Stream {
     int direction = 0;  // axis bits
-    int row = 0;        // which of the cell's rows owns the edges: 1 is the next along y, 2 along z
+    int row = 0;        // the row of the cell that owns the edges: bit 1 is the next along y, bit 2 along z
   };
   struct EdgeSource {
     int stream = 0;
-    bool next = false;  // at the position after the cell's
+    bool next = false;  // the edge is at the position after the cell's
   };
 
   std::array<Stream, kStreams> streams{};
@@ -56,7 +56,7 @@ struct CellStreams {
   }
 };
 
-// The first of a row's own streams come in the order of CaseTable::directions.
+// The streams of the cell's first row (row 0) come in the order of CaseTable::directions.
 template <int kDirections>
 inline constexpr CellStreams<kDirections> kCellStreams{};
 

@@ -1,5 +1,5 @@
-// Comparing runs of samples with iso: one bit a sample. Vectorised; InsideClassifier (inside_test.hpp) says the same in
-// plain words.
+// Compares runs of samples with the iso value: one bit a sample. Vectorized; InsideClassifier (inside_test.hpp) is the
+// readable version of the same test.
 #pragma once
 
 #include <cstddef>
@@ -9,15 +9,15 @@
 
 namespace isoextract::extract {
 
-// Bit b of bits[w] is set where sample 64 * w + b is inside; bits beyond `count` are zero. Writes (count + 63) / 64
-// words; one word more must be there, and may change. Returns how many samples are NaN.
+// Sets bit b of bits[w] if sample 64 * w + b is inside; bits from `count` on are zero. Writes (count + 63) / 64 words;
+// one more word must exist and may change. Returns the number of NaN samples.
 template <class T>
 std::uint64_t classify_samples(const T* samples, std::size_t count, const InsideThreshold<T>& threshold,
                                std::uint64_t* bits);
 
 }  // namespace isoextract::extract
 
-// DO(T) for every type of sample: for what is compiled once for each.
+// Expands DO(T) for every sample type, for templates that are compiled once a type.
 #define ISOEXTRACT_EACH_SAMPLE_TYPE(DO) \
   DO(std::uint8_t)                      \
   DO(std::int8_t)                       \

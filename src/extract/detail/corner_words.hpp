@@ -1,5 +1,5 @@
-// The voxels around the corners of the grid, 64 corners of a row at a time. Corner p is the lower one of voxel p; the
-// eight voxels around it are numbered as in corner_fans.hpp.
+// Inside bits of the voxels around grid corners, for 64 corners of a row at once. Corner p is the lower corner of voxel
+// p. The eight voxels around a corner are numbered as in corner_fans.hpp.
 #pragma once
 
 #include <array>
@@ -10,16 +10,17 @@
 
 namespace isoextract::extract {
 
-// Bit b of word n: whether voxel n of the eight around corner b of a row is inside.
+// Bit b of word n is set if voxel n of the eight around corner b of a row is inside.
 using CornerWords = std::array<std::uint64_t, 8>;
 
-// The chunks that the voxels around the corners of one are in: number n is 7 - n steps below.
+// The chunks that contain the voxels around the corners of a chunk. Chunk 7 is the chunk itself; chunk n is one step
+// lower along each axis bit that 7 - n has.
 using NearChunks = std::array<const ChunkBits*, 8>;
 
-// From a chunk to the n-th of those around its upper corner.
+// Returns the step from a chunk to chunk n of the eight around its upper corner.
 [[nodiscard]] inline glm::ivec3 chunk_step(int n) { return kVoxelChunk * glm::ivec3(n & 1, n >> 1 & 1, n >> 2); }
 
-// Of the row of corners at `y` and `z` in a chunk.
+// Returns the words of the row of corners at `y` and `z` in a chunk.
 [[nodiscard]] inline CornerWords corner_words(const NearChunks& near, int y, int z) {
   CornerWords words;
   for (int n = 0; n < 8; n += 2) {
@@ -40,8 +41,8 @@ using NearChunks = std::array<const ChunkBits*, 8>;
   return pattern;
 }
 
-// The four voxels on one side along an axis: those around the edge that leads there, and of the face of a cell there.
-// The first and the last of them are opposite.
+// Returns the four voxels on one side of the corners along an axis. They surround the edge that leads there, and are
+// the samples of a face of the cell around the corner. The first and the last are diagonally opposite.
 [[nodiscard]] inline std::array<std::uint64_t, 4> words_on_side(const CornerWords& words, std::size_t axis,
                                                                 std::size_t side) {
   const std::size_t u = axis == 0 ? 2 : 1;
@@ -50,17 +51,17 @@ using NearChunks = std::array<const ChunkBits*, 8>;
   return {words[low], words[low | u], words[low | v], words[low | u | v]};
 }
 
-// Where two of the four touch along their edge only.
+// Returns a bit for each corner where two of the four voxels touch along their common edge only.
 [[nodiscard]] inline std::uint64_t diagonal(const std::array<std::uint64_t, 4>& four) {
   return (four[0] ^ four[1]) & (four[0] ^ four[2]) & ~(four[0] ^ four[3]);
 }
 
-// Where some of the four are inside and some are not.
+// Returns a bit for each corner where some of the four voxels are inside and others outside.
 [[nodiscard]] inline std::uint64_t mixed(const std::array<std::uint64_t, 4>& four) {
   return (four[0] | four[1] | four[2] | four[3]) & ~(four[0] & four[1] & four[2] & four[3]);
 }
 
-// Where an edge ends along which voxels touch only.
+// Returns a bit for each corner that ends an edge along which voxels touch without a common face.
 [[nodiscard]] inline std::uint64_t contacts(const CornerWords& words) {
   std::uint64_t found = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -1,9 +1,9 @@
-// The exposed faces of voxels as rectangles, plane by plane.
+// Exposed voxel faces as rectangles, plane by plane.
 //
-// A plane's faces come row by row as runs, from whole words of bits: a run is what is inside and-not what is inside one
-// step further. A rectangle begins with a run, or what is left of one, and goes on for as long as the next row has all
-// of it: greedy meshing (Lysenko: Meshing in a Minecraft game. 2012) as a sweep, whose work grows with the runs and not
-// with the plane.
+// The faces of a plane come row by row as runs of set bits: words of "inside" and-not words of "inside one step
+// further". A rectangle begins with a run, or the rest of one, and continues while the next row covers all of it. This
+// is greedy meshing (Lysenko: Meshing in a Minecraft game. 2012) as a sweep. Its work grows with the number of runs,
+// not with the size of the plane.
 #pragma once
 
 #include <cstdint>
@@ -17,27 +17,28 @@
 
 namespace isoextract::extract {
 
-// The two axes along the planes across `axis`, the lower one first.
+// The two axes within the planes across `axis`, the lower one first.
 [[nodiscard]] constexpr int plane_u(int axis) { return axis == 0 ? 1 : 0; }
 [[nodiscard]] constexpr int plane_v(int axis) { return axis == 2 ? 1 : 2; }
 
-// Faces of one plane, side by side. Corners are numbered like voxels: corner p is the lower one of voxel p.
+// A rectangle of adjacent faces in one plane. Corners are numbered like voxels: corner p is the lower corner of voxel
+// p.
 struct FaceRectangle {
-  std::int32_t plane = 0;  // along the axis
+  std::int32_t plane = 0;  // position along the axis
   std::int32_t low[2] = {0, 0};
   std::int32_t high[2] = {0, 0};  // along u and v, in corners
-  bool upward = false;            // they look along the axis, not against it
+  bool upward = false;            // the faces point along the axis, not against it
 };
 
-// Those of a layer of chunks across one axis.
+// The rectangles of a layer of chunks across one axis.
 struct LayerRectangles {
   int axis = 0;
   ReservedList<FaceRectangle> rectangles;
 };
 
-// The exposed faces of all listed chunks, each once: axis by axis, each in rising layers. In parallel; the order is the
-// same for any number of threads. Fails where there is no memory, and where the context is cancelled; `what` as in
-// ReservedList, and it must outlive what is returned.
+// Returns the exposed faces of all listed chunks, each once: axis by axis, in rising layers. Runs in parallel; the
+// order does not depend on the number of threads. Fails if memory runs out and if the context is cancelled. `what`
+// starts the message (ReservedList) and must outlive the result.
 [[nodiscard]] Result<std::vector<LayerRectangles>> list_face_rectangles(const VoxelChunks& voxels, VoxelFaces faces,
                                                                         const Context& context,
                                                                         const std::string& what);

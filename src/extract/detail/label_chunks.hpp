@@ -1,4 +1,4 @@
-// Where the voxels of all labels are: for each chunk, the bits of each label in it.
+// The voxels of all labels: for each chunk, the bits of each label in it.
 #pragma once
 
 #include <cstdint>
@@ -16,32 +16,33 @@ namespace isoextract::extract {
 struct LabelChunk {
   std::int64_t label = 0;
   glm::ivec3 origin{0};
-  const ChunkBits* bits = nullptr;  // whoever found them keeps them
+  const ChunkBits* bits = nullptr;  // owned by the caller
 };
 
 class LabelChunks {
  public:
-  // The label that all of a chunk has that is not listed; nothing for none. Null: there are no such chunks.
+  // Returns the label of all voxels in an unlisted chunk, or nullopt if they have none. A null function means that no
+  // unlisted chunk has labels.
   using Unlisted = std::function<std::optional<std::int64_t>(const glm::ivec3& origin)>;
 
-  // `chunks` in chunk_order(), each label of a chunk once. Voxels are in `bounds` only. `memory` is for what bytes()
-  // says.
+  // `chunks` are in chunk_order(), with one entry for each label of a chunk. All voxels are in `bounds`. `memory` is
+  // the reservation of bytes().
   LabelChunks(std::vector<LabelChunk> chunks, Unlisted unlisted, const field::IndexBox& bounds, Reservation memory);
 
-  // What the list and its index take.
+  // Returns the bytes of the list and its index.
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t chunks);
 
   [[nodiscard]] const std::vector<LabelChunk>& chunks() const { return chunks_; }
   [[nodiscard]] const field::IndexBox& bounds() const { return bounds_; }
 
-  // The labels listed of a chunk; none where it is not listed.
+  // Returns the entries of a chunk; an empty span if the chunk is not listed.
   [[nodiscard]] std::span<const LabelChunk> at(const glm::ivec3& origin) const;
-  // Of a chunk that is not listed.
+  // Returns the label of a chunk that is not listed.
   [[nodiscard]] std::optional<std::int64_t> unlisted(const glm::ivec3& origin) const {
     return unlisted_ ? unlisted_(origin) : std::nullopt;
   }
 
-  // The bits of one label in a chunk.
+  // Returns the bits of one label in a chunk, listed or not.
   [[nodiscard]] const ChunkBits& bits(std::int64_t label, const glm::ivec3& origin) const;
   [[nodiscard]] bool has(std::int64_t label, const glm::ivec3& voxel) const {
     return (bits(label, chunk_origin(voxel))[chunk_row(voxel.y, voxel.z)] >> (voxel.x & 63) & 1) != 0;
@@ -52,7 +53,7 @@ class LabelChunks {
   Unlisted unlisted_;
   field::IndexBox bounds_;
   Reservation memory_;
-  field::OriginIndex index_;  // the first entry of a chunk
+  field::OriginIndex index_;  // the first entry of each chunk
 };
 
 }  // namespace isoextract::extract

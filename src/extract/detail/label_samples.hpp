@@ -1,4 +1,4 @@
-// Samples as labels: integers are, and floating-point samples that are whole numbers.
+// Which samples are labels: all integers, and floating-point samples that are whole numbers.
 #pragma once
 
 #include <cmath>
@@ -12,14 +12,14 @@
 
 namespace isoextract::extract {
 
-// A sample that is no label.
+// A sample that is not a label.
 struct WrongSample {
   double value = 0;
   glm::ivec3 at{0};
 };
 
-// The largest label that samples of T have. Beyond 2^digits, floating-point numbers are farther apart than 1: two
-// labels may have become one when the file was written.
+// Returns the largest label that a floating-point type T can hold. Beyond 2^digits, its numbers are farther apart than
+// 1, so two labels may have become one when the file was written.
 template <class T>
 [[nodiscard]] constexpr double most_label() {
   if constexpr (std::is_same_v<T, field::Half>) return 0x1p11;

@@ -1,15 +1,17 @@
-// Surface nets: smooth places for the corners of voxels where the border of a label passes, one for all labels.
+// Surface nets: smooth positions for the voxel corners on the borders of labels, shared by all labels.
 //
-// The net has a point in each cell of the grid whose eight samples have more than one label: the corner of the voxels,
-// in the middle of the cell. Points are joined where the cells share a face that has more than one label. Each point
-// moves towards the mean of those it is joined with, and a little back, so that wide parts keep their volume (Taubin: A
-// signal processing approach to fair surface design. 1995); it stays within its cell (Gibson: Constrained Elastic
-// Surface Nets. 1998). Where three labels or more meet in a face of the cell, a curve in which they meet passes; points
-// on it are moved by their neighbours on it alone, so that it stays a smooth curve, and no border that ends in it pulls
-// at it (Frisken: SurfaceNets for Multi-Label Segmentations with Preservation of Sharp Boundaries. 2022). Beyond the
-// bounds of the data is one more label, and points on its border stay in the plane of it, in its edge, in its corner.
+// The net has one point in each grid cell whose eight samples have more than one label: the voxel corner in the middle
+// of the cell. Points are connected if their cells share a face that has more than one label. Each round moves every
+// point toward the mean of its connected points, and a little back, so that wide parts keep their volume (Taubin: A
+// signal processing approach to fair surface design. 1995). A point stays within its cell (Gibson: Constrained Elastic
+// Surface Nets. 1998).
 //
-// The labels have their points in common: their meshes meet without gaps, bit for bit.
+// If a face of the cell has three or more labels, a curve where these labels meet passes through it. Points on such a
+// curve are connected with their neighbors on the curve only. So it stays a smooth curve, and no border that ends on it
+// pulls at it (Frisken: SurfaceNets for Multi-Label Segmentations with Preservation of Sharp Boundaries. 2022).
+//
+// The space beyond the data boundary counts as one more label. Points on the boundary stay in its plane, edge, or
+// corner. All labels share the points, so their meshes meet without gaps, bit for bit.
 #pragma once
 
 #include <array>
@@ -25,23 +27,24 @@ namespace isoextract::extract {
 
 class NetPoints {
  public:
-  // How near a point gets to the sides of its cell, in steps of the grid: what keeps triangles from losing their area.
+  // The least distance of a point from the faces of its cell, in grid steps. It keeps triangles from losing their area.
   static constexpr float kMargin = 0.02F;
 
-  // Of all labels in `labels`, after so many rounds. What is not listed is one label more, whatever it is. In parallel;
-  // the same for any number of threads. Fails where there is no memory, and where the context is cancelled.
+  // Returns the net of all labels in `labels` after `relaxations` rounds of smoothing. All voxels without a label count
+  // as one more label. Runs in parallel; the result does not depend on the number of threads. Fails if memory runs out
+  // and if the context is cancelled. `what` starts the message about memory.
   [[nodiscard]] static Result<NetPoints> make(const LabelChunks& labels, std::uint64_t relaxations,
                                               const Context& context, const std::string& what);
 
-  // How many points there are.
+  // Returns the number of points.
   [[nodiscard]] std::uint64_t size() const { return offsets_.size(); }
 
-  // From the corner to its point, in steps of the grid; 0 where there is none.
+  // Returns the offset of a corner's point from the corner, in grid steps; 0 if the corner has no point.
   [[nodiscard]] glm::vec3 offset(const glm::ivec3& corner) const;
 
-  // Edges upward from corners along x, y, z that have a vertex in their middle, in the mesh of each label that has such
-  // an edge: somewhere two voxels of one label touch along it and are joined at both of its ends, and all meshes are
-  // to have the same triangles there. Null where a chunk has none.
+  // Returns the edges of a chunk that have an extra vertex in their middle, by axis and lower corner; null if there are
+  // none. Such an edge exists where two voxels of one label touch along it and are in one fan at both of its ends. All
+  // labels get the vertex there, so that their meshes have the same triangles.
   [[nodiscard]] const std::array<ChunkBits, 3>* middles(const glm::ivec3& origin) const;
 
  private:
@@ -58,7 +61,7 @@ class NetPoints {
   std::vector<glm::ivec3> origins_;
   field::OriginIndex index_;
   Buffer<ChunkBits> used_;
-  Buffer<RowBases> first_;  // the first point of a row
+  Buffer<RowBases> first_;  // number of the first point of each row
   Buffer<std::int32_t> middles_number_;
   Buffer<Middles> middles_;
   Buffer<glm::vec3> offsets_;

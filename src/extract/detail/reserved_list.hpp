@@ -1,4 +1,4 @@
-// A list that grows, and whose memory is reserved before it is taken.
+// A growing list that reserves its memory in the budget before it allocates it.
 #pragma once
 
 #include <algorithm>
@@ -15,10 +15,10 @@ namespace isoextract::extract {
 template <class T>
 class ReservedList {
  public:
-  // `what` starts the message where there is no memory; both must outlive the list.
+  // `what` starts the message if memory runs out. The context and `what` must outlive the list.
   ReservedList(const Context& context, const std::string& what) : context_(&context), what_(&what) {}
 
-  // False where there was no memory: then error() says so, and nothing is added any more.
+  // Appends a value. Returns false if memory ran out; error() then has the reason, and the list adds no more values.
   bool add(const T& value) {
     if (values_.size() == values_.capacity() && !grow()) return false;
     values_.push_back(value);

@@ -1,5 +1,4 @@
-// The cells of a site (8 x 8 x 8 samples): how many triangles they draw, and the triangles. Vectorised instructions are
-// used where the machine has them.
+// The cells of a site (8x8x8 samples): counts and writes their triangles. Vectorized where the CPU allows it.
 #pragma once
 
 #include <array>
@@ -10,16 +9,17 @@
 
 namespace isoextract::extract {
 
-// Where the vertices of a site's cells are: the numbers, in `vertices`, of the site and of those at +1 along x, y, z
-// (entry n is n & 1, n >> 1 & 1, n >> 2 & 1 sites away), or -1.
+// The numbers, in `vertices`, of a site and of the sites at +1 along x, y, z; -1 if there is no such site. Entry n is n
+// & 1, n >> 1 & 1, n >> 2 & 1 sites away.
 using NearSites = std::array<std::int32_t, 8>;
 
-// `drawings` call edges by their numbers in `table`. `active` are the cells, by their lowest sample. `origin` is that
-// of the site, for the decider.
+// Returns the counts over the `active` cells, which are given by their lowest sample. `drawings` name edges by their
+// numbers in `table`. `origin` is the origin of the site, for the decider.
 [[nodiscard]] CellCounts count_site_cells(const CellDrawings& drawings, const glm::ivec3& origin,
                                           const SitePlanes& planes, const BlockBits& active,
                                           const CellDecider& decider);
 
+// Writes the triangles of the active cells to `out`, which must have room for as many as were counted.
 void write_site_cells(const CaseTable& table, const CellDrawings& drawings, const glm::ivec3& origin,
                       const SitePlanes& planes, const BlockBits& active, const CellDecider& decider,
                       const SiteVertices& vertices, const NearSites& near, glm::uvec3* out);

@@ -1,13 +1,13 @@
-// Extraction from sparse blocks, tiles and a background, without making them dense.
 #pragma once
 
 #include "extract/extractor.hpp"
 
 namespace isoextract::extract {
 
-// `samples` are those of `field`. Only blocks of 8 x 8 x 8 samples around which both sides occur are visited: stored
-// blocks, and places next to a stored block or at the skin of a tile, whose samples all have the tile's or the
-// background's value. The passes are those of dense_extractor.hpp, with 512 bits a block in place of rows.
+// Extracts the surface of a sparse field without making it dense; `samples` are the samples of `field`. Visits only
+// bricks of 8x8x8 samples whose cells may have corners on both sides. These are stored blocks, and places next to a
+// stored block or at the skin of a tile; all samples of such a place have the value of the tile or the background. The
+// passes are those of dense_extractor.hpp, with 512 bits a brick instead of rows.
 [[nodiscard]] Result<Extraction> extract_sparse(const field::ScalarField& field, const field::SparseSamples& samples,
                                                 const ExtractOptions& options, const Context& context);
 

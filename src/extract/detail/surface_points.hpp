@@ -1,9 +1,9 @@
-// The vertices of a surface of voxels: corners of the grid, numbered by their place.
+// The vertices of a voxel surface: grid corners, numbered by position.
 //
-// A corner is used where a rectangle has a corner of its own there, and wherever voxels touch along an edge only, so
-// that such edges are one step long. Each fan of faces (corner_fans.hpp) has a vertex of its own. Where voxels touch
-// along an edge and are in one fan at both of its ends, that edge of the mesh would have four triangles: each of the
-// two gets a vertex in its middle, too.
+// A corner is used if it is a corner of a rectangle, or if voxels touch at it along an edge only; such edges of the
+// mesh are thus one step long. Each fan of faces (corner_fans.hpp) has its own vertex. If two voxels touch along an
+// edge and are in one fan at both of its ends, that mesh edge would have four triangles. Each of the two voxels then
+// gets an extra vertex in the middle of the edge.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@
 
 namespace isoextract::extract {
 
-// A corner of the grid, and one of the faces around it by its number there (corner_fans.hpp).
+// A grid corner and one of the faces around it (numbers as in corner_fans.hpp).
 struct FaceCorner {
   glm::ivec3 corner;
   int face = 0;
@@ -31,9 +31,10 @@ struct FaceCorner {
 
 class SurfacePoints {
  public:
-  // Of `rectangles`. `closes`: all that a closed mesh needs besides their corners. `net`: corners are where it has
-  // them, and rectangles are faces of their own; null: where the voxels have them. It must outlive what is returned.
-  // Fails where there is no memory, and where the context is cancelled.
+  // Numbers the vertices of `rectangles`. `closes`: add the vertices that a closed mesh needs besides the rectangle
+  // corners. `net`: take the positions of corners from the net, and treat each rectangle as a single face; null:
+  // corners stay at the voxel corners. `net` must outlive the result. Fails if memory runs out and if the context is
+  // cancelled.
   [[nodiscard]] static Result<SurfacePoints> make(const VoxelChunks& voxels,
                                                   const std::vector<LayerRectangles>& rectangles, bool closes,
                                                   const NetPoints* net, const Context& context,
@@ -41,19 +42,20 @@ class SurfacePoints {
 
   [[nodiscard]] std::uint64_t vertices() const { return vertices_; }
 
-  // Chunk by chunk, in parallel; `base` is the sample that voxel 0 is.
+  // Writes the vertex positions in parallel; `base` is the sample index of voxel 0.
   void write_positions(const OutputFrame& placement, const glm::ivec3& base, mesh::Mesh& mesh) const;
 
-  // Looks corners up, one near the other.
+  // Looks up vertices of corners; fast if consecutive corners are in the same chunk.
   class Finder {
    public:
     explicit Finder(const SurfacePoints& points) : points_(points) {}
 
-    // The vertex of a used corner.
+    // Returns the vertex of a used corner.
     [[nodiscard]] std::uint32_t vertex(const FaceCorner& at);
 
-    // found(vertex, steps) for the vertices strictly between `from`, which is used, and the corner `length` steps along
-    // `axis`, in this order; steps are halves. `upper` is the side of the face's voxel along the lower axis across.
+    // Calls found(vertex, steps), in order, for the vertices strictly between the used corner `from` and the corner
+    // `length` steps further along `axis`. `steps` counts half grid steps. `upper` is the side of the face's voxel
+    // along the lower one of the other two axes.
     template <class Found>
     void along(const FaceCorner& from, int axis, int length, int upper, const Found& found) {
       FaceCorner at = from;
@@ -73,17 +75,17 @@ class SurfacePoints {
     [[nodiscard]] int steps_to_next(const glm::ivec3& corner, int axis, int limit);
 
     const SurfacePoints& points_;
-    glm::ivec3 origin_{1};     // of no chunk
-    std::int32_t chunk_ = -1;  // there: none, where no corner is used
+    glm::ivec3 origin_{1};     // no chunk has this origin
+    std::int32_t chunk_ = -1;  // the chunk at origin_; -1 if no corner there is used
   };
 
  private:
-  // What corners of a chunk have besides one vertex each.
+  // Vertices of a chunk beyond one for each used corner.
   struct Specials {
-    std::array<ChunkBits, 2> more_fans;         // one fewer than there are, as two digits
-    std::array<ChunkBits, 3> middles;           // edges upward along x, y, z with a vertex a voxel in the middle
-    std::array<ChunkBits, 3> single_middles;    // those of them with one vertex there: of a net
-    std::array<std::uint8_t, 64 * 64> pattern;  // by row and bit
+    std::array<ChunkBits, 2> more_fans;         // number of fans minus one, as two binary digits
+    std::array<ChunkBits, 3> middles;           // edges upward along x, y, z with extra vertices in the middle
+    std::array<ChunkBits, 3> single_middles;    // the edges of `middles` with one such vertex, not two (nets only)
+    std::array<std::uint8_t, 64 * 64> pattern;  // pattern of each used corner, by row and bit
   };
   using RowBases = std::array<std::uint32_t, 64>;
 
@@ -98,7 +100,8 @@ class SurfacePoints {
   [[nodiscard]] bool has_specials(const VoxelChunks& voxels, std::size_t chunk, bool closes) const;
   void fill_specials(const VoxelChunks& voxels, std::size_t chunk, bool closes);
   void count_rows(std::size_t chunk);
-  [[nodiscard]] glm::dvec3 place_of(const glm::ivec3& base, const glm::ivec3& corner) const;  // in index space
+  // Returns the position of a corner in index space.
+  [[nodiscard]] glm::dvec3 place_of(const glm::ivec3& base, const glm::ivec3& corner) const;
   void write_chunk(const OutputFrame& placement, const glm::ivec3& base, mesh::Mesh& mesh, std::size_t chunk) const;
   [[nodiscard]] std::uint32_t vertices_below(std::size_t chunk, std::size_t row, std::uint64_t below) const;
 
@@ -106,7 +109,7 @@ class SurfacePoints {
   std::vector<glm::ivec3> origins_;
   field::OriginIndex index_;
   Buffer<ChunkBits> used_;
-  Buffer<RowBases> first_;  // the first vertex of a row
+  Buffer<RowBases> first_;  // number of the first vertex of each row
   Buffer<std::int32_t> special_number_;
   Buffer<Specials> specials_;
   std::vector<Reservation> memory_;

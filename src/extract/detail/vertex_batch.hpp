@@ -1,5 +1,5 @@
-// Vertices on crossed edges, placed many at a time. Vectorised; edge_crossing() and OutputFrame (edge_geometry.hpp) say
-// the same in plain words, and place what is not finite.
+// Computes positions of vertices on crossed edges, many at a time. Vectorized; edge_crossing() and OutputFrame
+// (edge_geometry.hpp) are the readable version and handle values that are not finite.
 #pragma once
 
 #include <cstddef>
@@ -10,42 +10,44 @@
 
 namespace isoextract::extract {
 
-// Edges whose vertices get consecutive numbers. Filled by whoever walks over the samples, then written to a mesh.
+// A batch of crossed edges whose vertices have consecutive numbers. Code that walks over the samples fills it;
+// write_vertices() writes it to a mesh.
 class VertexBatch {
  public:
   static constexpr int kCapacity = 256;
 
-  // Entries 0 .. count - 1 are in use. An edge goes from sample `low` one step along the axes of `direction` (bits).
+  // Entries 0 to count - 1 are used. An edge goes from sample `low` one step along the axes of `direction` (bits).
   int count = 0;
-  alignas(64) double value[2][kCapacity];        // stored numbers at both ends
-  alignas(64) double gradient[2][3][kCapacity];  // of stored numbers, along x, y, z; only where the mesh has normals
+  alignas(64) double value[2][kCapacity];        // stored sample values at both ends
+  alignas(64) double gradient[2][3][kCapacity];  // gradients of stored values along x, y, z, at both ends; only if the
+                                                 // mesh has normals
   alignas(64) std::int32_t low[3][kCapacity];
   alignas(64) std::int32_t direction[kCapacity];
 
   [[nodiscard]] bool full() const { return count == kCapacity; }
 };
 
-// What all vertices of a mesh have in common. The references must outlive it.
+// Data shared by all vertices of a mesh. The references must outlive it.
 struct VertexRules {
   const OutputFrame& placement;
   InsideRule inside;
   field::ValueScale scale;
 };
 
-// Writes positions from `first` on, and normals and edge keys where the mesh has them, and empties the batch.
+// Writes the batch to the mesh from vertex `first` on: positions, and normals and edge keys if the mesh has them. Then
+// empties the batch.
 void write_vertices(VertexBatch& batch, const VertexRules& rules, mesh::Mesh& mesh, std::size_t first);
 
-// Writes vertices to a mesh in the order of their numbers, a batch at a time. What was added last is written by the
-// last flush().
+// Writes vertices to a mesh in the order of their numbers, a batch at a time. Call flush() after the last one.
 class VertexWriter {
  public:
-  // `number` is that of the first vertex.
+  // `number` is the number of the first vertex.
   VertexWriter(const VertexRules& rules, mesh::Mesh& mesh, std::size_t number)
       : rules_(rules), mesh_(mesh), number_(number) {}
 
   [[nodiscard]] bool wants_gradients() const { return !mesh_.normals.empty(); }
 
-  // There is room in it; after adding to it, flush_full().
+  // Returns the batch, which has room for one more entry. Call flush_full() after adding one.
   [[nodiscard]] VertexBatch& batch() { return batch_; }
   void flush_full() {
     if (batch_.full()) flush();
@@ -55,7 +57,7 @@ class VertexWriter {
     write_vertices(batch_, rules_, mesh_, number_);
     number_ += count;
   }
-  // The next vertex has another number than the one after the last.
+  // Continues with vertex `number` instead of the one after the last.
   void go_on_at(std::size_t number) {
     flush();
     number_ = number;
@@ -64,7 +66,7 @@ class VertexWriter {
  private:
   VertexRules rules_;
   mesh::Mesh& mesh_;
-  std::size_t number_;  // of the batch's first vertex
+  std::size_t number_;  // number of the batch's first vertex
   VertexBatch batch_;
 };
 

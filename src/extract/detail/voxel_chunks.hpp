@@ -1,4 +1,4 @@
-// Which voxels are inside, one bit each, in boxes of 64 x 8 x 8. Only boxes that a face may be in are listed.
+// Inside bits of voxels, in chunks of 64x8x8. Only chunks that may contain an exposed face are listed.
 #pragma once
 
 #include <array>
@@ -24,33 +24,33 @@ inline constexpr std::uint64_t kAllBits = ~std::uint64_t{0};
 [[nodiscard]] inline std::size_t chunk_row(int y, int z) { return static_cast<std::size_t>((z & 7) << 3 | (y & 7)); }
 [[nodiscard]] inline glm::ivec3 chunk_origin(const glm::ivec3& p) { return {p.x & ~63, p.y & ~7, p.z & ~7}; }
 
-[[nodiscard]] const ChunkBits& full_chunk();   // all inside
-[[nodiscard]] const ChunkBits& empty_chunk();  // all outside
+[[nodiscard]] const ChunkBits& full_chunk();   // all voxels inside
+[[nodiscard]] const ChunkBits& empty_chunk();  // all voxels outside
 
 struct VoxelChunk {
   glm::ivec3 origin;                // a multiple of kVoxelChunk
-  const ChunkBits* bits = nullptr;  // whoever made the chunk keeps them
+  const ChunkBits* bits = nullptr;  // not owned
 };
 
-// z first, then y, then x.
+// Returns the sort key of chunks: by z, then y, then x.
 [[nodiscard]] inline auto chunk_order(const glm::ivec3& origin) { return std::tuple(origin.z, origin.y, origin.x); }
 
 class VoxelChunks {
  public:
-  // Whether all of a chunk that is not listed is inside. Null: none is.
+  // Returns whether all voxels of an unlisted chunk are inside. A null function means that none is.
   using Unlisted = std::function<bool(const glm::ivec3& origin)>;
 
   VoxelChunks() = default;
-  // `chunks` are in chunk_order(), each place once. `memory` is for them (bytes()) and for their bits, which `owner`
-  // keeps.
+  // `chunks` are in chunk_order(), without duplicates. `owner` keeps their bits alive. `memory` is the reservation of
+  // bytes() and of the bits.
   VoxelChunks(std::vector<VoxelChunk> chunks, Unlisted unlisted, std::shared_ptr<const void> owner, Reservation memory);
 
-  // What the list and its index take.
+  // Returns the bytes of the list and its index.
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t chunks);
 
   [[nodiscard]] const std::vector<VoxelChunk>& chunks() const { return chunks_; }
 
-  // Of any place.
+  // Returns the bits of the chunk at `origin`, listed or not.
   [[nodiscard]] const ChunkBits& at(const glm::ivec3& origin) const {
     const std::int32_t number = index_.find(origin);
     if (number >= 0) return *chunks_[static_cast<std::size_t>(number)].bits;
@@ -63,7 +63,7 @@ class VoxelChunks {
     return (at(chunk_origin(p))[chunk_row(p.y, p.z)] >> (p.x & 63) & 1) != 0;
   }
 
-  // Of the eight voxels around corner `p`, whose upper one is voxel `p`, as in corner_fans.hpp.
+  // Returns the pattern (corner_fans.hpp) of the eight voxels around corner `p`, whose upper one is voxel `p`.
   [[nodiscard]] unsigned pattern(const glm::ivec3& p) const;
 
  private:

@@ -1,4 +1,3 @@
-// The mesh of a set of voxels.
 #pragma once
 
 #include "extract/detail/net_points.hpp"
@@ -7,9 +6,9 @@
 
 namespace isoextract::extract {
 
-// `base` is the sample that voxel 0 is; `stats` is what is known already. The mesh is closed, oriented and 2-manifold,
-// unless options.voxel_faces says otherwise. `net`: its faces are not merged, and their corners are where the net has
-// them; null: where the voxels have them. Fails as Extractor::extract() does.
+// Returns the mesh of a set of voxels. `base` is the sample index of voxel 0; `stats` holds the figures known so far.
+// The mesh is closed, oriented and 2-manifold, except with VoxelFaces::rectangles. `net`: faces are not merged, and
+// their corners are at the points of the net; null: at the voxel corners. Fails as Extractor::extract() does.
 [[nodiscard]] Result<Extraction> mesh_voxels(const field::ScalarField& field, const VoxelChunks& voxels,
                                              const glm::ivec3& base, const OutputFrame& placement,
                                              const ExtractOptions& options, const ExtractStats& stats,
