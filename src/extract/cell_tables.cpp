@@ -37,7 +37,8 @@ constexpr std::array<TetrahedronCase, 16> kTetrahedronCases{{
     {{{{0, 0}, {0, 0}, {0, 0}, {0, 0}}}, false},  // strip unused
 }};
 
-// Each path 0 -> a -> a|b -> 7 along the axes is a tetrahedron; odd permutations have their middle corners swapped.
+// Each path 0 -> a -> a|b -> 7 along the axes is a tetrahedron. Odd permutations have their middle corners swapped to
+// keep one handedness.
 constexpr std::array<std::array<std::uint8_t, 4>, 6> kTetrahedra{
     {{0, 1, 3, 7}, {0, 5, 1, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 6, 4, 7}}};
 
@@ -56,7 +57,7 @@ CaseTable make_tetrahedra_table() {
       const auto edge = [&](std::size_t strip) {
         return edge_index(table, corners[drawn.strip[strip][0]], corners[drawn.strip[strip][1]]);
       };
-      // The paper's strips wind clockwise seen from outside for these tetrahedra: turned once, here.
+      // The strips of the paper wind clockwise seen from outside for these tetrahedra, so the winding is reversed here.
       table.triangles.push_back({edge(0), edge(2), edge(1)});
       if (drawn.quad) table.triangles.push_back({edge(1), edge(2), edge(3)});
     }

@@ -87,8 +87,9 @@ struct CaseTable {
 // Korobitsyn: Visualization of a scalar field by dynamic construction of an isosurface (docs/papers.md).
 [[nodiscard]] const CaseTable& case_table(Method method);
 
-// The edge table of Suravikin and Korobitsyn. For each of the 16 cases of a tetrahedron (index = b0 << 3 | b1 << 2 | b2
-// << 1 | b3), four vertex pairs (edges): a triangle strip of three vertices, or of four if `quad` is true.
+// The edge table of Suravikin and Korobitsyn. One entry for each of the 16 cases of a tetrahedron (index = b0 << 3 | b1
+// << 2 | b2 << 1 | b3). `strip` holds four vertex pairs (edges): a triangle strip of three vertices, or of four if
+// `quad` is true.
 struct TetrahedronCase {
   std::array<std::array<std::uint8_t, 2>, 4> strip;
   bool quad;

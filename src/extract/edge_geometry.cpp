@@ -11,8 +11,8 @@ double max_component(const glm::dvec3& v) { return std::max({v.x, v.y, v.z}); }
 
 constexpr double kLargestMargin = 0x1p-6;
 
-// Eight times what float32 rounds by, as a fraction of the shortest grid step that the rounding can act against. At 512
-// samples a side this is 0.0002 of an edge.
+// Returns eight times the float32 rounding error, as a fraction of the shortest grid step along which it can move a
+// vertex. At 512 samples a side this is 0.0002 of an edge.
 double wanted_margin(const field::Affine& local_from_index, const field::Box& local) {
   constexpr double kRounding = 0x1p-24;  // half a unit in the last place of 1
   constexpr double kFactor = 8;
@@ -47,14 +47,14 @@ OutputFrame::OutputFrame(const field::Affine& output_from_index, const field::In
   const double farthest = max_component(glm::max(glm::abs(local.min), glm::abs(local.max)));
   double shortest = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) shortest = std::min(shortest, glm::length(local_from_index_.linear[axis]));
-  constexpr double kRoundingEats = 16;  // times the largest margin: then rounding is of the margin's size
+  constexpr double kRoundingEats = 16;  // times the largest margin; rounding is then as large as the margin
   in_range_ = farthest < std::numeric_limits<float>::max() && shortest * margin_ > std::numeric_limits<float>::min();
   reaches_too_far_ = !(margin <= kRoundingEats * kLargestMargin);
 }
 
 glm::vec3 OutputFrame::normal(const glm::dvec3& gradient, const glm::dvec3& out) const {
   const glm::dvec3 mapped = covector_map_ * (outward_ * gradient);
-  // Scaled before its length is taken: squares of very large or very small gradients leave the range of double.
+  // Scales before taking the length: squares of very large or very small gradients leave the range of double.
   const double largest = max_component(glm::abs(mapped));
   if (largest > 0 && std::isfinite(largest)) {
     const glm::dvec3 scaled = mapped / largest;
@@ -66,7 +66,7 @@ glm::vec3 OutputFrame::normal(const glm::dvec3& gradient, const glm::dvec3& out)
 
 OutputFrame output_frame(const field::ScalarField& field, const ExtractOptions& options, const field::IndexBox& stored,
                          const field::IndexBox& region) {
-  // Beyond one step around the stored samples nothing is drawn but caps.
+  // Farther than one step from the stored samples, only caps have triangles.
   field::IndexBox drawn = region;
   if (!options.cap) drawn = {glm::max(region.min, stored.min - 1), glm::min(region.max, stored.max + 1)};
   if (drawn.empty()) drawn = {region.min, region.min};
@@ -75,7 +75,7 @@ OutputFrame output_frame(const field::ScalarField& field, const ExtractOptions& 
   };
   if (holds({stored.min - 1, stored.max + 1}, drawn)) {
     const OutputFrame whole(options.output_from_index, stored, field.kind, field.scale);
-    constexpr double kSharedMargin = 0x1p-12;  // that of about 512 samples a side
+    constexpr double kSharedMargin = 0x1p-12;  // the margin of about 512 samples a side
     if (options.shared_frame || holds(drawn, stored) || whole.margin() <= kSharedMargin) return whole;
   }
   return {options.output_from_index, drawn, field.kind, field.scale};

@@ -115,9 +115,9 @@ class Extractor {
 
   // Extracts the surface. Reserves memory in the context for everything that grows with the field or the surface; the
   // mesh keeps its exact reservation (Mesh::memory).
-  // Fails with ErrorCode::usage for an iso value that is not finite, and as check_method() does; with
-  // ErrorCode::unavailable for a method that this backend does not have; with ErrorCode::input for a transform that
-  // flattens space, and if memory runs out; with ErrorCode::cancelled between passes.
+  // Fails with ErrorCode::usage for an iso value that is not finite, and as check_method() does. Fails with
+  // ErrorCode::unavailable for a method that this backend does not have. Fails with ErrorCode::input for a transform
+  // that flattens space, and if memory runs out. Fails with ErrorCode::cancelled between passes.
   [[nodiscard]] Result<Extraction> extract(const field::ScalarField& field, const ExtractOptions& options,
                                            const Context& context);
 

@@ -106,7 +106,7 @@ Result<void> fill_normals(mesh::Mesh& mesh, const MeshSizes& surface, const fiel
                           const Context& context) {
   struct Unknown {
     std::uint32_t vertex;
-    glm::dvec3 sum{0.0};  // of vectors along the normals of triangles, twice as long as their areas are
+    glm::dvec3 sum{0.0};  // sum of the triangle normals, each of length twice the area
     double lengths = 0;
   };
   const std::span<glm::vec3> normals(mesh.normals.data(), surface.vertices);
@@ -130,7 +130,7 @@ Result<void> fill_normals(mesh::Mesh& mesh, const MeshSizes& surface, const fiel
       one.lengths += glm::length(area);
     }
   }
-  constexpr double kCancels = 1e-6;  // what is left of the sum is rounding
+  constexpr double kCancels = 1e-6;  // a smaller sum (relative) is rounding error
   for (const Unknown& one : unknown) {
     glm::vec3& normal = normals[one.vertex];
     const double length = glm::length(one.sum);

@@ -10,13 +10,13 @@
 namespace isoextract::extract {
 namespace {
 
-// Appends the places of block size whose 2 x 2 x 2 group is partly in the tile and partly not.
+// Appends the places whose 2x2x2 group of places lies partly in the tile and partly outside it.
 void add_tile_skin(const field::SparseTile& tile, std::vector<glm::ivec3>& places) {
   const int blocks = tile.size / kBlockSize;
   const auto on_skin = [&](int b) { return b == -1 || b == blocks - 1; };
   for (int x = -1; x < blocks; ++x) {
     for (int y = -1; y < blocks; ++y) {
-      const int step = on_skin(x) || on_skin(y) ? 1 : blocks;  // only the two ends along z, where x and y are within
+      const int step = on_skin(x) || on_skin(y) ? 1 : blocks;  // inside the x and y range, only the two ends along z
       for (int z = -1; z < blocks; z += step) places.push_back(tile.origin + kBlockSize * glm::ivec3(x, y, z));
     }
   }
@@ -49,8 +49,8 @@ std::uint64_t tile_skin_bytes(const field::SparseSamples& samples, const InsideR
 }
 
 std::uint64_t unstored_places_bytes(const field::SparseSamples& samples, std::size_t nodes) {
-  constexpr std::uint64_t kBytesAPlace = 3 * sizeof(glm::ivec3);  // in a list that grows, and then in one of all
-  constexpr std::uint64_t kBefore = 7;  // places before a stored one, of which a cell has both
+  constexpr std::uint64_t kBytesAPlace = 3 * sizeof(glm::ivec3);  // in a growing list, then in the joined list
+  constexpr std::uint64_t kBefore = 7;  // places before a stored one that share a cell with it
   constexpr std::uint64_t kNodePlaces = (field::SparseLookup::Node::kPlaces + 1) *
                                         (field::SparseLookup::Node::kPlaces + 1) *
                                         (field::SparseLookup::Node::kPlaces + 1);
@@ -71,13 +71,13 @@ std::vector<glm::ivec3> unstored_places(const field::SparseSamples& samples, con
   };
   const State background = state(field::SparseLookup::kBackground);
 
-  // Every node looks at its own places and at those just before it.
+  // Every node checks its own places and the ones just before it.
   constexpr int kPlaces = field::SparseLookup::Node::kPlaces;
   constexpr int kSide = kPlaces + 2;
   std::vector<std::vector<glm::ivec3>> found(lookup.nodes().size() + 1);
   for_each_index(lookup.nodes().size(), [&](std::size_t n) {
     const field::SparseLookup::Node& node = lookup.nodes()[n];
-    // Where little is stored, its surroundings are looked at and not the whole node.
+    // If a node stores little, checks the surroundings of each stored place instead of the whole node.
     constexpr std::size_t kLittle = 64;
     std::vector<std::int32_t> stored;  // slots
     for (std::size_t slot = 0; slot < node.contents.size() && stored.size() <= kLittle; ++slot) {
@@ -126,7 +126,7 @@ std::vector<glm::ivec3> unstored_places(const field::SparseSamples& samples, con
       }
     }
   });
-  // Between large tiles and the background there may be no node.
+  // There may be no node between large tiles and the background.
   std::vector<glm::ivec3>& skins = found.back();
   for (std::size_t t = 0; t < samples.tiles.size(); ++t) {
     if (samples.tiles[t].size >= field::SparseLookup::Node::kSize &&
@@ -146,7 +146,7 @@ std::vector<glm::ivec3> unstored_places(const field::SparseSamples& samples, con
 }
 
 SitePlanes site_planes(const std::array<const BlockBits*, 8>& group) {
-  // Within a word y is the byte and z the bit in it.
+  // In a word, y is the number of the byte and z the bit in it.
   constexpr std::uint64_t kLowBits = 0x0101010101010101ULL;
   SitePlanes planes;
   for (std::size_t x = 0; x < planes.size(); ++x) {

@@ -32,7 +32,7 @@ Result<field::IndexBox> sparse_region(const field::ScalarField& field, const fie
                 fmt::format("{}: voxels lie farther than {} from index 0", field.source, field::kMaxSparseIndex));
   }
   field::IndexBox reach{stored.min - 1, stored.max + 1};
-  // Where the background itself is inside, a region's cap must stand where the region ends.
+  // If the background is inside, the cap of a region must be at the faces of the region, however far out.
   if (options.region && InsideRule{field.kind, options.iso}(field.scale(samples.background))) {
     reach = {glm::ivec3(-field::kMaxSparseIndex), glm::ivec3(field::kMaxSparseIndex)};
   }
@@ -84,7 +84,7 @@ Result<void> SparseSites::find(ExtractStats& stats) {
   TRY(compare(stats));
   const Stopwatch watch;
   const auto skins = context_.reserve(tile_skin_bytes(samples_, rule_, field_.scale),
-                                      finding_text());  // until sites are listed
+                                      finding_text());  // held until the sites are listed
   if (!skins) return tl::unexpected(skins.error());
   TRY(list_sites());
   stats.bricks_visited = stored_sites_;
@@ -107,7 +107,7 @@ void SparseSites::classify(ExtractStats& stats) {
   std::atomic<std::uint64_t> nan{0};
   for_each("classifying blocks", blocks, [&](std::size_t b) {
     const auto* values = static_cast<const T*>(samples_.blocks[b].values);
-    std::array<std::uint64_t, kBlockSize + 1> bits;  // one word more than a block has
+    std::array<std::uint64_t, kBlockSize + 1> bits;  // classify_samples() may change one word after the block
     const std::uint64_t block_nan = classify_samples(values, kBlockSamples, limit, bits.data());
     if (!threshold) bits.fill(0);
     std::copy_n(bits.begin(), kBlockSize, bits_[b].begin());
@@ -129,7 +129,7 @@ void SparseSites::classify(ExtractStats& stats) {
   stats.nan_samples += std::isnan(samples_.background) ? 1 : 0;
 }
 
-// NaN is looked for in what a region touches only.
+// Only blocks and tiles that touch the region are searched for NaN.
 bool SparseSites::touches_region(const glm::ivec3& origin, int size) const {
   return glm::all(glm::lessThanEqual(origin, region_.max)) &&
          glm::all(glm::greaterThanEqual(origin + (size - 1), region_.min));
@@ -145,10 +145,10 @@ glm::ivec3 SparseSites::first_nan() const {
   for (const field::SparseTile& tile : samples_.tiles) {
     if (std::isnan(tile.value) && touches_region(tile.origin, tile.size)) return tile.origin;
   }
-  return stored_box(samples_).max + 1;  // only the background is left
+  return stored_box(samples_).max + 1;  // the background is NaN: name a sample outside the stored box
 }
 
-// Of a place as SparseLookup tells it.
+// Returns the inside bits of a place (numbered by SparseLookup).
 const BlockBits* SparseSites::bits_of(std::int32_t place) const {
   static constexpr BlockBits kOutside{};
   static constexpr BlockBits kInside = [] {
@@ -173,7 +173,7 @@ double SparseSites::value(const glm::ivec3& p) const {
   return field_.scale(stored_number_(samples_.blocks[static_cast<std::size_t>(block)].values, field::block_offset(p)));
 }
 
-// The samples of word x whose position plus `step` is still in the region.
+// Returns the samples of word x that, moved by `step`, are still in the region.
 std::uint64_t SparseSites::region_bits(const glm::ivec3& origin, const glm::ivec3& step, int x) const {
   const glm::ivec3 low = region_.min - origin;
   const glm::ivec3 high = region_.max - step - origin;
@@ -195,7 +195,7 @@ BlockBits SparseSites::active_cells(std::size_t site, const SitePlanes& planes) 
   const glm::ivec3& origin = sites_[site];
   const bool whole = wholly_in_region(origin);
   BlockBits active;
-  std::uint64_t any = 0;  // of the plane before, and all
+  std::uint64_t any = 0;  // OR and AND of the bits of the plane before
   std::uint64_t all = 0;
   for (std::size_t x = 0; x < planes.size(); ++x) {
     const auto& [p, y, z, yz] = planes[x];
@@ -236,7 +236,7 @@ bool SparseSites::any_border_edge(const Found& found) const {
         for_each_bit(crossed[x], [&](int bit) {
           const glm::ivec3 p = origin + glm::ivec3(x, bit >> 3, bit & 7);
           bool at_border = false;
-          for (int across = 0; across < 3; ++across) {  // an edge that only ends at the border is not in it
+          for (int across = 0; across < 3; ++across) {  // an edge that only ends in a face does not lie in it
             at_border =
                 at_border || (across != axis && (p[across] == region_.min[across] || p[across] == region_.max[across]));
           }
@@ -263,7 +263,7 @@ bool SparseSites::draws_at_border() const {
 }
 
 bool SparseSites::owns_crossed_edge(const glm::ivec3& origin, const field::SparseLookup::Group& group) const {
-  // Most places are decided by whether their own samples are on both sides, or all around on one.
+  // Most places need only a look at their own samples, or have all samples around them on one side.
   const auto sides = [](const BlockBits& bits) {
     std::uint64_t any = 0;
     std::uint64_t all = ~std::uint64_t{0};
@@ -304,7 +304,7 @@ Result<void> SparseSites::list_sites() {
     passed[p] = owns_crossed_edge(place(p), groups[p]) ? 1 : 0;
   });
   const auto count = static_cast<std::size_t>(std::ranges::count(passed, std::uint8_t{1}));
-  constexpr std::uint64_t kBytesASite = 128;  // its place, its group, its share of the index
+  constexpr std::uint64_t kBytesASite = 128;  // origin, group and share of the index
   sites_memory_ = TRY(context_.reserve(count * kBytesASite,
                                        fmt::format("{}: the {} blocks that the surface passes", field_.source, count)));
   sites_.reserve(count);

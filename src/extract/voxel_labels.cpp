@@ -1,5 +1,5 @@
-// The voxels of each label of a label map, found in one pass: chunk by chunk, runs of equal samples become bits of
-// their label.
+// Finds the voxels of each label of a label map in one pass: in each chunk, runs of equal samples become bits of their
+// label.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -27,7 +27,7 @@ namespace {
 
 constexpr std::size_t kChunksATask = 256;
 
-// Samples that are not numbers and have no label.
+// Returns whether a sample is NaN; it then has no label.
 template <class T>
 bool is_no_number(T sample) {
   if constexpr (field::is_floating_sample<T>) {
@@ -37,7 +37,7 @@ bool is_no_number(T sample) {
   }
 }
 
-// What a chunk holds of one label.
+// The voxels of one label in a chunk.
 struct LabelPart {
   std::int64_t label = 0;
   glm::ivec3 origin{0};
@@ -45,7 +45,7 @@ struct LabelPart {
   ChunkBits bits{};
 };
 
-// The samples of a chunk as rows of 64, of which `begin` to `end` - 1 count; rows that do not are null.
+// The samples of a chunk as rows of 64, valid from `begin` to `end` - 1; rows beyond the region are null.
 template <class T>
 struct SampleRows {
   std::array<const T*, 64> rows{};
@@ -53,10 +53,10 @@ struct SampleRows {
   int end = 64;
 };
 
-// Which labels are looked for.
+// The labels to look for.
 class LabelFilter {
  public:
-  // `around`: what a sparse field has everywhere else.
+  // `around`: the background label of a sparse field.
   LabelFilter(const LabelChoice& choice, bool net, std::optional<std::int64_t> around)
       : values_(choice.all ? std::vector<std::int64_t>() : choice.values), all_(choice.all || net), around_(around) {}
 
@@ -65,18 +65,18 @@ class LabelFilter {
   }
 
  private:
-  std::vector<std::int64_t> values_;  // when all are, those besides
-  bool all_;                          // a net is one of all labels, whichever of them have meshes
+  std::vector<std::int64_t> values_;  // the chosen labels; if all_, labels to add even if 0 or background
+  bool all_;                          // a net needs all labels, whichever are chosen
   std::optional<std::int64_t> around_;
 };
 
-// The labels of one chunk after the other, up to the first sample that is no label.
+// Collects the labels of one chunk after the other, up to the first sample that is not a label.
 class ChunkLabels {
  public:
   ChunkLabels(const LabelFilter& filter, NanPolicy nan) : filter_(filter), nan_(nan) {}
 
   [[nodiscard]] const std::optional<WrongSample>& wrong() const { return wrong_; }
-  // How many samples were taken as outside, because they are not numbers.
+  // Returns the number of NaN samples treated as outside.
   [[nodiscard]] std::uint64_t nan_samples() const { return nan_samples_; }
 
   template <class T>
@@ -113,9 +113,9 @@ class ChunkLabels {
   }
 
  private:
-  // Null for labels that nobody asked for.
+  // Returns null for labels that are not looked for.
   ChunkBits* bits_of(std::int64_t label) {
-    // Mostly the one of the run before, or of the row before.
+    // Usually the label of the previous run or row.
     for (std::size_t p = parts_.size(); p-- > 0;) {
       if (parts_[p].label == label) return &parts_[p].bits;
     }
@@ -131,7 +131,7 @@ class ChunkLabels {
   std::optional<WrongSample> wrong_;
 };
 
-// Of sparse samples, put together from blocks, tiles and the background.
+// Rows of sparse samples, assembled from blocks, tiles and the background.
 template <class T>
 class SparseRows {
  public:
@@ -185,7 +185,7 @@ SampleRows<T> dense_rows(const DenseView<T>& view, const glm::ivec3& origin) {
   return rows;
 }
 
-// All digits of a whole number.
+// Prints all digits of a whole number.
 std::string text_of_sample(double value) {
   constexpr double kMost = 0x1p64;
   return std::abs(value) <= kMost && value == std::floor(value) ? fmt::format("{:.0f}", value)
@@ -194,7 +194,7 @@ std::string text_of_sample(double value) {
 
 tl::unexpected<Error> refuse_sample(const field::ScalarField& field, double value, const std::string& place) {
   const double most = visit_sample_type(field.type(), []<class T>(std::type_identity<T>) { return most_label<T>(); });
-  // Integers of 64 bits are held as f64, too.
+  // 64-bit integers are stored as f64, too.
   const bool is_double = field.type() == field::SampleType::f64;
   const bool is_large = std::abs(value) > most;
   return fail(
@@ -210,14 +210,15 @@ tl::unexpected<Error> refuse_sample(const field::ScalarField& field, double valu
                               : Hint());
 }
 
-// A label, or taken as outside. The samples that a sparse field has between blocks are numbers of its type.
+// Returns whether a value is a label, or NaN that counts as outside. Constants of a sparse field are rounded to its
+// sample type first.
 bool has_place(const field::SparseSamples& sparse, double value, NanPolicy nan) {
   if (std::isnan(value)) return nan == NanPolicy::outside;
   return visit_sample_type(sparse.type,
                            [&]<class T>(std::type_identity<T>) { return is_label(field::sample_from<T>(value)); });
 }
 
-// The values that a sparse field has without storing them sample by sample.
+// Checks the background and the tile values of a sparse field.
 Result<void> check_constants(const field::ScalarField& field, const field::SparseSamples& sparse, NanPolicy nan) {
   if (!has_place(sparse, sparse.background, nan)) return refuse_sample(field, sparse.background, "as the background");
   for (const field::SparseTile& tile : sparse.tiles) {
@@ -228,7 +229,7 @@ Result<void> check_constants(const field::ScalarField& field, const field::Spars
   return {};
 }
 
-// The label that a sparse field has all around; nothing where it has none.
+// Returns the background label of a sparse field; nullopt for NaN and for dense fields.
 std::optional<std::int64_t> label_around(const field::SparseSamples* sparse) {
   if (sparse == nullptr || std::isnan(sparse->background)) return std::nullopt;
   return static_cast<std::int64_t>(sparse->background);
@@ -255,12 +256,12 @@ struct LabelVoxels::Found {
   Found(std::string text, const field::IndexBox& within, const OutputFrame& placement)
       : what(std::move(text)), region(within), frame(placement) {}
 
-  std::string what;  // for messages
+  std::string what;  // starts error messages
   std::vector<std::int64_t> labels;
   std::vector<std::string> notes;
   std::optional<LabelFilter> filter;
   NanPolicy nan = NanPolicy::error;
-  std::optional<NetPoints> net;  // of surface nets
+  std::optional<NetPoints> net;  // for surface nets only
   glm::ivec3 base{0};
   field::IndexBox region;
   OutputFrame frame;
@@ -268,11 +269,11 @@ struct LabelVoxels::Found {
   std::optional<field::SparseLookup> lookup;
   std::vector<Reservation> memory;
   std::vector<ReservedList<LabelPart>> tasks;
-  std::vector<std::optional<WrongSample>> wrong;                // of each task the first
+  std::vector<std::optional<WrongSample>> wrong;                // the first one of each task
   std::vector<std::uint64_t> nan_samples;                       // of each task
   std::map<std::int64_t, std::vector<const LabelPart*>> parts;  // in chunk_order()
 
-  // Fills `tasks`: add(labels, begin, end, list) for portions of `count` chunks.
+  // Fills `tasks` in parallel: calls add(labels, begin, end, list) for portions of the `count` chunks.
   template <class Add>
   void run(std::size_t count, const Context& context, const Add& add) {
     stats.brick = "64x8x8 voxels";
@@ -332,7 +333,7 @@ struct LabelVoxels::Found {
     return {};
   }
 
-  // Puts the parts in order; the labels that were asked for, or all that were found.
+  // Groups the parts by label, in chunk_order(), and sets `labels` to the chosen or the found labels.
   [[nodiscard]] Result<void> collect(const field::ScalarField& field, const LabelChoice& choice,
                                      const Context& context) {
     TRY(context.check());
@@ -359,7 +360,7 @@ struct LabelVoxels::Found {
     return {};
   }
 
-  // The label of all of a chunk within one large tile.
+  // Returns the label of a chunk that lies within one large tile; nullopt if it has none.
   [[nodiscard]] std::optional<std::int64_t> label_of_tile(const glm::ivec3& origin) const {
     const std::int32_t place = lookup->place(origin);
     if (place >= field::SparseLookup::kBackground || !is_in(region, origin)) return std::nullopt;
@@ -451,7 +452,8 @@ Result<Extraction> LabelVoxels::extract(const field::ScalarField& field, std::in
   }
   const VoxelChunks voxels(std::move(chunks), std::move(unlisted), found_, std::move(memory));
   ExtractStats stats = found_->stats;
-  if (label != found_->labels.front()) stats.classify = {};  // all were found at once
+  if (label != found_->labels.front()) stats.classify = {};  // all labels were found in one pass: only the first
+                                                             // reports its time
   return mesh_voxels(field, voxels, found_->base, found_->frame, options, stats, context,
                      found_->net ? &*found_->net : nullptr);
 }

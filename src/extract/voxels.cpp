@@ -19,8 +19,8 @@ constexpr const char* kChunkName = "64x8x8 voxels";
 
 std::string chunks_text(const field::ScalarField& field) { return fmt::format("{}: its voxels", field.source); }
 
-// fill(n, bits) writes the n-th of `count` chunks, whose place is origin(n). In parallel, twice: bits are kept only of
-// those that are neither full nor empty.
+// Builds chunks in parallel. fill(n, bits) writes the n-th of `count` chunks, at origin(n). It runs twice, so that only
+// the bits of chunks that are neither full nor empty need memory.
 template <class Fill, class Origin>
 Result<VoxelChunks> fill_chunks(const field::ScalarField& field, std::size_t count, const Fill& fill,
                                 const Origin& origin, VoxelChunks::Unlisted unlisted, const Context& context) {
@@ -57,7 +57,7 @@ void count_chunks(ExtractStats& stats, std::uint64_t all, const VoxelChunks& vox
   }));
 }
 
-// `bounds` are in voxels, of which 0 is sample `base`. What is inside is one label of the net.
+// Meshes the voxels in `bounds` (voxel indices; voxel 0 is sample `base`). All inside voxels are one label of the net.
 Result<Extraction> mesh_in_bounds(const field::ScalarField& field, const VoxelChunks& voxels,
                                   const field::IndexBox& bounds, const glm::ivec3& base, const OutputFrame& placement,
                                   const ExtractOptions& options, const ExtractStats& stats, const Context& context) {
@@ -118,7 +118,7 @@ Result<Extraction> extract_dense_voxels(const field::ScalarField& field, const f
   return mesh_in_bounds(field, *voxels, bounds, region.min, placement, options, stats, context);
 }
 
-// Eight bytes as the rows of 8 x 8 bits, which change places with the columns (Warren: Hacker's Delight, 7-3).
+// Transposes 8x8 bits, whose rows are the bytes (Warren: Hacker's Delight, 7-3).
 std::uint64_t turn_bits(std::uint64_t rows) {
   std::uint64_t t = (rows ^ rows >> 7) & 0x00AA00AA00AA00AAULL;
   rows ^= t ^ t << 7;
@@ -128,7 +128,8 @@ std::uint64_t turn_bits(std::uint64_t rows) {
   return rows ^ t ^ t << 28;
 }
 
-// A block's bits, whose words are along x, into the rows of a chunk; it is the `place`-th along x.
+// Copies the bits of a block, whose words run along x, to the rows of a chunk. The block is number `place` along x in
+// the chunk.
 void put_block(const BlockBits& block, int place, ChunkBits& bits) {
   for (int y = 0; y < kBlockSize; ++y) {
     std::uint64_t rows = 0;
@@ -194,7 +195,7 @@ Result<Extraction> extract_voxels(const field::ScalarField& field, const Extract
 
 Result<Extraction> extract_surface_nets(const field::ScalarField& field, const ExtractOptions& options,
                                         const Context& context) {
-  return extract_voxels(field, options, context);  // which looks at the method
+  return extract_voxels(field, options, context);  // it chooses by options.method
 }
 
 }  // namespace isoextract::extract

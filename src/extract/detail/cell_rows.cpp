@@ -18,7 +18,7 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// One word of the four sample rows, and the same moved by one sample.
+// One word of the four sample rows, unmoved and moved by one sample along x.
 struct Corners {
   std::uint64_t own[4];
   std::uint64_t next[4];
@@ -34,7 +34,7 @@ HWY_INLINE Corners load_corners(const CellRow& row, int w) {
   return corners;
 }
 
-// The crossed edges of one stream.
+// Returns the crossed edges of one stream in this word.
 HWY_INLINE std::uint64_t crossed_edges(const Corners& corners, int direction, int row, std::uint64_t before_last) {
   const int upper = row + (direction >> 1);
   const bool along_x = (direction & 1) != 0;
@@ -98,7 +98,7 @@ bool write_row(const CellDrawings& drawings, const CellRow& row, const CellDecid
   const hn::CappedTag<std::uint64_t, 8> d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const auto one = hn::Set(d, 1);
-  // By stream: the number of the next vertex; the crossed edges of a word. By slot: vertex numbers around a cell.
+  // By stream: number of the next vertex, and crossed edges of the word. By slot: vertex numbers around a cell.
   alignas(64) std::uint64_t next[kSide];
   alignas(64) std::uint64_t crossed[kSide];
   alignas(64) std::uint64_t numbers[2 * kSide];
@@ -143,7 +143,7 @@ bool write_any(const CellDrawings& drawings, const CellRow& row, const CellDecid
   return (drawings.directions() == 3 ? write_row<3> : write_row<7>)(drawings, row, decider, first, out);
 }
 
-// Puts the positions of set bits at `out`, four at a time: that leaves fewer branches to guess wrong.
+// Writes the positions of set bits to `out`, four at a time, which reduces mispredicted branches.
 HWY_INLINE std::int32_t* list_bits(std::uint64_t bits, std::int32_t base, std::int32_t* out) {
   const int count = std::popcount(bits);
   for (int i = 0; i < count; i += static_cast<int>(EdgeList::kSpare)) {

@@ -16,7 +16,7 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Numbers that compare as they are.
+// Types whose numbers are compared directly.
 template <class T>
 struct Lane {
   using Type = T;
@@ -32,7 +32,7 @@ struct Lane {
   }
 };
 
-// Halves compare as ordered integers.
+// Halves are compared as ordered integers.
 template <>
 struct Lane<field::Half> {
   using Type = std::uint16_t;
@@ -52,7 +52,7 @@ struct Lane<field::Half> {
   }
 };
 
-// Which samples of a vector are inside. "Not less" is "at least" for integers.
+// Returns the inside samples of a vector. For integers "not less" means "at least".
 template <class T, bool kAbove, class D, class V>
 HWY_INLINE hn::Mask<D> inside(D d, V raw, V threshold) {
   const V v = Lane<T>::comparable(d, raw);
@@ -104,7 +104,7 @@ std::uint64_t classify_words(const T* samples, std::size_t words, typename Lane<
   return nan_count;
 }
 
-// `threshold` points to what is compared: a number of the type, or a half's ordered key.
+// `threshold` points to a number of the type, or to the ordered key of a half.
 std::uint64_t classify_typed(field::SampleType type, const void* samples, std::size_t words, const void* threshold,
                              bool above, std::uint64_t* bits) {
   return visit_sample_type(type, [&]<class T>(std::type_identity<T>) {

@@ -9,7 +9,7 @@ constexpr int higher_other(int axis) { return axis == 2 ? 1 : 2; }
 
 constexpr bool holds(int pattern, int voxel) { return (pattern >> voxel & 1) != 0; }
 
-// The face across `axis`, on sides `b` and `c` of the other two axes.
+// Returns the face across `axis` on sides `b` and `c` of the other two axes.
 constexpr int face_number(int axis, int b, int c) { return axis * 4 + (b | c << 1); }
 
 class FanFinder {
@@ -40,7 +40,7 @@ class FanFinder {
   }
 
  private:
-  // The voxel at sides `b` and `c` of the other axes, around the edge along `axis`.
+  // Returns the voxel at sides `b` and `c` of the other axes, at the edge along `axis`.
   static constexpr int voxel_at(int axis, int side, int b, int c) {
     return side << axis | b << lower_other(axis) | c << higher_other(axis);
   }
@@ -51,8 +51,8 @@ class FanFinder {
     return holds(pattern_, low) != holds(pattern_, low | 1 << axis);
   }
 
-  // The face at the edge that parts the two voxels which differ along `across`; `level` is their side along the third
-  // axis.
+  // Returns the face at the edge that separates the two voxels that differ along `across`; `level` is their side along
+  // the third axis.
   static constexpr int face_at(int axis, int side, int across, int level) {
     const int third = 3 - axis - across;
     const int b = lower_other(across) == axis ? side : level;
@@ -76,7 +76,7 @@ class FanFinder {
            corner != holds(pattern_, voxel_at(axis, side, 0, 1));
   }
 
-  // The two faces of the voxel at sides `b` and `c`.
+  // Returns the two faces at the edge of the voxel at sides `b` and `c`.
   static constexpr std::array<int, 2> faces_of(int axis, int side, int b, int c) {
     return {face_at(axis, side, lower_other(axis), c), face_at(axis, side, higher_other(axis), b)};
   }

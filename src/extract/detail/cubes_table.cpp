@@ -18,10 +18,10 @@ namespace {
 
 using Triangles = std::vector<CellTriangle>;
 
-// For every crossed edge, the edge that the surface reaches next. Walking around a face, the surface starts at an edge
-// where the walk enters the inside. It ends where the walk next leaves the inside (inside corners apart), or where it
-// last left it (inside corners joined); that is the same place unless the corners alternate. Every edge is a start on
-// one of its two faces and an end on the other, hence the next edges form loops.
+// Returns, for every crossed edge, the edge that the surface reaches next. Walking around a face, the surface starts at
+// an edge where the walk enters the inside. It ends where the walk next leaves the inside (inside corners apart), or
+// where it last left it (inside corners joined). Both are the same edge unless the corners alternate. Every crossed
+// edge is a start on one of its faces and an end on the other, so the next edges form loops.
 std::array<std::optional<std::uint8_t>, 12> next_edges(unsigned cell_case, unsigned joined) {
   std::array<std::optional<std::uint8_t>, 12> next;
   for (unsigned f = 0; f < kCubeFaces.size(); ++f) {
@@ -67,22 +67,22 @@ std::uint8_t alternating_faces(unsigned cell_case) {
   return static_cast<std::uint8_t>(faces);
 }
 
-// Cuts loops into triangles between their own vertices, so that no edge of the mesh has more than two triangles
-// whatever the neighbours draw.
+// Triangulates loops without new vertices, so that no mesh edge has more than two triangles whatever the neighboring
+// cells draw.
 //
-// An edge of the mesh that is not on the border of the surface, but lies in a face, could be drawn from both sides of
-// the face, and would then have four triangles. Most loops can do without; for the others every diagonal of a face is
-// owned by one of the two cells.
+// A mesh edge inside the cell's surface that lies in a cell face could be drawn from both sides of the face, and would
+// then have four triangles. Most loops need no such edge. For the others, each diagonal of a face belongs to one of the
+// two cells.
 class LoopCutter {
  public:
   LoopCutter(const CaseTable& table, unsigned cell_case, bool owned_places)
       : table_(table), cell_case_(cell_case), owned_places_(owned_places) {}
 
-  // A disc. False if there is no such cut; `out` is then as it was.
+  // Cuts a loop into a disc. Returns false if there is no valid cut; `out` is then unchanged.
   bool cut_disc(const Loop& loop, Triangles& out) const { return cut_disc(loop, 0, loop.size() - 1, out); }
 
-  // An annulus between two loops: of all cuts the one whose edges have the least sum of squared lengths. Seen from the
-  // surface's outside one loop runs against the other.
+  // Cuts an annulus between two loops: of all cuts the one whose edges have the least sum of squared lengths. Seen from
+  // outside, one loop runs against the other.
   bool cut_annulus(const Loop& a, const Loop& b, Triangles& out) const {
     Loop against(b.rbegin(), b.rend());
     std::optional<Strip> best;
@@ -118,12 +118,12 @@ class LoopCutter {
     return true;
   }
 
-  // Which of the two cells at a face may draw which of the six diagonals. The rule is one of those, found by trying
-  // them, that leave a cut for every variant; it depends on nothing but the face's corners.
+  // Returns whether this cell, of the two at a face, may draw a diagonal of it. The rule depends only on the corners of
+  // the face. It was found by search: with it, every variant has a valid cut.
   [[nodiscard]] bool owns(unsigned face, const CellEdge& a, const CellEdge& b) const {
     const bool cell_is_below = face % 2 == 1;
     const unsigned normal = 1U << face / 2;
-    const unsigned first = 1U << (face / 2 + 1) % 3;  // the face's axes
+    const unsigned first = 1U << (face / 2 + 1) % 3;  // the axes of the face
     const unsigned second = 7U & ~normal & ~first;
     const bool lowest_inside = is_inside(cell_case_, cell_is_below ? normal : 0);
     const CellEdge& along_first = a.direction == first ? a : b;
@@ -131,7 +131,7 @@ class LoopCutter {
     return (chosen != lowest_inside) == cell_is_below;
   }
 
-  // Such a triangle could overlap one of the neighbour's.
+  // Returns whether a triangle lies in a cell face; it could overlap one of the neighboring cell.
   [[nodiscard]] bool lies_in_a_face(const CellTriangle& t) const {
     for (unsigned f = 0; f < kCubeFaces.size(); ++f) {
       if (on_face(t[0], f) && on_face(t[1], f) && on_face(t[2], f)) return true;
@@ -139,7 +139,7 @@ class LoopCutter {
     return false;
   }
 
-  // loop[begin..end], whose side begin-end is given.
+  // Cuts loop[begin..end]; the side from begin to end already exists.
   bool cut_disc(const Loop& loop, std::size_t begin, std::size_t end, Triangles& out) const {
     if (end - begin < 2) return true;
     for (std::size_t apex = begin + 1; apex < end; ++apex) {
@@ -157,7 +157,7 @@ class LoopCutter {
     return false;
   }
 
-  // Between the edges' middles; in quarters.
+  // Returns the squared distance between the middles of two edges, in quarters.
   [[nodiscard]] int squared_length(std::uint8_t a, std::uint8_t b) const {
     const auto twice_middle = [&](std::uint8_t edge) {
       const CellEdge& e = table_.edges[edge];
@@ -168,9 +168,9 @@ class LoopCutter {
     return d.x * d.x + d.y * d.y + d.z * d.z;
   }
 
-  // The cheapest strip that starts and ends with the edge from a[0] to b[0] and goes once around both: a walk over the
-  // lattice of pairs (i, j), a step along a or b being a triangle. None, if it goes around one loop from a single
-  // vertex of the other: an edge would be met twice.
+  // Returns the shortest strip that starts and ends with the edge from a[0] to b[0] and goes once around both loops.
+  // The search walks over the lattice of pairs (i, j); a step along a or b is a triangle. Returns no strip if it would
+  // go around one loop from a single vertex of the other, because it would use an edge twice.
   [[nodiscard]] Strip shortest_strip(const Loop& a, const Loop& b) const {
     const std::size_t rows = a.size();
     const std::size_t columns = b.size();
@@ -222,7 +222,7 @@ class LoopCutter {
   bool owned_places_;
 };
 
-// Appends a variant with a tunnel between loops `a` and `b` (or none, if they are the same).
+// Appends a variant with a tunnel between loops `a` and `b`; without a tunnel if they are equal.
 std::uint16_t add_variant(CaseTable& table, unsigned cell_case, const std::vector<Loop>& loops, std::size_t a,
                           std::size_t b) {
   const auto number = static_cast<std::uint16_t>(table.first.size());
@@ -236,7 +236,7 @@ std::uint16_t add_variant(CaseTable& table, unsigned cell_case, const std::vecto
                                                 also_in_owned_places.cut_annulus(loops[a], loops[b], table.triangles)
                                           : within_the_cell.cut_disc(loops[l], table.triangles) ||
                                                 also_in_owned_places.cut_disc(loops[l], table.triangles);
-    assert(cut);  // the unit tests go through all variants
+    assert(cut);  // the unit tests build all variants
   }
   return number;
 }
@@ -245,7 +245,7 @@ void add_tunnels(CaseTable& table, unsigned cell_case, unsigned joined, unsigned
   const std::vector<Loop> loops = surface_loops(cell_case, joined);
   std::array<Tunnel, 2>& tunnels = table.tunnels[variant];
   for (const TunnelCase& t : tunnel_cases(cell_case, joined, loops)) {
-    // The other pattern may lead to the same tunnel.
+    // The other pattern may give the same tunnel.
     const Tunnel& other = tunnels[1 - t.pattern];
     const bool known = other.variant != 0 && other.joins_inside == t.joins_inside;
     tunnels[t.pattern] = {known ? other.variant : add_variant(table, cell_case, loops, t.loop_a, t.loop_b),
@@ -270,7 +270,7 @@ CaseTable make_cubes_table() {
     table.alternating_faces[cell_case] = static_cast<std::uint8_t>(faces);
     table.ambiguous[cell_case] = faces != 0;
     table.variants[cell_case] = static_cast<std::uint16_t>(table.first.size());
-    // The subsets of `faces`, in the order of table.variant().
+    // All subsets of `faces`, in the order of table.variant().
     unsigned joined = 0;
     do {
       add_variant(table, cell_case, surface_loops(cell_case, joined), 0, 0);

@@ -24,9 +24,10 @@
 namespace isoextract::extract {
 namespace {
 
-constexpr int kBrickRows = 8;  // a brick: the 64 cells of a mask word, in 8 x 8 rows
+constexpr int kBrickRows = 8;  // a brick is the 64 cells of a mask word, in 8x8 rows
 
-// Which bricks have samples on both sides. A brick's samples include those that its last cells share with the next.
+// Marks the bricks with samples on both sides. The samples of a brick include those that its last cells share with the
+// next brick.
 class BrickFlags {
  public:
   explicit BrickFlags(const DenseMasks& masks)
@@ -48,7 +49,7 @@ class BrickFlags {
     return static_cast<std::uint64_t>(std::count(crossed_.begin(), crossed_.end(), std::uint8_t{1}));
   }
 
-  // For every word of brick row (bj, bk).
+  // Returns one byte a word for brick row (bj, bk).
   [[nodiscard]] const std::uint8_t* row(int bj, int bk) const { return crossed_.data() + offset(bj, bk); }
 
   void measure(int bj, int bk) {
@@ -105,7 +106,7 @@ class DenseExtraction final : private CellDecider {
 
   Result<MeshSizes> count(ExtractStats& stats) {
     const Stopwatch watch;
-    const std::size_t rows = row_index(0, view_.dims.z) + 1;  // and the end
+    const std::size_t rows = row_index(0, view_.dims.z) + 1;  // one more for the end
     rows_memory_ =
         TRY(context_.reserve(bricks_.bytes() + rows * (static_cast<std::size_t>(directions_) * sizeof(std::uint32_t) +
                                                        sizeof(std::uint64_t)),
@@ -141,7 +142,7 @@ class DenseExtraction final : private CellDecider {
     return field_.scale(static_cast<double>(whole_.row(p.y, p.z)[p.x]));
   }
 
-  // The number of one vertex, found by counting: for the few that are not met in order.
+  // Returns the number of one vertex by counting; slow, for the few vertices that are not visited in order.
   [[nodiscard]] std::uint32_t edge_vertex(const glm::ivec3& sample, int direction) const {
     const glm::ivec3 p = sample - region_.min;
     const CellRow row = cell_row(p.y, p.z);
@@ -215,7 +216,7 @@ class DenseExtraction final : private CellDecider {
     return left_out.load();
   }
 
-  // By direction.
+  // Returns the first vertex numbers of a row, by direction.
   [[nodiscard]] std::uint32_t* vertex_base(std::size_t row) {
     return vertex_base_.data() + row * static_cast<std::size_t>(directions_);
   }
@@ -229,7 +230,7 @@ class DenseExtraction final : private CellDecider {
                            [&](int corner) { return value(region_.min + p + direction_step(corner)); });
   }
 
-  // Counts become first numbers.
+  // Turns counts into first numbers.
   MeshSizes place_rows() {
     const auto slices = static_cast<std::size_t>(view_.dims.z);
     const std::size_t rows = row_index(0, 1);
@@ -280,7 +281,7 @@ class DenseExtraction final : private CellDecider {
     VertexWriter writer({placement_, rule_, field_.scale}, mesh, 0);
     VertexBatch& batch = writer.batch();
     for_each_row(bj, bk, [&](int j, int k) {
-      // The numbers of a slice's rows follow one another; those of its rows in the next slice do not.
+      // The rows of a slice have consecutive numbers within a brick row, but not from slice to slice.
       if (j == kBrickRows * bj) writer.go_on_at(vertex_base(row_index(j, k))[0]);
       const std::size_t row = row_index(j, k);
       if (vertex_base(row)[0] == vertex_base(row + 1)[0]) return;
@@ -326,8 +327,8 @@ class DenseExtraction final : private CellDecider {
     }
   }
 
-  // Of the stored numbers, at a sample of the whole field: central differences; at the border of the data one-sided
-  // ones of the same order (sample_derivative(), border_derivative()).
+  // Returns the gradient of the stored numbers at a sample of the whole field: central differences, or one-sided ones
+  // of the same order at the data boundary (sample_derivative(), border_derivative()).
   [[nodiscard]] glm::dvec3 sample_gradient(const glm::ivec3& p) const {
     const T* centre = whole_.row(p.y, p.z) + p.x;
     return {axis_derivative(centre, 1, p.x, whole_.dims.x),
@@ -367,18 +368,19 @@ class DenseExtraction final : private CellDecider {
   const Context& context_;
   InsideRule rule_;
   DenseView<T> whole_;
-  DenseView<T> view_;  // of the region
+  DenseView<T> view_;  // view of the region
   field::IndexBox region_;
   const CaseTable& table_;
   int directions_;
   OutputFrame placement_;
   DenseMasks masks_;
   BrickFlags bricks_;
-  bool has_holes_ = false;                    // some samples are NaN, and NanPolicy::hole
-  std::atomic<bool> samples_changed_{false};  // between two looks at them: a mapped file that somebody writes to
+  bool has_holes_ = false;                    // NaN samples were found under NanPolicy::hole
+  std::atomic<bool> samples_changed_{false};  // between two reads: the samples are a mapped file that another program
+                                              // changes
   std::optional<CellDrawings> drawings_;
-  Reservation rows_memory_;  // for the bricks and what follows
-  // First counts, then the first vertex and triangle; behind the last row are all there are.
+  Reservation rows_memory_;  // for the bricks and the arrays below
+  // First counts, then the number of the first vertex and triangle; the entry after the last row holds the totals.
   Buffer<std::uint32_t> vertex_base_;    // per row and direction
   Buffer<std::uint64_t> triangle_base_;  // per row
 };

@@ -12,7 +12,7 @@
 namespace isoextract::extract {
 namespace {
 
-// One plane's faces that look one way. Rows come in rising order, and the runs of each as well.
+// Merges the faces of one plane that point one way. Rows come in rising order, and so do the runs of each row.
 class PlaneSweep {
  public:
   PlaneSweep(int plane, bool upward, bool merges) : merges_(merges) {
@@ -20,7 +20,7 @@ class PlaneSweep {
     pattern_.upward = upward;
   }
 
-  // Faces begin .. end - 1 of the row.
+  // Adds the faces begin to end - 1 of the current row.
   void add(int begin, int end) {
     if (!runs_.empty() && runs_.back().end == begin) {
       runs_.back().end = end;
@@ -94,7 +94,7 @@ class PlaneSweep {
   std::vector<Open> still_open_;
 };
 
-// The planes of one layer, those that look against the axis first.
+// The planes of one layer of chunks, a downward and an upward one for each voxel step.
 class LayerSweeps {
  public:
   LayerSweeps(int axis, int first_voxel, VoxelFaces faces) {
@@ -105,7 +105,7 @@ class LayerSweeps {
     }
   }
 
-  // Of the voxels `t` steps into the layer.
+  // Returns the sweep for the faces of the voxels `t` steps into the layer.
   [[nodiscard]] PlaneSweep& at(int t, int upward) {
     return sweeps_[2 * static_cast<std::size_t>(t) + static_cast<std::size_t>(upward)];
   }
@@ -121,7 +121,7 @@ class LayerSweeps {
   std::vector<PlaneSweep> sweeps_;
 };
 
-// A chunk with those that it touches across an axis.
+// A chunk and its two neighbors along an axis.
 struct ChunkTriple {
   glm::ivec3 origin;
   const ChunkBits* self;
@@ -139,7 +139,7 @@ void add_runs(PlaneSweep& sweep, int x, std::uint64_t word) {
   }
 }
 
-// Across y or z: words are rows of the planes.
+// Adds the faces across y or z: each word is a row of a plane.
 void add_word_faces(LayerSweeps& sweeps, int axis, const ChunkTriple& chunk, int v) {
   const auto row = [&](int t) { return axis == 1 ? chunk_row(t, v) : chunk_row(v, t); };
   for (int t = 0; t < 8; ++t) {
@@ -152,7 +152,7 @@ void add_word_faces(LayerSweeps& sweeps, int axis, const ChunkTriple& chunk, int
   }
 }
 
-// Across x: each bit of a word is in a plane of its own.
+// Adds the faces across x: each bit of a word belongs to a plane of its own.
 void add_bit_faces(LayerSweeps& sweeps, const ChunkTriple& chunk, int v) {
   for (int y = 0; y < 8; ++y) {
     const std::size_t row = chunk_row(y, v);
@@ -163,7 +163,7 @@ void add_bit_faces(LayerSweeps& sweeps, const ChunkTriple& chunk, int v) {
   }
 }
 
-// Numbers of chunks, sorted so that a layer's follow one another, in it those of a row, and these along u.
+// Returns the chunk numbers sorted by layer, then by row within the layer, then along u.
 std::vector<std::int32_t> layer_order(const std::vector<VoxelChunk>& chunks, int axis) {
   std::vector<std::int32_t> order(chunks.size());
   for (std::size_t c = 0; c < order.size(); ++c) order[c] = static_cast<std::int32_t>(c);

@@ -16,13 +16,13 @@
 namespace isoextract::extract {
 namespace {
 
-// How far points move of the way to the mean of their neighbours, and back: what a round takes from the steps between
-// voxels, it leaves to the shape, and wide parts keep their volume (Taubin: A signal processing approach to fair
-// surface design. 1995). All points move at once.
+// The part of the way to the mean of their neighbors that points move, and move back. A round removes the steps between
+// voxels, but wide parts keep their shape and volume (Taubin: A signal processing approach to fair surface design.
+// 1995). All points move at once.
 constexpr float kForward = 0.65F;
 constexpr float kBackward = -0.66F;
 
-// Faces of a cell by number: twice the axis, and 1 for the upper side.
+// Cell faces are numbered 2 * axis, plus 1 for the upper side.
 constexpr std::size_t kFaces = 6;
 
 constexpr std::array<glm::ivec3, kFaces> kFaceSteps{glm::ivec3(-1, 0, 0), glm::ivec3(1, 0, 0),  glm::ivec3(0, -1, 0),
@@ -48,7 +48,7 @@ class NearLabels {
 
   [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }
 
-  // A bit for each corner of a row that has two labels or more around it.
+  // Returns a bit for each corner of a row that has at least two labels around it.
   [[nodiscard]] std::uint64_t used(int y, int z) const {
     std::uint64_t found = 0;
     for (const Entry& entry : entries_) {
@@ -79,7 +79,7 @@ class NearLabels {
   std::vector<Entry> entries_;
 };
 
-// What is left around the corners of a chunk: samples without a label, and places beyond the bounds.
+// The voxels around the corners of a chunk that have no label, and the ones beyond the data boundary.
 class NearRest {
  public:
   NearRest(const LabelChunks& labels, const NearLabels& near, const glm::ivec3& origin) {
@@ -106,7 +106,7 @@ class NearRest {
   std::array<ChunkBits, 8> beyond_{};
 };
 
-// How many labels there are in each face of the cells of a row: bits that say at least one, two, three.
+// Counts the labels in each face of the cells of a row, as bits: at least one, two, three.
 class FaceCounts {
  public:
   void add(const CornerWords& words) {
@@ -120,8 +120,8 @@ class FaceCounts {
     }
   }
 
-  // The faces through which the point of a cell is joined with others, as bits. A curve has two ends: where fewer faces
-  // have three labels, none passes.
+  // Returns the faces, as bits, through which the point of a cell is connected with others. A curve needs two ends: if
+  // fewer than two faces have three labels, no curve passes.
   [[nodiscard]] std::uint8_t joined(int bit) const {
     unsigned two = 0;
     unsigned three = 0;
@@ -144,8 +144,7 @@ unsigned pattern_of(const LabelChunks& labels, std::int64_t label, const glm::iv
   return pattern;
 }
 
-// Edges upward from corners of a chunk along which voxels of one label touch only, though they are joined at both ends.
-// False where there are none.
+// Finds the edges of a chunk that need a vertex in their middle (NetPoints::middles). Returns false if there are none.
 bool find_middles_of(const LabelChunks& labels, const glm::ivec3& origin, std::array<ChunkBits, 3>& middles) {
   bool any = false;
   for (ChunkBits& bits : middles) bits.fill(0);
@@ -184,7 +183,7 @@ Result<NetPoints> NetPoints::make(const LabelChunks& labels, std::uint64_t relax
   return points;
 }
 
-// The chunks of corners that have points, and these numbered.
+// Lists the chunks that have points, and numbers the points.
 Result<void> NetPoints::list_chunks(const LabelChunks& labels, const Context& context, const std::string& what) {
   auto list_memory = TRY(context.reserve(8 * labels.chunks().size() * sizeof(glm::ivec3), what));
   std::vector<glm::ivec3> candidates;
@@ -230,7 +229,7 @@ Result<void> NetPoints::list_chunks(const LabelChunks& labels, const Context& co
       }
     }
   });
-  // Counts become first numbers.
+  // Turns counts into first numbers.
   std::uint64_t points = 0;
   for (RowBases& rows : first_) {
     for (std::uint32_t& first : rows) {
@@ -276,7 +275,7 @@ std::size_t NetPoints::number(std::size_t chunk, std::size_t row, int bit) const
   return first_[chunk][row] + static_cast<std::size_t>(std::popcount(used_[chunk][row] & bits_before(bit)));
 }
 
-// The rounds, from the old places of all points to the new ones.
+// One step of a round: reads the old positions of all points and writes the new ones.
 struct NetPoints::Moves {
   const NetPoints& points;
   const field::IndexBox& bounds;
@@ -285,9 +284,9 @@ struct NetPoints::Moves {
   Buffer<glm::vec3>& to;
   float step;
 
-  // Rows next to one, in this or in a neighbouring chunk: across y and z, and in the chunks before and behind.
+  // The row of points across each cell face, in this chunk or a neighboring one.
   struct Row {
-    const std::uint64_t* used = nullptr;  // null: there is none
+    const std::uint64_t* used = nullptr;  // null if there is no such row
     std::uint32_t first = 0;
   };
 
@@ -323,7 +322,7 @@ struct NetPoints::Moves {
     }
   }
 
-  // The point in the next row across a face, or in this one.
+  // Returns the number of the point across a face.
   [[nodiscard]] std::uint32_t neighbour(std::size_t face, int bit, std::uint32_t k,
                                         const std::array<Row, kFaces>& rows) const {
     if (face == 0 && bit > 0) return k - 1;

@@ -14,7 +14,7 @@ HWY_BEFORE_NAMESPACE();
 namespace isoextract::extract {
 namespace HWY_NAMESPACE {
 
-// The case of the cell at bit `cell` of plane x.
+// Returns the case of the cell at bit `cell` of plane x.
 HWY_INLINE unsigned cell_case(const SitePlanes& planes, std::size_t x, int cell) {
   unsigned bits = 0;
   for (std::size_t half = 0; half < 2; ++half) {
@@ -42,7 +42,7 @@ CellCounts count_any(const CellDrawings& drawings, const glm::ivec3& origin, con
 void write_any(const CaseTable& table, const CellDrawings& drawings, const glm::ivec3& origin, const SitePlanes& planes,
                const BlockBits& active, const CellDecider& decider, const SiteVertices& vertices, const NearSites& near,
                glm::uvec3* out) {
-  // An edge by the sample that owns it, as a step from the cell, and its direction's place in the table.
+  // An edge: the sample that owns it, as a step from the cell, and the index of its direction in the table.
   struct Edge {
     int step;  // axis bits
     int offset;
@@ -61,7 +61,7 @@ void write_any(const CaseTable& table, const CellDrawings& drawings, const glm::
       const int offset = static_cast<int>(x) << 6 | cell;
       const unsigned bits = cell_case(planes, x, cell);
       const auto drawing = drawings.of(bits, decider, origin, position(x, cell));
-      // Along which axes the cell is the site's last: its edges there belong to the next site.
+      // The axes along which the cell is the last of the site: its edges there belong to the next site.
       const int last = (x == 7 ? 1 : 0) | (cell >> 3 == 7 ? 2 : 0) | ((cell & 7) == 7 ? 4 : 0);
       for (std::uint32_t crossed = drawings.crossed_edges(bits); crossed != 0; crossed &= crossed - 1) {
         const auto e = static_cast<std::size_t>(std::countr_zero(crossed));

@@ -18,11 +18,11 @@
 namespace isoextract::extract {
 namespace {
 
-// The values around one place: the block-size places up to one away along each axis.
+// The stored values of a place and its neighbors.
 template <class T>
 class Neighbourhood {
  public:
-  // `lowest` is -1 if places before this one are needed too (for gradients), otherwise 0.
+  // `lowest` is -1 if places before this one are needed, too (for gradients), otherwise 0.
   Neighbourhood(const field::SparseSamples& samples, const field::SparseLookup& lookup, const glm::ivec3& origin,
                 int lowest)
       : origin_(origin) {
@@ -37,7 +37,7 @@ class Neighbourhood {
     });
   }
 
-  // The stored number at a sample within the places asked for.
+  // Returns the stored number at a sample within the loaded places.
   [[nodiscard]] double operator()(const glm::ivec3& p) const {
     const glm::ivec3 away = (p - origin_) >> 3;
     const Place& place = places_[near_place_slot(away)];
@@ -144,7 +144,8 @@ class SparseExtraction final : private CellDecider {
 
   void emit_vertices(mesh::Mesh& mesh, std::size_t s) const {
     const glm::ivec3 origin = sites_.origins()[s];
-    VertexWriter writer({placement_, rule_, field_.scale}, mesh, vertices_.first(s, 0));  // a site's follow one another
+    VertexWriter writer({placement_, rule_, field_.scale}, mesh, vertices_.first(s, 0));  // the numbers of a site are
+                                                                                          // consecutive
     const bool gradients = writer.wants_gradients();
     const Neighbourhood<T> stored(samples_, sites_.lookup(), origin, gradients ? -1 : 0);
     VertexBatch& batch = writer.batch();
@@ -171,7 +172,7 @@ class SparseExtraction final : private CellDecider {
     writer.flush();
   }
 
-  // Of the stored numbers, by central differences; beside NaN as sample_derivative() says.
+  // Stores the gradient of the stored numbers, by central differences; next to NaN as in sample_derivative().
   static void put_gradient(VertexBatch& batch, int end, int i, const Neighbourhood<T>& stored, const glm::ivec3& p) {
     for (int axis = 0; axis < 3; ++axis) {
       glm::ivec3 step(0);
@@ -190,7 +191,7 @@ class SparseExtraction final : private CellDecider {
   OutputFrame placement_;
   SparseSites sites_;
   std::optional<CellDrawings> drawings_;
-  Reservation numbers_memory_;  // for what follows
+  Reservation numbers_memory_;  // for the arrays below
   SiteVertices vertices_;
   Buffer<std::uint64_t> triangle_base_;  // per site: first a count, then the first triangle
 };

@@ -26,9 +26,9 @@ class CornerRows {
 
   [[nodiscard]] CornerWords row(int y, int z) const { return corner_words(near_, y, z); }
 
-  // Whether voxels touch along an edge only, anywhere.
+  // Returns whether any two voxels touch along an edge only.
   [[nodiscard]] bool touch() const {
-    CornerWords whole{};  // where each chunk is of one kind they touch as chunks do, or not at all
+    CornerWords whole{};  // if every chunk is full or empty, voxels touch as the chunks do, or not at all
     bool uniform = true;
     for (std::size_t n = 0; n < 8; ++n) {
       whole[n] = near_[n] == &full_chunk() ? kAllBits : 0;
@@ -47,7 +47,8 @@ class CornerRows {
   NearChunks near_;
 };
 
-// Edges upward from corner `p`, of the given pattern, that need a vertex in the middle for each voxel; bits of axes.
+// Returns the edges upward from corner `p`, as axis bits, that need a vertex in the middle for each voxel; `fans`
+// belong to the pattern of `p`.
 unsigned doubled_edges(const VoxelChunks& voxels, const glm::ivec3& p, const CornerFans& fans) {
   unsigned edges = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -65,7 +66,7 @@ void make_unique(std::vector<glm::ivec3>& origins) {
   origins.erase(std::unique(origins.begin(), origins.end()), origins.end());
 }
 
-// f(which of the four, corner) for the corners of a layer's rectangles.
+// Calls f(number 0 to 3, corner) for the corners of a layer's rectangles.
 template <class F>
 void for_each_corner(const LayerRectangles& layer, const F& f) {
   for (const FaceRectangle& rectangle : layer.rectangles.values()) {
@@ -83,7 +84,7 @@ std::uint64_t below_bit(int bit) { return (std::uint64_t{1} << bit) - 1; }
 
 }  // namespace
 
-// Chunks that have a used corner: a few of those that have faces, where these are large.
+// Returns the chunks that have a used corner. If faces are large, these are few of the chunks that have faces.
 Result<std::vector<glm::ivec3>> SurfacePoints::list_origins(const VoxelChunks& voxels,
                                                             const std::vector<LayerRectangles>& rectangles, bool closes,
                                                             const Context& context, const std::string& what,
@@ -92,7 +93,7 @@ Result<std::vector<glm::ivec3>> SurfacePoints::list_origins(const VoxelChunks& v
   of_layers.reserve(rectangles.size());
   for (std::size_t l = 0; l < rectangles.size(); ++l) of_layers.emplace_back(context, what);
   for_each_index(rectangles.size(), [&](std::size_t l) {
-    std::array<glm::ivec3, 4> last;  // neighbours in the list mostly share it
+    std::array<glm::ivec3, 4> last;  // neighbors in the list usually share it
     last.fill(glm::ivec3(1));
     for_each_corner(rectangles[l], [&](std::size_t c, const glm::ivec3& corner) {
       const glm::ivec3 origin = chunk_origin(corner);
@@ -107,7 +108,8 @@ Result<std::vector<glm::ivec3>> SurfacePoints::list_origins(const VoxelChunks& v
     count += layer.values().size();
   }
 
-  // By chunk, those after it, itself first, in which voxels touch along an edge. One that is listed speaks for itself.
+  // For each listed chunk: which of the eight chunks from itself upward have voxels that touch along an edge only. A
+  // listed neighbor is checked by itself.
   const std::vector<VoxelChunk>& chunks = voxels.chunks();
   auto flags = TRY(make_reserved_buffer<std::uint8_t>(closes ? chunks.size() : 0, context, what));
   for_each_index(flags->values.size(), [&](std::size_t c) {
@@ -176,7 +178,7 @@ Result<SurfacePoints> SurfacePoints::make(const VoxelChunks& voxels, const std::
     if (points.special_number_[c] != kNoSpecials) points.fill_specials(voxels, c, closes);
     points.count_rows(c);
   });
-  // Counts become first numbers.
+  // Turns counts into first numbers.
   for (RowBases& rows : points.first_) {
     for (std::uint32_t& first : rows) {
       const std::uint32_t count = first;
@@ -234,7 +236,8 @@ void SurfacePoints::fill_specials(const VoxelChunks& voxels, std::size_t chunk, 
       const std::size_t row = chunk_row(y, z);
       const CornerWords words = rows.row(y, z);
       for (std::size_t axis = 0; of_net != nullptr && axis < 3; ++axis) {
-        // A label that does not touch itself there has one voxel there, or all but one, and one border.
+        // Two vertices where voxels of this label touch along the edge only. Otherwise the label has one border there
+        // and one vertex.
         const std::array<std::uint64_t, 4> four = words_on_side(words, axis, 1);
         specials.middles[axis][row] = (*of_net)[axis][row] & mixed(four);
         specials.single_middles[axis][row] = specials.middles[axis][row] & ~diagonal(four);
@@ -253,7 +256,7 @@ void SurfacePoints::fill_specials(const VoxelChunks& voxels, std::size_t chunk, 
   }
 }
 
-// Of a row, those of corners with bits in `below`.
+// Returns the number of vertices of a row at corners with bits in `below`.
 std::uint32_t SurfacePoints::vertices_below(std::size_t chunk, std::size_t row, std::uint64_t below) const {
   int count = std::popcount(used_[chunk][row] & below);
   if (special_number_[chunk] != kNoSpecials) {
@@ -273,7 +276,7 @@ void SurfacePoints::write_positions(const OutputFrame& placement, const glm::ive
   for_each_index(origins_.size(), [&](std::size_t c) { write_chunk(placement, base, mesh, c); });
 }
 
-// A voxel is a box around its sample.
+// A voxel is a box centered on its sample, hence the half step.
 glm::dvec3 SurfacePoints::place_of(const glm::ivec3& base, const glm::ivec3& corner) const {
   const glm::dvec3 place = glm::dvec3(base + corner) - 0.5;
   return net_ == nullptr ? place : place + glm::dvec3(net_->offset(corner));
@@ -348,7 +351,7 @@ std::optional<std::uint32_t> SurfacePoints::Finder::middle_vertex(const glm::ive
   return count(axis) == 1 ? number : number + static_cast<std::uint32_t>(upper);
 }
 
-// To the next used corner along `axis`; `limit` where there is none before.
+// Returns the steps to the next used corner along `axis`, or `limit` if there is none before.
 int SurfacePoints::Finder::steps_to_next(const glm::ivec3& corner, int axis, int limit) {
   glm::ivec3 p = corner;
   for (int steps = 1; steps < limit;) {

@@ -8,8 +8,8 @@
 namespace isoextract::extract {
 namespace {
 
-// The cell seen along an axis: four columns of two corners each, of which two opposite ones are inside in alternating
-// slices. A column is named by its lower corner.
+// The cell seen along an axis: four columns of two corners each. In alternating slices, two opposite columns are
+// inside. A column is named by its lower corner.
 class SlicedCell {
  public:
   SlicedCell(unsigned cell_case, unsigned joined, unsigned axis, unsigned pattern)
@@ -20,20 +20,21 @@ class SlicedCell {
     outside_ = pattern == 0 ? Pair{u, v} : Pair{0, u | v};
   }
 
-  // Every column can be on the side that the pattern wants, at one of its ends at least.
+  // Returns whether every column has a corner on the side that the pattern requires.
   [[nodiscard]] bool can_alternate() const {
     const auto fits_somewhere = [&](unsigned column) { return fits(column, 0) || fits(column, 1); };
     return std::ranges::all_of(inside_, fits_somewhere) && std::ranges::all_of(outside_, fits_somewhere);
   }
 
-  // Whether inside corners are joined where the range of alternating slices ends towards `side`.
+  // Returns whether inside corners are joined at the end of the range of alternating slices toward `side`.
   [[nodiscard]] bool joined_at(unsigned side) const {
     const auto misfit = [&](unsigned column) { return !fits(column, side); };
     if (std::ranges::none_of(inside_, misfit) && std::ranges::none_of(outside_, misfit)) {
       return face_is_joined(2 * axis_ + side);
     }
-    // The range ends where the last misfit column crosses iso. An inside column that does leaves its slice's inside
-    // corners apart, an outside column joined. Of one of each kind, the side face that they share knows which is last.
+    // The range ends where the last misfit column crosses iso. If that is an inside column, the inside corners are
+    // apart there; if it is an outside column, they are joined. With one misfit of each kind, the side face that they
+    // share tells which one is last.
     return std::ranges::any_of(outside_, [&](unsigned q) {
       return misfit(q) && std::ranges::all_of(inside_, [&](unsigned p) {
                return !misfit(p) || face_is_joined(cube_side_face(p, q, axis_));
@@ -41,7 +42,7 @@ class SlicedCell {
     });
   }
 
-  // The two loops whose surfaces are around the inside columns (or the outside ones) in alternating slices.
+  // Returns the two loops whose surfaces surround the inside columns (or the outside ones) in alternating slices.
   [[nodiscard]] std::array<std::uint8_t, 2> loops_around(bool inside, const std::vector<Loop>& loops) const {
     const Pair& columns = inside ? inside_ : outside_;
     const unsigned other = (inside ? outside_ : inside_)[0];
@@ -59,8 +60,8 @@ class SlicedCell {
   }
   [[nodiscard]] bool face_is_joined(unsigned face) const { return (joined_ >> face & 1) != 0; }
 
-  // The loop that crosses between two neighbouring columns, of which one is inside and one outside: across the face
-  // they share, up to a side where both fit, or else to where `column` itself crosses iso.
+  // Returns the loop that passes between two neighboring columns, one inside and one outside. It crosses the face they
+  // share, up to a side where both fit, or else to where `column` itself crosses iso.
   [[nodiscard]] std::uint8_t loop_between(unsigned column, unsigned other, const std::vector<Loop>& loops) const {
     std::uint8_t edge = cube_edge(corner(column, 0), corner(column, 1));
     for (const unsigned side : {0U, 1U}) {
@@ -102,9 +103,9 @@ std::vector<TunnelCase> tunnel_cases(unsigned cell_case, unsigned joined, const 
       });
     });
   }
-  // Where all six faces alternate (Chernyaev's case 13), a tunnel needs three faces of each decision, around opposite
-  // corners (13.5); then it can join inside or outside corners. The rule above lets pass others, where the three axes
-  // would have to agree on more than it looks at.
+  // If all six faces alternate (Chernyaev's case 13), a tunnel needs three faces of each decision around opposite
+  // corners (13.5). It can then join inside or outside corners. The rule above would accept more, because it does not
+  // check that the three axes agree.
   const bool all_alternate = cell_case == 0b01101001 || cell_case == 0b10010110;
   const auto joins_inside = [](const TunnelCase& t) { return t.joins_inside; };
   if (all_alternate && (std::ranges::all_of(tunnels, joins_inside) || std::ranges::none_of(tunnels, joins_inside))) {

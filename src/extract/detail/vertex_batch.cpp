@@ -31,7 +31,7 @@ struct Vec3 {
   DoubleVec x, y, z;
 };
 
-// One column of glm's matrix a vector; the order of additions is glm's.
+// One vector for each column of glm's matrix; additions are in the order of glm, so that results are equal.
 struct Matrix {
   DoubleVec m[3][3];
 
@@ -52,7 +52,7 @@ HWY_INLINE Vec3 operator+(const Vec3& a, const Vec3& b) {
 }
 HWY_INLINE Vec3 operator/(const Vec3& v, DoubleVec s) { return {hn::Div(v.x, s), hn::Div(v.y, s), hn::Div(v.z, s)}; }
 
-// Stores the first `count` of a vector of points.
+// Stores the first `count` points of a vector.
 HWY_INLINE void store_points(const Vec3& v, int count, glm::vec3* out) {
   const auto x = hn::DemoteTo(kFloats, v.x);
   const auto y = hn::DemoteTo(kFloats, v.y);
@@ -69,8 +69,8 @@ HWY_INLINE void store_points(const Vec3& v, int count, glm::vec3* out) {
 
 HWY_INLINE DoubleVec load_axis(const std::int32_t* from) { return hn::PromoteTo(kDoubles, hn::LoadU(kInts, from)); }
 
-// Writes the batch's vertices as far as their numbers are finite. Returns, one bit an entry, those that are not, of
-// which the caller takes care.
+// Writes the vertices of the batch whose numbers are finite. Returns the others, one bit an entry; the caller must
+// write them.
 template <bool kNormals>
 void place_batch(const VertexBatch& batch, const VertexRules& rules, glm::vec3* positions, glm::vec3* normals,
                  std::uint64_t* left) {
@@ -115,7 +115,7 @@ void place_batch(const VertexBatch& batch, const VertexRules& rules, glm::vec3* 
       };
       const Vec3 mapped = covectors * (outward * (hn::Sub(one, t) * load(0) + t * load(1)));
       const auto largest = hn::Max(hn::Max(hn::Abs(mapped.x), hn::Abs(mapped.y)), hn::Abs(mapped.z));
-      // A sum that is finite is one of finite numbers; one that is not is looked at again, one vertex at a time.
+      // A finite sum means that all parts are finite. The other vertices are checked one at a time.
       const auto sum = hn::Add(hn::Add(hn::Abs(mapped.x), hn::Abs(mapped.y)), hn::Abs(mapped.z));
       good = hn::And(good, hn::And(hn::IsFinite(sum), hn::Gt(largest, hn::Zero(kDoubles))));
       const Vec3 unit = mapped / largest;
@@ -158,7 +158,7 @@ void place_plainly(const VertexBatch& batch, int i, const VertexRules& rules, gl
     return glm::dvec3(batch.gradient[end][0][i], batch.gradient[end][1][i], batch.gradient[end][2][i]);
   };
   const glm::dvec3 out = (rules.inside(f0) ? 1.0 : -1.0) * step;
-  // A vertex beside NaN is halfway to it, wherever the field's gradient points.
+  // A vertex next to NaN is halfway to it, whatever the gradient of the field.
   const bool beside_nan = std::isnan(batch.value[0][i]) || std::isnan(batch.value[1][i]);
   if (beside_nan || glm::any(glm::isnan(gradient(0))) || glm::any(glm::isnan(gradient(1)))) {
     *normal = rules.placement.unknown_normal(out);

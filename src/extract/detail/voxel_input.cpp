@@ -13,7 +13,7 @@ field::IndexBox common_part(const field::IndexBox& a, const field::IndexBox& b) 
   return {glm::max(a.min, b.min), glm::min(a.max, b.max)};
 }
 
-// f(origin) for the chunks at the border of a box.
+// Calls f(origin) for the chunks at the faces of a box.
 template <class F>
 void for_each_skin_chunk(const field::IndexBox& box, const F& f) {
   if (box.empty()) return;
@@ -50,7 +50,7 @@ Result<field::IndexBox> voxel_region(const field::ScalarField& field, const fiel
 
 OutputFrame voxel_frame(const field::ScalarField& field, const ExtractOptions& options, const field::IndexBox& stored,
                         const field::IndexBox& region) {
-  // Half a step beyond the samples; and what a region cuts is closed there, as by a cap.
+  // Voxels extend half a step beyond the samples, and a region closes them as a cap would.
   ExtractOptions closed = options;
   closed.cap = true;
   return output_frame(field, closed, {stored.min - 1, stored.max + 1}, {region.min - 1, region.max + 1});
@@ -58,7 +58,8 @@ OutputFrame voxel_frame(const field::ScalarField& field, const ExtractOptions& o
 
 Result<SparseReach> sparse_reach(const field::ScalarField& field, const field::SparseSamples& samples,
                                  const ExtractOptions& options, bool unbounded) {
-  // It checks the indices. A region is looked at as one of samples, below.
+  // sparse_region() checks the index range here. It would require a cell; voxels need only a sample, so the region is
+  // clipped below.
   ExtractOptions whole = options;
   whole.region.reset();
   TRY(sparse_region(field, samples, whole));
@@ -95,7 +96,7 @@ Result<std::vector<glm::ivec3>> sparse_chunks(const field::ScalarField& field, c
     const auto add_touching = [&](const glm::ivec3& origin) {
       if (!common_part({origin, origin + kVoxelChunk - 1}, region).empty()) add(origin);
     };
-    // Neighbours in the list mostly share one.
+    // Neighbors in the list usually share a chunk.
     glm::ivec3 last(1);
     for (const field::SparseBlock& block : samples.blocks) {
       const glm::ivec3 origin = chunk_origin(block.origin);

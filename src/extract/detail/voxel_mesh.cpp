@@ -17,7 +17,7 @@
 namespace isoextract::extract {
 namespace {
 
-// Rectangles of one layer whose triangles follow one another.
+// Rectangles of one layer whose triangles are written one after the other.
 struct Portion {
   int axis;
   std::span<const FaceRectangle> rectangles;
@@ -48,15 +48,16 @@ class BorderPolygon {
     top_.clear();
     left_.clear();
     right_.clear();
-    // u x v is the axis, but for planes across y.
+    // u x v points along the axis, except for planes across y.
     turned_ = (rectangle.upward == (axis_ == 1)) != mirrored_;
-    // By the quadrant in which the rectangle is.
+    // Named by the quadrant of the corner in which the rectangle lies.
     const FaceCorner low_low = corner(rectangle, 0, 0);
     const FaceCorner high_low = corner(rectangle, 1, 0);
     const FaceCorner low_high = corner(rectangle, 0, 1);
     const FaceCorner high_high = corner(rectangle, 1, 1);
-    const int voxel = rectangle.upward ? 0 : 1;  // its side across the plane
-    // A side's voxel along the lower axis across it: that of the plane, or the other one along it.
+    const int voxel = rectangle.upward ? 0 : 1;  // side of the voxel across the plane
+    // The side of the voxel along the lower axis across a rectangle side: across the plane, or along the other axis in
+    // it.
     const auto upper = [&](int other_axis, int quadrant) { return axis_ < other_axis ? voxel : quadrant; };
     const int u = plane_u(axis_);
     const int v = plane_v(axis_);
@@ -76,10 +77,9 @@ class BorderPolygon {
     return bottom_.size() + top_.size() + left_.size() + right_.size() - 2;
   }
 
-  // A face whose corners do not lie in a plane, as two halves, each with what vertices there are in the middles of its
-  // sides. Of the two ways to part it, the one whose smaller half is larger: the same one for whoever has the face on
-  // its other side, and never one with a half without area: four points in the four quadrants around an edge of the
-  // grid can always be parted without.
+  // Writes a face whose corners are not in a plane, as two halves with all middle vertices of its sides. Of the two
+  // diagonals, it takes the one whose smaller half is larger. The label on the other side thus chooses the same one,
+  // and no half has zero area: four points in the four quadrants around a grid edge always allow that.
   void write_bent(const Buffer<glm::vec3>& positions, glm::uvec3*& out) const {
     const std::array<std::uint32_t, 4> around{bottom_.front().vertex, bottom_.back().vertex, top_.back().vertex,
                                               top_.front().vertex};
@@ -88,7 +88,7 @@ class BorderPolygon {
     };
     const std::array<const std::uint32_t*, 4> middles{between(bottom_, 2), between(right_, 0), between(top_, 2),
                                                       between(left_, 0)};
-    const auto area = [&](std::size_t apex) {  // squared; of the half around corner `apex`
+    const auto area = [&](std::size_t apex) {  // squared area of the half around corner `apex`
       const glm::dvec3 at(positions[around[apex]]);
       const glm::dvec3 normal = glm::cross(glm::dvec3(positions[around[(apex + 1) % 4]]) - at,
                                            glm::dvec3(positions[around[(apex + 3) % 4]]) - at);
@@ -153,7 +153,7 @@ class BorderPolygon {
     *out++ = turned_ ? glm::uvec3(a, c, b) : glm::uvec3(a, b, c);
   }
 
-  // The rectangle's corner at the high end of u, of v, and its face there.
+  // Returns the corner of the rectangle at the high end of u, of v, with its face there.
   [[nodiscard]] FaceCorner corner(const FaceRectangle& rectangle, int high_u, int high_v) const {
     FaceCorner found;
     found.corner[axis_] = rectangle.plane;
@@ -174,8 +174,8 @@ class BorderPolygon {
   std::vector<Found> right_;
 };
 
-// Where sides of rectangles pass through a corner, a fan there may have no rectangle that ends in it: its vertex goes.
-// Vertices keep their order.
+// Removes vertices without triangles, keeping the order of the others. If sides of rectangles pass through a corner, a
+// fan there may have no rectangle that ends in it.
 Result<void> drop_unused_vertices(mesh::Mesh& mesh, const Context& context, const std::string& what) {
   auto numbers = TRY(make_reserved_buffer<std::uint32_t>(mesh.positions.size(), context, what));
   Buffer<std::uint32_t>& number = numbers->values;
@@ -194,7 +194,7 @@ Result<void> drop_unused_vertices(mesh::Mesh& mesh, const Context& context, cons
     glm::uvec3& triangle = mesh.triangles[t];
     triangle = {number[triangle.x], number[triangle.y], number[triangle.z]};
   });
-  auto memory = context.reserve(used * sizeof(glm::vec3), what);  // for both, while they are copied
+  auto memory = context.reserve(used * sizeof(glm::vec3), what);  // both arrays exist while the positions are copied
   if (!memory) return tl::unexpected(memory.error());
   Buffer<glm::vec3> positions(used);
   std::copy_n(mesh.positions.begin(), used, positions.begin());
