@@ -452,8 +452,9 @@ Result<Extraction> LabelVoxels::extract(const field::ScalarField& field, std::in
   }
   const VoxelChunks voxels(std::move(chunks), std::move(unlisted), found_, std::move(memory));
   ExtractStats stats = found_->stats;
-  if (label != found_->labels.front()) stats.classify = {};  // all labels were found in one pass: only the first
-                                                             // reports its time
+  if (label != found_->labels.front())
+    stats.classify = {};  // all labels were found in one pass: only the first
+                          // reports its time
   return mesh_voxels(field, voxels, found_->base, found_->frame, options, stats, context,
                      found_->net ? &*found_->net : nullptr);
 }
