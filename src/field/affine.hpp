@@ -1,4 +1,4 @@
-// Affine maps in double: index -> world, world -> output.
+// Affine maps in double precision: index -> world, world -> output.
 #pragma once
 
 #include <cmath>
@@ -10,14 +10,14 @@
 
 namespace isoextract::field {
 
-// p -> linear * p + offset. GLM matrices are column-major: linear[a] is the image of the unit step along axis a.
+// Maps p to linear * p + offset. GLM matrices are column-major: linear[a] is the image of the unit vector along axis a.
 struct Affine {
   glm::dmat3 linear{1.0};
   glm::dvec3 offset{0.0};
 
   [[nodiscard]] glm::dvec3 operator()(const glm::dvec3& p) const { return linear * p + offset; }
 
-  // (*this)(inner(p))
+  // Returns the map p -> (*this)(inner(p)).
   [[nodiscard]] Affine after(const Affine& inner) const {
     return {linear * inner.linear, linear * inner.offset + offset};
   }
@@ -29,7 +29,8 @@ struct Affine {
     return {inverted, -(inverted * offset)};
   }
 
-  // Finite entries and a determinant that is not zero relative to the lengths of the axes: safe to invert.
+  // Returns whether the map can be inverted safely: its entries are finite and its determinant is not zero relative to
+  // the lengths of the axes.
   [[nodiscard]] bool is_regular() const {
     const double scale = glm::length(linear[0]) * glm::length(linear[1]) * glm::length(linear[2]);
     return is_finite(offset) && std::isfinite(scale) && scale > 0 && std::abs(determinant()) > 1e-12 * scale;
@@ -38,7 +39,7 @@ struct Affine {
   friend bool operator==(const Affine&, const Affine&) = default;
 };
 
-// A box in the world or among the samples, both corners included.
+// A box in world or index coordinates; both corners belong to it.
 struct Box {
   glm::dvec3 min{0.0};
   glm::dvec3 max{0.0};
@@ -46,7 +47,7 @@ struct Box {
   friend bool operator==(const Box&, const Box&) = default;
 };
 
-// The box around `map` applied to all of `box`.
+// Returns the bounding box of `map` applied to `box`.
 [[nodiscard]] inline Box image_of(const Affine& map, const Box& box) {
   Box image{glm::dvec3(std::numeric_limits<double>::infinity()), glm::dvec3(-std::numeric_limits<double>::infinity())};
   for (int corner = 0; corner < 8; ++corner) {

@@ -42,7 +42,7 @@ double gyroid_length(double x, double y, double iso) {
   return 2 * std::acos(std::clamp((iso - c) / a, -1.0, 1.0)) / kPi;
 }
 
-// The signal falls along z by sin(pi z / 2) / (2 (1 + alpha)).
+// The signal decreases along z by sin(pi z / 2) / (2 (1 + alpha)).
 double marschner_lobb_length(double x, double y, double iso) {
   const double at_0 = formulas::MarschnerLobb{}(x, y, 0.0);
   const double sine = 2 * (1 + formulas::MarschnerLobb::kAlpha) * (at_0 - iso);

@@ -1,4 +1,4 @@
-// What is known of demo fields besides their samples: value and gradient anywhere, and the true size of their surface.
+// Exact facts about demo fields: value and gradient at any position, and the area and volume of the surface.
 #pragma once
 
 #include <optional>
@@ -13,26 +13,26 @@ namespace isoextract::field {
 
 struct SurfaceSize {
   double area = 0;
-  double volume = 0;  // of where the value is above iso
+  double volume = 0;  // of the region where the value is above iso
 };
 
-// On the cube [-1, 1]^3, in the coordinates of the demo fields' world.
+// A formula on the cube [-1, 1]^3, in the demo fields' world coordinates.
 struct AnalyticField {
   std::string_view name;  // as in demo:NAME
   double (*value)(const glm::dvec3& p);
   Dual (*value_and_gradient)(const glm::dvec3& p);
-  bool is_distance;  // |value - iso| is the distance to the surface at iso, for all iso that `size` knows
-  // In closed form; nothing where there is none, or where the surface at iso is not wholly inside the cube.
+  bool is_distance;  // |value - iso| is the distance to the surface, for every iso that `size` supports
+  // Returns the closed-form size, or nothing if there is none or the surface at iso is not entirely inside the cube.
   std::optional<SurfaceSize> (*size)(double iso);
-  // How much of the line through (x, y, -1) and (x, y, 1) is above iso, in closed form; null where there is none.
+  // Returns the length above iso of the segment from (x, y, -1) to (x, y, 1), in closed form. Null if there is none.
   double (*length_along_z)(double x, double y, double iso);
-  bool is_graph_over_z;  // each of those lines meets the surface once at most, where that length ends
+  bool is_graph_over_z;  // each such segment crosses the surface at most once, where that length ends
 };
 
-// Null for names without a formula, such as random.
+// Returns null for demo fields without a formula, such as random.
 [[nodiscard]] const AnalyticField* find_analytic_field(std::string_view demo_name);
 
-// That of the samples of a demo field; null for other fields, and for one that has moved: formulas are those at time 0.
+// Returns the formula of a demo field's samples. Null for other fields, and for a demo field at a time other than 0.
 [[nodiscard]] const AnalyticField* formula_of(const ScalarField& field);
 
 }  // namespace isoextract::field

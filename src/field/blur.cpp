@@ -1,6 +1,6 @@
-// Axis by axis: a Gaussian is the product of one a direction, and so is normalised convolution, the weighted mean of
-// what is known (H. Knutsson and C.-F. Westin, Normalized and differential convolution. CVPR 1993), as long as each
-// pass hands on how much was known.
+// Filters axis by axis. A Gaussian is the product of one per axis, and so is normalized convolution, the weighted mean
+// of the known samples (H. Knutsson and C.-F. Westin, Normalized and differential convolution. CVPR 1993), if each pass
+// hands on how much of each sample was known.
 #include "field/blur.hpp"
 
 #include <algorithm>
@@ -26,7 +26,7 @@ using Blurred =
     std::conditional_t<std::is_same_v<T, double> || std::is_same_v<T, std::uint32_t> || std::is_same_v<T, std::int32_t>,
                        double, float>;
 
-// Of a Gaussian: the weight at the middle, and those beside it.
+// Returns the weight at the center and those on one side of it.
 std::vector<double> gaussian_weights(double sigma) {
   std::vector<double> weights{1};
   for (int i = 1; i <= static_cast<int>(std::ceil(3 * sigma)); ++i)
@@ -34,15 +34,15 @@ std::vector<double> gaussian_weights(double sigma) {
   return weights;
 }
 
-// Rows of numbers of the same length, one behind the other, and how much is known of each number; null: all.
+// Consecutive rows of the same length, and how much of each number is known; null means all.
 struct Rows {
   const double* values;
   const double* known;
   std::size_t length;
 };
 
-// The weighted mean of the rows from `first` to `last`, around the one at `middle`. The differences to that one are
-// summed: what does not vary comes out exactly.
+// Computes the weighted mean of the rows `first` to `last` around the row `middle`. It sums differences to that row, so
+// that constants come out exactly.
 void weigh_rows(const std::vector<double>& weights, const Rows& rows, int first, int middle, int last, double* means,
                 double* known) {
   const std::size_t length = rows.length;
@@ -77,7 +77,7 @@ void weigh_rows(const std::vector<double>& weights, const Rows& rows, int first,
       means[l] = known[l] > 0 ? base + means[l] / known[l] : 0;
     }
   }
-  // Differences may leave the range of double where the numbers themselves do not.
+  // Differences can overflow where the values themselves do not.
   for (std::size_t l = 0; l < length; ++l) {
     if (std::isfinite(means[l])) continue;
     double total = 0;
@@ -89,7 +89,7 @@ void weigh_rows(const std::vector<double>& weights, const Rows& rows, int first,
   }
 }
 
-// A few lines of samples along an axis at a time, side by side.
+// Number of adjacent lines along an axis that are filtered together.
 constexpr std::int64_t kLines = 32;
 
 template <class Out>
@@ -101,7 +101,7 @@ class DensePasses {
   void pass(int axis, const std::vector<double>& weights) {
     const std::array<std::int64_t, 3> strides{1, dims_.x, dims_.x * dims_.y};
     const std::int64_t step = strides[static_cast<std::size_t>(axis)];
-    // Lines lie side by side along one other axis, and groups of them along the third.
+    // Lines lie side by side along a second axis, and groups of them along the third.
     const int beside = axis == 0 ? 1 : 0;
     const int groups = axis == 2 ? 1 : 2;
     const std::int64_t beside_step = strides[static_cast<std::size_t>(beside)];
@@ -118,7 +118,7 @@ class DensePasses {
     });
   }
 
-  // What a thread takes.
+  // Returns the scratch bytes of one thread.
   static std::uint64_t scratch_bytes(const glm::ivec3& dims) {
     const auto longest = static_cast<std::uint64_t>(std::max({dims.x, dims.y, dims.z}));
     return 2 * (longest + 1) * kLines * sizeof(double);
@@ -212,7 +212,7 @@ Result<Samples> blur_dense(const ScalarField& field, const DenseSamples& data, c
   return blurred;
 }
 
-// Along x, y and z of a block's surroundings; what is beyond the block along an axis is gone after its pass.
+// Filters a block and its surroundings along x, y and z. Each pass drops the surroundings along its axis.
 template <class Out>
 void blur_block(const std::array<std::vector<double>, 3>& weights, glm::ivec3 dims, double* values, double* scratch,
                 Out* block) {

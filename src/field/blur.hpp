@@ -1,4 +1,4 @@
-// Fields without their noise: weighted means and medians of the samples around each sample.
+// Noise filters: weighted means and medians of the samples around each sample.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -9,29 +9,30 @@
 
 namespace isoextract::field {
 
-// The widest that are taken, in voxels.
+// The largest supported filter sizes, in voxels.
 inline constexpr double kMaxBlurSigma = 16;
 inline constexpr int kMaxMedianWidth = 8;
 
-// A Gaussian of these standard deviations along the axes of the grid, in voxels, each from 0 (nothing is done along
-// that axis) to kMaxBlurSigma. It ends at three of them. Samples are f64 if they were f64, u32 or i32, and otherwise
-// f32.
+// Filters with a Gaussian whose standard deviations along the grid axes are `sigma`, in voxels. Each lies in [0,
+// kMaxBlurSigma]; 0 leaves that axis unfiltered. The kernel ends at three standard deviations. The result is f64 for
+// f64, u32 and i32 samples, else f32. It is the same for any number of threads.
 //
-// Where there are no samples there is nothing to be weighed: beyond the data, and where a sample is not finite. The
-// others around them have all the weight. A sample that is not finite stays what it was, so that what is done with NaN
-// is done with the same samples. Where all samples around are alike, the value is exactly theirs.
+// Samples that are not finite and positions outside dense data get no weight (normalized convolution). Samples that are
+// not finite keep their value, so that the handling of NaN applies to the same samples. Where all samples within reach
+// are equal, the value does not change at all.
 //
-// Sparse stays sparse. Tiles and the background are values like any other, those of a narrow band too: far from its
-// surface a level set stays constant, and no distances are made anew. Blocks come about where a stored value reaches.
-// Which voxels are active stays as it was.
+// A sparse field stays sparse. Tiles and the background count as ordinary values, also those of a narrow band: the
+// filter does not recompute distances, and a level set stays constant away from its surface. The result has a block
+// wherever a stored value can reach. The record of active voxels does not change.
 //
-// Fails with ErrorCode::usage for other deviations, with ErrorCode::input where the memory is not there, and where the
-// context is cancelled. The same for any number of threads.
+// Fails with ErrorCode::usage if `sigma` is out of range, with ErrorCode::out_of_memory, and if the context is
+// cancelled.
 [[nodiscard]] Result<ScalarField> blur_gaussian(const ScalarField& field, const glm::dvec3& sigma,
                                                 const Context& context);
 
-// The median of the samples up to `width` (1 to kMaxMedianWidth) voxels away along each axis, the lower one of an even
-// number; of those that are in the data, and no NaN. NaN stays. Samples keep their type. Everything else is as above.
+// Replaces each sample by the median of the samples at most `width` (1 to kMaxMedianWidth) voxels away along each axis;
+// the lower median of an even number. Ignores NaN and positions outside dense data. NaN samples stay NaN. The samples
+// keep their type. Otherwise as blur_gaussian().
 [[nodiscard]] Result<ScalarField> blur_median(const ScalarField& field, int width, const Context& context);
 
 }  // namespace isoextract::field

@@ -22,7 +22,7 @@ Affine coarse_transform(const Affine& fine, int factor) {
   return coarse;
 }
 
-// The mean of value(p) over the factor^3 samples p from `first` on.
+// Returns the mean of value(p) over the factor^3 samples p that begin at `first`.
 template <class F>
 double mean(const glm::ivec3& first, int factor, const F& value) {
   double sum = 0;
@@ -76,7 +76,7 @@ Result<Samples> coarsen_sparse(const ScalarField& field, const SparseSamples& fi
   SparseSamples coarse;
   coarse.type = sample_type_of<Coarse<T>>();
   coarse.background = static_cast<double>(static_cast<Coarse<T>>(fine.background));
-  // A tile that fills coarse blocks stays one. What is smaller goes into blocks, as blocks do.
+  // A tile that fills coarse blocks stays a tile. Smaller tiles go into blocks.
   std::vector<glm::ivec3> origins;
   const auto add_block = [&](const glm::ivec3& p) {
     origins.emplace_back(floor_divided(p.x, kSize * factor) * kSize, floor_divided(p.y, kSize * factor) * kSize,

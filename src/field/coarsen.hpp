@@ -7,11 +7,12 @@
 
 namespace isoextract::field {
 
-// One sample for each `factor`^3 (a power of two, 2 or more), their mean: a box filter. It stands at the centre of
-// those samples. Dense stays dense, without the last samples of an axis where `factor` does not divide their number;
-// sparse stays sparse, its blocks aligned with multiples of 8 * `factor`. Samples are f64 if they were, otherwise f32;
-// a sample that is not finite makes the mean not finite. Fails with ErrorCode::input where an axis would have fewer
-// than two samples, or the memory for it is not there.
+// Replaces each factor^3 samples by their mean (a box filter), placed at their center. `factor` is a power of two, at
+// least 2. The result is f64 for f64 samples, else f32; a mean that includes a sample that is not finite is not finite.
+//
+// Dense fields stay dense and lose the last samples of an axis if `factor` does not divide their number. Sparse fields
+// stay sparse, with blocks aligned to multiples of 8 * `factor` samples. Fails with ErrorCode::input if an axis would
+// have fewer than two samples, and with ErrorCode::out_of_memory.
 [[nodiscard]] Result<ScalarField> coarsen(const ScalarField& field, int factor, const Context& context);
 
 }  // namespace isoextract::field

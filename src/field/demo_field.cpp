@@ -19,7 +19,7 @@
 namespace isoextract::field {
 namespace {
 
-// World coordinates of the samples along one axis; the same for all three.
+// World coordinates of the samples along an axis; all three axes are the same.
 using Axis = std::vector<double>;
 
 // Fills one row (all x) of the field at (y, z) = (axis[j], axis[k]).
@@ -32,7 +32,7 @@ FillRow pointwise(const Axis& axis) {
   };
 }
 
-// The sines and cosines depend on one coordinate each, so they are tabulated.
+// Each sine and cosine depends on one coordinate only, so tables hold them.
 FillRow gyroid(const Axis& axis) {
   using formulas::Gyroid;
   std::vector<double> sine;
@@ -48,7 +48,7 @@ FillRow gyroid(const Axis& axis) {
   };
 }
 
-// Independent uniform values in [-1, 1): every case of every table, and every ambiguity, many times over.
+// Independent uniform values in [-1, 1): they contain every case and every ambiguity of the case tables many times.
 FillRow random(const Axis& axis) {
   return [n = axis.size()](std::size_t j, std::size_t k, float* row) {
     for (std::size_t i = 0; i < n; ++i) {
@@ -58,7 +58,7 @@ FillRow random(const Axis& axis) {
   };
 }
 
-// The same fields on their way, at times other than 0.
+// The moving fields at times other than 0.
 
 FillRow moved_sphere(const Axis& axis, double time) {
   const double height = 0.25 * std::sin(2 * formulas::kPi * time);
@@ -69,7 +69,7 @@ FillRow moved_sphere(const Axis& axis, double time) {
   };
 }
 
-// By one of its periods along x.
+// Moves along x by one period of the gyroid.
 FillRow moved_gyroid(const Axis& axis, double time) {
   using formulas::Gyroid;
   const auto angle = [&axis](std::size_t i) { return Gyroid::kFrequency * axis[i]; };
@@ -87,7 +87,7 @@ FillRow moved_gyroid(const Axis& axis, double time) {
   };
 }
 
-// The balls circle around the z axis at different paces, so that they merge and part.
+// The balls circle the z axis at different speeds, so that they merge and separate.
 FillRow moved_metaballs(const Axis& axis, double time) {
   constexpr std::array kTurns{1, -1, 2, -2, -1};
   formulas::Metaballs::Balls balls = formulas::Metaballs::kBalls;
@@ -108,7 +108,7 @@ FillRow moved_metaballs(const Axis& axis, double time) {
 struct Demo {
   DemoDescription description;
   FillRow (*make)(const Axis&);
-  FillRow (*make_moved)(const Axis&, double time);  // null where it does not move
+  FillRow (*make_moved)(const Axis&, double time);  // null if the field does not move
 };
 
 constexpr std::array kDemos{
@@ -177,13 +177,13 @@ Result<void> set_time(std::string_view spec, std::string_view text, DemoSpec& de
   if (!time || !std::isfinite(*time)) {
     return fail(ErrorCode::usage, fmt::format("{}: time must be a number, found '{}'", spec, text));
   }
-  // What rounding takes up to the whole period is its end, which is its start.
+  // Rounding can turn a phase just below 1 into 1, which equals 0.
   const double phase = *time - std::floor(*time);
   demo.time = phase < 1 ? phase : 0;
   return {};
 }
 
-// "size=256&time=0.5"
+// Parses "size=256&time=0.5".
 Result<void> parse_settings(std::string_view spec, std::string_view settings, DemoSpec& demo) {
   while (!settings.empty()) {
     const std::size_t end = settings.find('&');

@@ -1,5 +1,5 @@
-// The formulas of the demo fields, each once: evaluated in double they fill samples, evaluated in dual numbers they
-// give the gradient as well.
+// The formulas of the demo fields. Evaluated in double they fill samples; evaluated in dual numbers they also give the
+// gradient.
 //
 // Sources: the gyroid, Schoen (1970); the test signal, Marschner and Lobb, "An evaluation of reconstruction filters for
 // volume rendering", IEEE Visualization 1994, equations 3 and 4. Dual numbers: forward-mode automatic differentiation,
@@ -33,7 +33,7 @@ struct Dual {
   }
   friend Dual sin(const Dual& a) { return {std::sin(a.value), std::cos(a.value) * a.gradient}; }
   friend Dual cos(const Dual& a) { return {std::cos(a.value), -std::sin(a.value) * a.gradient}; }
-  // Roots have no gradient at 0; any subgradient will do, and 0 is one of |x|.
+  // The square root has no gradient at 0. Any subgradient would do; 0 is a subgradient of |x|.
   friend Dual sqrt(const Dual& a) {
     const double root = std::sqrt(a.value);
     return {root, root > 0 ? a.gradient / (2 * root) : glm::dvec3(0)};

@@ -28,7 +28,7 @@ void add_values(Values& known, std::span<const T> samples) {
   Values found;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const auto value = static_cast<double>(samples[i]);
-    // Equal samples mostly stand side by side.
+    // Equal samples are mostly adjacent.
     if (std::isfinite(value) && (found.empty() || found.back() != value)) found.push_back(value);
   }
   sort_out(found);

@@ -1,4 +1,4 @@
-// Which values the samples of a field have.
+// The distinct values of a field's samples.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,7 @@
 
 namespace isoextract::field {
 
-// Each stored number that samples have and that is finite, once, in rising order; of a sparse field without its
-// background.
+// Returns the finite stored values in ascending order, without duplicates. Leaves out the background of a sparse field.
 [[nodiscard]] std::vector<double> distinct_values(const ScalarField& field, Progress* progress = nullptr);
 
 }  // namespace isoextract::field

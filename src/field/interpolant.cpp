@@ -8,7 +8,7 @@
 namespace isoextract::field {
 namespace {
 
-// What each of an axis' samples counts for, in the value and in its derivative.
+// The weights of an axis' samples in the value and in its derivative.
 struct CellWeights {
   std::array<double, 4> value{};
   std::array<double, 4> slope{};
@@ -23,8 +23,8 @@ CellWeights catmull_rom_weights(double t) {
           {(-1 + 4 * t - 3 * t2) / 2, (-10 * t + 9 * t2) / 2, (1 + 8 * t - 9 * t2) / 2, (3 * t2 - 2 * t) / 2}};
 }
 
-// A sample beyond the border stands for the parabola through the last three, or the line through the only two; what it
-// counts for goes to those. That makes the slope at the border the one-sided difference of second order.
+// Moves the weight of a sample outside the boundary to the samples inside: it stands for the parabola through the last
+// three, or the line through the only two. The slope at the boundary then is the one-sided second-order difference.
 void fold_border(std::array<double, 4>& weights, bool low, bool high) {
   const double before = low ? std::exchange(weights[0], 0.0) : 0.0;
   const double after = high ? std::exchange(weights[3], 0.0) : 0.0;
@@ -147,7 +147,7 @@ std::optional<double> Interpolant::Cursor::greatest_bend(const glm::ivec3& cell)
   if (interpolant_.interpolation_ != Interpolation::trilinear) return std::nullopt;
   move_to(cell);
   if (!finite_) return std::nullopt;
-  // The mixed derivatives, of which each is linear along the third axis: greatest at one end of it. The others are 0.
+  // Only the mixed derivatives are not 0. Each is linear along the third axis, so its extremes are at the ends.
   const auto mixed = [&](std::size_t a, std::size_t b, std::size_t along) {
     double greatest = 0;
     for (const std::size_t end : {std::size_t{0}, along}) {
@@ -157,7 +157,7 @@ std::optional<double> Interpolant::Cursor::greatest_bend(const glm::ivec3& cell)
     return greatest;
   };
   const glm::dvec3 all(mixed(2, 4, 1), mixed(1, 4, 2), mixed(1, 2, 4));
-  // Squares of very large or very small ones leave the range of double.
+  // The squares of very large or very small values would leave the range of double.
   const double largest = std::max({all.x, all.y, all.z});
   return largest > 0 ? largest * std::sqrt(2 * glm::dot(all / largest, all / largest)) : 0;
 }

@@ -1,11 +1,11 @@
 // The field between its samples: value and gradient at any position.
 //
-// trilinear: the interpolant whose surface marching cubes approximates.
+// trilinear: the interpolant whose isosurface marching cubes approximates.
 // tricubic: the tensor product of Catmull-Rom splines (Catmull and Rom, "A class of local interpolating splines",
 // 1974). It equals the interpolant of Lekien and Marsden, "Tricubic interpolation in three dimensions", Int. J. Numer.
-// Meth. Engng 63, 2005, with all derivatives, the mixed ones too, by central differences; at the border of dense data
-// these become one-sided differences of the same order. It is smooth across cells, so it shows what the creases between
-// trilinear cells cost.
+// Meth. Engng 63, 2005, with central differences for all derivatives, also the mixed ones. At the boundary of dense
+// data it uses one-sided differences of the same order. Its gradient is continuous across cells, so a comparison shows
+// the error that the creases between trilinear cells cause.
 #pragma once
 
 #include <array>
@@ -26,8 +26,8 @@ constexpr auto words_of(Interpolation /*type*/) {
 }
 
 struct Interpolated {
-  double value = 0;          // in the field's own values, less the base; NaN where a sample it depends on is not finite
-  glm::dvec3 gradient{0.0};  // of those values, per index step
+  double value = 0;          // scaled value minus the base; NaN if a sample that it depends on is not finite
+  glm::dvec3 gradient{0.0};  // of the value, per index step
 };
 
 struct SampleRange {
@@ -37,29 +37,30 @@ struct SampleRange {
 
 class Interpolant {
  public:
-  // `field` must outlive this; dense ones need two samples along each axis. `base` is taken off each sample before they
-  // are summed up: differences from it keep their digits where it is large and they are small.
+  // `field` must outlive this object; a dense field needs two samples along each axis. `base` is subtracted from each
+  // sample before the weighted sum, which preserves the digits of small differences from a large base.
   Interpolant(const ScalarField& field, Interpolation interpolation, double base = 0);
 
-  // The lowest sample of the cell whose polynomial a position has.
+  // Returns the lowest sample of the cell whose polynomial applies at `index`.
   [[nodiscard]] glm::ivec3 cell_of(const glm::dvec3& index) const;
 
-  // Looks at one position after the other, in index space. Keeps the samples of the last cell, because neighbours in a
-  // sequence mostly share it: one a thread. Beyond dense data the border cell's polynomial goes on.
+  // Evaluates positions in index space, one after the other. Keeps the samples of the last cell, because consecutive
+  // positions often share it. Use one cursor per thread. Outside dense data it extends the polynomial of the boundary
+  // cell.
   class Cursor {
    public:
     explicit Cursor(const Interpolant& interpolant) : interpolant_(interpolant) {}
     [[nodiscard]] Interpolated operator()(const glm::dvec3& index);
 
-    // The polynomial of one cell, at `t` from the lowest sample of the cell. On a face of the cell the value is that of
-    // the cell beyond it, bit for bit.
+    // Evaluates the polynomial of one cell at `t` in [0, 1]^3 from its lowest sample. On a face both adjacent cells
+    // give the same value, bit for bit.
     [[nodiscard]] Interpolated in_cell(const glm::ivec3& cell, const glm::dvec3& t);
 
-    // Least and greatest of the samples that the polynomial depends on; nothing where one of them is not finite.
+    // Returns the range of the samples that the polynomial depends on, or nothing if one of them is not finite.
     [[nodiscard]] std::optional<SampleRange> range(const glm::ivec3& cell);
 
-    // Of a trilinear interpolant in one cell: no second derivative in any direction is greater, per index step squared.
-    // Nothing where a sample is not finite, and for the other interpolants.
+    // Returns an upper bound of the trilinear interpolant's second derivative in any direction within one cell, per
+    // index step squared. Returns nothing for tricubic, or if a sample is not finite.
     [[nodiscard]] std::optional<double> greatest_bend(const glm::ivec3& cell);
 
    private:
@@ -76,8 +77,8 @@ class Interpolant {
   };
 
  private:
-  // Reads the samples around a cell into `values`, those beyond dense data as 0, which are not in `range`. False if one
-  // is not finite.
+  // Reads the stencil of a cell into `values`. Positions outside dense data become 0 and do not count in `range`.
+  // Returns false if a sample is not finite.
   [[nodiscard]] bool load(const glm::ivec3& cell, std::span<double> values, SampleRange& range) const;
 
   const ScalarField& field_;

@@ -13,7 +13,7 @@
 namespace isoextract::field {
 namespace {
 
-// The lower median of what is no NaN; there is one.
+// Returns the lower median of at least one value, none of them NaN.
 template <class T>
 T median_of(std::vector<T>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kMarkedAtOnce = std::size_t{1} << 16;
 
-// The type that has NaN and every value of T.
+// A type that has NaN and represents every value of T.
 template <class T>
 using WithNan = std::conditional_t<
     is_floating_sample<T>, T,
@@ -39,7 +39,7 @@ class NoDataTest {
   }
 
  private:
-  // Nothing where no sample can have the value.
+  // Returns nothing if no sample can have the value.
   static std::optional<T> as_stored(double value) {
     if constexpr (is_floating_sample<T>) {
       using Rounded = std::conditional_t<std::is_same_v<T, double>, double, float>;

@@ -1,4 +1,4 @@
-// Values that files write where there are none.
+// No-data values: numbers that a file writes where it has no measurement.
 #pragma once
 
 #include "base/context.hpp"
@@ -7,11 +7,12 @@
 
 namespace isoextract::field {
 
-// Samples of dense `field` whose value, by its scale, is `value` become NaN, and a note tells how many. Equal is what
-// rounds to the same number of the samples' type, or of float where the scale is not the identity. Where there is such
-// a sample, they are in memory of their own after that, reserved before it is taken: integers, which have no NaN, as
-// f32, and those of 32 bits as f64. Fails with ErrorCode::usage where the field is sparse, with ErrorCode::input where
-// the memory is not there.
+// Turns the samples of a dense field whose scaled value equals `value` into NaN, and adds a note with their number.
+// Compares in the samples' type, or in float if the value scale is not the identity.
+//
+// If there are such samples, the field gets new samples in reserved memory. Integers have no NaN, so they become f32,
+// and those of 32 bits f64. Fails with ErrorCode::usage for sparse fields, with ErrorCode::out_of_memory, and with
+// ErrorCode::input if the file became unreadable meanwhile.
 [[nodiscard]] Result<void> mark_no_data(ScalarField& field, double value, const Context& context);
 
 }  // namespace isoextract::field

@@ -17,9 +17,9 @@ namespace {
 
 constexpr int kDigitBits = 16;
 constexpr std::size_t kDigitValues = std::size_t{1} << kDigitBits;
-constexpr std::size_t kAtOnce = 8;  // percentiles that are looked for in one pass
+constexpr std::size_t kAtOnce = 8;  // percentiles per pass
 
-// Numbers of T as unsigned ones of the same size and order.
+// Maps numbers of T to unsigned integers of the same size and order.
 template <class T>
 class OrderedKeys {
  public:
@@ -40,8 +40,8 @@ class OrderedKeys {
   static constexpr Key kSign = Key{1} << (8 * sizeof(Key) - 1);
 };
 
-// The samples of some ranks, which rise, found 16 bits of their keys at a time, in the order of the scaled values: each
-// pass counts the next bits of those samples whose bits before are the ones that were found.
+// Finds the samples of the given ascending ranks, 16 bits of their keys per pass, in the order of the scaled values.
+// Each pass counts the next bits of the samples whose leading bits are the ones found so far.
 template <class T>
 std::vector<double> samples_of_ranks(const ScalarField& field, std::vector<std::uint64_t> ranks, Progress* progress) {
   using Key = typename OrderedKeys<T>::Key;
@@ -50,10 +50,10 @@ std::vector<double> samples_of_ranks(const ScalarField& field, std::vector<std::
     const Key key = OrderedKeys<T>::of(stored);
     return falling ? static_cast<Key>(~key) : key;
   };
-  std::vector<Key> found(ranks.size());  // the bits so far
+  std::vector<Key> found(ranks.size());  // the leading bits so far
   for (int shift = 8 * static_cast<int>(sizeof(Key)) - kDigitBits; shift >= 0; shift -= kDigitBits) {
     const bool first = shift + kDigitBits == 8 * static_cast<int>(sizeof(Key));
-    std::vector<Key> prefixes;  // each once
+    std::vector<Key> prefixes;  // without duplicates
     for (const Key prefix : found) {
       if (prefixes.empty() || prefixes.back() != prefix) prefixes.push_back(prefix);
     }
@@ -74,7 +74,7 @@ std::vector<double> samples_of_ranks(const ScalarField& field, std::vector<std::
     for_each_tile(field, [&](double stored, std::uint64_t voxels) { add(counts, static_cast<T>(stored), voxels); });
     for (std::size_t p = 0; p < ranks.size(); ++p) {
       const auto slot = static_cast<std::size_t>(std::ranges::find(prefixes, found[p]) - prefixes.begin());
-      // Samples of a file that somebody writes to may have become others since they were counted.
+      // The samples may have changed since the count, if somebody writes to the file. The loop must end anyway.
       Key digit = 0;
       for (; digit + 1 < kDigitValues && ranks[p] >= counts[slot * kDigitValues + digit]; ++digit) {
         ranks[p] -= counts[slot * kDigitValues + digit];

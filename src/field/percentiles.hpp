@@ -1,4 +1,4 @@
-// Percentiles of a field's samples, exact: each is one of the samples.
+// Exact percentiles of a field's samples: each is one of the samples (nearest rank).
 #pragma once
 
 #include <compare>
@@ -15,20 +15,22 @@
 
 namespace isoextract::field {
 
-// A share from 0 to 100 %, as a decimal: 99.9 is no binary fraction, and rounding must not choose another sample.
+// A share from 0 to 100 %, stored as a decimal: 99.9 has no exact binary fraction, and rounding must not select another
+// sample.
 class Percent {
  public:
-  static constexpr int kDecimals = 6;  // that it can have
+  static constexpr int kDecimals = 6;  // the most decimal places
 
   constexpr Percent() = default;
-  constexpr explicit Percent(std::uint32_t whole) : parts_(whole * kPart) {}  // 0..100
+  constexpr explicit Percent(std::uint32_t whole) : parts_(whole * kPart) {}  // 0 to 100
 
-  // Of digits, with a point or without: "99", "0.5". Nothing for other texts, more decimals, and more than 100.
+  // Parses digits with an optional decimal point: "99", "0.5". Returns nothing for any other text, for too many decimal
+  // places and for more than 100.
   [[nodiscard]] static std::optional<Percent> parse(std::string_view text);
-  [[nodiscard]] std::string text() const;  // without zeros that say nothing
+  [[nodiscard]] std::string text() const;  // without trailing zeros
 
-  // How many of so many ordered samples, at least one, come before the percentile: the least that this share of them
-  // does not exceed; of 0 % the first.
+  // Returns the index of the percentile among `samples` (at least 1) sorted samples: that of the smallest sample that
+  // at least this share of them does not exceed. 0 % gives the first sample.
   [[nodiscard]] std::uint64_t rank_among(std::uint64_t samples) const;
 
   // NOLINTNEXTLINE(modernize-use-nullptr): there is none
@@ -39,13 +41,14 @@ class Percent {
   std::uint32_t parts_ = 0;
 };
 
-// By `percents`: the samples that these are, of those that FieldStatistics counts, and scaled as there. Nothing where
+// Returns one scaled sample for each of `percents`, among the samples that FieldStatistics counts. Returns nothing if
 // no sample is finite.
 [[nodiscard]] std::optional<std::vector<double>> measure_percentiles(const ScalarField& field,
                                                                      std::span<const Percent> percents,
                                                                      Progress* progress = nullptr);
 
-// The most memory that this takes while it works, and measure_statistics() without percentiles, on all threads.
+// Returns the most memory, in bytes over all threads, that measure_percentiles() takes, or measure_statistics() without
+// percentiles.
 [[nodiscard]] std::uint64_t measuring_bytes(std::size_t percents);
 
 }  // namespace isoextract::field

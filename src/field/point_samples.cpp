@@ -14,13 +14,13 @@
 namespace isoextract::field {
 namespace {
 
-// A vertex on the border of the data may be written a rounding beside it.
+// A rounding error may move a vertex on the data boundary slightly outside.
 constexpr double kBorder = 1e-3;  // voxels
 
-// What counts for nothing has no say, also where it is no number.
+// A sample of weight 0 must not contribute, because it may not be a number.
 double value_between(double a, double b, double t) { return t == 0 ? a : t == 1 ? b : (1 - t) * a + t * b; }
 
-// Stored values around places among the samples.
+// Interpolates stored values at index positions.
 template <class T>
 class StoredValues {
  public:
@@ -29,14 +29,14 @@ class StoredValues {
     if (sparse_ != nullptr) lookup_.emplace(*sparse_, nodes);
   }
 
-  // Clamped to where there are samples.
+  // Clamps a position to the range of the samples.
   [[nodiscard]] glm::dvec3 nearest(const glm::dvec3& index) const {
     const glm::dvec3 low = dense_ != nullptr ? glm::dvec3(0) : glm::dvec3(-kMaxSparseIndex);
     const glm::dvec3 high = dense_ != nullptr ? glm::dvec3(dense_->dims - 1) : glm::dvec3(kMaxSparseIndex - 1);
     return glm::clamp(index, low, high);
   }
 
-  // Of the trilinear interpolant at such a place.
+  // Returns the trilinear interpolant at a position within the range of the samples.
   [[nodiscard]] double operator()(const glm::dvec3& index) const {
     const glm::ivec3 cell(glm::floor(index));
     const glm::dvec3 t = index - glm::dvec3(cell);
@@ -74,7 +74,7 @@ Result<PointCounts> sample_points(const ScalarField& field, std::span<const glm:
                                   std::size_t stride, const Context& context) {
   std::vector<glm::ivec3> nodes;
   if (const auto* sparse = std::get_if<SparseSamples>(&field.samples)) nodes = SparseLookup::node_origins(*sparse);
-  // The table of their origins is small beside them.
+  // The table of the nodes' origins is small beside the nodes.
   const auto memory =
       TRY(context.reserve(nodes.size() * sizeof(SparseLookup::Node), field.source + ": places of blocks"));
   const Affine index_of_world = field.index_to_world.inverse();

@@ -1,4 +1,4 @@
-// Values of a field at given places of the world.
+// Values of a field at given world positions.
 #pragma once
 
 #include <cstddef>
@@ -15,18 +15,18 @@ namespace isoextract::field {
 
 struct PointCounts {
   std::uint64_t outside = 0;     // of dense samples, by more than a thousandth of a voxel
-  std::uint64_t not_finite = 0;  // values that are NaN, infinite, or beyond float32
+  std::uint64_t not_finite = 0;  // values that are NaN, infinite or beyond the range of float32
 };
 
-// The trilinear interpolant of `field`, by its value scale, at `places` of the world: that of place i becomes
-// values[stride * i]. Only neighbours that count have a say, as in resample(): NaN among them gives NaN.
+// Evaluates the trilinear interpolant of `field`, with its value scale, at the world positions `places`: the value at
+// places[i] goes to values[stride * i]. Samples of weight 0 are ignored, as in resample(); a NaN with weight gives NaN.
 //
-// Outside of dense samples a place has the value at the nearest place of their box; along an axis of one sample every
-// place has that. Sparse samples are everywhere, so beyond the stored ones it is their background.
+// A position outside dense samples gets the value at the nearest position of their box; so does any position along an
+// axis of one sample. A sparse field has no bounds: positions outside its blocks and tiles get the background.
 //
-// The same bits for any number of threads. Reserves and takes memory to find sparse blocks, for as long as it works.
-// `values` has at least stride * (places - 1) + 1 elements; the others are left alone. Fails with ErrorCode::input
-// where the memory is not there, and as Context::check() does.
+// The result is the same for any number of threads. `values` needs at least stride * (places - 1) + 1 elements; the
+// others are not written. Reserves memory to find sparse blocks while it runs. Fails with ErrorCode::out_of_memory and
+// as Context::check() does.
 [[nodiscard]] Result<PointCounts> sample_points(const ScalarField& field, std::span<const glm::dvec3> places,
                                                 std::span<float> values, std::size_t stride, const Context& context);
 

@@ -1,5 +1,5 @@
-// Not by Interpolant: that answers NaN beside every sample that is not finite, whether it counts or not, its weighted
-// sum can leave the range of the samples, and its gradients would be for nothing.
+// This does not use Interpolant: it returns NaN beside every sample that is not finite, even one of weight 0. Its
+// weighted sum can leave the range of the samples, and it would compute gradients that nobody needs here.
 #include "field/resample.hpp"
 
 #include <algorithm>
@@ -24,7 +24,7 @@
 namespace isoextract::field {
 namespace {
 
-// Sparse samples are walked through with the background between them, which takes minutes from there on.
+// Means read a sparse field with all the background between its blocks. For more voxels than this they take minutes.
 constexpr double kMostForMeans = 0x1p35;
 
 template <class T>
@@ -32,12 +32,12 @@ using Resampled =
     std::conditional_t<std::is_same_v<T, double> || std::is_same_v<T, std::uint32_t> || std::is_same_v<T, std::int32_t>,
                        double, float>;
 
-// NaN passes the clamp. Without the clamp, rounding could leave the range of a and b, and the range of double.
+// NaN passes the clamp. Without it, rounding could leave the range of a and b, and the range of double.
 double blend(double a, double b, double t) {
   return t == 0 ? a : std::clamp((1 - t) * a + t * b, std::min(a, b), std::max(a, b));
 }
 
-// What weighted samples come to, sample by sample.
+// Adds weighted samples, one by one.
 class WeightedSum {
  public:
   explicit WeightedSum(const AxisWeights& axis) : convex_(axis.is_convex()), mean_(axis.is_mean()) {}
@@ -51,9 +51,9 @@ class WeightedSum {
     low_ = std::min(low_, value);
     high_ = std::max(high_, value);
   }
-  // `a` and `b` are the samples before and behind the place. Rounding leaves neither the range of what is convex nor
-  // what is constant. Beside samples that are not finite a kernel is linear: a negative weight would turn infinity
-  // around, and more neighbours would have a say than between samples that are.
+  // `a` and `b` are the samples before and after the position. The clamp keeps rounding from leaving the range of the
+  // samples. Beside samples that are not finite a kernel is linear: a negative weight would flip an infinity, and more
+  // neighbors would contribute than between finite samples.
   [[nodiscard]] double result(double a, double b, double t) const {
     if (!mean_ && !std::isfinite(sum_)) return blend(a, b, t);
     return convex_ || low_ == high_ ? std::clamp(sum_, low_, high_) : sum_;
@@ -70,17 +70,17 @@ class WeightedSum {
   bool mean_;
 };
 
-// The mean of the samples that are numbers, and how much of the weight of all of them they have.
+// The mean of the samples that are numbers, and their share of the total weight.
 struct Part {
   double value = 0;
   double share = 1;
 };
 
-// The mean of parts, where some of their weight is that of NaN and left out.
+// The weighted mean of parts, leaving out the weight of NaN.
 class PartialMean {
  public:
   PartialMean() = default;
-  // Of numbers whose weights add up to `share`.
+  // Starts with a sum of numbers whose weights add up to `share`.
   PartialMean(const WeightedSum& sum, double share) : sum_(sum.sum_), low_(sum.low_), high_(sum.high_), share_(share) {}
 
   void add(double weight, const Part& part) {
@@ -104,8 +104,8 @@ class PartialMean {
   double share_ = 0;
 };
 
-// A row of numbers. `shares` says how much of each number's weight samples had that are numbers, and `values` are means
-// of these; it is empty where NaN is left in, or where none is in the row.
+// A row of numbers. `shares` holds the part of each number's weight that belongs to samples that are not NaN; `values`
+// are the means of those samples. `shares` is empty if the row has no NaN, or keeps it.
 struct Row {
   std::span<const double> values;
   std::span<const double> shares;
@@ -113,7 +113,7 @@ struct Row {
   [[nodiscard]] Part at(std::size_t i) const { return {values[i], shares.empty() ? 1 : shares[i]}; }
 };
 
-// The same, to be written.
+// A row to write to.
 struct RowBuffer {
   explicit RowBuffer(std::size_t width) : values(width) {}
 
@@ -130,7 +130,7 @@ struct RowBuffer {
   bool masked = false;
 };
 
-// part(j) is the old sample j.
+// Combines old samples along x: part(j) returns old sample j.
 template <class PartAt>
 Part combine_parts(const AxisWeights& axis, const SampleWeights& use, const PartAt& part) {
   if (use.weights.size() == 1) return part(use.first);
@@ -157,7 +157,7 @@ Part combine_parts(const AxisWeights& axis, const SampleWeights& use, const Part
   return mean.result();
 }
 
-// What combining rows takes, for each sample of a row.
+// Scratch memory for combine_rows(), one entry for each sample of a row.
 struct RowSums {
   RowSums(const AxisWeights& axis, std::size_t width) : sums(width, WeightedSum(axis)), means(width) {}
 
@@ -165,7 +165,7 @@ struct RowSums {
   std::vector<PartialMean> means;
 };
 
-// The mean of rows. Those of which all is a number are added up in one way, and in another from the first that is not.
+// Averages rows. Adds plain sums up to the first row with NaN, and PartialMean from there on.
 template <class GetRow>
 void mean_of_rows(const SampleWeights& use, const GetRow& row, RowSums& room, RowBuffer& out) {
   std::vector<WeightedSum>& sums = room.sums;
@@ -197,7 +197,7 @@ void mean_of_rows(const SampleWeights& use, const GetRow& row, RowSums& room, Ro
   }
 }
 
-// Rows of samples that become one. row(j) gives the old row j, and the last kMostOfKernel that it gave stay.
+// Combines old rows into one. row(j) returns old row j; the last kMostOfKernel rows that it returned stay valid.
 template <class GetRow>
 void combine_rows(const AxisWeights& axis, const SampleWeights& use, const GetRow& row, RowSums& room, RowBuffer& out) {
   if (use.weights.size() > 1 && axis.is_mean()) {
@@ -234,14 +234,14 @@ void combine_rows(const AxisWeights& axis, const SampleWeights& use, const GetRo
   }
 }
 
-// The new sample of a row: NaN where more than half of its weight is that of NaN.
+// Returns a new sample of a row: NaN if NaN has more than half of its weight.
 double combine_samples(const AxisWeights& axis, const SampleWeights& use, const Row& row) {
   constexpr double kHalf = 0.5 - 1e-9;  // weights are rounded
   const Part part = combine_parts(axis, use, [&](int j) { return row.at(static_cast<std::size_t>(j)); });
   return part.share >= kHalf || std::isnan(part.value) ? part.value : std::numeric_limits<double>::quiet_NaN();
 }
 
-// Rows of a field's samples along x. y and z count from the low corner of the box.
+// Reads rows of a field's samples along x. y and z count from the low corner of the box.
 template <class T>
 class SourceRows {
  public:
@@ -291,12 +291,12 @@ class SourceRows {
   IndexBox box_;
 };
 
-// The last rows that were asked for, by their numbers: rows next to each other do not drive each other out.
+// Keeps the rows that were requested last, by number. Consecutive rows do not displace each other.
 class RowCache {
  public:
   explicit RowCache(std::size_t width) : rows_(AxisWeights::kMostOfKernel, {-1, RowBuffer(width)}) {}
 
-  // make(buffer) fills it where the row is not there.
+  // Returns the row, and calls make(buffer) to fill it if it is not cached.
   template <class Make>
   Row get(int number, const Make& make) {
     auto& [held, buffer] = rows_[static_cast<std::size_t>(number) % rows_.size()];
@@ -320,7 +320,7 @@ using Weights = std::array<AxisWeights, 3>;
 template <class T, class Value>
 void fill(const SourceRows<T>& source, const glm::ivec3& old_dims, const glm::ivec3& dims, const Weights& weights,
           Value* values, const Context& context) {
-  constexpr int kRows = 64;  // of a new plane, in one go
+  constexpr int kRows = 64;  // of a new plane, per task
   const AxisWeights& along_x = weights[0];
   const AxisWeights& along_y = weights[1];
   const AxisWeights& along_z = weights[2];
@@ -333,7 +333,7 @@ void fill(const SourceRows<T>& source, const glm::ivec3& old_dims, const glm::iv
     const auto width = static_cast<std::size_t>(old_dims.x);
     const SampleWeights z = along_z.of(k);
     RowCache read(width);
-    RowCache plane(width);  // old rows, combined along z
+    RowCache plane(width);  // old rows combined along z
     RowSums z_sums(along_z, width);
     RowSums y_sums(along_y, width);
     const auto plane_row = [&](int y) {
@@ -356,7 +356,7 @@ void fill(const SourceRows<T>& source, const glm::ivec3& old_dims, const glm::iv
   });
 }
 
-// Beyond this box, and on its faces, all is background.
+// Returns the box outside of which, and on whose faces, everything is background.
 template <class T>
 IndexBox box_in_background(const SparseSamples& sparse) {
   IndexBox box = sparse.active_box;
@@ -377,7 +377,7 @@ IndexBox box_in_background(const SparseSamples& sparse) {
   return {box.min - 1, box.max + 1};
 }
 
-// The samples that the new grid covers: all of a dense one; of a sparse one what is not background, and one around it.
+// Returns the box of samples that the new grid covers: all dense samples, or box_in_background() of sparse ones.
 IndexBox covered_box(const ScalarField& field) {
   const auto* sparse = std::get_if<SparseSamples>(&field.samples);
   if (sparse == nullptr) return field.extents();
@@ -386,7 +386,7 @@ IndexBox covered_box(const ScalarField& field) {
 
 std::string dims_text(const glm::i64vec3& dims) { return fmt::format("{} x {} x {}", dims.x, dims.y, dims.z); }
 
-// What is small beside any grid is not counted.
+// Reserves the memory of the weights, unless it is negligible beside any grid.
 Result<Reservation> reserve_weights(const ScalarField& field, const glm::ivec3& old_dims, const glm::ivec3& dims,
                                     const Context& context) {
   constexpr std::uint64_t kSmall = std::uint64_t{1} << 20;
@@ -396,7 +396,8 @@ Result<Reservation> reserve_weights(const ScalarField& field, const glm::ivec3& 
   return context.reserve(bytes, fmt::format("{}: weights of samples", field.source));
 }
 
-// `what` for the message. Sparse grids have background around what is in them.
+// Fails if a dense field has fewer than two samples along an axis; sparse fields have background around them. `what`
+// names the operation in the message.
 Result<void> check_has_steps(const ScalarField& field, std::string_view what) {
   const auto* dense = std::get_if<DenseSamples>(&field.samples);
   if (dense == nullptr || glm::all(glm::greaterThanEqual(dense->dims, glm::ivec3(2)))) return {};

@@ -1,4 +1,4 @@
-// A field on a grid of another resolution: means where it is coarser, a kernel between the samples where it is finer.
+// Resampling to another resolution: a mean where the grid gets coarser, an interpolation kernel where it gets finer.
 #pragma once
 
 #include <array>
@@ -12,64 +12,63 @@
 
 namespace isoextract::field {
 
-// What is between the samples, where a grid becomes finer: along each axis,
+// How a finer grid interpolates along each axis.
 enum class ResampleKernel {
-  linear,   // the line through the two samples beside it
-  cubic,    // Catmull and Rom 1974: through the samples, smooth across them; it may overshoot beside steps
-  bspline,  // the cubic B-spline with the samples as its coefficients: smoother, not through the samples
-  nearest,  // the nearest sample, of two the lower one; also where the grid becomes coarser: ids are never averaged
+  linear,   // linear interpolation of the two neighbors
+  cubic,    // Catmull and Rom 1974: passes through the samples, with continuous slope; may overshoot beside steps
+  bspline,  // cubic B-spline with the samples as coefficients: smoother, does not pass through the samples
+  nearest,  // the nearest sample, of two the lower one; also on coarser grids, because ids must not be averaged
 };
 constexpr auto words_of(ResampleKernel /*type*/) {
   return std::array{Word{ResampleKernel::linear, "linear"}, Word{ResampleKernel::cubic, "cubic"},
                     Word{ResampleKernel::bspline, "bspline"}, Word{ResampleKernel::nearest, "nearest"}};
 }
 
-// What becomes of samples that are NaN, where others are averaged with them.
+// How averages treat NaN samples.
 enum class NanSamples {
-  left_out,  // the others have all the weight; a new sample is NaN where more than half of its weight is that of NaN
-  spread,    // every new sample that has weight of a NaN is NaN: for who takes NaN for an error
+  left_out,  // the other samples get all the weight; a new sample is NaN if NaN has more than half of its weight
+  spread,    // a new sample is NaN if any NaN has weight in it: for users who treat NaN as an error
 };
 
-// `field` on a dense grid of `resolution` samples that covers the same box: along each axis its first sample is the
-// field's first and its last the field's last. `index_to_world` and `index_to_file` follow. The same answer for any
-// number of threads.
+// Returns `field` on a dense grid of `resolution` samples that covers the same box: along each axis the first and last
+// samples of both grids coincide. Adjusts `index_to_world` and `index_to_file`. The result is the same for any number
+// of threads.
 //
-// Along axes that get more samples, a new one is the kernel's value at its place; along those that get fewer, the mean
-// of the field's voxels, boxes around its samples, over the step of the new grid around it, cut voxels by what is in
-// there: a box filter as coarsen() has it, for steps that need not be whole. The steps lie side by side, so that
-// nothing is lost or counted twice, and where they are hardly longer than a voxel, means are hardly other than the line
-// between two samples. Constants and, by whole steps, what is linear keep their values; other steps move a line by an
-// eighth of a voxel, divided by the step, at most. Towards the border of the field, which has nothing beyond, the part
-// that is averaged shrinks on both sides alike, to the sample itself.
+// Along an axis that gets more samples, a new sample is the kernel's value at its position. Along an axis that gets
+// fewer, it is the mean of the old voxels (boxes around the samples) within one step of the new grid around it. A voxel
+// that is partly within the step has that part of the weight. This is the box filter of coarsen(), for any step. The
+// steps tile the axis, so no sample is lost or counted twice. Constants keep their values, and so do linear functions
+// if the step is a whole number of voxels. Other steps shift a linear function by at most 1 / (8 * step) voxels. Near
+// the boundary the averaged interval shrinks symmetrically, down to the boundary sample itself.
 //
-// Samples are f64 if they were f64, u32 or i32, which float cannot hold, and otherwise f32: what lies between the
-// samples is rounded as in any file of that type. It is the stored values that are taken; the value scale stays as it
-// is. Where a kernel that goes through the samples, or a border, falls on one of the field's, the new one has exactly
-// its value; and a dense field that has the resolution already shares its samples, in their own type, unless the kernel
-// is bspline.
+// The result is f64 for f64, u32 and i32 samples, which float cannot hold exactly, else f32. It resamples stored values
+// and keeps the value scale. A new sample that coincides with an old one has exactly its value if the kernel passes
+// through the samples, or at the boundary. A dense field that already has the resolution shares its samples, in their
+// own type, unless the kernel is bspline.
 //
-// Only samples that count have a say. But for cubic, a value lies between the least and the greatest of them, also
-// where their difference leaves the range of numbers. NaN among them is treated as `nan` says, infinity gives that
-// infinity, and both infinities give NaN; beside such samples all kernels are linear.
+// Samples of weight 0 are ignored. Except with cubic, a value lies between the smallest and the largest sample used,
+// even if their difference overflows. `nan` decides about NaN; an infinite sample gives that infinity, and both
+// infinities give NaN. Beside samples that are not finite all kernels are linear.
 //
-// With ResampleKernel::nearest each new sample is one of the field's and has its type, whatever the resolution.
+// With ResampleKernel::nearest each new sample is one of the old samples, in their type, for any resolution.
 //
-// Sparse samples are everywhere, so their box is that of the active voxels and of all stored values that are not the
-// background, with one voxel more on each side: there and beyond all is background. They become dense, and a note says
-// how large; where the box is so large that means would take minutes, another says that values at the places of the new
-// samples are taken. Their memory is reserved before it is taken.
+// A sparse field has no bounds. Its box here contains the active voxels and all stored values that differ from the
+// background, plus one voxel on each side; outside it and on its faces everything is background. The result is dense,
+// in reserved memory, and a note tells its size. If the box is so large that means would take minutes, the result holds
+// interpolated values instead, and another note says so.
 //
-// Fails with ErrorCode::usage where `resolution` is below 2 along an axis, with ErrorCode::input where `field` is, or
-// where the memory for it is not there.
+// Fails with ErrorCode::usage if `resolution` is below 2 along an axis, with ErrorCode::input if that of a dense
+// `field` is, and with ErrorCode::out_of_memory.
 [[nodiscard]] Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolution,
                                            ResampleKernel kernel, NanSamples nan, const Context& context);
 
-// The resolution whose steps are as near to `voxel_size`, the lengths of a voxel's edges in world units, as steps can
-// be that divide the box that resample() covers: so that nothing of it is left out. They are those of the field where
-// they are asked for. Sparse samples are looked through for their box.
+// Returns the resolution whose steps are closest to `voxel_size` (edge lengths in world units) among those that divide
+// the box of resample() evenly, so that nothing is cut off. The steps are measured along the axes of the field. Reads
+// all samples of a sparse field to find its box.
 //
-// Fails with ErrorCode::usage where a length is not above 0 or no two samples along an axis are so far apart, and where
-// the samples along one are more than an int holds; with ErrorCode::input where `field` has but one along an axis.
+// Fails with ErrorCode::usage if a length is not above 0, if the box is shorter than half of it, or if an axis would
+// have more samples than an int holds. Fails with ErrorCode::input if a dense `field` has only one sample along an
+// axis.
 [[nodiscard]] Result<glm::ivec3> resolution_of_voxel_size(const ScalarField& field, const glm::dvec3& voxel_size);
 
 }  // namespace isoextract::field

@@ -1,4 +1,4 @@
-// The types a sample can be stored as. Fields keep the type of their file; values are converted where they are used.
+// The storage types of samples. Fields keep the type of their file; code converts values where it uses them.
 #pragma once
 
 #include <array>
@@ -49,7 +49,7 @@ inline constexpr bool is_floating_sample = std::is_floating_point_v<T> || std::i
 // "u8", "i16", "f32", ...
 [[nodiscard]] constexpr std::string_view sample_type_name(SampleType type) { return word_of(type); }
 
-// The SampleType of a C++ type.
+// Returns the SampleType that a C++ type corresponds to.
 template <class T>
 [[nodiscard]] constexpr SampleType sample_type_of() {
   if constexpr (std::is_same_v<T, std::uint8_t>) return SampleType::u8;

@@ -1,4 +1,4 @@
-// From values back to samples.
+// Conversion of values back to samples.
 #pragma once
 
 #include <type_traits>
@@ -7,7 +7,8 @@
 
 namespace isoextract::field {
 
-// The sample that a field holds as `value`, such as a background. `value` is one that T has, or T is floating.
+// Converts a value, such as a background, to the sample type T. T must represent it exactly or be a floating-point
+// type.
 template <class T>
 [[nodiscard]] T sample_from(double value) {
   if constexpr (std::is_same_v<T, Half>) {

@@ -1,5 +1,5 @@
-// How the samples of a field lie in memory: dense arrays, or sparse blocks over tiles over a background.
-// Samples are kept in the type they were stored as and are never copied to change representation.
+// The samples of a field in memory: a dense array, or sparse blocks and tiles over a background. Samples keep the type
+// that they were stored in; no copy changes their representation.
 #pragma once
 
 #include <atomic>
@@ -15,7 +15,7 @@
 
 namespace isoextract::field {
 
-// Inclusive box of sample indices (i, j, k). Empty if any max < min.
+// An inclusive box of sample indices (i, j, k). Empty if max < min along any axis.
 struct IndexBox {
   glm::ivec3 min{0};
   glm::ivec3 max{-1};
@@ -25,19 +25,19 @@ struct IndexBox {
   friend bool operator==(const IndexBox&, const IndexBox&) = default;
 };
 
-// A full box of samples. i (x) varies fastest: sample (i, j, k) is element i + dims.x * (j + dims.y * k).
-// Index (0, 0, 0) is the first sample. All dims are at least 1.
+// A full box of samples. i (x) varies fastest: sample (i, j, k) is element i + dims.x * (j + dims.y * k). The first
+// sample has index (0, 0, 0). All dims are at least 1.
 struct DenseSamples {
   SampleType type = SampleType::f32;
   glm::ivec3 dims{0};
   std::shared_ptr<const void> owner;  // keeps `data` alive
   const void* data = nullptr;         // dims.x * dims.y * dims.z values in native byte order, aligned for their type
-  bool file_backed = false;  // data is a read-only mapping of a file: pages given back come again from the file
-  // Set, at any time, when a part of the file is no longer there: samples of it are 0. `owner` keeps it alive; null
-  // where nothing can be lost.
+  bool file_backed = false;           // data is a read-only file mapping: pages that are given back are read again
+  // Becomes true, at any time, if a part of the file is gone; its samples then read as 0. `owner` keeps the flag alive.
+  // Null if nothing can be lost.
   const std::atomic<bool>* loss = nullptr;
 
-  // Asked after work on the samples: what came of it is worth nothing if they are not what the file held.
+  // Check this after work on the samples: if it is true, they were not the file's samples and the result is invalid.
   [[nodiscard]] bool lost() const { return loss != nullptr && loss->load(std::memory_order_acquire); }
 
   [[nodiscard]] std::size_t count() const {
@@ -45,31 +45,32 @@ struct DenseSamples {
   }
 };
 
-// Indices of sparse samples lie within +- this, so that index arithmetic around and between them fits into an int.
+// Indices of sparse samples lie within +- this, so that index arithmetic on them and their neighbors fits into an int.
 inline constexpr int kMaxSparseIndex = 1 << 29;
 
-// 8 x 8 x 8 samples. Sample origin + (x, y, z) is values[x << 6 | y << 3 | z] (z fastest: OpenVDB's leaf layout).
+// 8 x 8 x 8 samples. Sample origin + (x, y, z) is values[x << 6 | y << 3 | z]: z varies fastest, as in OpenVDB's
+// leaves.
 struct SparseBlock {
   static constexpr int kSize = 8;
   glm::ivec3 origin;             // a multiple of 8 in every axis
   const void* values = nullptr;  // 512 values of the samples' type
 };
 
-// A cube of `size` samples a side (a power of two from 8 on, at a multiple of itself) that all have one value.
+// A cube of size^3 samples with a single value. `size` is a power of two, at least 8, and divides the origin.
 struct SparseTile {
   glm::ivec3 origin;
   int size;
   double value;
 };
 
-// An unbounded grid: blocks, tiles, and `background` everywhere else. No block lies in a tile and no two overlap.
-// Inactive voxels and inactive tiles have a value like any other; whether a voxel is active plays no part.
+// An unbounded grid: blocks, tiles, and `background` everywhere else. Blocks and tiles do not overlap. The values of
+// inactive voxels and tiles count like any other.
 struct SparseSamples {
   SampleType type = SampleType::f32;
   std::vector<SparseBlock> blocks;  // sorted by origin: x, then y, then z
   std::vector<SparseTile> tiles;    // only tiles whose value differs from the background
   double background = 0;            // exact: every sample type fits into double
-  IndexBox active_box;              // of the active voxels, for `info` and messages; may be empty
+  IndexBox active_box;              // bounds of the active voxels, for `info` and messages; may be empty
   std::uint64_t active_voxels = 0;
   std::shared_ptr<const void> owner;  // keeps the blocks' values alive
 };

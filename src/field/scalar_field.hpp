@@ -1,4 +1,4 @@
-// A scalar field: samples, what their values mean, and where they are in the world.
+// A scalar field: its samples, the meaning of their values, and its placement in the world.
 #pragma once
 
 #include <array>
@@ -16,12 +16,12 @@ enum class FieldKind {
   density,    // inside is value > iso
   level_set,  // inside is value < iso
 };
-// By the side that is inside.
+// The words name the side of the iso value that is inside.
 constexpr auto words_of(FieldKind /*type*/) {
   return std::array{Word{FieldKind::density, "above"}, Word{FieldKind::level_set, "below"}};
 }
 
-// What a stored number stands for: value = slope * stored + intercept (NIfTI scl_slope and scl_inter).
+// The value that a stored number represents: slope * stored + intercept (NIfTI scl_slope and scl_inter).
 struct ValueScale {
   double slope = 1;
   double intercept = 0;
@@ -31,26 +31,26 @@ struct ValueScale {
 };
 
 struct ScalarField {
-  std::string name;         // of the grid, or the file's stem where the format has no names
-  std::string source;       // the path or demo: text it was read from, for messages
+  std::string name;         // of the grid, or the file's stem if the format has no names
+  std::string source;       // the path or demo: text that it was read from, for messages
   std::string format;       // "OpenVDB", "NRRD", ...
-  std::string world_space;  // what the file calls its world: "RAS", "left-posterior-superior", ...; may be empty
-  std::string length_unit;  // what the file calls the unit of that world: "mm", "microns", ...; may be empty
-  std::string creator;      // what made it, as the file or its format says: "Houdini/SOP_OpenVDB_Write"; may be empty
-  std::size_t grids = 0;    // how many the source has by name, this one among them; 0 where its format names none
-  std::string grid;         // where it does: what no other of them is called; printable
+  std::string world_space;  // the file's name for its world space: "RAS", "left-posterior-superior", ...; may be empty
+  std::string length_unit;  // the file's name for the unit of that space: "mm", "microns", ...; may be empty
+  std::string creator;      // the program that made the file: "Houdini/SOP_OpenVDB_Write"; may be empty
+  std::size_t grids = 0;    // number of named grids in the source, including this one; 0 if its format names none
+  std::string grid;         // the grid's unique name, if grids > 0; printable
   FieldKind kind = FieldKind::density;
   ValueScale scale;
-  Affine index_to_world;  // of sample centres: index (i, j, k) is the position of that sample
-  Affine index_to_file;   // where that sample is among the file's, whose indices are voxel coordinates: the identity
-                          // unless the field was resampled or made coarser
+  Affine index_to_world;  // maps index (i, j, k) to the center of that sample
+  Affine index_to_file;   // maps to the file's sample indices, which are the voxel coordinates: the identity unless the
+                          // field was resampled or coarsened
   Samples samples;
   std::vector<std::string> notes;  // what the reader left out or assumed, one sentence each; `cli` shows them
 
   [[nodiscard]] SampleType type() const {
     return std::visit([](const auto& s) { return s.type; }, samples);
   }
-  // Dense: every sample. Sparse: the active voxels.
+  // Returns the box of all samples (dense) or of the active voxels (sparse).
   [[nodiscard]] IndexBox extents() const {
     if (const auto* dense = std::get_if<DenseSamples>(&samples)) return {glm::ivec3(0), dense->dims - 1};
     return std::get<SparseSamples>(samples).active_box;

@@ -41,7 +41,7 @@ bool is_small(const SparseTile& tile) { return tile.size < SparseLookup::Node::k
 
 std::vector<glm::ivec3> SparseLookup::node_origins(const SparseSamples& samples) {
   std::vector<glm::ivec3> origins;
-  // Neighbours in the lists mostly share one.
+  // Consecutive entries of the lists mostly share a node.
   const auto add = [&](const glm::ivec3& p) {
     const glm::ivec3 origin = p & ~(Node::kSize - 1);
     if (origins.empty() || origins.back() != origin) origins.push_back(origin);
@@ -64,7 +64,7 @@ SparseLookup::SparseLookup(const SparseSamples& samples, const std::vector<glm::
     node_list_[n].contents.fill(kBackground);
   }
 
-  Node* node = nullptr;  // the last one that was met
+  Node* node = nullptr;  // the node that was used last
   const auto node_of = [&](const glm::ivec3& p) -> Node& {
     const glm::ivec3 origin = p & ~(Node::kSize - 1);
     if (node == nullptr || node->origin != origin) node = &node_list_[static_cast<std::size_t>(nodes_.find(origin))];

@@ -1,4 +1,4 @@
-// Finding blocks and tiles of a sparse grid by their place.
+// Finds the block or tile of a sparse grid at a position.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace isoextract::field {
 
-// A hash table from origins (of blocks, tiles, nodes) to their numbers in a list. Open addressing, at most half full.
+// A hash table from origins (of blocks, tiles or nodes) to their indices in a list. Open addressing, at most half full.
 class OriginIndex {
  public:
   OriginIndex() = default;
@@ -21,7 +21,7 @@ class OriginIndex {
 
   void insert(const glm::ivec3& origin, std::int32_t number);
 
-  // -1 if there is none.
+  // Returns -1 if the table does not contain `origin`.
   [[nodiscard]] std::int32_t find(const glm::ivec3& origin) const;
 
  private:
@@ -34,59 +34,61 @@ class OriginIndex {
   std::vector<Slot> slots_;
 };
 
-// The block origin of a sample.
+// Returns the origin of the block that contains sample `p`.
 [[nodiscard]] inline glm::ivec3 block_origin(const glm::ivec3& p) { return p & ~(SparseBlock::kSize - 1); }
 
-// Where a sample lies in its block's values and bits: word x, bit y << 3 | z.
+// Returns the index of sample `p` in its block's values: x << 6 | y << 3 | z.
 [[nodiscard]] inline int block_offset(const glm::ivec3& p) { return (p.x & 7) << 6 | (p.y & 7) << 3 | (p.z & 7); }
 
-// What is stored at each place of block size.
+// Finds what is stored at each block-sized place: an 8^3 cube with its origin at multiples of 8.
 class SparseLookup {
  public:
-  // A cube of places, 128 samples a side, in which a block or a small tile is stored.
+  // 16^3 places, 128 samples a side, at least one of which holds a block or a small tile.
   struct Node {
-    static constexpr int kPlaces = 16;                               // a side
-    static constexpr int kSize = kPlaces * SparseBlock::kSize;       // samples a side
-    glm::ivec3 origin;                                               // a multiple of kSize in every axis
-    std::array<std::int32_t, kPlaces * kPlaces * kPlaces> contents;  // as place() tells them; z fastest
+    static constexpr int kPlaces = 16;                               // along each axis
+    static constexpr int kSize = kPlaces * SparseBlock::kSize;       // samples along each axis
+    glm::ivec3 origin;                                               // a multiple of kSize along every axis
+    std::array<std::int32_t, kPlaces * kPlaces * kPlaces> contents;  // results of place(), z fastest
 
-    // Of a place in the node, by its origin.
+    // Returns the index in `contents` of the place at this origin.
     [[nodiscard]] static std::size_t slot(const glm::ivec3& place) {
       const glm::ivec3 p = place >> 3 & (kPlaces - 1);
       return static_cast<std::size_t>(p.x << 8 | p.y << 4 | p.z);
     }
   };
 
-  // The nodes that samples need, sorted. Each takes sizeof(Node): samples far apart need much more than themselves.
+  // Returns the sorted origins of the nodes that `samples` needs. A node takes sizeof(Node) bytes, so scattered samples
+  // need far more memory than their values.
   [[nodiscard]] static std::vector<glm::ivec3> node_origins(const SparseSamples& samples);
 
   explicit SparseLookup(const SparseSamples& samples) : SparseLookup(samples, node_origins(samples)) {}
   SparseLookup(const SparseSamples& samples, const std::vector<glm::ivec3>& node_origins);
 
-  // The number of the stored block, kBackground, or tile_place() of a tile.
+  // Returns the index of the stored block, kBackground, or tile_place() of a tile.
   [[nodiscard]] std::int32_t place(const glm::ivec3& origin) const {
     const std::int32_t node = nodes_.find(origin & ~(Node::kSize - 1));
     return node >= 0 ? node_list_[static_cast<std::size_t>(node)].contents[Node::slot(origin)] : large_tile(origin);
   }
-  // Of the place at `origin` and those at +1 along x, y, z: entry n is n & 1, n >> 1 & 1, n >> 2 & 1 places away.
+  // The results of place() for `origin` and its neighbors: entry n is (n & 1, n >> 1 & 1, n >> 2 & 1) places further
+  // along x, y and z.
   using Group = std::array<std::int32_t, 8>;
   [[nodiscard]] Group group(const glm::ivec3& origin) const;
 
   static constexpr std::int32_t kBackground = -1;
   [[nodiscard]] static std::int32_t tile_place(std::size_t tile) { return -2 - static_cast<std::int32_t>(tile); }
 
-  // And back, for a place that is a tile's.
+  // Inverts tile_place().
   [[nodiscard]] static std::size_t tile_of(std::int32_t place) { return static_cast<std::size_t>(-2 - place); }
 
-  // The one value of such a place without a block.
+  // Returns the constant value of a place without a block, by its place().
   [[nodiscard]] double constant_of(std::int32_t place) const {
     return place == kBackground ? samples_.background : samples_.tiles[tile_of(place)].value;
   }
 
-  // The number of the stored block, or -1.
+  // Returns the index of the stored block, or -1.
   [[nodiscard]] std::int32_t block(const glm::ivec3& origin) const { return std::max(place(origin), -1); }
 
-  // The one value of a place of block size that has no stored block.
+  // Returns the constant value of the place at `origin`, which must have no block.
   [[nodiscard]] double constant(const glm::ivec3& origin) const { return constant_of(place(origin)); }
 
   [[nodiscard]] const std::vector<Node>& nodes() const { return node_list_; }
@@ -97,7 +99,7 @@ class SparseLookup {
   const SparseSamples& samples_;
   OriginIndex nodes_;
   std::vector<Node> node_list_;
-  std::vector<std::pair<int, OriginIndex>> large_tiles_;  // those of a node's size and more, by size
+  std::vector<std::pair<int, OriginIndex>> large_tiles_;  // tiles of a node's size or more, by size
 };
 
 }  // namespace isoextract::field

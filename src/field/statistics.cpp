@@ -17,9 +17,9 @@ namespace isoextract::field {
 namespace {
 
 constexpr std::size_t kBins = 1024;
-constexpr std::size_t kLanes = 8;  // independent accumulators, so that the loops vectorise
+constexpr std::size_t kLanes = 8;  // independent accumulators, so that the compiler can vectorize the loops
 
-// First pass: range and counts of what is not finite.
+// First pass: range of the values, and counts of NaN and infinities.
 struct Range {
   double min = std::numeric_limits<double>::infinity();
   double max = -std::numeric_limits<double>::infinity();
@@ -44,7 +44,7 @@ Range join_ranges(const Range& a, const Range& b) {
   return {std::min(a.min, b.min), std::max(a.max, b.max), a.finite + b.finite, a.nan + b.nan, a.infinite + b.infinite};
 }
 
-// float for everything a float holds exactly, double for the rest.
+// float for the types that it represents exactly, double for the others.
 template <class T>
 using Work = std::conditional_t<std::is_same_v<T, double> || (std::is_integral_v<T> && sizeof(T) == 4), double, float>;
 
@@ -62,7 +62,7 @@ void add_range_unscaled(Range& range, std::span<const T> values) {
   for (std::size_t i = 0; i < whole; i += kLanes) {
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       const W value = static_cast<W>(values[i + lane]);
-      // Comparisons with NaN are false, so NaN never enters; an infinity enters only the side that ignores it.
+      // Comparisons with NaN are false, so NaN never enters. An infinity becomes the neutral value of both sides.
       const bool is_finite = std::abs(value) < kInfinity;
       const W for_low = is_finite ? value : kInfinity;
       const W for_high = is_finite ? value : -kInfinity;
@@ -101,18 +101,18 @@ Range measure_range(const ScalarField& field, Progress* progress) {
   return range;
 }
 
-// Second pass: where in the range the values lie. Positions are in [0, 1], so nothing overflows however wide the
-// range is, and the mean is taken of them.
+// Second pass: the position of the values within the range. Positions are in [0, 1], so that no sum overflows for any
+// range; the mean is computed from them.
 class RangeMap {
  public:
   RangeMap(double min, double max)
       : half_(std::isinf(max - min) ? 0.5 : 1), min_(min * half_), width_(max * half_ - min_) {}
 
-  // In [0, 1] for finite values of the range.
+  // Returns a position in [0, 1] for a finite value of the range.
   [[nodiscard]] double operator()(double value) const { return width_ > 0 ? (value * half_ - min_) / width_ : 0; }
 
  private:
-  double half_;  // scales a range whose width exceeds the largest double
+  double half_;  // scales down a range whose width exceeds the largest double
   double min_;
   double width_;
 };
@@ -166,10 +166,10 @@ Histogram measure_histogram(const ScalarField& field, const Range& range, Progre
   return histogram;
 }
 
-// How far apart integers of 32 bits may be that are counted one by one, as those of 16 bits are.
+// The widest range of 32-bit integers whose values are counted one by one, like those of 16 bits.
 constexpr double kCountedWidth = 0x1p16;
 
-// Each value that occurs, of integers whose range is narrow.
+// Counts each value of integers with a narrow range.
 template <class T>
 std::vector<CountedValue> count_values(const ScalarField& field, const Range& range, Progress* progress) {
   const auto size = static_cast<std::size_t>(range.max - range.min) + 1;
@@ -222,8 +222,8 @@ FieldStatistics statistics_of(std::vector<CountedValue> values, bool are_integer
   return statistics;
 }
 
-// Between which two bins Otsu's criterion, the variance between the classes, is largest: in (0, 1) of the range.
-// Where an empty gap makes several thresholds equally good, the middle of them.
+// Returns the cut between two bins that maximizes Otsu's criterion, the variance between the classes, as a position in
+// (0, 1). If an empty gap makes several cuts equally good, returns the middle of them.
 double otsu_position(const std::vector<std::uint64_t>& histogram) {
   double total = 0;
   double total_moment = 0;
@@ -251,7 +251,7 @@ double otsu_position(const std::vector<std::uint64_t>& histogram) {
   return 0.5 * static_cast<double>(first + last) / static_cast<double>(histogram.size());
 }
 
-// `value` with no more digits than the width of a histogram bin justifies.
+// Rounds `value` to the digits that the width of a histogram bin justifies.
 double rounded_to_bin(double value, double bin_width) {
   if (!std::isfinite(bin_width) || bin_width < std::numeric_limits<double>::min()) return value;
   const double exponent = std::floor(std::log10(bin_width));
@@ -261,7 +261,7 @@ double rounded_to_bin(double value, double bin_width) {
   return std::isfinite(rounded) ? rounded : value;
 }
 
-// With the background of a sparse field, which is no part of the statistics but surrounds what is.
+// Returns the range of the statistics and the background of a sparse field, which they leave out.
 Range whole_range(const ScalarField& field, const FieldStatistics& statistics) {
   Range range;
   if (statistics.samples > 0) {

@@ -32,12 +32,12 @@ std::uint64_t count_crossings(std::span<const T> row, const ScalarField& field, 
   return crossings;
 }
 
-// One bit a sample of a block: bit y << 3 | z of word x.
+// One bit per sample of a block: bit y << 3 | z of word x.
 using BlockBits = std::array<std::uint64_t, 8>;
 constexpr std::uint64_t kFirstAlongY = 0xFF;
 constexpr std::uint64_t kFirstAlongZ = 0x0101010101010101ULL;
 
-// The samples that are not on the background's side.
+// Returns the samples that are not on the background's side of the surface.
 template <class T>
 BlockBits off_background(std::span<const T> values, const ScalarField& field, double iso, bool background) {
   BlockBits bits{};
@@ -48,7 +48,7 @@ BlockBits off_background(std::span<const T> values, const ScalarField& field, do
   return bits;
 }
 
-// Edges between samples of the block, along each axis, whose ends are on different sides.
+// Counts the edges within the block, along each axis, whose ends are on different sides.
 std::uint64_t count_crossings(const BlockBits& bits) {
   int crossings = 0;
   for (std::size_t x = 0; x < bits.size(); ++x) {
@@ -59,7 +59,8 @@ std::uint64_t count_crossings(const BlockBits& bits) {
   return static_cast<std::uint64_t>(crossings);
 }
 
-// Edges from the samples of one row in rising directions whose ends are on different sides. `box` is of dense samples.
+// Counts the edges within `box` from a row's samples to the next ones along each axis whose ends are on different
+// sides.
 template <class T>
 std::uint64_t count_from_row(const ScalarField& field, const DenseSamples& dense, const IndexBox& box, double iso,
                              int j, int k) {
@@ -76,7 +77,7 @@ std::uint64_t count_from_row(const ScalarField& field, const DenseSamples& dense
   return crossings;
 }
 
-// Of sparse samples: edges within their blocks.
+// Counts the crossed edges within the blocks of sparse samples.
 std::uint64_t count_in_blocks(const ScalarField& field, double iso) {
   return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
     return reduce_stored<T>(
@@ -88,10 +89,10 @@ std::uint64_t count_in_blocks(const ScalarField& field, double iso) {
   });
 }
 
-// Counts what the surface passes of sparse samples.
+// What the surface crosses in a sparse field.
 struct Passed {
-  std::uint64_t edges = 0;   // of the grid
-  std::uint64_t places = 0;  // of block size
+  std::uint64_t edges = 0;   // grid edges
+  std::uint64_t places = 0;  // block-sized places
 
   Passed& operator+=(const Passed& more) {
     edges += more.edges;
@@ -100,7 +101,7 @@ struct Passed {
   }
 };
 
-// Finds what is stored at a place. Without tiles it takes no more memory than a few bytes a block.
+// Finds what a place stores. Without tiles it takes only a few bytes per block.
 class StoredPlaces {
  public:
   explicit StoredPlaces(const SparseSamples& samples) {
@@ -114,11 +115,11 @@ class StoredPlaces {
     }
   }
 
-  // As SparseLookup::place().
+  // Returns the same as SparseLookup::place().
   [[nodiscard]] std::int32_t place(const glm::ivec3& origin) const {
     return lookup_ ? lookup_->place(origin) : blocks_.find(origin);
   }
-  // Returns the value of a tile, by its place.
+  // Returns the value of a tile from its place().
   [[nodiscard]] double tile_value(std::int32_t place) const { return lookup_->constant_of(place); }
 
  private:
@@ -126,7 +127,7 @@ class StoredPlaces {
   OriginIndex blocks_;
 };
 
-// Where an axis has its first plane of samples in a block, or its last.
+// Returns the first or last plane of samples in a block along `axis`.
 BlockBits face_of_block(int axis, bool first) {
   BlockBits face{};
   const unsigned place = first ? 0 : SparseBlock::kSize - 1;
@@ -144,7 +145,7 @@ std::uint64_t count_bits(const BlockBits& bits, const BlockBits& mask) {
   return static_cast<std::uint64_t>(count);
 }
 
-// The place in a block's values of a sample of its first plane along `axis`, or of its last.
+// Returns the index in a block's values of sample (u, v) in the first or last plane along `axis`.
 std::size_t place_at_face(int axis, bool first, int u, int v) {
   glm::ivec3 p(first ? 0 : SparseBlock::kSize - 1);
   p[(axis + 1) % 3] = u;
@@ -181,15 +182,15 @@ class PassedCounter {
   }
 
  private:
-  // The samples of a block that are on the other side than `inside`.
+  // Returns the samples of a block that are not on the side `inside`.
   [[nodiscard]] BlockBits off_side(std::int32_t block, bool inside) const {
     const auto* values = static_cast<const T*>(samples_.blocks[static_cast<std::size_t>(block)].values);
     return off_background(std::span(values, kBlockSamples), field_, iso_, inside);
   }
 
-  // Edges within the block, to the blocks after it, and to the background; those to tiles count with the tiles. Places:
-  // the block, and those before it that its samples at their side have an edge to. Where it is wholly off the
-  // background's side, the surface passes it only if no block is beside it.
+  // Counts edges within the block, to the following blocks, and to the background; edges to tiles count with the tiles.
+  // Counts as places the block, and the empty ones before it that its samples share an edge with. If all its samples
+  // are off the background's side, the surface passes it only if a neighbor is missing.
   [[nodiscard]] Passed of_block(const SparseBlock& block) const {
     const BlockBits off =
         off_background(std::span(static_cast<const T*>(block.values), kBlockSamples), field_, iso_, background_);
@@ -210,7 +211,7 @@ class PassedCounter {
     return passed;
   }
 
-  // `off` are the block's samples off the background's side.
+  // `off` holds the block's samples off the background's side.
   [[nodiscard]] std::uint64_t edges_along(const SparseBlock& block, const BlockBits& off, int axis) const {
     glm::ivec3 away(0);
     away[axis] = SparseBlock::kSize;
@@ -224,8 +225,8 @@ class PassedCounter {
     return edges;
   }
 
-  // Counts edges from a block, by its bits off the background's side, to the block after it. Only the planes that face
-  // each other are looked at.
+  // Counts edges from a block, given its samples off the background's side, to the block after it. Reads only the two
+  // planes that face each other.
   [[nodiscard]] std::uint64_t edges_between(const BlockBits& off, std::int32_t after, int axis) const {
     const auto* beside = static_cast<const T*>(samples_.blocks[static_cast<std::size_t>(after)].values);
     std::uint64_t edges = 0;
@@ -241,7 +242,7 @@ class PassedCounter {
     return edges;
   }
 
-  // Edges at its faces; faces of block size that the surface passes.
+  // Counts the edges at the tile's faces, and the block-sized parts of the faces that the surface passes.
   [[nodiscard]] Passed of_tile(const SparseTile& tile) const {
     constexpr int kSize = SparseBlock::kSize;
     Passed passed;
@@ -264,7 +265,7 @@ class PassedCounter {
     return passed;
   }
 
-  // From a face of a tile to the place beside it.
+  // Counts the edges from a block-sized part of a tile's face to the place beside it.
   [[nodiscard]] std::uint64_t edges_to(const glm::ivec3& beside, int axis, bool rising, double tile_value) const {
     const bool inside = is_inside(field_, iso_, tile_value);
     const std::int32_t place = stored_.place(beside);

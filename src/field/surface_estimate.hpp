@@ -1,4 +1,4 @@
-// How large a surface will be, without extracting it.
+// Estimates the size of a surface without extracting it.
 #pragma once
 
 #include <cstdint>
@@ -9,18 +9,21 @@
 namespace isoextract::field {
 
 struct SurfaceEstimate {
-  std::uint64_t vertices = 0;
-  std::uint64_t places = 0;
+  std::uint64_t vertices = 0;  // grid edges that the surface crosses
+  std::uint64_t places = 0;    // block-sized places that the surface passes
 };
 
-// About how many vertices the surface at `iso` has: its crossings of the grid's edges. Of dense samples three times
-// those along x, as if it faced every axis alike; of sparse ones all of them, as marching cubes places a vertex on
-// each. And about how many places of block size it passes: stored blocks, and places beside them that are not stored;
-// and the faces of tiles. A place that several blocks lie beside counts for each. None for dense samples.
+// Estimates the number of vertices by the grid edges that cross `iso`, as marching cubes places a vertex on each.
+// Counts all of them for sparse samples. For dense samples, returns three times the crossings along x, as if the
+// surface faced all axes equally.
+//
+// Also counts block-sized places for sparse samples: stored blocks, empty places beside them, and faces of tiles that
+// the surface passes. A place beside several blocks counts once for each. Dense samples have none.
 [[nodiscard]] SurfaceEstimate estimate_surface(const ScalarField& field, double iso);
 
-// No more vertices than the surface has within the box, and in a placement without NaN samples as many where samples
-// are dense: their crossings along all three axes. Of sparse samples those within blocks; none where there is a box.
+// Returns a lower bound for the number of vertices within `box`. For dense samples it counts the crossings along all
+// three axes, which is exact if no sample is NaN. For sparse samples it counts crossings within blocks, or returns 0 if
+// there is a box.
 [[nodiscard]] std::uint64_t count_vertices(const ScalarField& field, double iso, const std::optional<IndexBox>& box);
 
 }  // namespace isoextract::field

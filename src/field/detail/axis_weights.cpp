@@ -7,10 +7,10 @@
 namespace isoextract::field {
 namespace {
 
-// How much of a voxel, a box of width 1 around its sample at 0, is below `u`.
+// Returns the part of a voxel, a box of width 1 around its sample at 0, that lies below `u`.
 double voxel_until(double u) { return std::clamp(u + 0.5, 0.0, 1.0); }
 
-// Of the samples below - 1 to below + 2.
+// Returns the weights of the samples below - 1 to below + 2.
 std::array<double, AxisWeights::kMostOfKernel> kernel_weights(ResampleKernel kernel, double t) {
   const double u = 1 - t;
   switch (kernel) {
@@ -24,14 +24,14 @@ std::array<double, AxisWeights::kMostOfKernel> kernel_weights(ResampleKernel ker
   return {0, u, t, 0};
 }
 
-// How far weights go beyond the border, and which samples there are instead. The B-spline takes the line through the
-// last two, which stays convex as the weight beyond is a sixth at most; Catmull-Rom the parabola through the last
-// three, so that slopes there are one-sided differences of the same order as elsewhere (Interpolant has the same).
+// Moves weights outside the boundary to the samples inside. The B-spline extrapolates the line through the last two
+// samples, which stays convex because the outer weight is at most a sixth. Catmull-Rom extrapolates the parabola
+// through the last three, as Interpolant does, so that boundary slopes are one-sided differences of the same order.
 void fold(std::array<double, AxisWeights::kMostOfKernel>& weights, bool low, bool high, ResampleKernel kernel,
           int old_count) {
   const bool parabola = kernel == ResampleKernel::cubic && old_count > 2;
   auto& [before, a, b, after] = weights;
-  // With three samples or more, the third is within the weights unless both borders are near.
+  // With three or more samples, the third is within the weights unless both boundaries are near.
   if (low) {
     if (parabola) {
       a += 3 * before;
@@ -61,7 +61,7 @@ void fold(std::array<double, AxisWeights::kMostOfKernel>& weights, bool low, boo
 std::uint64_t AxisWeights::bytes(int old_count, int new_count) {
   const auto old_samples = static_cast<std::uint64_t>(old_count);
   const auto new_samples = static_cast<std::uint64_t>(new_count);
-  // A vector that grows holds its numbers twice for a while.
+  // A growing vector holds its numbers twice for a while.
   return new_samples * sizeof(Entry) + 2 * sizeof(double) * (old_samples + kMostOfKernel * new_samples);
 }
 
@@ -86,7 +86,7 @@ AxisWeights::AxisWeights(int old_count, int new_count, ResampleKernel kernel, bo
   }
 }
 
-// The mean of the voxels from `half_width` before the place to as far behind it, cut ones by what is in there.
+// Averages the voxels within `half_width` of the new sample. A voxel partly within has that part of the weight.
 void AxisWeights::add_mean(Entry entry, double half_width, int old_count) {
   const double place = entry.below + entry.t;
   const double low = place - half_width;
@@ -100,7 +100,7 @@ void AxisWeights::add_mean(Entry entry, double half_width, int old_count) {
   }
   for (std::size_t k = entry.begin; k < weights_.size(); ++k) weights_[k] /= sum;
   entry.count = weights_.size() - entry.begin;
-  // A sample that does not count has no say, be it NaN.
+  // A sample of weight 0 must not contribute, because it may be NaN.
   while (entry.count > 1 && weights_.back() == 0) {
     weights_.pop_back();
     --entry.count;
@@ -122,7 +122,7 @@ void AxisWeights::add_kernel(Entry entry, ResampleKernel kernel, int old_count) 
     entries_.push_back(entry);
     return;
   }
-  // The last sample is the end of the last step, which there is one of at least.
+  // The last sample is the end of the last step, and there is at least one step.
   if (entry.below == old_count - 1) {
     --entry.below;
     entry.t = 1;

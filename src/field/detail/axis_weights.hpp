@@ -1,5 +1,5 @@
-// Which old samples a new one is made of along one axis, and with which weights: a kernel between the samples where the
-// new ones are nearer to each other, means where they are farther apart. Private to resample.cpp.
+// Resampling weights along one axis: interpolation kernels if the new samples are denser than the old ones, means if
+// they are sparser. Private to resample.cpp.
 #pragma once
 
 #include <cstdint>
@@ -10,27 +10,28 @@
 
 namespace isoextract::field {
 
-// Old samples `first`, `first` + 1 and so on, as many as there are weights. The weights add up to 1.
+// The weights of the old samples `first`, `first` + 1, ..., which add up to 1.
 struct SampleWeights {
   int first = 0;
   std::span<const double> weights;
-  // Of a kernel: the place is (1 - t) of `below`, t of the next.
+  // For kernels: the new sample lies at below + t, in steps of the old samples.
   int below = 0;
   double t = 0;
 };
 
 class AxisWeights {
  public:
-  static constexpr int kMostOfKernel = 4;  // weights
+  static constexpr int kMostOfKernel = 4;  // the most weights of a kernel
 
-  // The first new sample is the first old one, the last the last. At least two of either.
+  // Both grids start and end at the same positions and have at least two samples. `means` allows means where the new
+  // grid is coarser.
   AxisWeights(int old_count, int new_count, ResampleKernel kernel, bool means);
 
-  // For the caller to reserve.
+  // Returns the bytes that the caller must reserve.
   [[nodiscard]] static std::uint64_t bytes(int old_count, int new_count);
 
   [[nodiscard]] bool is_mean() const { return mean_; }
-  // No weight is below 0: what is made lies between the old samples.
+  // Returns whether no weight is negative, so that new samples lie within the range of the old ones.
   [[nodiscard]] bool is_convex() const { return convex_; }
   [[nodiscard]] SampleWeights of(int i) const {
     const Entry& entry = entries_[static_cast<std::size_t>(i)];

@@ -18,7 +18,7 @@ void sort_places(Places& places) {
   places.erase(std::unique(places.begin(), places.end()), places.end());
 }
 
-// With those up to `rings` places away, axis by axis.
+// Returns the places and those at most `rings` places away, extended axis by axis.
 Places grown(Places places, int rings) {
   for (int axis = 0; axis < 3; ++axis) {
     Places more;
@@ -35,7 +35,7 @@ Places grown(Places places, int rings) {
   return places;
 }
 
-// Calls f(place) for the places within `rings` of the border of a tile, on both sides of it.
+// Calls f(place) for the places within `rings` of a tile's boundary, on both sides of it.
 template <class F>
 void for_places_at_border(const SparseTile& tile, int rings, const F& f) {
   const int side = tile.size / kPlace;
@@ -68,7 +68,7 @@ bool has_one_value_around(const SparseLookup& lookup, const glm::ivec3& place, i
   return true;
 }
 
-// What of a tile is left around places that are blocks, as cubes that are as large as they can be.
+// Adds the remainder of a tile around the places that become blocks, as cubes of the largest possible size.
 void add_rest(const SparseTile& tile, const Places& blocks, std::vector<SparseTile>& tiles) {
   if (blocks.empty()) {
     tiles.push_back(tile);
@@ -95,7 +95,7 @@ Result<BlurredBlocks> find_blurred_blocks(const SparseSamples& samples, const Sp
   const auto width = 2 * static_cast<std::uint64_t>(rings) + 1;
   std::uint64_t at_borders = 0;
   for (const SparseTile& tile : samples.tiles) at_borders += places_at_border(tile, rings);
-  // Places of a ring around blocks that hang together are mostly each other's.
+  // The rings around connected blocks mostly overlap.
   auto memory =
       TRY(context.reserve((samples.blocks.size() * width * width * 2 + at_borders * 4) * sizeof(glm::ivec3), what));
   Places places;

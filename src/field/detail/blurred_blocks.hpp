@@ -1,4 +1,4 @@
-// Which blocks a sparse grid has when each sample is made of those around it.
+// Finds the blocks that a blurred sparse grid needs.
 #pragma once
 
 #include <vector>
@@ -11,13 +11,13 @@
 namespace isoextract::field {
 
 struct BlurredBlocks {
-  std::vector<glm::ivec3> origins;  // sorted as blocks are
-  std::vector<SparseTile> tiles;    // what is left of the tiles
-  Reservation memory;               // for these lists
+  std::vector<glm::ivec3> origins;  // sorted like SparseSamples::blocks
+  std::vector<SparseTile> tiles;    // the parts of the tiles that stay constant
+  Reservation memory;               // of these lists
 };
 
-// Samples are made of those up to `reach` voxels away. Places whose surroundings have one value stay as they are; all
-// others are blocks. `what` starts the message where the memory is not there.
+// The filter reaches `reach` voxels. A block-sized place stays as it is if everything within reach has one value; every
+// other place becomes a block. `what` starts the message if memory runs out.
 [[nodiscard]] Result<BlurredBlocks> find_blurred_blocks(const SparseSamples& samples, const SparseLookup& lookup,
                                                         int reach, const std::string& what, const Context& context);
 

@@ -1,4 +1,4 @@
-// What blurs of fields have in common, whatever they make of a sample and those around it.
+// Code shared by all blur filters.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace isoextract::field {
 inline constexpr int kBlurBlockSide = SparseBlock::kSize;
 inline constexpr std::size_t kBlurBlockSamples = std::size_t{kBlurBlockSide} * kBlurBlockSide * kBlurBlockSide;
 
-// All of a field but its samples.
+// Returns a copy of everything but the samples and notes.
 inline ScalarField without_samples(const ScalarField& field) {
   ScalarField other;
   other.name = field.name;
@@ -45,7 +45,7 @@ inline std::uint64_t threads_at_most() {
   return static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency()) + 1;
 }
 
-// f(k, first, end) for each slice k of dense samples, which are those from `first` to `end`.
+// Calls f(k, first, end) in parallel for each slice k of dense samples: the elements [first, end).
 template <class F>
 void for_slices(const DenseSamples& samples, const Context& context, const F& f) {
   const std::size_t slice = static_cast<std::size_t>(samples.dims.x) * static_cast<std::size_t>(samples.dims.y);
@@ -54,7 +54,7 @@ void for_slices(const DenseSamples& samples, const Context& context, const F& f)
   });
 }
 
-// A block of a sparse grid with what is around it, z fastest.
+// Gathers a block of a sparse grid and the samples around it, z fastest.
 template <class T>
 class Surroundings {
  public:
@@ -66,7 +66,7 @@ class Surroundings {
   }
   [[nodiscard]] const glm::ivec3& dims() const { return dims_; }
 
-  // Of the block at `origin`.
+  // Writes the samples around the block at `origin` to `values`, which has size() elements.
   void gather(const glm::ivec3& origin, double* values) const {
     const glm::ivec3 low = origin - reach_;
     const glm::ivec3 high = low + dims_;  // exclusive
@@ -112,7 +112,8 @@ class Surroundings {
   glm::ivec3 dims_;
 };
 
-// fill(origin, values, scratch) makes the values of a block, with `scratch_size` numbers for itself.
+// Filters a sparse field: fill(dims, values, scratch, block) computes a block from the gathered samples around it.
+// `scratch` has room for `scratch_per_sample` - 1 numbers for each gathered sample.
 template <class T, class Out, class Fill>
 Result<Samples> blur_sparse(const ScalarField& field, const SparseSamples& data, const glm::ivec3& reach,
                             std::size_t scratch_per_sample, const Context& context, const Fill& fill) {

@@ -1,4 +1,4 @@
-// Walking over the stored samples of a field, dense or sparse, in parallel.
+// Parallel passes over the stored samples of a field, dense or sparse.
 #pragma once
 
 #include <algorithm>
@@ -21,12 +21,12 @@ namespace isoextract::field {
 
 inline constexpr std::size_t kBlockSamples = std::size_t{SparseBlock::kSize} * SparseBlock::kSize * SparseBlock::kSize;
 
-// Reduces `body(partial, values)` over all stored samples, whole blocks of sparse ones. Deterministic: always the same
-// tree of joins.
+// Reduces body(partial, values) over all stored samples; sparse samples come as whole blocks. The order of joins does
+// not depend on the number of threads.
 template <class T, class Partial, class Body, class Join>
 [[nodiscard]] Partial reduce_stored(const Samples& samples, const Partial& identity, const Body& body, const Join& join,
                                     Progress* progress) {
-  constexpr std::size_t kGrain = 1U << 16U;  // samples a task; fixed, so that sums do not depend on the thread count
+  constexpr std::size_t kGrain = 1U << 16U;  // samples per task; fixed, so that sums do not depend on threads
   const auto* dense = std::get_if<DenseSamples>(&samples);
   std::span<const SparseBlock> blocks;
   if (dense == nullptr) blocks = std::get<SparseSamples>(samples).blocks;
@@ -48,8 +48,8 @@ template <class T, class Partial, class Body, class Join>
       join);
 }
 
-// The values of sparse samples that say no more than on which side they are: the background, and of level sets its
-// negative, far inside. How many of them are stored depends on where blocks begin, and says nothing of the field.
+// The values of sparse samples that only tell the side: the background and, in a level set, its negative far inside.
+// How many of them are stored depends on where blocks begin, not on the field.
 struct FarValues {
   double background = 0;
   double inside = 0;
@@ -60,7 +60,7 @@ struct FarValues {
   [[nodiscard]] bool has(double stored) const { return stored == background || stored == inside; }
 };
 
-// The same without far values.
+// Like reduce_stored(), but without far values.
 template <class T, class Partial, class Body, class Join>
 [[nodiscard]] Partial reduce_samples(const ScalarField& field, const Partial& identity, const Body& body,
                                      const Join& join, Progress* progress) {
@@ -88,7 +88,7 @@ inline std::uint64_t tile_voxels(const SparseTile& tile) {
   return side * side * side;
 }
 
-// Without tiles of far values.
+// Calls function(stored value, voxels) for each tile that does not have a far value.
 template <class Function>
 void for_each_tile(const ScalarField& field, const Function& function) {
   const auto* sparse = std::get_if<SparseSamples>(&field.samples);
@@ -99,8 +99,8 @@ void for_each_tile(const ScalarField& field, const Function& function) {
   }
 }
 
-// Runs body(counts, values) over what reduce_samples() does, with counts of its own for each thread: vectors of `size`
-// zeros at first. Returns their sums.
+// Runs body(counts, values) on the samples that reduce_samples() visits. Each thread has its own counts: a vector of
+// `size` zeros at first. Returns their sums.
 template <class T, class Body>
 [[nodiscard]] std::vector<std::uint64_t> count_samples(const ScalarField& field, std::size_t size, const Body& body,
                                                        Progress* progress) {

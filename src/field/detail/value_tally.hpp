@@ -1,4 +1,4 @@
-// How often each number of a small sample type occurs.
+// Counts each value of a small sample type.
 #pragma once
 
 #include <algorithm>
@@ -15,11 +15,11 @@
 
 namespace isoextract::field {
 
-// Types whose numbers are few enough to count each.
+// Whether a type has few enough values to count each of them.
 template <class T>
 inline constexpr bool kCountable = sizeof(T) <= 2;
 
-// A value and how often it occurs.
+// A value and its number of samples.
 using CountedValue = std::pair<double, std::uint64_t>;
 
 template <class T>
@@ -37,7 +37,7 @@ class Tally {
     });
   }
 
-  // Each value that occurs, scaled.
+  // Returns each value that occurs, scaled.
   [[nodiscard]] std::vector<CountedValue> values(const ValueScale& scale) const {
     std::vector<CountedValue> values;
     for (std::size_t bits = 0; bits < kNumbers; ++bits) {
@@ -55,17 +55,18 @@ class Tally {
   std::vector<std::uint64_t> counts_;
 };
 
-// Leaves the finite ones, in order.
+// Removes values that are not finite and sorts the rest.
 inline void order_finite(std::vector<CountedValue>& values) {
   std::erase_if(values, [](const CountedValue& value) { return !std::isfinite(value.first); });
   std::ranges::sort(values);
 }
 
-// Of ordered values that occur `samples` times together, and `percents` in rising order.
+// Returns the percentiles of sorted values with `samples` counts in total. `percents` must ascend.
 [[nodiscard]] std::vector<double> percentiles_of(std::span<const CountedValue> values, std::uint64_t samples,
                                                  std::span<const Percent> percents);
 
-// Of a field of a type that is not countable, with so many finite samples, at least one; `percents` in rising order.
+// Returns the percentiles of a field with `samples` >= 1 finite samples of a type that is not countable. `percents`
+// must ascend.
 [[nodiscard]] std::vector<double> percentiles_of(const ScalarField& field, std::uint64_t samples,
                                                  std::span<const Percent> percents, Progress* progress);
 

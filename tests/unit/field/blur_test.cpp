@@ -28,7 +28,7 @@ double value_at(const ScalarField& field, const glm::ivec3& p) {
   });
 }
 
-// The weighted mean of what is around a sample, as it is written in the header and in no order.
+// The weighted mean that the header defines, summed directly.
 double mean_around(const ScalarField& field, const glm::ivec3& dims, const glm::ivec3& p, const glm::dvec3& sigma) {
   double sum = 0;
   double weights = 0;
@@ -57,7 +57,7 @@ using Types = testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int1
                              float, double>;
 TYPED_TEST_SUITE(BlurTypes, Types);
 
-TYPED_TEST(BlurTypes, GaussianIsTheWeightedMean) {
+TYPED_TEST(BlurTypes, GaussianIsWeightedMean) {
   const glm::ivec3 dims(19, 40, 11);
   const ScalarField field = test::random_field<TypeParam>(dims, 1, 100);
   const glm::dvec3 sigma(1.3, 0.8, 2.1);
@@ -69,7 +69,7 @@ TYPED_TEST(BlurTypes, GaussianIsTheWeightedMean) {
   }
 }
 
-TYPED_TEST(BlurTypes, MedianIsTheOneInTheMiddle) {
+TYPED_TEST(BlurTypes, MedianIsMiddleValue) {
   const glm::ivec3 dims(9, 12, 7);
   const ScalarField field = test::random_field<TypeParam>(dims, 2, 100);
   const ScalarField blurred = blur_median(field, 1, Context()).value();
@@ -88,8 +88,8 @@ TYPED_TEST(BlurTypes, MedianIsTheOneInTheMiddle) {
   }
 }
 
-TYPED_TEST(BlurTypes, SparseIsDenseWithinTheData) {
-  // Blocks, tiles of another value than the background, and background.
+TYPED_TEST(BlurTypes, SparseEqualsDenseInsideData) {
+  // The field has blocks, tiles that differ from the background, and background.
   const ScalarField dense = test::dense_field<TypeParam>({64, 48, 40}, [](int i, int j, int k) {
     return i >= 24 && i < 48 && j < 32 ? 7 : std::max(0, 30 - std::abs(i - 30) - std::abs(j - 28) - k);
   });
@@ -109,13 +109,13 @@ TYPED_TEST(BlurTypes, SparseIsDenseWithinTheData) {
       }
     }
   }
-  // Beyond the data the background is as good a value as any.
+  // Outside the data the background counts as an ordinary value.
   EXPECT_GT(value_at(b, {30, 28, -2}), 0);
   EXPECT_EQ(value_at(b, {30, 28, -100}), 0);
   EXPECT_EQ(std::get<SparseSamples>(b.samples).active_box, std::get<SparseSamples>(sparse.samples).active_box);
 }
 
-TEST(Blur, WhatDoesNotVaryStaysExactly) {
+TEST(Blur, KeepsConstantsExactly) {
   for (const double value : {0.1, -3e38, 1e-40, 7.0}) {
     const ScalarField field = test::dense_field<float>({20, 9, 8}, [&](int, int, int) { return value; });
     const ScalarField blurred = blur_gaussian(field, glm::dvec3(2), Context()).value();
@@ -127,7 +127,7 @@ TEST(Blur, WhatDoesNotVaryStaysExactly) {
   for (int i = 0; i < 20; ++i) EXPECT_TRUE(std::isfinite(value_at(blurred, {i, 1, 1})));
 }
 
-TEST(Blur, WhatIsNoNumberHasNoSayAndStays) {
+TEST(Blur, IgnoresAndKeepsNonFiniteSamples) {
   const double infinity = std::numeric_limits<double>::infinity();
   const glm::ivec3 dims(24, 16, 16);
   std::mt19937 engine(3);
@@ -156,7 +156,7 @@ TEST(Blur, WhatIsNoNumberHasNoSayAndStays) {
       }
     }
   }
-  // In blocks likewise.
+  // Sparse blocks give the same.
   const ScalarField sparse = blur_gaussian(test::sparse_copy<float>(dense, 0), sigma, Context()).value();
   for (int i = 6; i < dims.x - 6; ++i) {
     for (int j = 6; j < dims.y - 6; ++j) {
@@ -173,8 +173,8 @@ TEST(Blur, WhatIsNoNumberHasNoSayAndStays) {
   }
 }
 
-// A large tile is blurred at its border alone, and the rest of it stays tiles.
-TEST(Blur, LargeTilesAreCutAtTheirBorder) {
+// Only the boundary of a large tile is blurred; the rest stays tiles.
+TEST(Blur, SplitsLargeTilesAtTheirBoundary) {
   SparseSamples samples;
   samples.type = SampleType::f32;
   samples.tiles = {{glm::ivec3(-128), 128, 3.0}, {glm::ivec3(0, -128, -128), 128, 3.0}};
@@ -196,7 +196,7 @@ TEST(Blur, LargeTilesAreCutAtTheirBorder) {
     EXPECT_EQ(glm::ivec3(0), tile.origin & (tile.size - 1)) << "at a multiple of its size";
     samples_of_tiles += static_cast<std::uint64_t>(tile.size) * tile.size * tile.size;
   }
-  // What is farther than a block from the border: 14 of 16 blocks along y and z, 30 of 32 along x.
+  // Places at least one block away from the boundary: 14 of 16 along y and z, 30 of 32 along x.
   EXPECT_EQ(samples_of_tiles, 512U * 30 * 14 * 14);
   const std::size_t shell = 34U * 18 * 18 - 30U * 14 * 14;
   EXPECT_EQ(result.blocks.size(), shell);
@@ -209,7 +209,7 @@ TEST(Blur, LargeTilesAreCutAtTheirBorder) {
   }
 }
 
-TEST(Blur, SameForAnyNumberOfThreads) {
+TEST(Blur, DoesNotDependOnThreads) {
   const ScalarField field = test::random_field<float>({64, 40, 48}, 4, 1000);
   const ScalarField sparse = test::sparse_copy<float>(field, 0);
   for (const ScalarField* data : {&field, &sparse}) {
@@ -224,7 +224,7 @@ TEST(Blur, SameForAnyNumberOfThreads) {
   }
 }
 
-TEST(Blur, RefusesWhatItDoesNotTake) {
+TEST(Blur, RefusesInvalidSizesAndFailsCleanly) {
   const ScalarField field = test::random_field<float>({16, 16, 16}, 4, 1000);
   EXPECT_EQ(blur_gaussian(field, {1, 17, 1}, Context()).error().code, ErrorCode::usage);
   EXPECT_EQ(blur_gaussian(field, {1, test::kNaN, 1}, Context()).error().code, ErrorCode::usage);

@@ -8,8 +8,8 @@
 namespace isoextract::field {
 namespace {
 
-// A linear field keeps its values at every place of the world.
-TEST(Coarsen, KeepsALinearFieldWhereItWas) {
+// A linear field keeps its value at every world position.
+TEST(Coarsen, KeepsLinearFieldInPlace) {
   const Affine frame{glm::dmat3(-2, 0.3, 0, 0.5, 1, 0.2, 0, -0.4, 0.1), glm::dvec3(5, -3, 2)};
   ScalarField field = test::dense_field<double>({17, 16, 9}, [](int i, int j, int k) { return i + 10 * j - 3 * k; });
   field.index_to_world = frame;
@@ -27,7 +27,7 @@ TEST(Coarsen, KeepsALinearFieldWhereItWas) {
   EXPECT_EQ(coarsen(field, 8, Context()).error().code, ErrorCode::input) << "one sample along z";
 }
 
-TEST(Coarsen, SparseIsDenseWithinTheData) {
+TEST(Coarsen, SparseEqualsDenseInsideData) {
   const ScalarField dense = test::dense_field<std::int16_t>({64, 64, 64}, [](int i, int j, int k) {
     return i >= 16 && i < 48 && j < 32 ? 7 : std::max(0, 30 - std::abs(i - 30) - std::abs(j - 28) - k);
   });
@@ -51,7 +51,7 @@ TEST(Coarsen, SparseIsDenseWithinTheData) {
   }
 }
 
-// Blocks at negative indices, and a tile that is large enough to stay one.
+// Blocks at negative indices, and a tile large enough to stay a tile.
 TEST(Coarsen, SparseKeepsTilesAndNegativeIndices) {
   SparseSamples samples;
   samples.type = SampleType::f32;

@@ -17,7 +17,7 @@ float sample(const ScalarField& field, int i, int j, int k) {
   return static_cast<const float*>(dense.data)[i + dense.dims.x * (j + dense.dims.y * k)];
 }
 
-TEST(DemoField, SphereIsPlacedAndSigned) {
+TEST(DemoField, PlacesSphereWithPositiveInside) {
   const ScalarField field = make_demo_field("demo:sphere?size=21", Context()).value();
   EXPECT_EQ(std::get<DenseSamples>(field.samples).dims, glm::ivec3(21));
   EXPECT_EQ(field.index_to_world({0, 0, 0}), glm::dvec3(-1));
@@ -27,8 +27,8 @@ TEST(DemoField, SphereIsPlacedAndSigned) {
   EXPECT_LT(sample(field, 0, 0, 0), 0);
 }
 
-TEST(DemoField, AxesAreNotSwapped) {
-  // The torus lies around the z axis: x and y alike, z not.
+TEST(DemoField, DoesNotSwapAxes) {
+  // The torus lies around the z axis: it is symmetric in x and y, but not in z.
   const ScalarField field = make_demo_field("demo:torus?size=21", Context()).value();
   EXPECT_NEAR(sample(field, 16, 10, 10), 0.25, 1e-6);
   EXPECT_NEAR(sample(field, 10, 16, 10), 0.25, 1e-6);
@@ -38,7 +38,7 @@ TEST(DemoField, AxesAreNotSwapped) {
   EXPECT_NEAR(sample(gyroid, 18, 16, 16), 1, 1e-6);
 }
 
-TEST(DemoField, EveryDescriptionCanBeMade) {
+TEST(DemoField, MakesEveryDescribedField) {
   for (const DemoDescription& demo : demo_fields()) {
     const auto field = make_demo_field("demo:" + std::string(demo.name) + "?size=9", Context());
     ASSERT_TRUE(field) << demo.name;
@@ -46,15 +46,15 @@ TEST(DemoField, EveryDescriptionCanBeMade) {
   }
 }
 
-// Measurements and the hashes of meshes are of these.
-TEST(DemoField, RandomIsWhatItAlwaysWas) {
+// Published measurements and mesh hashes use this field.
+TEST(DemoField, RandomNeverChanges) {
   const ScalarField field = make_demo_field("demo:random?size=2", Context()).value();
   EXPECT_EQ(sample(field, 0, 0, 0), 0x1.8882ap-1F);
   EXPECT_EQ(sample(field, 1, 0, 0), -0x1.18762p-3F);
   EXPECT_EQ(sample(field, 1, 1, 1), 0x1.16104cp-1F);
 }
 
-TEST(DemoField, RefusesWhatItDoesNotKnow) {
+TEST(DemoField, RefusesUnknownNamesAndKeys) {
   for (const char* spec :
        {"demo:", "demo:cube", "demo:sphere?size=1", "demo:sphere?size=99999", "demo:sphere?size=x",
         "demo:sphere?size=8x", "demo:sphere?time=", "demo:sphere?time=nan", "demo:sphere?time=inf",
@@ -99,7 +99,7 @@ TEST(DemoFieldTime, WholePeriodsChangeNoBit) {
   }
 }
 
-// Small steps of time are small steps of the samples, also over the end of the period.
+// Small time steps change the samples a little, also across the end of the period.
 TEST(DemoFieldTime, MovesWithoutJumps) {
   for (const std::string& name : moving_fields()) {
     std::vector<float> before = samples_of(name);
@@ -116,8 +116,8 @@ TEST(DemoFieldTime, MovesWithoutJumps) {
   }
 }
 
-TEST(DemoFieldTime, MotionsAreThoseThatTheHelpTells) {
-  // At a quarter of the time the sphere is highest: 0.25, which is two samples.
+TEST(DemoFieldTime, MovesAsHelpSays) {
+  // At a quarter of the period the sphere is at the top: 0.25, which is two samples.
   const ScalarField sphere = make_demo_field("demo:sphere?size=17&time=0.25", Context()).value();
   EXPECT_FLOAT_EQ(sample(sphere, 8, 8, 10), 0.7F);
   // A quarter of the gyroid's period along x is 0.125, one sample.
@@ -129,7 +129,7 @@ TEST(DemoFieldTime, MotionsAreThoseThatTheHelpTells) {
   for (int k = 0; k < 17; ++k) EXPECT_LT(sample(balls, 0, 0, k), 0);
 }
 
-TEST(DemoFieldTime, HasAFormulaOnlyWhereItHasNotMoved) {
+TEST(DemoFieldTime, HasFormulaOnlyAtTimeZero) {
   EXPECT_NE(formula_of(make_demo_field("demo:sphere?size=8", Context()).value()), nullptr);
   EXPECT_NE(formula_of(make_demo_field("demo:sphere?size=8&time=2", Context()).value()), nullptr);
   EXPECT_EQ(formula_of(make_demo_field("demo:sphere?size=8&time=0.5", Context()).value()), nullptr);
@@ -150,7 +150,7 @@ TEST(DemoField, ReservesItsSamples) {
   EXPECT_EQ(context.memory().reserved(), 0U);
 }
 
-TEST(DemoField, EndsWhereItIsCancelled) {
+TEST(DemoField, StopsWhenCancelled) {
   const Context context;
   context.cancel();
   const auto field = make_demo_field("demo:sphere?size=16", context);

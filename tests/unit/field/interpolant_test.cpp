@@ -19,7 +19,7 @@ std::vector<glm::dvec3> random_points(const glm::dvec3& size) {
   return points;
 }
 
-// Trilinear interpolation is exact for what is linear along each axis, products included.
+// Trilinear interpolation is exact for functions that are linear along each axis, including products.
 TEST(Interpolant, TrilinearIsExactForTrilinearFields) {
   const auto f = [](double x, double y, double z) { return 1 + 2 * x - y + 0.5 * z + x * y * z - 3 * y * z; };
   const ScalarField field = test::dense_field<double>({4, 5, 6}, f);
@@ -34,8 +34,8 @@ TEST(Interpolant, TrilinearIsExactForTrilinearFields) {
   }
 }
 
-// Central differences of a parabola are exact, and so are the border's one-sided ones.
-TEST(Interpolant, TricubicIsExactForParabolasUpToTheBorder) {
+// Central differences are exact for a parabola, and so are the one-sided ones at the boundary.
+TEST(Interpolant, TricubicIsExactForParabolasUpToBoundary) {
   const auto f = [](double x, double y, double z) { return x * x * (1 + y) - 2 * y * y * z + 0.5 * z * z - x; };
   for (const glm::ivec3& dims : {glm::ivec3(3, 4, 6), glm::ivec3(7, 3, 5)}) {
     const ScalarField field = test::dense_field<double>(dims, f);
@@ -51,7 +51,7 @@ TEST(Interpolant, TricubicIsExactForParabolasUpToTheBorder) {
   }
 }
 
-TEST(Interpolant, TwoSamplesAlongAnAxisAreALine) {
+TEST(Interpolant, TricubicIsLinearWithTwoSamples) {
   const ScalarField field = test::dense_field<float>({2, 2, 5}, [](int i, int j, int k) { return i + 2 * j + k * k; });
   const Interpolant interpolant(field, Interpolation::tricubic);
   Interpolant::Cursor at(interpolant);
@@ -60,7 +60,7 @@ TEST(Interpolant, TwoSamplesAlongAnAxisAreALine) {
   EXPECT_NEAR(glm::length(found.gradient - glm::dvec3(1, 2, 3)), 0, 1e-12);
 }
 
-// Across the face of two cells: the tricubic gradient is the same from both sides, the trilinear one is not.
+// At the face between two cells the tricubic gradient is the same from both sides, the trilinear one is not.
 TEST(Interpolant, TricubicIsSmoothAcrossCells) {
   const ScalarField field = test::random_field<double>({6, 6, 6}, 3, 1000);
   for (const auto& [interpolation, smooth] :
@@ -82,7 +82,7 @@ TEST(Interpolant, TricubicIsSmoothAcrossCells) {
   }
 }
 
-TEST(Interpolant, SparseAndDenseAgreeInEveryType) {
+TEST(Interpolant, SparseEqualsDenseForEveryType) {
   for (const SampleType type : {SampleType::u8, SampleType::i8, SampleType::u16, SampleType::i16, SampleType::u32,
                                 SampleType::i32, SampleType::f16, SampleType::f32, SampleType::f64}) {
     visit_sample_type(type, [&]<class T>(std::type_identity<T>) {
@@ -109,7 +109,7 @@ TEST(Interpolant, SparseAndDenseAgreeInEveryType) {
   }
 }
 
-TEST(Interpolant, IsNaNWhereASampleIsNotFinite) {
+TEST(Interpolant, IsNanBesideNonFiniteSamples) {
   const ScalarField field = test::dense_field<float>({6, 6, 6}, [](int i, int j, int k) {
     return glm::ivec3(i, j, k) == glm::ivec3(3, 3, 3) ? test::kNaN
            : glm::ivec3(i, j, k) == glm::ivec3(0)     ? -INFINITY
@@ -126,8 +126,8 @@ TEST(Interpolant, IsNaNWhereASampleIsNotFinite) {
   EXPECT_EQ(at_cubic({4.5, 4.5, 0.5}).value, 1);
 }
 
-// On a face the polynomials of both cells give the same bits, whatever the values.
-TEST(Interpolant, CellsAgreeOnTheirFaces) {
+// On a face the polynomials of both cells give the same bits.
+TEST(Interpolant, CellsAgreeOnSharedFaces) {
   const ScalarField field = test::random_field<std::uint8_t>({5, 5, 5}, 3, 256);
   for (const Interpolation interpolation : {Interpolation::trilinear, Interpolation::tricubic}) {
     const Interpolant interpolant(field, interpolation);
@@ -141,7 +141,7 @@ TEST(Interpolant, CellsAgreeOnTheirFaces) {
   }
 }
 
-TEST(Interpolant, ACellTellsTheRangeOfItsSamplesAndItsBend) {
+TEST(Interpolant, CellReturnsRangeAndGreatestBend) {
   const ScalarField field = test::dense_field<double>({3, 3, 3}, [](int i, int j, int k) {
     return i == 2 && j == 2 && k == 2 ? std::numeric_limits<double>::quiet_NaN() : 1 + 3 * i * j - 2 * j * k;
   });

@@ -22,7 +22,7 @@ double marked_value(const field::ScalarField& field, std::size_t at) {
   });
 }
 
-TYPED_TEST(NoDataOf, OnlySamplesOfTheValueBecomeNan) {
+TYPED_TEST(NoDataOf, MarksOnlySamplesOfThatValue) {
   field::ScalarField field = dense_field<TypeParam>({4, 3, 2}, [](int i, int, int) { return 10 * i; });
   ASSERT_TRUE(field::mark_no_data(field, 20, Context()));
   for (std::size_t at = 0; at < 24; ++at) {
@@ -39,7 +39,7 @@ TYPED_TEST(NoDataOf, OnlySamplesOfTheValueBecomeNan) {
                                                                : field::SampleType::f32);
 }
 
-TYPED_TEST(NoDataOf, WhereThereIsNoneTheSamplesStay) {
+TYPED_TEST(NoDataOf, KeepsSamplesWithoutThatValue) {
   field::ScalarField field = dense_field<TypeParam>({2, 2, 2}, [](int i, int, int) { return i; });
   const void* data = std::get<field::DenseSamples>(field.samples).data;
   const Context nothing(MemoryBudget(0));
@@ -50,7 +50,7 @@ TYPED_TEST(NoDataOf, WhereThereIsNoneTheSamplesStay) {
   EXPECT_EQ(field.notes.size(), 4U);
 }
 
-TEST(NoDataValue, IsThatOfTheSamplesTypeAndOfTheScale) {
+TEST(NoDataValue, ComparesInSampleTypeOrScaled) {
   field::ScalarField field = dense_field<float>({2, 2, 2}, [](int i, int, int) { return i == 0 ? -9999.9F : 1.0F; });
   ASSERT_TRUE(field::mark_no_data(field, -9999.9, Context()));
   EXPECT_TRUE(std::isnan(marked_value(field, 0)));
@@ -61,7 +61,7 @@ TEST(NoDataValue, IsThatOfTheSamplesTypeAndOfTheScale) {
   EXPECT_EQ(marked_value(scaled, 0), 0);
 }
 
-TEST(NoDataValue, OfSparseFieldsIsRefused) {
+TEST(NoDataValue, RefusesSparseFields) {
   field::ScalarField field;
   field.source = "a.vdb";
   field.samples = field::SparseSamples();

@@ -29,7 +29,7 @@ ScalarField row_of(std::vector<T> values) {
   return field;
 }
 
-TEST(Percent, ReadsDecimalsAndNothingElse) {
+TEST(Percent, ParsesOnlyDecimals) {
   for (const auto& [text, shortest] :
        {std::pair("99", "99"), std::pair("0.5", "0.5"), std::pair("099.90", "99.9"), std::pair("0", "0"),
         std::pair("100.000000", "100"), std::pair("12.345678", "12.345678"), std::pair("0.000001", "0.000001")}) {
@@ -44,8 +44,8 @@ TEST(Percent, ReadsDecimalsAndNothingElse) {
   EXPECT_LT(percent("99.8"), percent("99.9"));
 }
 
-// 99.9 % of 1000 are 999 samples, and no less a share of a sample more.
-TEST(Percent, RanksAreThoseOfDecimals) {
+// 99.9 % of 1000 are exactly 999 samples; the smallest larger share needs one more.
+TEST(Percent, RanksAreExactForDecimals) {
   EXPECT_EQ(percent("99.9").rank_among(1000), 998U);
   EXPECT_EQ(percent("99.900001").rank_among(1000), 999U);
   EXPECT_EQ(percent("0").rank_among(1000), 0U);
@@ -57,8 +57,8 @@ TEST(Percent, RanksAreThoseOfDecimals) {
   EXPECT_EQ(percent("100").rank_among(many), many - 1);
 }
 
-// Against samples in order, of every type, at more places than one pass looks for.
-TEST(MeasurePercentiles, AreSamplesOfTheirRank) {
+// Compares with sorted samples, for every type and for more percentiles than one pass finds.
+TEST(MeasurePercentiles, ReturnsSamplesOfTheirRank) {
   const std::vector<Percent> asked{percent("50"),  percent("0"),    percent("100"), percent("99.9"),
                                    percent("0.5"), percent("33.3"), percent("50"),  percent("1"),
                                    percent("2"),   percent("3"),    percent("97"),  percent("98")};
@@ -86,7 +86,7 @@ TEST(MeasurePercentiles, AreSamplesOfTheirRank) {
   }
 }
 
-TEST(MeasurePercentiles, AreThoseThatStatisticsTell) {
+TEST(MeasurePercentiles, EqualsStatistics) {
   std::vector<float> values(100'000);
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = std::sin(static_cast<float>(i) * 0.37F) * 1e3F;
   values[5] = std::numeric_limits<float>::quiet_NaN();
@@ -106,7 +106,7 @@ TEST(MeasurePercentiles, AreThoseThatStatisticsTell) {
   EXPECT_EQ(without.percentiles.back(), 0);
 }
 
-TEST(MeasurePercentiles, CountTilesAndNoBackground) {
+TEST(MeasurePercentiles, CountsTilesButNotBackground) {
   auto block = std::make_shared<std::vector<float>>(512, 2.0F);
   SparseSamples sparse;
   sparse.type = SampleType::f32;
@@ -120,7 +120,7 @@ TEST(MeasurePercentiles, CountTilesAndNoBackground) {
   EXPECT_EQ(measure_percentiles(field, asked), (std::vector<double>{-1, 2, 2}));
 }
 
-TEST(MeasurePercentiles, NothingWithoutAFiniteSample) {
+TEST(MeasurePercentiles, ReturnsNothingWithoutFiniteSamples) {
   const std::vector<Percent> asked{percent("50")};
   EXPECT_FALSE(measure_percentiles(row_of(std::vector<float>(9, std::nanf(""))), asked));
   EXPECT_FALSE(measure_percentiles(row_of(std::vector<Half>(9, Half(std::nanf("")))), asked));

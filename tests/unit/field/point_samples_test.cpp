@@ -16,7 +16,7 @@ constexpr float kNotANumber = std::numeric_limits<float>::quiet_NaN();
 
 double linear(const glm::dvec3& p) { return 0.25 + 2 * p.x - 3 * p.y + 0.5 * p.z; }
 
-// A field whose samples are that function of their place in the world.
+// A field whose samples are linear() of their world position.
 ScalarField linear_field(const glm::ivec3& dims, const Affine& index_to_world) {
   ScalarField field =
       test::dense_field<double>(dims, [&](int i, int j, int k) { return linear(index_to_world(glm::dvec3(i, j, k))); });
@@ -32,7 +32,7 @@ std::vector<float> sampled(const ScalarField& field, const std::vector<glm::dvec
   return values;
 }
 
-TEST(PointSamples, ALinearFunctionComesOutExactly) {
+TEST(PointSamples, ReproducesLinearFunction) {
   Affine bent = scaling({0.5, 0.25, 2});
   bent.linear[1] += glm::dvec3(0.125, 0, 0.5);
   bent.offset = {100, -7, 3};
@@ -50,17 +50,17 @@ TEST(PointSamples, ALinearFunctionComesOutExactly) {
   EXPECT_EQ(counts.not_finite, 0U);
 }
 
-TEST(PointSamples, OutsideIsTheNearestPlaceOfTheBoxAndCounted) {
+TEST(PointSamples, ClampsToBoxAndCountsOutside) {
   const ScalarField field = linear_field({3, 3, 3}, Affine());
   PointCounts counts;
   const std::vector<float> values = sampled(field, {{-5, 1, 1}, {2.0005, 1, 1}, {9, 9, -9}, {1, 1, 1}}, &counts);
   EXPECT_FLOAT_EQ(values[0], static_cast<float>(linear({0, 1, 1})));
   EXPECT_FLOAT_EQ(values[1], static_cast<float>(linear({2, 1, 1})));
   EXPECT_FLOAT_EQ(values[2], static_cast<float>(linear({2, 2, 0})));
-  EXPECT_EQ(counts.outside, 2U);  // the second is a rounding away
+  EXPECT_EQ(counts.outside, 2U);  // the second is only a rounding error outside
 }
 
-TEST(PointSamples, OnlyNeighboursThatCountHaveASay) {
+TEST(PointSamples, IgnoresSamplesOfWeightZero) {
   const ScalarField field =
       test::dense_field<float>({3, 2, 2}, [](int i, int, int) { return i == 2 ? kNotANumber : static_cast<float>(i); });
   PointCounts counts;
@@ -71,7 +71,7 @@ TEST(PointSamples, OnlyNeighboursThatCountHaveASay) {
   EXPECT_EQ(counts.not_finite, 1U);
 }
 
-TEST(PointSamples, OneLayerHasItsValueEverywhere) {
+TEST(PointSamples, SamplesSingleLayer) {
   ScalarField field = test::dense_field<float>({2, 2, 1}, [](int i, int, int) { return static_cast<float>(i); });
   field.scale = {10, 1};
   PointCounts counts;
@@ -79,7 +79,7 @@ TEST(PointSamples, OneLayerHasItsValueEverywhere) {
   EXPECT_EQ(counts.outside, 0U);
 }
 
-TEST(PointSamples, SparseIsItsBackgroundBeyond) {
+TEST(PointSamples, SparseReturnsBackgroundOutsideBlocks) {
   std::vector<float> values(512, 3);
   ScalarField field;
   SparseSamples sparse;
@@ -94,7 +94,7 @@ TEST(PointSamples, SparseIsItsBackgroundBeyond) {
   EXPECT_EQ(counts.outside, 0U);
 }
 
-TEST(PointSamples, StridesAndThreadsLeaveTheRestAlone) {
+TEST(PointSamples, WritesOnlyStridedElementsForAnyThreads) {
   const ScalarField field = test::random_field<float>({20, 21, 22}, 1, 60000);
   std::vector<glm::dvec3> places;
   for (int n = 0; n < 20000; ++n) {
@@ -111,7 +111,7 @@ TEST(PointSamples, StridesAndThreadsLeaveTheRestAlone) {
   }
 }
 
-TEST(PointSamples, MemoryForSparseBlocksIsReserved) {
+TEST(PointSamples, ReservesMemoryForSparseBlocks) {
   std::vector<float> values(512, 3);
   ScalarField field;
   SparseSamples sparse;

@@ -29,7 +29,7 @@ ScalarField resampled(const ScalarField& field, const glm::ivec3& resolution, Re
   return result;
 }
 
-// As it is stored, whatever the type.
+// Returns the stored value, whatever the type.
 double sample_at(const ScalarField& field, const glm::ivec3& p) {
   const DenseSamples& samples = dense_samples(field);
   const glm::i64vec3 dims(samples.dims);
@@ -47,7 +47,7 @@ void for_each_sample(const glm::ivec3& dims, const F& visit) {
   }
 }
 
-// A row of four samples along x, in a field that is constant along y and z, at another resolution along x.
+// Resamples a row along x, in a field that is constant along y and z.
 std::vector<double> row_of(const std::vector<double>& samples, int count, ResampleKernel kernel = kLinear,
                            NanSamples nan = NanSamples::left_out) {
   const ScalarField field = test::dense_field<double>(
@@ -58,14 +58,14 @@ std::vector<double> row_of(const std::vector<double>& samples, int count, Resamp
   return row;
 }
 
-TEST(Resample, VoxelSizesDivideTheBoxAlongItsOwnAxes) {
-  // Axes that are turned and sheared, of lengths 0.5, 2 and 5.
+TEST(Resample, VoxelSizesDivideBoxAlongFieldAxes) {
+  // Rotated and sheared axes of lengths 0.5, 2 and 5.
   ScalarField field = test::random_field<float>({5, 4, 3}, 1, 1);
   field.index_to_world = {{{0.3, 0.4, 0}, {-1.6, 1.2, 0}, {3, 0, 4}}, {100, -20, 7}};
   EXPECT_EQ(resolution_of_voxel_size(field, {0.5, 2, 5}).value(), glm::ivec3(5, 4, 3));
   EXPECT_EQ(resolution_of_voxel_size(field, {0.25, 6, 10.0 / 7}).value(), glm::ivec3(9, 2, 8));
   EXPECT_EQ(resolution_of_voxel_size(field, {3.9, 2.4 - 1e-3, 2.4}).value(), glm::ivec3(2, 4, 5));
-  // Both ends stay, and all samples are steps of the length apart, on the axis.
+  // Both ends stay, and the samples are evenly spaced along the axes.
   const ScalarField finer = resampled(field, resolution_of_voxel_size(field, {0.25, 6, 10.0 / 7}).value());
   for (const glm::ivec3& p : {glm::ivec3(0), glm::ivec3(8, 1, 7), glm::ivec3(3, 0, 5)}) {
     const glm::dvec3 place = field.index_to_world.offset + 0.25 * p.x * glm::dvec3(0.6, 0.8, 0) +
@@ -75,7 +75,7 @@ TEST(Resample, VoxelSizesDivideTheBoxAlongItsOwnAxes) {
   EXPECT_EQ(sample_at(finer, {8, 1, 7}), sample_at(field, {4, 3, 2}));
 }
 
-TEST(Resample, RefusesVoxelSizesWithoutAStepInTheBox) {
+TEST(Resample, RefusesVoxelSizesThatDoNotFit) {
   const ScalarField field = test::random_field<float>({5, 4, 3}, 1, 1);
   for (const double size : {0.0, -1.0, kInfinity, std::nan(""), 1e-12, 4.1}) {
     const auto refused = resolution_of_voxel_size(field, {1, 1, size});
@@ -87,7 +87,7 @@ TEST(Resample, RefusesVoxelSizesWithoutAStepInTheBox) {
   EXPECT_EQ(flat.error().code, ErrorCode::input);
 }
 
-TEST(Resample, ToItsOwnResolutionSharesTheSamples) {
+TEST(Resample, SharesSamplesAtSameResolution) {
   ScalarField field = test::random_field<std::uint16_t>({5, 6, 7}, 1, 60000);
   field.notes = {"was shown when it was read"};
   field.scale = {-2, 1};
@@ -99,8 +99,8 @@ TEST(Resample, ToItsOwnResolutionSharesTheSamples) {
   EXPECT_TRUE(same.notes.empty());
 }
 
-// Every type; whatever bits the samples have, NaN and -0 included, new samples on old ones have them too.
-TEST(Resample, AtOldSamplesHasTheirExactValues) {
+// For every type: a new sample on an old one has its exact bits, also NaN and -0.
+TEST(Resample, KeepsExactValuesAtOldSamples) {
   for (const SampleType type : {SampleType::u8, SampleType::i8, SampleType::u16, SampleType::i16, SampleType::u32,
                                 SampleType::i32, SampleType::f16, SampleType::f32, SampleType::f64}) {
     visit_sample_type(type, [&]<class T>(std::type_identity<T>) {
@@ -121,9 +121,9 @@ TEST(Resample, AtOldSamplesHasTheirExactValues) {
   }
 }
 
-// What is linear along each axis, products included, keeps its value at every place of the world, in a rotated, sheared
-// and mirrored frame and with a value scale; finer, coarser, and without a common sample.
-TEST(Resample, KeepsATrilinearFieldWhereItWas) {
+// A function linear along each axis, including products, keeps its value at every world position: in a rotated, sheared
+// and mirrored frame, with a value scale, on finer and coarser grids, and without common samples.
+TEST(Resample, KeepsTrilinearFieldInPlace) {
   const Affine frame{glm::dmat3(-2, 0.3, 0, 0.5, 1, 0.2, 0, -0.4, 0.1), glm::dvec3(5, -3, 1e4)};
   const auto f = [](const glm::dvec3& p) { return 1 + 2 * p.x - p.y + 0.5 * p.x * p.y * p.z - 3 * p.y * p.z; };
   ScalarField field = test::dense_field<double>({9, 8, 5}, [&](int i, int j, int k) { return f({i, j, k}); });
@@ -142,7 +142,7 @@ TEST(Resample, KeepsATrilinearFieldWhereItWas) {
   }
 }
 
-TEST(Resample, FinerIsTheInterpolantOfItsKernel) {
+TEST(Resample, FinerGridEqualsInterpolant) {
   const ScalarField field = test::random_field<double>({6, 7, 8}, 5, 1000);
   for (const auto& [kernel, interpolation] :
        {std::pair(kLinear, Interpolation::trilinear), std::pair(ResampleKernel::cubic, Interpolation::tricubic)}) {
@@ -155,16 +155,16 @@ TEST(Resample, FinerIsTheInterpolantOfItsKernel) {
   }
 }
 
-TEST(Resample, CoarserIsTheMeanOverAStep) {
+TEST(Resample, CoarserGridEqualsMeanOverStep) {
   const std::vector<double> samples{3, 1, 4, 1, 5, 9, 2, 6, 5, 3, 5, 8, 9};
-  // Steps of two: a whole sample and the halves beside it.
+  // Steps of two: one whole sample and half of each neighbor.
   const std::vector<double> halves = row_of(samples, 7);
   for (std::size_t i = 1; i < 6; ++i) {
     EXPECT_NEAR(halves[i], samples[2 * i - 1] / 4 + samples[2 * i] / 2 + samples[2 * i + 1] / 4, 1e-12);
   }
   EXPECT_EQ(halves.front(), 3);
   EXPECT_EQ(halves.back(), 9);
-  // Of any step: what one sample has is shared among the new ones, and nothing is lost or made.
+  // Any step: the new samples share each old one, and the sum stays the same.
   for (const int count : {12, 9, 7, 6, 5, 4}) {
     std::vector<double> spike(61, 0.0);
     spike[29] = 1;
@@ -173,7 +173,7 @@ TEST(Resample, CoarserIsTheMeanOverAStep) {
     for (const double value : row_of(spike, 5 * count)) sum += value;
     EXPECT_NEAR(sum * step, 1, 1e-12) << count;
   }
-  // What is finer than the new grid goes, and what is not a number is left out, or spreads.
+  // Details finer than the new grid vanish, and NaN is left out or spreads.
   std::vector<double> stripes;
   for (int i = 0; i < 65; ++i) stripes.push_back(i % 2 == 0 ? 1 : -1);
   const std::vector<double> flat = row_of(stripes, 17);
@@ -184,7 +184,7 @@ TEST(Resample, CoarserIsTheMeanOverAStep) {
   EXPECT_NEAR(holed[8], -1.0 / 3, 1e-12) << "(1/2 - 1 - 1 + 1/2) of a weight of 3";
   EXPECT_EQ(holed[10], flat[10]);
   for (const double value : row_of(std::vector<double>(50, 0.1), 7)) EXPECT_EQ(value, 0.1);
-  // A step that is hardly longer than a voxel hardly changes anything.
+  // A step hardly longer than a voxel hardly changes anything.
   std::vector<double> spike(101, 0.0);
   spike[5] = 8;
   EXPECT_GT(std::ranges::max(row_of(spike, 100)), 7);
@@ -196,7 +196,7 @@ TEST(Resample, CoarserIsTheMeanOverAStep) {
   }
 }
 
-TEST(Resample, CubicGoesThroughTheSamplesAndKeepsParabolas) {
+TEST(Resample, CubicInterpolatesSamplesAndKeepsParabolas) {
   const std::vector<double> samples{3, 1, 4, 1, 5, 9, 2, 6};
   const std::vector<double> finer = row_of(samples, 29, ResampleKernel::cubic);
   for (std::size_t i = 0; i < samples.size(); ++i) EXPECT_EQ(finer[4 * i], samples[i]);
@@ -211,7 +211,7 @@ TEST(Resample, CubicGoesThroughTheSamplesAndKeepsParabolas) {
   EXPECT_EQ(row_of({1, 2}, 5, ResampleKernel::cubic), (std::vector<double>{1, 1.25, 1.5, 1.75, 2}));
 }
 
-TEST(Resample, BSplineIsSmoothBetweenItsSamplesAndKeepsLines) {
+TEST(Resample, BSplineSmoothsSamplesAndKeepsLines) {
   const std::vector<double> samples{3, 1, 4, 1, 5, 9, 2, 6};
   const std::vector<double> finer = row_of(samples, 29, ResampleKernel::bspline);
   EXPECT_NEAR(finer.front(), 3, 1e-12);
@@ -228,7 +228,7 @@ TEST(Resample, BSplineIsSmoothBetweenItsSamplesAndKeepsLines) {
   }
 }
 
-TEST(Resample, NearestSamplesStayAsTheyAre) {
+TEST(Resample, NearestReturnsOldSamples) {
   const std::vector<double> samples{3, 1, 4, 8, 16};
   EXPECT_EQ(row_of(samples, 9, ResampleKernel::nearest), (std::vector<double>{3, 3, 1, 1, 4, 4, 8, 8, 16}));
   EXPECT_EQ(row_of(samples, 13, ResampleKernel::nearest),
@@ -246,7 +246,7 @@ TEST(Resample, NearestSamplesStayAsTheyAre) {
   }
 }
 
-TEST(Resample, KernelsAreLinearBesideWhatIsNotFinite) {
+TEST(Resample, KernelsAreLinearBesideNonFiniteSamples) {
   const std::vector<double> samples{1, 2, 5, test::kNaN, 5, 2, 1, 0};
   for (const ResampleKernel kernel : {ResampleKernel::cubic, ResampleKernel::bspline}) {
     for (const NanSamples nan : {NanSamples::left_out, NanSamples::spread}) {
@@ -264,7 +264,7 @@ TEST(Resample, KernelsAreLinearBesideWhatIsNotFinite) {
   }
 }
 
-TEST(Resample, OnlyNeighboursThatCountHaveASay) {
+TEST(Resample, IgnoresSamplesOfWeightZero) {
   EXPECT_EQ(row_of({1, kInfinity, 3, 4}, 4)[0], 1);
   const std::vector<double> row = row_of({1, kInfinity, 3, -kInfinity, test::kNaN, 6, 7}, 13);
   EXPECT_EQ(row[0], 1);
@@ -283,7 +283,7 @@ TEST(Resample, OnlyNeighboursThatCountHaveASay) {
   EXPECT_TRUE(std::isnan(row_of({-kInfinity, kInfinity}, 3)[1])) << "no value lies between both infinities";
 }
 
-// Against sums over all weights: the three axes together, NaN in every row and in none.
+// Compares with sums over all weights of the three axes, for rows with and without NaN.
 TEST(Resample, MeansLeaveNanOut) {
   const glm::ivec3 dims(11, 9, 10);
   const glm::ivec3 coarse(4, 5, 3);
@@ -319,7 +319,7 @@ TEST(Resample, MeansLeaveNanOut) {
   }
 }
 
-TEST(Resample, StaysBetweenItsNeighboursAtTheEdgesOfTheRange) {
+TEST(Resample, StaysBetweenNeighborsAtExtremes) {
   constexpr double kMost = std::numeric_limits<double>::max();
   for (const double most : {kMost, 3e38, 5e-324}) {
     double before = -most;
@@ -337,14 +337,14 @@ TEST(Resample, StaysBetweenItsNeighboursAtTheEdgesOfTheRange) {
   for_each_sample({8, 9, 10}, [&](const glm::ivec3& p) { EXPECT_TRUE(std::isfinite(sample_at(finer, p))); });
 }
 
-TEST(Resample, SparseIsDenseOverTheBoxOfWhatIsNotBackground) {
+TEST(Resample, SparseEqualsDenseOverStoredBox) {
   const ScalarField dense = test::dense_field<std::int16_t>({32, 24, 40}, [](int i, int j, int k) {
     const bool margin = std::min({i, j, k}) < 2 || i > 29 || j > 21 || k > 37;
     return margin ? -3 : i >= 16 && i < 24 && j < 16 ? 7 : (i * 7 + j * 3 + k * 11) % 100;
   });
   ScalarField sparse = test::sparse_copy<std::int16_t>(dense, -3);
   ASSERT_FALSE(std::get<SparseSamples>(sparse.samples).tiles.empty());
-  // Whether a voxel is active plays no part in extraction, and so in none of this.
+  // Extraction ignores whether a voxel is active, and so does resampling.
   std::get<SparseSamples>(sparse.samples).active_box = {glm::ivec3(5), glm::ivec3(6)};
   const ScalarField own = resampled(sparse, {30, 22, 38});
   ASSERT_EQ(own.notes.size(), 1U);
@@ -361,7 +361,7 @@ TEST(Resample, SparseIsDenseOverTheBoxOfWhatIsNotBackground) {
   });
 }
 
-TEST(Resample, SparseTakesNegativeIndicesTilesAndNothingAtAll) {
+TEST(Resample, AcceptsNegativeIndicesTilesAndEmptyField) {
   SparseSamples samples;
   const std::vector<float> ones(512, 1.0F);
   samples.blocks = {{glm::ivec3(-8), ones.data()}};
@@ -385,7 +385,7 @@ TEST(Resample, SparseTakesNegativeIndicesTilesAndNothingAtAll) {
   for_each_sample({2, 3, 4}, [&](const glm::ivec3& p) { EXPECT_EQ(sample_at(nothing, p), 0); });
 }
 
-TEST(Resample, SaysWhatItCannotDo) {
+TEST(Resample, FailsForInvalidSizesAndLowMemory) {
   const ScalarField field = test::dense_field<float>({4, 4, 4}, [](int i, int, int) { return i; });
   EXPECT_EQ(
       resample(field, {4, 1, 4}, field::ResampleKernel::linear, field::NanSamples::left_out, Context()).error().code,
@@ -407,12 +407,12 @@ TEST(Resample, SaysWhatItCannotDo) {
       ErrorCode::out_of_memory);
 }
 
-TEST(Resample, IsTheSameForAnyNumberOfThreads) {
+TEST(Resample, DoesNotDependOnThreads) {
   const ScalarField field = test::random_field<float>({20, 30, 10}, 9, 1000);
   std::vector<ScalarField> results;
   for (const std::size_t threads : {1, 2, 5}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    // Means and a kernel.
+    // Uses means and a kernel.
     results.push_back(resampled(field, {13, 150, 7}, ResampleKernel::cubic));
     EXPECT_EQ(std::memcmp(dense_samples(results[0]).data, dense_samples(results.back()).data,
                           dense_samples(results[0]).count() * sizeof(float)),

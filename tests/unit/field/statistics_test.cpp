@@ -40,12 +40,13 @@ std::uint64_t histogram_sum(const FieldStatistics& statistics) {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kFloatInfinity = std::numeric_limits<float>::infinity();
 
-TEST(Statistics, EveryTypeGivesExactRangeAndMean) {
+TEST(Statistics, RangeAndMeanAreExactForEveryType) {
   for (const SampleType type : {SampleType::u8, SampleType::i8, SampleType::u16, SampleType::i16, SampleType::u32,
                                 SampleType::i32, SampleType::f16, SampleType::f32, SampleType::f64}) {
     visit_sample_type(type, [&]<class T>(std::type_identity<T>) {
       std::vector<T> values;
-      for (int i = 0; i < 101; ++i) values.push_back(static_cast<T>(static_cast<float>(i)));  // 101: not whole lanes
+      // 101 is not a multiple of the lanes.
+      for (int i = 0; i < 101; ++i) values.push_back(static_cast<T>(static_cast<float>(i)));
       const FieldStatistics statistics = statistics_of(values);
       EXPECT_EQ(statistics.samples, 101U) << sample_type_name(type);
       EXPECT_EQ(statistics.min, 0);
@@ -56,13 +57,13 @@ TEST(Statistics, EveryTypeGivesExactRangeAndMean) {
   }
 }
 
-TEST(Statistics, IntegersOf32BitsKeepAllTheirDigits) {
+TEST(Statistics, KeepsAllDigitsOf32BitIntegers) {
   const FieldStatistics statistics = statistics_of<std::int32_t>(std::vector<std::int32_t>(16, 2147483647));
   EXPECT_EQ(statistics.min, 2147483647.0);
   EXPECT_EQ(statistics.max, 2147483647.0);
 }
 
-TEST(Statistics, ValuesAreScaled) {
+TEST(Statistics, ScalesValues) {
   ScalarField field = dense_field<std::uint8_t>({0, 10, 20});
   field.scale = {-2, 5};
   const FieldStatistics statistics = measure_statistics(field);
@@ -71,13 +72,13 @@ TEST(Statistics, ValuesAreScaled) {
   EXPECT_NEAR(statistics.mean, -15, 1e-12);
 }
 
-TEST(Statistics, WhatIsNotFiniteIsCountedAndLeftOut) {
+TEST(Statistics, CountsNonFiniteSamplesAndLeavesThemOut) {
   std::vector<float> values(1000, 1.0F);
   values[0] = kNan;
   values[500] = kFloatInfinity;
   values[501] = -kFloatInfinity;
   values[999] = kNan;
-  values.push_back(kFloatInfinity);  // alone in the rest that fills no lanes
+  values.push_back(kFloatInfinity);  // alone in the rest that does not fill the lanes
   values[7] = -3.0F;
   const FieldStatistics statistics = statistics_of(values);
   EXPECT_EQ(statistics.nan, 2U);
@@ -88,7 +89,7 @@ TEST(Statistics, WhatIsNotFiniteIsCountedAndLeftOut) {
   EXPECT_EQ(histogram_sum(statistics), 996U);
 }
 
-TEST(Statistics, AllNanHasNoHistogram) {
+TEST(Statistics, HasNoHistogramIfAllAreNan) {
   const ScalarField field = dense_field<float>(std::vector<float>(20, kNan));
   const FieldStatistics statistics = measure_statistics(field);
   EXPECT_EQ(statistics.samples, 0U);
@@ -97,7 +98,7 @@ TEST(Statistics, AllNanHasNoHistogram) {
   EXPECT_FALSE(suggest_iso(field, statistics).separates);
 }
 
-TEST(Statistics, ConstantField) {
+TEST(Statistics, DescribesConstantField) {
   const ScalarField field = dense_field<double>(std::vector<double>(20, 7.25));
   const FieldStatistics statistics = measure_statistics(field);
   EXPECT_EQ(statistics.min, 7.25);
@@ -109,7 +110,7 @@ TEST(Statistics, ConstantField) {
   EXPECT_FALSE(suggest_iso(field, statistics).separates);
 }
 
-TEST(Statistics, TheWidestRangesDoNotOverflow) {
+TEST(Statistics, WidestRangesDoNotOverflow) {
   const ScalarField field = dense_field<double>({-1.7e308, 1.7e308, 1.7e308, -1.7e308, 1.6e308, -1.6e308});
   const FieldStatistics statistics = measure_statistics(field);
   EXPECT_EQ(statistics.min, -1.7e308);
@@ -134,7 +135,7 @@ TEST(Statistics, SubnormalRangeFillsTheHistogram) {
   EXPECT_EQ(statistics.histogram.back(), 1U);
 }
 
-// The scaled values in order; nothing for those that are not finite.
+// Returns the finite scaled values in ascending order.
 template <class T>
 std::vector<double> in_order(const std::vector<T>& stored, const ValueScale& scale) {
   std::vector<double> values;
@@ -164,8 +165,8 @@ using SampleTypes = testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std
                                    Half, float, double>;
 TYPED_TEST_SUITE(ExactPercentiles, SampleTypes);
 
-// Half of the samples are one number; the others are all over the type, its ends among them.
-TYPED_TEST(ExactPercentiles, AreThoseOfTheSamples) {
+// Half of the samples are equal; the others cover the whole type, including its extremes.
+TYPED_TEST(ExactPercentiles, EqualSortedSamples) {
   using T = TypeParam;
   std::mt19937_64 engine(5);
   for (const std::size_t count : {1U, 2U, 7U, 99U, 100U, 101U, 20011U, 200000U}) {
@@ -177,7 +178,7 @@ TYPED_TEST(ExactPercentiles, AreThoseOfTheSamples) {
         one.setBits(static_cast<std::uint16_t>(common ? 0x3C00U : any));  // 1 is common
       } else if constexpr (std::is_floating_point_v<T>) {
         using Bits = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
-        one = common ? T{0} : std::bit_cast<T>(static_cast<Bits>(any));  // of any size and sign, NaN among them
+        one = common ? T{0} : std::bit_cast<T>(static_cast<Bits>(any));  // of any size and sign, including NaN
       } else {
         one = common ? T{3} : static_cast<T>(any);
       }
@@ -195,8 +196,8 @@ TYPED_TEST(ExactPercentiles, AreThoseOfTheSamples) {
   }
 }
 
-// A scale that takes large numbers beyond what a double holds.
-TEST(Statistics, PercentilesOfIntegersLeaveOutWhatIsNotFinite) {
+// The scale maps large numbers beyond the range of double.
+TEST(Statistics, PercentilesLeaveOutNonFiniteIntegers) {
   const std::vector<std::int32_t> stored{1, 2, 3, 2000000000, -2000000000, 4};
   ScalarField field = dense_field(stored);
   field.scale = {1e300, 0};
@@ -206,7 +207,7 @@ TEST(Statistics, PercentilesOfIntegersLeaveOutWhatIsNotFinite) {
   EXPECT_EQ(statistics.percentiles.back(), 4e300);
 }
 
-TEST(Statistics, PercentilesOfIntegersCountTiles) {
+TEST(Statistics, PercentilesCountTiles) {
   auto block = std::make_shared<std::vector<std::int32_t>>(512, 70000);
   SparseSamples sparse;
   sparse.type = SampleType::i32;
@@ -220,7 +221,7 @@ TEST(Statistics, PercentilesOfIntegersCountTiles) {
   EXPECT_EQ(statistics.percentiles[4], 70000);
 }
 
-TEST(Statistics, SparseCountsBlocksAndTilesButNotTheBackground) {
+TEST(Statistics, CountsBlocksAndTilesButNotBackground) {
   auto block = std::make_shared<std::vector<float>>(512, 2.0F);
   (*block)[3] = 4.0F;
   SparseSamples sparse;
@@ -240,8 +241,8 @@ TEST(Statistics, SparseCountsBlocksAndTilesButNotTheBackground) {
   EXPECT_EQ(statistics.histogram.back(), 1U);
 }
 
-// A row of eight voxels within one block, and across two: what else is stored differs, the field does not.
-TEST(Statistics, DoNotDependOnWhereSparseBlocksBegin) {
+// A row of eight voxels, within one block or across two: the stored values differ, the field does not.
+TEST(Statistics, DoesNotDependOnSparseBlockBoundaries) {
   const auto row_from = [](int start) {
     auto values = std::make_shared<std::vector<float>>(2 * 512, 0.0F);
     for (int x = start; x < start + 8; ++x) {
@@ -268,8 +269,8 @@ TEST(Statistics, DoNotDependOnWhereSparseBlocksBegin) {
   }
 }
 
-// Far inside and far outside, a level set says no more than that: how much of it is stored is no matter of the field.
-TEST(Statistics, OfALevelSetAreThoseOfItsBand) {
+// Far values of a level set only tell the side: their number depends on storage, not on the field.
+TEST(Statistics, LeavesOutFarValuesOfLevelSet) {
   auto block = std::make_shared<std::vector<float>>(512, 3.0F);
   std::fill_n(block->begin(), 200, -3.0F);
   for (int i = 0; i < 5; ++i) (*block)[static_cast<std::size_t>(i) * 100] = static_cast<float>(i) - 2.0F;
@@ -288,11 +289,11 @@ TEST(Statistics, OfALevelSetAreThoseOfItsBand) {
   EXPECT_EQ(statistics.percentiles[3], 0);
   EXPECT_EQ(measure_percentiles(field, std::array{Percent(25)})->front(), -1);
   EXPECT_TRUE(suggest_iso(field, statistics).separates);
-  field.kind = FieldKind::density;  // there -3 is a value as others are
+  field.kind = FieldKind::density;  // in a density field -3 counts like any other value
   EXPECT_GT(measure_statistics(field).samples, std::uint64_t{1} << 36U);
 }
 
-TEST(Statistics, TheSameForAnyNumberOfThreads) {
+TEST(Statistics, DoesNotDependOnThreads) {
   std::vector<float> values(1'000'000);
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = std::sin(static_cast<float>(i) * 0.37F) * 1e3F;
   const ScalarField field = dense_field(values);
@@ -307,14 +308,14 @@ TEST(Statistics, TheSameForAnyNumberOfThreads) {
   EXPECT_EQ(first.histogram, second.histogram);
 }
 
-TEST(SuggestIso, TwoPeaksAreSeparatedInTheMiddleOfTheGap) {
+TEST(SuggestIso, CutsMiddleOfGapBetweenTwoPeaks) {
   std::vector<float> values(100, 10.0F);
   values.insert(values.end(), 50, 90.0F);
   const ScalarField field = dense_field(values);
   EXPECT_NEAR(suggest_iso(field, measure_statistics(field)).iso, 50, 0.5);
 }
 
-TEST(SuggestIso, HasNoMoreDigitsThanABinJustifies) {
+TEST(SuggestIso, RoundsToWidthOfBin) {
   const ScalarField field = dense_field<std::uint8_t>({0, 0, 0, 0, 1, 3, 250, 254, 254});
   const double iso = suggest_iso(field, measure_statistics(field)).iso;
   EXPECT_EQ(iso, std::round(iso * 10) / 10);
@@ -322,7 +323,7 @@ TEST(SuggestIso, HasNoMoreDigitsThanABinJustifies) {
   EXPECT_LT(iso, 250);
 }
 
-TEST(SuggestIso, LevelSetsHaveTheirZero) {
+TEST(SuggestIso, SuggestsZeroForLevelSets) {
   ScalarField field = dense_field<float>({-0.5F, 3.0F, 3.0F});
   field.kind = FieldKind::level_set;
   const IsoSuggestion suggestion = suggest_iso(field, measure_statistics(field));
@@ -335,8 +336,8 @@ TEST(SuggestIso, LevelSetsHaveTheirZero) {
   }
 }
 
-// The statistics leave the background out, the surface does not.
-TEST(SuggestIso, OneValueIsSeparatedFromAnotherBackground) {
+// The statistics leave the background out, but the surface passes it.
+TEST(SuggestIso, SeparatesSingleValueFromBackground) {
   auto block = std::make_shared<std::vector<float>>(512, 2.0F);
   SparseSamples sparse;
   sparse.type = SampleType::f32;
@@ -352,7 +353,7 @@ TEST(SuggestIso, OneValueIsSeparatedFromAnotherBackground) {
   }
 }
 
-TEST(SuggestIso, DemoFieldsHaveTheirOwn) {
+TEST(SuggestIso, SuggestsIsoOfDemoField) {
   const auto field = make_demo_field("demo:marschner-lobb?size=16", Context());
   ASSERT_TRUE(field.has_value());
   EXPECT_EQ(suggest_iso(*field, measure_statistics(*field)).iso, 0.5);

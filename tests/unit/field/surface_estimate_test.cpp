@@ -22,7 +22,7 @@ ScalarField dense_field(std::vector<float> values, glm::ivec3 dims) {
 }
 
 TEST(EstimateVertices, CountsCrossingsWithinRowsOnly) {
-  // Two rows of four: inside runs end at the rows' borders, which is no crossing.
+  // Two rows of four: the ends of adjacent rows do not count as a crossing.
   const ScalarField field = dense_field({0, 0, 1, 1, 0, 1, 1, 0}, {4, 2, 1});
   EXPECT_EQ(estimate_surface(field, 0.5).vertices, 3U * 3U);
   EXPECT_EQ(estimate_surface(field, 1).vertices, 0U);  // a value equal to iso is outside
@@ -39,12 +39,12 @@ TEST(EstimateVertices, IsCloseForABall) {
       }
     }
   }
-  // Every line along an axis that meets the ball crosses it twice: 3 * 2 * pi * r^2.
+  // Each line along an axis that meets the ball crosses it twice: 3 * 2 * pi * r^2.
   EXPECT_NEAR(static_cast<double>(estimate_surface(dense_field(values, glm::ivec3(kSize)), 0).vertices),
               6 * 3.14159 * 400, 6 * 3.14159 * 400 * 0.02);
 }
 
-// Blocks of zeros but for some samples that are 1; the background is 0.
+// Blocks of zeros with samples of 1 at `ones`; the background is 0.
 ScalarField blocks_with(const std::vector<std::pair<glm::ivec3, std::vector<glm::ivec3>>>& ones) {
   auto values = std::make_shared<std::vector<float>>(512 * ones.size(), 0.0F);
   SparseSamples sparse;
@@ -61,8 +61,8 @@ ScalarField blocks_with(const std::vector<std::pair<glm::ivec3, std::vector<glm:
   return field;
 }
 
-// A sheet at a side of a block, whichever: 64 edges lead into the block, 64 and those at its rim out of it.
-TEST(EstimateVertices, OfBlocksLooksAlongEveryAxis) {
+// A sheet at one side of a block: 64 edges enter it on one side, 64 on the other, and 32 at its rim.
+TEST(EstimateVertices, CountsBlockEdgesAlongEveryAxis) {
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<glm::ivec3> sheet;
     for (int a = 0; a < 8; ++a) {
@@ -78,8 +78,8 @@ TEST(EstimateVertices, OfBlocksLooksAlongEveryAxis) {
   EXPECT_EQ(estimate_surface(blocks_with({{glm::ivec3(0), {}}}), 0.5).vertices, 0U);
 }
 
-// Tiles of 1 in a background of 0: what lies within them has no edge that crosses, their faces have all.
-TEST(EstimateVertices, CountsTheFacesOfTiles) {
+// Tiles of 1 in a background of 0: edges inside do not cross, all edges at the faces do.
+TEST(EstimateVertices, CountsFacesOfTiles) {
   ScalarField field = blocks_with({});
   auto& sparse = std::get<SparseSamples>(field.samples);
   sparse.tiles = {{glm::ivec3(0), 128, 1}};
@@ -88,14 +88,14 @@ TEST(EstimateVertices, CountsTheFacesOfTiles) {
   EXPECT_EQ(estimate_surface(field, 2).vertices, 0U);
   sparse.tiles.push_back({glm::ivec3(128, 0, 0), 8, 1});  // shares a face
   EXPECT_EQ(estimate_surface(field, 0.5).vertices, 6U * 128 * 128 + 4U * 8 * 8);
-  sparse.tiles.back().value = -1;  // outside, as the background is
+  sparse.tiles.back().value = -1;  // outside, like the background
   EXPECT_EQ(estimate_surface(field, 0.5).vertices, 6U * 128 * 128);
-  field.kind = FieldKind::level_set;  // the one of -1 alone is inside below -0.5
+  field.kind = FieldKind::level_set;  // only the tile of -1 is inside below -0.5
   EXPECT_EQ(estimate_surface(field, -0.5).vertices, 6U * 8 * 8);
 }
 
-// A block beside the tile whose samples at the shared face are inside but for one.
-TEST(EstimateVertices, CountsWhereTilesMeetBlocks) {
+// A block beside the tile; all its samples at the shared face but one are inside.
+TEST(EstimateVertices, CountsEdgesBetweenTilesAndBlocks) {
   std::vector<glm::ivec3> ones;
   for (int x = 0; x < 8; ++x) {
     for (int y = 0; y < 8; ++y) {
@@ -106,12 +106,12 @@ TEST(EstimateVertices, CountsWhereTilesMeetBlocks) {
   }
   ScalarField field = blocks_with({{glm::ivec3(8, 0, 0), ones}});
   std::get<SparseSamples>(field.samples).tiles = {{glm::ivec3(0), 8, 1}};
-  // Five edges of that sample lie in the block and one leads to the tile; five faces of each are bare.
+  // Five edges of that sample are in the block and one leads to the tile; each has five free faces.
   EXPECT_EQ(estimate_surface(field, 0.5).vertices, 5U + 1 + 10U * 64);
 }
 
-// The surface of voxels has as many vertices as sides of theirs are bare, wherever blocks begin.
-TEST(EstimateVertices, DoesNotDependOnWhereBlocksBegin) {
+// The surface of a group of voxels has one vertex per free face, for any block boundaries.
+TEST(EstimateVertices, DoesNotDependOnBlockBoundaries) {
   for (int start = 0; start < 8; ++start) {
     std::map<std::array<int, 3>, std::vector<glm::ivec3>> blocks;
     for (int n = 0; n < 6 * 6 * 6; ++n) {
@@ -125,7 +125,7 @@ TEST(EstimateVertices, DoesNotDependOnWhereBlocksBegin) {
   }
 }
 
-TEST(EstimatePlaces, CountsBlocksAndWhatLiesBesideThem) {
+TEST(EstimatePlaces, CountsBlocksAndEmptyNeighbors) {
   EXPECT_EQ(estimate_surface(dense_field({0, 1}, {2, 1, 1}), 0.5).places, 0U);
   EXPECT_EQ(estimate_surface(blocks_with({{glm::ivec3(0), {}}}), 0.5).places, 0U);
   EXPECT_EQ(estimate_surface(blocks_with({{glm::ivec3(0), {glm::ivec3(3)}}}), 0.5).places, 1U);
