@@ -1,4 +1,5 @@
-// A sequence of meshes as one GLB that plays: a node a frame, shown in its time only (write/animated_glb.hpp says how).
+// Writes a sequence of meshes as one animated GLB: one node per frame, visible only during that frame's time
+// (write/animated_glb.hpp explains how).
 #pragma once
 
 #include <cstdint>
@@ -14,69 +15,77 @@
 
 namespace isoextract::mesh_io {
 
-// What the container can be: its length is a number of 32 bits.
+// The largest GLB in bytes: the container stores its length in 32 bits.
 inline constexpr std::uint64_t kLargestGlb = 0xFFFFFFFF;
 
-// Where a sequence has more than one file can hold, it goes on in others: water.glb, water.part2.glb, water.part3.glb.
+// Returns the path of a part of a sequence that is too large for one file. Parts count from 1:
+// water.glb, water.part2.glb, water.part3.glb.
 [[nodiscard]] std::filesystem::path animation_part_path(const std::filesystem::path& path, std::size_t part);
 
-// The time line. The first frame is at 0 seconds, whatever its number, and frame k at (k - first) / frames_per_second:
-// gaps in the numbering keep their time. A frame is shown until the next one that is there, be it of the next number or
-// after a gap, and the last one for the time of one frame, so that the animation loops evenly. A frame that is there
-// but has no triangles shows nothing in its time. Frames of span() that are missing keep their time as well: nothing is
-// shown before the first that is there, and the last one is shown until the end. The key of a frame is the largest
-// float32 that is not after its time, so that players see it there, whichever way they round.
+// Time line: frame k starts at (k - first) / frames_per_second seconds, where `first` is the first frame's number. Gaps
+// in the numbering keep their time.
+// A frame is shown until the next frame that was added, and the last one for 1 / frames_per_second seconds, so that the
+// animation loops evenly. A frame without triangles shows nothing during its time.
+// Missing frames of span() keep their time too: nothing is shown before the first frame that was added, and the last
+// one is shown until the end.
+// The key of a frame is the largest float32 that is not after its time, so that players show the frame at that time,
+// whichever way they round.
 //
-// Programs that do not play show the first frame that has triangles.
+// Programs that do not play animations show the first frame that has triangles.
 //
-// Splitting. A frame that does not fit into a file begins the next one. All files keep the time line of the sequence
-// and its length, and show their own frames only: opened together they play the whole. A note says what is where.
+// Splitting: a frame that does not fit into the current file begins the next one. Every file has the time line and the
+// length of the whole sequence and shows its own frames only, so the files opened together play the whole sequence.
+// A note tells which frames each file holds.
 //
-// Each frame goes to disk as it comes; about a kilobyte of it is kept in memory. Nothing has a name before finish(),
-// where all files get theirs together, the first one last: a writer that goes without it leaves nothing behind.
-// Standard output, pipes and devices are refused: what a GLB begins with is known at its end.
+// Each frame goes to disk when it is added; about one kilobyte of it stays in memory. finish() gives all files their
+// names together, the first file last. A writer destroyed without finish() leaves no file behind.
+// Standard output, pipes and devices are refused, because the beginning of a GLB is known only at its end.
 class AnimationWriter {
  public:
-  // `frames_at_most` is how many may come: room is left for the descriptions of so many. More are no error; the file is
-  // then copied once within itself. `largest_file` is for tests.
+  // `frames_at_most` is the expected number of frames: the writer reserves space in the file for their JSON. More
+  // frames are no error; the file's data is then moved once within the file.
+  // `largest_file`, in bytes, exists for tests.
   AnimationWriter(const std::filesystem::path& path, const MeshWriteOptions& options, double frames_per_second,
                   std::uint64_t frames_at_most, const Context& context, std::uint64_t largest_file = kLargestGlb);
   AnimationWriter(AnimationWriter&&) noexcept;
   AnimationWriter& operator=(AnimationWriter&&) noexcept;
   ~AnimationWriter();
 
-  // Makes the time line that of the frames from `first` to `last`, whichever of them come. Call before add().
+  // Sets the time line to the frames `first` to `last`, whichever of them are added. Call before add().
   void span(std::int64_t first, std::int64_t last);
 
-  // Whether there can be such a file, before anything is made for it. Fails with ErrorCode::usage, as add() and
-  // finish() then do.
+  // Checks the options before any file is created. Fails with ErrorCode::usage if the format is not binary GLB, the
+  // frame rate is not a positive number, or the path is a stream; add() and finish() then fail alike.
   [[nodiscard]] Result<void> check() const;
 
-  // Whether frames of these numbers, which grow, could be told apart in time, were they the first that come: else
-  // add() refuses some of them. Fails with ErrorCode::usage, naming the first.
+  // Checks that float32 times can tell these frames apart; `frames` are ascending. Counts time from the first of them
+  // and ignores span(). Fails with ErrorCode::usage and names the first frame that add() would refuse.
   [[nodiscard]] Result<void> check_times(std::span<const std::int64_t> frames) const;
 
-  // The surfaces of a frame, none of which is needed afterwards. Numbers grow from call to call. `name` is the node's;
-  // where there are several surfaces, theirs are those of nodes below it. `packing` is the frame's: options.packing
-  // does not count here, and its box must be there where positions are quantised. Frames share a lattice where
-  // mesh_packing.hpp says so. Neither does options.placement: the file has that of the first frame, and a note tells
-  // where others differ.
+  // Adds the surfaces of a frame; the caller may free them afterwards. `frame` must grow from call to call. `name`
+  // becomes the node's name; several surfaces become child nodes with the names of their meshes.
+  // `packing` replaces options.packing for this frame. If it quantizes positions, its box must be set. mesh_packing.hpp
+  // tells when frames share a lattice.
+  // `placement` replaces options.placement: the file stores that of the first frame, and a note tells if others differ.
   //
-  // A frame that cannot be written is refused with ErrorCode::output, and the rest may go on as if it had not come: one
-  // whose numbers would destroy its triangles (write/written_places.hpp), that is larger than a file can be, or that is
-  // so far from the first that float32 cannot tell its time from its neighbours'. So is a number that does not grow,
-  // with ErrorCode::usage. After any other failure every later call fails alike.
+  // Refuses with ErrorCode::output, and can go on with other frames afterwards: a frame whose rounded coordinates would
+  // destroy its triangles (write/written_places.hpp), a frame larger than a file can be, or a frame so late that
+  // float32 cannot tell its time from that of its neighbors.
+  // Refuses a frame number that does not grow with ErrorCode::usage. After any other failure every later call fails
+  // alike.
   [[nodiscard]] Result<void> add(const std::string& name, std::int64_t frame, std::span<const mesh::Mesh> surfaces,
                                  const MeshPacking& packing = {}, const std::string& placement = {});
   [[nodiscard]] Result<void> add(const std::string& name, std::int64_t frame, const mesh::Mesh& surface);
 
-  // What packing did to the surfaces of the last frame that was added, one each; nothing where they were not packed.
+  // Returns what packing did to each surface of the last frame added; empty if it was not packed.
   [[nodiscard]] std::span<const PackedFacts> packed() const;
 
-  // Whether a failure has ended it, so that every later call fails like that one: it was none of a single frame.
+  // Returns whether an earlier failure ended the whole file, so that every later call fails alike. Refusing one frame
+  // does not count.
   [[nodiscard]] bool has_failed() const;
 
-  // Gives all files their names. Call once, last. Fails with ErrorCode::output where no frame came.
+  // Completes all files and gives them their names. Call once, last. Fails with ErrorCode::output if no frame was
+  // added.
   [[nodiscard]] Result<MeshWriteResult> finish();
 
  private:

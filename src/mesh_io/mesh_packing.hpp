@@ -1,13 +1,14 @@
-// How meshes are packed into fewer bytes, and what that did to them.
+// Options for packing meshes into fewer bytes, and the record of what packing changed.
 //
-// Positions that are quantised lie on one lattice: the multiples of a step, a power of two, in the coordinates of the
-// output, wherever a mesh's own origin is. So equal positions become equal positions, in both meshes that share them
-// and to the last bit, also in different files, as long as the step is the same: that of one voxel size, or of one box
-// and number of bits. Such coordinates are exact in float32 up to 2^24 steps from zero; beyond, a file's meshes are
-// relative to one common origin, itself on the lattice. No coordinate moves by more than half a step.
+// Quantized positions lie on one lattice in the coordinates of the output, whatever the mesh's own origin is: all
+// multiples of a step, which is a power of two.
+// So positions that are equal before stay equal, bit for bit, across meshes and across files that use the same step.
+// The step is the same for the same voxel size, or for the same box and number of bits.
+// float32 holds such coordinates exactly up to 2^24 steps from zero. Farther away, the meshes of a file are relative to
+// one common origin, which is a lattice point. No coordinate moves by more than half a step.
 //
-// What was packed is unpacked again before it is written: triangles, their orientation, attributes and positions are
-// compared with the mesh, and errors are measured.
+// The writer unpacks every packed mesh again before it writes it. It compares triangles, their orientation, attributes
+// and positions with the original mesh, and measures the errors.
 #pragma once
 
 #include <array>
@@ -22,23 +23,23 @@ namespace isoextract::mesh_io {
 
 enum class Compression {
   none,
-  draco,   // glb and gltf: KHR_draco_mesh_compression. Quantises; the order of vertices and triangles changes
-  meshopt  // glb and gltf: EXT_meshopt_compression. Loses nothing; corners of triangles may turn
+  draco,   // glb and gltf: KHR_draco_mesh_compression. Quantizes; changes the order of vertices and triangles
+  meshopt  // glb and gltf: EXT_meshopt_compression. Lossless; may rotate the corners within a triangle
 };
 constexpr auto words_of(Compression /*type*/) {
   return std::array{Word{Compression::none, "none"}, Word{Compression::draco, "draco"},
                     Word{Compression::meshopt, "meshopt"}};
 }
 
-// How files are packed; by default they are not.
+// How to pack files; the default packs nothing.
 struct PackingOptions {
   Compression compression = Compression::none;
-  // glb and gltf: positions of 16 bits, normals of 8 (KHR_mesh_quantization). Draco quantises by itself.
+  // glb and gltf: 16-bit positions and 8-bit normals (KHR_mesh_quantization). Draco quantizes by itself.
   bool quantize = false;
-  // Of Draco: the longest side of the box has less than 2^bits steps. Nothing: the step is at most a 32nd of a voxel.
+  // Draco only: the longest side of the box has fewer than 2^bits steps. If unset, the step is at most 1/32 of a voxel.
   std::optional<std::uint64_t> position_bits;
-  // Vertices and triangles in an order that graphics cards and packers like (meshoptimizer). Any format, but not with
-  // Draco, which has an order of its own.
+  // Reorders vertices and triangles for the caches of graphics cards and for compressors (meshoptimizer). Any format,
+  // but not with Draco, which uses its own order.
   bool optimize_order = false;
 
   [[nodiscard]] bool quantizes() const { return quantize || compression == Compression::draco; }
@@ -46,35 +47,36 @@ struct PackingOptions {
   friend bool operator==(const PackingOptions&, const PackingOptions&) = default;
 };
 
-// Packing, and what it takes of the field: the voxel and the box of its samples.
+// Packing options, with the voxel size and the bounding box of the field.
 struct MeshPacking : PackingOptions {
-  // The shortest side of a voxel, in the mesh's units. 0: not known; the step is as fine as the bits allow.
+  // The shortest side of a voxel, in the mesh's units. 0 if unknown: the step is then as fine as the bits allow.
   double voxel = 0;
-  // What all that shares the lattice lies in; a vertex outside is an error. Nothing: the box around the meshes of the
-  // file, which then are held until the last.
+  // The box around every mesh that shares the lattice; a vertex outside is an error. If unset, the writer uses the box
+  // around the meshes of the file and holds them all in memory until the last one.
   std::optional<mesh::Bounds> box = {};
 };
 
 inline constexpr std::uint64_t kMinPositionBits = 8;
-inline constexpr std::uint64_t kMaxPositionBits = 22;  // with which float32 still counts in halves
+inline constexpr std::uint64_t kMaxPositionBits = 22;  // float32 (24 bits) still holds half steps
 
 // What packing did to one mesh.
 struct PackedFacts {
-  std::uint64_t bytes_before = 0;  // of positions, normals, attributes and indices, as they are written without packing
+  std::uint64_t bytes_before = 0;  // positions, normals, attributes and indices without packing
   std::uint64_t bytes_after = 0;
 
   struct Positions {
-    int bits = 0;             // of the largest coordinate, in steps
+    int bits = 0;             // of the largest coordinate, counted in steps
     double step = 0;          // in the mesh's units
-    double largest_axis = 0;  // by which a coordinate moved: at most half a step
-    double largest = 0;       // by which a vertex moved
+    double largest_axis = 0;  // the largest move of a coordinate: at most half a step
+    double largest = 0;       // the largest move of a vertex
   };
-  std::optional<Positions> positions;         // where they were quantised
-  std::optional<double> largest_normal_turn;  // in degrees, where normals were quantised
-  std::uint64_t flattened_triangles = 0;      // that have lost their area by it
-  // By Draco, in their own order: where they do not join as on a manifold, nothing else keeps them as they are.
+  std::optional<Positions> positions;         // set if positions were quantized
+  std::optional<double> largest_normal_turn;  // in degrees; set if normals were quantized
+  std::uint64_t flattened_triangles = 0;      // triangles that lost their area by quantizing
+  // Draco stored the triangles one by one in their original order, because its default method (edgebreaker) did not
+  // reproduce this mesh, as happens if it is not manifold.
   bool one_by_one = false;
-  StageTime time;  // to pack, unpack and compare
+  StageTime time;  // of packing, unpacking and comparing
 };
 
 }  // namespace isoextract::mesh_io

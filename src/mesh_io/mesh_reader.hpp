@@ -1,18 +1,19 @@
-// The one door for meshes in files; one file per format behind it (ply_reader.cpp, obj_reader.cpp, ...).
+// Reads mesh files of all formats; each format has its own source file (read/ply_reader.cpp, read/obj_reader.cpp, ...).
 //
-// Coordinates are read in double, as far as the file has them, and become float32 relative to an origin in double that
-// is chosen as the extractor does. A glTF file whose meshes share one translation keeps that as the origin, and its
-// positions bit for bit. Polygons become triangles along diagonals that are chosen by the numbers of their corners, as
-// if they were convex. All surfaces of a file are joined into one mesh, less those that glTF scales to nothing: of a
-// sequence in one file (animation_writer.hpp) that leaves the first frame with triangles, and a note.
+// Coordinates are read in double where the file has that precision. They become float32 relative to an origin in
+// double, chosen as the extractor chooses it. If all meshes of a glTF file share one translation, it becomes the origin
+// and the positions stay bit for bit.
+// Polygons are triangulated as if they were convex, along diagonals that depend on the order of the corners only.
+// All surfaces of a file are joined into one mesh, except those that glTF scales to zero: of an animated sequence
+// (animation_writer.hpp) only the first frame with triangles is read, and a note tells so.
 //
-// Where a file has normals, and places that are not rounded by packing, vertices that are copies for their normals'
-// sake, along creases, become one again (join_normal_seams() in read/mesh_format_readers.hpp), so that the surface is
-// as closed as it looks.
+// If a file has normals and its positions were not rounded by packing, the reader merges the vertices that were
+// duplicated along creases for their normals' sake, so that a surface that looks closed is closed (join_normal_seams()
+// in read/mesh_format_readers.hpp).
 //
-// Attributes of vertices are read from PLY and DRC (every number but the place and the normal) and from glTF (COLOR_0,
-// and what begins with an underscore), as the file has them: vectors do not turn with a node. The writers write them
-// back.
+// Vertex attributes are read from PLY and DRC (every number except position and normal) and from glTF (COLOR_0 and
+// names that begin with an underscore). Values stay as stored: vectors are not rotated with a node. The mesh writers
+// write them back.
 #pragma once
 
 #include <cstdint>
@@ -29,20 +30,20 @@
 
 namespace isoextract::mesh_io {
 
-// Normals as the file has them, in the frame of the mesh. STL has one a triangle, OBJ one a corner, and other formats
-// one a vertex; corners that were welded keep their own.
+// Normals of a file, in the coordinates of the mesh. STL has one per triangle, OBJ one per corner, other formats one
+// per vertex. Corners keep their own normals when they are welded.
 struct FileNormals {
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-  Buffer<glm::vec3> values;    // any length; of files, so that they need not be finite
-  Buffer<glm::uvec3> numbers;  // of each triangle's corners: which value they have, or kNone
+  Buffer<glm::vec3> values;    // of any length, as stored; may be infinite or NaN
+  Buffer<glm::uvec3> numbers;  // per triangle: the index into `values` of each corner, or kNone
 
   [[nodiscard]] bool empty() const { return values.empty(); }
 };
 
-// One mesh of a file that holds several: its vertices and triangles follow each other.
+// One mesh of a file with several: a range of vertices and a range of triangles.
 struct MeshPart {
-  std::string name;  // as the file has it, up to 200 bytes; may be empty
+  std::string name;  // from the file, up to 200 bytes; may be empty
   std::uint64_t first_vertex = 0;
   std::uint64_t vertices = 0;
   std::uint64_t first_triangle = 0;
@@ -54,37 +55,39 @@ struct MeshReadOptions {
 };
 
 struct MeshFile {
-  mesh::Mesh mesh;                 // named like the file; without normals
-  FileNormals normals;             // where they were asked for and the file has any; the mesh's memory counts them
-  std::vector<MeshPart> parts;     // of glTF, one for each place where a mesh stands; none where that is one
+  mesh::Mesh mesh;                 // has the file's name; has no normals
+  FileNormals normals;             // if requested and in the file; mesh.memory includes their bytes
+  std::vector<MeshPart> parts;     // glTF: one per node that shows a mesh; empty if there is only one
   std::string_view format;         // "PLY, text"
-  bool y_up = false;               // its format prescribes that y points up; the others do not say what does
-  bool is_quantised = false;       // positions were rounded to be packed: Draco, KHR_mesh_quantization
-  bool is_ours = false;            // it says that isoextract wrote it; STL as text does not say who did
-  std::string placement;           // where it is ours and has one: MeshWriteOptions::placement, not checked
-  std::vector<std::string> notes;  // what was left out, one sentence each; each starts with the file's name
+  bool y_up = false;               // the format prescribes that y points up; other formats prescribe no up axis
+  bool is_quantised = false;       // positions were rounded by packing: Draco, KHR_mesh_quantization
+  bool is_ours = false;            // the file says that isoextract wrote it; text STL cannot say so
+  std::string placement;           // MeshWriteOptions::placement of a file of isoextract, if any; not validated
+  std::vector<std::string> notes;  // data left out, one sentence each, starting with the file's name
 };
 
-// The format is found by content first, and by extension for those without a mark (OBJ, STL, glTF as text); where the
-// name has no extension of a mesh, as that of standard input, by their first line too. STL, and glTF without indices,
-// are triangles without connectivity (so is Draco's where no two triangles share a vertex): corners are welded where
-// their coordinates are equal (-0 is 0), whatever their attributes: those of the first corner are kept, and a note
-// counts the others.
+// Reads a mesh file. Finds the format by its magic bytes; formats without any (OBJ, STL, text glTF) by the extension.
+// If the name has no mesh extension, as standard input has none, it looks at the beginning of the content.
+// STL, and glTF without indices, store triangles without connectivity; so does Draco if no two triangles share a
+// vertex. Their corners are welded where coordinates are equal (-0 equals 0), whatever their attributes. A welded
+// vertex keeps the attributes of its first corner, and a note counts the corners with others.
 //
-// Fails with ErrorCode::input: a file that cannot be read, is damaged, has coordinates that are not finite, indices of
-// vertices that are not there, or needs more memory than is left; or glTF that requires an extension which may change
-// its triangles and is not read. The mesh keeps its part reserved. A file without triangles is no error.
+// Fails with ErrorCode::input if the file cannot be read or is damaged, has coordinates that are not finite or indices
+// of missing vertices, or needs more memory than is left. Fails as well for glTF that requires an extension which is
+// not supported and may change its triangles.
+// The mesh holds the reservation of its memory. A file without triangles is no error.
 [[nodiscard]] Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context,
                                          const MeshReadOptions& options = {});
 
-// Returns whether the file begins as a mesh of one of the formats does, whatever its name is. PLY may hold particles.
+// Returns whether the file begins like one of the mesh formats, whatever its name. A PLY may hold particles instead.
 [[nodiscard]] bool holds_mesh(const std::filesystem::path& path, const Context& context);
 
-// Whether the file's beginning says that isoextract wrote it, without reading the mesh. STL as text never does, nor
-// does what cannot be read.
+// Returns whether the first bytes of the file say that isoextract wrote it, without reading the mesh. Returns false for
+// text STL and for files that cannot be read.
 [[nodiscard]] bool is_signed(const std::filesystem::path& path, const Context& context);
 
-// The names of the files in which a .gltf keeps its data, as it has them; none where it is no glTF, or has none.
+// Returns the names of the data files that a .gltf refers to, with %-escapes decoded; empty if it refers to none or is
+// no glTF.
 [[nodiscard]] std::vector<std::string> data_file_names(const std::filesystem::path& gltf, const Context& context);
 
 }  // namespace isoextract::mesh_io

@@ -1,4 +1,5 @@
-// The one door to the mesh formats; one file per format behind it (gltf_writer.cpp, ply_writer.cpp, ...).
+// Writes mesh files of all formats; each format has its own source file (write/gltf_writer.cpp, write/ply_writer.cpp,
+// ...).
 #pragma once
 
 #include <array>
@@ -25,67 +26,69 @@ constexpr auto words_of(MeshFormat /*type*/) {
                     Word{MeshFormat::obj, "obj"}, Word{MeshFormat::stl, "stl"},   Word{MeshFormat::drc, "drc"}};
 }
 
-// In one file or two: y points up, lengths are metres, and there are materials.
+// Returns whether the format is glTF, as one file or two: y points up, lengths are meters, and meshes have materials.
 [[nodiscard]] bool is_gltf(MeshFormat format);
 
-// One row a format: detection, help and README read it.
+// Properties of a format; detection by extension, help and documentation use them.
 struct MeshFormatInfo {
   MeshFormat format;
   std::string_view name;      // also the extension, without its dot
   std::string_view title;     // "glTF 2.0, one binary file"
-  bool holds_several_meshes;  // several iso values fit into one file
-  bool writes_as_they_come;   // a mesh is written, and may go, before there is a next one; else all are held
-  bool can_stream;            // may be written to standard output
-  bool has_ascii;             // it can be text
-  bool has_attributes;        // vertices may have more than a place and a normal
-  bool rounds_world;          // positions are float32 numbers of the world; else they keep an origin, or more digits
+  bool holds_several_meshes;  // several iso values can share one file
+  bool writes_as_they_come;   // writes each mesh at once; otherwise holds all until the end
+  bool can_stream;            // can be written to standard output
+  bool has_ascii;             // has a text form
+  bool has_attributes;        // can store vertex attributes besides position and normal
+  bool rounds_world;          // stores world positions in float32; otherwise a separate origin, or more digits
 };
 [[nodiscard]] std::span<const MeshFormatInfo> mesh_formats();
-// ".glb, .gltf, .ply, .obj, .stl or .drc"
+// Returns ".glb, .gltf, .ply, .obj, .stl or .drc".
 [[nodiscard]] std::string mesh_extensions();
 [[nodiscard]] const MeshFormatInfo& mesh_format_info(MeshFormat format);
 [[nodiscard]] std::optional<MeshFormat> mesh_format_by_name(std::string_view name);
-// By extension, whatever its case.
+// Finds the format by the extension, in upper or lower case.
 [[nodiscard]] std::optional<MeshFormat> mesh_format_by_path(const std::filesystem::path& path);
 
 struct MeshWriteOptions {
   MeshFormat format = MeshFormat::glb;
-  bool flat_normals = false;  // one normal a triangle, from its corners; exclusive with vertex normals in the mesh
-  bool ascii = false;         // PLY and STL as text
-  MeshPacking packing = {};   // DRC is Draco's whatever it says
-  // Vertices at one place whose normals differ are copies for those normals' sake (mesh/shading_normals.hpp). OBJ,
-  // whose corners have normals of their own, writes that place once; the other formats need a vertex for each normal.
+  bool flat_normals = false;  // one normal per triangle; the mesh must have no vertex normals
+  bool ascii = false;         // writes PLY or STL as text
+  MeshPacking packing = {};   // DRC uses Draco compression in any case
+  // The mesh has vertices at equal positions that exist only because their normals differ (mesh/shading_normals.hpp).
+  // OBJ, whose corners have their own normals, writes each such position once. The other formats need one vertex per
+  // normal.
   bool copies_for_normals = false;
-  // Where the mesh is, for whoever reads it again: a JSON object in one line of ASCII, or nothing. PLY and OBJ keep it
-  // as a comment, glTF in the extras of its asset, DRC in its metadata, binary STL in its header of 80 bytes, which may
-  // have room only to say that there is one; STL as text cannot.
+  // The placement of the mesh, for programs that read the file: a JSON object in one line of ASCII, or empty. PLY and
+  // OBJ store it as a comment, glTF in the extras of its asset, DRC in its metadata.
+  // Binary STL stores it in its header of 80 bytes; if it is too long, the header only says that a placement exists.
+  // Text STL cannot store it.
   std::string placement = {};
-  bool hash_files = false;  // WrittenFile::hash
+  bool hash_files = false;  // fills WrittenFile::hash
 };
 
 struct WrittenFile {
   std::string path;  // "-" for standard output
   std::uint64_t bytes = 0;
-  std::optional<std::string> hash = {};  // files/content_hash.hpp; where it was asked for and is known without reading
+  std::optional<std::string> hash =
+      {};  // see files/content_hash.hpp; set if requested and known without reading the file back
 };
 
 struct MeshWriteResult {
-  std::vector<WrittenFile> files;        // glTF writes two: the model and its .bin
-  std::vector<std::string> notes;        // what the format could not hold, one sentence each
-  std::vector<PackedFacts> packed = {};  // one a mesh where they were packed; of a mesh without triangles nothing is
+  std::vector<WrittenFile> files;        // two for gltf: the model and its .bin
+  std::vector<std::string> notes;        // data that the format could not store, one sentence each
+  std::vector<PackedFacts> packed = {};  // one per mesh if packed; all zero for a mesh without triangles
 };
 
-// What the format cannot do of it, or what makes no sense together, is ErrorCode::usage.
+// Fails with ErrorCode::usage if the format does not support this packing, or if options contradict each other.
 [[nodiscard]] Result<void> check_packing(const MeshPacking& packing, MeshFormat format);
 
-// One file (or, for .gltf, one pair of files) that takes its meshes one after another. Nothing is opened before the
-// first mesh, and the file gets its name in finish(): a writer that goes without it leaves nothing behind.
+// Writes one file (for .gltf a pair of files) from meshes that are added one after another. Opens nothing before the
+// first mesh. finish() gives the file its name; a writer destroyed without finish() leaves no file behind.
 //
-// OBJ and .gltf with its .bin are written as the meshes come: after add() a mesh is gone. The file of a GLB begins with
-// where everything in it is, so its meshes are held until finish(); writing them to another file meanwhile and copying
-// that would be writing everything twice. Meshes are held for standard output, pipes and devices too: nothing can be
-// taken back there, and where a later surface fails they shall get nothing. So they are, too, where their positions
-// are quantised in a box that is not given: it is the one around all of them.
+// Formats with MeshFormatInfo::writes_as_they_come write each mesh in add() and free it. The others hold all meshes
+// until finish(): a GLB begins with the offsets of all its data, and a temporary copy would double the writing.
+// Meshes are also held for standard output, pipes and devices, which must get nothing if a later surface fails. They
+// are held, too, if positions are quantized and packing.box is unset, because the box around all of them is needed.
 class MeshWriter {
  public:
   MeshWriter(const std::filesystem::path& path, const MeshWriteOptions& options, const Context& context);
@@ -93,14 +96,14 @@ class MeshWriter {
   MeshWriter& operator=(MeshWriter&&) noexcept;
   ~MeshWriter();
 
-  // Vertex normals and attributes are written where the mesh has them, or noted where the format cannot hold them.
-  // Fails with ErrorCode::output, also where the mesh is so far from the origin of its coordinates that the numbers of
-  // the format would destroy its triangles (write/written_places.hpp says when), where it is outside of the box of its
-  // packing, or where what was packed does not come back; or with ErrorCode::usage for what the format cannot do. Then
-  // every later call fails alike.
+  // Adds a mesh with its vertex normals and attributes; a note tells which of them the format cannot store. Fails with
+  // ErrorCode::usage if the format cannot do what the options ask for.
+  // Fails with ErrorCode::output if writing fails, if the mesh is so far from the origin that rounded coordinates would
+  // destroy its triangles (write/written_places.hpp), if it leaves the box of its packing, or if unpacking does not
+  // reproduce it. After a failure every later call fails alike.
   [[nodiscard]] Result<void> add(mesh::Mesh mesh);
 
-  // Writes what comes after the last mesh and commits. Call once, last.
+  // Completes the file and gives it its name. Call once, last.
   [[nodiscard]] Result<MeshWriteResult> finish();
 
  private:
@@ -110,7 +113,7 @@ class MeshWriter {
   std::unique_ptr<State> state_;
 };
 
-// All of a file at once, for whoever has all meshes anyway. "-" is standard output.
+// Writes a file from meshes that are all in memory. "-" is standard output.
 [[nodiscard]] Result<MeshWriteResult> write_meshes(std::span<const mesh::Mesh> meshes,
                                                    const std::filesystem::path& path, const MeshWriteOptions& options,
                                                    const Context& context);

@@ -1,4 +1,4 @@
-// Draco's bit streams: surfaces into bytes and back. The one file that includes the library is draco_codec.cpp.
+// Encodes surfaces as Draco bit streams and decodes them. Only draco_codec.cpp includes the Draco library.
 #pragma once
 
 #include <cstddef>
@@ -17,35 +17,35 @@
 namespace isoextract::mesh_io {
 
 enum class DracoMethod {
-  edgebreaker,  // along the surface: small, in an order of its own; what is no manifold is cut up
-  sequential    // one triangle after the other, as they are
+  edgebreaker,  // walks along the surface: small output in another order; splits non-manifold meshes
+  sequential    // stores triangle after triangle in their order
 };
 
 inline constexpr int kDracoNormalBits = 10;
 
 struct DracoInput {
-  // Of the vertices, in steps from `first`; below 2^bits.
+  // One per vertex: offset from `first` in steps, below 2^bits.
   std::span<const glm::uvec3> positions;
-  glm::vec3 first{0.0F};  // a whole number of steps, as is every sum with a position, exactly
+  glm::vec3 first{0.0F};  // an exact multiple of the step, as is its sum with every position
   float step = 1;         // a power of two
   int bits = 1;
   std::span<const glm::uvec3> triangles;
-  std::span<const glm::vec3> normals;  // of the vertices or, with `face_normals`, of the triangles; or empty
-  bool face_normals = false;           // vertices are split where triangles meet
-  std::vector<const mesh::Attribute*> attributes;  // of the vertices; integers of at most 16 bits, or f32
-  std::vector<std::string> names;                  // of the attributes
+  std::span<const glm::vec3> normals;              // one per vertex or, with `face_normals`, per triangle; may be empty
+  bool face_normals = false;                       // splits vertices: each triangle gets its own three
+  std::vector<const mesh::Attribute*> attributes;  // vertex attributes: integers of up to 16 bits, or f32
+  std::vector<std::string> names;                  // one per attribute
   bool names_in_file = false;
-  std::string generator;  // in the file as well, unless empty
+  std::string generator;  // stored in the file unless empty
   std::string placement;  // likewise
 };
 
-// Ids of the attributes in the bytes: positions, normals if any, attributes.
+// Attribute ids in the bit stream: positions are 0, normals (if any) 1, the vertex attributes follow.
 inline constexpr std::uint32_t kDracoPositions = 0;
 [[nodiscard]] constexpr std::uint32_t draco_attribute_id(bool normals, std::size_t attribute) {
   return static_cast<std::uint32_t>((normals ? 2 : 1) + attribute);
 }
 
-// Fails with ErrorCode::output where the library does. Throws std::bad_alloc.
+// Returns the Draco bytes of the surface. Fails with ErrorCode::output if the library does. Throws std::bad_alloc.
 [[nodiscard]] Result<std::vector<std::byte>> encode_draco(const DracoInput& input, DracoMethod method);
 
 struct DracoAttribute {
@@ -57,7 +57,7 @@ struct DracoAttribute {
   mesh::ComponentType type = mesh::ComponentType::f32;
   std::size_t components = 0;
   bool normalised = false;
-  std::vector<std::byte> values;  // one a vertex, without gaps
+  std::vector<std::byte> values;  // one value per vertex, without padding
 };
 
 struct DracoSurface {
@@ -73,11 +73,11 @@ struct DracoSurface {
 
 [[nodiscard]] bool is_draco(std::span<const std::byte> bytes);
 
-// Asked for before memory is taken; throws what shall come of too much.
+// Called with the size before memory is allocated; throws to refuse it.
 using TakeMemory = std::function<void(std::uint64_t bytes)>;
 
-// Of bytes that may be anything. Fails with ErrorCode::input and a message without a file's name; throws what `take`
-// throws, and std::bad_alloc. Indices of triangles are below `vertices`.
+// Decodes untrusted bytes. Fails with ErrorCode::input and a message without the file's name. Passes on exceptions of
+// `take`, and throws std::bad_alloc. Every index in `triangles` is below `vertices`.
 [[nodiscard]] Result<DracoSurface> decode_draco(std::span<const std::byte> bytes, const TakeMemory& take);
 
 }  // namespace isoextract::mesh_io

@@ -1,4 +1,4 @@
-// Component types as glTF numbers them; glTF 2.0, 3.6.2.2.
+// Numeric codes of glTF component types (glTF 2.0, 3.6.2.2) and names of the supported packing extensions.
 #pragma once
 
 #include "mesh/attributes.hpp"
@@ -12,7 +12,7 @@ inline constexpr int kGltfUnsignedShort = 5123;
 inline constexpr int kGltfUnsignedInt = 5125;
 inline constexpr int kGltfFloat = 5126;
 
-// Of the types that attributes of vertices may have there; floats otherwise.
+// Returns the code for a type that glTF allows for vertex attributes; kGltfFloat for all other types.
 [[nodiscard]] constexpr int gltf_code(mesh::ComponentType type) {
   using Type = mesh::ComponentType;
   switch (type) {
@@ -24,7 +24,7 @@ inline constexpr int kGltfFloat = 5126;
   }
 }
 
-// Extensions that pack meshes.
+// Extensions that compress or quantize meshes.
 inline constexpr const char* kDracoExtension = "KHR_draco_mesh_compression";
 inline constexpr const char* kQuantizationExtension = "KHR_mesh_quantization";
 inline constexpr const char* kMeshoptExtension = "EXT_meshopt_compression";

@@ -1,5 +1,5 @@
-// A JSON of bounded depth that can be destroyed where there is no memory: nlohmann's destructor takes some for what is
-// nested, and ends the program where there is none.
+// Owns a JSON document of bounded depth whose destructor allocates nothing. The destructor of nlohmann::json allocates
+// memory for nested values, and terminates the program if there is none.
 #pragma once
 
 #include <utility>

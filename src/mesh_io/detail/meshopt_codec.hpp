@@ -1,4 +1,4 @@
-// meshoptimizer's bit streams as EXT_meshopt_compression has them: values of vertices and indices into bytes and back.
+// Encodes and decodes vertex values and indices as the bit streams of meshoptimizer (EXT_meshopt_compression).
 #pragma once
 
 #include <cstddef>
@@ -12,12 +12,12 @@ namespace isoextract::mesh_io {
 enum class MeshoptMode { attributes, triangles, indices };
 enum class MeshoptFilter { none, octahedral, quaternion, exponential };
 
-// In the words of the extension.
+// Returns the extension's name of the mode.
 [[nodiscard]] std::string_view meshopt_word(MeshoptMode mode);
 
-// `count` values of `stride` bytes, a multiple of four up to 256.
+// Encodes values of `stride` bytes each; `stride` is a multiple of 4, at most 256.
 [[nodiscard]] std::vector<std::byte> encode_meshopt_values(std::span<const std::byte> values, std::size_t stride);
-// Three a triangle; the corners of a triangle may turn.
+// Encodes three indices per triangle. Decoding may return a triangle's corners rotated.
 [[nodiscard]] std::vector<std::byte> encode_meshopt_triangles(std::span<const std::uint32_t> indices,
                                                               std::size_t vertices);
 
@@ -28,10 +28,11 @@ struct MeshoptView {
   std::uint64_t stride = 0;
 };
 
-// Whether the extension allows that.
+// Returns whether the extension allows this combination of mode, filter, count and stride.
 [[nodiscard]] bool is_valid(const MeshoptView& view);
 
-// Of bytes that may be anything, into view.count * view.stride bytes; `view` is valid. False where they are damaged.
+// Decodes untrusted bytes into `out`, which has view.count * view.stride bytes. Requires is_valid(view). Returns false
+// if the bytes are damaged.
 [[nodiscard]] bool decode_meshopt(std::span<const std::byte> bytes, const MeshoptView& view, std::span<std::byte> out);
 
 }  // namespace isoextract::mesh_io

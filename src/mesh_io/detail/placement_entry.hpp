@@ -1,4 +1,4 @@
-// MeshWriteOptions::placement in files: what it is called, and how much of it is read.
+// How mesh files store MeshWriteOptions::placement: its key, and the length that readers accept.
 #pragma once
 
 #include <cstddef>
@@ -6,9 +6,9 @@
 
 namespace isoextract::mesh_io {
 
-// The first word of a comment, or the key of an entry.
+// The first word of the comment, or the key of the metadata entry.
 inline constexpr std::string_view kPlacementEntry = "placement";
-// In place of a placement that a file has no room for: it is none that can be read.
+// Stored instead of a placement that does not fit into the file. Readers cannot parse it as a placement.
 inline constexpr std::string_view kPlacementElsewhere = "elsewhere";
 inline constexpr std::size_t kMaxPlacement = 16000;  // bytes
 

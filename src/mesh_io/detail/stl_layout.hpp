@@ -1,4 +1,4 @@
-// How a binary STL file begins: a header of free text, then the number of triangles.
+// Layout of binary STL: a header of free text, then the number of triangles.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// What Draco unpacked, for the readers.
+// Decodes Draco data for the mesh readers.
 #pragma once
 
 #include <span>
@@ -8,11 +8,11 @@
 
 namespace isoextract::mesh_io {
 
-// Throws DamagedMesh and Cancelled.
+// Decodes the bytes and counts their memory in `memory`. Throws DamagedMesh and Cancelled.
 [[nodiscard]] DracoSurface unpack_draco_surface(std::span<const std::byte> bytes, MemoryUse& memory);
 
-// Where no two triangles share a vertex and none is left over, puts the vertices into the order of the triangles'
-// corners and returns true.
+// If every vertex belongs to exactly one triangle corner, sorts the vertices in the order of the corners and returns
+// true. Otherwise changes nothing and returns false.
 bool order_as_corners(DracoSurface& surface, MemoryUse& memory);
 
 }  // namespace isoextract::mesh_io

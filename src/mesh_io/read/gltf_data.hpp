@@ -1,5 +1,5 @@
-// The numbers of a glTF file: its buffers, and accessors as views of them; glTF 2.0, 3.6. Whatever is not as it should
-// be is a DamagedMesh.
+// Loads the buffers of a glTF file and gives access to its accessors (glTF 2.0, 3.6). Throws DamagedMesh for invalid
+// data.
 #pragma once
 
 #include <cstddef>
@@ -23,17 +23,17 @@ namespace isoextract::mesh_io {
 
 [[nodiscard]] std::optional<mesh::ComponentType> gltf_component(int code);
 
-// Values that lie in memory, each a stride behind the one before.
+// Values in memory, `stride` bytes from one to the next.
 struct GltfView {
   const std::byte* first = nullptr;
   std::uint64_t count = 0;
   std::uint64_t stride = 0;
   int component = 0;
-  bool normalised = false;  // integers that stand for 0 .. 1, or -1 .. 1 where they are signed
+  bool normalised = false;  // integers that encode 0 .. 1, or -1 .. 1 if signed
 
-  // Of a view of VEC3: floats as they are, integers of at most 16 bits as what they stand for.
+  // Returns a VEC3 value: floats unchanged, integers of up to 16 bits decoded if normalized.
   [[nodiscard]] glm::dvec3 point(std::uint64_t index) const;
-  // Of a view of SCALAR of an unsigned type.
+  // Returns a SCALAR value of an unsigned integer type.
   [[nodiscard]] std::uint32_t whole_number(std::uint64_t index) const;
   [[nodiscard]] bool has_whole_numbers() const {
     return component == kGltfUnsignedByte || component == kGltfUnsignedShort || component == kGltfUnsignedInt;
@@ -42,35 +42,38 @@ struct GltfView {
 
 class GltfData {
  public:
-  // Loads the buffers: `binary` is that of a .glb, the others lie beside the file or in the model's text. `model` has
-  // to stay.
+  // Loads the buffers: `binary` is the binary chunk of a .glb; other buffers are files beside it or data URIs. `source`
+  // and `model` must outlive this object.
   GltfData(const MeshSource& source, const nlohmann::json& model, std::span<const std::byte> binary);
 
-  // An accessor of `type` ("VEC3") with so many components, all of whose values are there. Those of a sparse one are
-  // put together here, once.
+  // Returns the values of an accessor of `type` (such as "VEC3") with that many components, after checking that all lie
+  // within their buffer. Builds the values of a sparse accessor on the first call.
   [[nodiscard]] GltfView view(std::uint64_t accessor, std::string_view type, std::uint64_t components);
 
-  // Unpacks a primitive that KHR_draco_mesh_compression packed, so that view() finds the values of its accessors. True
-  // where no two of its triangles share a vertex: vertices then come three a triangle, and there is no use for indices.
+  // Decodes a primitive that uses KHR_draco_mesh_compression, so that view() finds the values of its accessors. Does
+  // nothing and returns false for other primitives.
+  // Returns true if no two of its triangles share a vertex: vertex 3t + c is then corner c of triangle t, and the
+  // indices are not needed.
   bool unpack_draco(const nlohmann::json& primitive);
   [[nodiscard]] bool is_unpacked(std::uint64_t accessor) const { return made_views_.contains(accessor); }
 
  private:
   void load_buffer(const nlohmann::json& buffer, std::uint64_t index, std::span<const std::byte> binary);
   [[nodiscard]] std::vector<std::byte> load_file(const std::string& name) const;
-  // Places `view`, of values of `item` bytes, in the buffer view that `owner` names: an accessor or a part of one.
+  // Points `view`, whose values have `item` bytes, at the buffer view that `owner` names. `owner` is an accessor, or
+  // the indices or values of a sparse one.
   void place(GltfView& view, const nlohmann::json& owner, std::uint64_t item);
-  // The bytes of a buffer view, or of another object that names a buffer and a place in it.
+  // Returns the bytes of a buffer view, or of another object with a buffer, an offset and a length.
   [[nodiscard]] std::span<const std::byte> range_of(const nlohmann::json& range) const;
-  // A buffer view that EXT_meshopt_compression packed, unpacked once.
+  // Returns the decoded bytes of a buffer view that uses EXT_meshopt_compression. Decodes on the first call.
   [[nodiscard]] std::span<const std::byte> unpacked_view(std::uint64_t index, const nlohmann::json& packed);
-  // What Draco packed into a buffer view, unpacked once; it stays where it is.
+  // The surface that Draco decoded from a buffer view, cached. Its address is stable, since made_views_ points into it.
   struct UnpackedDraco {
     DracoSurface surface;
     bool is_soup = false;  // no two triangles share a vertex
   };
   [[nodiscard]] const UnpackedDraco& unpacked_draco(std::uint64_t view);
-  // An accessor's values, which stay those of the attribute.
+  // Makes view() return the attribute's values for the accessor, without copying them.
   void provide(std::uint64_t accessor, const DracoAttribute& attribute, std::uint64_t vertices);
   [[nodiscard]] GltfView with_sparse(const GltfView& dense, const nlohmann::json& sparse, std::uint64_t item);
 
@@ -78,9 +81,9 @@ class GltfData {
   const nlohmann::json& model_;
   std::vector<std::vector<std::byte>> owned_;
   std::vector<std::span<const std::byte>> buffers_;
-  std::map<std::uint64_t, GltfView> made_views_;                        // sparse and unpacked, by accessor
+  std::map<std::uint64_t, GltfView> made_views_;  // of sparse and of decoded accessors, by accessor
   std::map<std::uint64_t, std::span<const std::byte>> unpacked_views_;  // by buffer view
-  std::map<std::uint64_t, UnpackedDraco> unpacked_draco_;               // likewise
+  std::map<std::uint64_t, UnpackedDraco> unpacked_draco_;               // by buffer view
 };
 
 }  // namespace isoextract::mesh_io

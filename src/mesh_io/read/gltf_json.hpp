@@ -1,4 +1,4 @@
-// The JSON of a glTF file, and what its readers ask of it. Whatever is not as it should be is a DamagedMesh.
+// Parses the JSON of a glTF file and reads values from it. Throws DamagedMesh for invalid values.
 #pragma once
 
 #include <cstdint>
@@ -14,23 +14,23 @@
 
 namespace isoextract::mesh_io {
 
-// In linear time, and of bounded depth. Null where it is no JSON.
+// Parses untrusted text in linear time and with a limit on nesting. Returns null if it is not JSON.
 [[nodiscard]] nlohmann::json parse_json(std::string_view text, MemoryUse& memory);
 
-// The start of a value's text, for messages.
+// Returns the beginning of the value's text, for messages.
 [[nodiscard]] std::string shown(const nlohmann::json& value);
 
-// A whole number of an object, or `missing` where it has none.
+// Returns an unsigned integer member of the object, or `missing` if there is no such member.
 [[nodiscard]] std::uint64_t whole(const nlohmann::json& object, const char* key,
                                   std::optional<std::uint64_t> missing = {});
 
-// A text of an object; empty where it has none.
+// Returns a string member of the object; empty if there is none.
 [[nodiscard]] std::string_view text_of(const nlohmann::json& object, const char* key);
 
-// Entry `index` of a list of the model, an object.
+// Returns entry `index` of a top-level array of the model. The entry must be an object.
 [[nodiscard]] const nlohmann::json& entry(const nlohmann::json& model, const char* list, std::uint64_t index);
 
-// Affine map of a node in double.
+// The affine transform of a node: p -> linear * p + offset.
 struct Transform {
   glm::dmat3 linear{1.0};
   glm::dvec3 offset{0.0};

@@ -1,4 +1,4 @@
-// The normals of a glTF file's primitives.
+// Reads the normals of glTF primitives.
 #pragma once
 
 #include <array>
@@ -13,11 +13,11 @@
 
 namespace isoextract::mesh_io {
 
-// Which vertices of its primitive a triangle has, by the triangle's number in the primitive.
+// Maps a triangle's number within its primitive to its three vertices, also numbered within the primitive.
 using PrimitiveCorners = std::function<std::array<std::uint64_t, 3>(std::uint64_t)>;
 
-// Appends the normals of a primitive of `vertices` vertices, as `transform` turns them, and the numbers of those that
-// the `triangles` triangles have; none where the primitive has no normals. Throws DamagedMesh.
+// Appends the normals of a primitive, rotated by `transform`, and for each triangle the indices of its corners'
+// normals. A primitive without normals gets FileNormals::kNone for every corner. Throws DamagedMesh.
 void add_gltf_normals(GltfData& data, const nlohmann::json& attributes, std::uint64_t vertices, std::uint64_t triangles,
                       const PrimitiveCorners& corners, const Transform& transform, MemoryUse& memory,
                       FileSurfaceNormals& normals);

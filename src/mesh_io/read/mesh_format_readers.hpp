@@ -1,5 +1,5 @@
-// The readers behind mesh_reader.hpp, one file a format. They get the file's bytes and give points and triangles;
-// read_mesh makes a mesh of them.
+// The readers of the single formats, behind mesh_reader.hpp. Each turns a file's bytes into a FileSurface; read_mesh()
+// makes a mesh of it.
 #pragma once
 
 #include <algorithm>
@@ -24,15 +24,15 @@ namespace isoextract::mesh_io {
 
 struct MeshPart;
 
-// Thrown within this room, where a mesh file does not hold what it should: what was expected and what was found.
-// read_mesh puts the file's name in front and makes an Error of it.
+// Thrown within this room if a mesh file is invalid. The message says what was expected and found. read_mesh() prepends
+// the file's name and returns it as an Error.
 struct DamagedMesh : std::runtime_error {
   explicit DamagedMesh(const std::string& message, Hint the_hint = {})
       : std::runtime_error(message), hint(std::move(the_hint)) {}
   Hint hint;
 };
 
-// Thrown within this room where somebody wants the reading to end.
+// Thrown within this room if the Context was cancelled.
 struct Cancelled {
   Error error;
 };
@@ -42,13 +42,14 @@ struct FileAttribute {
   std::vector<std::byte> values;
 };
 
-// Normals as the file has them, which are not always those of vertices: STL has one a triangle, OBJ one a corner.
+// Normals as stored in the file: STL has one per triangle, OBJ one per corner, other formats one per vertex.
 struct FileSurfaceNormals {
   std::vector<glm::vec3> values;
-  std::vector<glm::uvec3> numbers;  // of each triangle's corners; empty: those of its vertices
+  std::vector<glm::uvec3>
+      numbers;  // per triangle: the index into `values` of each corner; if empty, the normals belong to the vertices
 };
 
-// What belongs to one mesh of a file of several.
+// Where one of several meshes of a file begins.
 struct FilePart {
   std::string name;
   std::uint64_t first_vertex = 0;
@@ -58,44 +59,44 @@ struct FilePart {
 struct FileSurface {
   std::vector<glm::dvec3> positions;
   std::vector<glm::uvec3> triangles;
-  std::vector<FileAttribute> attributes;  // of each position
-  FileSurfaceNormals normals;             // where they were asked for and the file has any
-  std::vector<FilePart> parts;            // of a format that holds several meshes, one after the other
-  // The positions are float32 numbers relative to this, as the file has them; to be kept so.
+  std::vector<FileAttribute> attributes;  // one value per position
+  FileSurfaceNormals normals;             // if requested and in the file
+  std::vector<FilePart> parts;            // for formats with several meshes, in order
+  // If set, positions are stored float32 numbers relative to this origin, and must be kept exactly.
   std::optional<glm::dvec3> origin;
   std::string_view format;
   bool y_up = false;      // the format prescribes that y points up
-  bool is_ours = false;   // it says that isoextract wrote it
-  std::string placement;  // as MeshWriteOptions has it, whoever wrote it; up to kMaxPlacement of it count
-  // Vertices have normals, and places that were not rounded: there may be several vertices at one, for their normals.
+  bool is_ours = false;   // the file says that isoextract wrote it
+  std::string placement;  // MeshWriteOptions::placement, from any program; read_mesh() keeps up to kMaxPlacement bytes
+  // Vertices have normals and positions that were not rounded, so equal positions may be copies for different normals.
   bool has_normals = false;
-  bool is_quantised = false;  // positions were rounded to be packed
+  bool is_quantised = false;  // positions were rounded by packing
   std::vector<std::string> notes;
 };
 
-// What our writers sign files with (generator()) starts with this word, whatever the version.
+// The first word of the signature that isoextract writes into files (generator()), in every version.
 inline constexpr std::string_view kProgram = "isoextract";
 [[nodiscard]] inline bool is_signature(std::string_view text) {
   return text.starts_with(kProgram) && text.substr(kProgram.size()).starts_with(' ');
 }
 
-// What the reading of one file holds in memory, all parts together. Asked before every growth: sizes in a file, and
-// files that a file names again and again, may ask for far more than its own bytes.
+// Counts and reserves the memory that reading one file needs. Call take() before every allocation: sizes in a file, and
+// data files that it names repeatedly, can ask for far more than its own bytes.
 class MemoryUse {
  public:
   explicit MemoryUse(const Context& context) : context_(context) {}
 
-  // Throws DamagedMesh where that is more than is left, and Cancelled.
+  // Throws DamagedMesh if the budget has less left, and Cancelled.
   void take(std::uint64_t bytes);
   void give_back(std::uint64_t bytes) { used_ -= bytes; }
 
-  // Room for `more` values behind those that are there.
+  // Reserves capacity for `more` additional values, doubling it at least. Throws as take() does.
   template <class T>
   void make_room(std::vector<T>& values, std::uint64_t more) {
     if (more <= values.capacity() - values.size()) return;
     const std::uint64_t before = values.capacity();
     const std::uint64_t after = std::max(values.size() + more, 2 * before);
-    take(after * sizeof(T));  // the old values stay until they are copied
+    take(after * sizeof(T));  // the old values stay in memory until they are copied
     values.reserve(after);
     give_back(before * sizeof(T));
   }
@@ -103,7 +104,7 @@ class MemoryUse {
  private:
   const Context& context_;
   std::uint64_t used_ = 0;
-  std::uint64_t reserved_ = 0;  // at least what is used
+  std::uint64_t reserved_ = 0;  // never less than used_
   std::vector<Reservation> parts_;
 };
 
@@ -124,64 +125,67 @@ struct MeshSource {
 [[nodiscard]] FileSurface read_gltf(const MeshSource& source);
 [[nodiscard]] FileSurface read_drc(const MeshSource& source);
 
-// "my%20mesh.bin" -> "my mesh.bin"
+// Decodes percent escapes: "my%20mesh.bin" becomes "my mesh.bin".
 [[nodiscard]] std::string decode_percent(std::string_view uri);
-// The bytes of "data:...". Throws DamagedMesh.
+// Returns the bytes of a URI that begins with "data:". Throws DamagedMesh.
 [[nodiscard]] std::vector<std::byte> decode_data_uri(std::string_view uri, MemoryUse& memory);
 
-// A polygon of at least 3 corners as triangles that wind as it does, in linear time: around its first corner, or where
-// it has very many corners by halving it along diagonals. Thousands of needles that meet in one corner lie in each
-// other's bounding boxes, and whoever looks for the nearest of them has to look at all.
+// Appends the triangles of a polygon of at least 3 corners, with the same winding, in linear time. Small polygons
+// become a fan around the first corner; large ones are halved recursively along diagonals.
+// A fan of thousands of needle triangles would have overlapping bounding boxes, so that searches for the nearest
+// triangle would visit all of them.
 void add_polygon(std::vector<glm::uvec3>& triangles, std::span<const std::uint32_t> corners, MemoryUse& memory);
 
-// A mesh's indices have 32 bits. Throws DamagedMesh.
+// Throws DamagedMesh if 32-bit indices cannot address so many vertices.
 void require_vertex_count(std::uint64_t count);
 
-// Makes one vertex of all corners whose coordinates are equal; -0 is 0, and NaN is itself. `corners` come three a
-// triangle. Returns the first corner of each new vertex. Attributes are left to the caller.
+// Welds corners with equal coordinates (-0 equals 0, a NaN equals the same NaN) and appends the vertices and triangles
+// to `surface`. `corners` has three per triangle.
+// Returns the first corner of each new vertex. The caller sets the attributes.
 std::vector<std::uint32_t> weld_corners(std::span<const glm::vec3> corners, FileSurface& surface, MemoryUse& memory);
 
-// Makes one vertex of copies that are there for their normals: where an edge that only one triangle runs along lies
-// upon another such edge, which runs the other way, and no third one, they are one edge. Of attributes those of the
-// first copy are kept. Surfaces that only touch in points, and surfaces that are closed by their numbers, stay as they
-// are. Parts stay apart; their vertices are fewer, and still follow each other. Throws DamagedMesh and Cancelled as
-// MemoryUse does.
+// Merges vertices that were duplicated for their normals. A boundary edge is merged with a boundary edge at the same
+// two positions that runs the other way, if no third one lies there.
+// A merged vertex keeps the attributes of its first copy. Surfaces that only touch in points, and surfaces whose
+// indices already close them, stay unchanged.
+// Vertices of different parts are never merged; the vertex ranges of `parts` are updated. Throws DamagedMesh and
+// Cancelled as MemoryUse does.
 void join_normal_seams(mesh::Mesh& mesh, std::vector<MeshPart>& parts, const Context& context);
 
-// The text behind the mark that some programs put in front of UTF-8.
+// Returns the text without the byte order mark that some programs put in front of UTF-8.
 [[nodiscard]] std::string_view without_utf8_mark(std::string_view text);
 
-// Words and numbers of a text, line by line.
+// Splits a text into lines, words and numbers.
 class TextScanner {
  public:
-  // Lines end with a line feed, a carriage return or both; where `line_end` is given, with that alone, for what follows
-  // a line may be binary.
+  // By default a line feed, a carriage return or both end a line. With `line_end` only that character does, which is
+  // needed if binary data follows.
   explicit TextScanner(std::string_view text, std::optional<char> line_end = {}) : rest_(text), line_end_(line_end) {}
 
-  // Moves to the next line; false at the end of the text.
+  // Moves to the next line. Returns false at the end of the text.
   bool next_line();
-  // The next word of the line; empty at its end.
+  // Returns the next word of the line; empty at its end.
   std::string_view word();
-  // The same, but a backslash at the end of a line joins the next one to it.
+  // Like word(), but a backslash at the end of a line continues it on the next line.
   std::string_view word_of_joined_lines();
-  // The next word of this line or the following ones; empty at the end of the text.
+  // Returns the next word of this or a following line; empty at the end of the text.
   std::string_view word_anywhere();
 
-  // What is left of the line, without blanks at its ends.
+  // Returns the rest of the line without blanks at its ends.
   [[nodiscard]] std::string_view rest_of_line() const { return trimmed(line_); }
-  // The text after this line.
+  // Returns the text after this line.
   [[nodiscard]] std::string_view rest() const { return rest_; }
-  // Throws DamagedMesh with the line's number.
+  // Throws DamagedMesh with the line number.
   [[noreturn]] void expected(std::string_view what, std::string_view found) const;
-  // Too small for double is 0, too large is infinite.
+  // Parses a word, or throws as expected() does. A number too small for double becomes 0, one too large infinity.
   [[nodiscard]] double number(std::string_view word) const;
   [[nodiscard]] std::int64_t whole_number(std::string_view word) const;
 
  private:
   std::string_view rest_;  // after this line
-  std::string_view line_;  // what is left of it
+  std::string_view line_;  // the unread rest of this line
   std::optional<char> line_end_;
-  bool joins_next_ = false;  // the line has ended with a backslash
+  bool joins_next_ = false;  // this line ended with a backslash
   std::size_t line_number_ = 0;
 };
 

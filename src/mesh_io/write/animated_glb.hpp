@@ -1,13 +1,13 @@
-// One .glb whose nodes are the frames of a sequence, each shown in its time only.
+// Writes one .glb whose nodes are the frames of a sequence, each visible only during its time.
 //
-// glTF has no visibility; what every viewer knows is scale. Each frame's node has a channel of STEP-interpolated scale:
-// 0 from the beginning of the time line on, 1 while it is shown, 0 afterwards. A sampler holds its first and last value
-// outside of its times, so three keys are all that a frame needs. Programs that play nothing show the node that has a
-// scale of 1 of its own, the first.
+// glTF has no visibility, but every viewer supports scale. Each frame's node has a channel of STEP-interpolated scale:
+// 0 from the start of the time line, 1 while the frame is shown, 0 afterwards.
+// A sampler holds its first and last value outside of its times, so three keys per frame are enough. Programs that do
+// not play animations show the first frame, the only node whose own scale is 1.
 //
-// The container begins with its JSON, which says where everything is and so is known at the end. Room is left for it,
-// and what it does not need stays spaces, as the container pads it. Where the room was too small, or is more than all
-// data, the data moves once.
+// A GLB begins with its JSON, which is complete only after the last frame. The writer reserves space for it and fills
+// the unused rest with spaces, the padding that the container prescribes.
+// If the space was too small, or its unused rest is larger than all data, the data moves once.
 #pragma once
 
 #include <cstdint>
@@ -29,21 +29,22 @@ namespace isoextract::mesh_io {
 
 class AnimatedGlb {
  public:
-  // Of at most `largest` bytes.
+  // The file gets at most `largest` bytes.
   AnimatedGlb(std::filesystem::path path, std::uint64_t largest, std::string placement)
       : path_(std::move(path)), largest_(largest), model_(std::move(placement)) {}
 
-  // Opens the file, once; the calls below do so too.
+  // Opens the file unless it is open. The functions below do so as well.
   [[nodiscard]] Result<void> open();
 
-  // Shows a frame, of which not all parts may be without triangles, from `time` on until there is another or none.
-  // False where the file would become too large; then all is as before. The first frame leaves room for
-  // `frames_to_come` like it.
+  // Adds a frame that is shown from `time` (seconds) until the next add() or show_none(). At least one part must have
+  // triangles.
+  // Returns false, and changes nothing, if the file would become too large. The first frame reserves JSON space for
+  // `frames_to_come` similar frames.
   [[nodiscard]] Result<bool> add(const std::string& name, std::span<const GltfPart> parts, float time,
                                  std::uint64_t frames_to_come);
   void show_none(float time);
 
-  // Writes all that is left but does not commit. The time line ends at `end`.
+  // Writes the rest of the file but does not commit it. The time line ends at `end` seconds.
   [[nodiscard]] Result<void> finish(float end);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
@@ -58,7 +59,7 @@ class AnimatedGlb {
     float hidden = kStillShown;
   };
 
-  // Of the whole file with so many frames, at most; the JSON is what is there without animation.
+  // Returns an upper bound of the file's bytes with that many frames. `json` counts the JSON without the animation.
   [[nodiscard]] std::uint64_t bytes_with(std::uint64_t json, std::uint64_t binary, std::uint64_t frames) const;
   [[nodiscard]] Result<void> leave_room(std::uint64_t json_of_frame, std::uint64_t binary_of_frame,
                                         std::uint64_t frames);
@@ -69,7 +70,7 @@ class AnimatedGlb {
   std::filesystem::path path_;
   std::uint64_t largest_;
   std::optional<files::OutputFile> file_;
-  std::uint64_t room_ = 0;    // for the JSON
+  std::uint64_t room_ = 0;    // bytes reserved for the JSON
   std::uint64_t binary_ = 0;  // bytes of data
   GltfModel model_;
   JsonLists json_;

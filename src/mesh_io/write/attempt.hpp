@@ -1,4 +1,4 @@
-// A step of writing a file.
+// Runs the steps of writing a file and remembers the first failure.
 #pragma once
 
 #include <exception>
@@ -16,7 +16,8 @@
 
 namespace isoextract::mesh_io {
 
-// Runs step(), which returns a Result. Nothing is done after a failure, so that a part of a file is never committed.
+// Runs step(), which returns a Result, and stores its error in `failure`; turns exceptions into errors. Does not run
+// step() after an earlier failure or a cancellation, so that an incomplete file is never committed.
 template <class Step>
 [[nodiscard]] std::invoke_result_t<Step> attempt(std::optional<Error>& failure, const Context& context,
                                                  const std::filesystem::path& path, Step step) {
@@ -28,7 +29,7 @@ template <class Step>
     return done;
   } catch (const std::bad_alloc&) {
     failure = no_memory(fmt::format("{}: not enough memory to write it", path.string()), Remedy::extract_part);
-  } catch (const std::exception& error) {  // a library's own
+  } catch (const std::exception& error) {  // thrown by a library
     failure = Error{ErrorCode::output, fmt::format("{}: cannot write: {}", path.string(), error.what()), {}};
   }
   return tl::unexpected<Error>(*failure);

@@ -1,4 +1,4 @@
-// A mesh as Draco's bytes, unpacked again and compared before they are taken for good.
+// Packs a mesh with Draco, unpacks it again and compares the result.
 #pragma once
 
 #include <cstddef>
@@ -17,23 +17,23 @@
 namespace isoextract::mesh_io {
 
 struct DracoPacking {
-  PositionLattice lattice;  // of float_positions or float_world
+  PositionLattice lattice;  // for LatticeUse::float_positions or float_world
   bool flat_normals = false;
   std::vector<GltfSemantic> semantics;
-  bool is_file = false;   // it says itself what attributes are called, and who wrote it
-  std::string placement;  // in such a file, as MeshWriteOptions has it
+  bool is_file = false;   // a .drc file: stores attribute names and the generator
+  std::string placement;  // MeshWriteOptions::placement, for a .drc file
 };
 
 struct DracoPacked {
   std::vector<std::byte> bytes;
-  std::uint64_t vertices = 0;  // that unpacking gives; with flat normals three a triangle
+  std::uint64_t vertices = 0;  // after unpacking; with flat normals three per triangle
   bool has_normals = false;
   mesh::LocalBounds bounds;  // of the unpacked positions, relative to the lattice's origin
   PackedFacts facts;         // without bytes_before
 };
 
-// Fails with ErrorCode::output where a vertex is outside of the lattice, where the memory is not there, and where what
-// was unpacked is not the mesh.
+// Packs with edgebreaker, or with the sequential method if edgebreaker does not reproduce the mesh. Fails with
+// ErrorCode::output if a vertex lies outside of the lattice, memory is short, or unpacking does not reproduce the mesh.
 [[nodiscard]] Result<DracoPacked> pack_with_draco(const mesh::Mesh& mesh, const DracoPacking& packing,
                                                   const Context& context);
 

@@ -1,4 +1,4 @@
-// The JSON of a glTF file: TinyGLTF's model, made of the parts whose bytes are written beside it.
+// Builds the JSON of a glTF file as a TinyGLTF model, from the parts whose bytes are written separately.
 #pragma once
 
 #include <cstddef>
@@ -19,32 +19,34 @@
 
 namespace isoextract::mesh_io {
 
-// Collects views and accessors in the order in which write_part() writes their bytes.
+// Collects buffer views and accessors in the order in which write_part() writes their bytes.
 class GltfModel {
  public:
-  // `placement` as MeshWriteOptions has it.
+  // `placement` is MeshWriteOptions::placement.
   explicit GltfModel(std::string placement = {}) : placement_(std::move(placement)) {}
 
-  // One node and, unless the part is without triangles, its mesh.
+  // Adds a node and, if the part has triangles, its mesh.
   void add(const GltfPart& part);
 
-  // The JSON text. Its one buffer is described to the library's JSON afterwards, as the library would want its bytes.
+  // Returns the JSON text and appends notes. The one buffer is described in the finished JSON, because TinyGLTF would
+  // need its bytes to describe it.
   [[nodiscard]] std::string json(const std::string& uri, int indent, Notes& notes);
 
-  // For files whose model is never held as a whole, in place of add() and json(). A node for the parts together, of
-  // scale 0 where it is hidden, which no scene refers to yet: its number. Parts without triangles are left out, of
-  // which not all may be.
+  // Adds one node for all parts of a frame and returns its number; no scene refers to it yet. A hidden node has scale
+  // 0. Skips parts without triangles, but at least one part must have triangles.
+  // Used with take() instead of add() and json() for files whose model is never complete in memory.
   [[nodiscard]] int add_frame(const std::string& name, std::span<const GltfPart> parts, bool hidden);
-  // What was added since the last call, and is forgotten then: its JSON, without scenes and buffers, and notes. Numbers
-  // go on.
+  // Passes the JSON of everything added since the last call to `look`, without scenes and buffers, then forgets it.
+  // Later nodes, meshes and accessors continue the numbering.
   void take(const std::function<void(nlohmann::json& document)>& look);
   [[nodiscard]] Notes take_notes();
   [[nodiscard]] std::uint64_t binary_bytes() const { return offset_; }
-  // The buffer after the one of the file's bytes, which stands for what views are unpacked to; null where none are.
+  // Returns the second buffer of the file, a placeholder for the bytes that compressed views decode to
+  // (EXT_meshopt_compression); null if no view is compressed.
   [[nodiscard]] nlohmann::json unpacked_buffer() const;
 
  private:
-  // How many of each were taken.
+  // How many of each take() removed.
   struct Taken {
     std::size_t nodes = 0;
     std::size_t meshes = 0;
@@ -53,12 +55,12 @@ class GltfModel {
     std::size_t accessors = 0;
   };
 
-  // The number of the node.
+  // Adds the part's node and mesh; returns the node's number.
   int node(const GltfPart& part);
   int push(tinygltf::Node node);
-  // The number of the material of such a part; colours of vertices are multiplied with it.
+  // Returns the number of the part's material, adding it if it is new. Viewers multiply vertex colors with it.
   int material(const GltfPart& part);
-  // A view of the next `bytes` bytes.
+  // Adds a buffer view of the next `bytes` bytes.
   int view(std::uint64_t bytes, int target, std::size_t stride = 0);
   int accessor(int view, std::size_t offset, int component, int type, std::uint64_t count);
   int vectors(int view, std::size_t offset, std::uint64_t count);
@@ -68,12 +70,12 @@ class GltfModel {
   tinygltf::Primitive indexed(const GltfPart& part);
   tinygltf::Primitive triangles(const GltfPart& part);
 
-  // Of packed parts; gltf_packed_model.cpp.
+  // For packed parts; in gltf_packed_model.cpp.
   tinygltf::Primitive packed(const GltfPart& part);
   int packed_view(const GltfPackedView& source);
   int packed_accessor(const GltfPackedAccessor& source, int first_view);
   void use_extension(const std::string& name);
-  // What the library has no members for.
+  // Adds to the JSON what TinyGLTF cannot describe.
   void describe_packed_views(nlohmann::json& document) const;
 
   tinygltf::Model model_;
@@ -83,15 +85,15 @@ class GltfModel {
   struct MadeMaterial {
     bool vertex_colours;
     std::optional<mesh::Material> look;
-    std::string name;  // that of the mesh, so that each grid and iso value can be given another look
+    std::string name;  // the mesh's name, so that each grid and iso value has its own material to edit
     int number;
   };
   std::vector<MadeMaterial> materials_;
   bool has_split_ = false;
   std::string placement_;
-  bool in_frame_ = false;  // the frames of a sequence share their materials, whatever their meshes are called
+  bool in_frame_ = false;  // frames of a sequence share materials, whatever the names of their meshes
   struct MeshoptView {
-    int view;  // of the buffer that is not there, and stands for what is unpacked
+    int view;  // into the placeholder buffer for decoded bytes
     std::uint64_t offset;
     std::uint64_t bytes;
     std::uint64_t count;
@@ -99,8 +101,8 @@ class GltfModel {
     MeshoptMode mode;
   };
   std::vector<MeshoptView> meshopt_views_;
-  std::uint64_t unpacked_bytes_ = 0;  // of that buffer
-  Notes notes_;                       // of the meshes' names
+  std::uint64_t unpacked_bytes_ = 0;  // size of the placeholder buffer
+  Notes notes_;                       // about the meshes' names
 };
 
 }  // namespace isoextract::mesh_io

@@ -1,4 +1,4 @@
-// A mesh as glTF's extensions pack it: its bytes, made and checked when the part is, and what the JSON says of them.
+// Packs a mesh with the extensions of glTF: its checked bytes, and their description for the JSON.
 #pragma once
 
 #include <cstddef>
@@ -19,24 +19,24 @@
 namespace isoextract::mesh_io {
 
 struct GltfPackedView {
-  std::vector<std::byte> bytes;  // as they lie in the file, up to the next view's alignment
+  std::vector<std::byte> bytes;  // as stored in the file, without the padding before the next view
   std::uint64_t count = 0;       // of values
-  std::size_t stride = 0;        // of a value, unpacked; 0 for Draco's bytes, which are no values
+  std::size_t stride = 0;        // bytes of a decoded value; 0 for Draco's bit stream
   bool indices = false;
-  std::optional<MeshoptMode> meshopt;  // how it is packed; nothing: it is not
+  std::optional<MeshoptMode> meshopt;  // unset: not compressed
 
   [[nodiscard]] std::uint64_t unpacked_bytes() const { return count * stride; }
 };
 
 struct GltfPackedAccessor {
   std::string semantic;             // empty for indices
-  std::optional<std::size_t> view;  // nothing for what Draco unpacks
+  std::optional<std::size_t> view;  // unset for values that Draco decodes
   std::uint32_t draco_id = 0;
-  int component = 0;  // as glTF numbers them
+  int component = 0;  // a code of gltf_codes.hpp
   std::size_t components = 1;
   std::uint64_t count = 0;
   bool normalised = false;
-  std::vector<double> min;  // of positions
+  std::vector<double> min;  // set for positions
   std::vector<double> max;
 };
 
@@ -44,7 +44,7 @@ struct GltfPackedPart {
   std::vector<GltfPackedView> views;
   std::vector<GltfPackedAccessor> attributes;
   std::optional<GltfPackedAccessor> indices;
-  bool draco = false;  // the one view holds it all
+  bool draco = false;  // the only view holds everything
   bool quantized = false;
   glm::dvec3 translation{0.0};  // of the node
   double scale = 1;
@@ -53,7 +53,7 @@ struct GltfPackedPart {
   [[nodiscard]] std::uint64_t bytes() const;
 };
 
-// `part` is not packed, and has triangles. packing.box is there where positions are quantised. Fails as
+// Packs `part`, which has triangles and is not packed. packing.box must be set if positions are quantized. Fails as
 // pack_with_draco() does.
 [[nodiscard]] Result<GltfPackedPart> pack_part(const GltfPart& part, const MeshPacking& packing,
                                                const Context& context);

@@ -1,4 +1,4 @@
-// How one mesh lies in the binary part of a glTF file, and writing it there.
+// Lays out one mesh in the binary data of a glTF file, and writes it.
 #pragma once
 
 #include <cstddef>
@@ -15,46 +15,46 @@
 
 namespace isoextract::mesh_io {
 
-// What views, accessors and GLB chunks start at multiples of.
+// Views, accessors and GLB chunks start at multiples of this many bytes.
 inline constexpr std::uint64_t kGltfAlignment = 4;
 
 [[nodiscard]] constexpr std::uint64_t gltf_aligned(std::uint64_t bytes) {
   return (bytes + kGltfAlignment - 1) / kGltfAlignment * kGltfAlignment;
 }
 
-// JSON holds Unicode only; every byte that is no part of UTF-8 becomes U+FFFD.
+// Replaces every byte that is not valid UTF-8 by U+FFFD, since JSON holds only Unicode.
 [[nodiscard]] std::string as_utf8(const std::string& text);
 
-// An attribute that is written, and what glTF calls it: COLOR_0, or its name behind an underscore. Upper case is a
-// custom there, and no rule: names stay as they are, so that they come back.
+// An attribute and its name in glTF: COLOR_0, or an underscore and its own name. Upper case is a mere custom in glTF,
+// so names stay unchanged and read back equal.
 struct GltfSemantic {
   const mesh::Attribute* attribute;
   std::string name;
 
-  // Each value starts at a multiple of four bytes; glTF 2.0, 3.6.2.4.
+  // Bytes from value to value: a multiple of 4, as glTF 2.0, 3.6.2.4 requires.
   [[nodiscard]] std::size_t stride() const { return gltf_aligned(attribute->stride()); }
 };
 
 struct GltfPackedPart;
 
-// A mesh's vertices, their attributes one after another, then its indices; or what an extension makes of them.
+// The binary layout of one mesh: its positions, each attribute in turn, then the indices; or the packed form of these.
 struct GltfPart {
   const mesh::Mesh* mesh = nullptr;
   std::vector<GltfSemantic> semantics;
   enum class Layout {
     nothing,  // no triangles: glTF has no empty accessors
-    split,    // three vertices a triangle, position and face normal interleaved, no indices
+    split,    // three vertices per triangle, position and face normal interleaved, no indices
     indexed,  // positions, normals if any, indices
   } layout = Layout::nothing;
   bool short_indices = false;
-  std::shared_ptr<const GltfPackedPart> packed;  // where it is
+  std::shared_ptr<const GltfPackedPart> packed;  // null if not packed
 
-  // 65535 restarts primitives and is no index.
+  // The value 65535 means primitive restart and is no index.
   static constexpr std::size_t kMaxShortVertices = 65535;
   static constexpr std::size_t kSplitStride = 2 * sizeof(glm::vec3);
 
   GltfPart(const mesh::Mesh& source, bool flat_normals, Notes& notes);
-  // As options.packing asks; its box is known. Fails as pack_part() does.
+  // Packs as options.packing asks; its box must be set if positions are quantized. Fails as pack_part() does.
   [[nodiscard]] static Result<GltfPart> make(const mesh::Mesh& source, const MeshWriteOptions& options,
                                              const Context& context, Notes& notes);
 
@@ -62,7 +62,7 @@ struct GltfPart {
   [[nodiscard]] bool has_colours() const;
   [[nodiscard]] std::uint64_t vertex_count() const;
   [[nodiscard]] std::uint64_t index_bytes() const;
-  [[nodiscard]] std::uint64_t bytes() const;  // of all of it, in the file
+  [[nodiscard]] std::uint64_t bytes() const;  // of the whole part in the file, with padding
 };
 
 [[nodiscard]] Result<void> write_part(const GltfPart& part, files::OutputFile& file);

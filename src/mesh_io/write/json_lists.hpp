@@ -1,5 +1,5 @@
-// The lists of a large JSON document as text, filled from small documents: a few hundred bytes a frame, where a tree of
-// values would take several times that.
+// Collects the lists of a large JSON document as text, from many small documents. Text takes a few hundred bytes per
+// frame, a tree of JSON values several times as much.
 #pragma once
 
 #include <cstddef>
@@ -14,16 +14,16 @@ namespace isoextract::mesh_io {
 
 class JsonLists {
  public:
-  // Each list of the document goes to the end of the list of its name; of texts (names of extensions) each is kept
-  // once, and so is what is no list.
+  // Appends each list of the document to the list of the same name. Repeated strings (names of extensions) are kept
+  // once. Members that are not lists keep their first value.
   void add(const nlohmann::json& document);
-  // One more entry; its number.
+  // Appends an entry, which is JSON text, and returns its number.
   std::size_t add(const std::string& list, std::string_view entry);
 
-  // Of the whole text, at most a few bytes a list too much.
+  // Returns the size of the whole text, or up to a few bytes per list more.
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
 
-  // The whole text; nothing is left here.
+  // Returns the whole text and clears all lists.
   [[nodiscard]] std::string take();
 
  private:

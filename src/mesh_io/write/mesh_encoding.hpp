@@ -1,4 +1,4 @@
-// What the mesh formats share: putting values into a block as bytes or as text, and normals of faces.
+// Helpers shared by the mesh writers: values as bytes or as text, and face normals.
 #pragma once
 
 #include <algorithm>
@@ -30,7 +30,7 @@ char* put_bytes(char* out, const T& value) {
 
 inline char* put_text(char* out, std::string_view text) { return std::copy(text.begin(), text.end(), out); }
 
-// " x y z"
+// Writes " x y z" and returns the end.
 template <class T>
 char* put_vector(char* out, const glm::vec<3, T>& v) {
   for (int axis = 0; axis < 3; ++axis) {
@@ -42,16 +42,16 @@ char* put_vector(char* out, const glm::vec<3, T>& v) {
 template <class T>
 inline constexpr std::size_t kMaxVectorText = 3 * (1 + kMaxNumberText<T>);
 
-// Calls f with a function from a vertex to its position in the output's space: float where the mesh has no origin of
-// its own, so that files have its stored numbers, double otherwise.
+// Calls f with a function that returns a vertex's world position: as stored float32 if the mesh has no origin,
+// otherwise in double. So the files of a mesh without an origin have exactly its stored numbers.
 template <class F>
 decltype(auto) visit_positions(const mesh::Mesh& mesh, F&& f) {
   if (mesh.origin == glm::dvec3(0)) return f([&mesh](std::size_t vertex) { return mesh.positions[vertex]; });
   return f([&mesh](std::size_t vertex) { return mesh.position(vertex); });
 }
 
-// The unit normal of a triangle, outward by its winding. In double nothing overflows or vanishes on the way. A triangle
-// without area has (0, 0, 1), as glTF allows unit vectors only.
+// Returns the unit normal of a triangle, outward by its winding; (0, 0, 1) for a triangle without area, since glTF
+// allows only unit vectors. Computes in double, where nothing overflows or underflows.
 inline glm::vec3 face_normal(const mesh::Mesh& mesh, const glm::uvec3& triangle) {
   const glm::dvec3 a = mesh.positions[triangle.x];
   const glm::dvec3 b = mesh.positions[triangle.y];
@@ -65,7 +65,7 @@ inline double degrees_between(const glm::dvec3& a, const glm::dvec3& b) {
   return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 / std::numbers::pi;
 }
 
-// A mesh's name for a line of text: control characters, line ends among them, become blanks.
+// Returns the name as one line of text: control characters, including line ends, become blanks.
 inline std::string one_line(std::string name) {
   std::replace_if(
       name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }, ' ');

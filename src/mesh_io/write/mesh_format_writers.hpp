@@ -1,4 +1,4 @@
-// The writers behind mesh_writer.hpp, one file a format. They write and leave opening and committing to it.
+// The writers of the single formats, behind mesh_writer.hpp. They write; mesh_writer.cpp opens and commits the files.
 #pragma once
 
 #include <memory>
@@ -13,26 +13,26 @@
 
 namespace isoextract::mesh_io {
 
-// What a format could not hold is added here, one sentence each.
+// Sentences about data that a format cannot store.
 using Notes = std::vector<std::string>;
 
-// A file that is being written, one mesh after another.
+// Writes one file, mesh after mesh.
 class FormatWriter {
  public:
   virtual ~FormatWriter() = default;
-  // The mesh has to outlive the call only where MeshFormatInfo::writes_as_they_come is false: then until finish().
+  // The mesh must live until finish() if MeshFormatInfo::writes_as_they_come is false; otherwise only during the call.
   [[nodiscard]] virtual Result<void> add(const mesh::Mesh& mesh, Notes& notes) = 0;
-  // What comes after the last mesh. Called once.
+  // Writes what follows the last mesh. Call once.
   [[nodiscard]] virtual Result<void> finish(Notes& notes) = 0;
-  // One a mesh, where they were to be packed; of one without triangles nothing is packed.
+  // Returns one entry per mesh if packing was requested; all zero for a mesh without triangles.
   [[nodiscard]] virtual std::vector<PackedFacts> packed() const { return {}; }
 };
 
-// The files outlive the writer.
+// The files must outlive the writers.
 [[nodiscard]] std::unique_ptr<FormatWriter> make_glb_writer(const MeshWriteOptions& options, const Context& context,
                                                             files::OutputFile& file);
 
-// `binary_name` is the file name of `binary`, as the model refers to it.
+// `binary_name` is the name by which the model refers to `binary`.
 [[nodiscard]] std::unique_ptr<FormatWriter> make_gltf_writer(const MeshWriteOptions& options, const Context& context,
                                                              files::OutputFile& model, files::OutputFile& binary,
                                                              const std::string& binary_name);
@@ -43,7 +43,7 @@ class FormatWriter {
 [[nodiscard]] std::unique_ptr<FormatWriter> make_drc_writer(const MeshWriteOptions& options, const Context& context,
                                                             files::OutputFile& file);
 
-// Formats of one mesh a file need no state.
+// PLY and STL hold one mesh per file, so their writers need no state.
 [[nodiscard]] Result<void> write_ply(const mesh::Mesh& mesh, const MeshWriteOptions& options, files::OutputFile& file,
                                      Notes& notes);
 

@@ -1,5 +1,5 @@
-// Numbers as text, into a block that has room for them: the shortest text that reads back as the same number, which is
-// what std::to_chars gives, sooner for what meshes consist of: indices, and coordinates on the planes of a grid.
+// Writes numbers as the shortest text that reads back as the same number. The text equals that of std::to_chars, but is
+// faster to make for the most common numbers of meshes: indices, and coordinates on the planes of a grid.
 #pragma once
 
 #include <charconv>
@@ -12,7 +12,7 @@
 
 namespace isoextract::mesh_io {
 
-// The room that a number of type T needs; what it leaves of it may be overwritten. The longest texts are
+// The bytes that put_number() may overwrite for type T, even if the text is shorter. The longest texts are
 // "-1.17549435e-38", "-2.2250738585072014e-308" and "18446744073709551615".
 template <class T>
 inline constexpr std::size_t kMaxNumberText = std::is_same_v<T, float>    ? 15
@@ -21,7 +21,8 @@ inline constexpr std::size_t kMaxNumberText = std::is_same_v<T, float>    ? 15
 
 namespace detail {
 
-// The eight decimal digits of a number below 10^8, the first one in the lowest byte, each from 0 to 9.
+// Returns the eight decimal digits of a number below 10^8, each as a byte from 0 to 9, the first digit in the lowest
+// byte.
 // Paul Khuong, "How to print integers really fast" (2017).
 constexpr std::uint64_t eight_digits(std::uint32_t number) {
   const std::uint64_t fours = number / 10000 | std::uint64_t{number % 10000} << 32;
@@ -46,7 +47,7 @@ char* put_number(char* out, T number) {
 
 template <std::floating_point T>
 char* put_number(char* out, T number) {
-  // From here on some whole numbers are shorter with an exponent: 1e+05.
+  // Larger whole numbers can be shorter with an exponent: 1e+05.
   constexpr T kWholeBelow = 100'000;
   const T size = std::abs(number);
   if (size < kWholeBelow && size == static_cast<T>(static_cast<std::uint32_t>(size))) {

@@ -1,8 +1,9 @@
-// Whether two surfaces are one whose vertices and triangles come in another order, and which vertices are the same.
+// Tells whether two surfaces are equal except for the order of vertices and triangles, and which vertices correspond.
 //
-// Vertices start with a colour made of their own data, and take up those around them, as they follow each other in the
-// triangles, in a few rounds (colour refinement; Weisfeiler and Leman, 1968). Vertices with the same colour then have
-// the same surroundings. Colours are hashes of 64 bits: surfaces that differ pass with a probability of about 2^-64.
+// Each vertex starts with a color, a 64-bit hash of its own data. In a few rounds it mixes in the colors of its
+// neighbors, in the order of the triangles' corners (color refinement; Weisfeiler and Leman, 1968).
+// Vertices with the same color then have the same surroundings. Different surfaces pass as equal with a probability of
+// about 2^-64.
 #pragma once
 
 #include <cstdint>
@@ -14,25 +15,26 @@
 
 namespace isoextract::mesh_io {
 
-// A vertex stands in for those of its colour: where several have one, nothing but their numbers tells them apart.
+// Corresponding vertices of two surfaces. Vertices of the same color are interchangeable: only their numbers differ.
 struct SameVertices {
   struct Vertex {
     std::uint64_t colour;
     std::uint32_t number;
   };
-  std::vector<Vertex> a;  // by colour
-  std::vector<Vertex> b;  // the same colours at the same places
+  std::vector<Vertex> a;  // sorted by color
+  std::vector<Vertex> b;  // the same colors in the same order
 
-  // The end of the vertices with the colour of the one at `first`.
+  // Returns the end of the group of vertices that have the color of entry `first`, which begins that group.
   [[nodiscard]] std::size_t end_of_group(std::size_t first) const;
 };
 
 struct ColouredSurface {
-  std::vector<std::uint64_t> colours;  // one a vertex
+  std::vector<std::uint64_t> colours;  // one per vertex
   std::span<const glm::uvec3> triangles;
 };
 
-// Nothing where the surfaces are not the same, or triangles turned over. Takes some 40 bytes a vertex of each.
+// Returns nullopt if the surfaces differ; a flipped triangle counts as a difference. Needs about 40 bytes per vertex of
+// each surface.
 [[nodiscard]] std::optional<SameVertices> match_vertices(ColouredSurface a, ColouredSurface b);
 
 }  // namespace isoextract::mesh_io

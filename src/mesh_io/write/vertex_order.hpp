@@ -1,4 +1,4 @@
-// Vertices and triangles in an order in which graphics cards and packers find what they need near by.
+// Reorders vertices and triangles so that graphics cards and compressors find shared data close together.
 #pragma once
 
 #include "base/context.hpp"
@@ -7,9 +7,8 @@
 
 namespace isoextract::mesh_io {
 
-// The same mesh, its triangles so that their corners are met again soon (T. Forsyth, Linear-Speed Vertex Cache
-// Optimisation, 2006, as meshoptimizer has it), its vertices in the order in which triangles want them. The same for
-// the same mesh. Fails where the memory is not there.
+// Sorts the triangles for vertex reuse (T. Forsyth, Linear-Speed Vertex Cache Optimisation, 2006, as in meshoptimizer),
+// and the vertices in the order of their first use. Deterministic. Fails if memory is short.
 [[nodiscard]] Result<void> optimize_order(mesh::Mesh& mesh, const Context& context);
 
 }  // namespace isoextract::mesh_io

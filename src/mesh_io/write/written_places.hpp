@@ -1,20 +1,21 @@
-// What the numbers of a file do to a mesh that is far from the origin of its coordinates.
+// Checks whether rounding coordinates to the numbers of a file would destroy a mesh that is far from the origin.
 //
-// A mesh without an origin of its own is written as the float32 numbers that it consists of: nothing is rounded. Of one
-// with an origin, the coordinates in the file are sums: in float32 in STL and DRC, in double in PLY and OBJ, and in
-// double for whoever reads glTF, which keeps the two apart. Rounding moves each vertex by up to half the distance of
-// such numbers there. Far enough away that is more than a triangle is wide: the surface becomes a heap of triangles
-// that are flat, turned over or at one place, although their indices still make a closed mesh.
+// A mesh with origin 0 is written as the float32 numbers it consists of: nothing is rounded. For other meshes, the
+// coordinates in the file are sums of origin and position. They are float32 in STL and DRC, and double in PLY and OBJ.
+// glTF stores both separately, and programs that read it add them; it is checked in double.
+// Rounding moves a vertex by up to half the spacing of such numbers at its place. Far away that exceeds the width of a
+// triangle: triangles become flat, flip or collapse to a point, although their indices still form a closed mesh.
 //
-// The measure is what happens to the triangles, not how far away they are: of the vectors that stand on them, as long
-// as their area (the cross products of their sides), the sum of the changes, as a fraction of the sum of the lengths.
-// That is about the angle, in radians, by which rounding turns a triangle on the average, and 1 where all lose their
-// area. It grows as the rounding does in relation to the sides of triangles, and slivers, of which every isosurface has
-// some, weigh as little as they are seen. More than a quarter is refused: there, coordinates are about a fifth of a
-// voxel apart, and what one sees is their lattice. A scan in millimetres with triangles of 0.1 at 1000 is at a
-// thousandth.
+// The measure is the damage to triangles, not the distance. For each triangle, take the cross product of two sides
+// before and after rounding. The measure is the sum of the lengths of the differences, divided by the sum of the
+// lengths before.
+// This is about the mean angle, in radians, by which rounding tilts a triangle; it is 1 if all triangles lose their
+// area. It grows with rounding relative to the sides of triangles. Slivers, which every isosurface has, count by their
+// area, so they weigh little.
+// More than 1/4 is refused: coordinates are then about 1/5 of a voxel apart, and the viewer sees their lattice. For
+// comparison, a scan in millimeters with triangles of 0.1 at 1000 measures about 1/1000.
 //
-// glTF needs a translation that float32 holds besides, for that is what programs read it into.
+// glTF also needs a translation within the range of float32, because programs read it as float32.
 #pragma once
 
 #include <cstdint>
@@ -26,9 +27,10 @@
 
 namespace isoextract::mesh_io {
 
-// How many triangles have two corners at one place in the file, which they have not in the mesh. Fails with
-// ErrorCode::output and Remedy::place_nearer. Costs nothing where the mesh has no origin, a look at the
-// vertices where rounding is less than that of the mesh's own numbers, and a look at the triangles otherwise.
+// Returns how many triangles get two corners at the same coordinates in the file. Fails with ErrorCode::output and
+// Remedy::place_nearer if rounding would destroy the mesh.
+// Returns at once for origin 0, visits only the vertices if the file's rounding is no coarser than that of the mesh's
+// own numbers, and visits the triangles otherwise.
 [[nodiscard]] Result<std::uint64_t> check_places(const mesh::Mesh& mesh, const std::filesystem::path& path,
                                                  MeshFormat format);
 
