@@ -21,7 +21,7 @@
 namespace isoextract::mesh_io {
 namespace {
 
-// The largest float32 that is not after it; infinite where none is near.
+// Returns the largest float32 that is not after `seconds`; infinity if `seconds` exceeds the range of float32.
 float key_time(double seconds) {
   if (seconds > std::numeric_limits<float>::max()) return std::numeric_limits<float>::infinity();
   const auto nearest = static_cast<float>(seconds);
@@ -31,10 +31,10 @@ float key_time(double seconds) {
 
 bool has_triangles(const mesh::Mesh& mesh) { return !mesh.triangles.empty(); }
 
-// A file of the sequence and what is in it.
+// One file of the sequence and the range of frames in it.
 struct AnimationPart {
   AnimatedGlb glb;
-  std::int64_t first = 0;  // frames
+  std::int64_t first = 0;  // number of the first frame
   std::int64_t last = 0;
 };
 
@@ -65,21 +65,21 @@ struct AnimationWriter::State {
   std::optional<std::int64_t> first;
   std::int64_t last = 0;
   std::optional<FrameSpan> span;
-  std::uint64_t count = 0;  // of frames that were added
+  std::uint64_t count = 0;  // number of frames added
   std::vector<std::string> notes;
-  std::set<std::string> told;  // the same, to be found
+  std::set<std::string> told;  // the same notes, for lookup
   std::vector<PackedFacts> packed;
   std::optional<Error> failure;
 
   [[nodiscard]] Result<void> check() const;
-  // Of the frame `later` frames after this one.
+  // Returns the key time in seconds of the frame `later` frames after `frame`.
   [[nodiscard]] float time_of(std::int64_t frame, int later = 0) const;
   [[nodiscard]] Result<void> check_frame(std::int64_t frame) const;
-  // Whether the frame was refused.
+  // Returns why the frame was refused, or nullopt. Fails with errors that end the whole file.
   [[nodiscard]] Result<std::optional<Error>> add(const std::string& name, std::int64_t frame,
                                                  std::span<const mesh::Mesh> surfaces, const MeshPacking& packing,
                                                  const std::string& placement);
-  // Of surfaces that can be written, into pieces that refer to them.
+  // Makes parts that refer to the surfaces.
   [[nodiscard]] Result<std::vector<GltfPart>> pieces_of(std::span<const mesh::Mesh> surfaces,
                                                         const MeshPacking& packing, Notes& found) const;
   [[nodiscard]] Result<MeshWriteResult> finish();
@@ -89,7 +89,7 @@ struct AnimationWriter::State {
   template <class Step>
   [[nodiscard]] std::invoke_result_t<Step> attempt(Step step) {
     auto done = mesh_io::attempt(failure, context, path, std::move(step));
-    if (failure) parts.clear();  // and with them what they have on disk
+    if (failure) parts.clear();  // removes their temporary files
     return done;
   }
 };
@@ -188,7 +188,7 @@ Result<std::optional<Error>> AnimationWriter::State::add(const std::string& name
     parts.push_back({AnimatedGlb(path, largest_file, placement), frame, frame});
     TRY(parts.back().glb.open());
   }
-  // Not before the frame is taken.
+  // Called only once the frame is accepted.
   const auto take = [&] {
     if (!first) first = parts.front().first = frame;
     last = frame;
@@ -233,7 +233,7 @@ Result<std::optional<Error>> AnimationWriter::State::add(const std::string& name
   return std::nullopt;
 }
 
-// What is true of a frame is likely to be true of all.
+// Adds each different note once: most notes apply to every frame.
 void AnimationWriter::State::tell(std::vector<std::string> more) {
   for (std::string& note : more) {
     if (told.insert(note).second) notes.push_back(std::move(note));

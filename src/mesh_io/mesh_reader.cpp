@@ -27,7 +27,7 @@ namespace {
 
 using Reader = FileSurface (*)(const MeshSource&);
 
-// By the mark that content begins with; null where there is none.
+// Finds the reader by the magic bytes; null if there are none.
 Reader reader_by_mark(std::string_view text) {
   if (text.starts_with("glTF")) return read_glb;
   if (text.starts_with("DRACO")) return read_drc;
@@ -45,8 +45,8 @@ bool is_obj_text(std::string_view text) {
   return false;
 }
 
-// By what content without a mark begins with, for files whose name says nothing, such as standard input. `size` is that
-// of the whole file.
+// Finds the reader by the beginning of content without magic bytes, for files without a mesh extension, such as
+// standard input. `size` is the size of the whole file.
 Reader reader_by_beginning(std::string_view text, std::uint64_t size) {
   constexpr std::size_t kStlHeader = 80;
   constexpr std::uint64_t kStlTriangle = 50;
@@ -81,7 +81,7 @@ Reader reader_of(const MeshSource& source) {
                                 files::printable(text, 16)));
 }
 
-// Numbers that float32 holds are not rounded: the origin is one that leaves them as they are, zero at the worst.
+// If all coordinates are float32 numbers, chooses an origin that keeps them exact: zero if the usual one does not.
 glm::dvec3 choose_origin(std::span<const glm::dvec3> positions, const glm::dvec3& low, const glm::dvec3& high) {
   const glm::dvec3 wanted = mesh::choose_local_origin(low, high);
   const auto are_floats = [&](const glm::dvec3& origin) {
@@ -167,7 +167,7 @@ FileSurface read_surface(const files::InputFile& file, const MeshReadOptions& op
   return reader_of(source)(source);
 }
 
-// Takes what `surface` has; whose vertices and triangles the mesh has by now.
+// Returns the normals of `surface`, with an index for each triangle corner.
 FileNormals normals_of(const FileSurface& surface) {
   FileNormals normals;
   const auto& [values, numbers] = surface.normals;
@@ -234,7 +234,8 @@ MeshFile read_file(const files::InputFile& file, const MeshReadOptions& options)
   result.y_up = surface.y_up;
   result.is_quantised = surface.is_quantised;
   result.is_ours = surface.is_ours;
-  if (surface.is_ours) result.placement = surface.placement.substr(0, kMaxPlacement);  // a longer one is none of ours
+  if (surface.is_ours)
+    result.placement = surface.placement.substr(0, kMaxPlacement);  // isoextract never writes a longer one
   for (const std::string& note : surface.notes) result.notes.push_back(fmt::format("{}: {}", file.name(), note));
   return result;
 }
@@ -242,7 +243,7 @@ MeshFile read_file(const files::InputFile& file, const MeshReadOptions& options)
 }  // namespace
 
 Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context, const MeshReadOptions& options) {
-  const auto name = [&] { return files::shown_input_name(path); };  // takes memory: only where a failure is told
+  const auto name = [&] { return files::shown_input_name(path); };  // allocates, so it is called only on failure
   try {
     const auto file = TRY(files::InputFile::open(path, context));
     return read_file(file, options);
@@ -277,7 +278,8 @@ bool is_signed(const std::filesystem::path& path, const Context& context) {
   const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
   const std::string name = fmt::format("{} ", kProgram);
   for (std::size_t at = text.find(name); at != std::string_view::npos; at = text.find(name, at + 1)) {
-    // The whole header, a comment, a glTF's JSON, or a Draco file's entry, which has its length before it.
+    // The signature begins an STL header, an OBJ or PLY comment, or the value of "generator" in glTF JSON or Draco
+    // metadata; in Draco metadata a length byte precedes it.
     const std::string_view before = text.substr(0, at);
     const std::string_view near = before.substr(before.size() - std::min<std::size_t>(before.size(), 16));
     const bool is_entry = near.find("generator") != std::string_view::npos;
@@ -300,7 +302,7 @@ std::vector<std::string> data_file_names(const std::filesystem::path& gltf, cons
       const std::string_view uri = text_of(entry(model, "buffers", i), "uri");
       if (!uri.empty() && !uri.starts_with("data:")) names.push_back(decode_percent(uri));
     }
-  } catch (const std::exception&) {  // it is no glTF, or too large to look at
+  } catch (const std::exception&) {  // it is no glTF, or too large to parse
     names.clear();
   } catch (const Cancelled&) {
     names.clear();
@@ -312,7 +314,7 @@ void MemoryUse::take(std::uint64_t bytes) {
   if (const auto going_on = context_.check(); !going_on) throw Cancelled{going_on.error()};
   used_ = checked_sum(used_, bytes).value_or(std::numeric_limits<std::uint64_t>::max());
   if (used_ <= reserved_) return;
-  // Some more than is needed, for the next time, if there is so much.
+  // Reserves more than is missing, to reserve less often, if the budget allows it.
   const std::string what = "its bytes, vertices and triangles";
   const std::uint64_t missing = used_ - reserved_;
   auto memory = context_.reserve(std::max(missing, reserved_ / 8), what);
@@ -335,7 +337,8 @@ std::vector<std::uint32_t> weld_corners(std::span<const glm::vec3> corners, File
   const std::uint64_t bytes = (table_size + 2 * corners.size()) * sizeof(std::uint32_t);
   memory.take(bytes);
   std::vector<std::uint32_t> table(table_size, kFree);
-  // The sum makes 0 of -0. NaN is no reason not to end: it has bits as well, and is refused later.
+  // Adding 0 turns -0 into 0. Comparing bits makes a NaN equal to itself, so the search ends; mesh_of() refuses NaN
+  // later.
   const auto bits_of = [](const glm::vec3& p) {
     return glm::u64vec3(std::bit_cast<std::uint32_t>(p.x + 0.0F), std::bit_cast<std::uint32_t>(p.y + 0.0F),
                         std::bit_cast<std::uint32_t>(p.z + 0.0F));
@@ -372,7 +375,8 @@ void add_polygon(std::vector<glm::uvec3>& triangles, std::span<const std::uint32
     for (std::size_t i = 2; i < corners.size(); ++i) triangles.emplace_back(corners[0], corners[i - 1], corners[i]);
     return;
   }
-  // What the diagonal from `first` to `last` cuts off is a triangle, and a part beyond each of its two other sides.
+  // Splits the part beyond the diagonal from `first` to `last` into a triangle and the parts beyond its two other
+  // sides.
   const auto halve = [&](const auto& self, std::size_t first, std::size_t last) -> void {
     if (last - first < 2) return;
     const std::size_t middle = first + (last - first) / 2;
@@ -440,7 +444,7 @@ double TextScanner::number(std::string_view word) const {
   double value = 0;
   const auto [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (end != digits.data() + digits.size() || status == std::errc::invalid_argument) expected("a number", word);
-  // from_chars does not say on which side it is out of range.
+  // from_chars does not tell overflow from underflow; strtod does.
   return status == std::errc::result_out_of_range ? std::strtod(std::string(digits).c_str(), nullptr) : value;
 }
 

@@ -67,7 +67,7 @@ Result<void> check(std::size_t meshes, const fs::path& path, const MeshWriteOpti
   return {};
 }
 
-// PLY or STL, whose one mesh is all there is to write.
+// Writes PLY or STL, which hold one mesh.
 class OneMeshWriter final : public FormatWriter {
  public:
   using Write = Result<void> (*)(const mesh::Mesh&, const MeshWriteOptions&, files::OutputFile&, Notes&);
@@ -84,7 +84,7 @@ class OneMeshWriter final : public FormatWriter {
   files::OutputFile& file_;
 };
 
-// Around all of them, in the coordinates of the output.
+// Returns the box around all meshes, in world coordinates.
 mesh::Bounds bounds_of(std::span<const mesh::Mesh> meshes) {
   std::optional<mesh::Bounds> all;
   for (const mesh::Mesh& mesh : meshes) {
@@ -155,13 +155,13 @@ struct MeshWriter::State {
   fs::path path;
   MeshWriteOptions options;
   Context context;
-  bool holds = false;            // all meshes until the last
-  std::vector<mesh::Mesh> held;  // where it does
-  std::size_t count = 0;         // of meshes that were added
+  bool holds = false;            // holds all meshes until finish()
+  std::vector<mesh::Mesh> held;  // the meshes, if it holds them
+  std::size_t count = 0;         // number of meshes added
   std::optional<files::OutputFile> file;
-  std::optional<files::OutputFile> binary;  // of .gltf
+  std::optional<files::OutputFile> binary;  // the .bin of .gltf
   std::unique_ptr<FormatWriter> format;
-  std::vector<std::string> left_out;  // names of attributes, where the format has none
+  std::vector<std::string> left_out;  // names of attributes that the format cannot store
   Notes notes;
   std::optional<Error> failure;
 
@@ -177,7 +177,7 @@ struct MeshWriter::State {
   [[nodiscard]] std::string left_out_note() const;
 };
 
-// Or fails.
+// Fails if rounding would destroy the mesh; adds a note if triangles collapse.
 Result<void> MeshWriter::State::keep_places(const mesh::Mesh& mesh) {
   const auto collapsed = check_places(mesh, path, options.format);
   if (!collapsed) return tl::unexpected<Error>(collapsed.error());
@@ -190,7 +190,7 @@ Result<void> MeshWriter::State::keep_places(const mesh::Mesh& mesh) {
   return {};
 }
 
-// Once.
+// Opens the files and makes the format's writer, on the first call.
 Result<void> MeshWriter::State::open() {
   if (format != nullptr) return {};
   auto opened = files::OutputFile::create(path);
@@ -223,7 +223,7 @@ Result<void> MeshWriter::State::write(const mesh::Mesh& mesh) {
     }
   }
   auto added = format->add(mesh, notes);
-  // What cannot be packed does not know where it would go.
+  // Errors of packing do not name the file.
   if (!added && options.packing.packs() &&
       !added.error().message.starts_with(fs::path(path).replace_extension().string())) {
     added.error().message = fmt::format("{}: {}", path.string(), added.error().message);
@@ -237,7 +237,7 @@ std::string MeshWriter::State::left_out_note() const {
                      left_out.size() == 1 ? "was" : "were", names_of_formats(&MeshFormatInfo::has_attributes));
 }
 
-// `last` are the meshes that are not written yet.
+// `last` holds the meshes that are not written yet.
 Result<MeshWriteResult> MeshWriter::State::finish(std::span<const mesh::Mesh> last) {
   auto done = check(count, path, options);
   if (options.packing.quantizes() && !options.packing.box) options.packing.box = bounds_of(last);

@@ -20,10 +20,11 @@ namespace {
 constexpr const char* kNameKey = "name";
 constexpr const char* kGeneratorKey = "generator";
 constexpr const char* kPlacementKey = "placement";
-// Bounds of what the library holds while it decodes: of a triangle and of a vertex, in its corner table and its maps;
-// of both once more for each connectivity of attributes, whose seams may give each corner a vertex of its own (two maps
-// of vertices that grow by doubling, two that do not, the corners' vertices, the list of seams); of a value of an
-// attribute, beside its numbers, in the map from points and in the sequence of decoding.
+// Upper bounds of the library's memory while decoding. Per triangle and per vertex: its corner table and maps (kCodec).
+// Per triangle and per vertex for each attribute connectivity, whose seams may give each corner its own vertex (kSeam):
+// two vertex maps that grow by doubling, two that do not, the corners' vertices, the list of seams.
+// Per attribute value, besides its numbers: its entries in the map from points and in the decoding sequence
+// (kValueMap).
 constexpr std::uint64_t kCodecTriangleBytes = 96;
 constexpr std::uint64_t kCodecVertexBytes = 96;
 constexpr std::uint64_t kSeamTriangleBytes = 112;
@@ -57,7 +58,7 @@ std::optional<mesh::ComponentType> component_type(draco::DataType type) {
   }
 }
 
-// Builds the library's mesh: points are vertices, or the corners of triangles where those have normals of their own.
+// Builds the library's mesh. Its points are the vertices or, with face normals, the triangle corners.
 class DracoEncoding {
  public:
   explicit DracoEncoding(const DracoInput& input) : input_(input) {
@@ -97,10 +98,10 @@ class DracoEncoding {
   }
 
  private:
-  // What SetAttributeExplicitQuantization() does, but for the numbers: the library keeps them as text, and its setters
-  // write six decimals, which are too few for a lattice, or for any small mesh.
+  // Does what SetAttributeExplicitQuantization() does, but with exact numbers. The library stores them as text, and its
+  // setters write six decimals, which is too imprecise for a lattice or a small mesh.
   [[nodiscard]] draco::Options quantization() const {
-    // Divided by their number, the range is the step again, without rounding.
+    // The library divides the range by the number of steps, which gives the step again without rounding.
     const float range = static_cast<float>((std::uint32_t{1} << input_.bits) - 1) * input_.step;
     draco::Options options;
     options.SetInt("quantization_bits", input_.bits);
@@ -117,7 +118,7 @@ class DracoEncoding {
     return *mesh_.attribute(id);
   }
 
-  // Those of the vertices, where points are corners.
+  // Maps corner points to the values of their vertices, if points are corners.
   void map_vertices(draco::PointAttribute& attribute) {
     if (!input_.face_normals) return;
     attribute.SetExplicitMapping(mesh_.num_points());
@@ -174,7 +175,7 @@ class DracoEncoding {
   draco::Mesh mesh_;
 };
 
-// Stops the library where the bytes announce more than there is memory for: their counts are no larger for that.
+// Stops the library before it allocates more than `take` allows: the bytes may announce any count.
 template <class Decoder>
 class BoundedDecoder final : public Decoder {
  public:
@@ -186,7 +187,7 @@ class BoundedDecoder final : public Decoder {
     std::uint32_t first = 0;
     std::uint32_t second = 0;
     if (!draco::DecodeVarint(&first, &ahead) || !draco::DecodeVarint(&second, &ahead)) return false;
-    // Of one method vertices come first, of the other triangles.
+    // One method stores the vertex count first, the other the triangle count.
     const std::uint64_t most = std::max(first, second);
     std::uint64_t bytes = most * (kCodecTriangleBytes + kCodecVertexBytes);
     if constexpr (std::is_same_v<Decoder, draco::MeshEdgebreakerDecoder>) {
@@ -202,7 +203,7 @@ class BoundedDecoder final : public Decoder {
     const draco::PointCloud& points = *this->point_cloud();
     for (int a = 0; a < points.num_attributes(); ++a) {
       const draco::PointAttribute& attribute = *points.attribute(a);
-      // Whole numbers, and what they become.
+      // Two arrays of integers, and the decoded value.
       const std::uint64_t value = std::uint64_t{attribute.num_components()} *
                                   (2 * sizeof(std::int32_t) + draco::DataTypeLength(attribute.data_type()));
       take_(points.num_points() * (value + kValueMapBytes));

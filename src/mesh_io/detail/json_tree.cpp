@@ -3,7 +3,8 @@
 namespace isoextract::mesh_io {
 namespace {
 
-// From the leaves up, so that nothing is nested any more. Of what is structured neither iterators nor clear() throw.
+// Empties values from the leaves up, so that the destructor finds no nesting. Iterators and clear() of lists and
+// objects do not throw.
 void empty(nlohmann::json& value) noexcept {  // NOLINT(bugprone-exception-escape)
   if (!value.is_structured()) return;
   for (nlohmann::json& inner : value) empty(inner);

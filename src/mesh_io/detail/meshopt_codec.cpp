@@ -10,7 +10,7 @@ const unsigned char* in(std::span<const std::byte> bytes) {
 }
 unsigned char* out_of(std::vector<std::byte>& bytes) { return reinterpret_cast<unsigned char*>(bytes.data()); }
 
-// The versions of the extension. They are settings of the library as a whole, so they are made once.
+// Sets the bit stream versions of the extension. They are global settings of the library, so they are set once.
 void choose_versions() {
   [[maybe_unused]] static const bool chosen = [] {
     meshopt_encodeVertexVersion(0);

@@ -1,4 +1,4 @@
-// Draco's own files. Their positions are float32 numbers, and stay so.
+// Draco files. Their float32 positions are kept unchanged.
 #include "mesh_io/read/draco_vertices.hpp"
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 namespace isoextract::mesh_io {
 namespace {
 
-// What the reader of meshes knows of it.
+// Returns the mesh attribute for a Draco attribute, without values.
 mesh::Attribute kind_of(const DracoAttribute& attribute, std::size_t number) {
   mesh::Attribute kind;
   kind.name = !attribute.name.empty() ? attribute.name
@@ -27,7 +27,7 @@ mesh::Attribute kind_of(const DracoAttribute& attribute, std::size_t number) {
   return kind;
 }
 
-// Where no two triangles share a vertex, vertices come three a triangle.
+// With `is_soup`, no two triangles share a vertex: the vertices are the triangle corners in order.
 void add_normals(const DracoSurface& unpacked, std::span<const std::uint32_t> vertices, bool is_soup, MemoryUse& memory,
                  FileSurface& surface) {
   const auto normals = std::ranges::find_if(unpacked.attributes, &DracoAttribute::is_normal);
@@ -109,7 +109,7 @@ FileSurface read_drc(const MeshSource& source) {
   surface.is_quantised = true;
   surface.is_ours = is_signature(unpacked.generator);
   surface.placement = unpacked.placement;
-  // Of each vertex of the surface, one of the file's.
+  // For each vertex of the surface, its first vertex in the file.
   std::vector<std::uint32_t> vertices;
   if (is_soup) {
     std::vector<glm::vec3> corners;
@@ -137,7 +137,7 @@ FileSurface read_drc(const MeshSource& source) {
     FileAttribute& made = surface.attributes.emplace_back();
     made.kind = kind_of(attribute, a);
     if (std::exchange(has_colours, has_colours || made.kind.role == mesh::AttributeRole::colour)) {
-      made.kind.role = mesh::AttributeRole::other;  // one a mesh
+      made.kind.role = mesh::AttributeRole::other;  // at most one color attribute per mesh
     }
     const std::size_t stride = made.kind.stride();
     source.memory.make_room(made.values, vertices.size() * stride);

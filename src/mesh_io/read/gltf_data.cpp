@@ -16,13 +16,13 @@ namespace {
 
 using nlohmann::json;
 
-// Of types that there are none of, the size of the others that have four bytes.
+// Returns the bytes of a component; 4 for unknown types.
 std::uint64_t size_of(int component) {
   const auto type = gltf_component(component);
   return type ? mesh::component_size(*type) : sizeof(float);
 }
 
-// An object's part of an extension, or null.
+// Returns the object's member for the extension, or null.
 const json* extension_of(const json& object, const char* name) {
   const auto extensions = object.find("extensions");
   if (extensions == object.end() || !extensions->is_object()) return nullptr;
@@ -30,7 +30,7 @@ const json* extension_of(const json& object, const char* name) {
   return found != extensions->end() && found->is_object() ? &*found : nullptr;
 }
 
-// A buffer without bytes, which views name that are packed elsewhere.
+// Returns whether the buffer is a placeholder without bytes, named by views whose compressed bytes are elsewhere.
 bool is_placeholder(const json& buffer) {
   const json* packed = extension_of(buffer, kMeshoptExtension);
   return packed != nullptr && packed->value("fallback", json(false)) == json(true);
@@ -133,7 +133,7 @@ GltfView GltfData::view(std::uint64_t index, std::string_view type, std::uint64_
   if (accessor.contains("bufferView")) {
     place(view, accessor, item);
   } else if (sparse == accessor.end()) {
-    // The standard makes zeros of it; but what comes compressed, by an extension, looks the same.
+    // glTF defines such an accessor as all zeros, but data compressed by an unknown extension looks the same.
     throw DamagedMesh(fmt::format("expected an accessor with values in a buffer, found {}", shown(accessor)));
   }
   if (sparse == accessor.end()) return view;
@@ -197,8 +197,8 @@ void GltfData::place(GltfView& view, const json& owner, std::uint64_t item) {
   view.first = values.data() + start;
 }
 
-// glTF 2.0, 3.6.2.3: values of their own at some indices, which rise; the others are those of the buffer view, or zeros
-// where there is none.
+// Builds a sparse accessor (glTF 2.0, 3.6.2.3): replaces the values at the given ascending indices. The base values are
+// those of the buffer view, or zeros without one.
 GltfView GltfData::with_sparse(const GltfView& dense, const json& sparse, std::uint64_t item) {
   if (!sparse.is_object()) {
     throw DamagedMesh(fmt::format("expected an object as 'sparse' of an accessor, found {}", shown(sparse)));

@@ -1,4 +1,4 @@
-// KHR_draco_mesh_compression: the accessors of a primitive have their values from Draco's bytes.
+// KHR_draco_mesh_compression: Draco's bytes supply the values of a primitive's accessors.
 #include <span>
 #include <utility>
 
@@ -31,7 +31,7 @@ bool GltfData::unpack_draco(const json& primitive) {
   const json* draco = draco_of(primitive);
   if (draco == nullptr) return false;
   const json& semantics = primitive.at("attributes");
-  // Whoever has both need not unpack.
+  // The file also has uncompressed values, so nothing needs decoding.
   if (entry(model_, "accessors", whole(semantics, "POSITION")).contains("bufferView")) return false;
   const auto ids = draco->find("attributes");
   if (ids == draco->end() || !ids->is_object()) {

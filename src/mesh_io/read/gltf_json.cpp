@@ -10,12 +10,13 @@ namespace {
 using nlohmann::json;
 
 constexpr int kMaxDepth = 64;
-// What a value of the JSON may take, with its key, its node in a map and the room of a growing list.
+// Upper bound of the bytes that a JSON value needs, with its key, its map node and the spare capacity of a growing
+// list.
 constexpr std::uint64_t kJsonValueBytes = 128;
 
-// Looks at JSON before anything is made of it: values within values are visited by recursion, so hostile ones must not
-// be deep, and memory is asked for before it is taken. A callback of the library's parser could look at the values as
-// well, but then every object is followed by a search through all of the list that it is in.
+// Checks JSON before parsing builds a tree: limits nesting, since nested values are visited by recursion, and reserves
+// memory. A callback of the library's parser could do the same, but then the library searches the enclosing list after
+// every object.
 class JsonLimits final : public nlohmann::json_sax<json> {
  public:
   explicit JsonLimits(MemoryUse& memory) : memory_(memory) {}
@@ -120,7 +121,7 @@ Transform transform_of(const json& node) {
   }
   if (const auto rotation = node.find("rotation"); rotation != node.end()) {
     const auto [x, y, z, w] = numbers<4>(*rotation, "rotation");
-    // The rotation of a unit quaternion; glTF 2.0, 3.6.4.1.
+    // The rotation matrix of a unit quaternion (glTF 2.0, 3.6.4.1).
     transform.linear = {1 - 2 * (y * y + z * z), 2 * (x * y + z * w),     2 * (x * z - y * w),
                         2 * (x * y - z * w),     1 - 2 * (x * x + z * z), 2 * (y * z + x * w),
                         2 * (x * z + y * w),     2 * (y * z - x * w),     1 - 2 * (x * x + y * y)};

@@ -5,14 +5,14 @@
 namespace isoextract::mesh_io {
 namespace {
 
-// What planes are turned by: the cofactors of the matrix, which for a turn are the matrix itself, and turned back where
-// it mirrors.
+// Returns the matrix that transforms normals: the cofactor matrix of m, which equals m for a rotation; negated if m
+// mirrors.
 glm::dmat3 normal_matrix(const glm::dmat3& m) {
   const glm::dmat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
   return glm::determinant(m) < 0 ? -cofactors : cofactors;
 }
 
-// As long as it was.
+// Transforms the direction and keeps the vector's length.
 glm::vec3 turned(const glm::dmat3& matrix, const glm::dvec3& normal) {
   const glm::dvec3 there = matrix * normal;
   const double length = glm::length(there);

@@ -1,10 +1,10 @@
-// glTF 2.0 (ISO/IEC 12113), .glb and .gltf: the triangles of the default scene, placed by its nodes in double. The JSON
-// is read here and not by TinyGLTF, which trusts offsets of images and of animations that nobody asked for.
+// Reads glTF 2.0 (ISO/IEC 12113), .glb and .gltf: the triangles of the default scene, transformed by its nodes in
+// double. Does not use TinyGLTF, which trusts the offsets of images and animations that are not needed here.
 //
-// What is scaled to nothing is left out. Nothing is played: of a sequence in one file (write/animated_glb.hpp) that
-// leaves its first frame.
+// Skips nodes that are scaled to zero and ignores animations. So an animated sequence (write/animated_glb.hpp) gives
+// its first frame.
 //
-// Attributes are COLOR_0 and those that begin with an underscore, where all primitives have them in one form.
+// Reads COLOR_0 and attributes that begin with an underscore, if all primitives have them with the same type.
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -26,12 +26,12 @@ namespace {
 
 using nlohmann::json;
 
-// Modes of primitives; those below are points and lines.
+// Modes of primitives; smaller numbers are points and lines.
 constexpr std::uint64_t kTriangles = 4;
 constexpr std::uint64_t kStrip = 5;
 constexpr std::uint64_t kFan = 6;
 
-// What keeps to shading, lights, pictures, sounds, motion and what is told about parts, by how its name begins.
+// Prefixes of extensions that do not change triangles: shading, lights, textures, sound, animation and metadata.
 constexpr std::array<std::string_view, 16> kOtherExtensions{"KHR_materials_",
                                                             "EXT_materials_",
                                                             "ADOBE_materials_",
@@ -48,7 +48,7 @@ constexpr std::array<std::string_view, 16> kOtherExtensions{"KHR_materials_",
                                                             "EXT_feature_metadata",
                                                             "AGI_",
                                                             "FB_ngon_encoding"};
-// What is read.
+// Supported extensions that change how triangles are stored.
 constexpr std::array<std::string_view, 3> kPackingExtensions{kDracoExtension, kQuantizationExtension,
                                                              kMeshoptExtension};
 
@@ -99,10 +99,10 @@ class ModelReader {
       Transform transform = instance.transform;
       if (surface_.origin) transform.offset = glm::dvec3(0);
       const json& mesh = entry(model_, "meshes", instance.mesh);
-      constexpr std::size_t kNameBytes = 200;  // a scene may have one mesh in very many places
+      constexpr std::size_t kNameBytes = 200;  // bounds memory: many nodes may show the same mesh
       const std::string_view name = text_of(mesh, "name").substr(0, kNameBytes);
       source_.memory.make_room(surface_.parts, 1);
-      source_.memory.take(2 * (sizeof(MeshPart) + name.size()));  // the list that is given out, too
+      source_.memory.take(2 * (sizeof(MeshPart) + name.size()));  // twice: also in MeshFile::parts
       surface_.parts.push_back({std::string(name), surface_.positions.size(), surface_.triangles.size()});
       add_mesh(mesh, transform);
     }
@@ -145,7 +145,7 @@ class ModelReader {
     }
   }
 
-  // Depth first; a node that is met twice would be in a cycle or have two parents, which glTF forbids.
+  // Visits nodes depth first. A node visited twice is in a cycle or has two parents, which glTF forbids.
   std::vector<Instance> find_instances() {
     std::vector<Instance> instances;
     std::vector<std::pair<std::uint64_t, Transform>> waiting;
@@ -165,7 +165,7 @@ class ModelReader {
     std::vector<bool> met(nodes == model_.end() ? 0 : nodes->size());
     if (model_.contains("scenes")) {
       wait_for(entry(model_, "scenes", whole(model_, "scene", 0)), "nodes", {});
-    } else {  // a library of meshes: all that stands in no other node
+    } else {  // no scene, as in a library of meshes: all root nodes
       for (std::uint64_t n = 0; n < met.size(); ++n) wait_for(entry(model_, "nodes", n), "children", {});
       std::vector<bool> inner(met.size());
       for (const auto& [child, parent] : waiting) {
@@ -245,8 +245,8 @@ class ModelReader {
     return attribute;
   }
 
-  // Those of the primitive that go on from what is there, in the order of surface_.attributes. The first primitive says
-  // what there may be; what is missing in a later one, or is of another form, goes.
+  // Returns the primitive's views for the attributes in surface_.attributes, in that order. The first primitive sets
+  // these attributes. An attribute that a later primitive lacks, or has with another type, is dropped.
   std::vector<GltfView> attribute_views(const json& semantics, std::uint64_t vertices) {
     std::vector<AttributeView> found;
     for (const auto& [semantic, index] : semantics.items()) {
@@ -288,7 +288,7 @@ class ModelReader {
     return views;
   }
 
-  // The values of the primitive's vertices for new vertices; new vertex i is vertex_at(i).
+  // Appends attribute values for `count` new vertices; new vertex i copies the primitive's vertex vertex_at(i).
   template <class VertexAt>
   void add_values(const std::vector<GltfView>& views, std::uint64_t count, const VertexAt& vertex_at) {
     for (std::size_t a = 0; a < views.size(); ++a) {
@@ -347,7 +347,7 @@ class ModelReader {
     }
   }
 
-  // How many triangles `corners` corners make.
+  // Returns how many triangles `corners` corners make in this mode.
   static std::uint64_t triangle_count(std::uint64_t mode, std::uint64_t corners, const char* what) {
     if (mode == kTriangles && corners % 3 != 0) {
       throw DamagedMesh(fmt::format("expected three {} a triangle, found {} in all", what, corners));
@@ -358,7 +358,7 @@ class ModelReader {
     return mode == kTriangles ? corners / 3 : corners - 2;
   }
 
-  // Which of the primitive's corners are those of triangle t; glTF 2.0, 3.7.2.1.
+  // Returns the three corners of triangle t, as numbers within the primitive (glTF 2.0, 3.7.2.1).
   static std::array<std::uint64_t, 3> corners_of(std::uint64_t mode, std::uint64_t t) {
     if (mode == kStrip) return {t, t + 1 + t % 2, t + 2 - t % 2};
     if (mode == kFan) return {t + 1, t + 2, 0};
@@ -384,7 +384,7 @@ class ModelReader {
     const bool is_exact = places.component == kGltfFloat && !primitive.contains("extensions");
     surface_.is_quantised = surface_.is_quantised || !is_exact;
     if (is_indexed) {
-      // Rounded places may coincide where no vertex was copied.
+      // Rounded positions can be equal although no vertex was duplicated.
       surface_.has_normals = surface_.has_normals || (is_exact && attributes->contains("NORMAL"));
       source_.memory.make_room(surface_.positions, places.count);
       for (std::uint64_t v = 0; v < places.count; ++v) surface_.positions.push_back(places.point(v));
@@ -405,7 +405,7 @@ class ModelReader {
       add_gltf_normals(*data_, *attributes, places.count, surface_.triangles.size() - first_triangle, corners,
                        transform, source_.memory, surface_.normals);
     }
-    // What a map that mirrors turned inside out is turned back; glTF 2.0, 3.7.4.
+    // A mirroring transform flips the winding, so this restores it (glTF 2.0, 3.7.4).
     if (glm::determinant(transform.linear) < 0) {
       for (std::size_t t = first_triangle; t < surface_.triangles.size(); ++t) {
         std::swap(surface_.triangles[t].y, surface_.triangles[t].z);
@@ -435,16 +435,16 @@ class ModelReader {
   }
 
   const MeshSource& source_;
-  std::span<const std::byte> binary_;  // of a .glb
+  std::span<const std::byte> binary_;  // the binary chunk of a .glb
   JsonTree tree_;
   const json& model_ = tree_.root();
-  std::optional<GltfData> data_;  // once the file is known to be what can be read
-  bool has_quantised_ = false;    // positions that are integers, by KHR_mesh_quantization
+  std::optional<GltfData> data_;  // set once the file's extensions are known to be supported
+  bool has_quantised_ = false;    // KHR_mesh_quantization: positions may be integers
   std::uint64_t hidden_meshes_ = 0;
   std::uint64_t other_primitives_ = 0;
   bool is_first_primitive_ = true;
-  std::set<std::string> left_out_;   // attributes
-  std::uint64_t corners_apart_ = 0;  // that share a vertex with others, but not all attributes
+  std::set<std::string> left_out_;   // names of dropped attributes
+  std::uint64_t corners_apart_ = 0;  // corners welded with a corner that has other attributes
   FileSurface surface_;
 };
 

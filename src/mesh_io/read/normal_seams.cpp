@@ -1,5 +1,5 @@
-// Copies of vertices that a file has for their normals: along a crease each side has vertices of its own, so that the
-// numbers alone say that the surface is open there.
+// Merges vertices that a file duplicates for their normals. Along a crease each side has its own vertices, so that by
+// the indices alone the surface is open there.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -16,7 +16,7 @@
 namespace isoextract::mesh_io {
 namespace {
 
-// An edge along which a triangle runs, and no other.
+// A boundary edge, in the direction of its triangle.
 struct OpenEdge {
   std::uint32_t from;
   std::uint32_t to;
@@ -49,7 +49,7 @@ std::vector<OpenEdge> open_edges(const mesh::Mesh& mesh, MemoryUse& memory) {
   return open;
 }
 
-// Of each vertex the first one of those that are one with it.
+// Union-find over vertices: returns the first vertex of each merged group.
 class Joined {
  public:
   explicit Joined(std::size_t vertices) : first_(vertices) { std::iota(first_.begin(), first_.end(), 0U); }
@@ -68,7 +68,7 @@ class Joined {
   std::vector<std::uint32_t> first_;
 };
 
-// The number of the part that a vertex belongs to; where there are no parts, always the same.
+// Returns the number of the part that a vertex belongs to; always the same number if there are no parts.
 std::size_t part_of(const std::vector<MeshPart>& parts, std::uint32_t vertex) {
   const auto after = std::ranges::upper_bound(parts, std::uint64_t{vertex}, {}, &MeshPart::first_vertex);
   return static_cast<std::size_t>(after - parts.begin());
@@ -85,7 +85,7 @@ void join_normal_seams(mesh::Mesh& mesh, std::vector<MeshPart>& parts, const Con
   memory.take(mesh.positions.size() * (2 * sizeof(std::uint32_t) + mesh::vertex_bytes(mesh)));
   Joined joined(mesh.positions.size());
   bool any = false;
-  // The edge from one place to another, where there is one and no more.
+  // Returns the boundary edge between two positions, or null if there is none or more than one.
   const auto only_one = [&](const Ends& at) -> const OpenEdge* {
     const auto first = std::ranges::lower_bound(open, at, {}, ends);
     const auto last = std::ranges::upper_bound(open, at, {}, ends);
@@ -93,7 +93,7 @@ void join_normal_seams(mesh::Mesh& mesh, std::vector<MeshPart>& parts, const Con
   };
   for (const OpenEdge& edge : open) {
     const OpenEdge* back = only_one(ends_of(mesh, edge.to, edge.from));
-    // Where several edges lie upon each other, nobody knows which belong together.
+    // If several edges coincide, it is unknown which belong together.
     if (back == nullptr || only_one(ends(edge)) == nullptr) continue;
     if (part_of(parts, edge.from) != part_of(parts, back->to)) continue;
     joined.join(edge.from, back->to);
@@ -108,11 +108,11 @@ void join_normal_seams(mesh::Mesh& mesh, std::vector<MeshPart>& parts, const Con
       new_of_old[v] = static_cast<std::uint32_t>(old_of_new.size());
       old_of_new.push_back(v);
     } else {
-      new_of_old[v] = new_of_old[joined(v)];  // which comes before
+      new_of_old[v] = new_of_old[joined(v)];  // joined(v) is less than v, so it is set
     }
   }
   for (glm::uvec3& t : mesh.triangles.span()) t = {new_of_old[t.x], new_of_old[t.y], new_of_old[t.z]};
-  // The first of those that are one is of the same part, so parts still follow each other.
+  // A merged group lies within one part, so the parts stay contiguous ranges.
   for (MeshPart& part : parts) {
     const auto first = std::ranges::lower_bound(old_of_new, part.first_vertex);
     const auto last = std::ranges::lower_bound(old_of_new, part.first_vertex + part.vertices);

@@ -1,4 +1,4 @@
-// Wavefront OBJ: the vertices and faces, and normals where they are asked for; what else shades them is passed over.
+// Reads the vertices and faces of Wavefront OBJ, and normals if requested. Ignores texture coordinates and materials.
 #include <limits>
 
 #include <fmt/format.h>
@@ -9,27 +9,28 @@
 namespace isoextract::mesh_io {
 namespace {
 
-// A number of what is counted from 1 on, or from -1 backwards from the last one so far.
+// Parses an index: positive ones count from 1, negative ones backwards from the last element so far, which is -1.
+// Returns it counted from 0.
 std::uint32_t index_of(const TextScanner& scanner, std::string_view word, std::string_view corner, std::size_t so_far,
                        const char* what) {
   const std::int64_t number = scanner.whole_number(word);
   const auto count = static_cast<std::int64_t>(so_far);
   const std::int64_t index = number > 0 ? number - 1 : count + number;
-  // Whether there is such a one is known at the end; a file may name vertices before it has them.
+  // Whether the element exists is checked at the end, since a file may refer to vertices that come later.
   if (number == 0 || index < 0 || index > std::numeric_limits<std::uint32_t>::max()) {
     scanner.expected(fmt::format("the number of a {}, of {} so far", what, so_far), corner);
   }
   return static_cast<std::uint32_t>(index);
 }
 
-// "7", "7/1", "7//3" or "7/1/3": the first number.
+// Returns the first number of "7", "7/1", "7//3" or "7/1/3".
 std::uint32_t vertex_index(const TextScanner& scanner, std::string_view corner, std::size_t vertices) {
   return index_of(scanner, corner.substr(0, corner.find('/')), corner, vertices, "vertex");
 }
 
-constexpr std::uint32_t kNoNormalIndex = ~std::uint32_t{0};  // more than a mesh has
+constexpr std::uint32_t kNoNormalIndex = ~std::uint32_t{0};  // larger than any index
 
-// The third number, where there is one.
+// Returns the third number, or kNoNormalIndex.
 std::uint32_t normal_index(const TextScanner& scanner, std::string_view corner, std::size_t normals) {
   const std::size_t first = corner.find('/');
   const std::size_t second = first == std::string_view::npos ? first : corner.find('/', first + 1);

@@ -1,7 +1,7 @@
-// PLY (Greg Turk, 1994): text, little- and big-endian; the elements "vertex" and "face", others are passed over.
+// Reads PLY (Greg Turk, 1994) as text, little-endian or big-endian: the elements "vertex" and "face"; skips others.
 //
-// Attributes of the vertices are red, green, blue and alpha together, where they have one type that a colour can have;
-// a_0, a_1, ..., up to four that follow each other and have one type, as the components of a; and any other number.
+// Vertex attributes are: red, green, blue and alpha as one color, if they share a type that a color can have; up to
+// four consecutive properties a_0, a_1, ... of one type as the components of a; and every other number.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -43,7 +43,7 @@ const TypeName& type_named(const TextScanner& header, std::string_view name) {
 struct Property {
   std::string name;
   TypeName type;
-  std::optional<TypeName> count_type;  // of a list
+  std::optional<TypeName> count_type;  // set for a list
 };
 
 struct Element {
@@ -51,7 +51,7 @@ struct Element {
   std::uint64_t count = 0;
   std::vector<Property> properties;
 
-  // What one of them has in a binary file at least; of a text file, in characters.
+  // Returns the least number of bytes that one element takes in the file.
   [[nodiscard]] std::uint64_t least_bytes(bool text) const {
     std::uint64_t bytes = 0;
     for (const Property& p : properties) bytes += text ? 2 : p.count_type ? p.count_type->size : p.type.size;
@@ -71,17 +71,17 @@ struct Header {
   BodyEncoding encoding = BodyEncoding::text;
   std::vector<Element> elements;
   std::size_t bytes = 0;
-  bool is_ours = false;   // a comment says so
-  std::string placement;  // likewise
+  bool is_ours = false;   // from a comment
+  std::string placement;  // from a comment
 };
 
-// What a line of the header may take: a property with its names, and the values of one element.
+// Upper bound of the memory for a header line: a property with its name, and its values in one element.
 constexpr std::uint64_t kHeaderLineBytes = 512;
 
 Header read_header(std::string_view text, MemoryUse& memory) {
   Header header;
-  // What follows the header may be binary, so what ends its lines is settled first: a carriage return where there is no
-  // line feed.
+  // Lines end with line feeds or, if the header has none, with carriage returns. This is decided first, because the
+  // data after the header may be binary.
   const bool has_line_feeds = text.substr(0, text.find("end_header")).find('\n') != std::string_view::npos;
   TextScanner scanner(text, has_line_feeds ? '\n' : '\r');
   scanner.next_line();  // "ply"
@@ -145,7 +145,7 @@ class TextBody {
       throw DamagedMesh("expected more numbers after the header of a PLY file, found the end of the file");
     return scanner_.number(word);
   }
-  // What is left, as far as there is any: a text for a note.
+  // Returns the first word after the last element, for a note; empty if there is none.
   std::string_view left() { return scanner_.word_anywhere(); }
 
  private:
@@ -191,7 +191,7 @@ class BinaryBody {
   std::uint64_t size_;
 };
 
-// The numbers of one element, a list in one vector.
+// The values of one element; each list is a vector.
 template <class Body>
 class ElementReader {
  public:
@@ -232,7 +232,7 @@ class ElementReader {
   std::vector<std::vector<double>> lists_;
 };
 
-// An attribute of the vertices, and the properties that are its components.
+// A vertex attribute, and the properties that form its components.
 struct AttributeColumns {
   mesh::Attribute kind;
   std::vector<std::size_t> columns;
@@ -303,7 +303,7 @@ std::vector<AttributeColumns> find_attributes(const Element& element, std::vecto
   return found;
 }
 
-// False where type T does not have the number.
+// Appends the number as type T. Returns false if T cannot represent it.
 template <class T>
 bool append(std::vector<std::byte>& values, double number) {
   using Range = std::numeric_limits<T>;
@@ -332,7 +332,7 @@ bool append(std::vector<std::byte>& values, ComponentType type, double number) {
   return append<double>(values, number);
 }
 
-// Of nx, ny and nz, where they are numbers.
+// Returns the columns of nx, ny and nz if all exist and are not lists.
 std::optional<std::array<std::size_t, 3>> find_normals(const Element& element) {
   std::array<std::size_t, 3> columns{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -420,7 +420,7 @@ void read_body(Body body, const Header& header, const MeshSource& source, FileSu
   for (const Element& element : header.elements) {
     const std::uint64_t least = element.least_bytes(header.encoding == BodyEncoding::text);
     const auto bytes = checked_product(element.count, least);
-    // The last number of a text needs no blank behind it.
+    // In text, no blank follows the last number.
     if (!bytes || *bytes > left + 1) {
       throw DamagedMesh(fmt::format("expected {} elements '{}' of at least {} bytes each, found {} bytes",
                                     element.count, element.name, least, left));

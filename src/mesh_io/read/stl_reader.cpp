@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kPreambleBytes = kStlHeaderBytes + sizeof(std::uint32_t);
 constexpr std::size_t kRecordBytes = 4 * sizeof(glm::vec3) + sizeof(std::uint16_t);
 
-// `normals` are one a triangle, where they were asked for.
+// Welds the corners. `normals` has one entry per triangle if normals were requested.
 FileSurface weld(const std::vector<glm::vec3>& corners, std::vector<glm::vec3> normals, const MeshSource& source,
                  std::string_view format) {
   require_vertex_count(corners.size());
@@ -38,7 +38,7 @@ std::uint32_t announced_triangles(std::span<const std::byte> content) {
 
 constexpr std::uint64_t binary_size(std::uint64_t triangles) { return kPreambleBytes + kRecordBytes * triangles; }
 
-// Some programs write all in capitals.
+// Compares without regard to case, since some programs write capitals.
 bool is_word(std::string_view word, std::string_view lower_case) {
   return std::ranges::equal(word, lower_case,
                             [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
@@ -83,8 +83,8 @@ FileSurface read_text(const MeshSource& source) {
   TextScanner scanner(without_utf8_mark(source.text()));
   std::vector<glm::vec3> corners;
   std::vector<glm::vec3> normals;
-  glm::vec3 normal(0.0F);  // of the facet
-  std::size_t closed = 0;  // corners whose facet has ended
+  glm::vec3 normal(0.0F);  // of the current facet
+  std::size_t closed = 0;  // number of corners in finished facets
   bool ended = false;
   constexpr std::array<std::string_view, 3> kEnds{"endloop", "endfacet", "endsolid"};
   while (scanner.next_line()) {
@@ -118,11 +118,11 @@ FileSurface read_text(const MeshSource& source) {
 
 }  // namespace
 
-// The file's size says whether it is binary: text begins with "solid", but so do the headers of some binary files.
-// Where such a file is longer than its triangles, a byte of 0 up to its first one tells it from text.
+// Decides by the file's size whether it is binary, because headers of some binary files begin with "solid" as text
+// files do. A binary file longer than its triangles is recognized by a zero byte before its second triangle.
 //
-// What follows the last triangle is left out, with a note; but not where it may be triangles itself: then the number in
-// the header is wrong, as of programs that never come back to fill it in.
+// Ignores bytes after the last triangle, with a note. If they could be whole triangles, the file is refused: its header
+// has a wrong count, as from programs that never fill it in.
 FileSurface read_stl(const MeshSource& source) {
   const std::size_t size = source.content.size();
   const bool has_header = size >= kPreambleBytes;

@@ -15,16 +15,17 @@
 namespace isoextract::mesh_io {
 namespace {
 
-// What describes the animation of a frame (its number in the scene, its times, its channel and sampler), and of a file.
+// Upper bounds of the JSON bytes for a frame's animation (node number in the scene, times, channel, sampler) and for
+// the rest of the file.
 constexpr std::uint64_t kJsonOfKey = 320;
 constexpr std::uint64_t kJsonOfFile = 2048;
 
-// All scales that a frame can have one after another begin somewhere in here.
+// Every sequence of scales that a frame needs is a range of this list.
 constexpr float kScales[][3] = {{0, 0, 0}, {1, 1, 1}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {1, 1, 1}, {1, 1, 1}};
 constexpr std::size_t kHiddenAgain = 0;    // 0 1 0 0
 constexpr std::size_t kShownToTheEnd = 4;  // 0 1 1
 
-// Where it is shown, hidden, and at the end of the time line.
+// At 0, when it is shown, when it is hidden, and at the end of the time line.
 constexpr std::uint64_t kMaxTimes = 4;
 
 std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
@@ -52,7 +53,7 @@ Result<void> AnimatedGlb::open() {
 
 std::uint64_t AnimatedGlb::bytes_with(std::uint64_t json, std::uint64_t binary, std::uint64_t frames) const {
   const std::uint64_t text = gltf_aligned(json + frames * kJsonOfKey + kJsonOfFile);
-  // Only the last frame has more than three times.
+  // Only the last frame has four times.
   const std::uint64_t keys = frames * (kMaxTimes - 1) * sizeof(float) + sizeof(float) + sizeof kScales;
   return glb_bytes(std::max(text, room_), binary + keys);
 }
@@ -63,7 +64,7 @@ Result<bool> AnimatedGlb::add(const std::string& name, std::span<const GltfPart>
   for (const GltfPart& part : parts) bytes += part.bytes();
   if (bytes_with(json_.bytes(), binary_ + bytes, keys_.size() + 1) > largest_) return false;
 
-  // Of a copy, which is small, since all that was taken from the model is forgotten there.
+  // Works on a copy, so that a frame which does not fit changes nothing. The copy is small: take() removed everything.
   GltfModel model = model_;
   const int node = model.add_frame(name, parts, !keys_.empty());
   bool fits = false;
@@ -92,7 +93,7 @@ void AnimatedGlb::show_none(float time) {
   if (!keys_.empty() && keys_.back().hidden == kStillShown) keys_.back().hidden = time;
 }
 
-// Of frames that follow one knows nothing yet: numbers in their JSON get longer.
+// Reserves a quarter more JSON per following frame than the first one needs, since numbers get longer.
 Result<void> AnimatedGlb::leave_room(std::uint64_t json_of_frame, std::uint64_t binary_of_frame, std::uint64_t frames) {
   const std::uint64_t each = json_of_frame + json_of_frame / 4 + kJsonOfKey;
   const std::uint64_t left = largest_ - bytes_with(json_of_frame, binary_of_frame, 1);
@@ -106,7 +107,7 @@ std::vector<float> AnimatedGlb::times_of(const Key& key, float end) const {
   std::vector<float> times{0};
   if (key.shown > 0) times.push_back(key.shown);
   if (key.hidden != kStillShown) times.push_back(key.hidden);
-  // The animation ends with the last of its times.
+  // The last time of any sampler ends the animation.
   if (&key == &keys_.back()) times.push_back(end);
   return times;
 }
@@ -131,7 +132,7 @@ Result<void> AnimatedGlb::write_keys(float end) {
   if (written) written = file_->write(std::as_bytes(std::span(all_times)));
 
   JsonLists animation;
-  std::map<std::pair<std::size_t, std::size_t>, std::size_t> scales;  // accessors, by first and count
+  std::map<std::pair<std::size_t, std::size_t>, std::size_t> scales;  // accessor numbers, by first index and count
   const auto accessor = [&](const nlohmann::json& description) { return json_.add("accessors", description.dump()); };
   const auto scales_of = [&](std::size_t first, std::size_t count) {
     const auto [found, is_new] = scales.try_emplace({first, count});
@@ -176,7 +177,7 @@ std::string AnimatedGlb::describe() {
   if (const nlohmann::json unpacked = model_.unpacked_buffer(); !unpacked.is_null()) {
     json_.add("buffers", unpacked.dump());
   }
-  // For its asset, where there was no frame.
+  // Adds the asset if there was no frame.
   model_.take([&](const nlohmann::json& document) { json_.add(document); });
   std::string json = json_.take();
   pad_glb_json(json);

@@ -19,8 +19,8 @@
 namespace isoextract::mesh_io {
 namespace {
 
-// The library's meshes and corner tables, packing and unpacking, and what is compared. By trial it takes about two
-// thirds of it (94 and 69 bytes at the peak of a gyroid of 1.5 million triangles).
+// Memory for Draco's meshes and corner tables while packing and unpacking, and for the comparison. Measured peaks are
+// about two thirds of this (94 and 69 bytes for a gyroid of 1.5 million triangles).
 constexpr std::uint64_t kPackedTriangleBytes = 144;
 constexpr std::uint64_t kPackedVertexBytes = 96;
 
@@ -35,13 +35,13 @@ std::uint64_t hash_of(std::span<const std::byte> value, std::uint64_t seed) {
 
 std::uint64_t hash_of(const glm::uvec3& n) { return splitmix64(splitmix64(splitmix64(n.x) + n.y) + n.z); }
 
-// Compares a mesh with what was unpacked. With normals of faces the mesh's vertices are the corners of its triangles.
+// Compares a mesh with its unpacked form. With face normals, "vertex" means a triangle corner.
 class Comparison {
  public:
   Comparison(const mesh::Mesh& mesh, const DracoPacking& packing, const DracoInput& input, const DracoSurface& unpacked)
       : mesh_(mesh), packing_(packing), input_(input), unpacked_(unpacked) {}
 
-  // Nothing where they are not the same.
+  // Returns nullopt if they differ.
   std::optional<DracoPacked> compare() {
     const DracoAttribute* positions = unpacked_.find(kDracoPositions);
     const DracoAttribute* normals = input_.normals.empty() ? nullptr : unpacked_.find(kDracoPositions + 1);
@@ -82,7 +82,7 @@ class Comparison {
   [[nodiscard]] std::size_t vertices() const {
     return input_.face_normals ? 3 * mesh_.triangles.size() : mesh_.positions.size();
   }
-  // Of the mesh, of which `v` is a vertex or a corner.
+  // Returns the mesh vertex of `v`, which is a vertex or, with face normals, a corner.
   [[nodiscard]] std::size_t vertex(std::size_t v) const {
     return input_.face_normals ? mesh_.triangles[v / 3][static_cast<int>(v % 3)] : v;
   }
@@ -94,7 +94,8 @@ class Comparison {
     return value;
   }
 
-  // Vertices of one colour are taken for one another where that is good for their normals.
+  // Returns the smallest angle in degrees between `normal` and the normals of the group. Vertices of a group are
+  // interchangeable, so the best match counts.
   [[nodiscard]] double least_turn(const SameVertices& same, std::size_t first, std::size_t end,
                                   const glm::vec3& normal) const {
     constexpr std::size_t kMostTried = 32;
@@ -116,7 +117,7 @@ class Comparison {
     return colours;
   }
 
-  // Nothing where positions are beside the lattice, or attributes are missing.
+  // Returns nullopt if a position is not a lattice point, or an attribute is missing or of another type.
   std::optional<std::vector<std::uint64_t>> unpacked_colours(const DracoAttribute& positions) const {
     std::vector<std::uint64_t> colours(unpacked_.vertices);
     for (std::size_t v = 0; v < colours.size(); ++v) {
@@ -158,7 +159,7 @@ class Comparison {
   std::vector<glm::uvec3> split_;
 };
 
-// Packs, unpacks and compares. Nothing where what comes back is not the mesh.
+// Packs, unpacks and compares. Returns nullopt if unpacking does not reproduce the mesh.
 Result<std::optional<DracoPacked>> attempt_packing(const mesh::Mesh& mesh, const DracoPacking& packing,
                                                    const DracoInput& input, DracoMethod method) {
   auto bytes = TRY(encode_draco(input, method));

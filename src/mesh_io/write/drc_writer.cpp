@@ -1,5 +1,5 @@
-// Draco's own files: one bit stream, with the names of attributes and who wrote it as metadata. Coordinates are those
-// of the output; there is no node to move them.
+// Draco files: one bit stream, with attribute names and the generator as metadata. Coordinates are world coordinates,
+// since the format has no nodes.
 #include <utility>
 
 #include <fmt/format.h>

@@ -16,7 +16,7 @@
 namespace isoextract::mesh_io {
 namespace {
 
-// Of the corners of all triangles: vertices that no triangle uses are not written in the split layout.
+// Returns the bounds of all triangle corners. The split layout does not write vertices that no triangle uses.
 mesh::LocalBounds measure_corner_bounds(const mesh::Mesh& mesh) {
   const glm::vec3 some_corner = mesh.positions[mesh.triangles[0].x];
   const auto join = [](mesh::LocalBounds a, const mesh::LocalBounds& b) {
@@ -36,21 +36,21 @@ mesh::LocalBounds measure_corner_bounds(const mesh::Mesh& mesh) {
       join);
 }
 
-// The last of a list, of which `taken` are not in it any more.
+// Returns the number of the list's last entry, counting the `taken` entries that were removed.
 template <class List>
 int last_number(std::size_t taken, const List& list) {
   return static_cast<int>(taken + list.size()) - 1;
 }
 
-// The library's JSON of the model, without buffers.
+// Returns TinyGLTF's JSON of the model, without buffers.
 nlohmann::json document_of(tinygltf::Model& model, const std::string& placement) {
   model.asset.generator = generator();
   model.asset.version = "2.0";
   std::ostringstream stream;
   tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, stream, false, false);
   std::string text = stream.str();
-  // Before it is parsed: a document cannot take members without losing memory where there is none for them. Names
-  // cannot hold these characters, as quotes in them are escaped.
+  // Inserts text before parsing, because adding members to a parsed document leaks memory if an allocation fails. Names
+  // cannot contain these characters, as quotes in them are escaped.
   constexpr std::string_view kAsset = R"("asset":{)";
   if (const std::size_t asset = text.find(kAsset); !placement.empty() && asset != std::string::npos) {
     text.insert(asset + kAsset.size(), fmt::format(R"("extras":{{"{}":{}}},)", kPlacementEntry, placement));
@@ -58,7 +58,7 @@ nlohmann::json document_of(tinygltf::Model& model, const std::string& placement)
   return nlohmann::json::parse(text);
 }
 
-// Where packed positions are relative to.
+// Sets the node's translation and scale for packed positions.
 void place_packed(const GltfPackedPart& packed, tinygltf::Node& node) {
   const glm::dvec3& origin = packed.translation;
   node.translation.clear();
@@ -76,7 +76,7 @@ int GltfModel::add_frame(const std::string& name, std::span<const GltfPart> part
   for (const GltfPart& part : parts) {
     if (part.layout != GltfPart::Layout::nothing) frame.children.push_back(node(part));
   }
-  // A scale of its own, as packed positions have one, is none to be animated.
+  // A node that already has a scale, as packed positions need, cannot be animated by scale.
   if (frame.children.size() == 1 && model_.nodes.back().scale.empty()) {
     frame = std::move(model_.nodes.back());
     model_.nodes.pop_back();
@@ -144,7 +144,7 @@ std::string GltfModel::json(const std::string& uri, int indent, Notes& notes) {
   model_.defaultScene = 0;
   JsonTree tree(document_of(model_, placement_));
   nlohmann::json& document = tree.root();
-  // The library makes null, which glTF forbids, of a node without a name and of a scene without nodes.
+  // TinyGLTF writes null for a node without members and a scene without nodes, which glTF forbids.
   for (const char* list : {"nodes", "scenes"}) {
     if (!document.contains(list)) continue;
     for (auto& entry : document[list]) {

@@ -59,7 +59,7 @@ int GltfModel::packed_accessor(const GltfPackedAccessor& source, int first_view)
   return index;
 }
 
-// Whoever does not know one of these cannot read the file.
+// Programs that do not support these extensions cannot read the file, so they are required.
 void GltfModel::use_extension(const std::string& name) {
   auto& used = model_.extensionsUsed;
   if (std::find(used.begin(), used.end(), name) != used.end()) return;

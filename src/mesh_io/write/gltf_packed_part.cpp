@@ -20,10 +20,11 @@ namespace {
 using ShortVector = glm::vec<3, std::uint16_t>;
 using ByteVector = glm::vec<3, std::int8_t>;
 
-// glTF 2.0, 3.6.2.2: the fraction that a normalised byte stands for.
+// A normalized signed byte b encodes b / 127 (glTF 2.0, 3.6.2.2).
 constexpr float kByteOne = 127;
 
-// Views and accessors of a mesh whose values keep their places: quantised, packed by meshoptimizer, or both.
+// Makes the views and accessors of a mesh that is quantized, compressed by meshoptimizer, or both. Values keep their
+// order.
 class ViewPacking {
  public:
   ViewPacking(const GltfPart& part, const MeshPacking& packing) : part_(part), packing_(packing) {}
@@ -48,7 +49,7 @@ class ViewPacking {
     return split() ? mesh().triangles[v / 3][static_cast<int>(v % 3)] : v;
   }
 
-  // A view of value_at(v) of every vertex, each at the start of four bytes.
+  // Adds a view of value_at(v) for every vertex, each aligned to four bytes.
   template <class ValueAt>
   GltfPackedAccessor& add_values(const std::string& semantic, int component, const ValueAt& value_at) {
     using Value = std::invoke_result_t<ValueAt, std::size_t>;
@@ -86,7 +87,7 @@ class ViewPacking {
     return bytes;
   }
 
-  // What bounds the positions as they are in the file.
+  // Sets min and max of the positions as stored in the file.
   template <class Vector>
   static void set_bounds(GltfPackedAccessor& accessor, const Vector& low, const Vector& high) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -187,7 +188,7 @@ class ViewPacking {
     return {};
   }
 
-  // The same triangles in the same order, whichever corner they start with.
+  // Checks that decoding gives the same triangles in the same order, up to a rotation of their corners.
   void check_triangles(const GltfPackedView& view) {
     std::vector<glm::uvec3> unpacked(mesh().triangles.size());
     const MeshoptView all{MeshoptMode::triangles, {}, view.count, sizeof(std::uint32_t)};
@@ -243,7 +244,7 @@ Result<GltfPackedPart> pack_draco(const GltfPart& part, const MeshPacking& packi
 }
 
 Result<GltfPackedPart> pack_views(const GltfPart& part, const MeshPacking& packing, const Context& context) {
-  // All of it, and the largest part of it twice more: packed, and unpacked again.
+  // All values, and at most as much again for the packed and for the unpacked copy.
   constexpr std::uint64_t kLatticeBytes = 16;
   const std::uint64_t bytes = 3 * part.bytes() + part.mesh->positions.size() * kLatticeBytes;
   const auto memory = TRY(context.reserve(bytes, "packing it"));

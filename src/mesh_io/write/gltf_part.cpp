@@ -20,7 +20,7 @@ namespace {
 
 using ShortTriangle = glm::vec<3, std::uint16_t>;
 
-// glTF 2.0, 3.6.2.2: no value of an accessor is infinite or NaN.
+// glTF forbids infinite and NaN values in accessors (glTF 2.0, 3.6.2.2).
 bool has_finite_values(const mesh::Attribute& attribute) {
   if (attribute.type != mesh::ComponentType::f32) return true;
   const std::size_t count = attribute.values.size() / sizeof(float);
@@ -86,7 +86,7 @@ Result<void> write_split(const mesh::Mesh& mesh, files::OutputFile& file) {
                               });
 }
 
-// Padded to the stride.
+// Writes values padded to the stride.
 char* put_value(char* out, const GltfSemantic& semantic, std::uint32_t vertex) {
   const mesh::Attribute& attribute = *semantic.attribute;
   std::memcpy(out, attribute.values.data() + vertex * attribute.stride(), attribute.stride());
@@ -99,7 +99,7 @@ Result<void> write_attributes(const GltfPart& part, files::OutputFile& file) {
   for (const GltfSemantic& semantic : part.semantics) {
     if (!written) break;
     const bool split = part.layout == GltfPart::Layout::split;
-    const std::size_t vertices = split ? 3 : 1;  // a record
+    const std::size_t vertices = split ? 3 : 1;  // vertices per record
     written = files::write_records(file, part.vertex_count() / vertices, vertices * semantic.stride(),
                                    [&](std::size_t first, std::size_t last, char* out) {
                                      for (std::size_t i = first; i < last; ++i) {

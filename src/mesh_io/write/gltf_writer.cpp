@@ -1,6 +1,7 @@
-// glTF 2.0 (ISO/IEC 12113): TinyGLTF builds the model and its JSON (gltf_model); the binary part goes from the meshes'
-// own buffers straight to the file. A mesh is planned before it is written, so that the JSON knows every offset: in a
-// GLB, where it comes before the data, all of them are.
+// glTF 2.0 (ISO/IEC 12113): TinyGLTF builds the model and its JSON (gltf_model); the binary data goes from the meshes'
+// buffers directly to the file.
+// Each mesh is laid out before it is written, so that the JSON knows every offset. In a GLB, whose JSON precedes the
+// data, all meshes are laid out first.
 #include <limits>
 #include <string>
 #include <utility>
@@ -30,7 +31,8 @@ class GlbWriter final : public FormatWriter {
   Result<void> finish(Notes& notes) override {
     std::uint64_t binary_bytes = 0;
     for (const GltfPart& part : parts_) binary_bytes += part.bytes();
-    // Once before the bounds of what would be too much are measured, and once exactly.
+    // Checks the length before measuring the bounds, which would be wasted on a file that is too large, and exactly
+    // below.
     TRY(check_length(glb_bytes(0, binary_bytes)));
     GltfModel model(options_.placement);
     for (const GltfPart& part : parts_) model.add(part);

@@ -9,7 +9,7 @@
 namespace isoextract::mesh_io {
 namespace {
 
-// Of "name":[] and a comma.
+// Returns the bytes of "name":[] and a comma.
 std::uint64_t bytes_around(const std::string& name) { return name.size() + 6; }
 
 }  // namespace

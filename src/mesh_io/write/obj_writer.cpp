@@ -20,16 +20,17 @@
 namespace isoextract::mesh_io {
 namespace {
 
-// The indices that the next mesh starts with.
+// The first indices of the next mesh.
 struct Next {
   std::uint64_t vertex = 1;
   std::uint64_t normal = 1;
 };
 
-// Of vertices the places, each once: those of copies that differ in their normals alone are one (MeshWriteOptions).
+// The distinct positions to write: vertices that are copies for different normals share one
+// (MeshWriteOptions::copies_for_normals).
 class Places {
  public:
-  // Without copies every vertex has its own. Takes bytes(), which is the caller's to reserve.
+  // Without copies each vertex has its own position. Allocates bytes(), which the caller reserves.
   Places(const mesh::Mesh& mesh, bool has_copies) : vertices_(mesh.positions.size()) {
     if (!has_copies || mesh.normals.empty()) return;
     std::vector<std::uint32_t> sorted(vertices_);
@@ -54,13 +55,14 @@ class Places {
   static std::uint64_t bytes(const mesh::Mesh& mesh) { return 4 * mesh.positions.size() * sizeof(std::uint32_t); }
 
   [[nodiscard]] std::size_t size() const { return number_.empty() ? vertices_ : vertex_.size(); }
-  // The first vertex at a place.
+  // Returns the first vertex at a position.
   [[nodiscard]] std::size_t vertex_at(std::size_t place) const { return number_.empty() ? place : vertex_[place]; }
   [[nodiscard]] std::uint64_t of(std::uint64_t vertex) const { return number_.empty() ? vertex : number_[vertex]; }
 
  private:
-  // `same` are the vertices of a place, rising: each is one with the first of those before it whose copies have other
-  // normals. Surfaces that only meet there have the same one.
+  // Merges vertices of equal coordinates, given in ascending order. Each vertex joins the first earlier one that has no
+  // copy with the same normal. Copies of one vertex differ in their normals, so equal normals belong to surfaces that
+  // only touch here.
   void join(const mesh::Mesh& mesh, std::span<const std::uint32_t> same) {
     for (std::size_t i = 0; i < same.size(); ++i) {
       number_[same[i]] = same[i];
@@ -75,8 +77,8 @@ class Places {
   }
 
   std::size_t vertices_;
-  std::vector<std::uint32_t> number_;  // of each vertex; empty where it is its own
-  std::vector<std::uint32_t> vertex_;  // of each place
+  std::vector<std::uint32_t> number_;  // the position of each vertex; empty if all are distinct
+  std::vector<std::uint32_t> vertex_;  // the first vertex of each position
 };
 
 Result<void> write_vertices(const mesh::Mesh& mesh, const Places& places, files::OutputFile& file) {
@@ -167,7 +169,7 @@ class ObjWriter final : public FormatWriter {
   Result<void> finish(Notes& /*notes*/) override { return write_header(); }
 
  private:
-  // Once, before the first mesh; also of a file without any.
+  // Writes the header before the first mesh; also if there is no mesh.
   Result<void> write_header() { return file_.write(std::exchange(header_, {})); }
 
   bool flat_normals_;

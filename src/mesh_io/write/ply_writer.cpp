@@ -21,7 +21,7 @@ constexpr std::uint8_t kCorners = 3;
 constexpr std::array<std::string_view, 8> kTypeNames{"char", "uchar", "short", "ushort",
                                                      "int",  "uint",  "float", "double"};
 
-// What a property may be called: printable ASCII without blanks.
+// Returns whether the name can be a property name: printable ASCII without blanks.
 std::string property_name(const std::string& name) {
   std::string text = name.empty() ? std::string("attribute") : name;
   std::replace_if(
@@ -85,7 +85,7 @@ char* put_attributes(char* out, const mesh::Mesh& mesh, std::size_t vertex) {
   return out;
 }
 
-// The room that the text of a vertex's attributes needs.
+// Returns an upper bound of the text bytes of one vertex's attributes.
 std::size_t attribute_text(const mesh::Mesh& mesh) {
   std::size_t size = 0;
   for (const mesh::Attribute& attribute : mesh.attributes) size += attribute.components * (1 + kMaxNumberText<double>);
@@ -182,7 +182,7 @@ Result<void> write_ascii(const mesh::Mesh& mesh, bool vertex_normals, bool face_
     return files::write_records(file, mesh.positions.size(), line_bytes,
                                 [&](std::size_t first, std::size_t last, char* out) {
                                   for (std::size_t v = first; v < last; ++v) {
-                                    // The vector's leading blank is overwritten: some readers do not expect one.
+                                    // Overwrites the vector's leading blank, which some readers do not accept.
                                     char* line = out;
                                     out = put_vector(out, position(v));
                                     out = std::copy(line + 1, out, line);

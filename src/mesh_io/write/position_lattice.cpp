@@ -19,10 +19,10 @@ constexpr int kDoubleDigits = std::numeric_limits<double>::digits;
 
 double greatest(const glm::dvec3& v) { return std::max({v.x, v.y, v.z}); }
 
-// The greatest power of two that is not above `size`.
+// Returns the greatest power of two that is at most `size`.
 double power_below(double size) { return std::exp2(std::floor(std::log2(size))); }
 
-// The least power of two s with less than 2^digits of them up to `size`.
+// Returns the least power of two s for which size / s is less than 2^digits.
 double step_with_digits(double size, int digits) { return size > 0 ? std::ldexp(power_below(size), 1 - digits) : 0; }
 
 glm::dvec3 nearest(const glm::dvec3& position, double step) { return glm::floor(position / step + 0.5); }
@@ -30,7 +30,7 @@ glm::dvec3 nearest(const glm::dvec3& position, double step) { return glm::floor(
 double choose_step(const MeshPacking& packing, const mesh::Bounds& box, LatticeUse use, std::uint64_t bits) {
   const double extent = greatest(box.max - box.min);
   const double farthest = greatest(glm::max(glm::abs(box.min), glm::abs(box.max)));
-  // Half steps are counted, too.
+  // One digit less, so that double also holds half steps.
   double least = std::max({step_with_digits(farthest, kDoubleDigits - 1), std::ldexp(1.0, -126)});
   if (use == LatticeUse::float_world) least = std::max(least, step_with_digits(farthest, kFloatDigits));
   if (!packing.position_bits && packing.voxel > 0) least = std::max(least, power_below(packing.voxel / kStepsOfVoxel));
@@ -40,7 +40,7 @@ double choose_step(const MeshPacking& packing, const mesh::Bounds& box, LatticeU
   return step;
 }
 
-// Whether the corners have an area between them; exactly.
+// Returns whether the triangle has an area, computed exactly.
 bool has_area(const glm::uvec3& a, const glm::uvec3& b, const glm::uvec3& c) {
   const glm::i64vec3 u = glm::i64vec3(b) - glm::i64vec3(a);
   const glm::i64vec3 v = glm::i64vec3(c) - glm::i64vec3(a);

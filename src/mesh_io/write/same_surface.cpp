@@ -29,7 +29,7 @@ void refine(ColouredSurface& surface) {
   }
 }
 
-// Of all triangles by their colours, whatever their order and the corner that they start with.
+// Hashes all triangles by their colors, independent of their order and of the corner that each starts with.
 std::uint64_t sum_of_triangles(const ColouredSurface& surface) {
   std::uint64_t sum = 0;
   for (const glm::uvec3& t : surface.triangles) {

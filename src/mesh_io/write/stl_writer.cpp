@@ -17,7 +17,7 @@
 namespace isoextract::mesh_io {
 namespace {
 
-// What is lost where the mesh's own positions are finer than float32 coordinates.
+// Returns the note about precision lost because float32 world coordinates are coarser than the mesh's own positions.
 std::string precision_note(const mesh::Mesh& mesh) {
   const mesh::Bounds bounds = mesh::measure_bounds(mesh);
   double farthest = 0;
@@ -32,7 +32,7 @@ std::string precision_note(const mesh::Mesh& mesh) {
       farthest, step);
 }
 
-// Readers would take one that starts with "solid" for text; the program's name is another word.
+// The header must not start with "solid", or readers would take the file for text. It starts with the program's name.
 std::array<char, kStlHeaderBytes> binary_header(const std::string& placement) {
   std::string text(generator());
   if (!placement.empty()) text += fmt::format(" {} ", kPlacementEntry);

@@ -11,7 +11,8 @@ namespace isoextract::mesh_io {
 
 Result<void> optimize_order(mesh::Mesh& mesh, const Context& context) {
   if (mesh.triangles.empty()) return {};
-  // The library's tables of vertices and triangles, the new triangles, and the new vertices beside the old.
+  // Memory for meshoptimizer's tables of vertices and triangles, the new triangles, and the new vertices beside the
+  // old.
   constexpr std::uint64_t kTriangleBytes = 48;
   constexpr std::uint64_t kVertexBytes = 24;
   const std::size_t vertices = mesh.positions.size();
@@ -28,7 +29,7 @@ Result<void> optimize_order(mesh::Mesh& mesh, const Context& context) {
       static_cast<std::uint32_t>(meshopt_optimizeVertexFetchRemap(new_of_old.data(), indices, corners, vertices));
   std::vector<std::uint32_t> old_of_new(vertices);
   for (std::size_t v = 0; v < vertices; ++v) {
-    if (new_of_old[v] == kUnused) new_of_old[v] = used++;  // vertices without triangles stay, at the end
+    if (new_of_old[v] == kUnused) new_of_old[v] = used++;  // unused vertices are kept, at the end
     old_of_new[new_of_old[v]] = static_cast<std::uint32_t>(v);
   }
   meshopt_remapIndexBuffer(indices, indices, corners, new_of_old.data());

@@ -20,14 +20,14 @@ constexpr double kLargestFloat = std::numeric_limits<float>::max();
 
 double largest(const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
-// From a number that is not negative to the next larger one of its type.
+// Returns the distance from a non-negative number to the next larger one of its type.
 template <class Number>
 double spacing(double size) {
   const auto number = static_cast<Number>(size);
   return static_cast<double>(std::nextafter(number, std::numeric_limits<Number>::infinity()) - number);
 }
 
-// Sums over triangles, of vectors as long as twice their area.
+// Sums over triangles of their normal vectors, whose length is twice the area.
 struct Change {
   double lengths = 0;
   double changes = 0;           // by rounding
@@ -48,8 +48,8 @@ Change measure_change(const mesh::Mesh& mesh) {
         std::array<std::array<glm::vec<3, Number>, 3>, kAtATime> written;
         for (std::size_t first = begin; first < end; first += kAtATime) {
           const std::size_t last = std::min(first + kAtATime, end);
-          // Rounded in a loop of its own: where they become double again in the same expression, GCC 12 may leave the
-          // rounding out (-ftree-slp-vectorize).
+          // Rounds in a separate loop: if rounding and the conversion back to double share an expression, GCC 12 may
+          // skip the rounding (-ftree-slp-vectorize).
           for (std::size_t t = first; t < last; ++t) {
             for (int c = 0; c < 3; ++c) {
               written[t - first][static_cast<std::size_t>(c)] =
@@ -74,8 +74,8 @@ Change measure_change(const mesh::Mesh& mesh) {
       [](const Change& a, const Change& b) { return a + b; });
 }
 
-// What a format does to a mesh: how it fails to hold it, as the part of a sentence that follows the file's name, or
-// else how many triangles lose their area.
+// The damage that a format does to a mesh: either a failure, as the sentence after the file's name, or the number of
+// triangles that get two corners at the same coordinates.
 struct Loss {
   std::string failure;
   std::uint64_t collapsed = 0;
