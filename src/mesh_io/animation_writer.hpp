@@ -68,9 +68,9 @@ class AnimationWriter {
   // tells when frames share a lattice.
   // `placement` replaces options.placement: the file stores that of the first frame, and a note tells if others differ.
   //
-  // Refuses with ErrorCode::output, and can go on with other frames afterwards: a frame whose rounded coordinates would
-  // destroy its triangles (write/written_places.hpp), a frame larger than a file can be, or a frame so late that
-  // float32 cannot tell its time from that of its neighbors.
+  // Refuses a frame with ErrorCode::output if its rounded coordinates would destroy triangles
+  // (write/written_places.hpp), if it is larger than a file can be, or if float32 cannot tell its time from its
+  // neighbors'. Other frames can follow.
   // Refuses a frame number that does not grow with ErrorCode::usage. After any other failure every later call fails
   // alike.
   [[nodiscard]] Result<void> add(const std::string& name, std::int64_t frame, std::span<const mesh::Mesh> surfaces,

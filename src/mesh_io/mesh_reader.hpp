@@ -7,9 +7,9 @@
 // All surfaces of a file are joined into one mesh, except those that glTF scales to zero: of an animated sequence
 // (animation_writer.hpp) only the first frame with triangles is read, and a note tells so.
 //
-// If a file has normals and its positions were not rounded by packing, the reader merges the vertices that were
-// duplicated along creases for their normals' sake, so that a surface that looks closed is closed (join_normal_seams()
-// in read/mesh_format_readers.hpp).
+// A surface that looks closed is read as closed: vertices that were duplicated along creases for their normals are
+// merged (join_normal_seams() in read/mesh_format_readers.hpp). This needs normals in the file and positions that
+// packing did not round.
 //
 // Vertex attributes are read from PLY and DRC (every number except position and normal) and from glTF (COLOR_0 and
 // names that begin with an underscore). Values stay as stored: vectors are not rotated with a node. The mesh writers

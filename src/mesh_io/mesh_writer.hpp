@@ -98,9 +98,9 @@ class MeshWriter {
 
   // Adds a mesh with its vertex normals and attributes; a note tells which of them the format cannot store. Fails with
   // ErrorCode::usage if the format cannot do what the options ask for.
-  // Fails with ErrorCode::output if writing fails, if the mesh is so far from the origin that rounded coordinates would
-  // destroy its triangles (write/written_places.hpp), if it leaves the box of its packing, or if unpacking does not
-  // reproduce it. After a failure every later call fails alike.
+  // Fails with ErrorCode::output if writing fails, if the mesh leaves the box of its packing, or if unpacking does not
+  // reproduce it. Fails alike if rounding would destroy the mesh because it is far from the origin
+  // (write/written_places.hpp). After a failure every later call fails alike.
   [[nodiscard]] Result<void> add(mesh::Mesh mesh);
 
   // Completes the file and gives it its name. Call once, last.

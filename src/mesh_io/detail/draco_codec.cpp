@@ -21,8 +21,8 @@ constexpr const char* kNameKey = "name";
 constexpr const char* kGeneratorKey = "generator";
 constexpr const char* kPlacementKey = "placement";
 // Upper bounds of the library's memory while decoding. Per triangle and per vertex: its corner table and maps (kCodec).
-// Per triangle and per vertex for each attribute connectivity, whose seams may give each corner its own vertex (kSeam):
-// two vertex maps that grow by doubling, two that do not, the corners' vertices, the list of seams.
+// For each attribute connectivity, per triangle and per vertex (kSeam): seams may give each corner its own vertex. This
+// needs two vertex maps that grow by doubling, two that do not, the corners' vertices and the list of seams.
 // Per attribute value, besides its numbers: its entries in the map from points and in the decoding sequence
 // (kValueMap).
 constexpr std::uint64_t kCodecTriangleBytes = 96;

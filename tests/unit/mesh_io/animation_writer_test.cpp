@@ -60,7 +60,7 @@ class Animation : public testing::Test {
   fs::path path_ = folder_ / "water.glb";
 };
 
-TEST_F(Animation, ShowsEachFrameInItsTimeAndNoOther) {
+TEST_F(Animation, ShowsEachFrameOnlyDuringItsTime) {
   for (const double fps : {1.0, 24.0, 25.0, 29.97, 60.0}) {
     const PlayedGlb played = play(fps, {1, 2, 3, 4, 5, 6, 7});
     for (int i = 0; i < 7; ++i) {
@@ -76,12 +76,12 @@ TEST_F(Animation, ShowsEachFrameInItsTimeAndNoOther) {
   }
 }
 
-TEST_F(Animation, AtRestTheFirstFrameIsShown) {
+TEST_F(Animation, ShowsFirstFrameAtRest) {
   EXPECT_EQ(play(24, {5, 6, 7}).seen_at_rest(), Names{name_of(5)});
   EXPECT_EQ(play(24, {5}).seen_at_rest(), Names{name_of(5)});
 }
 
-TEST_F(Animation, IsOneNodeAndOneChannelAFrame) {
+TEST_F(Animation, HasOneNodeAndChannelPerFrame) {
   const PlayedGlb played = play(24, {1, 2, 3});
   EXPECT_EQ(played.model()["nodes"].size(), 3U);
   EXPECT_EQ(played.model()["scenes"][0]["nodes"], (nlohmann::json{0, 1, 2}));
@@ -94,7 +94,7 @@ TEST_F(Animation, IsOneNodeAndOneChannelAFrame) {
   EXPECT_EQ(played.model()["buffers"][0]["byteLength"], played.binary().size());
 }
 
-TEST_F(Animation, GapsKeepTheirTimeAndShowTheFrameBefore) {
+TEST_F(Animation, ShowsPreviousFrameDuringGaps) {
   const PlayedGlb played = play(10, {-3, -2, 2, 4});
   const auto at = [&](double frame) { return played.seen_at((frame + 3) / 10); };
   EXPECT_EQ(at(-3), Names{name_of(-3)});
@@ -106,7 +106,7 @@ TEST_F(Animation, GapsKeepTheirTimeAndShowTheFrameBefore) {
   EXPECT_NEAR(played.duration(), 0.8, 1e-6);
 }
 
-TEST_F(Animation, AFrameWithoutTrianglesShowsNothing) {
+TEST_F(Animation, ShowsNothingForEmptyFrame) {
   AnimationWriter writer = this->writer(1);
   for (const std::int64_t frame : {0, 1, 4, 7, 8}) must_add(writer, frame, frame % 4 == 0 ? nothing() : triangle());
   ASSERT_TRUE(writer.add("no surface", 9, std::span<const mesh::Mesh>()));
@@ -121,7 +121,7 @@ TEST_F(Animation, AFrameWithoutTrianglesShowsNothing) {
   EXPECT_EQ(played.model()["nodes"].size(), 2U);
 }
 
-TEST_F(Animation, OfNothingButEmptyFramesIsAFileWithoutData) {
+TEST_F(Animation, WritesNoDataIfAllFramesAreEmpty) {
   AnimationWriter writer = this->writer();
   must_add(writer, 1, nothing());
   must_add(writer, 2, nothing());
@@ -133,7 +133,7 @@ TEST_F(Animation, OfNothingButEmptyFramesIsAFileWithoutData) {
   EXPECT_EQ(result.files[0].bytes, fs::file_size(path_));
 }
 
-TEST_F(Animation, FramesAreWhatSingleFilesAre) {
+TEST_F(Animation, WritesFramesLikeSingleFiles) {
   mesh::Mesh coloured = sphere(12, true, "coloured", {1000.0 + 1.0 / 3, -7, 0});
   add_colour(coloured, mesh::ComponentType::u8, 3);
   add_attribute(coloured, "label", mesh::ComponentType::u8, 1);
@@ -163,7 +163,7 @@ TEST_F(Animation, FramesAreWhatSingleFilesAre) {
   }
 }
 
-TEST_F(Animation, SeveralSurfacesAreShownTogether) {
+TEST_F(Animation, ShowsAllSurfacesOfFrameTogether) {
   AnimationWriter writer = this->writer(1);
   must_add(writer, 0);
   std::vector<mesh::Mesh> surfaces;
@@ -185,7 +185,7 @@ TEST_F(Animation, SeveralSurfacesAreShownTogether) {
   EXPECT_FALSE(child.contains("scale"));
 }
 
-TEST_F(Animation, LongTimeLinesHaveAKeyForEachFrame) {
+TEST_F(Animation, KeepsDistinctKeysOnLongTimeLines) {
   for (const double fps : {23.976, 24.0, 30.0, 60.0, 120.0}) {
     AnimationWriter writer = this->writer(fps);
     std::vector<std::int64_t> frames{0};
@@ -201,7 +201,7 @@ TEST_F(Animation, LongTimeLinesHaveAKeyForEachFrame) {
   }
 }
 
-TEST_F(Animation, AFrameWhoseTimeFloatCannotTellApartIsRefused) {
+TEST_F(Animation, RefusesFrameWhoseTimeFloatCannotDistinguish) {
   AnimationWriter writer = this->writer(24);
   must_add(writer, 0);
   const auto refused = writer.add("far", std::int64_t{1} << 40, triangle());
@@ -214,7 +214,7 @@ TEST_F(Animation, AFrameWhoseTimeFloatCannotTellApartIsRefused) {
   EXPECT_EQ(PlayedGlb(path_).seen_at(1.0 / 24), Names{name_of(1)});
 }
 
-TEST_F(Animation, NumbersThatDoNotGrowAreRefused) {
+TEST_F(Animation, RefusesFrameNumbersThatDoNotGrow) {
   AnimationWriter writer = this->writer();
   must_add(writer, 2);
   for (const std::int64_t frame : {2, 1}) {
@@ -227,8 +227,8 @@ TEST_F(Animation, NumbersThatDoNotGrowAreRefused) {
   EXPECT_EQ(PlayedGlb(path_).model()["nodes"].size(), 2U);
 }
 
-// Sizes are reckoned before: whatever the limit, no file is larger, and each frame is in one.
-TEST_F(Animation, IsSplitWhereAFileWouldBeTooLarge) {
+// The writer computes sizes in advance: for any limit, no file exceeds it and each frame is in one file.
+TEST_F(Animation, SplitsBeforeFileIsTooLarge) {
   constexpr int kFrames = 24;
   std::size_t most_parts = 0;
   for (std::uint64_t largest = 6'000; largest < 60'000; largest += largest / 7 / 4 * 4 + 4) {
@@ -270,7 +270,7 @@ TEST_F(Animation, IsSplitWhereAFileWouldBeTooLarge) {
   EXPECT_GT(most_parts, 4U);
 }
 
-TEST_F(Animation, AFrameThatIsLargerThanAFileIsRefused) {
+TEST_F(Animation, RefusesFrameLargerThanFile) {
   AnimationWriter writer = this->writer(24, 3, 10'000);
   const auto first = writer.add("large", 0, sphere(40, false));
   ASSERT_FALSE(first);
@@ -286,7 +286,7 @@ TEST_F(Animation, AFrameThatIsLargerThanAFileIsRefused) {
   EXPECT_EQ(played.seen_at(2.5 / 24), Names{name_of(3)});
 }
 
-TEST_F(Animation, AFrameTooFarAwayIsRefused) {
+TEST_F(Animation, RefusesFrameTooFarFromOrigin) {
   AnimationWriter writer = this->writer();
   must_add(writer, 1);
   const auto refused = writer.add("far", 2, sphere(30, false, "far", {1e17, 0, 0}));
@@ -296,8 +296,8 @@ TEST_F(Animation, AFrameTooFarAwayIsRefused) {
   must_finish(writer);
 }
 
-// The room for the JSON is a guess.
-TEST_F(Animation, RoomThatIsTooSmallIsMade) {
+// The space that is reserved for the JSON is an estimate.
+TEST_F(Animation, MovesDataIfReservedSpaceIsTooSmall) {
   AnimationWriter writer = this->writer(24, 1);
   must_add(writer, 0);
   const std::string name(3000, '"');  // twice as long in JSON
@@ -310,7 +310,7 @@ TEST_F(Animation, RoomThatIsTooSmallIsMade) {
   EXPECT_EQ(PlayedGlb(path_).seen_at(50.5 / 24), Names{name + name_of(50)});
 }
 
-TEST_F(Animation, RoomThatIsNotNeededIsGivenBack) {
+TEST_F(Animation, RemovesUnusedReservedSpace) {
   AnimationWriter writer = this->writer(24, 50'000);
   must_add(writer, 0);
   must_add(writer, 1, triangle(7));
@@ -321,7 +321,7 @@ TEST_F(Animation, RoomThatIsNotNeededIsGivenBack) {
 
 double seconds_of_processor() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-TEST_F(Animation, OfTenThousandFramesTakesTimeInProportion) {
+TEST_F(Animation, WritesTenThousandFramesInLinearTime) {
   std::vector<double> seconds;
   for (const int frames : {2'500, 10'000}) {
     AnimationWriter writer = this->writer(24, static_cast<std::uint64_t>(frames));
@@ -336,8 +336,8 @@ TEST_F(Animation, OfTenThousandFramesTakesTimeInProportion) {
   EXPECT_LT(seconds[1], 4 * 2.5 * seconds[0]) << "four times as much work";
 }
 
-TEST_F(Animation, StreamsAreRefusedBeforeAnythingIsWritten) {
-  ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);  // nobody reads it: opening it would wait
+TEST_F(Animation, RefusesStreamsBeforeWriting) {
+  ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);  // has no reader: opening it would block
   for (const fs::path& path : {fs::path("-"), fs::path("/dev/null"), folder_ / "pipe"}) {
     AnimationWriter writer(path, {}, 24, 1, Context());
     for (const auto& result : {writer.check(), writer.add("a", 1, triangle())}) {
@@ -350,7 +350,7 @@ TEST_F(Animation, StreamsAreRefusedBeforeAnythingIsWritten) {
   EXPECT_EQ(folder_.names(), Names{"pipe"});
 }
 
-TEST_F(Animation, WhatMakesNoSenseIsRefused) {
+TEST_F(Animation, RefusesInvalidOptions) {
   for (const double fps : {0.0, -24.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
     const auto possible = writer(fps).check();
     ASSERT_FALSE(possible);
@@ -371,7 +371,7 @@ TEST_F(Animation, WhatMakesNoSenseIsRefused) {
   EXPECT_TRUE(folder_.names().empty());
 }
 
-TEST_F(Animation, NothingIsLeftWithoutFinish) {
+TEST_F(Animation, LeavesNoFileWithoutFinish) {
   write_bytes(path_, "old");
   {
     AnimationWriter writer = this->writer(24, 20, 8'000);
@@ -382,7 +382,7 @@ TEST_F(Animation, NothingIsLeftWithoutFinish) {
   EXPECT_EQ(read_bytes(path_), "old");
 }
 
-TEST_F(Animation, IfOnePartCannotBeNamedNoneIs) {
+TEST_F(Animation, CommitsAllPartsOrNone) {
   write_bytes(path_, "old");
   AnimationWriter writer = this->writer(24, 20, 8'000);
   for (int i = 0; i < 20; ++i) must_add(writer, i, sphere(3, false));
@@ -393,7 +393,7 @@ TEST_F(Animation, IfOnePartCannotBeNamedNoneIs) {
   EXPECT_EQ(read_bytes(path_), "old");
 }
 
-TEST_F(Animation, APartOfAnotherRunIsTold) {
+TEST_F(Animation, NotesLeftoverPartOfEarlierRun) {
   write_bytes(folder_ / "water.part2.glb", "old");
   AnimationWriter writer = this->writer();
   must_add(writer, 1);
@@ -403,12 +403,12 @@ TEST_F(Animation, APartOfAnotherRunIsTold) {
   EXPECT_EQ(read_bytes(folder_ / "water.part2.glb"), "old");
 }
 
-TEST_F(Animation, PartsOfPathsWithoutAnExtension) {
+TEST_F(Animation, NamesPartsWithoutExtension) {
   EXPECT_EQ(animation_part_path("a.b/water", 2), "a.b/water.part2");
   EXPECT_EQ(animation_part_path("water.v1.glb", 12), "water.v1.part12.glb");
 }
 
-TEST_F(Animation, EndsWhenAskedTo) {
+TEST_F(Animation, StopsWhenCancelled) {
   const Context context;
   AnimationWriter writer(path_, {}, 24, 10, context);
   must_add(writer, 1);
@@ -420,7 +420,7 @@ TEST_F(Animation, EndsWhenAskedTo) {
   EXPECT_TRUE(folder_.names().empty());
 }
 
-TEST_F(Animation, PackedFramesAreWhatPackedFilesAre) {
+TEST_F(Animation, WritesPackedFramesLikePackedFiles) {
   MeshPacking draco;
   draco.compression = Compression::draco;
   MeshPacking meshopt;
@@ -454,12 +454,12 @@ TEST_F(Animation, PackedFramesAreWhatPackedFilesAre) {
     const auto& model = played.model();
     EXPECT_EQ(model["extensionsRequired"].size(), packing.quantize ? 2U : 1U) << model["extensionsRequired"];
     ASSERT_EQ(model["buffers"].size(), packing.quantize ? 2U : 1U);
-    // Scales of their own are not those that the animation changes.
+    // The packed mesh's own scale is on another node than the animated scale.
     EXPECT_EQ(model["nodes"].size(), packing.quantize ? 7U : 4U);
   }
 }
 
-TEST_F(Animation, QuantisedPositionsNeedABoxThatHoldsThem) {
+TEST_F(Animation, RequiresBoxAroundQuantizedPositions) {
   AnimationWriter writer = this->writer();
   MeshPacking packing;
   packing.quantize = true;
@@ -478,7 +478,7 @@ TEST_F(Animation, QuantisedPositionsNeedABoxThatHoldsThem) {
   EXPECT_EQ(PlayedGlb(path_).seen_at(0), Names{name_of(2)}) << "as if the others had not come";
 }
 
-TEST_F(Animation, IsReadAsItsFirstFrame) {
+TEST_F(Animation, ReadsBackFirstFrame) {
   AnimationWriter writer = this->writer();
   const glm::dvec3 origin(1e5 + 1.0 / 3, 0, 0);
   must_add(writer, 1, nothing());

@@ -1,4 +1,4 @@
-// Attributes of vertices, written and read back.
+// Writes vertex attributes and reads them back.
 #include <cmath>
 #include <limits>
 
@@ -54,7 +54,7 @@ bool is_gltf(const Form& form) {
   return form.options.format == MeshFormat::glb || form.options.format == MeshFormat::gltf;
 }
 
-// A corner's attributes are those of the vertex it was, whatever order the vertices have come into.
+// Compares attributes corner by corner, since vertices may be reordered.
 void expect_same_corners(const mesh::Mesh& found, const mesh::Mesh& expected) {
   ASSERT_EQ(found.attributes.size(), expected.attributes.size());
   ASSERT_EQ(found.triangles.size(), expected.triangles.size());
@@ -76,7 +76,7 @@ void expect_same_corners(const mesh::Mesh& found, const mesh::Mesh& expected) {
   }
 }
 
-TEST_F(AttributeTest, EveryTypeComesBack) {
+TEST_F(AttributeTest, ReadsBackEveryType) {
   for (const Form& form : kForms) {
     for (const bool normals : {false, true}) {
       if (normals && form.options.flat_normals) continue;
@@ -101,7 +101,7 @@ TEST_F(AttributeTest, EveryTypeComesBack) {
   }
 }
 
-TEST_F(AttributeTest, ColoursComeBack) {
+TEST_F(AttributeTest, ReadsBackColors) {
   for (const Form& form : kForms) {
     for (const ComponentType type : {ComponentType::u8, ComponentType::u16, ComponentType::f32}) {
       for (const std::size_t components : {3U, 4U}) {
@@ -116,7 +116,7 @@ TEST_F(AttributeTest, ColoursComeBack) {
   }
 }
 
-TEST_F(AttributeTest, PlyNamesAreTheUsualOnes) {
+TEST_F(AttributeTest, UsesCommonPlyNames) {
   mesh::Mesh mesh = tetrahedron();
   add_colour(mesh, ComponentType::u8, 4);
   add_attribute(mesh, "quality", ComponentType::f32, 1);
@@ -129,7 +129,7 @@ TEST_F(AttributeTest, PlyNamesAreTheUsualOnes) {
             std::string::npos);
 }
 
-TEST_F(AttributeTest, NamesThatAFormatCannotHave) {
+TEST_F(AttributeTest, ReplacesUnsupportedNames) {
   mesh::Mesh mesh = tetrahedron();
   for (const char* name : {"two words", "x", "red", "same", "same", "", "\xFF"}) {
     add_attribute(mesh, name, ComponentType::u8, 1);
@@ -149,7 +149,7 @@ TEST_F(AttributeTest, NamesThatAFormatCannotHave) {
             (std::vector<std::string>{"", "colour", "red", "same", "same_", "two words", "x", "\xEF\xBF\xBD"}));
 }
 
-TEST_F(AttributeTest, WhatAFormatCannotHoldIsToldOf) {
+TEST_F(AttributeTest, NotesUnsupportedAttributes) {
   mesh::Mesh mesh = tetrahedron();
   add_attribute(mesh, "wide", ComponentType::f64, 1);
   add_attribute(mesh, "nan", ComponentType::f32, 1);
@@ -184,13 +184,13 @@ constexpr const char* kPlyEnd =
     "property float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar uint vertex_indices\n"
     "end_header\n";
 
-TEST_F(AttributeTest, PlyPropertiesAsTheyCome) {
+TEST_F(AttributeTest, ReadsPlyPropertiesOfOtherPrograms) {
   const auto ply = [&](const std::string& properties, const std::string& values) {
     write_bytes(folder_ / "in.ply", "ply\nformat ascii 1.0\nelement vertex 3\n" + properties + kPlyEnd + values +
                                         " 0 0 0\n" + values + " 1 0 0\n" + values + " 0 1 0\n3 0 1 2\n");
     return read("in.ply");
   };
-  // No colour where its parts have several types, or one is missing.
+  // red, green and blue form no color if their types differ or one is missing.
   EXPECT_EQ(ply("property uchar red\nproperty uchar green\nproperty float blue\n", "1 2 3").mesh.attributes.size(), 3U);
   EXPECT_EQ(ply("property int red\nproperty int green\nproperty int blue\n", "1 2 3").mesh.attributes.size(), 3U);
   EXPECT_EQ(ply("property uchar red\nproperty uchar green\n", "1 2").mesh.attributes.size(), 2U);
@@ -200,7 +200,7 @@ TEST_F(AttributeTest, PlyPropertiesAsTheyCome) {
   EXPECT_EQ(colour.mesh.attributes[0].role, mesh::AttributeRole::colour);
   EXPECT_EQ(colour.mesh.attributes[0].at(2)[0], std::byte{1});
   EXPECT_EQ(colour.mesh.attributes[1].name, "alpha");
-  // More than four that belong together are numbers of their own.
+  // More than four numbered properties become separate attributes.
   std::string properties;
   for (int i = 0; i < 5; ++i) properties += fmt::format("property short f_{}\n", i);
   EXPECT_EQ(ply(properties, "1 2 3 4 5").mesh.attributes.size(), 5U);
@@ -211,7 +211,7 @@ TEST_F(AttributeTest, PlyPropertiesAsTheyCome) {
   EXPECT_NE(list.notes[0].find("'ring'"), std::string::npos);
 }
 
-TEST_F(AttributeTest, DamagedPly) {
+TEST_F(AttributeTest, RefusesDamagedPly) {
   const auto ply = [&](const std::string& type, const std::string& value) {
     return "ply\nformat ascii 1.0\nelement vertex 1\nproperty " + type + " q\n" + kPlyEnd + value + " 0 0 0\n";
   };
@@ -245,7 +245,7 @@ class GltfAttributeTest : public AttributeTest {
 
 constexpr const char* kBytes = R"({"bufferView":0,"componentType":5121,"count":3,"type":"SCALAR"})";
 
-TEST_F(GltfAttributeTest, OnlyWhatAllSurfacesHaveIsKept) {
+TEST_F(GltfAttributeTest, KeepsAttributesThatAllSurfacesHave) {
   const auto notes = [&](const std::string& first, const std::string& second, std::size_t attributes) {
     write_bytes(folder_ / "a.gltf",
                 gltf(first, second,
@@ -263,9 +263,9 @@ TEST_F(GltfAttributeTest, OnlyWhatAllSurfacesHaveIsKept) {
   EXPECT_EQ(notes("", R"("_A":1)", 0), 1U);
 }
 
-TEST_F(GltfAttributeTest, JoinedCornersAreToldOf) {
+TEST_F(GltfAttributeTest, NotesWeldedCornersWithOtherValues) {
   std::string bytes(64, '\0');
-  bytes[38] = 7;  // of the third corner, all of which are at one place
+  bytes[38] = 7;  // of the third corner; all corners have equal positions
   const std::string model =
       gltf(R"("_A":1)", "none", R"({"bufferView":0,"byteOffset":36,"componentType":5121,"count":3,"type":"SCALAR"})");
   write_bytes(folder_ / "zeros.bin", bytes);
@@ -276,7 +276,7 @@ TEST_F(GltfAttributeTest, JoinedCornersAreToldOf) {
   EXPECT_NE(file.notes[0].find("1 corners were joined"), std::string::npos) << file.notes[0];
 }
 
-TEST_F(GltfAttributeTest, DamagedGltf) {
+TEST_F(GltfAttributeTest, RefusesDamagedGltf) {
   const auto damaged = [&](const std::string& attributes, const std::string& accessor, const std::string& part) {
     expect_error("d.gltf", gltf(attributes, "none", accessor), part);
   };
@@ -291,7 +291,7 @@ TEST_F(GltfAttributeTest, DamagedGltf) {
   damaged(R"("COLOR_0":1)", kBytes, "expected colours of three or four components");
   damaged(R"("COLOR_0":1)", R"({"bufferView":0,"componentType":5121,"count":3,"type":"VEC3"})",
           "expected colours of three or four components");
-  // One without values is allowed, but not read.
+  // glTF allows an accessor without values, but the reader refuses it.
   write_bytes(folder_ / "a.gltf", gltf(R"("_A":1)", "none", R"({"componentType":5121,"count":3,"type":"SCALAR"})"));
   EXPECT_EQ(read("a.gltf").notes.size(), 1U);
 }

@@ -1,4 +1,4 @@
-// Memory that is reserved, and ends that are asked for.
+// Reading and writing keep the memory limit and stop when cancelled.
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -13,7 +13,7 @@
 namespace isoextract::mesh_io {
 namespace {
 
-TEST(MeshFileContext, IsKeptTo) {
+TEST(MeshFileContext, KeepsMemoryLimitAndCancellation) {
   const test::TempFolder folder;
   const auto meshes = test::one(test::sphere(20, false));
   for (const MeshFormatInfo& info : mesh_formats()) {

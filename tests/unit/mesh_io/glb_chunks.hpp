@@ -1,4 +1,4 @@
-// What a .glb consists of.
+// The chunks of a .glb.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ struct GlbChunks {
   std::string binary;
 };
 
-// Takes a .glb apart by the letter of the specification.
+// Splits a .glb strictly by the specification.
 inline GlbChunks take_apart(const std::string& bytes) {
   const auto word = [&](std::size_t offset) {
     std::uint32_t value = 0;

@@ -15,7 +15,7 @@ namespace {
 using nlohmann::json;
 using namespace test;
 
-// Positions must be the stored numbers, bit for bit, with the origin beside them.
+// Checks that positions are the stored numbers, bit for bit, and that the origin is separate.
 void expect_same_mesh(const mesh::Mesh& expected, const ParsedMesh& found) {
   EXPECT_EQ(found.name, expected.name);
   EXPECT_EQ(found.origin, expected.origin);
@@ -64,8 +64,8 @@ TEST_P(GltfWriter, KeepsVertexNormals) {
   expect_same_mesh(meshes[0], found[0]);
 }
 
-// 65535 vertices are the most whose indices fit into 16 bits without the restart value.
-TEST_P(GltfWriter, ShortIndicesEndWhereTheRestartValueWouldBe) {
+// 65535 is the largest number of vertices whose 16-bit indices avoid the restart value.
+TEST_P(GltfWriter, UsesShortIndicesBelowRestartValue) {
   for (const std::size_t count : {65535U, 65536U}) {
     mesh::Mesh mesh = sphere(181, false);  // 65,524 vertices
     std::vector<glm::vec3> positions(mesh.positions.begin(), mesh.positions.end());
@@ -85,7 +85,7 @@ TEST_P(GltfWriter, ShortIndicesEndWhereTheRestartValueWouldBe) {
 
 TEST_P(GltfWriter, KeepsSeveralMeshesApart) {
   std::vector<mesh::Mesh> meshes;
-  meshes.push_back(tetrahedron("iso 0.5"));  // an odd number of triangles follows, so that padding is needed
+  meshes.push_back(tetrahedron("iso 0.5"));  // next comes an odd number of triangles, which needs padding
   meshes.push_back(make_mesh("one", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}));
   meshes.push_back(sphere(5, true, "iso 1"));
   meshes.push_back(make_mesh("another", {{0, 0, 1}, {1, 0, 1}, {0, 1, 1}}, {{0, 1, 2}}));
@@ -94,7 +94,7 @@ TEST_P(GltfWriter, KeepsSeveralMeshesApart) {
   for (std::size_t m = 0; m < meshes.size(); ++m) expect_same_mesh(meshes[m], found[m]);
 }
 
-TEST_P(GltfWriter, OriginIsTheNodesTranslationInFullPrecision) {
+TEST_P(GltfWriter, WritesOriginAsNodeTranslation) {
   const glm::dvec3 origin(1e7 + 1.0 / 3, -123456789.123456789, 1e-17);
   const std::vector<mesh::Mesh> meshes = one(sphere(4, false, "far", origin));
   const auto found = round_trip(meshes);
@@ -102,7 +102,7 @@ TEST_P(GltfWriter, OriginIsTheNodesTranslationInFullPrecision) {
   expect_same_mesh(meshes[0], found[0]);
 }
 
-TEST_P(GltfWriter, MinAndMaxAreTheStoredNumbers) {
+TEST_P(GltfWriter, WritesMinAndMaxOfStoredNumbers) {
   const std::vector<mesh::Mesh> meshes = one(tetrahedron());
   round_trip(meshes);
   const json& accessor = model_["accessors"][0];
@@ -113,8 +113,8 @@ TEST_P(GltfWriter, MinAndMaxAreTheStoredNumbers) {
   EXPECT_EQ(accessor["max"].get<std::vector<double>>(), max);
 }
 
-TEST_P(GltfWriter, FlatNormalsSplitTheVertices) {
-  // The last vertex is used by no triangle: it must be in neither the data nor the bounds.
+TEST_P(GltfWriter, SplitsVerticesForFlatNormals) {
+  // No triangle uses the last vertex, so it must be in neither the data nor the bounds.
   mesh::Mesh mesh = make_mesh("flat", {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, -3}, {9, 9, 9}}, {{0, 1, 2}, {0, 1, 3}});
   const std::vector<mesh::Mesh> meshes = one(std::move(mesh));
   const auto found = round_trip(meshes, true);
@@ -129,7 +129,7 @@ TEST_P(GltfWriter, FlatNormalsSplitTheVertices) {
   EXPECT_NE(result_.notes[0].find("not welded"), std::string::npos);
 }
 
-TEST_P(GltfWriter, AnEmptySurfaceIsANodeWithoutAMesh) {
+TEST_P(GltfWriter, WritesEmptySurfaceAsNodeWithoutMesh) {
   std::vector<mesh::Mesh> meshes;
   meshes.push_back(make_mesh("nothing", {}, {}));
   meshes.push_back(tetrahedron("something"));
@@ -140,7 +140,7 @@ TEST_P(GltfWriter, AnEmptySurfaceIsANodeWithoutAMesh) {
   expect_same_mesh(meshes[1], found[1]);
 }
 
-TEST_P(GltfWriter, NothingAtAllHasNoBuffer) {
+TEST_P(GltfWriter, WritesNoBufferForEmptySurface) {
   const std::vector<mesh::Mesh> meshes = one(make_mesh("nothing", {}, {}));
   const auto found = round_trip(meshes);
   ASSERT_EQ(found.size(), 1U);
@@ -151,7 +151,7 @@ TEST_P(GltfWriter, NothingAtAllHasNoBuffer) {
   EXPECT_EQ(result_.files.size(), 1U);
 }
 
-TEST_P(GltfWriter, NodesWithoutANameAndScenesWithoutNodesAreObjects) {
+TEST_P(GltfWriter, WritesEmptyNodesAndScenesAsObjects) {
   round_trip(one(make_mesh("", {}, {})));
   EXPECT_TRUE(model_["nodes"][0].is_object());
   round_trip({});
@@ -167,7 +167,7 @@ TEST_P(GltfWriter, KeepsUnicodeAndQuotesInNames) {
   EXPECT_TRUE(result_.notes.empty());
 }
 
-TEST_P(GltfWriter, NamesThatAreNotUtf8AreReplacedAndTold) {
+TEST_P(GltfWriter, ReplacesInvalidUtf8InNamesWithNote) {
   const std::vector<mesh::Mesh> meshes = one(tetrahedron("bad \xFF name"));
   const auto found = round_trip(meshes);
   ASSERT_EQ(found.size(), 1U);
@@ -176,7 +176,7 @@ TEST_P(GltfWriter, NamesThatAreNotUtf8AreReplacedAndTold) {
   EXPECT_NE(result_.notes[0].find("UTF-8"), std::string::npos);
 }
 
-TEST(GltfWriterFiles, TheModelNamesItsDataPercentEncoded) {
+TEST(GltfWriterFiles, PercentEncodesNameOfDataFile) {
   const TempFolder folder;
   const std::string stem = "kopf 50% #1 ä~_-:";
   const std::vector<mesh::Mesh> meshes = one(tetrahedron());
@@ -191,7 +191,7 @@ TEST(GltfWriterFiles, TheModelNamesItsDataPercentEncoded) {
   EXPECT_EQ(result.files[1].bytes, binary.size());
 }
 
-TEST(GltfWriterFiles, AGlbDescribesItsWholeBinaryChunk) {
+TEST(GltfWriterFiles, DescribesWholeBinaryChunkOfGlb) {
   const TempFolder folder;
   const std::vector<mesh::Mesh> meshes = one(sphere(7, true));
   const auto result = must_write(meshes, folder / "a.glb", {});
@@ -204,7 +204,7 @@ TEST(GltfWriterFiles, AGlbDescribesItsWholeBinaryChunk) {
   EXPECT_EQ(result.files[0].bytes, bytes.size());
 }
 
-TEST(GltfWriterFiles, AGlbOfFourGibibytesIsRefusedBeforeItIsWritten) {
+TEST(GltfWriterFiles, RefusesGlbOfFourGibibytesBeforeWriting) {
   const TempFolder folder;
   mesh::Mesh mesh = make_mesh("large", {{0, 0, 0}}, {});
   mesh.triangles = Buffer<glm::uvec3>(60'000'000);  // 72 bytes each when split; never touched
@@ -217,7 +217,7 @@ TEST(GltfWriterFiles, AGlbOfFourGibibytesIsRefusedBeforeItIsWritten) {
   EXPECT_TRUE(folder.names().empty());
 }
 
-TEST(GltfWriterFiles, APairThatCannotBeWrittenLeavesTheOldOne) {
+TEST(GltfWriterFiles, KeepsOldPairIfNewOneFails) {
   const TempFolder folder;
   write_bytes(folder / "a.gltf", "old model");
   fs::create_directory(folder / "a.bin");

@@ -33,7 +33,7 @@ class ByteReader {
   std::size_t offset_;
 };
 
-// Reads as the type says, so that a float's text must give back that float.
+// Parses as type T, so that the text of a float must read back as that float.
 double text_number(const std::string& word, const std::string& type) {
   char* end = nullptr;
   const double value =

@@ -1,4 +1,4 @@
-// What the tests of the mesh readers share: files of bytes, what is read of them, and why it is not.
+// Shared by the tests of the mesh readers: writes bytes to files, reads them and checks errors.
 #pragma once
 
 #include <cstdint>
@@ -50,7 +50,7 @@ class MeshReaderTest : public testing::Test {
   TempFolder folder_;
 };
 
-// One triangle; `nodes` and `scene` as given.
+// A model of one triangle, with the given `nodes` and `scene`.
 inline std::string gltf(const std::string& nodes, const std::string& scene = R"({"nodes":[0]})") {
   return fmt::format(
       R"({{"asset":{{"version":"2.0"}},"scenes":[{}],"nodes":[{}],"meshes":[{{"primitives":[{{"attributes":)"

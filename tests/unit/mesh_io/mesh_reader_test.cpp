@@ -43,7 +43,7 @@ TEST_P(RoundTripTest, KeepsPositionsAndTriangles) {
     EXPECT_EQ(mesh.origin, glm::dvec3(0));
     const bool soup = GetParam().options.format == MeshFormat::stl || GetParam().options.flat_normals;
     if (soup && GetParam().options.format != MeshFormat::ply && GetParam().options.format != MeshFormat::obj) {
-      // Vertices come in the order in which triangles name them.
+      // Vertices are in the order in which triangles refer to them.
       ASSERT_EQ(mesh.positions.size(), meshes[0].positions.size());
       ASSERT_EQ(mesh.triangles.size(), meshes[0].triangles.size());
       for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -59,7 +59,7 @@ TEST_P(RoundTripTest, KeepsPositionsAndTriangles) {
   }
 }
 
-TEST_P(RoundTripTest, KeepsFarPlaces) {
+TEST_P(RoundTripTest, KeepsPositionsFarFromOrigin) {
   const bool stl = GetParam().options.format == MeshFormat::stl;  // float32 in the file
   const glm::dvec3 origin = stl ? glm::dvec3(1e4, -1e4 + 0.125, 3e4) : glm::dvec3(1e7, -1e7 + 0.125, 3e7);
   const auto meshes = test::one(test::sphere(9, false, "far", origin));
@@ -96,7 +96,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, RoundTripTest,
                                          Written{"a.stl", {MeshFormat::stl, true, false}},
                                          Written{"text.stl", {MeshFormat::stl, true, true}}));
 
-TEST_F(MeshReaderTest, SeveralSurfacesBecomeOne) {
+TEST_F(MeshReaderTest, JoinsSeveralSurfaces) {
   std::vector<mesh::Mesh> meshes;
   meshes.push_back(test::tetrahedron("a"));
   meshes.push_back(test::sphere(5, true, "b", {1e7, 0, 0}));
@@ -109,7 +109,7 @@ TEST_F(MeshReaderTest, SeveralSurfacesBecomeOne) {
   }
 }
 
-TEST_F(MeshReaderTest, EmptyMeshes) {
+TEST_F(MeshReaderTest, ReadsEmptyMeshes) {
   const auto nothing = test::one(mesh::Mesh{});
   test::must_write(nothing, folder_ / "none.glb", {MeshFormat::glb, false, false});
   EXPECT_TRUE(must_read("none.glb").mesh.triangles.empty());
@@ -120,7 +120,7 @@ TEST_F(MeshReaderTest, EmptyMeshes) {
   }
 }
 
-TEST_F(MeshReaderTest, ObjPolygonsRelativeIndicesAndWhatIsNoSurface) {
+TEST_F(MeshReaderTest, ReadsObjPolygonsAndRelativeIndices) {
   const MeshFile read = read_text("a.obj",
                                   "# a pyramid\nmtllib none.mtl\nv 0 0 0 1.0\r\nv 1 0 0\nv 1 1 0\nv +0 1e0 0\n"
                                   "v .5 .5 1\nvt 0 0\nf 4/1 3/1 2/1 1/1\nf -5 -4 -1\nf 2//7 3//7 5//7\nf 3 4 5\n"
@@ -132,7 +132,7 @@ TEST_F(MeshReaderTest, ObjPolygonsRelativeIndicesAndWhatIsNoSurface) {
   EXPECT_NE(read.notes[0].find("1 lines and points"), std::string::npos);
 }
 
-TEST_F(MeshReaderTest, PlyOfOthers) {
+TEST_F(MeshReaderTest, ReadsPlyOfOtherPrograms) {
   const std::string header =
       "ply\r\nformat ascii 1.0\r\ncomment x\r\nelement material 2\r\nproperty list uchar int ids\r\nproperty float "
       "a\r\n"
@@ -160,7 +160,7 @@ TEST_F(MeshReaderTest, PlyOfOthers) {
   EXPECT_EQ(swapped.mesh.triangles[0], glm::uvec3(2, 1, 0));
 }
 
-TEST_F(MeshReaderTest, NumbersOutsideTheRangeOfDouble) {
+TEST_F(MeshReaderTest, HandlesNumbersOutsideRangeOfDouble) {
   const std::string zeros(400, '0');
   const auto with = [](const std::string& x) { return fmt::format("v {} 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", x); };
   const std::vector<std::string> small{"1E-400", "-1e-400", "0." + zeros + "1", "0." + zeros + "1e5", "1e-99999999999"};
@@ -171,7 +171,7 @@ TEST_F(MeshReaderTest, NumbersOutsideTheRangeOfDouble) {
   expect_error("a.obj", with("1e400x"), "line 1: expected a number, found '1e400x'");
 }
 
-TEST_F(MeshReaderTest, GltfNodesAreAppliedInDouble) {
+TEST_F(MeshReaderTest, AppliesGltfNodesInDouble) {
   // A quarter turn around z, then a stretch and a mirror above it, far away.
   const MeshFile read = read_text(
       "a.gltf", gltf(R"({"matrix":[2,0,0,0,0,-3,0,0,0,0,1,0,1e7,0.125,-1e7,1],"children":[1]},)"
@@ -185,7 +185,7 @@ TEST_F(MeshReaderTest, GltfNodesAreAppliedInDouble) {
   EXPECT_NEAR(normal.z, 6, 1e-5) << "a mirror must not turn the surface inside out";
 }
 
-TEST_F(MeshReaderTest, DamagedGltf) {
+TEST_F(MeshReaderTest, RefusesDamagedGltf) {
   const std::string good = gltf(R"({"mesh":0})");
   const auto replaced = [&](const std::string& what, const std::string& with) {
     std::string text = good;
@@ -223,7 +223,7 @@ TEST_F(MeshReaderTest, DamagedGltf) {
   expect_error("a.gltf", gltf(R"({"translation":[1.7e308,0,0],"children":[1]},{"mesh":0,"translation":[1.7e308,0,0]})"),
                "expected a finite place of node 1 within the scene, found (inf, 0, 0)");
   expect_error("a.gltf", gltf(R"({"scale":[1e200,1,1],"children":[1]},{"mesh":0,"scale":[1e200,1,1]})"), "node 1");
-  // What is nested as deep as this must not be visited by recursion.
+  // Recursion into nesting this deep would overflow the stack.
   const std::string deep = std::string(300000, '[') + std::string(300000, ']');
   expect_error("a.gltf", replaced("\"asset\"", "\"extensionsRequired\":" + deep + ",\"asset\""),
                "expected JSON nested at most 64 deep, found a value at depth 65");
@@ -237,9 +237,8 @@ TEST_F(MeshReaderTest, DamagedGltf) {
                "not beside or below");
 }
 
-TEST_F(MeshReaderTest, GltfStripsFansAndDataWithoutBase64) {
-  // A square of four corners, as a strip and as a fan; their bytes percent-encoded. With indices, the first corner
-  // last.
+TEST_F(MeshReaderTest, ReadsGltfStripsFansAndPercentEncodedData) {
+  // A square as a strip and as a fan, with percent-encoded data. The indexed forms store the first corner last.
   const auto square = [&](int mode, const std::vector<glm::vec3>& corners, const std::string& rest) {
     std::string data;
     for (const glm::vec3& p : corners) {
@@ -289,7 +288,7 @@ TEST_F(MeshReaderTest, GltfStripsFansAndDataWithoutBase64) {
   expect_error("a.gltf", two, "expected at least three vertices of a strip or fan, found 2");
 }
 
-TEST_F(MeshReaderTest, DamagedGlb) {
+TEST_F(MeshReaderTest, RefusesDamagedGlb) {
   const auto meshes = test::one(test::sphere(4, false));
   test::must_write(meshes, folder_ / "good.glb", {MeshFormat::glb, false, false});
   const std::string good = test::read_bytes(folder_ / "good.glb");
@@ -306,7 +305,7 @@ TEST_F(MeshReaderTest, DamagedGlb) {
   expect_error("a.glb", bad_version, "version 2, found 1");
 }
 
-TEST_F(MeshReaderTest, DamagedPly) {
+TEST_F(MeshReaderTest, RefusesDamagedPly) {
   const std::string head =
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
   const std::string faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
@@ -349,7 +348,7 @@ TEST_F(MeshReaderTest, DamagedPly) {
   expect_error("a.ply", good.substr(0, good.size() / 2), "expected");
 }
 
-TEST_F(MeshReaderTest, DamagedObj) {
+TEST_F(MeshReaderTest, RefusesDamagedObj) {
   expect_error("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "expected indices below 3");
   expect_error("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n", "line 4: expected the number of a vertex, of 3 so far");
   expect_error("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -1 -2 -4\n", "line 4: expected the number of a vertex");
@@ -365,7 +364,7 @@ TEST_F(MeshReaderTest, DamagedObj) {
                "expected text");
 }
 
-TEST_F(MeshReaderTest, DamagedStl) {
+TEST_F(MeshReaderTest, RefusesDamagedStl) {
   const auto meshes = test::one(test::sphere(4, false));
   test::must_write(meshes, folder_ / "good.stl", {MeshFormat::stl, true, false});
   const std::string good = test::read_bytes(folder_ / "good.stl");
@@ -391,7 +390,7 @@ TEST_F(MeshReaderTest, DamagedStl) {
   expect_error("a.stl", "solid x\n" + facet + end + "endsolid x\nsolid y\n" + facet, "'endsolid'");
 }
 
-TEST_F(MeshReaderTest, OtherFilesAndLimits) {
+TEST_F(MeshReaderTest, RefusesOtherFilesAndLowMemory) {
   expect_error("a.png", "\x89PNG",
                "expected a mesh (.glb, .gltf, .ply, .obj, .stl or .drc), found a file that starts with '\\x89PNG'");
   EXPECT_FALSE(read_mesh(folder_ / "missing.ply", Context()));
@@ -406,8 +405,8 @@ TEST_F(MeshReaderTest, OtherFilesAndLimits) {
   }
 }
 
-// Files whose meshes need far more than their bytes.
-TEST_F(MeshReaderTest, MemoryLimitIsKept) {
+// Small files whose meshes need far more memory than their bytes.
+TEST_F(MeshReaderTest, KeepsMemoryLimit) {
   const auto expect_beyond = [&](const std::string& name, const std::string& bytes, std::uint64_t limit) {
     write_bytes(folder_ / name, bytes);
     ASSERT_LT(bytes.size(), limit);

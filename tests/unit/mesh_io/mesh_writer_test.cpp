@@ -13,7 +13,7 @@ namespace {
 
 using namespace test;
 
-TEST(MeshFormats, AreFoundByNameAndExtension) {
+TEST(MeshFormats, FindsFormatByNameAndExtension) {
   for (const MeshFormatInfo& info : mesh_formats()) {
     EXPECT_EQ(mesh_format_by_name(info.name), info.format);
     EXPECT_EQ(mesh_format_by_path("folder.x/out." + std::string(info.name)), info.format);
@@ -48,7 +48,7 @@ INSTANTIATE_TEST_SUITE_P(All, MeshWriterRefusal,
                                          Refusal{"GltfNamedBin", MeshFormat::gltf, 1, false, "a.bin", ".gltf"}),
                          [](const auto& test) { return test.param.name; });
 
-TEST_P(MeshWriterRefusal, IsAUsageErrorThatNamesTheRemedy) {
+TEST_P(MeshWriterRefusal, GivesUsageErrorWithRemedy) {
   const Refusal& refusal = GetParam();
   const TempFolder folder;
   std::vector<mesh::Mesh> meshes;
@@ -79,7 +79,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return test.param.name; });
 
 // Large enough for many blocks in every format.
-TEST_P(MeshWriterKind, BytesDoNotDependOnTheNumberOfThreads) {
+TEST_P(MeshWriterKind, WritesSameBytesForAnyThreadCount) {
   const TempFolder folder;
   const std::vector<mesh::Mesh> meshes = one(sphere(300, !GetParam().options.flat_normals));
   for (const std::size_t threads : {1U, 8U}) {
@@ -91,7 +91,7 @@ TEST_P(MeshWriterKind, BytesDoNotDependOnTheNumberOfThreads) {
   EXPECT_TRUE(bytes == read_bytes(folder / "8"));
 }
 
-TEST_P(MeshWriterKind, AFullDeviceIsAnOutputError) {
+TEST_P(MeshWriterKind, GivesOutputErrorOnFullDevice) {
   const std::vector<mesh::Mesh> meshes = one(sphere(300, !GetParam().options.flat_normals));
   const auto result = write_meshes(meshes, "/dev/full", GetParam().options, Context());
   ASSERT_FALSE(result);
@@ -99,14 +99,14 @@ TEST_P(MeshWriterKind, AFullDeviceIsAnOutputError) {
   EXPECT_EQ(result.error().message, "/dev/full: cannot write: no space left on the device");
 }
 
-TEST_P(MeshWriterKind, ASmallMeshFindsAFullDeviceToo) {
+TEST_P(MeshWriterKind, GivesOutputErrorForSmallMeshOnFullDevice) {
   const std::vector<mesh::Mesh> meshes = one(tetrahedron());
   const auto result = write_meshes(meshes, "/dev/full", GetParam().options, Context());
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, ErrorCode::output);
 }
 
-TEST(MeshWriter, AMissingFolderLeavesNothing) {
+TEST(MeshWriter, LeavesNothingIfFolderIsMissing) {
   const TempFolder folder;
   const std::vector<mesh::Mesh> meshes = one(tetrahedron());
   for (const MeshFormatInfo& info : mesh_formats()) {
@@ -123,7 +123,7 @@ const MeshWriteOptions kSeveral[] = {{MeshFormat::glb, false, false},
                                      {MeshFormat::obj, false, false},
                                      {MeshFormat::obj, true, false}};
 
-TEST(MeshWriter, LetsGoOfAMeshBeforeTheNextComes) {
+TEST(MeshWriter, FreesMeshBeforeNextOne) {
   for (const MeshWriteOptions& options : kSeveral) {
     const MeshFormatInfo& info = mesh_format_info(options.format);
     const TempFolder folder;
@@ -143,7 +143,7 @@ TEST(MeshWriter, LetsGoOfAMeshBeforeTheNextComes) {
   }
 }
 
-TEST(MeshWriter, OneByOneGivesTheBytesOfAllAtOnce) {
+TEST(MeshWriter, WritesSameBytesOneByOneAndTogether) {
   for (const MeshWriteOptions& options : kSeveral) {
     const std::string_view name = mesh_format_info(options.format).name;
     const TempFolder folder;
@@ -170,7 +170,7 @@ TEST(MeshWriter, OneByOneGivesTheBytesOfAllAtOnce) {
   }
 }
 
-TEST(MeshWriter, LeavesNothingUnlessItFinishes) {
+TEST(MeshWriter, LeavesNothingWithoutFinish) {
   for (const MeshWriteOptions& options : kSeveral) {
     const TempFolder folder;
     {
@@ -181,7 +181,7 @@ TEST(MeshWriter, LeavesNothingUnlessItFinishes) {
   }
 }
 
-TEST(MeshWriter, StaysRefusedAfterASecondMeshInAFormatOfOne) {
+TEST(MeshWriter, StaysFailedAfterSecondMeshInSingleMeshFormat) {
   for (const MeshFormat format : {MeshFormat::ply, MeshFormat::stl}) {
     const TempFolder folder;
     MeshWriter writer(folder / "out", {format, false, false}, Context());
@@ -196,8 +196,8 @@ TEST(MeshWriter, StaysRefusedAfterASecondMeshInAFormatOfOne) {
   }
 }
 
-// What cannot be taken back comes last, when no surface can fail any more.
-TEST(MeshWriter, DevicesGetNothingBeforeTheEnd) {
+// Bytes sent to a device cannot be removed, so they are written only after every surface has succeeded.
+TEST(MeshWriter, WritesNothingToDevicesBeforeFinish) {
   MeshWriter writer("/dev/full", {MeshFormat::obj, false, false}, Context());
   ASSERT_TRUE(writer.add(sphere(300, false)));
   ASSERT_TRUE(writer.add(sphere(300, false)));

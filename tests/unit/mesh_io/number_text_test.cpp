@@ -10,7 +10,7 @@
 namespace isoextract::test {
 namespace {
 
-// The number's text, put into just the room it needs.
+// Returns the number's text, written into a buffer of just kMaxNumberText bytes.
 template <class T>
 std::string text_of(T number) {
   std::string room(mesh_io::kMaxNumberText<T>, '#');
@@ -25,7 +25,7 @@ void expect_shortest(T number) {
   ASSERT_EQ(text_of(number), std::string(room, end));
 }
 
-TEST(NumberText, OfIndices) {
+TEST(NumberText, WritesIndices) {
   for (std::uint32_t number = 0; number < 200'000; ++number) expect_shortest(number);
   for (std::uint64_t power = 1; power < 10'000'000'000'000'000'000U; power *= 10) {
     for (const std::uint64_t number : {power - 1, power, power + 1, 3 * power, 7 * power + 5}) {

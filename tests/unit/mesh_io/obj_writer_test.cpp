@@ -19,7 +19,7 @@ std::string write_obj_text(std::span<const mesh::Mesh> meshes, bool flat = false
   return read_bytes(folder / "out.obj");
 }
 
-TEST(ObjWriter, NumbersAreTheShortestThatReadBack) {
+TEST(ObjWriter, WritesShortestNumbersThatReadBack) {
   const std::vector<mesh::Mesh> meshes =
       one(make_mesh("t", {{0.1F, -0.0F, 1e-7F}, {1, 16777216, 0.5F}, {0, 3e38F, -2}}, {{0, 1, 2}}));
   EXPECT_EQ(write_obj_text(meshes),
@@ -35,7 +35,7 @@ TEST(ObjWriter, KeepsPositionsNormalsAndTriangles) {
   EXPECT_TRUE(same_values(meshes[0].triangles, found[0].triangles));
 }
 
-TEST(ObjWriter, FlatNormalsAreOneAFace) {
+TEST(ObjWriter, WritesOneFlatNormalPerFace) {
   std::vector<mesh::Mesh> meshes = one(sphere(20, false, "first"));
   meshes.push_back(tetrahedron("second"));
   const auto found = parse_obj(write_obj_text(meshes, true));
@@ -46,7 +46,7 @@ TEST(ObjWriter, FlatNormalsAreOneAFace) {
   }
 }
 
-// Indices count through the file, those of normals apart from those of vertices.
+// Indices count through the whole file, separately for normals and vertices.
 TEST(ObjWriter, KeepsSeveralMeshesApart) {
   std::vector<mesh::Mesh> meshes;
   meshes.push_back(tetrahedron("iso 0.5"));
@@ -64,14 +64,14 @@ TEST(ObjWriter, KeepsSeveralMeshesApart) {
   }
 }
 
-TEST(ObjWriter, FarAwayPositionsAreDoubles) {
+TEST(ObjWriter, WritesPositionsFarFromOriginAsDoubles) {
   const std::vector<mesh::Mesh> meshes = one(sphere(10, true, "far", {1e7 + 1.0 / 3, -5e8, 1e-9}));
   const auto found = parse_obj(write_obj_text(meshes));
   ASSERT_EQ(found.size(), 1U);
   EXPECT_TRUE(same_positions(meshes[0], found[0]));
 }
 
-TEST(ObjWriter, ANameStaysOnItsLine) {
+TEST(ObjWriter, KeepsNameOnOneLine) {
   const std::vector<mesh::Mesh> meshes = one(make_mesh("a\nv 1 2 3\r", {}, {}));
   EXPECT_EQ(write_obj_text(meshes), "# " + std::string(generator()) + "\no a v 1 2 3 \n");
 }

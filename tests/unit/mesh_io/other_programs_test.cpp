@@ -27,7 +27,7 @@ using test::word;
 
 class OtherProgramsTest : public test::MeshReaderTest {
  protected:
-  // The tetrahedron with corners at the origin and at 1 on each axis, volume 1/6, is what all of these files hold.
+  // All these files hold the tetrahedron with corners at the origin and at 1 on each axis, of volume 1/6.
   static void expect_tetrahedron(const MeshFile& read) {
     EXPECT_EQ(read.mesh.positions.size(), 4U);
     EXPECT_EQ(read.mesh.triangles.size(), 4U);
@@ -35,13 +35,13 @@ class OtherProgramsTest : public test::MeshReaderTest {
     EXPECT_NEAR(mesh::measure_size(read.mesh).volume, 1.0 / 6, 1e-6);
   }
 
-  // The one note that there is.
+  // Returns the only note.
   static void expect_note(const MeshFile& read, const std::string& part) {
     ASSERT_EQ(read.notes.size(), 1U);
     EXPECT_NE(read.notes[0].find(part), std::string::npos) << read.notes[0];
   }
 
-  // What is quadratic takes minutes of the processor's time; how long it waits for a busy processor says nothing.
+  // Measures processor time, of which a quadratic algorithm takes minutes. Elapsed time depends on other programs.
   template <class Work>
   static void expect_soon(const Work& work) {
     const std::clock_t start = std::clock();
@@ -64,7 +64,7 @@ std::string replaced(std::string text, std::string_view what, std::string_view w
   return text;
 }
 
-// Corner by corner; with `mixed` every second triangle has -0 where the others have 0.
+// Each triangle has its own corners. With `mixed` every second triangle has -0 where the others have 0.
 std::string corners(bool mixed) {
   std::string bytes;
   for (std::size_t t = 0; t < kTetrahedron.size(); ++t) {
@@ -90,7 +90,7 @@ std::string text_stl() {
   return text + "endsolid four\n";
 }
 
-// A model with a .bin beside it: one primitive, of accessors and views as given.
+// A model with a .bin file: one primitive, with the given accessors and views.
 std::string model(const std::string& primitive, const std::string& accessors, const std::string& views,
                   std::size_t bytes, const std::string& more = "", const std::string& node = R"("mesh":0)") {
   return fmt::format(
@@ -99,7 +99,7 @@ std::string model(const std::string& primitive, const std::string& accessors, co
       more, node, primitive, accessors, views, bytes);
 }
 
-TEST_F(OtherProgramsTest, ZerosOfBothSignsAreOnePlace) {
+TEST_F(OtherProgramsTest, WeldsZerosOfBothSigns) {
   expect_tetrahedron(read_text("a.stl", binary_stl("mixed", true)));
   test::write_bytes(folder_ / "data.bin", corners(true));
   expect_tetrahedron(read_text("a.gltf", model(R"("attributes":{"POSITION":0})",
@@ -107,14 +107,14 @@ TEST_F(OtherProgramsTest, ZerosOfBothSignsAreOnePlace) {
                                                R"({"buffer":0,"byteLength":144})", 144)));
 }
 
-// Two that are no numbers, with different bits and with the same: refused, and no reason to look for ever.
-TEST_F(OtherProgramsTest, WhatIsNoNumberHasNoPlace) {
+// Two NaNs, with different and with equal bits: refused, without an endless search.
+TEST_F(OtherProgramsTest, RefusesNan) {
   std::string bytes = binary_stl("nan");
   for (const unsigned corner : {0U, 1U, 2U}) bytes.replace(84 + 12 + 12 * corner, 4, word(0x7FC00000 + corner / 2));
   expect_error("a.stl", bytes, "expected finite coordinates");
 }
 
-TEST_F(OtherProgramsTest, ObjLines) {
+TEST_F(OtherProgramsTest, ReadsContinuedObjLines) {
   const std::string obj(kObj);
   expect_tetrahedron(read_text("mark.obj", "\xEF\xBB\xBF" + obj));
   expect_tetrahedron(read_text("old.obj", "# old\r" + replaced(obj, "\n", "\r")));
@@ -123,19 +123,19 @@ TEST_F(OtherProgramsTest, ObjLines) {
     const std::string joined = replaced(replaced(obj, "v 1 0", "v 1 \\\n0"), "f 1 3 2", "f 1 3\\\n\\\n 2 \\ \n");
     expect_tetrahedron(read_text("joined.obj", replaced("# C:\\\n" + joined + "vn 0 0 \\\n1\n", "\n", end)));
   }
-  // The line that the error is in, and a file that ends in a backslash.
+  // The error names its line, also if the file ends in a backslash.
   expect_error("a.obj", replaced(obj, "v 1 0 0", "v 1 \\\n\\\nx"), "line 4: expected a number, found 'x'");
   expect_error("a.obj", "v 0 0 \\", "expected a number, found nothing");
   expect_error("a.obj", "v 0 \\0 0\n", "expected a number, found '\\0'");
 }
 
-TEST_F(OtherProgramsTest, PlyWithOldLineEnds) {
+TEST_F(OtherProgramsTest, ReadsPlyWithCarriageReturns) {
   const std::string head =
       "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
       "element face 4\nproperty list uchar int vertex_index\nend_header\n";
   const std::string body = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
   expect_tetrahedron(read_text("a.ply", replaced(head + body, "\n", "\r")));
-  // The first byte of the data looks like the second half of a line end.
+  // The first byte of the data is a line feed, which could be taken for part of the line end.
   const std::string binary = replaced(replaced(head, "ascii", "binary_little_endian"), "float", "char");
   std::string data("\n\0\0\1\0\0\0\1\0\0\0\1", 12);
   for (const auto& t : {glm::uvec3(0, 2, 1), glm::uvec3(0, 1, 3), glm::uvec3(0, 3, 2), glm::uvec3(1, 2, 3)}) {
@@ -144,7 +144,7 @@ TEST_F(OtherProgramsTest, PlyWithOldLineEnds) {
   EXPECT_EQ(read_text("b.ply", replaced(binary, "\n", "\r") + data).mesh.position(0), glm::dvec3(10, 0, 0));
 }
 
-TEST_F(OtherProgramsTest, StlInCapitals) {
+TEST_F(OtherProgramsTest, ReadsStlInCapitals) {
   std::string text = text_stl();
   expect_tetrahedron(read_text("small.stl", text));
   expect_tetrahedron(read_text("mark.stl", "\xEF\xBB\xBF \n" + text));
@@ -155,7 +155,7 @@ TEST_F(OtherProgramsTest, StlInCapitals) {
   expect_error("a.stl", replaced(text, "VERTEX 1 0 0\n", ""), "expected 3 corners before 'endloop', found '2'");
 }
 
-TEST_F(OtherProgramsTest, StlWithMoreThanItsTriangles) {
+TEST_F(OtherProgramsTest, ReadsStlWithTrailingBytes) {
   for (const char* header : {"any", "solid binary"}) {
     const std::string stl = binary_stl(header);
     EXPECT_TRUE(read_text("a.stl", stl).notes.empty());
@@ -165,7 +165,7 @@ TEST_F(OtherProgramsTest, StlWithMoreThanItsTriangles) {
       expect_note(read, fmt::format("b.stl: {} bytes after its last triangle were left out", more));
     }
   }
-  // These may be triangles: the number in the header is wrong.
+  // The additional bytes could be triangles, so the count in the header is wrong.
   const std::string stl = binary_stl("any");
   expect_error("c.stl", stl + std::string(50, 'x'),
                "for the 4 triangles that its header announces, found 334, which 5");
@@ -175,8 +175,8 @@ TEST_F(OtherProgramsTest, StlWithMoreThanItsTriangles) {
 
 constexpr const char* kPositions = R"("attributes":{"POSITION":0})";
 
-TEST_F(OtherProgramsTest, GltfSparseValues) {
-  // Three corners; the second is replaced in all of them, with indices of each size.
+TEST_F(OtherProgramsTest, ReadsGltfSparseValues) {
+  // Replaces the second of three corners, with sparse indices of each size.
   const std::string corners = bytes_of({0, 0, 0, 5, 5, 5, 0, 1, 0});
   const std::string views = R"({"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":4},)"
                             R"({"buffer":0,"byteOffset":40,"byteLength":24})";
@@ -192,7 +192,7 @@ TEST_F(OtherProgramsTest, GltfSparseValues) {
     test::write_bytes(folder_ / "data.bin", corners + word(1) + bytes_of({1, 0, 0, 9, 9, 9}));
     EXPECT_EQ(mesh::measure_size(read_text("a.gltf", sparse(1, type, base)).mesh).area, 0.5) << type;
   }
-  // Without a view of its own the others are zeros.
+  // Without a buffer view the other values are zeros.
   test::write_bytes(folder_ / "data.bin", corners + std::string("\0\2\0\0", 4) + bytes_of({3, 0, 0, 0, 4, 0}));
   EXPECT_EQ(mesh::measure_size(read_text("a.gltf", sparse(2, 5121, "")).mesh).area, 6);
 
@@ -206,7 +206,7 @@ TEST_F(OtherProgramsTest, GltfSparseValues) {
   expect_error("b.gltf", sparse(1, 5121, base), "expected rising indices below 3 of sparse values, found 3");
 }
 
-TEST_F(OtherProgramsTest, GltfQuantisedPositions) {
+TEST_F(OtherProgramsTest, ReadsGltfQuantizedPositions) {
   const std::string required = R"("extensionsRequired":["KHR_mesh_quantization"],)";
   const std::string node = R"("mesh":0,"scale":[2,2,4],"translation":[1,1,1])";
   const auto quantised = [&](int type, bool normalised, std::size_t stride, const std::string& more) {
@@ -223,7 +223,7 @@ TEST_F(OtherProgramsTest, GltfQuantisedPositions) {
       EXPECT_NEAR(glm::length(mesh.position(mesh.triangles[0][c]) - wanted[static_cast<std::size_t>(c)]), 0, 1e-6) << c;
     }
   };
-  // Bytes with one of padding: (0, 0, 0), (127, 0, -128), (0, 255 or -1, 0).
+  // Bytes, each vector with one byte of padding: (0, 0, 0), (127, 0, -128), (0, 255 or -1, 0).
   test::write_bytes(folder_ / "data.bin", std::string("\0\0\0\0\177\0\200\0\0\377\0\0", 12));
   expect_corners(quantised(5120, false, 4, required), {{{1, 1, 1}, {255, 1, -511}, {1, -1, 1}}});
   expect_corners(quantised(5120, true, 4, required), {{{1, 1, 1}, {3, 1, -3}, {1, 1 - 2.0 / 127, 1}}});
@@ -238,7 +238,7 @@ TEST_F(OtherProgramsTest, GltfQuantisedPositions) {
   expect_error("b.gltf", quantised(5125, false, 8, required), "expected");
 }
 
-TEST_F(OtherProgramsTest, GltfExtensionsThatAreRequired) {
+TEST_F(OtherProgramsTest, RefusesUnsupportedRequiredGltfExtensions) {
   const auto requires_all = [](const std::string& names) {
     return replaced(gltf(R"({"mesh":0})"), R"("scenes")", R"("extensionsRequired":[)" + names + R"(],"scenes")");
   };
@@ -257,15 +257,15 @@ TEST_F(OtherProgramsTest, GltfExtensionsThatAreRequired) {
   expect_error("a.gltf", replaced(requires_all(""), "[]", "{}"), "expected a list as 'extensionsRequired'");
 }
 
-TEST_F(OtherProgramsTest, ManyValuesOfJsonAreReadInLinearTime) {
+TEST_F(OtherProgramsTest, ReadsManyJsonValuesInLinearTime) {
   std::string list = "{}";
   for (int i = 0; i < 300000; ++i) list += ",{}";
   const std::string text = replaced(gltf(R"({"mesh":0})"), R"("scenes")", R"("extras":[)" + list + R"(],"scenes")");
   expect_soon([&] { EXPECT_EQ(read_text("a.gltf", text).mesh.triangles.size(), 1U); });
 }
 
-// A polygon of very many corners is flat, and its triangles have its area, its border and its sense of rotation.
-TEST_F(OtherProgramsTest, PolygonsOfManyCorners) {
+// The triangles of a flat polygon with very many corners have its area, its boundary and its winding.
+TEST_F(OtherProgramsTest, TriangulatesPolygonsOfManyCorners) {
   for (const unsigned count : {3U, 4U, 15U, 16U, 17U, 18U, 1000U, 64000U}) {
     std::string obj;
     std::string face = "f";
@@ -289,7 +289,7 @@ TEST_F(OtherProgramsTest, PolygonsOfManyCorners) {
       sum += glm::cross(read.mesh.position(t.y) - p, read.mesh.position(t.z) - p) / 2.0;
     }
     EXPECT_NEAR(sum.z, area, 1e-4) << count;
-    // No corner has more than its share of them, so that what looks for the nearest one need not look at all.
+    // No corner belongs to very many triangles, so that a search for the nearest triangle need not visit all.
     std::vector<unsigned> at_corner(count, 0);
     for (const glm::uvec3& t : read.mesh.triangles) {
       for (int c = 0; c < 3; ++c) ++at_corner[t[c]];
@@ -298,7 +298,7 @@ TEST_F(OtherProgramsTest, PolygonsOfManyCorners) {
   }
 }
 
-TEST_F(OtherProgramsTest, WhoWroteAFileAndWhatPointsUp) {
+TEST_F(OtherProgramsTest, FindsGeneratorAndUpAxis) {
   const auto meshes = test::one(test::sphere(4, false));
   for (const MeshFormatInfo& info : mesh_formats()) {
     const bool is_gltf = info.format == MeshFormat::glb || info.format == MeshFormat::gltf;

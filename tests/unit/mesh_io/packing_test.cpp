@@ -1,4 +1,4 @@
-// Packed meshes: what is written, unpacked by our reader, is the mesh within half a step of its lattice.
+// Packed meshes: the reader gets back the mesh within half a step of its lattice.
 #include "mesh_io/mesh_packing.hpp"
 
 #include <algorithm>
@@ -74,7 +74,7 @@ mesh::Mesh must_read(const std::filesystem::path& path) {
   return std::move(read->mesh);
 }
 
-// Every vertex of `found` within `reach` of one of `mesh` on every axis; quadratic.
+// Checks that every vertex of `found` is within `reach` of a vertex of `mesh` on every axis. Quadratic.
 double farthest_vertex(const mesh::Mesh& mesh, const mesh::Mesh& found) {
   double farthest = 0;
   for (std::size_t v = 0; v < found.positions.size(); ++v) {
@@ -131,7 +131,7 @@ TEST_P(Packing, KeepsTheMeshWithinHalfAStep) {
   EXPECT_LT(*facts.largest_normal_turn, 0.6);
 }
 
-TEST_P(Packing, TheSameBytesEachTimeAndForAnyNumberOfThreads) {
+TEST_P(Packing, WritesSameBytesForAnyThreadCount) {
   const auto meshes = one(test::sphere(60, true));
   std::set<std::string> bytes;
   for (const std::size_t threads : {1U, 8U}) {
@@ -142,13 +142,13 @@ TEST_P(Packing, TheSameBytesEachTimeAndForAnyNumberOfThreads) {
   EXPECT_EQ(bytes.size(), 1U);
 }
 
-TEST_P(Packing, OneTriangle) {
+TEST_P(Packing, PacksOneTriangle) {
   const auto meshes = one(test::make_mesh("t", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}));
   must_write(meshes, folder_ / GetParam().file(), GetParam().options());
   EXPECT_EQ(must_read(folder_ / GetParam().file()).triangles.size(), 1U);
 }
 
-TEST_P(Packing, FlatNormalsKeepTheirTriangles) {
+TEST_P(Packing, KeepsFlatNormalsOfTriangles) {
   const auto meshes = one(test::sphere(12, false));
   const auto result = must_write(meshes, folder_ / GetParam().file(), GetParam().options(true));
   const mesh::Mesh found = must_read(folder_ / GetParam().file());
@@ -159,7 +159,7 @@ TEST_P(Packing, FlatNormalsKeepTheirTriangles) {
   EXPECT_GT(result.packed[0].bytes_before, result.packed[0].bytes_after);
 }
 
-TEST_P(Packing, FarAway) {
+TEST_P(Packing, PacksMeshFarFromOrigin) {
   if (GetParam().format == MeshFormat::drc) return;
   const glm::dvec3 far(1e7 + 1.0 / 3, -2e7, 3e6);
   const auto meshes = one(test::sphere(12, true, "far", far));
@@ -167,11 +167,11 @@ TEST_P(Packing, FarAway) {
   const mesh::Mesh found = must_read(folder_ / GetParam().file());
   const double axis = result.packed[0].positions ? result.packed[0].positions->largest_axis : 0;
   EXPECT_LT(axis, 0.01);
-  // Reading a scaled node adds in double and keeps float32 relative to another origin.
+  // The reader applies a node's scale in double and stores float32 relative to another origin.
   EXPECT_LE(farthest_vertex(meshes[0], found), axis + 1e-7);
 }
 
-TEST_P(Packing, KeepsColoursAndAttributes) {
+TEST_P(Packing, KeepsColorsAndAttributes) {
   mesh::Mesh mesh = test::sphere(8, true);
   test::add_colour(mesh, mesh::ComponentType::u8, 3);
   test::add_attribute(mesh, "heat", mesh::ComponentType::f32, 1);
@@ -181,7 +181,7 @@ TEST_P(Packing, KeepsColoursAndAttributes) {
   must_write(meshes, folder_ / GetParam().file(), GetParam().options());
   const mesh::Mesh found = must_read(folder_ / GetParam().file());
   ASSERT_EQ(found.attributes.size(), mesh.attributes.size());
-  // The values of all attributes of a vertex together, whatever the order of vertices.
+  // Compares all attribute values of a vertex together, independent of the order of vertices.
   const auto rows = [](const mesh::Mesh& m, const std::vector<std::string>& names) {
     std::multiset<std::string> all;
     for (std::size_t v = 0; v < m.positions.size(); ++v) {
@@ -208,7 +208,7 @@ TEST_P(Packing, KeepsColoursAndAttributes) {
   }
 }
 
-TEST_P(Packing, NoTriangles) {
+TEST_P(Packing, PacksMeshWithoutTriangles) {
   const auto meshes = one(test::make_mesh("nothing", {}, {}));
   const auto result = write_meshes(meshes, folder_ / GetParam().file(), GetParam().options(), Context());
   if (GetParam().format == MeshFormat::drc) {
@@ -221,8 +221,8 @@ TEST_P(Packing, NoTriangles) {
   EXPECT_TRUE(must_read(folder_ / GetParam().file()).triangles.empty());
 }
 
-// Three sheets at one edge, and two cones at one vertex.
-TEST_P(Packing, WhatIsNoManifoldStaysAsItIs) {
+// Three sheets that share an edge, and two cones that share a vertex.
+TEST_P(Packing, KeepsNonManifoldMesh) {
   const auto meshes = one(test::make_mesh(
       "sheets", {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, -1, 0}, {2, 0, 0}, {2, 1, 0}, {2, 0, 1}},
       {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}, {2, 5, 6}, {2, 6, 7}}));
@@ -234,7 +234,7 @@ TEST_P(Packing, WhatIsNoManifoldStaysAsItIs) {
   EXPECT_EQ(result.packed[0].one_by_one, GetParam().packing.compression == Compression::draco);
 }
 
-TEST_P(Packing, AMemoryLimitIsKept) {
+TEST_P(Packing, KeepsMemoryLimit) {
   const auto meshes = one(test::sphere(60, true));
   const auto result =
       write_meshes(meshes, folder_ / GetParam().file(), GetParam().options(), Context(MemoryBudget(1000)));
@@ -243,9 +243,9 @@ TEST_P(Packing, AMemoryLimitIsKept) {
   EXPECT_TRUE(folder_.names().empty());
 }
 
-// Two halves of one surface, each relative to an origin of its own: the vertices that they share are equal to the last
-// bit in what is read, and the box decides nothing but how many bits that takes.
-TEST_P(Packing, HalvesOfASurfaceMeetOnOneLattice) {
+// Two halves of a surface have different origins. Their shared vertices read back equal to the last bit, and the box
+// only decides how many bits are needed.
+TEST_P(Packing, KeepsSharedVerticesOfHalvesEqual) {
   Kind kind = GetParam();
   if (!kind.packing.quantizes()) return;
   kind.packing.box = mesh::Bounds{{-3, -3, -3}, {3, 3, 3}};
@@ -257,7 +257,7 @@ TEST_P(Packing, HalvesOfASurfaceMeetOnOneLattice) {
   constexpr int kSide = 24;
   for (int j = 0; j <= kSide; ++j) {
     for (int i = 0; i <= 1; ++i) {
-      // Multiples of 2^-20, which float32 holds relative to either origin.
+      // Multiples of 2^-20, which float32 holds exactly relative to both origins.
       const double y = std::round(std::ldexp(-1 + 2.0 * j / kSide, 20)) * 0x1p-20;
       const double z = std::round(std::ldexp(std::sin(3 * y) / 3, 20)) * 0x1p-20;
       low.emplace_back(glm::dvec3(i - 1.0, y, z) - low_origin);
@@ -283,7 +283,7 @@ TEST_P(Packing, HalvesOfASurfaceMeetOnOneLattice) {
   EXPECT_EQ(borders[0], borders[1]);
 }
 
-TEST(PackingOptions, AVertexOutsideOfTheBoxIsAnError) {
+TEST(PackingOptions, RefusesVertexOutsideOfBox) {
   const TempFolder folder;
   for (const Kind& kind : all_kinds()) {
     if (!kind.packing.quantizes()) continue;
@@ -297,7 +297,7 @@ TEST(PackingOptions, AVertexOutsideOfTheBoxIsAnError) {
   }
 }
 
-TEST(PackingOptions, WhatMakesNoSenseIsRefused) {
+TEST(PackingOptions, RefusesInvalidOptions) {
   MeshPacking draco = packing_of(Compression::draco, false);
   EXPECT_TRUE(check_packing(draco, MeshFormat::glb));
   EXPECT_TRUE(check_packing(draco, MeshFormat::drc));
@@ -323,7 +323,7 @@ TEST(PackingOptions, WhatMakesNoSenseIsRefused) {
   }
 }
 
-TEST(PackingOptions, OneLatticeForAllMeshesOfAFile) {
+TEST(PackingOptions, UsesOneLatticePerFile) {
   const TempFolder folder;
   std::vector<mesh::Mesh> meshes;
   meshes.push_back(test::sphere(8, false, "near"));
@@ -336,7 +336,7 @@ TEST(PackingOptions, OneLatticeForAllMeshesOfAFile) {
   EXPECT_EQ(must_read(folder / "a.glb").triangles.size(), 2 * meshes[0].triangles.size());
 }
 
-TEST(PackingOptions, AnotherOrderKeepsTheMesh) {
+TEST(PackingOptions, KeepsMeshWhenReordering) {
   const TempFolder folder;
   MeshPacking packing;
   packing.optimize_order = true;
@@ -357,8 +357,8 @@ TEST(PackingOptions, AnotherOrderKeepsTheMesh) {
   }
 }
 
-// Cut short anywhere, or with a byte changed, a file is read, or refused with a message.
-TEST_P(Packing, DamagedFilesAreRefused) {
+// A file that is truncated anywhere or has a changed byte is either read, or refused with a message.
+TEST_P(Packing, RefusesDamagedFiles) {
   if (GetParam().format == MeshFormat::gltf) return;
   mesh::Mesh mesh = test::sphere(6, true);
   test::add_colour(mesh, mesh::ComponentType::u8, 3);
@@ -385,12 +385,12 @@ TEST_P(Packing, DamagedFilesAreRefused) {
 
 using PackedReader = test::MeshReaderTest;
 
-TEST_F(PackedReader, WhatIsNoDracoStream) {
+TEST_F(PackedReader, RefusesInvalidDracoStreams) {
   expect_error("a.drc", "DRA", "expected a Draco file");
   expect_error("a.drc", "DRACO", "expected a Draco bit stream");
   expect_error("a.drc", std::string("DRACO\2\1\1\1\0\0", 11), "of version 2.2, found 2.1");
   expect_error("a.drc", std::string("DRACO\2\2\0\0\0\0", 11), "found a point cloud");
-  // Of 200000 triangles: with 200 attributes that have seams, the corner tables alone take 3 GB.
+  // Announces 200000 triangles and 200 attributes with seams, for which the corner tables alone take 3 GB.
   const auto edgebreaker = [](char attributes) {
     const std::string counts("\xA0\x8D\x06\xC0\x9A\x0C", 6);  // 100000 vertices, 200000 triangles
     return std::string("DRACO\2\2\1\1\0\0\0", 12) + counts + attributes + std::string(8, '\0');
@@ -402,7 +402,7 @@ TEST_F(PackedReader, WhatIsNoDracoStream) {
   EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit) << refused.error().message;
   EXPECT_EQ(limited.memory().reserved(), 0U);
   expect_error("a.drc", edgebreaker('\2'), "the Draco bit stream is damaged");
-  // Four thousand million triangles.
+  // Announces four billion triangles.
   expect_error("a.drc", std::string("DRACO\2\2\1\0\0\0\xFF\xFF\xFF\xFF\x0F\xFF\xFF\xFF\xFF\x0F\1", 22), "would take");
 }
 

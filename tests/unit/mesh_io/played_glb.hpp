@@ -1,4 +1,4 @@
-// An animated .glb as a viewer plays it, by the letter of the specification.
+// Plays an animated .glb as a viewer does, strictly by the specification.
 #pragma once
 
 #include <cstring>
@@ -37,11 +37,11 @@ class PlayedGlb {
   }
 
   [[nodiscard]] const nlohmann::json& model() const { return chunks_.model; }
-  // How long players take it to be: to the last key of all.
+  // Returns the length that players give it: the time of the last key.
   [[nodiscard]] float duration() const { return duration_; }
   [[nodiscard]] const std::string& binary() const { return chunks_.binary; }
 
-  // The names of the nodes that are seen; glTF 2.0, appendix C: STEP, and clamped outside.
+  // Returns the names of the visible nodes at a time, by STEP interpolation with clamping (glTF 2.0, appendix C).
   [[nodiscard]] std::set<std::string> seen_at(double time) const {
     std::set<std::string> seen = seen_at_rest();
     for (const Track& track : tracks_) {
@@ -57,7 +57,7 @@ class PlayedGlb {
     return seen;
   }
 
-  // Where nothing is played.
+  // Returns the names of the visible nodes if the animation is not played.
   [[nodiscard]] std::set<std::string> seen_at_rest() const {
     std::set<std::string> seen;
     for (const auto& node : model()["scenes"][0].value("nodes", nlohmann::json::array())) {

@@ -46,7 +46,7 @@ TEST_P(PlyWriter, KeepsVertexNormals) {
   EXPECT_TRUE(same_values(mesh.triangles, ply.mesh.triangles));
 }
 
-TEST_P(PlyWriter, FlatNormalsBelongToFaces) {
+TEST_P(PlyWriter, WritesFlatNormalsOnFaces) {
   const mesh::Mesh mesh = sphere(60, false);
   const ParsedPly ply = round_trip(mesh, true);
   EXPECT_TRUE(same_local_positions(mesh, ply.mesh));
@@ -55,7 +55,7 @@ TEST_P(PlyWriter, FlatNormalsBelongToFaces) {
   EXPECT_TRUE(same_face_normals(mesh, ply.mesh.face_normals));
 }
 
-TEST_P(PlyWriter, FarAwayPositionsAreDoubles) {
+TEST_P(PlyWriter, WritesPositionsFarFromOriginAsDoubles) {
   for (const bool normals : {false, true}) {
     const mesh::Mesh mesh = sphere(10, normals, "far", {1e7 + 1.0 / 3, -5e8, 1e-9});
     const ParsedPly ply = round_trip(mesh);
@@ -65,7 +65,7 @@ TEST_P(PlyWriter, FarAwayPositionsAreDoubles) {
   }
 }
 
-TEST_P(PlyWriter, AnEmptySurfaceIsAnEmptyFile) {
+TEST_P(PlyWriter, WritesEmptySurface) {
   const ParsedPly ply = round_trip(make_mesh("nothing", {}, {}));
   EXPECT_TRUE(ply.mesh.positions.empty() && ply.mesh.triangles.empty());
 }

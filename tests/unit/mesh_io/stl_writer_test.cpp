@@ -28,7 +28,7 @@ class StlWriter : public testing::TestWithParam<bool> {
 INSTANTIATE_TEST_SUITE_P(Both, StlWriter, testing::Bool(),
                          [](const auto& test) { return std::string(test.param ? "ascii" : "binary"); });
 
-TEST_P(StlWriter, KeepsCornersAndHasFaceNormals) {
+TEST_P(StlWriter, KeepsCornersAndWritesFaceNormals) {
   const mesh::Mesh mesh = sphere(60, true);
   const ParsedMesh found = round_trip(mesh);
   ASSERT_EQ(found.triangles.size(), mesh.triangles.size());
@@ -44,13 +44,13 @@ TEST_P(StlWriter, KeepsCornersAndHasFaceNormals) {
   EXPECT_EQ(bytes_.starts_with(generator()), !GetParam());
 }
 
-TEST_P(StlWriter, ATriangleWithoutAreaHasANormalAllTheSame) {
+TEST_P(StlWriter, WritesNormalOfTriangleWithoutArea) {
   const ParsedMesh found = round_trip(make_mesh("line", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}}));
   EXPECT_EQ(found.face_normals, (std::vector<glm::vec3>{{0, 0, 1}}));
 }
 
-TEST_P(StlWriter, NormalsOfTheSmallestAndLargestTrianglesAreFinite) {
-  const float tiny = 1e-44F;  // subnormal: products of such lengths vanish in float, in double they do not
+TEST_P(StlWriter, WritesFiniteNormalsOfExtremeTriangles) {
+  const float tiny = 1e-44F;  // subnormal: products of such lengths underflow in float but not in double
   const float huge = 3e38F;
   const mesh::Mesh mesh =
       make_mesh("edges", {{0, 0, 0}, {tiny, 0, 0}, {0, tiny, 0}, {-huge, -huge, 0}, {huge, -huge, 0}, {0, huge, 0}},
@@ -58,7 +58,7 @@ TEST_P(StlWriter, NormalsOfTheSmallestAndLargestTrianglesAreFinite) {
   EXPECT_EQ(round_trip(mesh).face_normals, (std::vector<glm::vec3>{{0, 0, 1}, {0, 0, 1}}));
 }
 
-TEST_P(StlWriter, TellsWhatFarAwayPositionsLose) {
+TEST_P(StlWriter, NotesPrecisionLossFarFromOrigin) {
   const mesh::Mesh mesh = sphere(9, false, "far", {16384.0, 0, 0.25});
   const ParsedMesh found = round_trip(mesh);
   EXPECT_EQ(found.positions[0], glm::dvec3(glm::vec3(mesh.position(mesh.triangles[0][0]))));
@@ -69,11 +69,9 @@ TEST_P(StlWriter, TellsWhatFarAwayPositionsLose) {
       "keep the positions in full");
 }
 
-TEST_P(StlWriter, AnEmptySurfaceIsAnEmptyFile) {
-  EXPECT_TRUE(round_trip(make_mesh("nothing", {}, {})).triangles.empty());
-}
+TEST_P(StlWriter, WritesEmptySurface) { EXPECT_TRUE(round_trip(make_mesh("nothing", {}, {})).triangles.empty()); }
 
-TEST(StlWriterNames, AreKeptOnOneLineOfText) {
+TEST(StlWriterNames, KeepsNameOnOneLine) {
   const TempFolder folder;
   const std::vector<mesh::Mesh> meshes = one(make_mesh("a\nb", {}, {}));
   must_write(meshes, folder / "out.stl", {MeshFormat::stl, false, true});

@@ -27,7 +27,7 @@ inline mesh_io::MeshWriteResult must_write(std::span<const mesh::Mesh> meshes, c
   return std::move(*result);
 }
 
-// Bit for bit: -0 is not 0.
+// Compares bit for bit: -0 differs from 0.
 template <class T>
 bool same_values(const Buffer<T>& expected, const std::vector<T>& found) {
   return expected.size() == found.size() &&
@@ -39,7 +39,7 @@ inline bool same_local_positions(const mesh::Mesh& expected, const ParsedMesh& f
   return same_values(expected.positions, positions);
 }
 
-// The positions with the origin added.
+// Compares positions with the origin added.
 inline bool same_positions(const mesh::Mesh& expected, const ParsedMesh& found) {
   if (expected.positions.size() != found.positions.size()) return false;
   for (std::size_t v = 0; v < found.positions.size(); ++v) {
@@ -48,7 +48,7 @@ inline bool same_positions(const mesh::Mesh& expected, const ParsedMesh& found) 
   return true;
 }
 
-// Of the triangles, computed here in another way than the writers do.
+// Compares with face normals that are computed in another way than the writers compute them.
 inline bool same_face_normals(const mesh::Mesh& expected, const std::vector<glm::vec3>& found) {
   if (expected.triangles.size() != found.size()) return false;
   for (std::size_t t = 0; t < found.size(); ++t) {

@@ -28,7 +28,7 @@ constexpr MeshFormat kDoubleFormats[] = {MeshFormat::glb, MeshFormat::gltf, Mesh
 // A sphere of radius 1 whose triangles are about 0.1 wide.
 mesh::Mesh ball(const glm::dvec3& origin) { return sphere(30, false, "ball", origin); }
 
-TEST(WrittenPlaces, OfOrdinaryMeshesAreKept) {
+TEST(WrittenPlaces, AcceptsOrdinaryMeshes) {
   for (const MeshFormatInfo& info : mesh_formats()) {
     for (const double far : {0.0, 4.0, 1000.0, -2000.0, 10000.0}) {
       EXPECT_TRUE(is_kept(ball({far, -far, far}), info.format)) << info.name << " " << far;
@@ -40,9 +40,8 @@ TEST(WrittenPlaces, OfOrdinaryMeshesAreKept) {
   }
 }
 
-// Where many samples tie with the iso value, most triangles are slivers that float32 makes flat at 1000. Nobody sees
-// it.
-TEST(WrittenPlaces, SliversDoNotCount) {
+// If many samples equal the iso value, most triangles are slivers that float32 flattens at 1000. This is invisible.
+TEST(WrittenPlaces, IgnoresSlivers) {
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;
   const auto strip = [&](float x, float width) {
@@ -70,13 +69,14 @@ TEST(WrittenPlaces, SliversDoNotCount) {
   }
   EXPECT_GT(flat, mesh.triangles.size() / 3);
   EXPECT_TRUE(is_kept(mesh, MeshFormat::stl));
-  const std::uint64_t collapsed = check_places(mesh, "a.stl", MeshFormat::stl).value();  // by two corners at one place
+  const std::uint64_t collapsed =
+      check_places(mesh, "a.stl", MeshFormat::stl).value();  // with two corners at equal coordinates
   EXPECT_GT(collapsed, 0U);
   EXPECT_LE(collapsed, flat);
   EXPECT_EQ(check_places(mesh, "a.ply", MeshFormat::ply).value(), 0U);
 }
 
-TEST(WrittenPlaces, Float32EndsBeforeDouble) {
+TEST(WrittenPlaces, RefusesFloat32BeforeDouble) {
   const mesh::Mesh far = ball({0, 1e7, 0});
   for (const MeshFormat format : kDoubleFormats) EXPECT_TRUE(is_kept(far, format));
   EXPECT_FALSE(is_kept(far, MeshFormat::stl));
@@ -87,7 +87,7 @@ TEST(WrittenPlaces, Float32EndsBeforeDouble) {
   }
 }
 
-TEST(WrittenPlaces, DoubleEndsAsWell) {
+TEST(WrittenPlaces, RefusesPositionsBeyondDouble) {
   for (const double far : {1e16, 1e20, 1e40, -1e300}) {
     for (const MeshFormatInfo& info : mesh_formats()) {
       const auto kept = check_places(ball({0, 0, far}), "a", info.format);
@@ -102,8 +102,8 @@ TEST(WrittenPlaces, DoubleEndsAsWell) {
   }
 }
 
-// Positions of the size of a galaxy, at a place that only double holds.
-TEST(WrittenPlaces, TranslationsOfGltfAreFloat32) {
+// A huge mesh with an origin that only double can hold.
+TEST(WrittenPlaces, RequiresFloat32TranslationsForGltf) {
   mesh::Mesh mesh = ball({1e40, 0, 0});
   for (glm::vec3& p : mesh.positions) p *= 1e37F;
   EXPECT_FALSE(is_kept(mesh, MeshFormat::glb));
@@ -113,8 +113,8 @@ TEST(WrittenPlaces, TranslationsOfGltfAreFloat32) {
   EXPECT_EQ(check_places(mesh, "a", MeshFormat::glb).error().hint.text, "ply, obj");
 }
 
-// Numbers that are written as they are, whatever their size.
-TEST(WrittenPlaces, WhatIsNotRoundedIsKept) {
+// Without an origin, numbers of any size are written unchanged.
+TEST(WrittenPlaces, AcceptsUnroundedPositions) {
   const std::vector<glm::vec3> corners{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}};
   const std::vector<glm::uvec3> triangles{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
   EXPECT_TRUE(is_kept(make_mesh("lattice", corners, triangles, {}, {0x1p25, -0x1p25, 0x1p25}), MeshFormat::stl));
@@ -124,14 +124,14 @@ TEST(WrittenPlaces, WhatIsNotRoundedIsKept) {
   EXPECT_TRUE(is_kept(large, MeshFormat::stl));
 }
 
-// By how much rounding turns a triangle on the average goes by how far apart the numbers are.
-TEST(WrittenPlaces, TheLimitIsWhereRoundingIsSeen) {
+// The mean angle by which rounding tilts triangles grows with the spacing of the numbers.
+TEST(WrittenPlaces, RefusesVisibleRounding) {
   // Numbers are 1/128 apart at the first place, 1/16 at the second.
   EXPECT_TRUE(is_kept(ball({0x1.8p16, 0x1.8p16, 0x1.8p16}), MeshFormat::stl));
   EXPECT_FALSE(is_kept(ball({0x1.8p19, 0x1.8p19, 0x1.8p19}), MeshFormat::stl));
 }
 
-TEST(WrittenPlaces, NothingIsWrittenOfWhatIsRefused) {
+TEST(WrittenPlaces, WritesNothingOfRefusedMesh) {
   const glm::dvec3 far(1e16, 0, 0);
   for (const MeshFormatInfo& info : mesh_formats()) {
     const TempFolder folder;
