@@ -14,19 +14,20 @@
 namespace isoextract::check {
 namespace {
 
-// An end of an open edge: the fan of triangles at the vertex `at` that it borders.
+// One end of an open edge, and the fan of triangles at that vertex.
 struct OpenEnd {
   std::uint32_t low, high;  // the ends of the edge
+  // The vertex at this end.
   std::uint32_t at;
   std::uint32_t fan;
-  std::uint32_t edge = 0;  // its number, once it is known
+  std::uint32_t edge = 0;  // number of the edge, once known
 
   [[nodiscard]] auto edge_key() const { return std::tie(low, high, at); }
   [[nodiscard]] auto fan_key() const { return std::tie(at, fan, edge); }
   [[nodiscard]] bool same_fan(const OpenEnd& other) const { return at == other.at && fan == other.fan; }
 };
 
-// The corners at the vertex, but those of triangles that repeat an index.
+// Copies the corners at the vertex without those of triangles that repeat an index.
 void take_sound_corners(std::span<const mesh::Corner> corners, std::span<const glm::uvec3> triangles,
                         std::vector<mesh::Corner>& sound) {
   sound.clear();
@@ -50,7 +51,7 @@ class BorderSearch {
   }
 
  private:
-  // Most vertices are sound, which several threads can tell.
+  // Several threads find the sound vertices, usually most of them; the rest is done in order.
   void find_ends() {
     const auto triangles = mesh_.triangles.span();
     Buffer<std::uint8_t> sound(mesh_.positions.size());
@@ -95,7 +96,7 @@ class BorderSearch {
     }
   }
 
-  // Each open edge has two ends, which come to stand side by side.
+  // Sorting puts the two ends of each open edge side by side.
   void number_edges() {
     std::ranges::sort(ends_, [](const OpenEnd& a, const OpenEnd& b) { return a.edge_key() < b.edge_key(); });
     length_.resize(ends_.size() / 2);
@@ -122,7 +123,7 @@ class BorderSearch {
       const auto [low, high] = std::minmax({find(ends_[i - 1].edge), find(ends_[i].edge)});
       first[high] = low;
     }
-    // A loop's first edge comes before all others and has the loop's number by then.
+    // The first edge of a loop comes before its others, so it already has the loop's number.
     for (std::uint32_t edge = 0; edge < first.size(); ++edge) {
       if (first[edge] == edge) {
         first[edge] = static_cast<std::uint32_t>(result_.loops.size());
@@ -141,7 +142,7 @@ class BorderSearch {
   mesh::Adjacency adjacency_;
   std::vector<OpenEnd> ends_;
   std::vector<double> length_;            // of each open edge
-  std::vector<std::uint32_t> component_;  // likewise
+  std::vector<std::uint32_t> component_;  // of each open edge
   MeshBorders result_;
 };
 

@@ -1,4 +1,4 @@
-// What is wrong with the edges and vertices of a mesh, component by component, and the loops of its open edges.
+// Counts the defects of edges and vertices of each component, and finds the loops of open edges.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace isoextract::check {
 
-// As in mesh::Topology.
+// Counted as in mesh::Topology.
 struct EdgeDefects {
   std::uint64_t open = 0;
   std::uint64_t nonmanifold = 0;
@@ -22,8 +22,8 @@ struct EdgeDefects {
   [[nodiscard]] bool none() const { return open + nonmanifold + misoriented + nonmanifold_vertices == 0; }
 };
 
-// Open edges that follow each other along one fan of triangles after the other: the rim of a hole. A vertex of several
-// fans counts as several vertices, one a fan. Where an edge of three triangles or more ends on rims, they are one.
+// The rim of a hole: open edges connected through fans of triangles. A vertex with several fans counts as one vertex
+// for each fan. A non-manifold edge that ends on several rims joins them into one loop.
 struct BorderLoop {
   std::uint64_t edges = 0;
   double length = 0;
@@ -31,12 +31,12 @@ struct BorderLoop {
 };
 
 struct MeshBorders {
-  std::vector<EdgeDefects> components;  // of each
-  std::vector<BorderLoop> loops;        // in the order of their edges with the lowest vertices
+  std::vector<EdgeDefects> components;  // one for each component
+  std::vector<BorderLoop> loops;        // ordered by their edges with the lowest vertices
 };
 
-// `topology` and `components` are the mesh's. Fails where its working memory is more than is left: 24 bytes a triangle
-// and 9 a vertex where there is anything wrong, and 64 an open edge.
+// Finds the defects and loops of a mesh; `topology` and `components` must be the mesh's own. Fails if the working
+// memory exceeds the budget: if there are defects, 24 bytes a triangle, 9 a vertex and 80 an open edge.
 [[nodiscard]] Result<MeshBorders> find_borders(const mesh::Mesh& mesh, const mesh::Topology& topology,
                                                const mesh::Components& components, const Context& context);
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kPlacesText = "the vertices at one place";
 
-// The mesh's positions and name, with triangles that name the first vertex at each place.
+// Copies positions and name; the triangles refer to the first vertex at each place.
 mesh::Mesh with_joined_triangles(const mesh::Mesh& mesh, const VertexPlaces& places) {
   mesh::Mesh joined;
   joined.name = mesh.name;
@@ -46,7 +46,7 @@ Result<void> look_at_components(const mesh::Mesh& mesh, const Context& context, 
   check.memory = TRY(context.reserve(components.count() * sizeof(Component) + borders.loops.size() * sizeof(BorderLoop),
                                      fmt::format("{}: the table of its components", mesh.name)));
   auto described = TRY(describe_components(mesh, components, borders, context));
-  // Of the triangles: a vertex that none uses is nowhere on the surface.
+  // Only vertices of triangles count: an unused vertex is not on the surface.
   for (const Component& component : described) {
     if (&component == &described.front()) check.bounds = component.bounds;
     check.bounds = {glm::min(check.bounds.min, component.bounds.min), glm::max(check.bounds.max, component.bounds.max)};
@@ -71,12 +71,12 @@ Result<MeshCheck> look_at_all(const mesh::Mesh& mesh, const Context& context) {
   return check;
 }
 
-// "1 open edge", "2 open edges"
+// Formats "1 open edge", "2 open edges".
 std::string count_text(std::uint64_t count, const char* one, const char* many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
-// Both where there are both.
+// Joins the texts whose counts are not 0.
 std::string both(const std::string& a, std::uint64_t a_count, const std::string& b, std::uint64_t b_count) {
   if (a_count == 0) return b;
   return b_count == 0 ? a : fmt::format("{}, {}", a, b);

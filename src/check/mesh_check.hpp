@@ -1,4 +1,4 @@
-// What can be wrong with a mesh for those who use it next: slicers, engines, solvers.
+// Finds the defects of a mesh that matter to its next user: slicer, engine or solver.
 #pragma once
 
 #include <cstdint>
@@ -22,32 +22,32 @@ namespace isoextract::check {
 struct MeshCheck {
   std::uint64_t vertices = 0;
   std::uint64_t triangles = 0;
-  std::uint64_t repeated_vertices = 0;  // where an earlier vertex lies, exactly
+  std::uint64_t repeated_vertices = 0;  // at exactly the place of an earlier vertex
   mesh::Topology topology;
-  // Were those vertices one with the earlier ones; where there are any, and open edges.
+  // The topology with those vertices merged; only if there are any, and open edges.
   std::optional<mesh::Topology> joined;
   mesh::MeshSize size;
   mesh::Bounds bounds;
   std::vector<BorderLoop> loops;
   std::vector<Component> components;
   SelfIntersections intersections;
-  std::optional<NormalFacts> normals;  // of a file that has normals
+  std::optional<NormalFacts> normals;  // only if the file has normals
   Reservation memory;                  // for loops and components
 
-  [[nodiscard]] std::uint64_t count(Shell shell) const;  // components
+  // Returns the number of components of this kind.
+  [[nodiscard]] std::uint64_t count(Shell shell) const;
 };
 
-// Positions are finite, and indices of vertices that are there. A mesh without triangles is none that cannot be
-// checked. The same for any number of threads. Fails where its working memory is more than is left, and with
-// ErrorCode::cancelled.
+// Checks a mesh with finite positions and valid indices; it may have no triangles. The result does not depend on the
+// number of threads. Fails if the working memory exceeds the budget, or with ErrorCode::cancelled.
 [[nodiscard]] Result<MeshCheck> check_mesh(const mesh::Mesh& mesh, const Context& context);
 
-// Makes one vertex of all that have the same coordinates: the first of them, whose attributes stay. Fails as
-// check_mesh() does.
+// Merges all vertices with equal coordinates into the first of them, which keeps its attributes. Fails as check_mesh()
+// does.
 [[nodiscard]] Result<void> join_repeated_vertices(mesh::Mesh& mesh, const Context& context);
 
-// Why the mesh does not meet it, as "12 open edges in 2 loops"; nothing where it does. A mesh without triangles meets
-// none.
+// Returns why the mesh does not meet the requirement ("12 open edges in 2 loops"), or nothing if it does. A mesh
+// without triangles meets none.
 [[nodiscard]] std::optional<std::string> why_not(Requirement requirement, const MeshCheck& check);
 
 }  // namespace isoextract::check

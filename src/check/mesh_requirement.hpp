@@ -1,4 +1,4 @@
-// What may be asked of a mesh; mesh_check.hpp says whether it is met.
+// Requirements that a mesh can be tested for; why_not() of mesh_check.hpp tests them.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// The normals that a file has, against the triangles that they belong to.
+// Checks the normals of a file against its triangles.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,10 @@
 namespace isoextract::check {
 
 struct NormalFacts {
-  std::uint64_t corners = 0;   // of triangles with area, that have a normal
-  std::uint64_t against = 0;   // of them: the normal points to the other side of the triangle, more than 90 degrees off
-  std::uint64_t missing = 0;   // corners of triangles with area that have none, or one of length 0 or that is no number
-  std::uint64_t not_unit = 0;  // of `corners`: its length is not 1, to a hundredth
+  std::uint64_t corners = 0;   // corners with a normal, of triangles with area
+  std::uint64_t against = 0;   // of `corners`: the normal is more than 90 degrees off the triangle's normal
+  std::uint64_t missing = 0;   // corners of triangles with area whose normal is absent, zero or NaN
+  std::uint64_t not_unit = 0;  // of `corners`: the length differs from 1 by more than 0.01
 
   [[nodiscard]] double fraction_against() const {
     return corners == 0 ? 0 : static_cast<double>(against) / static_cast<double>(corners);
@@ -23,7 +23,7 @@ struct NormalFacts {
 
 constexpr std::uint32_t kNoNormal = ~std::uint32_t{0};
 
-// `numbers` say of each corner of each triangle which of `normals` it has, or kNoNormal.
+// Checks every corner of every triangle. `numbers` gives each corner's index in `normals`, or kNoNormal.
 [[nodiscard]] NormalFacts check_normals(const mesh::Mesh& mesh, std::span<const glm::vec3> normals,
                                         std::span<const glm::uvec3> numbers);
 

@@ -19,13 +19,13 @@ namespace {
 
 using TrianglePair = std::array<std::uint32_t, 2>;
 
-// What one thread found.
+// The results of one thread.
 struct FoundPairs {
   std::uint64_t looked_at = 0;
   std::uint64_t pairs = 0;
   std::uint64_t in_one_plane = 0;
   std::uint64_t neighbours = 0;
-  std::vector<TrianglePair> first;  // a heap: the last of the first pairs is on top
+  std::vector<TrianglePair> first;  // heap with the last of the first pairs on top
 
   void add_example(const TrianglePair& pair, std::size_t most) {
     if (most == 0 || (first.size() == most && first.front() < pair)) return;
@@ -47,7 +47,7 @@ class IntersectionSearch {
         places_(mesh.positions.span()),
         distinct_(find_distinct_triangles(mesh.positions.span(), mesh.triangles.span(), places_)) {}
 
-  // At its peak.
+  // Returns the peak memory.
   [[nodiscard]] static std::uint64_t bytes(const mesh::Mesh& mesh) {
     const std::uint64_t triangles = mesh.triangles.size();
     return VertexPlaces::bytes(mesh.positions.size()) + TriangleStars::bytes(mesh.positions.size()) +
@@ -135,8 +135,7 @@ class IntersectionSearch {
     result_.triangles = std::accumulate(met_.begin(), met_.end(), std::uint64_t{0});
   }
 
-  // Where the search stopped, what it found depends on the threads' luck: the first pairs once more, one after the
-  // other.
+  // After an early stop, the pairs found depend on the threads, so this finds the first pairs again, one by one.
   Result<void> find_examples(const TriangleBoxes& boxes) {
     for (const std::uint32_t i : distinct_.triangles) {
       if (result_.examples.size() == options_.examples) break;
@@ -159,7 +158,7 @@ class IntersectionSearch {
   const Context& context_;
   VertexPlaces places_;
   DistinctTriangles distinct_;
-  Buffer<std::uint8_t> met_;  // of each triangle: it is in a pair
+  Buffer<std::uint8_t> met_;  // 1: the triangle is in a pair
   std::atomic<bool> stopped_{false};
   std::atomic<std::uint64_t> total_{0};
   tbb::enumerable_thread_specific<FoundPairs> found_;

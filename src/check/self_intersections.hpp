@@ -1,9 +1,9 @@
-// Where a mesh passes through itself: every two triangles that have a point in common which is no corner or side that
-// they share. Exact (mesh/exact_sign), for all finite float32 coordinates.
+// Finds where a mesh intersects itself: all pairs of triangles with a common point outside their shared corner or side.
+// Exact for all finite float32 coordinates (mesh/exact_sign.hpp).
 //
-// Triangles are taken with their border: those that touch meet. What two share is told by coordinates, not by indices,
-// so that seams of doubled vertices are no intersections. Triangles without area are left out, and so is a pair with
-// the same three corners: both are told for themselves.
+// Triangles include their border, so touching is intersecting. Shared corners are found by coordinates, not by indices,
+// so seams of duplicated vertices do not count. Skips zero-area triangles and pairs with the same three corners; both
+// have counts of their own.
 #pragma once
 
 #include <array>
@@ -20,28 +20,28 @@
 namespace isoextract::check {
 
 struct IntersectionOptions {
-  // The search ends when more pairs than this were found: all copies of one soup could take years.
+  // The search ends once it has found more pairs. Many overlapping copies of a mesh could otherwise take years.
   std::uint64_t most_pairs = 10'000'000;
   std::size_t examples = 5;
 };
 
 struct SelfIntersections {
-  std::uint64_t pairs = 0;         // of triangles; a triangle that is there n times has n times as many
-  bool at_least = false;           // there are more than `pairs`, which is IntersectionOptions::most_pairs
-  std::uint64_t in_one_plane = 0;  // of the pairs: both lie in one plane and overlap
-  std::uint64_t neighbours = 0;    // of the pairs: they share a corner or a side, and more
-  std::uint64_t triangles = 0;     // how many triangles are in the pairs, copies once
-  // The first pairs, by their first and then by their second triangle; the first of them comes first.
+  std::uint64_t pairs = 0;         // of triangles; a triangle with n copies counts n times
+  bool at_least = false;           // there are more than `pairs`, which is then IntersectionOptions::most_pairs
+  std::uint64_t in_one_plane = 0;  // pairs that overlap in one plane
+  std::uint64_t neighbours = 0;    // pairs that share a corner or a side, and more
+  std::uint64_t triangles = 0;     // triangles in these pairs, copies counted once
+  // The first pairs, ordered by first and then by second triangle; the lower number comes first.
   std::vector<std::array<std::uint32_t, 2>> examples;
 
-  std::uint64_t looked_at = 0;            // pairs that boxes did not tell apart: what the search costs
-  std::uint64_t zero_area_triangles = 0;  // their corners are on one line, exactly
-  std::uint64_t duplicate_triangles = 0;  // with the corners of an earlier one, whichever way they wind
+  std::uint64_t looked_at = 0;            // pairs with overlapping boxes: the cost of the search
+  std::uint64_t zero_area_triangles = 0;  // corners exactly on one line
+  std::uint64_t duplicate_triangles = 0;  // with the corners of an earlier triangle, in either winding
 };
 
-// Where there are more pairs than may be, in_one_plane, neighbours and triangles are 0: nobody counted them. The same
-// for any number of threads. Positions are finite. Fails with ErrorCode::input where there is no memory for it,
-// and with ErrorCode::cancelled.
+// Finds the self-intersections of a mesh with finite positions. If at_least is set, in_one_plane, neighbours, triangles
+// and looked_at are 0. The result does not depend on the number of threads. Fails with ErrorCode::input if memory is
+// short, or with ErrorCode::cancelled.
 [[nodiscard]] Result<SelfIntersections> find_self_intersections(const mesh::Mesh& mesh,
                                                                 const IntersectionOptions& options,
                                                                 const Context& context);

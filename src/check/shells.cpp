@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kBoundless = std::numeric_limits<double>::infinity();
 
-// The vertex of each component with the greatest x, the first of equals.
+// Returns the vertex with the largest x of each component, the first of equal ones.
 std::vector<std::uint32_t> rightmost_vertices(const mesh::Mesh& mesh, const mesh::Components& components) {
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> rightmost(components.count(), kNone);
@@ -29,13 +29,13 @@ std::vector<std::uint32_t> rightmost_vertices(const mesh::Mesh& mesh, const mesh
   return rightmost;
 }
 
-// Twice the triangle's area, along its normal.
+// Returns the normal with twice the triangle's area as its length.
 glm::dvec3 area_vector(const mesh::Mesh& mesh, const glm::uvec3& t) {
   const glm::dvec3 a(mesh.positions[t.x]);
   return glm::cross(glm::dvec3(mesh.positions[t.y]) - a, glm::dvec3(mesh.positions[t.z]) - a);
 }
 
-// In the order of vertices and triangles, so that sums do not depend on threads.
+// Adds in the order of vertices and triangles, so that sums do not depend on threads.
 std::vector<Component> measure_components(const mesh::Mesh& mesh, const mesh::Components& components,
                                           const MeshBorders& borders) {
   std::vector<Component> result(components.count());
@@ -59,7 +59,7 @@ std::vector<Component> measure_components(const mesh::Mesh& mesh, const mesh::Co
     const std::uint32_t number = components.of_vertex(t.x);
     Component& component = result[number];
     ++component.triangles;
-    // Relative to a vertex of the component, where little cancels.
+    // Relative to a vertex of the component, which avoids cancellation.
     const glm::dvec3 apex(mesh.positions[apexes[number]]);
     const glm::dvec3 normal = area_vector(mesh, t);
     component.area += glm::length(normal) / 2;

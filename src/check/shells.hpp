@@ -1,4 +1,4 @@
-// The components of a mesh as bodies: sizes, holes, and which of the closed ones lie within others.
+// Describes the components of a mesh as bodies: size, holes, and which closed ones lie inside others.
 #pragma once
 
 #include <array>
@@ -17,14 +17,14 @@
 
 namespace isoextract::check {
 
-// A closed shell in an even number of others bounds a body, and one in an odd number of them the hollow of a body:
-// triangles of the former should face outward, those of the latter inward.
+// A closed shell inside an even number of other shells bounds a body; its triangles should face outward. One inside an
+// odd number bounds a cavity; its triangles should face inward.
 enum class Shell {
-  open,        // not closed, or not a manifold, or not oriented: it has no inside
-  body,        // faces outward, within an even number of shells
-  hollow,      // faces inward, within an odd number
-  inside_out,  // faces inward, within an even number
-  nested       // faces outward, within an odd number: a body within a body
+  open,        // not closed, not manifold or not oriented: has no inside
+  body,        // faces outward, inside an even number of shells
+  hollow,      // faces inward, inside an odd number
+  inside_out,  // faces inward, inside an even number
+  nested       // faces outward, inside an odd number: a body inside a body
 };
 constexpr auto words_of(Shell /*type*/) {
   return std::array{Word{Shell::open, "open"}, Word{Shell::body, "body"}, Word{Shell::hollow, "hollow"},
@@ -33,19 +33,20 @@ constexpr auto words_of(Shell /*type*/) {
 
 struct Component {
   std::uint64_t vertices = 0;
-  std::uint64_t triangles = 0;  // without those that repeat an index
+  std::uint64_t triangles = 0;  // without triangles that repeat an index
   EdgeDefects edges;
-  std::uint64_t loops = 0;  // of open edges
+  std::uint64_t loops = 0;  // loops of open edges
   double area = 0;
-  double volume = 0;  // enclosed, negative where it faces inward; 0 unless it is closed
+  double volume = 0;  // enclosed; negative if it faces inward, 0 if not closed
   mesh::Bounds bounds;
-  std::optional<std::int64_t> genus;  // nothing where an edge or a vertex is not manifold or not oriented
+  std::optional<std::int64_t> genus;  // absent if an edge or a vertex is non-manifold or misoriented
   Shell shell = Shell::open;
-  std::uint32_t within = 0;  // how many other closed shells it lies in; 0 of an open one
+  std::uint32_t within = 0;  // number of other closed shells around it; 0 for an open one
 };
 
-// In the order of `components`; mesh/shells.hpp says how it is decided what lies within what. The same for any number
-// of threads. Fails where its working memory is more than is left, and with ErrorCode::cancelled.
+// Describes each component, in the order of `components`. mesh/shells.hpp decides which shell lies inside which. The
+// result does not depend on the number of threads. Fails if the working memory exceeds the budget, or with
+// ErrorCode::cancelled.
 [[nodiscard]] Result<std::vector<Component>> describe_components(const mesh::Mesh& mesh,
                                                                  const mesh::Components& components,
                                                                  const MeshBorders& borders, const Context& context);

@@ -18,7 +18,7 @@ struct SortedVertex {
   [[nodiscard]] auto key() const { return std::tie(at.x, at.y, at.z, vertex); }
 };
 
-// Corners in rising order.
+// The corners of a triangle, sorted.
 struct CornerKey {
   glm::uvec3 places;
   std::uint32_t triangle;
@@ -49,7 +49,7 @@ bool has_area(std::span<const glm::vec3> positions, const glm::uvec3& t) {
 VertexPlaces::VertexPlaces(std::span<const glm::vec3> positions) : first_(positions.size()) {
   Buffer<SortedVertex> vertices(positions.size());
   for_each_number(positions.size(), [&](std::size_t v) {
-    vertices[v] = {positions[v] + 0.0F, static_cast<std::uint32_t>(v)};  // the sum makes 0 of -0
+    vertices[v] = {positions[v] + 0.0F, static_cast<std::uint32_t>(v)};  // the sum turns -0 into 0
   });
   tbb::parallel_sort(vertices.begin(), vertices.end(),
                      [](const SortedVertex& a, const SortedVertex& b) { return a.key() < b.key(); });
@@ -68,7 +68,7 @@ std::uint64_t VertexPlaces::bytes(std::uint64_t vertices) {
 
 DistinctTriangles find_distinct_triangles(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
                                           const VertexPlaces& places) {
-  constexpr std::uint32_t kNowhere = ~std::uint32_t{0};  // no vertex has this number: a mesh has fewer
+  constexpr std::uint32_t kNowhere = ~std::uint32_t{0};  // no vertex: a mesh has fewer
   Buffer<CornerKey> keys(triangles.size());
   for_each_number(triangles.size(), [&](std::size_t t) {
     const glm::uvec3 at = has_area(positions, triangles[t]) ? sorted(places.of_triangle(triangles[t]))
@@ -81,7 +81,7 @@ DistinctTriangles find_distinct_triangles(std::span<const glm::vec3> positions, 
   std::size_t end = keys.size();
   while (end > 0 && keys[end - 1].places.x == kNowhere) --end;
   result.zero_area = keys.size() - end;
-  // Back into the order of the triangles; the key's first corner now counts the copies.
+  // Restores the order of the triangles; from here the key's first corner counts the copies.
   std::size_t distinct = 0;
   for (std::size_t i = 0; i < end;) {
     std::size_t last = i + 1;

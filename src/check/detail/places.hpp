@@ -1,4 +1,4 @@
-// What lies at one place: vertices with the same coordinates, and triangles with the same corners.
+// Finds vertices with equal coordinates and triangles with equal corners.
 #pragma once
 
 #include <cstdint>
@@ -10,17 +10,17 @@
 
 namespace isoextract::check {
 
-// Of each vertex the first one that has its coordinates; -0 is 0. The same for any number of threads.
+// Maps each vertex to the first vertex with its coordinates; -0 equals 0. Does not depend on the number of threads.
 class VertexPlaces {
  public:
-  // Finite positions. Takes bytes(), which is the caller's to reserve; throws std::bad_alloc.
+  // Needs finite positions. Uses bytes() of memory, which the caller reserves; throws std::bad_alloc.
   explicit VertexPlaces(std::span<const glm::vec3> positions);
 
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t vertices);
 
   [[nodiscard]] std::uint32_t of_vertex(std::uint32_t vertex) const { return first_[vertex]; }
   [[nodiscard]] glm::uvec3 of_triangle(const glm::uvec3& t) const { return {first_[t.x], first_[t.y], first_[t.z]}; }
-  // Vertices that lie where an earlier one does.
+  // Returns the number of vertices at the place of an earlier one.
   [[nodiscard]] std::uint64_t repeated() const { return repeated_; }
 
  private:
@@ -28,15 +28,15 @@ class VertexPlaces {
   std::uint64_t repeated_ = 0;
 };
 
-// The triangles that have area, those of the same three corners once, whichever way they wind.
+// The triangles with area, one for each set of three corners, in either winding.
 struct DistinctTriangles {
-  Buffer<std::uint32_t> triangles;  // the first of each, in rising order
-  Buffer<std::uint32_t> copies;     // of each, with itself
-  std::uint64_t zero_area = 0;      // exactly: their corners are on one line
-  std::uint64_t duplicates = 0;     // that have area and the corners of an earlier one
+  Buffer<std::uint32_t> triangles;  // the first triangle of each set, rising
+  Buffer<std::uint32_t> copies;     // size of each set
+  std::uint64_t zero_area = 0;      // triangles whose corners are exactly on one line
+  std::uint64_t duplicates = 0;     // triangles with area and the corners of an earlier one
 };
 
-// Takes bytes of distinct_triangle_bytes(), which are the caller's to reserve; throws std::bad_alloc.
+// Uses distinct_triangle_bytes() of memory, which the caller reserves; throws std::bad_alloc.
 [[nodiscard]] DistinctTriangles find_distinct_triangles(std::span<const glm::vec3> positions,
                                                         std::span<const glm::uvec3> triangles,
                                                         const VertexPlaces& places);

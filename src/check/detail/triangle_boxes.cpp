@@ -12,7 +12,7 @@ TriangleBoxes::TriangleBoxes(std::span<const glm::vec3> positions, std::span<con
   tree_.fit(directions_.span(), [&](std::uint32_t triangle) { return directions_of(triangle); });
 }
 
-// Reads positions_, triangles_ and stars_ alone: it is called while the object is made.
+// Uses only positions_, triangles_ and stars_: the constructor calls it before the other members exist.
 mesh::BoxTree TriangleBoxes::tree_of(const TriangleBoxes& boxes, std::span<const std::uint32_t> chosen) {
   Buffer<mesh::BoxTree::Item> items(chosen.size());
   for_each_index(chosen.size(), [&](std::size_t i) { items[i] = {boxes.box_of(chosen[i]).centre(), chosen[i]}; });

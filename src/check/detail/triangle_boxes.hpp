@@ -1,5 +1,5 @@
-// Which triangles come near each other: a BoxTree of them, where nodes of triangles around one star have a box of
-// directions besides.
+// Finds triangles near each other with a BoxTree. Nodes whose triangles all belong to one star also have a box of
+// directions.
 #pragma once
 
 #include <array>
@@ -18,14 +18,14 @@ namespace isoextract::check {
 
 class TriangleBoxes {
  public:
-  // `chosen` are numbers of triangles, at least one; positions are finite. Keeps references to positions and triangles,
-  // and to `stars`, which are of the same triangles. The same for any number of threads. Throws std::bad_alloc.
+  // `chosen` are triangle numbers, at least one; positions are finite. Keeps references to positions, triangles and
+  // `stars`, which must cover the same triangles. Does not depend on the number of threads. Throws std::bad_alloc.
   TriangleBoxes(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
                 std::span<const std::uint32_t> chosen, const TriangleStars& stars);
 
-  // What making it takes, for a caller to reserve.
+  // Bytes of the construction, for the caller to reserve.
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t chosen) { return mesh::BoxTree::bytes(chosen); }
-  // What it takes more with stars.
+  // Additional bytes if there are stars.
   [[nodiscard]] static std::uint64_t star_bytes(std::uint64_t chosen) { return (chosen + 1) * sizeof(Directions); }
 
   [[nodiscard]] FloatBox box_of(std::uint32_t triangle) const {
@@ -33,15 +33,15 @@ class TriangleBoxes {
     return mesh::box_around(positions_[t.x], positions_[t.y], positions_[t.z]);
   }
 
-  // Calls visit(i, j) once for each two chosen triangles that may have more in common than a corner or a side, as their
-  // boxes meet and those of their directions, in any order and from several threads, until `stopped` is true.
-  // advance(n) says that n more triangles were met with those of their own part of the tree.
+  // Calls visit(i, j) once for each pair of chosen triangles that may have more in common than a corner or a side:
+  // their boxes and their boxes of directions overlap. Calls come in any order and from several threads, until
+  // `stopped` is true. advance(n) reports n more triangles compared with all others of their subtree.
   template <class Visit, class Advance>
   void for_near_pairs(const std::atomic<bool>& stopped, const Visit& visit, const Advance& advance) const {
     within({0, 0}, stopped, visit, advance);
   }
 
-  // Calls visit(i) for each chosen triangle whose box meets `near`.
+  // Calls visit(i) for each chosen triangle whose box overlaps `near`.
   template <class Visit>
   void for_each_near(const FloatBox& near, const Visit& visit) const {
     tree_.for_each_near(near, [&](std::uint32_t triangle) {
@@ -53,16 +53,16 @@ class TriangleBoxes {
   static constexpr std::size_t kParallelTriangles = 1 << 11;
   using Node = mesh::BoxTree::Node;
 
-  // Of a node or a triangle.
+  // The common star of the triangles of a node, or of one triangle, and their directions in it.
   struct Directions {
     std::uint32_t star = TriangleStars::kNone;
-    FloatBox box{};  // in the star's directions
+    FloatBox box{};  // as seen from the middle of the star
     [[nodiscard]] Directions with(const Directions& other) const {
       return star == other.star ? Directions{star, box.with(other.box)} : Directions();
     }
   };
   [[nodiscard]] const FloatBox& box(const Node& node) const { return tree_.box(node.index()); }
-  // Whether there is enough of it for several threads. By its level, so that no two sizes meet at a border.
+  // Returns whether several threads should share the node. Depends on the level only, so all nodes of a level agree.
   [[nodiscard]] bool is_large(const Node& node) const {
     return (tree_.numbers().size() >> node.level) > kParallelTriangles;
   }
@@ -73,7 +73,7 @@ class TriangleBoxes {
     if (star == TriangleStars::kNone) return {};
     return {star, stars_.directions(star, triangles_[triangle])};
   }
-  // Whether what is in the boxes may have more in common than the middles of stars.
+  // Returns whether the contents of two boxes may have more in common than the middles of stars.
   [[nodiscard]] bool may_meet(const FloatBox& a, const Directions& of_a, const FloatBox& b,
                               const Directions& of_b) const {
     if (of_a.star != TriangleStars::kNone && of_a.star == of_b.star) return of_a.box.meets(of_b.box);
@@ -85,7 +85,7 @@ class TriangleBoxes {
     if (directions_.empty()) return box(a).meets(box(b));
     return may_meet(box(a), directions_[a.index()], box(b), directions_[b.index()]);
   }
-  // Of triangles whose boxes are known.
+  // Compares triangles whose boxes are known.
   [[nodiscard]] bool may_meet(std::uint32_t i, const FloatBox& of_i, std::uint32_t j, const FloatBox& of_j) const {
     if (directions_.empty()) return of_i.meets(of_j);
     return may_meet(of_i, directions_of(i), of_j, directions_of(j));
@@ -117,7 +117,7 @@ class TriangleBoxes {
     if (node.level == 0 || is_large({node.level - 1, node.number / 2})) advance(tree_.numbers_of(node).size());
   }
 
-  // Of two nodes of one level.
+  // Compares two nodes of one level.
   template <class Visit>
   void between(const Node& a, const Node& b, const std::atomic<bool>& stopped, const Visit& visit) const {
     if (stopped.load(std::memory_order_relaxed) || !may_meet(a, b)) return;
@@ -153,7 +153,7 @@ class TriangleBoxes {
   std::span<const glm::uvec3> triangles_;
   const TriangleStars& stars_;
   mesh::BoxTree tree_;
-  Buffer<Directions> directions_;  // of nodes; none without stars
+  Buffer<Directions> directions_;  // one for each node; empty without stars
 };
 
 }  // namespace isoextract::check

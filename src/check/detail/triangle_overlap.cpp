@@ -10,7 +10,7 @@ namespace {
 
 using Signs = std::array<int, 3>;
 
-// Of each corner of q, its side of the plane of p.
+// Returns on which side of the plane of p each corner of q lies.
 Signs sides_of(const PlacedTriangle& p, const PlacedTriangle& q) {
   Signs signs;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -21,8 +21,8 @@ Signs sides_of(const PlacedTriangle& p, const PlacedTriangle& q) {
 
 bool has_both(int a, int b, int c) { return std::min({a, b, c}) < 0 && std::max({a, b, c}) > 0; }
 
-// An axis along which the triangle does not vanish: that of its normal's greatest component, or another one where
-// rounding was wrong about it.
+// Returns an axis along which the triangle's projection has area: that of the normal's largest component, or another
+// one if rounding misjudged it.
 int axis_of(const PlacedTriangle& t) {
   const glm::dvec3 normal = glm::abs(glm::cross(t.corners[1] - t.corners[0], t.corners[2] - t.corners[0]));
   const int likely = normal.x >= normal.y && normal.x >= normal.z ? 0 : normal.y >= normal.z ? 1 : 2;
@@ -48,11 +48,11 @@ bool intervals_meet(double a, double b, double c, double d) {
 
 bool segments_meet(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c, const glm::dvec2& d) {
   if (!intervals_meet(a.x, b.x, c.x, d.x) || !intervals_meet(a.y, b.y, c.y, d.y)) return false;
-  // Of four points on one line the intervals say all.
+  // For four collinear points the intervals decide.
   return mesh::turn_of(a, b, c) * mesh::turn_of(a, b, d) <= 0 && mesh::turn_of(c, d, a) * mesh::turn_of(c, d, b) <= 0;
 }
 
-// In one plane.
+// Segment and triangle lie in one plane.
 bool flat_segment_meets(const glm::dvec3& a, const glm::dvec3& b, const PlacedTriangle& t) {
   const int axis = axis_of(t);
   const Flat flat{mesh::along_axis(t.corners[0], axis), mesh::along_axis(t.corners[1], axis),
@@ -63,7 +63,7 @@ bool flat_segment_meets(const glm::dvec3& a, const glm::dvec3& b, const PlacedTr
          segments_meet(p, q, flat[2], flat[0]);
 }
 
-// `at_a` and `at_b` say on which sides of the triangle's plane the segment's ends are.
+// `at_a` and `at_b` are the sides of the triangle's plane on which the ends lie.
 bool segment_meets(const glm::dvec3& a, const glm::dvec3& b, int at_a, int at_b, const PlacedTriangle& t) {
   if (at_a * at_b > 0) return false;
   if (at_a == 0 && at_b == 0) return flat_segment_meets(a, b, t);
@@ -76,7 +76,7 @@ bool on_one_side(const Signs& signs) {
   return std::min({signs[0], signs[1], signs[2]}) > 0 || std::max({signs[0], signs[1], signs[2]}) < 0;
 }
 
-// Whether a side of q meets p.
+// Returns whether a side of q meets p.
 bool a_side_meets(const PlacedTriangle& p, const PlacedTriangle& q, const Signs& of_q) {
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t next = (i + 1) % 3;
@@ -96,7 +96,7 @@ TriangleOverlap of_strangers(const PlacedTriangle& p, const PlacedTriangle& q) {
   return overlap;
 }
 
-// `at` are the numbers of the shared corner in both.
+// `at_p` and `at_q` are the corner numbers of the shared corner.
 TriangleOverlap around_corner(const PlacedTriangle& p, const PlacedTriangle& q, std::size_t at_p, std::size_t at_q) {
   const glm::dvec3& p1 = p.corners[(at_p + 1) % 3];
   const glm::dvec3& p2 = p.corners[(at_p + 2) % 3];
@@ -118,7 +118,7 @@ TriangleOverlap around_corner(const PlacedTriangle& p, const PlacedTriangle& q, 
   return overlap;
 }
 
-// `at` are the numbers of the corners that are not shared.
+// `at_p` and `at_q` are the corner numbers of the corners that are not shared.
 TriangleOverlap along_side(const PlacedTriangle& p, const PlacedTriangle& q, std::size_t at_p, std::size_t at_q) {
   const glm::dvec3& a = p.corners[(at_p + 1) % 3];
   const glm::dvec3& b = p.corners[(at_p + 2) % 3];

@@ -1,4 +1,4 @@
-// Whether two triangles have a point in common besides the corners and the side that they share. Exact.
+// Tests exactly whether two triangles have a common point outside their shared corner or side.
 #pragma once
 
 #include <array>
@@ -10,20 +10,20 @@ namespace isoextract::check {
 
 struct PlacedTriangle {
   std::array<glm::dvec3, 3> corners;  // float32 coordinates, not on one line
-  glm::uvec3 places;                  // equal numbers: the same coordinates; other numbers: others
+  glm::uvec3 places;                  // equal numbers: equal coordinates; different numbers: different ones
 };
 
 struct TriangleOverlap {
   bool meet = false;
-  bool in_one_plane = false;  // both triangles; told where they meet
-  bool neighbours = false;    // they share a corner or a side; likewise
+  bool in_one_plane = false;  // only set if they meet
+  bool neighbours = false;    // they share a corner or a side; only set if they meet
 };
 
-// Triangles are with their border: touching is meeting. They may share up to two corners.
+// Triangles include their border, so touching is meeting. They may share up to two corners.
 //
-// Without a shared corner they meet where a side of one meets the other. Where they share one corner, what they have in
-// common is convex and holds it: if there is more, it reaches the side opposite to the corner in one of them. Where
-// they share a side, there is more where they lie in one plane on the same side of it.
+// Without a shared corner, two triangles meet if a side of one meets the other. With one shared corner, their
+// intersection is convex and contains it; if it holds more, it reaches the opposite side of one triangle. With a shared
+// side, they overlap if they lie in one plane on the same side of it.
 [[nodiscard]] TriangleOverlap find_overlap(const PlacedTriangle& p, const PlacedTriangle& q);
 
 }  // namespace isoextract::check

@@ -19,14 +19,14 @@ FloatBox around(const glm::dvec3& a, const glm::dvec3& b, double margin) {
   return {glm::vec3(glm::min(a, b) - margin), glm::vec3(glm::max(a, b) + margin)};
 }
 
-// The part of x in the length of (x, y, z): it grows with x, and towards 0 with |y| and |z|.
+// Returns x divided by the length of (x, y, z): grows with x, approaches 0 as |y| or |z| grows.
 double share(double x, double y, double z) { return x == 0 ? 0 : x / std::hypot(x, y, z); }
 
 }  // namespace
 
 void TriangleStars::make(const std::vector<Sides>& crowded, const std::vector<std::uint32_t>& counts,
                          std::size_t triangles) {
-  std::vector<std::uint64_t> sides;  // the crowded ones
+  std::vector<std::uint64_t> sides;  // crowded ones, with repeats
   const auto each_side = [](const Sides& triangle, const auto& visit) {
     for (int corner = 0; corner < 3; ++corner) {
       visit(key_of_side(triangle.places[corner], triangle.places[(corner + 1) % 3]));
@@ -38,7 +38,7 @@ void TriangleStars::make(const std::vector<Sides>& crowded, const std::vector<st
     });
   }
   std::ranges::sort(sides);
-  std::unordered_map<std::uint64_t, std::uint32_t> number;  // of stars by their sides, and by their corners twice
+  std::unordered_map<std::uint64_t, std::uint32_t> number;  // stars by their two ends; a corner is its own other end
   const auto star_at = [&](std::uint64_t key) {
     const auto [at, is_new] = number.try_emplace(key, static_cast<std::uint32_t>(stars_.size()));
     const auto low = static_cast<std::uint32_t>(key >> 32);
@@ -77,7 +77,7 @@ FloatBox TriangleStars::directions(std::uint32_t star, const glm::uvec3& corners
   if (stars_[star].end == kNone) {
     const glm::dvec3 a = glm::normalize(ways[0]);
     const glm::dvec3 b = glm::normalize(ways[1]);
-    // The arc from one to the other leaves the box of its ends by no more than it leaves its chord.
+    // The arc between the directions leaves the box of its ends by at most its distance from the chord.
     const glm::dvec3 chord = a - b;
     const double bulge = 1 - std::sqrt(std::max(0.0, 1 - glm::dot(chord, chord) / 4));
     return around(a, b, bulge + kRounding);

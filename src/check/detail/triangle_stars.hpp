@@ -1,8 +1,8 @@
-// Triangles that have a corner, or a side, in common with very many others.
+// Stars: sets of very many triangles around one corner or one side.
 //
-// Around such a place the boxes of all of them meet, though few of the triangles do. Two triangles with a corner in
-// common have more in common only if they have a direction from that corner in common; two with a side, only if they
-// are on the same side of it in one plane. So boxes of directions tell them apart.
+// All boxes around such a place overlap, though few triangles do. Two triangles with a common corner have more in
+// common only if they share a direction from that corner. Two with a common side have more in common only if they lie
+// on the same side of it in one plane. So boxes of directions separate them.
 #pragma once
 
 #include <cstdint>
@@ -24,9 +24,9 @@ class TriangleStars {
   // A star has more triangles than this.
   static constexpr std::uint32_t kFewTriangles = 64;
 
-  // `chosen` are numbers of triangles that have area, in rising order; place_of(triangle) gives the places of its
-  // corners, each below positions.size() and the number of a vertex there. A triangle is in one star at most: around
-  // its fullest side, or else its fullest corner. Throws std::bad_alloc.
+  // `chosen` are numbers of triangles with area, rising. place_of(triangle) gives the places of its corners: the number
+  // of a vertex there. Assigns each triangle to at most one star: around its fullest side, or else its fullest corner.
+  // Throws std::bad_alloc.
   template <class PlaceOf>
   TriangleStars(std::span<const glm::vec3> positions, std::span<const std::uint32_t> chosen, const PlaceOf& place_of)
       : positions_(positions) {
@@ -40,27 +40,27 @@ class TriangleStars {
   }
 
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t vertices) { return vertices * sizeof(std::uint32_t); }
-  // What it takes more where it is not empty.
+  // Additional bytes if there are stars.
   [[nodiscard]] static std::uint64_t crowded_bytes(std::uint64_t triangles) {
     return triangles * (sizeof(std::uint32_t) + 2 * sizeof(Sides) + 3 * sizeof(std::uint64_t));
   }
 
   [[nodiscard]] bool empty() const { return stars_.empty(); }
   [[nodiscard]] std::uint32_t star_of(std::uint32_t triangle) const { return stars_.empty() ? kNone : of_[triangle]; }
-  // The star of each triangle; nothing where there are none.
+  // Returns the star of each triangle; empty if there are no stars.
   [[nodiscard]] std::span<const std::uint32_t> of_triangles() const { return of_.span(); }
 
-  // A box of the directions from the middle of the star in which a triangle of it lies; around a side, across it.
-  // Triangles of one star whose boxes do not meet have nothing in common but their corner or side.
+  // Returns a box of the triangle's directions from the middle of the star; for a side, of the direction across it.
+  // Triangles of one star whose boxes do not overlap share only their corner or side.
   [[nodiscard]] FloatBox directions(std::uint32_t star, const glm::uvec3& corners) const;
 
-  // A box of the directions in which a box is seen from the middle of the star; all around a side.
+  // Returns a box of the directions in which the star's middle sees `box`; for a side, all directions.
   [[nodiscard]] FloatBox seen(std::uint32_t star, const FloatBox& box) const;
 
  private:
   struct Star {
-    std::uint32_t middle;  // a place
-    std::uint32_t end;     // of the side; kNone around a corner
+    std::uint32_t middle;  // a place (vertex number)
+    std::uint32_t end;     // other end of the side; kNone around a corner
   };
   struct Sides {
     glm::uvec3 places;
@@ -82,7 +82,7 @@ class TriangleStars {
 
   std::span<const glm::vec3> positions_;
   std::vector<Star> stars_;
-  Buffer<std::uint32_t> of_;  // of each triangle: its star
+  Buffer<std::uint32_t> of_;  // the star of each triangle
 };
 
 }  // namespace isoextract::check

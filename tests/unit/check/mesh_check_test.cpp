@@ -24,7 +24,7 @@ MeshCheck check(const mesh::Mesh& mesh) {
   return std::move(*found);
 }
 
-// From -half to half along each axis, facing outward or, turned, inward.
+// A cube from -half to half around `centre`, facing outward or, if turned, inward.
 mesh::Mesh centred_cube(float half, bool turned = false, const glm::vec3& centre = glm::vec3(0)) {
   mesh::Mesh mesh = test::box_mesh(centre - half, centre + half);
   if (turned) {
@@ -59,7 +59,7 @@ void leave_out(mesh::Mesh& mesh, std::size_t triangle) {
 
 bool meets(Requirement requirement, const MeshCheck& found) { return !why_not(requirement, found); }
 
-TEST(MeshCheckTest, ACubeIsSound) {
+TEST(MeshCheckTest, AcceptsCube) {
   const MeshCheck found = check(centred_cube(0.5F));
   for (const Word<Requirement>& one : words_of(Requirement{})) {
     EXPECT_EQ(meets(one.value, found), one.value != Requirement::normals) << one.word;
@@ -77,7 +77,7 @@ TEST(MeshCheckTest, ACubeIsSound) {
   EXPECT_FALSE(found.joined);
 }
 
-TEST(MeshCheckTest, HolesAreCountedAndMeasured) {
+TEST(MeshCheckTest, CountsAndMeasuresHoles) {
   mesh::Mesh mesh = centred_cube(0.5F);
   leave_out(mesh, 0);
   const MeshCheck one = check(mesh);
@@ -87,7 +87,7 @@ TEST(MeshCheckTest, HolesAreCountedAndMeasured) {
   EXPECT_EQ(one.components[0].shell, Shell::open);
   EXPECT_EQ(one.components[0].genus, 0);
   EXPECT_EQ(why_not(Requirement::closed, one), "3 open edges in 1 loop");
-  // The other triangle of the face makes one hole of four edges of it; one of the far face makes two.
+  // Without the other triangle of the face there is one hole of four edges; one triangle of the far face adds a second.
   leave_out(mesh, 0);
   EXPECT_EQ(check(mesh).loops.size(), 1U);
   leave_out(mesh, 0);
@@ -97,8 +97,8 @@ TEST(MeshCheckTest, HolesAreCountedAndMeasured) {
   EXPECT_EQ(two.components[0].genus, 0);
 }
 
-// Two triangles less at a pole: were it two vertices, one for each fan, the surface would have one rim.
-TEST(MeshCheckTest, AVertexOfTwoFansIsTwo) {
+// Without two triangles at a pole. If the pole were two vertices, one for each fan, the surface would have one rim.
+TEST(MeshCheckTest, TreatsVertexWithTwoFansAsTwo) {
   mesh::Mesh mesh = test::sphere(6, false);
   const std::size_t pole_triangles = 12;
   std::vector<std::size_t> at_pole;
@@ -113,14 +113,14 @@ TEST(MeshCheckTest, AVertexOfTwoFansIsTwo) {
   EXPECT_EQ(found.topology.open_edges, 6U);
   EXPECT_EQ(found.loops.size(), 1U);  // each fan joins an edge of one hole with one of the other
   EXPECT_FALSE(meets(Requirement::manifold, found));
-  // Two triangles that share a corner alone have a rim each.
+  // Two triangles that share only a corner have a rim each.
   const MeshCheck bow =
       check(make_mesh("bow", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}}, {{0, 1, 2}, {0, 3, 4}}));
   EXPECT_EQ(bow.components.size(), 1U);
   EXPECT_EQ(bow.loops.size(), 2U);
 }
 
-TEST(MeshCheckTest, ATriangleTurnedRound) {
+TEST(MeshCheckTest, CountsMisorientedEdges) {
   mesh::Mesh mesh = centred_cube(0.5F);
   std::swap(mesh.triangles[3].x, mesh.triangles[3].y);
   const MeshCheck found = check(mesh);
@@ -131,7 +131,7 @@ TEST(MeshCheckTest, ATriangleTurnedRound) {
   EXPECT_TRUE(meets(Requirement::closed, found));
 }
 
-TEST(MeshCheckTest, EdgesOfThreeTriangles) {
+TEST(MeshCheckTest, CountsNonmanifoldEdges) {
   const MeshCheck found = check(
       make_mesh("fins", {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}}));
   EXPECT_EQ(found.topology.nonmanifold_edges, 1U);
@@ -140,7 +140,7 @@ TEST(MeshCheckTest, EdgesOfThreeTriangles) {
   EXPECT_EQ(found.intersections.pairs, 0U);
 }
 
-TEST(MeshCheckTest, DefectsOfComponentsAddUp) {
+TEST(MeshCheckTest, SumsDefectsOfComponents) {
   mesh::Mesh open = test::sphere(8, false);
   leave_out(open, 30);
   mesh::Mesh turned = centred_cube(5);
@@ -161,8 +161,8 @@ TEST(MeshCheckTest, DefectsOfComponentsAddUp) {
   EXPECT_FALSE(meets(Requirement::one_component, found));
 }
 
-// Cubes around one centre: the rays leave through edges, diagonals and corners of those around.
-TEST(MeshCheckTest, ShellsWithinShells) {
+// Concentric cubes: the rays leave through edges, diagonals and corners of the outer ones.
+TEST(MeshCheckTest, FindsNestedShells) {
   EXPECT_EQ(shells(check(all_of(centred_cube(1), centred_cube(2), centred_cube(3)))),
             (std::vector{Shell::body, Shell::nested, Shell::body}));
   EXPECT_EQ(shells(check(all_of(centred_cube(1, true), centred_cube(2)))), (std::vector{Shell::hollow, Shell::body}));
@@ -186,8 +186,8 @@ TEST(MeshCheckTest, ShellsWithinShells) {
   }
 }
 
-// A row of bodies along the rays: each ray would pass all that come after it.
-TEST(MeshCheckTest, ShellsInARowAreNotLookedAtTwoByTwo) {
+// A row of bodies along the rays: each ray would cross all bodies behind its own.
+TEST(MeshCheckTest, HandlesManyShellsInARow) {
   constexpr int kBodies = 60'000;
   std::vector<mesh::Mesh> row;
   for (int i = 0; i < kBodies; ++i) row.push_back(centred_cube(0.5F, false, {3.0F * static_cast<float>(i), 0, 0}));
@@ -197,11 +197,11 @@ TEST(MeshCheckTest, ShellsInARowAreNotLookedAtTwoByTwo) {
   EXPECT_EQ(found.count(Shell::hollow), 1U);
 }
 
-// Two halves side by side, and a body that fills the cavity of another: walls that are shared, point by point.
-TEST(MeshCheckTest, ShellsThatShareWallsAreNotWithinEachOther) {
+// Two halves side by side, and a body that fills a cavity: shared walls with identical points.
+TEST(MeshCheckTest, DoesNotNestShellsWithSharedWalls) {
   const glm::vec3 beside(2, 0, 0);
   for (const float sign : {-1.0F, 1.0F}) {
-    for (const float size : {1.0F, 0.5F}) {  // the whole wall, and a part of it
+    for (const float size : {1.0F, 0.5F}) {  // the whole wall and part of it
       const glm::vec3 moved = sign * glm::vec3(1 + size, 0, 0);
       EXPECT_EQ(shells(check(all_of(centred_cube(1), centred_cube(size, false, moved)))),
                 (std::vector{Shell::body, Shell::body}));
@@ -213,8 +213,8 @@ TEST(MeshCheckTest, ShellsThatShareWallsAreNotWithinEachOther) {
             (std::vector{Shell::body, Shell::hollow, Shell::body}));
 }
 
-// Rays that leave through corners, along sides, and lines that pass a shell behind the ray's start alone.
-TEST(MeshCheckTest, ShellsWithinShellsOfSlantedFaces) {
+// Rays that leave through corners or along sides, and lines that cross a shell only behind the start of the ray.
+TEST(MeshCheckTest, FindsNestedShellsWithSlantedFaces) {
   const auto octahedron = [](float radius, const glm::vec3& centre = glm::vec3(0)) {
     std::vector<glm::vec3> positions{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
     for (glm::vec3& p : positions) p = p * radius + centre;
@@ -228,24 +228,24 @@ TEST(MeshCheckTest, ShellsWithinShellsOfSlantedFaces) {
   };
   using Depths = std::vector<std::uint32_t>;
   EXPECT_EQ(within(check(all_of(octahedron(1), octahedron(2), octahedron(3), octahedron(4)))), (Depths{3, 2, 1, 0}));
-  // The ray goes along the side between two faces, y = 0, or through it, y = z.
+  // The ray runs along the side between two faces (y = 0) or crosses it (y = z).
   EXPECT_EQ(within(check(all_of(octahedron(1), octahedron(0.125F, {0.25F, 0, 0.25F})))), (Depths{0, 1}));
   EXPECT_EQ(within(check(all_of(octahedron(1), octahedron(0.125F, {0.25F, 0.25F, 0})))), (Depths{0, 1}));
   EXPECT_EQ(within(check(all_of(octahedron(8), octahedron(1, {-20, 0, 0}), octahedron(1, {0, 8, 4})))),
             (Depths{0, 0, 0}));
-  // Beyond a face, within its box; and with another where that ends.
+  // Outside a face but inside the shell's bounding box; the second time beside another shell.
   EXPECT_EQ(within(check(all_of(octahedron(8), octahedron(0.5F, {5, 2.5F, 2.5F})))), (Depths{0, 0}));
   EXPECT_EQ(within(check(all_of(octahedron(8), octahedron(0.5F, {5, 2.5F, 2.5F}), octahedron(2, {8.5F, 2.5F, 2.5F})))),
             (Depths{0, 0, 0}));
-  // The diagonals of the faces in front of the rays.
+  // Diagonals of the faces in front of the rays.
   mesh::Mesh outer = centred_cube(3);
   for (glm::vec3& p : outer.positions) p.y = -p.y;
   for (glm::uvec3& t : outer.triangles) std::swap(t.y, t.z);
   EXPECT_EQ(within(check(all_of(centred_cube(1), std::move(outer)))), (Depths{1, 0}));
 }
 
-TEST(MeshCheckTest, SeamsOfDoubledVerticesAreTold) {
-  // A cube with four vertices a face and one that nobody uses.
+TEST(MeshCheckTest, ReportsSeamsOfDuplicatedVertices) {
+  // A cube with three vertices of its own for each triangle, and one unused vertex.
   const mesh::Mesh whole = centred_cube(1);
   std::vector<glm::vec3> positions{{7, 7, 7}};
   std::vector<glm::uvec3> triangles;
@@ -272,7 +272,7 @@ TEST(MeshCheckTest, SeamsOfDoubledVerticesAreTold) {
   EXPECT_DOUBLE_EQ(joined.size.volume, 8);
 }
 
-TEST(MeshCheckTest, AnEmptyMeshMeetsNothing) {
+TEST(MeshCheckTest, RejectsEmptyMeshForEveryRequirement) {
   const MeshCheck found = check(make_mesh("empty", {}, {}));
   for (const Word<Requirement>& one : words_of(Requirement{})) EXPECT_EQ(why_not(one.value, found), "no triangles");
   const MeshCheck points = check(make_mesh("points", {{1, 2, 3}, {1, 2, 3}}, {}));
@@ -280,7 +280,7 @@ TEST(MeshCheckTest, AnEmptyMeshMeetsNothing) {
   EXPECT_EQ(points.repeated_vertices, 1U);
 }
 
-TEST(MeshCheckTest, TrianglesOfOneVertexOrOneLine) {
+TEST(MeshCheckTest, CountsDegenerateTriangles) {
   const MeshCheck found =
       check(make_mesh("none", {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}, {{0, 0, 0}, {0, 1, 1}, {0, 1, 2}}));
   EXPECT_EQ(found.topology.repeated_index_triangles, 2U);
@@ -289,7 +289,7 @@ TEST(MeshCheckTest, TrianglesOfOneVertexOrOneLine) {
   EXPECT_EQ(found.components[0].triangles, 1U);
 }
 
-TEST(MeshCheckTest, HugeCoordinates) {
+TEST(MeshCheckTest, HandlesHugeAndSubnormalCoordinates) {
   for (const float half : {1e30F, 3e38F, 1e-40F}) {
     const MeshCheck found = check(all_of(centred_cube(half), centred_cube(half / 2, true)));
     EXPECT_EQ(shells(found), (std::vector{Shell::body, Shell::hollow})) << half;
@@ -297,7 +297,7 @@ TEST(MeshCheckTest, HugeCoordinates) {
   }
 }
 
-TEST(MeshCheckTest, NormalsAgainstTheirTriangles) {
+TEST(MeshCheckTest, CountsFlippedMissingAndNonUnitNormals) {
   const mesh::Mesh mesh = centred_cube(1);
   std::vector<glm::vec3> outward(mesh.positions.begin(), mesh.positions.end());
   for (glm::vec3& normal : outward) normal = glm::normalize(normal);
@@ -319,7 +319,7 @@ TEST(MeshCheckTest, NormalsAgainstTheirTriangles) {
   EXPECT_EQ(check_normals(mesh, outward, none.span()).missing, 36U);
 }
 
-TEST(MeshCheckTest, SameForAnyNumberOfThreads) {
+TEST(MeshCheckTest, IsIndependentOfThreads) {
   std::vector<mesh::Mesh> list;
   for (unsigned i = 0; i < 40; ++i) {
     list.push_back(test::sphere(6 + i % 5, false));
@@ -346,7 +346,7 @@ TEST(MeshCheckTest, SameForAnyNumberOfThreads) {
   }
 }
 
-TEST(MeshCheckTest, EndsWhenCancelledAndWithinItsMemory) {
+TEST(MeshCheckTest, ObeysCancellationAndMemoryBudget) {
   const mesh::Mesh mesh = test::sphere(60, false);
   const Context cancelled;
   cancelled.cancel();

@@ -38,7 +38,7 @@ bool has_area(const WholeTriangle& t) {
   return a.y * b.z != a.z * b.y || a.z * b.x != a.x * b.z || a.x * b.y != a.y * b.x;
 }
 
-// Whole coordinates from 0 to `size`: on so small a grid every way of touching occurs.
+// Integer coordinates from 0 to `size`: on such a small grid, triangles touch in every possible way.
 std::vector<WholeTriangle> random_triangles(std::size_t count, int size, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_int_distribution<int> coordinate(0, size);
@@ -49,7 +49,7 @@ std::vector<WholeTriangle> random_triangles(std::size_t count, int size, unsigne
   return triangles;
 }
 
-// With vertices of its own for each triangle, so that neighbours are told by place.
+// Gives each triangle its own vertices, so that neighbors must be found by position.
 mesh::Mesh soup(const std::vector<WholeTriangle>& triangles, float scale = 1) {
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> indices;
@@ -66,7 +66,7 @@ std::size_t shared_corners(const WholeTriangle& p, const WholeTriangle& q) {
       std::ranges::count_if(p, [&](const auto& corner) { return std::ranges::find(q, corner) != q.end(); }));
 }
 
-// All pairs, one after the other.
+// Tests all pairs one by one.
 SelfIntersections by_force(const std::vector<WholeTriangle>& triangles) {
   SelfIntersections found;
   std::set<std::uint32_t> met;
@@ -118,8 +118,8 @@ mesh::Mesh flat_grid(unsigned n, const glm::vec3& right, const glm::vec3& up) {
   return make_mesh("grid", positions, triangles);
 }
 
-TEST(TriangleOverlapTest, AgreesWithCuttingInRationalNumbers) {
-  std::map<std::pair<std::size_t, bool>, int> seen;  // shared corners and whether they meet
+TEST(TriangleOverlapTest, MatchesRationalArithmetic) {
+  std::map<std::pair<std::size_t, bool>, int> seen;  // shared corners, and whether they meet
   for (const int size : {1, 2, 3, 8}) {
     const auto triangles = random_triangles(900, size, static_cast<unsigned>(size));
     for (std::size_t i = 0; i < triangles.size(); ++i) {
@@ -160,8 +160,8 @@ TEST(TriangleOverlapTest, AgreesWithCuttingInRationalNumbers) {
   }
 }
 
-// Around one corner, around one side, and others besides, so that all three are stars or pass through them.
-TEST(SelfIntersectionsTest, AgreesWithAllPairsAroundCrowdedPlaces) {
+// Triangles around a corner, around a side, and others, so that stars and the triangles crossing them occur.
+TEST(SelfIntersectionsTest, MatchesBruteForceAroundCrowdedPlaces) {
   for (const int size : {3, 9, 40}) {
     auto triangles = random_triangles(450, size, 100 + static_cast<unsigned>(size));
     for (std::size_t i = 0; i < 150; ++i) triangles[i][i % 3] = glm::i64vec3(0);
@@ -182,7 +182,7 @@ TEST(SelfIntersectionsTest, AgreesWithAllPairsAroundCrowdedPlaces) {
   }
 }
 
-// n triangles around one vertex, as a cone, or around one edge.
+// n triangles around one vertex (a cone) or around one edge.
 mesh::Mesh crowd(unsigned n, char kind) {
   std::vector<glm::vec3> positions{{0, 0, 1}, {0.1F, 0.2F, -1}};
   std::vector<glm::uvec3> triangles;
@@ -196,7 +196,7 @@ mesh::Mesh crowd(unsigned n, char kind) {
   return make_mesh("crowd", positions, triangles);
 }
 
-TEST(SelfIntersectionsTest, WorkGrowsWithTheTrianglesAroundOnePlace) {
+TEST(SelfIntersectionsTest, ScalesLinearlyAroundOnePlace) {
   for (const char kind : {'v', 'e'}) {
     std::array<std::uint64_t, 2> looked_at{};
     for (const unsigned doubled : {0U, 1U}) {
@@ -210,14 +210,14 @@ TEST(SelfIntersectionsTest, WorkGrowsWithTheTrianglesAroundOnePlace) {
   }
 }
 
-TEST(SelfIntersectionsTest, AgreesWithAllPairsOfRandomSoups) {
+TEST(SelfIntersectionsTest, MatchesBruteForceOnRandomSoups) {
   for (const int size : {2, 5, 20, 60}) {
     const auto triangles = random_triangles(400, size, 7 + static_cast<unsigned>(size));
     SelfIntersections expected = by_force(triangles);
-    for (const float scale : {1.0F, 0x1p-140F, 0x1p110F}) {  // subnormal numbers; 1e33
+    for (const float scale : {1.0F, 0x1p-140F, 0x1p110F}) {  // 1, subnormal numbers, 1e33
       const SelfIntersections found = find(soup(triangles, scale));
-      expected.in_one_plane = found.in_one_plane;  // looked at above
-      // Of duplicates, examples name the first of each.
+      expected.in_one_plane = found.in_one_plane;  // compared with itself: MatchesRationalArithmetic tests it
+      // With duplicates, the examples name the first copy of each triangle.
       if (expected.duplicate_triangles > 0) {
         expected.examples = found.examples;
         expected.triangles = found.triangles;
@@ -227,15 +227,15 @@ TEST(SelfIntersectionsTest, AgreesWithAllPairsOfRandomSoups) {
   }
 }
 
-TEST(SelfIntersectionsTest, ASoundMeshHasNone) {
+TEST(SelfIntersectionsTest, FindsNoneInSphere) {
   const SelfIntersections found = find(test::sphere(60, false));
   EXPECT_EQ(found.pairs, 0U);
   EXPECT_EQ(found.zero_area_triangles + found.duplicate_triangles, 0U);
   EXPECT_TRUE(found.examples.empty());
 }
 
-TEST(SelfIntersectionsTest, FindsWhatWasPlanted) {
-  // A spike through the far side of a sphere: one vertex moved.
+TEST(SelfIntersectionsTest, FindsPlantedIntersections) {
+  // One moved vertex makes a spike through the far side of a sphere.
   mesh::Mesh mesh = test::sphere(20, false);
   const std::size_t moved = 1 + 9 * 40;
   mesh.positions[moved] = mesh.positions[moved] * -1.5F;
@@ -250,7 +250,7 @@ TEST(SelfIntersectionsTest, FindsWhatWasPlanted) {
     };
     EXPECT_TRUE(has_moved(i) || has_moved(j));
   }
-  // A corner that just reaches a face touches it, and one that does not quite, does not.
+  // A corner exactly on a face touches it; a corner just above does not.
   const std::vector<glm::vec3> face{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
   for (const auto& [z, pairs] : {std::pair{0.0F, 1U}, std::pair{0x1p-149F, 0U}, std::pair{-0x1p-149F, 1U}}) {
     std::vector<glm::vec3> positions = face;
@@ -259,7 +259,7 @@ TEST(SelfIntersectionsTest, FindsWhatWasPlanted) {
   }
 }
 
-TEST(SelfIntersectionsTest, NeighboursThatFoldBackOverlap) {
+TEST(SelfIntersectionsTest, FindsFoldedNeighbors) {
   const std::vector<glm::vec3> positions{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {1, 1, 0}, {1, -1, 0}};
   const SelfIntersections folded = find(make_mesh("fold", positions, {{0, 1, 2}, {1, 0, 3}}));
   EXPECT_EQ(folded.pairs, 1U);
@@ -268,12 +268,12 @@ TEST(SelfIntersectionsTest, NeighboursThatFoldBackOverlap) {
   EXPECT_EQ(find(make_mesh("flat", positions, {{0, 1, 2}, {1, 0, 4}})).pairs, 0U);
 }
 
-TEST(SelfIntersectionsTest, ManyTrianglesInOnePlane) {
+TEST(SelfIntersectionsTest, HandlesManyCoplanarTriangles) {
   for (const auto& [right, up] :
        {std::pair{glm::vec3(1, 0, 0), glm::vec3(0, 1, 0)}, std::pair{glm::vec3(1, 0, 1), glm::vec3(0, 1, -1)}}) {
     mesh::Mesh mesh = flat_grid(300, right, up);
     EXPECT_EQ(find(mesh).pairs, 0U);
-    // Twice in one place: duplicates, and every triangle meets the copies of its neighbours as it meets these.
+    // Twice at the same place: every triangle is a duplicate, and no pair counts.
     std::vector<mesh::Mesh> two(2);
     two[0] = flat_grid(60, right, up);
     two[1] = flat_grid(60, right, up);
@@ -288,12 +288,12 @@ TEST(SelfIntersectionsTest, ManyTrianglesInOnePlane) {
   }
 }
 
-TEST(SelfIntersectionsTest, CopiesCountAsOftenAsTheyAreThere) {
+TEST(SelfIntersectionsTest, CountsEveryCopy) {
   constexpr unsigned kCopies = 50000;
   std::vector<glm::uvec3> triangles(kCopies, glm::uvec3(0, 1, 2));
   for (std::size_t i = 0; i < kCopies; i += 2) triangles[i] = {2, 1, 0};
   triangles.emplace_back(3, 4, 5);
-  triangles.emplace_back(3, 3, 5);  // no area
+  triangles.emplace_back(3, 3, 5);  // zero area
   const SelfIntersections found =
       find(make_mesh("copies", {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, -1}, {1, 1, 1}, {2, 1, 1}}, triangles));
   EXPECT_EQ(found.pairs, kCopies);
@@ -303,7 +303,7 @@ TEST(SelfIntersectionsTest, CopiesCountAsOftenAsTheyAreThere) {
   EXPECT_EQ(found.examples, (std::vector<std::array<std::uint32_t, 2>>{{0, kCopies}}));
 }
 
-TEST(SelfIntersectionsTest, EndsWhereThereAreTooMany) {
+TEST(SelfIntersectionsTest, StopsAtMostPairs) {
   const mesh::Mesh mesh = soup(random_triangles(3000, 50, 3));
   const SelfIntersections all = find(mesh);
   ASSERT_GT(all.pairs, 1000U);
@@ -321,7 +321,7 @@ TEST(SelfIntersectionsTest, EndsWhereThereAreTooMany) {
   }
 }
 
-TEST(SelfIntersectionsTest, SameForAnyNumberOfThreads) {
+TEST(SelfIntersectionsTest, IsIndependentOfThreads) {
   const mesh::Mesh mesh = soup(random_triangles(4000, 400, 5));
   const auto with_threads = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
@@ -332,14 +332,14 @@ TEST(SelfIntersectionsTest, SameForAnyNumberOfThreads) {
   for (const std::size_t threads : {2U, 4U, 7U}) expect_same(with_threads(threads), one);
 }
 
-TEST(SelfIntersectionsTest, NothingToFind) {
+TEST(SelfIntersectionsTest, HandlesTrivialMeshes) {
   expect_same(find(make_mesh("empty", {}, {})), {});
   expect_same(find(make_mesh("one", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}})), {});
   const SelfIntersections line = find(make_mesh("line", {{0, 0, 0}, {1, 1, 1}, {3, 3, 3}}, {{0, 1, 2}}));
   EXPECT_EQ(line.zero_area_triangles, 1U);
 }
 
-TEST(SelfIntersectionsTest, EndsWhenCancelledAndWithinItsMemory) {
+TEST(SelfIntersectionsTest, ObeysCancellationAndMemoryBudget) {
   const mesh::Mesh mesh = test::sphere(60, false);
   const Context cancelled;
   cancelled.cancel();
