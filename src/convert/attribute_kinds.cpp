@@ -13,9 +13,9 @@
 namespace isoextract::convert {
 namespace {
 
-constexpr const char* kEntry = "attributes";  // of a placement
+constexpr const char* kEntry = "attributes";  // the key in a placement record
 
-// Writers replace what their formats cannot have in names.
+// Writers replace characters that their format does not allow in names, so names are compared in this form.
 std::string plain_name(std::string_view name) {
   std::string plain(name);
   std::ranges::replace_if(
@@ -23,7 +23,7 @@ std::string plain_name(std::string_view name) {
   return plain;
 }
 
-// The kinds in the placement of a file of ours.
+// Returns the kinds in the placement record of a file that isoextract wrote.
 std::vector<NamedKind> kinds_in(std::string_view placement) {
   std::vector<NamedKind> kinds;
   const Json json = Json::parse(placement, nullptr, false);
@@ -59,7 +59,7 @@ Result<std::optional<AttributeKind>> find_kind(const AttributeChoice& choice, st
 }
 
 std::string kinds_text(const std::vector<NamedKind>& kinds) {
-  // As text, like the rest of a placement (placement_record.cpp).
+  // Built as text, not as a JSON document, like the rest of a placement record (placement_record.cpp says why).
   std::string text;
   for (const NamedKind& named : kinds) {
     if (!changes_with_mesh(named.kind)) continue;
@@ -85,7 +85,7 @@ void change_attributes(mesh::Mesh& mesh, const std::vector<NamedKind>& kinds, co
   for (mesh::Attribute& attribute : mesh.attributes) {
     const auto found = std::ranges::find(kinds, attribute.name, &NamedKind::name);
     if (found == kinds.end() || attribute.role != mesh::AttributeRole::other) continue;
-    // Interpolated normals are shorter than 1, wherever the mesh goes.
+    // Normals are renormalized even without a move: interpolated normals are shorter than 1.
     if (map == field::Affine() && found->kind != AttributeKind::normal) continue;
     map_attribute(attribute, found->kind, map.linear, map.offset);
   }

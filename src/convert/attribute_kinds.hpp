@@ -1,4 +1,5 @@
-// What attributes of vertices mean to the placement of their mesh, and what files say of it.
+// Kinds of vertex attributes (AttributeKind): how attributes change when their mesh is moved, and how mesh files record
+// them.
 #pragma once
 
 #include <cstddef>
@@ -22,20 +23,21 @@ struct NamedKind {
   friend bool operator==(const NamedKind&, const NamedKind&) = default;
 };
 
-// The kind of an attribute of so many components: the one that was chosen, else the one that the file `stated`, else by
-// its name, or by that of where it comes from. Nothing where none of these says anything. Fails with ErrorCode::usage
-// where a kind was chosen that needs three components.
+// Returns the kind of an attribute with `components` components: the chosen kind, else the kind that the file stated,
+// else a kind guessed from the attribute's name or from the name of its source. Returns nullopt if none of these gives
+// a kind. Fails with ErrorCode::usage if the chosen kind needs three components and there are not three.
 [[nodiscard]] Result<std::optional<AttributeKind>> find_kind(const AttributeChoice& choice, std::size_t components,
                                                              std::optional<AttributeKind> stated);
 
-// {"v":"vector"}: what files keep of those kinds that change with the mesh; empty where there are none.
+// Returns the JSON text for a mesh file's placement record, such as {"v":"vector"}. It lists only the kinds that change
+// with the mesh, and is empty if there are none.
 [[nodiscard]] std::string kinds_text(const std::vector<NamedKind>& kinds);
 
-// The kinds of the attributes of a mesh that was read, of those that change with it. Files of isoextract say it in
-// their placement, and have no others; of other files names say it.
+// Returns the attributes of a mesh read from a file whose kinds change with the mesh. If isoextract wrote the file
+// (`is_ours`), its placement record `placement` names them all; otherwise attribute names decide (kind_by_name()).
 [[nodiscard]] std::vector<NamedKind> kinds_of(const mesh::Mesh& mesh, bool is_ours, std::string_view placement);
 
-// Changes the attributes of a mesh that is moved by `map`. Those that are not named stay as they are.
+// Applies `map`, which moved the mesh, to the attributes named in `kinds`. Other attributes stay as they are.
 void change_attributes(mesh::Mesh& mesh, const std::vector<NamedKind>& kinds, const field::Affine& map);
 
 }  // namespace isoextract::convert

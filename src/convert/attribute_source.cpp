@@ -20,7 +20,7 @@
 namespace isoextract::convert {
 namespace {
 
-// The vertices in the world of the input.
+// Returns the vertices' positions in the input's world.
 Result<std::shared_ptr<ReservedBuffer<glm::dvec3>>> world_positions(const field::Affine& world_from_output,
                                                                     const mesh::Mesh& mesh, const Context& context) {
   auto places = make_reserved_buffer<glm::dvec3>(mesh.positions.size(), context, "places of vertices");
@@ -51,7 +51,7 @@ void take_attributes(std::vector<mesh::Attribute>&& added, Reservation memory, m
 Result<Records> add_of_particles(const ParticleAttributes& source, std::span<const glm::dvec3> places, mesh::Mesh& mesh,
                                  const Context& context) {
   if (source.attributes.empty()) return Records();
-  if (places.empty()) {  // there may be no particles either, and so no radius
+  if (places.empty()) {  // without vertices there may be no particles, and then no radius
     for (std::size_t a = 0; a < source.attributes.size(); ++a) {
       const std::size_t components = source.particles.attributes[source.attributes[a]].components;
       mesh.attributes.push_back(float_attribute(source.choices[a].name, components, 0));
@@ -116,7 +116,7 @@ Result<Records> add_of_volumes(const AttributeSource& source, std::span<const gl
   return records;
 }
 
-// Finds the kind of one attribute.
+// Finds the kind of one attribute, and adds a note if a three-component attribute has no known kind.
 Result<void> add_kind(const AttributeChoice& choice, std::size_t components, std::optional<AttributeKind> stated,
                       AttributeSource& source) {
   const auto kind = TRY(find_kind(choice, components, stated));
@@ -215,7 +215,7 @@ Result<StageReport> carry_attributes(Surface& surface, const StageContext& stage
                       printable(one.name), one.not_finite, one.vertices, one.source));
     }
   }
-  // Of particles all attributes have the same reach.
+  // All attributes of particles have the same reach, so the first one's count stands for all.
   if (!carried.empty() && carried.front().out_of_reach > 0) {
     report.notes.push_back(
         fmt::format("{}: {} of {} vertices have the attributes of the nearest particle, as none is near enough to be "

@@ -1,7 +1,7 @@
-// Attributes of vertices: where they come from, and how vertices get them.
+// Vertex attributes: their sources, and the sampling of them at the vertices.
 //
-// Of particles they are interpolated by kernels (points/attribute_sampling.hpp), of volumes linearly along each axis
-// (field/point_samples.hpp), at the places of the vertices in the world of the input.
+// Attributes of particles are interpolated by kernels (points/attribute_sampling.hpp), attributes of volumes
+// trilinearly (field/point_samples.hpp). Both are sampled at the vertices' positions in the input's world.
 #pragma once
 
 #include <cstdint>
@@ -20,38 +20,40 @@
 
 namespace isoextract::convert {
 
-// What is kept of a source until its surfaces are there.
+// Attribute data that stays in memory until the surfaces are extracted.
 struct AttributeSource {
   std::variant<ParticleAttributes, std::vector<VolumeAttribute>> from;
   std::vector<MissingAttribute> missing;
   field::Affine world_from_output;
-  field::Affine output_from_world;      // that attributes are changed by, as their kinds say
-  std::vector<NamedKind> kinds;         // of all that were found, in the order of their choices
-  std::vector<std::string> kind_notes;  // a sentence each, of those that stay as they are because nothing says theirs
+  field::Affine output_from_world;  // attributes change by this map, as their kinds say
+  std::vector<NamedKind> kinds;     // of all attributes found, in the order of the job's choices
+  // one sentence for each attribute that stays as it is because its kind is unknown
+  std::vector<std::string> kind_notes;
 };
 
-// Sets the placement of a source, and the kinds. Fails as find_kind() does.
+// Sets the maps of a source and finds the kinds of its attributes. Fails as find_kind() does.
 [[nodiscard]] Result<void> place_attributes(AttributeSource& source, const field::Affine& world_from_output,
                                             const field::Affine& output_from_world);
 
-// Without those that only give colours.
+// Returns the kinds without the attributes that only give colors.
 [[nodiscard]] std::vector<NamedKind> written_kinds(const AttributeSource& source);
 
-// How one attribute came to the vertices of a surface.
+// Result of sampling one attribute at the vertices of a surface.
 struct CarriedAttribute {
   std::string name;
-  std::string source;  // what its values are of, for messages: "fire.vdb: temperature"
+  std::string source;  // name of the values' source, for messages: "fire.vdb: temperature"
   std::size_t components = 1;
   AttributeKind kind = AttributeKind::scalar;
-  bool changed = false;  // with the placement of the mesh, as that kind is
+  bool changed = false;  // whether the values were changed with the placement of the mesh, as the kind requires
   std::uint64_t vertices = 0;
-  std::uint64_t outside = 0;       // of dense samples: they have the value at the border
-  std::uint64_t not_finite = 0;    // with a value that is no finite number
-  std::uint64_t out_of_reach = 0;  // of particles: they have the values of the nearest one
+  std::uint64_t outside = 0;     // vertices outside dense samples; they have the value at the data boundary
+  std::uint64_t not_finite = 0;  // vertices whose value is not a finite number
+  // vertices out of every particle's reach; they have the values of the nearest particle
+  std::uint64_t out_of_reach = 0;
 };
 
-// Adds the attributes to the vertices of `mesh`, as float32, and tells how it went. Fails as
-// points::sample_attributes() and field::sample_points() do; the mesh is then without them.
+// Adds the attributes to the vertices of `mesh` as float32, and returns one result for each attribute. Fails as
+// points::sample_attributes() and field::sample_points() do; `mesh` then has none of the attributes.
 [[nodiscard]] Result<std::vector<CarriedAttribute>> add_attributes(const AttributeSource& source, mesh::Mesh& mesh,
                                                                    const Context& context);
 

@@ -35,7 +35,7 @@ bool names_file(const std::string& text) {
   return std::filesystem::exists(status);
 }
 
-// Whether `file` is the path of a file that is not there.
+// Returns whether `file` is a path at which no file exists.
 bool lacks_file(const std::string& file) {
   std::error_code none;
   return !file.empty() && !file.starts_with(field::kDemoPrefix) && !std::filesystem::exists(file, none);
@@ -50,8 +50,8 @@ using GridList = std::vector<volume_io::GridInfo>;
 
 bool is_vector(const volume_io::GridInfo& grid) { return grid.type.starts_with("vec3"); }
 
-// The labels of three scalar grids that are the components of `name`: "vel.x", "vel.y" and "vel.z", as volumes of
-// Houdini are called that were not merged; also with "_" or nothing between. Nothing where they are not all there.
+// Returns the labels of the three scalar grids that are the components of `name`: "vel.x", "vel.y", "vel.z". Houdini
+// names unmerged volumes like that. "_" or nothing may stand in place of ".". Returns nullopt unless all three exist.
 std::optional<std::array<std::string, 3>> grids_of_axes(const GridList& grids, const std::string& name) {
   for (const std::string_view between : {".", "_", ""}) {
     std::array<std::string, 3> labels;
@@ -67,8 +67,8 @@ std::optional<std::array<std::string, 3>> grids_of_axes(const GridList& grids, c
   return std::nullopt;
 }
 
-// Whether the file has no such grid, nor one of vectors of which that would be a part, nor those of its axes. False
-// where it cannot be read.
+// Returns whether the file has neither the grid, nor the vector grid that would contain it, nor the three grids of its
+// components. Returns false if the file cannot be read.
 bool lacks_grid(const SourceOptions& options, const AttributePlace& place, const Context& context) {
   if (!place.grid) return false;
   const bool of_input = is_input_file(place.file, options.input);
@@ -81,7 +81,7 @@ bool lacks_grid(const SourceOptions& options, const AttributePlace& place, const
   return listed && std::ranges::none_of(*listed, is_meant) && !grids_of_axes(*listed, *place.grid);
 }
 
-// How a place is read, and what messages call it.
+// Input and options for reading one attribute, and the name that messages use.
 struct Reading {
   std::string input;
   volume_io::ReadOptions read;
@@ -127,7 +127,7 @@ Result<Reading> reading_of(const SourceOptions& options, const AttributeChoice& 
   return reading;
 }
 
-// A placement of its own beside an input of the same shape may be meant, or the input's may have been corrected.
+// Notes that an attribute of the input's shape states another placement: either may be the wrong one.
 void note_other_place(const field::ScalarField& input, VolumeAttribute& attribute) {
   const field::ScalarField& field = attribute.components.front();
   const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
@@ -138,14 +138,14 @@ void note_other_place(const field::ScalarField& input, VolumeAttribute& attribut
       fmt::format("{} has the shape of {} and states another placement, which was kept", field.source, input.source));
 }
 
-// What a file calls its world: "LPS, mm".
+// Returns the file's name for its world and unit: "LPS, mm".
 std::string world_text(const field::ScalarField& field) {
   std::string text = printable(field.world_space, 40);
   if (field.length_unit.empty()) return text;
   return fmt::format("{}{}{}", text, text.empty() ? "" : ", ", printable(field.length_unit, 40));
 }
 
-// Files of another patient space or unit meet the input where the patient is.
+// Moves an attribute into the input's world if the two files state different patient spaces or units.
 void move_to_world_of(const field::ScalarField& input, VolumeAttribute& attribute) {
   const field::ScalarField& first = attribute.components.front();
   if (attribute.choice.spacing || attribute.choice.origin || first.source == input.source) return;
@@ -156,14 +156,15 @@ void move_to_world_of(const field::ScalarField& input, VolumeAttribute& attribut
   for (field::ScalarField& field : attribute.components) field.index_to_world = map->after(field.index_to_world);
 }
 
-// The grids that hold the components of a vector.
+// The three grids that hold the components of a vector.
 struct VectorGrids {
   std::array<std::string, 3> components;
   std::optional<AttributeKind> stated_kind;
   bool in_voxels = false;
 };
 
-// The grid of vectors that is meant as a whole, or else those of its axes; nothing where a scalar grid is meant.
+// Returns the components of the chosen vector grid, or else the three scalar grids of its axes. Returns nullopt if the
+// choice means a scalar grid.
 Result<std::optional<VectorGrids>> vector_grids(const Reading& reading, const Context& context) {
   const auto listed = TRY(volume_io::list_grids(reading.input, reading.read, context));
   const std::optional<std::string>& wanted = reading.read.grid;
@@ -215,9 +216,9 @@ Result<VolumeAttribute> read_volume_attribute(const SourceOptions& options, cons
   return attribute;
 }
 
-// Options say what is read of the input. Hints at them mislead where it is about an attribute, which has its own.
+// Rewords hints about options of the input as hints about the settings of an attribute, which are different ones.
 Hint hint_of_attribute(Hint hint) {
-  // "{component N}", as rooms name the option of the input, is a setting of the attribute.
+  // Other rooms write "{component N}" for the input's option; an attribute has the setting component=N.
   constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kSettings{
       {{"{component N}", "NAME=FILE:component=N"},
        {"{component length}", "NAME=FILE:component=length"},

@@ -1,21 +1,21 @@
-// Attributes of vertices from volumes: grids of the input, and other files.
+// Vertex attributes from volumes: from grids of the input, and from other files.
 //
-// What AttributeChoice::from says of a volume is
+// AttributeChoice::from has one of these forms:
 //
-//   GRID         a grid of the input, for formats that name their grids: "temperature", or "velocity[x]" and
-//                "velocity[length]" of one of vectors. A grid of vectors as a whole, "velocity", has three components,
-//                and so have scalar grids velocity.x, velocity.y and velocity.z together
-//   FILE         another file with one volume or one scalar grid
-//   FILE[GRID]   a grid of another file
+//    GRID         a grid of the input, if its format names grids: "temperature"; a component of a vector grid,
+//                 "velocity[x]", or its length, "velocity[length]". "velocity" alone means the whole vector grid, with
+//                 three components, or the three scalar grids velocity.x, velocity.y and velocity.z together
+//    FILE         another file with one volume or one scalar grid
+//    FILE[GRID]   a grid of another file
 //
-// It is taken for a file where it has an extension of a format of volumes or is a name like demo:gyroid, where there is
-// a file of that name, and where there is a folder of that name and it has a slash in it. What is not told apart from
-// the attribute's name is a grid of the input whatever files there are.
+// The text counts as a file in three cases: it has the extension or the prefix (demo:) of a volume format; a file of
+// that name exists; a folder of that name exists and the text contains a slash. If `from` equals the attribute's name,
+// it always means a grid of the input.
 //
-// A grid of the input's own file is read with the options of the input, another file with the number of the volume, if
-// it has several and the choice names none, with the order of axes, if it is an array, and with the value for no data.
-// A file that states no spacing and no origin lies on the grid of the input, if it has its shape
-// (volume_io::VolumeBeside). Raw files, which do not say what is in them, and standard input are no other files.
+// A grid of the input's own file is read with the input's read options. Another file takes from the input: the volume
+// number (if it holds several and the choice names none), the axis order (if it is an array) and the no-data value. A
+// file that states no spacing and no origin lies on the input's grid if it has the same dimensions
+// (volume_io::VolumeBeside). Raw files, which do not describe themselves, and standard input cannot be such files.
 #pragma once
 
 #include <filesystem>
@@ -30,20 +30,20 @@
 
 namespace isoextract::convert {
 
-// What a choice names of a volume.
+// The file and the grid that a choice names.
 struct AttributePlace {
-  std::string file;  // another one: its path, or demo:NAME; empty for the input
+  std::string file;  // path of another file, or demo:NAME; empty for the input
   std::optional<std::string> grid;
 };
 [[nodiscard]] AttributePlace attribute_place(const AttributeChoice& choice);
 
-// One attribute of volumes: a field a component.
+// One attribute read from volumes: one field for each component.
 struct VolumeAttribute {
   AttributeChoice choice;
   std::vector<field::ScalarField> components;
-  std::optional<AttributeKind> stated_kind;  // by the file
-  bool in_voxels = false;                    // vectors along the axes of the voxels, in voxels
-  std::vector<std::string> notes;            // what was assumed, a sentence each
+  std::optional<AttributeKind> stated_kind;  // stated by the file
+  bool in_voxels = false;                    // vectors are in index space: along the voxel axes, in voxels
+  std::vector<std::string> notes;            // assumptions made, one sentence each
 };
 
 struct VolumeAttributes {
@@ -51,15 +51,15 @@ struct VolumeAttributes {
   std::vector<MissingAttribute> missing;
 };
 
-// Reads those of a volume, of which `input` is what was read. Fails as read_volume() does, and with ErrorCode::input
-// where the input's format names no grids. A grid or file that is not there is no failure of optional attributes, and
-// with `missing_is_fine` of none.
+// Reads the chosen attributes; `input` is the field that was read from the input. Fails as read_volume() does, and with
+// ErrorCode::input if the input's format has no grids to name. A missing grid or file goes to `missing` for optional
+// attributes, and with `missing_is_fine` for all attributes; otherwise it fails.
 [[nodiscard]] Result<VolumeAttributes> read_volume_attributes(const SourceOptions& options,
                                                               const field::ScalarField& input, bool missing_is_fine,
                                                               const Context& context);
 
-// The other files that attributes of volumes are in and that are there, those that hold samples apart among them. Never
-// reads samples.
+// Returns the existing files that volume attributes are read from, other than the input, including files that hold
+// their samples separately. Reads no samples.
 [[nodiscard]] Result<std::vector<std::filesystem::path>> attribute_files(const SourceOptions& options,
                                                                          const Context& context);
 

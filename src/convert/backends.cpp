@@ -41,13 +41,13 @@ Result<OpenedBackend> open_backend(Backend backend, const gpu::GpuOptions& optio
 // The device that is open now, if any.
 class KeptBackends::Device {
  public:
-  // Opens it where it is not open. Others wait meanwhile, so that one is opened.
+  // Opens the device if it is not open. Other callers wait, so that only one device is opened.
   Result<gpu::DrawingThread> open(const gpu::GpuChoice& choice) {
     const std::lock_guard lock(mutex_);
     return open_locked(choice);
   }
 
-  // Nothing where the CPU is to be taken, and `reason` says why or names the device.
+  // Returns nullopt for the CPU; `reason` then says why, and otherwise names the device.
   std::optional<gpu::DrawingThread> open_automatic(const gpu::GpuChoice& choice, std::string& reason) {
     const std::lock_guard lock(mutex_);
     if (!no_gpu_ || choice != choice_) {
@@ -95,7 +95,7 @@ class KeptBackends::Device {
   int opened_ = 0;
 };
 
-// What a failure leaves behind on a device is not known, so none is trusted after one.
+// A failed extraction leaves the device in an unknown state, so the next conversion opens it anew.
 class KeptBackends::DeviceExtractor final : public extract::Extractor {
  public:
   DeviceExtractor(std::shared_ptr<Device> device, gpu::DrawingThread thread)

@@ -1,4 +1,4 @@
-// Which backend extracts, and opening it.
+// Choosing and opening the backend (CPU or GPU) that extracts.
 #pragma once
 
 #include <array>
@@ -26,20 +26,20 @@ struct BackendChoice {
 
 struct OpenedBackend {
   std::unique_ptr<extract::Extractor> extractor;
-  std::string reason;  // for automatic: "cpu, because ...", "gpu, NAME"; else empty
+  std::string reason;  // for Backend::automatic: "cpu, because ...", "gpu, NAME"; else empty
 };
 
-// cpu cannot fail; gpu fails with ErrorCode::unavailable where there is none, and never turns into the CPU. automatic
-// takes a GPU if there is one that is not software, which is never faster than the CPU backend. A GPU's extractor is
-// used and dropped on the thread that opened it.
+// Opens a backend. cpu never fails. gpu fails with ErrorCode::unavailable if there is no GPU, and never falls back to
+// the CPU. automatic takes a hardware GPU, else the CPU: a software GPU is never faster than the CPU backend. Use and
+// destroy a GPU's extractor on the thread that opened it.
 [[nodiscard]] Result<OpenedBackend> open_backend(Backend backend, const gpu::GpuOptions& options);
 
-// A device that stays open from one run to the next, for runs one after another or side by side: it is opened when the
-// first asks for it, on a thread of its own (gpu/drawing_thread.hpp), and samples that the next frame needs as they are
-// stay on it. Safe to use from several threads.
+// Keeps one GPU device open from one conversion to the next, whether they run in turn or side by side. The first caller
+// opens it, on a thread of its own (gpu/drawing_thread.hpp). Samples that the next frame needs unchanged stay on the
+// device. Safe to use from several threads.
 //
-// An extraction that failed there, for whatever reason, lets go of the device: who works with it goes on with it, and
-// who opens a backend afterwards has it opened anew.
+// After any failed extraction the device is dropped, because its state is unknown. Extractors already opened keep using
+// it; the next open() opens the device anew.
 class KeptBackends {
  public:
   KeptBackends();
@@ -47,11 +47,11 @@ class KeptBackends {
   KeptBackends(const KeptBackends&) = delete;
   KeptBackends& operator=(const KeptBackends&) = delete;
 
-  // As open_backend() does; the extractor may be used on any thread, and outlive this. Where automatic found no GPU it
-  // is not looked for again. Another choice than before is opened in its place.
+  // Opens a backend as open_backend() does. The extractor may be used on any thread and may outlive this object. If
+  // automatic found no GPU, later calls do not search again. A different choice replaces the open device.
   [[nodiscard]] Result<OpenedBackend> open(Backend backend, const gpu::GpuChoice& choice);
 
-  // How often a device was opened so far.
+  // Returns how many times a device was opened so far.
   [[nodiscard]] int devices_opened() const;
 
  private:

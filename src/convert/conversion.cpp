@@ -81,7 +81,7 @@ class Conversion {
   }
 
  private:
-  // Before the input is read: a missing GPU is told at once.
+  // Runs before the input is read, so that a missing GPU is reported at once.
   Result<void> open_backends() {
     outcome_.backend = word_of(job_.backend.backend);
     const Stopwatch watch;
@@ -100,7 +100,7 @@ class Conversion {
     return {};
   }
 
-  // Before the input is read, too.
+  // Runs before the input is read, so that missing tools are reported at once.
   Result<void> open_tools() {
     return volume_io::check_grid_tools(job_.outputs.empty() ? source_.label : job_.outputs.front().path);
   }
@@ -119,7 +119,7 @@ class Conversion {
     return {};
   }
 
-  // From now on.
+  // Uses `backend` for all extractions from now on.
   void extract_with(OpenedBackend backend, const StageTime& time) {
     extractor_ = std::move(backend.extractor);
     outcome_.backend = extractor_->name();
@@ -132,8 +132,8 @@ class Conversion {
     if (!backend.reason.empty()) events_.note("backend: " + backend.reason);
   }
 
-  // Reads a grid of the input, unless it is the one at hand. A grid that several files need is read for each of them:
-  // one is in memory at a time.
+  // Reads a grid of the input, unless it is already loaded. A grid that several files need is read again for each file,
+  // because only one grid is in memory at a time.
   Result<void> open_grid(const std::optional<std::string>& grid) {
     if (opened_ && grid == *opened_) return {};
     opened_.reset();
@@ -158,7 +158,8 @@ class Conversion {
     return check_error_memory(job_, source_, context_);
   }
 
-  // One surface is made, written and let go after the other, where the format allows, and one grid after the other.
+  // Writes one output: makes, writes and frees one surface after another (if the format allows) and one grid after
+  // another.
   Result<void> write(const OutputFileJob& output) {
     std::optional<OutputMeshes> file;
     std::vector<SkippedSurfaces> skipped;
@@ -181,11 +182,11 @@ class Conversion {
       skipped.push_back(skipped_of(isos, std::span<const SurfaceId>(file->ids()).subspan(before)));
     }
     if (!file->written.surfaces.empty()) return finish(*file, skipped);
-    // Of pieces each has a file, and this one is not there.
+    // A surface split into pieces has one file for each piece, so `output` itself names no file.
     return in_pieces ? Result<void>() : leave_out(output, skipped);
   }
 
-  // Makes the surface at one iso value and adds it to the file, as a whole or in pieces.
+  // Extracts the surface at one iso value and adds it to the file, whole or in pieces.
   Result<void> add_surface(const ResolvedIso& iso, OutputMeshes& file, bool& in_pieces) {
     TRY(context_.check());
     auto surface = TRY(make_surface(iso));
@@ -206,7 +207,7 @@ class Conversion {
     return {output, mesh_io::MeshWriter(output.path, write_options(), context_)};
   }
 
-  // As meshes of one file, or each as a file.
+  // Adds the pieces as meshes of one file, or writes each to its own file.
   Result<void> add_pieces(Surface surface, const ResolvedIso& iso, OutputMeshes& file) {
     const std::string& pattern = file.job.path;
     const bool into_files = collector_ == nullptr && pattern.find(kPieceWord) != std::string::npos;
@@ -247,7 +248,7 @@ class Conversion {
             extras_.hash_files};
   }
 
-  // All labels that are asked for, in one look at the samples.
+  // Finds all labels that the job asks for in one pass over the samples.
   Result<void> find_labels() {
     extract::LabelChoice choice;
     for (const ResolvedIso& iso : source_.isos) {
@@ -273,7 +274,7 @@ class Conversion {
                                                 Remedy::allow_empty});
   }
 
-  // Nothing where it is empty and empty surfaces are skipped.
+  // Returns nullopt if the surface is empty and the job skips empty surfaces.
   Result<std::optional<Surface>> make_surface(const ResolvedIso& asked) {
     source_.face_outward(asked.id.figure());
     Surface surface = TRY(extract(asked));
@@ -294,7 +295,7 @@ class Conversion {
     return {all_ids_, open_, extras_.mesh_facts, labels_ ? &looks_ : nullptr};
   }
 
-  // Cut, and compared with the other backend where that is asked for.
+  // Extracts the surface, compares it with the other backend if the job verifies, and clips it.
   Result<Surface> extract(const ResolvedIso& asked) {
     const Stopwatch watch;
     const extract::ExtractOptions options = extract_options_of(job_, source_, asked.id.figure());
@@ -317,10 +318,10 @@ class Conversion {
       const auto record = TRY(
           compare_backends(source_.field, options, method(), surface.mesh, *extractor_, *other_extractor_, context_));
       TRY(volume_io::check_not_lost(source_.field));
-      surface.mesh.edges = {};  // they have done their work
+      surface.mesh.edges = {};  // only the comparison needs them
       TRY(tell(convert::report_of(record, source_.label), events_));
     }
-    std::optional<mesh::Bounds> whole;  // of what there is to cut
+    std::optional<mesh::Bounds> whole;  // bounds before clipping
     if (!source_.clip.empty() && !surface.mesh.triangles.empty()) whole = mesh::measure_bounds(surface.mesh);
     const StageReport clipped = TRY(clip_surface(surface, stage));
     TRY(tell(clipped, events_));
@@ -334,8 +335,8 @@ class Conversion {
     return extraction;
   }
 
-  // Where the choice was the program's, a GPU that cannot do the work is no reason to end: the processor takes over,
-  // and that is told. With verification it is one: nothing would be left to verify.
+  // Falls back to the CPU if automatic chose a GPU that cannot do the work, and notes it. Never when verifying: then
+  // there would be no second backend to compare with.
   bool gave_way(const Error& error) {
     const bool may = job_.backend.backend == Backend::automatic && extractor_->name() == word_of(Backend::gpu) &&
                      other_extractor_ == nullptr;
@@ -401,7 +402,7 @@ class Conversion {
     return {};
   }
 
-  // Of a file without surfaces no time is told.
+  // Without surfaces, no time is reported.
   void tell_written(WrittenOutput output, const OutputFileJob& job, const std::optional<StageTime>& time,
                     std::vector<mesh_io::WrittenFile> files) {
     for (; located_ < outcome_.written.size(); ++located_) {
@@ -448,28 +449,28 @@ class Conversion {
 
   const ConversionJob& job_;
   MeshFileOptions meshes_;
-  const PictureFileOptions* picture_;  // null where none is drawn
+  const PictureFileOptions* picture_;  // null if no picture is drawn
   const Context& context_;
   Outcome& outcome_;
   Recorder events_;
   OutcomeExtras extras_;
-  KeptBackends* kept_backends_;  // null where none are kept
-  MeshCollector* collector_;     // null where files are written
-  files::ReadFiles own_read_;    // where files are written, and nobody says what is read
+  KeptBackends* kept_backends_;  // null if none are kept
+  MeshCollector* collector_;     // null if files are written
+  files::ReadFiles own_read_;    // used if files are written and the caller gave no list of read files
   Source source_;
-  // The grid that source_ was read from; its inner value is empty where none was chosen.
+  // The grid that source_ was read from; the inner optional is empty if the job chose none.
   std::optional<std::optional<std::string>> opened_;
-  std::optional<extract::LabelVoxels> labels_;  // where those are what is asked for
-  std::vector<SurfaceId> all_ids_;              // of the surfaces of this grid
-  LabelLooks looks_;                            // likewise
-  std::size_t output_ = 0;                      // of the job's, which is at hand
-  std::size_t located_ = 0;                     // of Outcome::written: those whose files are known
-  StageTime looking_;                           // at the meshes of the file at hand, for reports
-  bool open_ = false;                           // the surface at hand may have a border
-  std::optional<mesh::Bounds> cut_away_;        // of that surface, where cuts left nothing of it
-  std::vector<LostSurface> lost_;               // of the grid at hand
+  std::optional<extract::LabelVoxels> labels_;  // if the job asks for labels
+  std::vector<SurfaceId> all_ids_;              // surfaces of the current grid
+  LabelLooks looks_;                            // of the same labels
+  std::size_t output_ = 0;                      // index of the current output
+  std::size_t located_ = 0;                     // entries of Outcome::written whose files are known
+  StageTime looking_;                           // time spent measuring meshes of the current file, for reports
+  bool open_ = false;                           // the current surface may have boundary edges
+  std::optional<mesh::Bounds> cut_away_;        // bounds of the current surface before clipping left nothing of it
+  std::vector<LostSurface> lost_;               // of the current grid
   std::unique_ptr<extract::Extractor> extractor_;
-  std::unique_ptr<extract::Extractor> other_extractor_;  // only to verify
+  std::unique_ptr<extract::Extractor> other_extractor_;  // only with verification
 };
 
 }  // namespace

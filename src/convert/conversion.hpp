@@ -1,5 +1,5 @@
-// One conversion: a job in, an outcome out. Prints nothing, throws nothing, and keeps nothing between two runs but what
-// it is given to keep, so that conversions can run side by side, each with a Context of its own.
+// Runs one conversion: takes a job, returns an outcome. Prints nothing and throws nothing. Keeps no state between runs
+// except in the KeptBackends given to it, so conversions can run side by side, each with its own Context.
 #pragma once
 
 #include <functional>
@@ -15,29 +15,27 @@
 
 namespace isoextract::convert {
 
-// What is found out only for who asks, because it takes time.
+// Extra results and settings of a run.
 struct OutcomeExtras {
-  bool mesh_facts =
-      false;  // Outcome::meshes: components, open edges, sizes; longer than the extraction, see reports.md
-  // Returns a note about the field that is read, in words that only the caller has; null: there is none. Every thread
-  // that converts may call it.
+  // Measures each written mesh (StageName::mesh_facts): components, open edges, sizes. Takes longer than extraction.
+  bool mesh_facts = false;
+  // Returns a note about the field that was read, worded by the caller, or nullopt. Null: no such note. Every
+  // converting thread may call it.
   std::function<std::optional<std::string>(const field::ScalarField&)> note_of_field = nullptr;
-  // How the volumes of surface nets are kept, in words that only the caller has: ends the note that relaxing changed
-  // them; empty: there is none.
+  // Caller's advice how to keep the volumes of surface nets; ends the note that relaxing changed them. Empty: no note.
   std::string how_to_keep_volumes = {};
-  // The files of meshes are hashed while they are written (mesh_io::WrittenFile).
+  // Hashes mesh files while writing them (mesh_io::WrittenFile).
   bool hash_files = false;
-  // What is not to be overwritten, the job's own inputs among it; null: those alone.
+  // Files that must not be overwritten, including the job's inputs. Null: only the job's inputs.
   const files::ReadFiles* read = nullptr;
 };
 
-// Runs the job's stages: open a backend, read, and for each file extract, verify, simplify, measure, write. A surface
-// is written as soon as its file's format allows; nothing is left behind of a file that could not be written whole.
-// What went wrong is Outcome::error. `events` are told on this thread. With `kept` the backends are those that it keeps
-// for the runs that share it; what is written does not depend on it.
+// Runs the job's stages: opens a backend, reads, and for each file extracts, verifies, simplifies, measures and writes.
+// Writes each surface as soon as the file format allows, and leaves no partial file behind. Outcome::error says what
+// failed. Calls `events` on this thread. With `kept`, uses its backends; the written files do not depend on it.
 //
-// With a `collector` no file is written: it gets the meshes of each output instead, and Outcome::files stays empty. All
-// else is as it would be for the files that the job names.
+// With a `collector`, writes no file: the collector gets the meshes of each output, and Outcome::files stays empty.
+// Everything else is as if the job's files were written.
 [[nodiscard]] Outcome run(const ConversionJob& job, const Context& context, Events& events,
                           const OutcomeExtras& extras = {}, KeptBackends* kept = nullptr,
                           MeshCollector* collector = nullptr);

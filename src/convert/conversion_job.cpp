@@ -33,7 +33,7 @@ constexpr auto names_of() {
   }
 }
 
-// The members of a structure, of as many as it has names for: another number does not compile.
+// Returns references to all members of a structure. Does not compile if names_of() has another number of names.
 template <Structure T>
 auto members_of(const T& value) {
   constexpr std::size_t kCount = names_of<T>().size();
@@ -59,7 +59,7 @@ auto members_of(const T& value) {
   }
 }
 
-// Members of one class find each other whatever their order.
+// Overloads in a class, so that they find each other in any order.
 struct JobJson {
   template <class E>
   requires std::is_enum_v<E>
@@ -78,7 +78,7 @@ struct JobJson {
   static Json of(const field::Box& box) { return json_of(box); }
   static Json of(const IsoChoice& choice) { return json_of(choice); }
 
-  // A number, "cuda:N" or a name; null is whichever there is.
+  // Returns a number, "cuda:N" or a name; null means any device.
   static Json of(const gl::DeviceChoice& device) {
     if (const auto* index = std::get_if<int>(&device)) return *index;
     if (const auto* cuda = std::get_if<gl::CudaIndex>(&device)) return fmt::format("cuda:{}", cuda->number);
@@ -86,7 +86,7 @@ struct JobJson {
     return nullptr;
   }
 
-  // A number, or "length".
+  // Returns a number, or "length".
   static Json of(const volume_io::ComponentChoice& choice) {
     return choice.number ? Json(*choice.number) : Json("length");
   }
@@ -185,7 +185,7 @@ Json JobJson::of_job(const ConversionJob& job) {
   add("device", job.backend.gpu.device);
   add("gpu_memory", job.backend.gpu.memory_bytes);
   add("empty", job.empty);
-  // Members of all kinds of files: those of kinds that are not written have their defaults.
+  // Every kind of file has its keys; kinds that the job does not write have the defaults or null.
   const MeshFileOptions meshes = job.meshes();
   add("format", meshes.format);
   add("ascii", meshes.ascii);
@@ -218,7 +218,7 @@ MeshFileOptions ConversionJob::meshes() const {
 Json json_of(const ConversionJob& job) { return JobJson::of_job(job); }
 
 std::string hash_of(const ConversionJob& job) {
-  // Not as text, which has no room for paths that are not UTF-8.
+  // Hashes CBOR, not text: JSON text cannot hold paths that are not UTF-8.
   const std::vector<std::uint8_t> bytes = Json::to_cbor(json_of(job));
   return files::content_hash({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }

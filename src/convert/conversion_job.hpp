@@ -1,5 +1,5 @@
-// One conversion as a value: what to read, which surfaces, how they are placed, where they are written. Made of plain
-// values, so that jobs can be compared, stored and hashed; nothing is opened, and defaults are those of the program.
+// One conversion as a value: what to read, which surfaces to extract, how to place them, where to write them. Holds
+// plain values only, so that jobs can be compared, stored and hashed. Opens nothing. The defaults are the program's.
 #pragma once
 
 #include <array>
@@ -31,9 +31,9 @@ namespace isoextract::convert {
 
 enum class Normals {
   none,
-  flat,    // one a triangle
-  smooth,  // at vertices: the field's gradient, as far as it agrees with the triangles (mesh/shading_normals.hpp)
-  area,    // at vertices: of the triangles around, weighted by their areas
+  flat,    // one normal for each triangle
+  smooth,  // at vertices: the field's gradient where it agrees with the triangles (mesh/shading_normals.hpp)
+  area,    // at vertices: area-weighted mean of the adjacent triangles' normals
 };
 constexpr auto words_of(Normals /*type*/) {
   return std::array{Word{Normals::none, "none"}, Word{Normals::flat, "flat"}, Word{Normals::smooth, "smooth"},
@@ -44,34 +44,35 @@ constexpr auto words_of(Normals /*type*/) {
   return normals == Normals::flat || normals == Normals::area;
 }
 
-// What becomes of a surface without triangles.
+// Handling of a surface without triangles.
 enum class EmptyPolicy {
-  error,  // ErrorCode::input
-  skip,   // it is left out; a file without any surface is not written, and an old one of its name is removed
-  write,  // an empty mesh
+  error,  // fails with ErrorCode::no_surface or ErrorCode::empty_grid
+  skip,   // leaves the surface out; a file without any surface is not written, and an old file of that name is removed
+  write,  // writes an empty mesh
 };
 constexpr auto words_of(EmptyPolicy /*type*/) {
   return std::array{Word{EmptyPolicy::error, "error"}, Word{EmptyPolicy::skip, "skip"},
                     Word{EmptyPolicy::write, "write"}};
 }
 
-// How particles become the field that is extracted. A volume needs none of it.
+// How particles become the field that is extracted. Unused for volumes.
 struct ParticleOptions {
   static constexpr std::array kMembers{"expected", "method",  "radius",     "cell_size", "smoothing_length",
                                        "weight",   "deposit", "not_finite", "columns"};
 
-  // The input is of particles: one that could be either is read so, and a volume is refused. Otherwise its content
+  // Reads the input as particles even if it could be a volume too, and refuses a volume. If false, the input's content
   // decides.
   bool expected = false;
   points::Method method = points::Method::sph;
-  std::optional<double> radius;     // of a particle, world units; else by the distances of the particles, and for level
-                                    // sets first of all by points::kRadiusAttributes
-  std::optional<double> cell_size;  // spacing of the samples, in radii; else that of the method
-  double smoothing_length = 2;      // sph, anisotropic, smooth: in radii
-  double weight = 0.1;              // weight: what a particle adds
+  // Particle radius in world units; else estimated from the particles' distances, for level sets first taken from
+  // points::kRadiusAttributes
+  std::optional<double> radius;
+  std::optional<double> cell_size;  // spacing of the samples, in particle radii; else the method's
+  double smoothing_length = 2;      // for sph, anisotropic, smooth; in particle radii
+  double weight = 0.1;              // for weight: the value that each particle adds
   points::Deposit deposit = points::Deposit::trilinear;
   points::BadParticles bad = points::BadParticles::error;
-  std::optional<std::array<std::string, 3>> columns;  // x, y and z: names, or numbers counted from 1
+  std::optional<std::array<std::string, 3>> columns;  // the x, y and z columns: names, or numbers counted from 1
 
   friend bool operator==(const ParticleOptions&, const ParticleOptions&) = default;
 };
@@ -81,34 +82,37 @@ struct FilterStep {
   static constexpr std::array kMembers{"filter", "width"};
 
   volume_io::LevelSetFilter filter = volume_io::LevelSetFilter::gaussian;
-  std::uint64_t width = 1;  // voxels on either side that a value is taken from
+  std::uint64_t width = 1;  // how far the filter reaches, in voxels
 
   friend bool operator==(const FilterStep&, const FilterStep&) = default;
 };
 
-// What is read, what of it is wanted, and where it goes.
+// The input, the part of it that is wanted, and its placement.
 struct SourceOptions {
   std::string input;            // a path, "-" for standard input, or demo:NAME
-  volume_io::ReadOptions read;  // of particles its format, and its volume as the number of a frame
-  // Further grids of the input: their surfaces follow those of read.grid. Each has the same iso values, placement and
-  // filters. Of volumes only.
+  volume_io::ReadOptions read;  // for particles: the format, and `volume` as the number of a frame
+  // Further grids of the input. Their surfaces follow those of read.grid, with the same iso values, placement and
+  // filters. Volumes only.
   std::vector<std::string> more_grids;
   ParticleOptions particles;
-  std::vector<FilterStep> filters;          // of what was read or made, one after the other
-  std::vector<BlurStep> blurs;              // and then these
-  std::vector<AttributeChoice> attributes;  // of the vertices; their names differ
-  std::optional<glm::ivec3> resolution;     // of the grid to extract from, in place of the input's own samples
-  std::optional<glm::dvec3> voxel_size;     // likewise, in the input's world; not with resolution
-  // In place of read.kind: inside is above an iso value that is positive, below one that is negative, and at 0 as the
-  // field has it. Of volumes only.
+  std::vector<FilterStep> filters;          // applied in order to the field that was read or made from particles
+  std::vector<BlurStep> blurs;              // applied in order after the filters
+  std::vector<AttributeChoice> attributes;  // vertex attributes; their names differ
+  // Of the grid to extract from, in place of the input's own samples; not with voxel_size
+  std::optional<glm::ivec3> resolution;
+  std::optional<glm::dvec3> voxel_size;  // likewise, in units of the input's world; not with resolution
+  // Chooses the inside by the sign of the iso value instead of by read.kind: inside is above a positive iso value and
+  // below a negative one. At 0 the field's own kind decides. Volumes only.
   bool away_from_zero = false;
-  field::ResampleKernel kernel = field::ResampleKernel::linear;  // between the input's samples, for that
-  std::optional<field::Box> roi;                                 // in the coordinates of placement.space
-  bool roi_snap = false;                                         // RegionEnds::samples
-  std::vector<ClipPlane> clip;                                   // likewise; of the surfaces, not of the samples
+  field::ResampleKernel kernel = field::ResampleKernel::linear;  // interpolates the input's samples when resampling
+  // Region to extract, in the coordinates of placement.space
+  std::optional<field::Box> roi;
+  bool roi_snap = false;  // RegionEnds::samples instead of RegionEnds::faces
+  // Clips the surfaces, not the samples; in the coordinates of placement.space
+  std::vector<ClipPlane> clip;
   Placement placement;
 
-  // Whether the grid to extract from is another than the input's.
+  // Returns whether the field is extracted from another grid than the input's.
   [[nodiscard]] bool resamples() const { return resolution || voxel_size; }
 
   friend bool operator==(const SourceOptions&, const SourceOptions&) = default;
@@ -121,24 +125,24 @@ struct SurfaceOptions {
   extract::VoxelFaces voxel_faces = extract::VoxelFaces::merged;
   std::uint64_t relaxations = extract::kUsualRelaxations;
 
-  // Whether vertices are moved from the corners of voxels.
+  // Returns whether vertices are moved away from the voxel corners.
   [[nodiscard]] bool relaxes() const { return method == extract::Method::surface_nets && relaxations > 0; }
 
   friend bool operator==(const SurfaceOptions&, const SurfaceOptions&) = default;
 };
 
-// One file to write (glTF: one pair of files), and the surfaces in it.
+// One file to write (for glTF: the .gltf and .bin pair), and the surfaces in it.
 struct OutputFileJob {
   static constexpr std::array kMembers{"path", "iso", "grid"};
 
-  std::string path;  // "-" is standard output; with kPieceWord in it, each piece of the surface has a file
+  std::string path;  // "-" is standard output; if it contains kPieceWord, each piece of the surface gets a file
   std::vector<IsoChoice> isos;
-  std::optional<std::string> grid = {};  // whose surfaces are in it; none: those of all grids
+  std::optional<std::string> grid = {};  // the grid whose surfaces go into the file; nullopt: surfaces of all grids
 
   friend bool operator==(const OutputFileJob&, const OutputFileJob&) = default;
 };
 
-// Meshes of the surfaces.
+// Writes the surfaces as meshes.
 struct MeshFileOptions {
   mesh_io::MeshFormat format = mesh_io::MeshFormat::glb;
   bool ascii = false;
@@ -147,16 +151,16 @@ struct MeshFileOptions {
   friend bool operator==(const MeshFileOptions&, const MeshFileOptions&) = default;
 };
 
-// The field itself, as an OpenVDB file: outputs have no iso values then, and what is about meshes does nothing.
+// Writes the field itself as an OpenVDB file. The outputs then have no iso values, and mesh options have no effect.
 struct FieldFileOptions {
   static constexpr std::array kMembers{"half"};
 
-  bool as_half = false;  // values of 16 bits
+  bool as_half = false;  // stores 16-bit floats
 
   friend bool operator==(const FieldFileOptions&, const FieldFileOptions&) = default;
 };
 
-// A picture of the surfaces, as a PNG file (render/preview.hpp). Its up axis is that of the input's world.
+// Draws the surfaces into a PNG file (render/preview.hpp). The picture's up axis is that of the input's world.
 struct PictureFileOptions {
   static constexpr int kMaxSide = render::PictureSize::kMaxSide;
 
@@ -169,12 +173,12 @@ struct PictureFileOptions {
 
 using FileOptions = std::variant<MeshFileOptions, FieldFileOptions, PictureFileOptions>;
 
-// What labels of a label map are called, and their colours (label_table.hpp).
+// A file with the names and colors of labels (volume_io/label_table.hpp).
 struct LabelTableFile {
   static constexpr std::array kMembers{"path", "hash"};
 
   std::string path;
-  std::string hash;  // of its content, when the job was made
+  std::string hash;  // of the file's content when the job was made
 
   friend bool operator==(const LabelTableFile&, const LabelTableFile&) = default;
 };
@@ -185,36 +189,37 @@ struct ConversionJob {
   Normals normals = Normals::smooth;
   std::optional<ColourChoice> colour;
   std::optional<LabelTableFile> label_names;
-  // Of the surfaces, as many as there are iso values and in their order, each above 0 and at most 1; or one for all.
-  // Empty: they are opaque, unless iso values colour several: then outer ones let inner ones be seen.
+  // Opacities, each above 0 and at most 1: one for all surfaces, or one for each iso value in order. Empty: surfaces
+  // are opaque, except that with several iso values colored by iso value the outer surfaces are translucent.
   std::vector<double> opacity;
   SurfaceEdits edits;
-  std::optional<field::Interpolation> error;  // what the meshes are measured against; nothing: they are not
-  bool verify = false;                        // the other backend is asked as well, and must agree
+  // The interpolant to measure the meshes' error against; nullopt: no measurement
+  std::optional<field::Interpolation> error;
+  bool verify = false;  // extracts with the other backend as well, and fails if the two disagree
   BackendChoice backend;
   EmptyPolicy empty = EmptyPolicy::error;
-  FileOptions file;  // of each output
+  FileOptions file;  // kind and options of all outputs
   std::vector<OutputFileJob> outputs;
 
-  // The options of that kind of file; null where another kind is written.
+  // Returns the options of this kind of file, or null if the job writes another kind.
   template <class Options>
   [[nodiscard]] const Options* writes() const {
     return std::get_if<Options>(&file);
   }
-  // The options of meshes; those of a glb file where the field or a picture is written.
+  // Returns the mesh options, or the default (GLB) options if the job writes the field or a picture.
   [[nodiscard]] MeshFileOptions meshes() const;
 
-  // Of all outputs, in their order.
+  // Returns the iso values of all outputs, in order.
   [[nodiscard]] std::vector<IsoChoice> isos() const;
 
   friend bool operator==(const ConversionJob&, const ConversionJob&) = default;
 };
 
-// Every member by name; what is not set is null. As text it is UTF-8, which paths need not be.
+// Returns every member by name; unset members are null. JSON text is UTF-8, but paths may hold other bytes.
 [[nodiscard]] Json json_of(const ConversionJob& job);
 
-// 32 hexadecimal digits that stand for everything in the job: the same for equal jobs, on every machine and in every
-// run of a version, and different for different ones but for chance. XXH3, 128 bits, of the CBOR of its JSON.
+// Returns 32 hexadecimal digits: XXH3 (128 bits) of the CBOR of the job's JSON. Equal jobs have equal hashes on every
+// machine and in every run of one version of the program; hashes of different jobs differ but for chance.
 [[nodiscard]] std::string hash_of(const ConversionJob& job);
 
 }  // namespace isoextract::convert

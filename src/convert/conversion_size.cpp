@@ -12,7 +12,7 @@
 namespace isoextract::convert {
 namespace {
 
-// Of attributes of vertices: other volumes, where vertices are in the world, the values and a colour.
+// Returns the memory of vertex attributes: other volumes, world positions of vertices, values and a color.
 std::uint64_t attribute_bytes(const Source& source, std::uint64_t vertices) {
   if (!source.attributes) return 0;
   std::uint64_t bytes = 0;
@@ -32,8 +32,9 @@ std::uint64_t attribute_bytes(const Source& source, std::uint64_t vertices) {
   return bytes + vertices * (sizeof(glm::dvec3) + components * sizeof(float) + kColourBytes);
 }
 
-// What simplifying and packing take beside the mesh, one after the other. Their reservations are for the worst meshes
-// and about twice as much; these are fits to the peaks of gyroids of 79,000 to 496,000 vertices.
+// Returns the memory that simplifying or packing takes besides the mesh; they run one after the other, so the larger
+// counts. Their reservations cover the worst case, about twice as much as these fits. The fits are to the measured
+// peaks of gyroids of 79,000 to 496,000 vertices.
 std::uint64_t edit_bytes(const ConversionJob& job, std::uint64_t vertices) {
   constexpr std::uint64_t kMiB = 1 << 20;
   const mesh_io::PackingOptions packing = job.meshes().packing;
@@ -44,21 +45,21 @@ std::uint64_t edit_bytes(const ConversionJob& job, std::uint64_t vertices) {
   return most;
 }
 
-// Estimates the memory that the surfaces of one grid take.
+// Returns the estimated memory of the surfaces of one grid.
 Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::optional<std::string>& grid,
                                      const MemoryBudget& memory) {
   Events unheard;
   const Context context(memory.part());
   const auto source = TRY(open_source(with_grid(job.source, grid), use_of(job), context, unheard));
-  // To make a field of particles takes more than to keep it.
+  // Making a field from particles takes more memory than keeping it.
   std::uint64_t most = source.of_particles ? kProgramBytes + context.memory().peak() : 0;
   if (job.writes<FieldFileOptions>() != nullptr) {
-    // The tree that is written, and the samples that it is made of.
+    // The tree to write, and the samples that it is made from.
     const ConversionSize size = size_of_samples(source.field);
     most = std::max(most, kProgramBytes + size.sample_bytes + size.samples * 2 * sizeof(float));
   }
   for (const ResolvedIso& iso : source.isos) {
-    // Of labels, about all of them together: what is not 0.
+    // For labels, 0.5 estimates the surface around all of them together.
     const ConversionSize size = size_of(source.field, iso.asked.is_label() ? 0.5 : iso.id.iso());
     std::uint64_t bytes = estimated_bytes(size) + attribute_bytes(source, size.vertices);
     std::uint64_t after = edit_bytes(job, size.vertices);
@@ -98,7 +99,7 @@ std::uint64_t estimated_triangles(const ConversionSize& size) { return 2 * size.
 
 std::uint64_t estimated_bytes(const ConversionSize& size) {
   constexpr std::uint64_t kVertexBytes = 2 * sizeof(glm::vec3);  // position and normal
-  constexpr std::uint64_t kPlaceBytes = 400;                     // how to find it, and the numbers of its vertices
+  constexpr std::uint64_t kPlaceBytes = 400;                     // lookup of a block position and its vertex numbers
   return kProgramBytes + kConversionBytes + size.sample_bytes + size.samples / 4 + size.lookup_bytes +
          size.places * kPlaceBytes + size.vertices * kVertexBytes + estimated_triangles(size) * sizeof(glm::uvec3);
 }

@@ -1,4 +1,4 @@
-// How large a conversion is before it is done: estimates for `info` and for dry runs.
+// Estimates of a conversion's size before it runs, for `info` and dry runs.
 #pragma once
 
 #include <cstdint>
@@ -10,32 +10,32 @@
 
 namespace isoextract::convert {
 
-// What a conversion at an iso value has to do with; estimated but for the samples.
+// Sizes of a conversion at one iso value. All but the samples are estimates.
 struct ConversionSize {
-  std::uint64_t samples = 0;  // that are stored
+  std::uint64_t samples = 0;  // stored samples
   std::uint64_t sample_bytes = 0;
-  std::uint64_t lookup_bytes = 0;  // to find sparse blocks by their place
-  std::uint64_t places = 0;        // of sparse samples that the surface passes
+  std::uint64_t lookup_bytes = 0;  // of the lookup table that finds sparse blocks
+  std::uint64_t places = 0;        // block positions of a sparse field that the surface passes through
   std::uint64_t vertices = 0;
 };
 
-// The program itself, on a few threads and without the libraries that plug-ins load.
+// Memory of the program itself, on a few threads and without the libraries that plug-ins load.
 inline constexpr std::uint64_t kProgramBytes = std::uint64_t{14} << 20U;
-// What the conversion of a field touches of it besides: extraction, writers.
+// Memory of a conversion besides the field and the mesh: extraction and writers.
 inline constexpr std::uint64_t kConversionBytes = std::uint64_t{3} << 20U;
 
-// Only of the samples.
+// Returns the sizes of the samples alone.
 [[nodiscard]] ConversionSize size_of_samples(const field::ScalarField& field);
-// And of its surface.
+// Returns the sizes of the samples and of the surface at `iso`.
 [[nodiscard]] ConversionSize size_of(const field::ScalarField& field, double iso);
 
-// The peak of memory: the program itself, the samples, two bits of marks for each, what finds its way among sparse
-// blocks, and the mesh with normals. Within a tenth of what large conversions take, for blocks far apart a fifth.
+// Returns the estimated peak memory: the program, the samples, two bits of marks for each sample, the lookup tables of
+// sparse blocks, and the mesh with normals. Within 10 % for large conversions, 20 % for sparse blocks far apart.
 [[nodiscard]] std::uint64_t estimated_bytes(const ConversionSize& size);
-// A closed surface has about twice as many as vertices.
+// Returns twice the number of vertices, as a closed surface has.
 [[nodiscard]] std::uint64_t estimated_triangles(const ConversionSize& size);
 
-// estimated_bytes() of a job, at its iso value that needs most. Reads the field, and fails as that does.
+// Returns estimated_bytes() of a job at the iso value that needs most. Reads the field, and fails as reading does.
 [[nodiscard]] Result<std::uint64_t> estimated_memory(const ConversionJob& job, const MemoryBudget& memory);
 
 }  // namespace isoextract::convert

@@ -1,5 +1,5 @@
-// What a conversion tells while it works, on the thread that runs it: notes, and the report of each stage that ended.
-// Which stage runs and how far it has come stands in Context::progress(), for all threads to look at.
+// Events of a running conversion: notes, and the report of each finished stage, on the thread that runs the conversion.
+// Context::progress() tells any thread which stage runs and how far it has come.
 #pragma once
 
 #include <string>
@@ -8,13 +8,13 @@
 
 namespace isoextract::convert {
 
-// Every function does nothing unless it is overridden.
+// Override the functions of interest; by default they do nothing.
 class Events {
  public:
   virtual ~Events() = default;
 
-  // Something that was not as one would think: a sentence without its full stop that names no option. Those of a report
-  // are told after it.
+  // Receives a note about something unexpected: a sentence without its full stop that names no option. The notes of a
+  // stage's report follow the report.
   virtual void note(const std::string& /*text*/) {}
   virtual void end(const StageReport& /*report*/) {}
 };

@@ -1,4 +1,4 @@
-// What several commands call a field.
+// The name that commands and messages use for a field.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace isoextract::convert {
 
-// "smoke.vdb[density]", or "head.nrrd" where the format has no grids; printable, whatever the names are.
+// Returns "smoke.vdb[density]", or "head.nrrd" if the format has no grids. Always printable.
 [[nodiscard]] std::string field_label(const field::ScalarField& field);
 
 }  // namespace isoextract::convert

@@ -1,5 +1,5 @@
-// Which surface it is: that at an iso value, or that of a label. And which one is asked for, where the field may
-// decide.
+// Identifies a surface by its iso value or its label (SurfaceId), and a requested surface whose iso value the field may
+// still determine (IsoChoice).
 #pragma once
 
 #include <compare>
@@ -14,7 +14,7 @@
 
 namespace isoextract::convert {
 
-enum class Label : std::int64_t {};  // its number in a label map
+enum class Label : std::int64_t {};  // the number of a label in a label map
 
 class SurfaceId {
  public:
@@ -23,16 +23,16 @@ class SurfaceId {
   SurfaceId(Label label) : of_(label) {}  // NOLINT(google-explicit-constructor)
 
   [[nodiscard]] bool is_label() const { return std::holds_alternative<Label>(of_); }
-  // Each throws where it is the other.
+  // iso() and label() throw std::bad_variant_access if this is the other kind.
   [[nodiscard]] double iso() const { return std::get<double>(of_); }
   [[nodiscard]] std::int64_t label() const { return static_cast<std::int64_t>(std::get<Label>(of_)); }
-  // The iso value, or the label as a number: what reports list.
+  // Returns the iso value, or the label as a number, as reports list it.
   [[nodiscard]] double figure() const { return is_label() ? static_cast<double>(label()) : iso(); }
   [[nodiscard]] std::string text() const;  // "0.3", "5"
   [[nodiscard]] std::string name() const;  // "iso 0.3", "label 5"
 
   friend bool operator==(const SurfaceId&, const SurfaceId&) = default;
-  // NOLINTNEXTLINE(modernize-use-nullptr): there is none
+  // there is no pointer here to replace
   friend auto operator<=>(const SurfaceId&, const SurfaceId&) = default;
 
  private:
@@ -41,15 +41,15 @@ class SurfaceId {
 
 struct IsoChoice {
   enum class Kind {
-    known,       // a number, or the voxels with a number in a label map
-    suggested,   // field::suggest_iso(), of particles the usual value of their method
-    zero,        // 0 of a level set, refused for other fields: what is taken where no iso value is given
-    percentile,  // of the samples that are read: all of them, whatever part or grid is extracted from
+    known,       // a given iso value or label
+    suggested,   // field::suggest_iso(); for particles the usual value of their method
+    zero,        // 0 of a level set; refused for other fields. The default if no iso value is given
+    percentile,  // of all samples that were read, whatever region or resampled grid is extracted from
     all_labels,  // each label of a label map
   };
   Kind kind = Kind::known;
-  SurfaceId id;            // of a known one; an iso value is finite
-  field::Percent percent;  // of a percentile
+  SurfaceId id;            // of Kind::known; an iso value is finite
+  field::Percent percent;  // of Kind::percentile
 
   IsoChoice() = default;
   IsoChoice(double iso) : id(iso) {}  // NOLINT(google-explicit-constructor): numbers are the rule
@@ -61,13 +61,13 @@ struct IsoChoice {
 
   [[nodiscard]] bool is_number() const { return kind == Kind::known && !id.is_label(); }
   [[nodiscard]] bool is_label() const { return kind == Kind::all_labels || id.is_label(); }
-  // Whether the field that is read decides which value that is.
+  // Returns whether the iso value has to be found in the field.
   [[nodiscard]] bool is_found() const {
     return kind == Kind::suggested || kind == Kind::zero || kind == Kind::percentile;
   }
 
   friend bool operator==(const IsoChoice&, const IsoChoice&) = default;
-  // NOLINTNEXTLINE(modernize-use-nullptr): there is none
+  // there is no pointer here to replace
   friend auto operator<=>(const IsoChoice&, const IsoChoice&) = default;
 
  private:
@@ -75,16 +75,16 @@ struct IsoChoice {
       : kind(chosen), id(known), percent(share) {}
 };
 
-// "0.3", "auto", "zero", "p99.9", "label 5", "all labels": the shortest text.
+// Returns the shortest text: "0.3", "auto", "zero", "p99.9", "label 5", "all labels".
 [[nodiscard]] std::string text_of(const IsoChoice& choice);
 
-// The same as a part of a file's name: of a label its number.
+// Returns text_of() as part of a file name; for a label its number alone.
 [[nodiscard]] std::string name_part_of(const IsoChoice& choice);
 
-// A number as one, else the word.
+// Returns a number for an iso value, else the text.
 [[nodiscard]] Json json_of(const IsoChoice& choice);
 
-// "auto", "zero", or "p" and a Percent. Nothing for other words, numbers among them.
+// Parses "auto", "zero" or "p" and a Percent. Returns nullopt for other words and for numbers.
 [[nodiscard]] std::optional<IsoChoice> iso_choice_of(std::string_view word);
 
 }  // namespace isoextract::convert

@@ -1,4 +1,4 @@
-// JSON whose members keep their order, declared alone. Sources that make or read JSON include convert/json_values.hpp.
+// Declares the JSON type (members keep their order). Sources that make or read JSON include convert/json_values.hpp.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -5,7 +5,7 @@
 namespace isoextract::convert {
 namespace {
 
-// Codes of one exit code have one kind.
+// Returns one kind for each exit code.
 std::string_view kind_of(ErrorCode code) {
   switch (code) {
     case ErrorCode::usage: return "usage";
@@ -22,7 +22,7 @@ std::string_view kind_of(ErrorCode code) {
   return "cancelled";
 }
 
-// Tells codes of one kind apart.
+// Returns a word that tells apart error codes of one kind, or null.
 Json reason_of(ErrorCode code) {
   switch (code) {
     case ErrorCode::empty_grid: return "empty_grid";

@@ -1,4 +1,4 @@
-// Values of the rooms below as JSON, the same in every document that the program writes.
+// JSON of the values of other rooms, the same in every document that the program writes.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,7 @@
 
 namespace isoextract::convert {
 
-// null where there is none
+// Returns null for nullopt.
 template <class T>
 [[nodiscard]] Json optional_json(const std::optional<T>& value) {
   return value ? Json(*value) : Json(nullptr);
@@ -26,17 +26,17 @@ template <class T>
 
 [[nodiscard]] Json json_of(const glm::dvec3& v);         // [x, y, z]
 [[nodiscard]] Json json_of(const field::Box& box);       // {"min": [x, y, z], "max": [x, y, z]}
-[[nodiscard]] Json json_of(const field::IndexBox& box);  // likewise; null if it is empty
-[[nodiscard]] Json json_of(const field::Affine& map);    // three rows of four numbers: the matrix, then the offset
+[[nodiscard]] Json json_of(const field::IndexBox& box);  // likewise; null if the box is empty
+[[nodiscard]] Json json_of(const field::Affine& map);    // three rows of four numbers: linear part, then offset
 [[nodiscard]] Json json_of(const Error& error);          // kind, exit_code, reason (or null), message, hint
 [[nodiscard]] Json json_of(const StageTime& time);       // wall_seconds, cpu_seconds
-// What connectivity and size tell of a mesh; genus and volume are null unless it is closed.
+// Returns topology and size; genus and volume are null unless the mesh is closed.
 [[nodiscard]] Json json_of(const mesh::Topology& topology, const mesh::MeshSize& size);
 
-// A document as text. Names of files and grids may be in any encoding, JSON is UTF-8: every other byte becomes U+FFFD.
-// Numbers that are not finite become null. A terminal that shows the text obeys nothing in it (printable_json()).
+// Returns the document as text. JSON is UTF-8, but names of files and grids may not be: each byte that is not UTF-8
+// becomes U+FFFD. Numbers that are not finite become null. The text is safe to print on a terminal (printable_json()).
 [[nodiscard]] std::string json_text(const Json& document);
-// The same as one line without its end.
+// Returns the same as one line without a line end.
 [[nodiscard]] std::string json_line(const Json& document);
 
 }  // namespace isoextract::convert

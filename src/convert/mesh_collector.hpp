@@ -1,4 +1,4 @@
-// Collects the meshes of a conversion where they are not written to its files.
+// Collects the meshes of a conversion instead of writing them to files.
 #pragma once
 
 #include <optional>
@@ -12,19 +12,19 @@
 namespace isoextract::convert {
 
 struct MeshCollector {
-  // Set by the caller. Whether the conversion first checks that it may write the job's files, to which the meshes go
-  // later; and whether it hands over its source, with samples that are right also away from the surfaces.
+  // Set by the caller. The conversion first checks that it may write the job's files; the caller writes them later.
   bool checks_files = true;
+  // Set by the caller. The conversion hands over its source, whose samples are right away from the surfaces too.
   bool wants_source = false;
 
-  // The surfaces of all outputs, in the order of these, as they would be written: placed, simplified, verified. Those
-  // that EmptyPolicy::skip leaves out are not among them, and no old file is removed. Where there are several iso
-  // values, each mesh is named after its own. The meshes keep what they have reserved.
+  // The surfaces of all outputs in order, finished as if they were written: placed, simplified, verified. Surfaces that
+  // EmptyPolicy::skip leaves out are missing, and no old file is removed. With several iso values, each mesh is named
+  // after its own. The meshes keep their memory reservations.
   std::vector<mesh::Mesh> meshes = {};
-  std::vector<SurfaceId> ids = {};    // one a mesh
-  mesh_io::MeshPacking packing = {};  // how they are to be packed
-  std::string placement = {};         // mesh_io::MeshWriteOptions has it
-  std::optional<Source> source = {};  // of the surfaces, where it was asked for and the conversion did not fail
+  std::vector<SurfaceId> ids = {};    // of each mesh
+  mesh_io::MeshPacking packing = {};  // how the meshes are to be packed
+  std::string placement = {};         // see mesh_io::MeshWriteOptions::placement
+  std::optional<Source> source = {};  // the surfaces' source, if wants_source and the conversion succeeded
 };
 
 }  // namespace isoextract::convert

@@ -25,7 +25,7 @@ bool has_vertex_normals(const ConversionJob& job) {
   return job.normals == Normals::smooth || job.normals == Normals::area;
 }
 
-// The box of samples on whose faces caps stand, if there are any.
+// Returns the box of samples whose faces the caps lie on, or nullopt without caps.
 std::optional<field::IndexBox> capped_box(const field::ScalarField& field, const extract::ExtractOptions& extracted) {
   if (!extracted.cap) return std::nullopt;
   if (!std::holds_alternative<field::DenseSamples>(field.samples)) return extracted.region;
@@ -34,8 +34,8 @@ std::optional<field::IndexBox> capped_box(const field::ScalarField& field, const
   return field::IndexBox{glm::max(all.min, extracted.region->min), glm::min(all.max, extracted.region->max)};
 }
 
-// The faces of the capped box by number, from 1 on, and then the planes of capped cuts: in which of them a triangle
-// lies with all its corners, 0 for none.
+// Numbers the cap plane that contains a whole triangle: 1 to 6 for the faces of the capped box, 7 and up for the planes
+// of capped cuts, 0 for none.
 class CapFaces {
  public:
   CapFaces(const mesh::Mesh& mesh, const field::Affine& output_from_index, const std::optional<field::IndexBox>& box,
@@ -45,7 +45,7 @@ class CapFaces {
         index_from_local_(glm::inverse(output_from_index.linear)),
         offset_(index_from_local_ * (mesh.origin - output_from_index.offset)),
         box_(box) {
-    // Vertices that are on no face are twice as far from each as this at least (extract/edge_geometry.hpp).
+    // Vertices off the faces are at least twice this tolerance away from each face (extract/edge_geometry.hpp).
     const float farthest = mesh::farthest_coordinate(mesh.positions.span());
     constexpr double kRoundings = 4 * 0x1p-24;
     for (int axis = 0; axis < 3; ++axis) {
@@ -56,7 +56,7 @@ class CapFaces {
   }
 
   [[nodiscard]] std::uint8_t operator()(const glm::uvec3& triangle) const {
-    unsigned on = box_ ? 0x3F : 0;  // a bit a face
+    unsigned on = box_ ? 0x3F : 0;  // one bit for each face
     for (int corner = 0; corner < 3 && on != 0; ++corner) {
       on &= faces_at(offset_ + index_from_local_ * glm::dvec3(mesh_.positions[triangle[corner]]));
     }
@@ -64,7 +64,7 @@ class CapFaces {
   }
 
  private:
-  // The last number stands for all further planes.
+  // Number 255 stands for all further planes.
   [[nodiscard]] std::uint8_t cut_of(const glm::uvec3& triangle) const {
     for (std::size_t cut = 0; cut < cuts_.size(); ++cut) {
       bool in = true;
@@ -90,11 +90,11 @@ class CapFaces {
   glm::dmat3 index_from_local_;
   glm::dvec3 offset_;
   std::optional<field::IndexBox> box_;
-  glm::dvec3 tolerance_{0.0};  // voxels
-  double cut_tolerance_ = 0;   // of the mesh's coordinates
+  glm::dvec3 tolerance_{0.0};  // in voxels
+  double cut_tolerance_ = 0;   // in the mesh's coordinates
 };
 
-// Makes the normals fit the triangles, where they are to.
+// Fits the normals to the triangles if the job has vertex normals.
 Result<StageReport> fit_normals(Surface& surface, const StageContext& stage) {
   const ConversionJob& job = stage.job;
   const Source& source = stage.source;
@@ -139,7 +139,7 @@ bool copies_vertices(const ConversionJob& job) {
 
 Result<StageReport> shade_surface(Surface& surface, const StageContext& stage) {
   if (stage.facts.recorded) {
-    // Only for reports: finding components and open edges takes longer than to extract the mesh.
+    // For reports only: finding components and open edges takes longer than extracting the mesh.
     const Stopwatch watch;
     surface.facts = TRY(mesh_facts(surface, stage.context));
     surface.looking += watch.elapsed();

@@ -1,5 +1,4 @@
-// The stage that makes normals fit the triangles that are written: those of caps, of simplified meshes, and where they
-// are asked for of the triangles.
+// The stage that fits vertex normals to the written triangles: on caps, on simplified meshes, and with Normals::area.
 #pragma once
 
 #include "base/context.hpp"
@@ -11,13 +10,13 @@
 
 namespace isoextract::convert {
 
-// Triangles of simplified meshes whose planes turn by more than this have a crease between them.
+// Simplified meshes get a crease where neighboring triangle planes differ by more than this angle.
 constexpr double kCreaseDegrees = 30;
 
-// Whether vertices may be copied for their normals.
+// Returns whether the normals stage may duplicate vertices, to give each copy another normal.
 [[nodiscard]] bool copies_vertices(const ConversionJob& job);
 
-// Whether a surface that was extracted so may have a border.
+// Returns whether a surface extracted with these options and this result may have boundary edges.
 [[nodiscard]] bool may_be_open(const extract::ExtractStats& stats, const extract::ExtractOptions& extracted);
 
 }  // namespace isoextract::convert

@@ -51,7 +51,7 @@ std::string details_of(const PackedMesh& mesh) {
   return text;
 }
 
-// Returns the shortest side of a voxel in the mesh, where `output_from_index` puts it.
+// Returns the length of a voxel's shortest edge in output coordinates.
 double shortest_side(const field::Affine& output_from_index) {
   const glm::dmat3& sides = output_from_index.linear;
   return std::min({glm::length(sides[0]), glm::length(sides[1]), glm::length(sides[2])});
@@ -64,7 +64,7 @@ mesh_io::MeshPacking mesh_packing(const mesh_io::PackingOptions& options, const 
   if (!options.packs()) return packing;
   const field::IndexBox extents = source.field.extents();
   if (extents.empty()) return packing;
-  // Surfaces of sparse fields pass between active voxels and the background beside them.
+  // Surfaces of sparse fields pass between active voxels and the background, up to one voxel outside the extents.
   const field::Box samples{glm::dvec3(extents.min) - 1.0, glm::dvec3(extents.max) + 1.0};
   const field::Box box = field::image_of(source.output_from_index, samples);
   packing.box = mesh::Bounds{box.min, box.max};

@@ -1,4 +1,4 @@
-// The packing of meshes: what the field gives to it, and what it did, in voxels too.
+// Packing of meshes into files: parameters that come from the field, and a report with distances in voxels too.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@ namespace isoextract::convert {
 
 struct Source;
 
-// Of a mesh that was packed into its file.
+// Result of packing one mesh into its file.
 struct PackedMesh {
   std::string surface = {};  // "fire.vdb iso 0.5"
   SurfaceId id;
@@ -20,7 +20,8 @@ struct PackedMesh {
 };
 [[nodiscard]] StageReport report_of(const PackedMesh& mesh);
 
-// The box is that of the whole volume, whatever region is extracted, so that regions of one volume meet.
+// Returns the packing parameters. The quantization box covers the whole volume whatever region is extracted, so that
+// meshes of regions of one volume meet.
 [[nodiscard]] mesh_io::MeshPacking mesh_packing(const mesh_io::PackingOptions& options, const Source& source);
 
 }  // namespace isoextract::convert

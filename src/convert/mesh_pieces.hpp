@@ -1,4 +1,4 @@
-// The pieces of a surface: where they are told from each other, and as meshes of their own.
+// Pieces of a surface: the vertex sites that tell pieces apart, and splitting a mesh into a mesh for each piece.
 #pragma once
 
 #include <cstddef>
@@ -14,17 +14,19 @@ namespace isoextract::convert {
 
 struct Source;
 
-// The corners of voxels from which the vertices of surface nets were moved, each within its cell: sides of shells are
-// those of the samples, whatever relaxation made of thin ones. Vertices on planes of source.clip have no such place and
-// keep their own. Nothing (empty) of other methods, whose vertices are where the field puts them.
+// Returns for each vertex of a surface net the voxel corner that it was relaxed from, always inside its cell. With
+// these sites, inside and outside of shells follow the samples, even where relaxation collapsed thin parts.
+//
+// Vertices on planes of source.clip keep their own position, because they come from no corner. Returns an empty result
+// for other methods, which place vertices by the field.
 [[nodiscard]] Result<edit::Sites> voxel_sites(const mesh::Mesh& mesh, const Source& source,
                                               const SurfaceOptions& surface, const Context& context);
 
-// The pieces as meshes, called "NAME piece 1" and so on; of an empty mesh that alone, and nothing into files. Fails as
-// edit::split_pieces() does.
+// Splits the mesh into its pieces, named "NAME piece 1" and so on. An empty mesh gives one empty mesh, or none if
+// `into_files`. Fails as edit::split_pieces() does.
 [[nodiscard]] Result<std::vector<mesh::Mesh>> split_mesh(mesh::Mesh mesh, bool into_files, const Context& context);
 
-// The name of the file of a piece, counted from 1; `pattern` has kPieceWord in it.
+// Returns the file name of a piece, counted from 1: replaces each kPieceWord in `pattern` by the number.
 [[nodiscard]] std::string piece_path(std::string pattern, std::size_t number);
 
 }  // namespace isoextract::convert

@@ -13,7 +13,7 @@ namespace {
 
 using convert::json_of;
 
-// The job, and what is made of it for readers of the document.
+// Returns the job as JSON, with its iso values and units in the form that readers of the report use.
 Json options_of(const ConversionJob& job, std::uint64_t memory_limit) {
   Json json = json_of(job);
   json["iso"] = Json::array();
@@ -62,7 +62,7 @@ Json entries_of(const Outcome& outcome, StageName stage) {
   return array;
 }
 
-// Work on the input; that of an extraction is told in its entry.
+// Returns the work on the input. The work of an extraction is in its own entry.
 Json work_of(const Outcome& outcome) {
   Json array = Json::array();
   for (const StageReport& report : outcome.reports) {
@@ -72,7 +72,7 @@ Json work_of(const Outcome& outcome) {
   return array;
 }
 
-// The input, and what is known of it and of its place.
+// Adds the input, its particles, its placement and the iso values.
 void add_input(const Outcome& outcome, Json& json) {
   Json inputs = entries_of(outcome, StageName::read);
   json["input"] = inputs.empty() ? Json(nullptr) : inputs.front();

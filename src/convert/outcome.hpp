@@ -1,7 +1,8 @@
-// What one conversion did, and the document that `--report FILE.json` writes of it. docs/report.schema.json describes
-// it; the two change together, and kSchemaVersion rises where a reader of the old document would misread the new one.
+// The outcome of one conversion, and the JSON report of it (`--report FILE.json`). docs/report.schema.json describes
+// the report and must change with it. Raise kReportSchemaVersion if a reader of the old report would misread the new
+// one.
 //
-// The sections are those of the stages (stages.hpp).
+// The report has one section for each stage with StageInfo::section (stages.hpp).
 #pragma once
 
 #include <cstdint>
@@ -18,44 +19,45 @@ namespace isoextract::convert {
 
 inline constexpr int kReportSchemaVersion = 1;
 
-// What of a surface went to one of the outputs, after all that changes it; pieces in files of their own are one each.
+// One surface in one output, after all edits. Pieces with files of their own are one entry each.
 struct WrittenSurface {
   SurfaceId id;
-  std::size_t output = 0;  // of the job's
+  std::size_t output = 0;  // index into the job's outputs
   std::uint64_t triangles = 0;
-  // The range of Outcome::files that holds it; empty until they are written.
+  // The range of Outcome::files that holds the surface; empty until they are written.
   std::size_t first_file = 0;
   std::size_t files = 0;
-  std::string grid = {};  // where the job has several
+  std::string grid = {};  // set if the job has several grids
 };
 
-// What a conversion did, or how far it came before it failed.
+// What a conversion did, up to the failure if it failed.
 struct Outcome {
-  std::string backend;  // "cpu" or "gpu"; if it could not be opened, what was asked for; empty if that was not tried
-  std::string device;   // the processor's or the GPU's name; empty if it could not be opened
+  // "cpu" or "gpu"; the requested backend if it could not be opened; empty if opening was not tried
+  std::string backend;
+  std::string device;  // name of the processor or GPU; empty if the backend could not be opened
   int threads = 0;
   std::vector<StageReport> reports;  // in the order in which the stages ran
   StageTime total;
   std::uint64_t bytes_read = 0;
-  std::uint64_t bytes_uploaded = 0;   // to a device; 0 on the CPU
+  std::uint64_t bytes_uploaded = 0;   // to a GPU; 0 on the CPU
   std::uint64_t peak_memory = 0;      // of the process
-  std::uint64_t reserved_memory = 0;  // the most that this conversion reserved at a time
+  std::uint64_t reserved_memory = 0;  // peak of this conversion's reservations
   std::vector<WrittenSurface> written;
   std::vector<mesh_io::WrittenFile> files;
-  bool empty_picture = false;  // there are surfaces, and a picture shows none of them
+  bool empty_picture = false;  // the picture shows none of the surfaces, although there are some
   std::vector<std::string> notes;
   std::optional<Error> error;  // why the conversion failed
 
   [[nodiscard]] bool done() const { return !error; }
-  // The first report of the stage with figures; null where there is none.
+  // Returns the first report of the stage that has figures, or null.
   [[nodiscard]] const StageReport* first(StageName stage) const;
-  // Of all stages, in their order.
+  // Returns the times of all stages, in order.
   [[nodiscard]] std::vector<StageReport::Part> times() const;
 };
 
-// The report's document. `job` is null where the options gave none, which is why the outcome failed. `arguments` are
-// the words of the command line without the program, `memory_limit` the budget's; `hint` is the outcome's hint in
-// words, which only the command line has.
+// Returns the report. `job` is null if the options failed before they gave a job. `arguments` are the words of the
+// command line without the program. `memory_limit` is in bytes. `hint` is the outcome's hint, worded by the command
+// line.
 [[nodiscard]] Json report_of(const ConversionJob* job, const Outcome& outcome,
                              const std::vector<std::string>& arguments, std::uint64_t memory_limit,
                              const std::string& hint);

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Whether a piece of an output could be this file.
+// Returns whether this file could be the file of one of the output's pieces.
 bool may_be_piece(const fs::path& file, const OutputFileJob& output, mesh_io::MeshFormat format) {
   const auto place = [](const fs::path& path) {
     std::error_code none;
@@ -39,7 +39,7 @@ bool may_be_piece(const fs::path& file, const OutputFileJob& output, mesh_io::Me
   return false;
 }
 
-// Takes an old file away, and gives its name in a list of those; empty where it stays.
+// Removes or renames an old file, and returns the name to list; empty if the file stays.
 using TakeFile = std::function<Result<std::string>(const fs::path&)>;
 
 Result<std::string> remove_file(const fs::path& file) {
@@ -92,7 +92,7 @@ void add_read_files(files::ReadFiles& read, const ConversionJob& job, const Cont
   const std::string& input = job.source.input;
   read.add(input, "is the input");
   if (job.label_names) read.add(job.label_names->path, "has the names of labels");
-  if (files::is_standard_input(input)) return;  // all is in it
+  if (files::is_standard_input(input)) return;  // standard input has no other files
   const auto inputs = list_source_files(job.source, context.beside());
   if (!inputs) return;
   for (const fs::path& file : *inputs) read.add(file, "holds the samples of the input");
@@ -100,14 +100,14 @@ void add_read_files(files::ReadFiles& read, const ConversionJob& job, const Cont
 
 void add_read_mesh(files::ReadFiles& read, const std::string& path, const Context& context) {
   read.add(path, "is the input");
-  if (files::is_standard_input(path)) return;  // data files lie beside a file
+  if (files::is_standard_input(path)) return;  // only a file can have data files beside it
   const fs::path folder = fs::path(path).parent_path();
   for (const std::string& data : mesh_io::data_file_names(path, context.beside())) {
     read.add(folder / data, fmt::format("holds the data of {}", path));
   }
 }
 
-// Devices and pipes are left alone: opening a pipe twice would end it for its reader.
+// Does not open devices and pipes: opening a pipe twice would end it for its reader.
 Result<void> check_output_file(const fs::path& path, const files::ReadFiles& read) {
   TRY(read.check(path));
   std::error_code none;

@@ -1,4 +1,4 @@
-// Finding out before the work whether its results could be written at its end.
+// Checks before the work whether its results can be written, and handling of old output files.
 #pragma once
 
 #include <filesystem>
@@ -13,49 +13,49 @@
 
 namespace isoextract::convert {
 
-// The files that a job writes for one of its outputs: glTF is two, the model first.
+// Returns the files that a job writes for one output: for glTF two, the model first.
 [[nodiscard]] std::vector<std::filesystem::path> mesh_files(const OutputFileJob& output, mesh_io::MeshFormat format);
 
-// Removes those that are there, and names them: an old file of that name would pass for what this run made, among the
-// frames of a sequence for example. Data that the old model does not name may be anybody's, and stays.
+// Removes the output's old files and returns their names, because an old mesh would pass for a result of this run. A
+// glTF data file stays unless the old model names it: it may belong to something else.
 [[nodiscard]] Result<std::vector<std::string>> remove_old_meshes(const OutputFileJob& output,
                                                                  mesh_io::MeshFormat format, const Context& context);
 
-// The same for pieces that an earlier run had more of: those of the numbers from `first` on, up to the first that is
-// not there, that is a link, that is read, or that isoextract does not seem to have written. `output` has kPieceWord in
-// its name.
+// Removes the files of pieces from number `first` on, left by an earlier run that had more pieces. Stops at the first
+// number whose file is missing, is a link, is read by this run, or was not written by isoextract. The name of `output`
+// contains kPieceWord.
 [[nodiscard]] Result<std::vector<std::string>> remove_old_pieces(const OutputFileJob& output, std::size_t first,
                                                                  mesh_io::MeshFormat format,
                                                                  const files::ReadFiles& read, const Context& context);
 
-// "a and b", or "a to z" of more than two names, of which there is at least one.
+// Returns "a and b", or "a to z" for more than two names. `names` is not empty.
 [[nodiscard]] std::string first_and_last(const std::vector<std::string>& names);
 
-// Gives the files of an earlier run other names (files::set_aside_old_file) in place of removing them, and lists the
-// new ones: an old mesh must not pass for one of this run. `output` may have kPieceWord in its name. Files that are
-// read and those in `spared` stay.
+// Renames the output's old files (files::set_aside_old_file) instead of removing them, and returns the new names. An
+// old mesh must not pass for a result of this run. The name of `output` may contain kPieceWord. Files that are read and
+// files in `spared` keep their names.
 [[nodiscard]] Result<std::vector<std::string>> set_aside_old_meshes(const OutputFileJob& output,
                                                                     mesh_io::MeshFormat format,
                                                                     const files::ReadFiles& read,
                                                                     std::span<const mesh_io::WrittenFile> spared,
                                                                     const Context& context);
 
-// The input, those that hold its samples or attributes apart, and the job's others. What cannot be told of an input is
-// an error when it is read.
+// Adds the job's input, the files that hold its samples or attributes, and the job's other input files. If an input
+// cannot be examined, nothing fails here; reading it fails later.
 void add_read_files(files::ReadFiles& read, const ConversionJob& job, const Context& context);
-// A mesh, and its data where those are files of their own.
+// Adds a mesh file and its data files.
 void add_read_mesh(files::ReadFiles& read, const std::string& path, const Context& context);
 
-// Another file that goes with the job, its report for example: writable, and neither read nor a mesh of the job, nor
-// where that goes.
+// Checks that `file`, which the job writes besides its meshes (its report, for example), is writable, and is neither
+// read nor one of the job's mesh files.
 [[nodiscard]] Result<void> check_other_file(const std::filesystem::path& file, const ConversionJob& job,
                                             const Context& context);
 
-// The files of one of the outputs, or of a piece of it, standard output apart: as check_output_file().
+// Checks the files of one output, or of one piece of it, as check_output_file() does. Standard output passes.
 [[nodiscard]] Result<void> check_mesh_files(const OutputFileJob& output, mesh_io::MeshFormat format,
                                             const files::ReadFiles& read);
 
-// A file that is written at the end: writable, and not read. Fails with ErrorCode::usage and ErrorCode::output.
+// Checks that a file written at the end is writable and not read. Fails with ErrorCode::usage or ErrorCode::output.
 [[nodiscard]] Result<void> check_output_file(const std::filesystem::path& path, const files::ReadFiles& read);
 
 }  // namespace isoextract::convert

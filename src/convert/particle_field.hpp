@@ -1,4 +1,4 @@
-// From particles to the field that is extracted, by the method that was asked for.
+// Makes the field to extract from particles, by the chosen method.
 #pragma once
 
 #include <optional>
@@ -10,9 +10,9 @@
 
 namespace isoextract::convert {
 
-// By points::make_field() or, for level sets, volume_io::spheres_to_field(); fails as these do. `only_iso` is
-// FieldOptions::leave_out_inside. Where particles are too small for their spheres to be sampled, that is told in the
-// field's notes, and ErrorCode::input where all of them are.
+// Makes the field by points::make_field() or, for level sets, by volume_io::spheres_to_field(); fails as they do.
+// `only_iso` is FieldOptions::leave_out_inside. Spheres too small to be sampled are left out and counted
+// (FieldFigures::particles_too_small); fails with ErrorCode::input if all are too small.
 [[nodiscard]] Result<points::ParticleField> make_particle_field(const points::ParticleSet& particles,
                                                                 const ParticleOptions& options,
                                                                 std::optional<double> only_iso, const Context& context);

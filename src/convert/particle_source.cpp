@@ -16,7 +16,7 @@ namespace {
 
 using Format = std::optional<particle_io::ParticleFormatDescription>;
 
-// What is said of a volume and means nothing of particles.
+// Rejects options of volumes, which have no effect on particles.
 Result<void> check_no_volume_options(const SourceOptions& options, const Format& format) {
   const volume_io::ReadOptions& read = options.read;
   const bool names_other_grid = read.grid && !(format && format->has_grids);
@@ -52,7 +52,7 @@ Result<bool> is_particles(const SourceOptions& options, const Context& context) 
     if (!detected) return tl::unexpected(std::move(detected.error()));
     particles = std::move(*detected);
   }
-  // Where a file may hold grids of both, its content says what it is of, or the name of the grid that is asked for.
+  // If the format holds both volume and point grids, the content or the chosen grid's name decides.
   if (volume && !expected && !(particles && particles->has_grids)) return false;
   if (!particles && volume) {
     return fail(ErrorCode::usage,
@@ -60,7 +60,7 @@ Result<bool> is_particles(const SourceOptions& options, const Context& context) 
                             files::shown_input_name(options.input)),
                 Remedy::leave_out_particles);
   }
-  if (!particles && !expected) return false;  // where it is expected, the reader says best what it is not
+  if (!particles && !expected) return false;  // the reader's message says best what the file is not
   TRY(check_no_volume_options(options, particles));
   return true;
 }

@@ -1,4 +1,4 @@
-// Inputs that are particles: told from volumes, read, and made a field.
+// Inputs made of particles: telling them from volumes, reading them, and the options to make a field from them.
 #pragma once
 
 #include <cstdint>
@@ -17,42 +17,45 @@
 
 namespace isoextract::convert {
 
-// Whether the input is read as particles: where that is expected, and else where its content or, of formats that only
-// their names tell, its name says so. Volumes come first, but for files of points alone in a format that holds both,
-// and for sets of points in one that are chosen by name. Fails with ErrorCode::usage where particles are expected and
-// the input is a volume, and where it is of particles and options are about volumes; and where it cannot be read.
+// Returns whether the input is read as particles: because the options say so, else by its content, or by its name for
+// formats that only the name identifies. A file that could be both is a volume, with two exceptions: files that hold
+// only points, and point grids that the options choose by name.
+//
+// Fails with ErrorCode::usage if particles are expected and the input is a volume, or if the input is particles and
+// options for volumes are set. Fails if the input cannot be read.
 [[nodiscard]] Result<bool> is_particles(const SourceOptions& options, const Context& context);
 
-// list_input_files() or count_volumes(), of particles the file and its frames. Files that attributes are read from are
-// among them.
+// Returns the files of the input, and the number of its volumes or of its particle frames. Files that attributes are
+// read from are included.
 [[nodiscard]] Result<std::vector<std::filesystem::path>> list_source_files(const SourceOptions& options,
                                                                            const Context& context);
 [[nodiscard]] Result<std::uint64_t> count_frames(const SourceOptions& options, const Context& context);
 
-// How such an input is read. With `missing_is_fine` its attributes need not be there; optional ones never need.
+// Returns the read options. With `missing_is_fine` no attribute has to exist; optional attributes never have to.
 [[nodiscard]] particle_io::ParticleReadOptions particle_read_options(const SourceOptions& options,
                                                                      bool missing_is_fine = false);
-// How it becomes a field. `only_iso` is FieldOptions::leave_out_inside.
+// Returns the options to make a field. `only_iso` is FieldOptions::leave_out_inside.
 [[nodiscard]] points::FieldOptions field_options(const ParticleOptions& options, std::optional<double> only_iso);
 
-// Particles that are kept for the attributes of vertices.
+// Particles kept in memory for the vertex attributes.
 struct ParticleAttributes {
   points::ParticleSet particles;
   std::vector<AttributeChoice> choices;
-  std::vector<std::size_t> attributes;  // of the particles, one a choice
+  std::vector<std::size_t> attributes;  // indices into the particles' attributes, one for each choice
   double radius = 0;
   double smoothing_length = 0;
 };
 
-// Where the attributes are that were chosen.
+// The chosen attributes that exist and those that do not.
 struct FoundAttributes {
   std::vector<AttributeChoice> choices;
-  std::vector<std::size_t> attributes;  // of the particles, one a choice
+  std::vector<std::size_t> attributes;  // indices into the particles' attributes, one for each choice
   std::vector<MissingAttribute> missing;
 };
 
-// Fails with ErrorCode::input where an attribute has more components than a vertex can carry or is not there, unless it
-// is optional or `missing_is_fine`, and with ErrorCode::usage where a choice is about volumes.
+// Finds the chosen attributes. Fails with ErrorCode::input if an attribute has more components than a vertex can carry,
+// or does not exist and is neither optional nor covered by `missing_is_fine`. Fails with ErrorCode::usage if a choice
+// has settings for volumes.
 [[nodiscard]] Result<FoundAttributes> find_attributes(const points::ParticleSet& particles,
                                                       const std::vector<AttributeChoice>& choices,
                                                       bool missing_is_fine);

@@ -48,7 +48,7 @@ Result<WrittenPicture> write_picture(std::span<const mesh::Mesh> meshes, const P
   std::vector<render::Surface> surfaces;
   for (const mesh::Mesh& mesh : meshes) surfaces.push_back(surface_of(mesh));
   render::PreviewOptions options;
-  const auto side = [](std::int64_t pixels) {  // one that is out of range stays so
+  const auto side = [](std::int64_t pixels) {  // keeps sizes out of range, which draw_preview() rejects
     return static_cast<int>(std::clamp<std::int64_t>(pixels, 0, PictureFileOptions::kMaxSide + 1));
   };
   options.size = {side(picture.width), side(picture.height)};

@@ -1,4 +1,4 @@
-// The stage that draws the surfaces, in place of writing them as meshes.
+// The stage that draws the surfaces into a picture instead of writing meshes.
 #pragma once
 
 #include <cstdint>
@@ -16,27 +16,28 @@
 
 namespace isoextract::convert {
 
-// How a picture shows a mesh: by its material, its vertices' colours, and its normals where it has some. The mesh is
-// lent.
+// Returns how to draw a mesh: with its material, its vertex colors, and its normals if it has them. Keeps a pointer to
+// `mesh`.
 [[nodiscard]] render::Surface surface_of(const mesh::Mesh& mesh);
 
 [[nodiscard]] render::UpAxis shown_up(UpAxis up);
 
-// The picture is lent.
+// The image refers to the memory of `picture`.
 [[nodiscard]] image_io::LightImage light_of(const render::Picture& picture);
 
-// Whole or not at all; gives the bytes of the file. Fails as image_io::write_png() does, and with ErrorCode::output.
+// Writes a PNG file, completely or not at all, and returns its size in bytes. Fails as image_io::write_png() does, and
+// with ErrorCode::output.
 [[nodiscard]] Result<std::uint64_t> write_png(const std::string& path, const render::Picture& picture,
                                               const Context& context);
 
 struct WrittenPicture {
   mesh_io::MeshWriteResult written;
-  bool misses_surfaces = false;  // there are some, and the camera sees none of them
+  bool misses_surfaces = false;  // there are surfaces, but the camera sees none of them
 };
 
-// Draws `meshes`, which are placed so, on the processor, the same picture for any number of threads, and writes it to
-// `output`, whole or not at all. A note tells where it misses all surfaces. Fails as render::draw_preview() does, and
-// with ErrorCode::output.
+// Draws `meshes`, placed by `placement`, on the CPU and writes the picture to `output`, completely or not at all. The
+// picture is the same for any number of threads. Adds a note if the picture shows none of the surfaces. Fails as
+// render::draw_preview() does, and with ErrorCode::output.
 [[nodiscard]] Result<WrittenPicture> write_picture(std::span<const mesh::Mesh> meshes,
                                                    const PictureFileOptions& picture, const Placement& placement,
                                                    const OutputFileJob& output, const Context& context);

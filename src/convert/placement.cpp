@@ -18,26 +18,26 @@ constexpr std::array kUnits{LengthUnit{"angstrom", 1e2}, LengthUnit{"nm", 1e3}, 
                             LengthUnit{"in", 25.4e9},    LengthUnit{"ft", 304.8e9}};
 constexpr std::size_t kMetre = 5;
 
-// What files call a unit, in lower case and without the s of a plural. The micro sign has two characters in Unicode.
+// Names of units in files, in lower case and without the plural s. Unicode has two characters for the micro sign.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 20> kOtherNames{
     {{"å", "angstrom"},    {"Å", "angstrom"},    {"nanometer", "nm"},  {"nanometre", "nm"},  {"µm", "um"},
      {"μm", "um"},         {"micron", "um"},     {"micrometer", "um"}, {"micrometre", "um"}, {"millimeter", "mm"},
      {"millimetre", "mm"}, {"centimeter", "cm"}, {"centimetre", "cm"}, {"meter", "m"},       {"metre", "m"},
      {"inch", "in"},       {"inche", "in"},      {"\"", "in"},         {"foot", "ft"},       {"feet", "ft"}}};
 
-constexpr std::size_t kMaxShownUnit = 80;  // characters of what a file says
+constexpr std::size_t kMaxShownUnit = 80;  // characters of the file's text shown in messages
 
 constexpr double kVoxelTolerance = 1e-6;
-constexpr double kAxisTolerance = 1e-6;  // of an axis' length
+constexpr double kAxisTolerance = 1e-6;  // relative to the axis length
 
-// The field's extents in world or voxel coordinates.
+// Returns the field's extents in world or voxel coordinates.
 field::Box bounds_in(const field::ScalarField& field, Space space) {
   const field::IndexBox extents = field.extents();
   return field::image_of(given_from_index(field, space), {glm::dvec3(extents.min), glm::dvec3(extents.max)});
 }
 
-// The signs of x and y in RAS coordinates, by what the file calls its world; none where that is no anatomical space.
-// NIfTI's name stands in nifti_reader.cpp; NRRD's are those of its format definition, and may end in "-time".
+// Returns the signs of x and y that convert the file's world to RAS, or nullopt if it is no anatomical space. The names
+// come from nifti_reader.cpp and from the NRRD format definition, in which they may end in "-time".
 std::optional<glm::dvec2> ras_signs(std::string_view world_space) {
   if (world_space.starts_with("RAS") || world_space.starts_with("right-anterior-superior")) return glm::dvec2(1, 1);
   if (world_space.starts_with("LAS") || world_space.starts_with("left-anterior-superior")) return glm::dvec2(-1, 1);
@@ -45,13 +45,13 @@ std::optional<glm::dvec2> ras_signs(std::string_view world_space) {
   return std::nullopt;
 }
 
-// Where samples are: sparse ones are everywhere, for the background is a value like any other.
+// Returns the box of all samples. A sparse field has no bounds: samples outside the blocks have the background value.
 field::IndexBox sample_box(const field::ScalarField& field) {
   if (std::holds_alternative<field::DenseSamples>(field.samples)) return field.extents();
   return {glm::ivec3(-field::kMaxSparseIndex), glm::ivec3(field::kMaxSparseIndex)};
 }
 
-// The unit that the file states, where that one is asked for.
+// Returns the placement with the unit that the file states, if kUnitOfFile was requested.
 Result<Placement> with_unit_of_file(const field::ScalarField& field, const Placement& placement) {
   Placement with_unit = placement;
   if (placement.unit != kUnitOfFile) return with_unit;
@@ -72,7 +72,7 @@ Result<Placement> with_unit_of_file(const field::ScalarField& field, const Place
   return with_unit;
 }
 
-// What a placement does to the coordinates that `map` leads to, without ResolvedPlacement::moved_by.
+// Returns `map` followed by the placement's scale, mirroring and turn, but not ResolvedPlacement::moved_by.
 field::Affine placed_after(const field::Affine& map, const ResolvedPlacement& resolved) {
   const Placement& placement = resolved.placement;
   field::Affine placed = field::scaling(glm::dvec3(placement.scale)).after(map);
@@ -150,7 +150,7 @@ Result<field::IndexBox> samples_in_box(const field::ScalarField& field, const fi
   const glm::dvec3 last(stored.max);
   field::IndexBox samples;
   for (int axis = 0; axis < 3; ++axis) {
-    // Clipped as doubles: the box may reach further than an int.
+    // Clamped as doubles, because the box may exceed the range of int.
     const double low =
         covering ? std::floor(wanted.min[axis] + kVoxelTolerance) : std::ceil(wanted.min[axis] - kVoxelTolerance);
     const double high =
@@ -171,7 +171,7 @@ Result<field::IndexBox> samples_in_box(const field::ScalarField& field, const fi
 
 namespace {
 
-// The faces of a box as planes, the two of an axis after each other.
+// Returns the faces of a box as planes, lower and upper face of each axis in turn.
 std::vector<ClipPlane> faces_of(const field::Box& box) {
   std::vector<ClipPlane> faces;
   for (int axis = 0; axis < 3; ++axis) {
@@ -183,8 +183,8 @@ std::vector<ClipPlane> faces_of(const field::Box& box) {
   return faces;
 }
 
-// Those of the faces of `roi` that lie between the outermost samples of the region, whose axes run along those of the
-// box, and not on one. `kept` becomes the part of the region in the box, in index coordinates.
+// Returns the faces of `roi` that lie inside the region but not on a sample plane. The sample axes are parallel to
+// those of `roi`. Reduces `kept` to the part of the region inside `roi`, in index coordinates.
 std::vector<ClipPlane> faces_between_samples(const field::Affine& given_from_index, const field::Box& roi,
                                              field::Box& kept) {
   const field::Box wanted = field::image_of(given_from_index.inverse(), roi);
@@ -207,8 +207,8 @@ std::vector<ClipPlane> faces_between_samples(const field::Affine& given_from_ind
   return cuts;
 }
 
-// Sets the region of `placed`, and where surfaces are cut. Returns the part of the samples that is kept, in index
-// coordinates; of oblique axes all that cover the box.
+// Sets the region of `placed` and its cuts. Returns the part of the samples that is kept, in index coordinates; with
+// oblique axes all samples that cover `roi`.
 Result<field::Box> take_region(const field::ScalarField& field, const field::Box& roi, RegionEnds ends,
                                PlacedField& placed) {
   const Space space = placed.placement.placement.space;

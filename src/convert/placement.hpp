@@ -1,4 +1,4 @@
-// Where the mesh goes: from samples to output coordinates, and from a world box to samples.
+// Placement: the transform from sample indices to output coordinates, and from a box in the world to samples.
 #pragma once
 
 #include <array>
@@ -19,10 +19,10 @@ constexpr auto words_of(Space /*type*/) { return std::array{Word{Space::world, "
 
 enum class UpAxis { y, z };
 constexpr auto words_of(UpAxis /*type*/) { return std::array{Word{UpAxis::y, "y"}, Word{UpAxis::z, "z"}}; }
-// The axis that points up in what a program makes, by the name that its files give; none where that is not known.
+// Returns the up axis of the program that wrote a file, by the creator name in the file; nullopt if unknown.
 [[nodiscard]] std::optional<UpAxis> up_axis_of(std::string_view creator);
 
-// The axes that scans of bodies are stored in: x to the right or the left, y to the front or the back, z to the head.
+// Coordinate systems of medical scans: x to the patient's right or left, y to anterior or posterior, z superior.
 enum class AnatomicalSpace { ras, lps };
 constexpr auto words_of(AnatomicalSpace /*type*/) {
   return std::array{Word{AnatomicalSpace::ras, "ras"}, Word{AnatomicalSpace::lps, "lps"}};
@@ -30,100 +30,104 @@ constexpr auto words_of(AnatomicalSpace /*type*/) {
 
 struct LengthUnit {
   std::string_view name;
-  double picometres;  // a whole number, so that ratios of units are rounded once
+  double picometres;  // a whole number, so that unit ratios are rounded only once
 };
 [[nodiscard]] std::span<const LengthUnit> length_units();
 [[nodiscard]] const LengthUnit& metre();
-// The unit that files call so: "mm", "millimeters", "Microns", ...
+// Finds a unit by a name that files use: "mm", "millimeters", "Microns", ...
 [[nodiscard]] std::optional<LengthUnit> find_length_unit(std::string_view text);
 
-// What lengths in `from` are multiplied by to be in `to`.
+// Returns the factor that converts lengths from unit `from` to unit `to`.
 [[nodiscard]] double unit_ratio(const LengthUnit& from, const LengthUnit& to);
 
-// In place of a unit's name: the one that the file states.
+// Placement::unit with this value means the unit that the file states.
 inline constexpr std::string_view kUnitOfFile = "file";
 
-// What happens between the samples' indices and the coordinates in the file.
+// The requested transform from sample indices to the coordinates in the output file.
 struct Placement {
   Space space = Space::world;
-  UpAxis up = UpAxis::z;                    // of the input's world
-  bool turn_z_up_to_y_up = false;           // (x, y, z) -> (x, z, -y)
-  bool turn_y_up_to_z_up = false;           // (x, y, z) -> (x, -z, y); not both
-  double scale = 1;                         // for place_field() to find with kUnitOfFile
-  std::string unit;                         // of the input's world, or kUnitOfFile; empty if none was named
-  std::string to_unit;                      // that `scale` converts it to; empty with `unit`, or to stay in the file's
-  std::optional<AnatomicalSpace> to_space;  // that the world's axes are mirrored into, before they are turned
-  bool center = false;  // last, the middle of the samples is moved to the origin: of the region, or else of the field's
-                        // extents; not in Space::index
+  UpAxis up = UpAxis::z;           // up axis of the input's world
+  bool turn_z_up_to_y_up = false;  // (x, y, z) -> (x, z, -y)
+  bool turn_y_up_to_z_up = false;  // (x, y, z) -> (x, -z, y); not both
+  double scale = 1;                // place_field() sets it if the unit is kUnitOfFile
+  std::string unit;                // unit of the input's world, or kUnitOfFile; empty if none was given
+  // Unit of the output, which `scale` converts to; empty if `unit` is empty, or to keep the file's unit
+  std::string to_unit;
+  std::optional<AnatomicalSpace> to_space;  // mirrors the world's axes into this space, before the turn
+  // Finally moves the center of the samples to the origin: of the region, else of the field's extents. Not in
+  // Space::index.
+  bool center = false;
 
   friend bool operator==(const Placement&, const Placement&) = default;
 };
 
-// The same where the field is known.
+// A placement whose open values are resolved for one field.
 struct ResolvedPlacement {
-  Placement placement;       // with the unit in place of kUnitOfFile, and its scale
-  glm::dvec2 signs{1.0};     // that x and y are multiplied by, for Placement::to_space
-  glm::dvec3 moved_by{0.0};  // for Placement::center, in output coordinates
+  Placement placement;       // with the actual unit in place of kUnitOfFile, and its scale
+  glm::dvec2 signs{1.0};     // factors of x and y for Placement::to_space
+  glm::dvec3 moved_by{0.0};  // shift for Placement::center, in output coordinates
 
-  // From the input's world, or from voxel coordinates in Space::index, to the output.
+  // Returns the map from the input's world (in Space::index: from voxel coordinates) to output coordinates.
   [[nodiscard]] field::Affine output_from_world() const;
 
   friend bool operator==(const ResolvedPlacement&, const ResolvedPlacement&) = default;
 };
 
-// To the coordinates that regions and planes are given in.
+// Returns the map from sample indices to the coordinates in which the options give regions and planes.
 [[nodiscard]] const field::Affine& given_from_index(const field::ScalarField& field, Space space);
 
-// From the world of one field to that of another, where both say which patient space they are in (RAS, LAS or LPS), or
-// both state units of length: mirrored axes, other units. Nothing where the worlds are the same or a field does not
-// say.
+// Returns the map from the world of `from` to the world of `to`: mirrored axes if both name a patient space (RAS, LAS
+// or LPS), scaling if both state a length unit. Returns nullopt if the worlds are the same or a field states neither.
 [[nodiscard]] std::optional<field::Affine> map_between_worlds(const field::ScalarField& from,
                                                               const field::ScalarField& to);
 
-// The field's extents in world coordinates.
+// Returns the field's extents in world coordinates.
 [[nodiscard]] field::Box world_bounds(const field::ScalarField& field);
 
-// True if every axis of the samples runs along an axis of the world.
+// Returns whether every sample axis is parallel to a world axis.
 [[nodiscard]] bool is_axis_aligned(const field::Affine& index_to_world);
 
-// Which part of a surface is kept: the points p with dot(normal, p) >= offset.
+// A half-space to keep: the points p with dot(normal, p) >= offset.
 struct ClipPlane {
   static constexpr std::array kMembers{"normal", "offset"};
 
-  glm::dvec3 normal{0, 0, 1};  // of any length but 0
+  glm::dvec3 normal{0, 0, 1};  // any length but 0
   double offset = 0;
 
   friend bool operator==(const ClipPlane&, const ClipPlane&) = default;
 };
 
-// Where the surfaces of a region end.
+// Where surfaces end at the sides of a region.
 enum class RegionEnds {
-  faces,    // at the faces of its box: surfaces are cut there where no sample is on a face
-  samples,  // at samples: the region is the box of those within it; oblique to it, of those that cover it
+  faces,  // at the faces of the box: surfaces are cut at faces that lie between samples
+  // At samples: the region is the box of samples inside the box; if the axes are oblique, of samples that cover the box
+  samples,
 };
 
-// The samples of `field` in `box` (world or voxel coordinates, as `space` says), to a millionth of a voxel: the
-// smallest index box that holds them all; or, `covering` the box, that holds all cells that it touches. Fails with
-// ErrorCode::input if that is less than one cell of the data.
+// Returns the smallest index box that holds all samples of `field` in `box`. With `covering`, the box that holds all
+// cells that `box` touches. `box` is in world or voxel coordinates, as `space` says; the tolerance is 1e-6 voxels.
+// Fails with ErrorCode::input if the result is less than one cell of the data.
 [[nodiscard]] Result<field::IndexBox> samples_in_box(const field::ScalarField& field, const field::Box& box,
                                                      Space space, bool covering = false);
 
-// A field's place in the output, and what of it is wanted.
+// A field's placement in the output, and its region.
 struct PlacedField {
   ResolvedPlacement placement;
   field::Affine output_from_index;
   std::optional<field::IndexBox> region;
-  std::vector<ClipPlane> cuts;     // faces of the box asked for within the region, where surfaces are to be cut
-  std::vector<std::string> notes;  // what of the box asked for could not be taken as it is
+  std::vector<ClipPlane> cuts;     // the faces of the requested box inside the region, at which surfaces are to be cut
+  std::vector<std::string> notes;  // about the parts of the request that could not be met exactly
 };
 
-// A region is a box in the coordinates of Placement::space. A note tells where it ends at samples that are not on its
-// faces. Fails with ErrorCode::usage where an anatomical space or a unit is asked for and the file does not say which
-// one its world is, where the scale leads out of the range of numbers, and as samples_in_box does.
+// Resolves the placement and the region, which `roi` gives in the coordinates of Placement::space. Adds a note if the
+// region ends at samples that are not on the faces of `roi`.
+//
+// Fails with ErrorCode::usage if an anatomical space or unit is requested and the file does not state its own, and if
+// the scale leaves the range of numbers. Fails as samples_in_box() does.
 [[nodiscard]] Result<PlacedField> place_field(const field::ScalarField& field, const Placement& placement,
                                               const std::optional<field::Box>& roi, RegionEnds ends);
 
-// "(0, 0, 0) .. (1, 2, 3)"
+// Returns "(0, 0, 0) .. (1, 2, 3)".
 [[nodiscard]] std::string box_text(const field::Box& box);
 
 }  // namespace isoextract::convert

@@ -22,7 +22,7 @@ std::string_view turn_text(const Placement& placement) {
   return placement.turn_z_up_to_y_up ? kZToY : placement.turn_y_up_to_z_up ? kYToZ : "";
 }
 
-// The text under `key`; empty where there is none. False where it is something else.
+// Reads the text under `key`, which stays unchanged if the key is missing. Returns false if the value is not text.
 bool read_text(const Json& json, const char* key, std::string& text) {
   const auto found = json.find(key);
   if (found == json.end()) return true;
@@ -68,13 +68,13 @@ bool is_known_unit(const std::string& name) {
   return name.empty() || (unit && unit->name == name);
 }
 
-// Far from what numbers can be, so that what is undone stays finite.
+// Returns whether the values are far enough from the limits of double that undoing the placement stays finite.
 bool can_be_undone(const ResolvedPlacement& record) {
   constexpr double kMost = 1e30;
   return record.placement.scale > 1 / kMost && record.placement.scale < kMost && glm::length(record.moved_by) < kMost;
 }
 
-// Of units that are known, or none.
+// Returns the ratio of the two units, which are known or empty; 1 if they are empty.
 double scale_of_units(const Placement& placement) {
   const auto from = find_length_unit(placement.unit);
   const auto to = find_length_unit(placement.to_unit);
@@ -102,10 +102,10 @@ std::string record_text(const ResolvedPlacement& resolved, mesh_io::MeshFormat f
   const Placement& placement = resolved.placement;
   const std::string kinds = kinds_text(attributes);
   const std::string end = kinds.empty() ? "}" : fmt::format(R"(,"attributes":{}}})", kinds);
-  // As text: the library's documents lose memory where there is none for one of their members.
+  // Built as text: JSON documents of the library leak memory if allocating a member fails.
   if (placement.space == Space::index) return fmt::format(R"({{"space":"{}"{})", word_of(Space::index), end);
   if (kinds.empty() && resolved == usual_placement(mesh_io::is_gltf(format))) return {};
-  // The header of STL has 80 bytes: what follows from the rest is left out there.
+  // The header of STL has 80 bytes, so STL leaves out what follows from the other values.
   const bool is_short = format == mesh_io::MeshFormat::stl;
   const std::string_view turned = turn_text(placement);
   std::string text = is_short && !turned.empty() ? "" : fmt::format(R"("up":"{}")", word_of(placement.up));

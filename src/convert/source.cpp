@@ -26,7 +26,7 @@ namespace {
 StageReport report_of_reading(const std::string& input, const field::ScalarField& field, const StageTime& time) {
   const field::IndexBox box = field.extents();
   const std::size_t size = field::sample_size(field.type());
-  std::uint64_t samples = 0;  // all of them, or the active voxels
+  std::uint64_t samples = 0;  // all samples, for sparse fields the active voxels
   std::uint64_t stored = 0;
   const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
   if (dense != nullptr) {
@@ -64,7 +64,7 @@ StageReport report_of_reading(const std::string& input, const field::ScalarField
   return report;
 }
 
-// The unit that was asked for, else that of the input where the mesh has its lengths.
+// Returns the requested unit, else the input's unit if the mesh keeps the input's lengths.
 std::string unit_of_lengths(const Placement& placement, const field::ScalarField& field) {
   if (!placement.to_unit.empty()) return placement.to_unit;
   const bool as_in_file = placement.space == Space::world && placement.unit.empty() && placement.scale == 1;
@@ -86,7 +86,7 @@ StageReport report_of_placing(const PlacedField& placed, const field::ScalarFiel
   return report;
 }
 
-// The voxels that came of those asked for, where they are not the same but for rounding.
+// Notes the actual voxel size if it differs from the requested one by more than rounding.
 void tell_voxel_size(const glm::dvec3& asked, const field::ScalarField& grid, Events& events) {
   const glm::dmat3& axes = grid.index_to_world.linear;
   const glm::dvec3 made(glm::length(axes[0]), glm::length(axes[1]), glm::length(axes[2]));
@@ -98,7 +98,7 @@ void tell_voxel_size(const glm::dvec3& asked, const field::ScalarField& grid, Ev
                   field_label(grid), made.x, made.y, made.z, asked.x, asked.y, asked.z));
 }
 
-// Where all labels of a map have meshes: tells those of which a coarser grid has no sample.
+// Notes the labels that are lost because the coarser grid has no sample of them. For jobs that ask for all labels.
 void tell_lost_labels(const field::ScalarField& map, const field::ScalarField& grid, const Context& context,
                       Events& events) {
   std::vector<double> labels = field::distinct_values(map, &context.progress());
@@ -119,7 +119,7 @@ void tell_lost_labels(const field::ScalarField& map, const field::ScalarField& g
   events.end(report);
 }
 
-// The grid of another resolution takes the place of the data.
+// Replaces the field by one resampled at the requested resolution.
 Result<void> change_resolution(const SourceOptions& options, const SourceUse& use, const Context& context,
                                Events& events, Source& source) {
   const Stopwatch watch;
@@ -138,7 +138,7 @@ Result<void> change_resolution(const SourceOptions& options, const SourceUse& us
   return context.check();
 }
 
-// The iso values of what was read.
+// Reports the iso values that were found in the field.
 void tell_isos(const std::optional<StageTime>& time, Events& events, const Source& source) {
   if (std::ranges::all_of(source.isos, [](const ResolvedIso& iso) { return !iso.asked.is_found(); })) return;
   StageReport report = report_on(StageName::statistics, field_label(source.field));
@@ -187,7 +187,7 @@ Result<void> read_volume_field(const SourceOptions& options, const SourceUse& us
   return {};
 }
 
-// Of optional attributes; others are no fault where there is no surface.
+// Notes missing optional attributes. Missing others fail later, and only if there is a surface.
 void tell_missing(const std::vector<MissingAttribute>& missing, const std::string& label, Events& events) {
   for (const MissingAttribute& attribute : missing) {
     if (!attribute.choice.optional) continue;
@@ -199,14 +199,14 @@ void tell_missing(const std::vector<MissingAttribute>& missing, const std::strin
   }
 }
 
-// The name of a file without what comes after the point that begins its extension, and without .gz.
+// Returns the file name without .gz and without its extension.
 std::string stem_of_file(const std::string& input) {
   std::filesystem::path path(input);
   if (path.extension() == ".gz") path = path.stem();
   return path.stem().string();
 }
 
-// The stage that reads particles, and the one that makes a field of them.
+// Runs two stages: reads particles, and makes a field from them.
 Result<void> read_particle_field(const SourceOptions& options, const SourceUse& use, const Context& context,
                                  Events& events, Source& source) {
   source.isos =
@@ -316,10 +316,10 @@ SourceUse use_of(const ConversionJob& job) {
   use.keep_data = job.error.has_value();
   use.isos = job.isos();
   use.empty_is_fine = job.empty != EmptyPolicy::error;
-  // The extractor finds them then, within its region.
+  // With NanPolicy::error the extractor finds spread NaN samples, and only those in its region.
   if (job.surface.nan == extract::NanPolicy::error && job.writes<FieldFileOptions>() == nullptr)
     use.nan = field::NanSamples::spread;
-  // Voxels are whole: a part of one is no surface of the method.
+  // Methods with whole voxels cannot cut a voxel at a face of the region.
   if (job.source.roi_snap || extract::method_info(job.surface.method).traits.always_closed)
     use.region_ends = RegionEnds::samples;
   if (use.isos.size() != 1 || job.error || job.source.resamples()) return use;

@@ -1,4 +1,4 @@
-// The stage that reads: a field, on the grid that was asked for, and its place in the output.
+// The stage that opens the input: reads the field, resamples it if asked to, and places it in the output.
 #pragma once
 
 #include <optional>
@@ -16,54 +16,55 @@
 
 namespace isoextract::convert {
 
-// read_volume(), with its notes told.
+// Calls read_volume() and reports its notes.
 [[nodiscard]] Result<field::ScalarField> read_field(const std::string& input, const volume_io::ReadOptions& options,
                                                     const Context& context, Events& events);
 
 struct Source {
-  field::ScalarField field;                // to extract from
-  std::optional<field::ScalarField> data;  // what was read, where `field` was made of it and the data were asked for
+  field::ScalarField field;  // to extract from
+  // The field as read, if `field` was made from it and SourceUse::keep_data is set
+  std::optional<field::ScalarField> data;
   ResolvedPlacement placement;
   field::Affine output_from_index;
   std::optional<field::IndexBox> region;
-  std::vector<mesh::HalfSpace> clip;  // what of the surfaces is kept, in their coordinates: clip_mesh()
-  std::vector<ResolvedIso> isos;      // one for each that was asked for
-  std::string label;                  // what messages call it
-  bool empty = false;                 // what was read has no voxels, or no particles
+  std::vector<mesh::HalfSpace> clip;  // half-spaces that keep the surfaces, in output coordinates: clip_surface()
+  std::vector<ResolvedIso> isos;      // one for each requested iso value
+  std::string label;                  // name in messages
+  bool empty = false;                 // the input has no voxels or no particles
   bool of_particles = false;
-  std::optional<field::FieldKind> kind_at_zero;  // SourceOptions::away_from_zero: what the field itself has
-  std::optional<AttributeSource> attributes;     // of the vertices, where some were asked for
+  std::optional<field::FieldKind> kind_at_zero;  // with SourceOptions::away_from_zero: the field's own kind
+  std::optional<AttributeSource> attributes;     // of the vertices, if the job asks for some
 
-  // Where `empty`.
+  // Says why `empty` is set.
   [[nodiscard]] const char* why_empty() const {
     return of_particles ? "there are no particles" : "the grid is empty: it has no voxels";
   }
 
-  // Before a surface is extracted: the field, and the data, get the side that is inside of this iso value. Nothing
-  // changes unless SourceOptions::away_from_zero asked for it.
+  // Call before extracting a surface: sets which side of this iso value is inside, in the field and in the data. Does
+  // nothing without SourceOptions::away_from_zero.
   void face_outward(double iso);
 
-  // Of the attributes that the mesh keeps.
+  // Returns the kinds of the attributes that the mesh keeps.
   [[nodiscard]] std::vector<NamedKind> written_kinds() const;
 
-  // How a surface of it is extracted.
+  // Returns the options to extract a surface of this source.
   [[nodiscard]] extract::ExtractOptions extract_options(const SurfaceOptions& surface, double iso) const;
 };
 
-// What will be done with a source.
+// How a source will be used.
 struct SourceUse {
-  bool keep_data = false;          // Source::data is asked for
-  std::optional<double> only_iso;  // nothing is asked of the samples of particles but the surface at this iso value
-  std::vector<IsoChoice> isos;     // whose values are asked for
-  bool empty_is_fine = false;      // as in resolve_isos()
+  bool keep_data = false;          // keep Source::data
+  std::optional<double> only_iso;  // only the surface at this iso value will be extracted from samples of particles
+  std::vector<IsoChoice> isos;     // the requested iso values
+  bool empty_is_fine = false;      // see resolve_isos() and read_volume_attributes()
   RegionEnds region_ends = RegionEnds::faces;
-  field::NanSamples nan = field::NanSamples::left_out;  // where the resolution changes
+  field::NanSamples nan = field::NanSamples::left_out;  // how resampling treats NaN
 };
 [[nodiscard]] SourceUse use_of(const ConversionJob& job);
 
-// Fails as read_volume(), filter_field(), blur_field(), resample() and place_field() do, and for particles as
-// is_particles(), read_particles(), make_particle_field() and find_attributes() do, as resolve_isos(), and with
-// attributes of volumes as read_volume_attributes() does.
+// Opens the input and returns a source that is ready for extraction. Fails as the functions it calls do: read_volume(),
+// filter_field(), blur_field(), resample(), place_field(), resolve_isos() and read_volume_attributes(). For particles
+// it fails as is_particles(), read_particles(), make_particle_field() and find_attributes() do.
 [[nodiscard]] Result<Source> open_source(const SourceOptions& options, const SourceUse& use, const Context& context,
                                          Events& events);
 
