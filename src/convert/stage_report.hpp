@@ -1,5 +1,5 @@
-// What a stage of a conversion reports when it ends: figures with names, the sentences that go with them, and its time.
-// Documents, tables, pages and lines are made of reports alone.
+// The report of one conversion stage: named figures, sentences about them, and the stage's time. JSON reports, tables,
+// pages and printed lines are all made from these reports.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@
 
 namespace isoextract::convert {
 
-// The names of figures. The words of documents are the names.
+// Keys of figures; the JSON report uses the same names.
 // clang-format off
 #define ISOEXTRACT_FIGURES(NAME) \
   NAME(after) NAME(analytic) NAME(area) NAME(asked) NAME(asked_triangles) NAME(attribute) NAME(axis) \
@@ -64,13 +64,13 @@ constexpr auto words_of(Key /*type*/) { return std::array{ISOEXTRACT_FIGURES(ISO
 struct Figure;
 using Figures = std::vector<Figure>;
 
-// A number, a word, yes or no, nothing, a list of these, or figures by name. Made while memory may run out, and so not
-// of JSON, whose destructor takes some.
+// A number, text, boolean, null, a list of values, or figures by name. Not the JSON type: reports are made while memory
+// may run out, and the destructor of a JSON value allocates.
 class Value {
  public:
   using List = std::vector<Value>;
 
-  // Implicit, so that figures read as they are meant.
+  // Implicit conversions keep figure lists readable.
   // NOLINTBEGIN(google-explicit-constructor)
   Value() = default;
   Value(bool yes) : kind_(Kind::yes_or_no), integer_(yes ? 1 : 0) {}
@@ -84,8 +84,8 @@ class Value {
   Value(Figures parts);
   Value(const glm::dvec3& v) : kind_(Kind::list), list_{v.x, v.y, v.z} {}
   Value(const field::Box& box);
-  Value(const field::IndexBox& box);  // nothing if it is empty
-  Value(const field::Affine& map);    // three rows of four numbers: the matrix, then the offset
+  Value(const field::IndexBox& box);  // null if the box is empty
+  Value(const field::Affine& map);    // three rows of four numbers: linear part, then offset
   Value(const StageTime& time);
   template <class T>
   Value(const std::optional<T>& value) {
@@ -114,12 +114,12 @@ class Value {
   double number_ = 0;
   std::string text_;
   List list_;
-  std::shared_ptr<const Figures> parts_;  // shared by copies; behind a pointer, as Figure is not complete yet
+  std::shared_ptr<const Figures> parts_;  // shared by copies; a pointer, because Figure is incomplete here
 };
 
 struct Figure {
   Figure(Key name, Value figure) : key(name), value(std::move(figure)) {}
-  // For tables alone: documents do not have it.
+  // Makes a figure that appears in tables only, not in the JSON report.
   [[nodiscard]] static Figure of_tables(Key name, Value figure) {
     Figure made(name, std::move(figure));
     made.is_told = false;
@@ -132,7 +132,7 @@ struct Figure {
 };
 [[nodiscard]] Json json_of(const Figures& figures);
 
-// The figure behind a path of names; null where there is none, or nothing in it.
+// Returns the figure at this path of keys, or null if it is missing or its value is null.
 [[nodiscard]] const Value* find(const Figures& figures, std::initializer_list<Key> path);
 template <class T>
 [[nodiscard]] std::optional<T> value_at(const Figures& figures, std::initializer_list<Key> path) {
@@ -140,87 +140,91 @@ template <class T>
   return found != nullptr ? std::optional<T>(found->as<T>()) : std::nullopt;
 }
 
-// Changes the figure of that name.
+// Replaces the value of the figure `key`, if it exists.
 void set(Figures& figures, Key key, Value value);
 
-// "24 triangles, greatest move 0.5 voxels, method taubin": the line of a stage that has no sentences of its own.
+// Returns "24 triangles, greatest move 0.5 voxels, method taubin": the printed line of a stage without its own
+// sentences.
 [[nodiscard]] std::string text_of(const Figures& figures);
 
-// Where a surface is open, as far as its extraction and its cuts tell.
+// Where a surface has boundary edges, as far as extraction and clipping tell.
 struct SurfaceEnd {
-  bool at_border = false;        // of the data or the region
-  bool cut = false;              // at a plane, and left open there
-  bool counted = false;          // its boundary edges are among WrittenOutput::open_edges
-  std::uint64_t hole_cells = 0;  // around samples that are not numbers
+  bool at_border = false;        // at the data boundary or at the region's sides
+  bool cut = false;              // at a clip plane, and not capped
+  bool counted = false;          // WrittenOutput::open_edges includes its boundary edges
+  std::uint64_t hole_cells = 0;  // cells left out because of NaN samples
 };
 
-// A file that was written, or that was not because none of its surfaces has triangles: there are no `surfaces` then.
+// An output that was written, or that was skipped because none of its surfaces has triangles (then `surfaces` is
+// empty).
 struct WrittenOutput {
   struct Part {
-    std::string label;  // of its field
+    std::string label;  // of the surface's field
     SurfaceId id;
     SurfaceEnd end;
   };
   std::vector<Part> surfaces;  // in the job's order
-  std::string samples;         // in place of them, of a file of the field: "8 x 8 x 8 samples, as 32 bits each"
+  std::string samples;         // instead of surfaces, for a file of the field: "8 x 8 x 8 samples, as 32 bits each"
   std::string placement;       // "world coordinates, turned from z up to y up"
   std::uint64_t triangles = 0;
   std::uint64_t vertices = 0;
   std::uint64_t bytes = 0;
-  std::optional<std::uint64_t> open_edges;  // of its meshes, where they were counted
+  std::optional<std::uint64_t> open_edges;  // boundary edges of its meshes, if they were counted
 };
 
 struct StageReport {
   StageReport() = default;
-  // No aggregate: where a member of one throws, GCC forgets those before it.
+  // A constructor instead of aggregate initialization: if a member's initializer throws, GCC does not destroy the
+  // members before it.
   explicit StageReport(StageName name, std::string about = {}, std::string field = {},
                        std::optional<SurfaceId> surface = {})
       : stage(name), subject(std::move(about)), label(std::move(field)), id(surface) {}
 
   StageName stage = StageName::open;
   std::string subject = {};          // "fire.vdb", "fire.vdb iso 0.5", or a file
-  std::string label = {};            // of the field; empty where the report is about a file
-  std::optional<SurfaceId> id = {};  // where the stage is about one surface
-  std::string grid = {};             // whose surface it is, where the job has several
+  std::string label = {};            // of the field; empty if the report is about a file
+  std::optional<SurfaceId> id = {};  // set if the stage worked on one surface
+  std::string grid = {};             // the grid of the surface, if the job has several
   std::optional<StageTime> time = {};
-  std::vector<Figures> entries = {};  // as many as documents list: one, or one for each attribute or mesh
+  // One for each entry of the JSON report: one in all, or one for each attribute or mesh.
+  std::vector<Figures> entries = {};
 
   struct Part {
     StageName stage = StageName::open;
     std::optional<SurfaceId> id;
     StageTime time;
   };
-  std::vector<Part> parts = {};  // stages whose times are told in place of the whole one
+  std::vector<Part> parts = {};  // stages whose times are reported instead of `time`
 
-  // In words; none names an option.
-  std::string did = {};                   // "smoothed": begins the line about the stage's time; empty: there is none
-  std::vector<std::string> details = {};  // the end of that line; all after the first are lines of their own
+  // Sentences, none of which names an option.
+  std::string did = {};                   // "smoothed": begins the line about the stage's time; empty: no such line
+  std::vector<std::string> details = {};  // the first ends that line; the others are lines of their own
   struct Line {
     std::string text;
-    bool explains = false;  // for those who ask for explanations
+    bool explains = false;  // printed only with explanations
   };
-  std::vector<Line> lines = {};         // below the line about the file that the surface is in
-  std::vector<WorkFact> work = {};      // explained where there are no lines
-  std::vector<std::string> notes = {};  // each a sentence without its full stop
+  std::vector<Line> lines = {};         // printed below the line about the surface's file
+  std::vector<WorkFact> work = {};      // explained if there are no `lines`
+  std::vector<std::string> notes = {};  // sentences without their full stop
 
-  std::optional<Error> error = {};           // why the conversion ends with this stage
-  std::optional<WrittenOutput> output = {};  // of StageName::write
+  std::optional<Error> error = {};           // set if the conversion ends with this stage
+  std::optional<WrittenOutput> output = {};  // set for StageName::write
 
-  // The figures of the stage with its time as the last of them.
+  // Adds an entry: the figures, with the stage's time as the last one.
   void add_timed(Figures figures, const StageTime& taken);
 };
 
-// Of a stage that works on the field.
+// Returns an empty report of a stage that works on the field.
 [[nodiscard]] StageReport report_on(StageName stage, const std::string& label);
 
-// Of one that changed the field, as the fact says.
+// Returns a report of a stage that changed the field as `fact` says.
 [[nodiscard]] StageReport report_on_field(StageName stage, const std::string& label, WorkFact fact,
                                           const StageTime& time);
 
-// As documents list it.
+// Returns an entry of the report's JSON section: `figures`, with the surface's iso value and grid.
 [[nodiscard]] Json entry_of(const StageReport& report, const Figures& figures);
 
-// What is told in place of the times of a report.
+// Returns the times to report: those of the parts, else the stage's own, else none.
 [[nodiscard]] std::vector<StageReport::Part> times_of(const StageReport& report);
 
 }  // namespace isoextract::convert

@@ -1,5 +1,5 @@
-// The stages of a conversion, in their order, and the keys of the figures that they report. An edit of surfaces is a
-// row of kStages and a function; documents, pages, tables and lines follow from the row.
+// The stages of a conversion in order. A surface edit is one function and one row of kStages; reports, pages, tables
+// and printed lines follow from the row.
 #pragma once
 
 #include <array>
@@ -47,33 +47,38 @@ enum class StageName {
   write,
 };
 
-// Changes a surface, or looks at it. Each does nothing and reports nothing where the job does not ask for it. Fails as
-// the algorithm does that it calls.
+// Edits or examines a surface, and returns a report. Does nothing and returns an empty report if the job does not ask
+// for it. Fails as the algorithm that it calls does.
 using EditSurface = Result<StageReport>(Surface& surface, const StageContext& context);
-EditSurface clip_surface;      // keeps what lies in all of Source::clip, closed there where surfaces are capped
-EditSurface carry_attributes;  // while every vertex is where the field puts it
+EditSurface clip_surface;      // keeps the part inside all of Source::clip; closes it there if the job caps surfaces
+EditSurface carry_attributes;  // runs first, while every vertex is still where the field puts it
 EditSurface drop_pieces;
-EditSurface measure_relaxing;  // while all vertices are where relaxing left them
-EditSurface mark_bodies;  // while shells are where the field puts them: later stages may move them through each other
+EditSurface measure_relaxing;  // runs while all vertices are still where relaxing left them
+EditSurface mark_bodies;       // runs before shells move: later stages may move one shell through another
 EditSurface smooth_surface;
 EditSurface simplify_surface;
-EditSurface color_surface;  // when the vertices are those that are written
-EditSurface shade_surface;  // last of all edits: vertices may be copied for their normals, which makes open edges
+EditSurface color_surface;  // runs when the vertices are final
+// Runs last of the edits: it duplicates vertices for their normals, which makes boundary edges
+EditSurface shade_surface;
 EditSurface measure_error;
 
 struct StageInfo {
   StageName name = StageName::open;
-  std::string_view word;                              // in documents
-  std::string_view section = {};                      // of the report: the list of what the stage reports
-  bool (*asked)(const ConversionJob& job) = nullptr;  // null: every job asks for it
-  bool is_listed = false;                             // the section is there even where the job does not ask
-  EditSurface* edit = nullptr;                        // of stages between the extraction of a surface and its file
-  std::string_view done = {};                         // what it did to the field or the mesh: "smoothed"
-  bool is_timed = true;                               // its time is told; else it is a part of another stage's
-  int line_rank = 0;                                  // lines of higher ranks stand below
+  std::string_view word;  // name in the JSON report
+  // Section of the JSON report with this stage's entries; empty: none
+  std::string_view section = {};
+  // Returns whether the job asks for the stage; null: every job does
+  bool (*asked)(const ConversionJob& job) = nullptr;
+  // The section is in the report even if the job does not ask for the stage
+  bool is_listed = false;
+  EditSurface* edit = nullptr;  // for stages between a surface's extraction and its file
+  std::string_view done = {};   // past participle for printed lines: "smoothed"
+  // Its time is reported; false: the time is part of another stage's
+  bool is_timed = true;
+  int line_rank = 0;  // lines of higher ranks are printed below
 };
 
-// In the order in which they run and documents list them.
+// In the order in which they run and in which reports list them.
 inline constexpr std::array kStages{
     StageInfo{StageName::open, "open"},
     StageInfo{StageName::read, "read"},

@@ -1,5 +1,4 @@
-// How fields and surfaces are changed on their way, as values of a job. kMembers are the names of their members in
-// JSON.
+// Edits of fields and surfaces as plain values of a job. kMembers are the JSON names of the members.
 #pragma once
 
 #include <array>
@@ -18,42 +17,42 @@ constexpr auto words_of(BlurKind /*type*/) {
   return std::array{Word{BlurKind::gaussian, "gaussian"}, Word{BlurKind::median, "median"}};
 }
 
-// One blur of a field (field/blur.hpp).
+// One blur step of a field (field/blur.hpp).
 struct BlurStep {
   static constexpr std::array kMembers{"kind", "width", "in_world_units"};
 
   BlurKind kind = BlurKind::gaussian;
-  double width = 1;             // of a Gaussian its standard deviation, of a median whole voxels on either side
-  bool in_world_units = false;  // of the input; else in voxels
+  double width = 1;             // Gaussian: standard deviation; median: whole voxels on either side
+  bool in_world_units = false;  // in units of the input's world, else in voxels
 
   friend bool operator==(const BlurStep&, const BlurStep&) = default;
 };
 
-// The least size of components that stay.
+// Size below which components are removed.
 struct LeastPiece {
   static constexpr std::array kMembers{"measure", "amount", "in_world_units"};
 
   edit::PieceMeasure measure = edit::PieceMeasure::triangles;
   double amount = 0;
-  bool in_world_units = false;  // squares or cubes of the unit of the written mesh; else of voxels
+  bool in_world_units = false;  // in squares or cubes of the written mesh's unit, else of voxels
 
   friend bool operator==(const LeastPiece&, const LeastPiece&) = default;
 };
 
-// Which pieces of a surface stay (edit/pieces.hpp), and whether each becomes a mesh.
+// The pieces to keep (edit/pieces.hpp), and whether each becomes a mesh of its own.
 struct PieceChoice {
   static constexpr std::array kMembers{"least", "fill_cavities", "largest", "split"};
 
   std::optional<LeastPiece> least;
   bool fill_cavities = false;
-  std::optional<std::uint64_t> largest;  // 1 or more
+  std::optional<std::uint64_t> largest;  // number of bodies to keep, at least 1
   bool split = false;
 
   [[nodiscard]] bool drops() const { return least || fill_cavities || largest; }
   friend bool operator==(const PieceChoice&, const PieceChoice&) = default;
 };
 
-// How far a simplified mesh may be from the mesh that it was.
+// Largest distance of the simplified mesh from the original.
 struct SimplifyBound {
   static constexpr std::array kMembers{"distance", "in_world_units"};
 
@@ -63,17 +62,17 @@ struct SimplifyBound {
   friend bool operator==(const SimplifyBound&, const SimplifyBound&) = default;
 };
 
-// How many triangles each surface keeps.
+// Number of triangles that each surface keeps.
 struct TriangleCount {
   static constexpr std::array kMembers{"amount", "in_percent"};
 
-  double amount = 0;  // above 0; a whole number, or a percentage of what the surface had, up to 100
+  double amount = 0;  // above 0: a whole number, or a percentage (up to 100) of the surface's triangles
   bool in_percent = false;
 
   friend bool operator==(const TriangleCount&, const TriangleCount&) = default;
 };
 
-// With both, it ends where the first of them is reached.
+// If both are set, simplification stops at the bound that it reaches first.
 struct SimplifyChoice {
   static constexpr std::array kMembers{"within", "triangles"};
 
@@ -93,7 +92,7 @@ struct SmoothChoice {
   friend bool operator==(const SmoothChoice&, const SmoothChoice&) = default;
 };
 
-// In the order in which they are done.
+// Edits run in this order.
 struct SurfaceEdits {
   static constexpr std::array kMembers{"pieces", "smooth", "simplify"};
 
@@ -104,9 +103,9 @@ struct SurfaceEdits {
   friend bool operator==(const SurfaceEdits&, const SurfaceEdits&) = default;
 };
 
-// In the name of a file: the number of a piece, which then has a file of its own.
+// Placeholder in an output name for the number of a piece; each piece then gets a file of its own.
 inline constexpr std::string_view kPieceWord = "{piece}";
-// Files that one surface may be split into, and meshes in one file.
+// Limits for one surface: files to split it into, and meshes in one file.
 inline constexpr std::uint64_t kMostPieceFiles = 1000;
 inline constexpr std::uint64_t kMostPieceMeshes = 100000;
 

@@ -10,7 +10,7 @@
 namespace isoextract::convert {
 namespace {
 
-// What both kinds of verification count; each pair is of the first and of the second mesh.
+// Returns the counts that both kinds of verification have. Pairs are of the first and the second mesh.
 Figures counts(const accuracy::TriangleDifference& triangles, const std::array<std::uint64_t, 2>& vertices,
                const std::array<std::uint64_t, 2>& vertices_only, const std::vector<std::string>& differences) {
   return {{Key::passed, differences.empty()}, {Key::differences, Value::List(differences.begin(), differences.end())},

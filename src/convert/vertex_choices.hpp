@@ -1,4 +1,4 @@
-// What vertices shall carry besides their place, as plain values of a job.
+// Requested attributes and colors of vertices, as plain values of a job.
 #pragma once
 
 #include <array>
@@ -16,23 +16,23 @@
 
 namespace isoextract::convert {
 
-// An attribute of the vertices: what they call it, and where it comes from. Of particles that is the name of one of
-// theirs; of a volume a grid of the same file, or another file (attribute_source.hpp).
+// A vertex attribute: its name and its source. For particles the source is one of their attributes; for volumes it is a
+// grid of the same file, or another file (attribute_volumes.hpp).
 struct AttributeChoice {
   static constexpr std::array kMembers{"name",    "from",   "written", "optional", "kind",
                                        "spacing", "origin", "no_data", "volume",   "component"};
 
   std::string name;
   std::string from;
-  bool written = true;                     // else it only gives colours
-  bool optional = false;                   // an input that lacks it is converted without it
-  std::optional<AttributeKind> kind = {};  // else as the file says, or by the name (attribute_kinds.hpp)
-  // Of volumes: where the samples are, in place of what the file states, and the value that stands for no data, in
-  // place of the input's.
+  bool written = true;    // false: it only gives colors
+  bool optional = false;  // true: an input without it is converted all the same
+  // Nullopt: as the file says, else guessed from the name (attribute_kinds.hpp)
+  std::optional<AttributeKind> kind = {};
+  // For volumes: spacing and origin that replace those of the file, and a no-data value that replaces the input's.
   std::optional<glm::dvec3> spacing = {};
   std::optional<glm::dvec3> origin = {};
   std::optional<double> no_data = {};
-  // Of volumes: which one of a file of several, and of several numbers a sample.
+  // For volumes: the volume to read from a file with several, and the component to read of samples with several.
   std::optional<std::int64_t> volume = {};
   std::optional<volume_io::ComponentChoice> component = {};
 
@@ -41,13 +41,13 @@ struct AttributeChoice {
   friend bool operator==(const AttributeChoice&, const AttributeChoice&) = default;
 };
 
-// An attribute that the input lacks, and what is to be said where a vertex should have had it.
+// An attribute that the input lacks, and the error to report if a vertex needs it.
 struct MissingAttribute {
   AttributeChoice choice;
   Error error;
 };
 
-// Colours, by a map from a range of values. Of several components their length counts.
+// Colors from a range of values by a colormap. For attributes with several components, their length is the value.
 struct ColourChoice {
   static constexpr std::array kMembers{"attribute", "map", "range"};
 

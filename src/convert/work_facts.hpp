@@ -1,5 +1,5 @@
-// What a conversion looked at, took otherwise than it is stored, or left out, and why. --explain prints these facts and
-// the report lists them.
+// Facts about a conversion's work: what it examined, treated differently than stored, or left out, and why. --explain
+// prints them and the report lists them.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace isoextract::convert {
 
-// The words are for programs that read the report: docs/report.schema.json lists them.
+// Words of the JSON report; docs/report.schema.json lists them.
 enum class WorkTopic {
   grids,
   resolution,
@@ -107,22 +107,22 @@ constexpr auto words_of(WorkDone /*type*/) {
 struct WorkFact {
   WorkTopic what = WorkTopic::bricks;
   WorkDone done = WorkDone::left_out;
-  std::optional<std::uint64_t> count;  // how many, where that is a number
-  std::optional<std::uint64_t> total;  // out of how many
-  std::string text;                    // the rest of the sentence: "12 of 64 bricks (...), which ..."
+  std::optional<std::uint64_t> count;  // of `what`; nullopt if it cannot be counted
+  std::optional<std::uint64_t> total;  // of which `count` is a part
+  std::string text;                    // rest of the printed sentence: "12 of 64 bricks (...), which ..."
 };
 [[nodiscard]] Json json_of(const WorkFact& fact);
 
-// Of reading `field`, where the conversion reads `more_grids` others of the file.
+// Returns facts about reading `field`, in a conversion that reads `more_grids` other grids of the file.
 [[nodiscard]] std::vector<WorkFact> reading_facts(const field::ScalarField& field, std::size_t more_grids);
 
-// Of an attribute that was read.
+// Returns a fact about an attribute that was read.
 [[nodiscard]] WorkFact attribute_fact(const VolumeAttribute& attribute);
 
-// Of the field that particles made.
+// Returns facts about the field made from particles.
 [[nodiscard]] std::vector<WorkFact> particle_facts(const points::FieldFigures& figures);
 
-// Of resample(), which made `grid` of `data`.
+// Returns a fact about resample(), which made `grid` from `data`.
 [[nodiscard]] WorkFact resolution_fact(const field::ScalarField& data, const field::ScalarField& grid);
 
 }  // namespace isoextract::convert

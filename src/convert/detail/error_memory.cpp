@@ -13,7 +13,7 @@ namespace isoextract::convert {
 
 Result<void> check_error_memory(const ConversionJob& job, const Source& source, const Context& context) {
   if (!job.error || source.empty) return {};
-  // A closed surface has about twice as many triangles as vertices, one of many small components fewer.
+  // Closed surfaces have about twice as many triangles as vertices, surfaces of many small components fewer.
   const auto triangles_of = [](std::uint64_t vertices) { return vertices * 3 / 2; };
   const bool as_extracted = extract::method_info(job.surface.method).traits.follows_interpolant &&
                             !job.edits.simplify && !job.edits.pieces.drops() && source.clip.empty();

@@ -1,4 +1,4 @@
-// The memory that measuring the error of meshes takes, before the work.
+// Memory needed to measure the error of meshes, checked before the work.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@
 
 namespace isoextract::convert {
 
-// Before any surface is extracted: whether the memory is left that extracting and measuring the surfaces of `source`
+// Checks, before any surface is extracted, that the budget has room for the memory that measuring `source`
 // needs at least. Fails with ErrorCode::out_of_memory and Remedy::raise_memory_limit.
 [[nodiscard]] Result<void> check_error_memory(const ConversionJob& job, const Source& source, const Context& context);
 
-// About what measuring takes beside the mesh, at an iso value.
+// Returns the estimated memory for measuring besides the mesh, at an iso value.
 [[nodiscard]] std::uint64_t estimated_error_bytes(const Source& source, double iso);
 
 }  // namespace isoextract::convert

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kLargestHalf = 65504;
 
-// Whether float holds every value of the field.
+// Returns whether float represents every value of the field exactly.
 bool fits_float(const field::ScalarField& field) {
   using field::SampleType;
   const SampleType type = field.type();
@@ -30,7 +30,7 @@ bool fits_half(const field::ScalarField& field) {
   return field.scale.is_identity() && (type == SampleType::f16 || type == SampleType::u8 || type == SampleType::i8);
 }
 
-// A value beyond the largest one would become infinite.
+// Fails if the largest absolute value, the background included, exceeds `largest`: the file would store infinity.
 Result<void> check_range(const field::ScalarField& field, const std::string& label, double largest, const char* numbers,
                          const Hint& hint) {
   const field::FieldStatistics values = field::measure_statistics(field);

@@ -1,4 +1,4 @@
-// The stage that writes the field itself, as an OpenVDB file, in place of surfaces.
+// The stage that writes the field as an OpenVDB file instead of surfaces.
 #pragma once
 
 #include "base/context.hpp"
@@ -9,9 +9,9 @@
 
 namespace isoextract::convert {
 
-// Writes `source.field` to one output of `job`, whole or not at all, and tells of it. Values are 32-bit floats, or
-// 16-bit ones; a note says by how much that rounds them. Fails with ErrorCode::output where values leave the range of
-// their numbers, and as volume_io::write_vdb() does.
+// Writes `source.field` to one output of `job`, completely or not at all, and reports it. Stores 32-bit floats, or
+// 16-bit floats with FieldFileOptions::as_half; the report says if values were rounded. Fails with ErrorCode::output if
+// values exceed the stored type's range, and as volume_io::write_vdb() does.
 [[nodiscard]] Result<mesh_io::WrittenFile> write_field(const Source& source, const ConversionJob& job,
                                                        const OutputFileJob& output, const Context& context,
                                                        Events& events);

@@ -1,4 +1,4 @@
-// What the meshes of labels are called, and how they look.
+// Names and colors of the meshes of labels.
 #pragma once
 
 #include <cstdint>
@@ -15,16 +15,17 @@ namespace isoextract::convert {
 
 class LabelLooks {
  public:
-  // Reads the table of the job, where it has one. Fails as LabelTable::read() does, and with ErrorCode::input where the
-  // file is no longer what it was when the job was made.
+  // Reads the job's table of labels, if it has one. Fails as LabelTable::read() does, and with ErrorCode::input if the
+  // file has changed since the job was made.
   [[nodiscard]] static Result<LabelLooks> open(const ConversionJob& job, const Context& context);
 
-  // The name in the table, with the number where several have it; else that of the field, and the number.
+  // Returns the label's name in the table, with the number if several labels share it; else the field's name and the
+  // number.
   [[nodiscard]] std::string name(const std::string& field, std::int64_t label) const;
 
-  // The colour in the table, or the usual one: of the material, and where the format has none but colours of vertices,
-  // and there is a table, of these. Nothing where the job colours by something else. Fails with ErrorCode::input where
-  // the memory is not there.
+  // Sets the label's color, from the table or a default: in glTF as a material, in PLY as vertex colors if there is a
+  // table. Does nothing for other formats, or if the job colors by something else. Fails with ErrorCode::input if
+  // memory runs out.
   [[nodiscard]] Result<void> colour(const ConversionJob& job, std::int64_t label, mesh::Mesh& mesh,
                                     const Context& context) const;
 

@@ -28,7 +28,7 @@ Error no_surface(const ConversionJob& job, const Source& source, const ResolvedI
   }
   const field::FieldStatistics statistics = field::measure_statistics(source.field);
   if (statistics.samples == 0) {
-    // Active voxels of the background's value are not stored.
+    // Active voxels that have the background value are not stored, so statistics can be empty without NaN samples.
     const bool all_alike = statistics.nan == 0 && statistics.infinite == 0;
     return {ErrorCode::no_surface,
             fmt::format("{}: there is no surface: {}", source.label,

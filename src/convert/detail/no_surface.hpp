@@ -1,4 +1,4 @@
-// Errors of conversions that have no surface: why, and what helps.
+// Errors of conversions without a surface: the reason, and a hint.
 #pragma once
 
 #include <optional>
@@ -11,11 +11,12 @@
 
 namespace isoextract::convert {
 
-// Of a source that is empty.
+// Returns the error for an empty source.
 [[nodiscard]] Error empty_source(const Source& source);
 
-// Of a surface without triangles. Looks at all samples, unless the source is empty, `asked` is one of `are_labels`, or
-// the surface was in `cut_away`, in output coordinates, and planes or a region left nothing of it.
+// Returns the error for a surface without triangles. Examines all samples, unless the source is empty, the surface is a
+// label's (`are_labels`), or clipping left nothing of it. `cut_away` then has its bounds before clipping, in output
+// coordinates.
 [[nodiscard]] Error no_surface(const ConversionJob& job, const Source& source, const ResolvedIso& asked,
                                bool are_labels, const std::optional<mesh::Bounds>& cut_away);
 

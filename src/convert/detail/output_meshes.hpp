@@ -1,4 +1,4 @@
-// A file while its surfaces are made.
+// An output file while its surfaces are made.
 #pragma once
 
 #include <algorithm>
@@ -22,8 +22,8 @@ struct OutputMeshes {
   mesh_io::MeshWriter writer;
   WrittenOutput written = {};
   StageTime time = {};
-  std::vector<mesh::Mesh> held = {};  // for the collector or the picture, which have no writer
-  std::vector<Figures> facts = {};    // of its meshes, where they were asked for
+  std::vector<mesh::Mesh> held = {};  // for the collector or the picture, which use no writer
+  std::vector<Figures> facts = {};    // of the meshes, if the caller asked for them
 
   [[nodiscard]] std::vector<SurfaceId> ids() const {
     std::vector<SurfaceId> all;
@@ -31,7 +31,7 @@ struct OutputMeshes {
     return all;
   }
 
-  // Before the surface goes to the writer. `label` and `grid` are those of its field.
+  // Records a surface, before it goes to the writer. `label` and `grid` are those of its field.
   void note(const Surface& surface, const std::string& label, const std::string& grid) {
     if (surface.facts) facts.push_back(facts_as_written(*surface.facts, job.path, surface.mesh, surface.error, grid));
     written.surfaces.push_back({label, surface.id, surface.end});
@@ -40,7 +40,7 @@ struct OutputMeshes {
     if (surface.open_edges) written.open_edges = written.open_edges.value_or(0) + *surface.open_edges;
   }
 
-  // Gives what is held to the collector, with the options that it would be written with.
+  // Moves the held meshes to the collector, with the options to write them with.
   void collect(mesh_io::MeshWriteOptions options, MeshCollector& collector) {
     std::ranges::move(held, std::back_inserter(collector.meshes));
     std::ranges::copy(ids(), std::back_inserter(collector.ids));
@@ -48,7 +48,7 @@ struct OutputMeshes {
     collector.placement = std::move(options.placement);
   }
 
-  // Reports what packing did to each mesh that has triangles.
+  // Returns a report of the packing of each mesh that has triangles.
   [[nodiscard]] std::vector<StageReport> packed(const std::vector<mesh_io::PackedFacts>& done,
                                                 const mesh_io::MeshPacking& packing) const {
     std::vector<StageReport> reports;

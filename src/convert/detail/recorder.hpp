@@ -1,4 +1,4 @@
-// Events on their way to whoever listens, written into the outcome.
+// Forwards events to the listener, and records them in the outcome.
 #pragma once
 
 #include <optional>
@@ -17,11 +17,11 @@ class Recorder final : public Events {
   void note(const std::string& text) override;
   void end(const StageReport& report) override;
 
-  // Call it in jobs with several grids before one is read: reports on surfaces name that grid from then on. If the grid
-  // was read before, what is reported until end_reading() was reported then: only times are recorded.
+  // Call before reading a grid, in jobs with several grids: reports on surfaces then name that grid. If the grid was
+  // read before, everything but times is dropped until end_reading(), because it was reported the first time.
   void begin_grid(const std::optional<std::string>& grid);
   void end_reading() { again_ = false; }
-  // The label of that grid; empty where the job has one.
+  // The label of that grid; empty if the job has only one.
   [[nodiscard]] const std::string& grid() const { return grid_; }
   void name_grid(const std::string& grid) { grid_ = grid; }
 

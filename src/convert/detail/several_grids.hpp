@@ -1,4 +1,4 @@
-// Conversions of several grids of one input: which grid the surfaces of an output are of, and whether all are there.
+// Jobs with several grids of one input: the grids of each output, and a check that all grids exist.
 #pragma once
 
 #include <cstddef>
@@ -12,21 +12,22 @@
 
 namespace isoextract::convert {
 
-// All grids of a job, in its order; an empty value where none was chosen.
+// Returns all grids of a job, in order. nullopt stands for the only grid of a job that chose none.
 [[nodiscard]] std::vector<std::optional<std::string>> grids_of(const SourceOptions& source);
-// Those whose surfaces are in `output`.
+// Returns the grids whose surfaces go into `output`.
 [[nodiscard]] std::vector<std::optional<std::string>> grids_of(const SourceOptions& source,
                                                                const OutputFileJob& output);
 
-// The options that read one of these grids. SourceOptions::more_grids stays: it says how many others are read.
+// Returns options that read one of these grids. SourceOptions::more_grids stays: it says how many others are read.
 [[nodiscard]] SourceOptions with_grid(const SourceOptions& source, const std::optional<std::string>& grid);
 
-// The iso values of a grid, of all outputs that have surfaces of it, and the index of the first one of an output.
+// Returns the iso values of a grid, over all outputs that contain its surfaces; and the index in them of the first iso
+// value of one output.
 [[nodiscard]] std::vector<IsoChoice> isos_of(const ConversionJob& job, const std::optional<std::string>& grid);
 [[nodiscard]] std::size_t first_iso_of(const ConversionJob& job, std::size_t output,
                                        const std::optional<std::string>& grid);
 
-// Of jobs with several grids: fails where one is not in the input or holds particles, and where two names stand for one
+// Checks jobs with several grids. Fails if a grid is not in the input or holds particles, or if two names mean the same
 // grid. Reads no samples.
 [[nodiscard]] Result<void> check_grids(const SourceOptions& source, const Context& context);
 

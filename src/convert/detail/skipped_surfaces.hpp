@@ -1,4 +1,4 @@
-// Notes about iso values that have no surface of their own in a file.
+// Notes about iso values without a surface of their own in a file.
 #pragma once
 
 #include <map>
@@ -10,7 +10,7 @@
 
 namespace isoextract::convert {
 
-// A surface of which cuts or the choice of components left nothing.
+// A surface of which clipping or the choice of components left nothing.
 struct LostSurface {
   SurfaceId id;
   std::string why;
@@ -18,20 +18,21 @@ struct LostSurface {
 
 // The iso values of one grid at which a file has no surface.
 struct SkippedSurfaces {
-  std::string label;  // of the grid
+  std::string label;  // of the grid's field
   bool are_labels = false;
-  std::map<std::string, std::vector<std::string>> reasons;  // the texts of iso values by the reason
+  std::map<std::string, std::vector<std::string>> reasons;  // texts of iso values, by reason
 };
 
-// Those of `asked` that are not among `written`.
+// Returns the surfaces of `asked` that are not among `written`.
 [[nodiscard]] SkippedSurfaces skipped_surfaces(const std::string& label, std::span<const ResolvedIso> asked,
                                                std::span<const SurfaceId> written, std::span<const LostSurface> lost,
                                                bool are_labels);
 
-// `consequence` says what became of the file.
+// Returns the note; `consequence` says what happened to the file.
 [[nodiscard]] std::string note_of(const SkippedSurfaces& skipped, const std::string& consequence);
 
-// Values that were found may be the same, which nobody could know who asked for them. One note for each of them.
+// Returns a note for each iso value that equals an earlier one. Values found in the field can coincide, which the user
+// could not foresee.
 [[nodiscard]] std::vector<std::string> repeated_notes(const std::string& label, std::span<const ResolvedIso> asked,
                                                       const std::string& path);
 

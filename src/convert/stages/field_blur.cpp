@@ -11,7 +11,7 @@
 namespace isoextract::convert {
 namespace {
 
-// Along the axes of the grid, in voxels.
+// Returns the standard deviation along each axis of the grid, in voxels.
 glm::dvec3 sigma_of(const BlurStep& step, const field::ScalarField& field) {
   if (!step.in_world_units) return glm::dvec3(step.width);
   glm::dvec3 sigma;

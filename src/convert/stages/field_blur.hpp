@@ -1,4 +1,4 @@
-// The stage that blurs a field before its surface is looked for.
+// The stage that blurs the field before extraction.
 #pragma once
 
 #include <string>
@@ -12,11 +12,11 @@
 
 namespace isoextract::convert {
 
-// "gaussian of 2 voxels": as facts tell it.
+// Returns "a Gaussian of 2 voxels", as work facts say it.
 [[nodiscard]] std::string text_of(const BlurStep& step);
 
-// Does one step after the other to `field`, and tells of each. Fails as blur_gaussian() and blur_median() do, and with
-// ErrorCode::usage where a width in world units is more voxels than they take.
+// Applies the steps to `field` in order, and reports each. Fails as blur_gaussian() and blur_median() do, and with
+// ErrorCode::usage if a width in world units exceeds their largest width in voxels.
 [[nodiscard]] Result<void> blur_field(const std::vector<BlurStep>& steps, const std::string& label,
                                       const Context& context, Events& events, field::ScalarField& field);
 

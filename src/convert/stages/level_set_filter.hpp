@@ -12,11 +12,11 @@
 
 namespace isoextract::convert {
 
-// "gaussian:2": how people write it.
+// Returns "gaussian:2", the form of the command line.
 [[nodiscard]] std::string text_of(const FilterStep& step);
 
-// Applies one filter after the other to `field`, and tells of each. Fails with ErrorCode::input where it is no narrow
-// band of a level set: a density, or samples that are not sparse; and as volume_io::filter_level_set() does.
+// Applies the filters to `field` in order, and reports each. Fails with ErrorCode::input if the field is not the narrow
+// band of a level set (a density, or dense samples), and as volume_io::filter_level_set() does.
 [[nodiscard]] Result<void> filter_field(const std::vector<FilterStep>& steps, const std::string& label,
                                         const Context& context, Events& events, field::ScalarField& field);
 

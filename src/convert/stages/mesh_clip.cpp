@@ -38,14 +38,14 @@ Result<StageReport> clip_surface(Surface& surface, const StageContext& stage) {
     surface.end.counted = true;
   }
   if (facts.triangles_cut == 0 && facts.triangles_after == facts.triangles_before) {
-    // A region may hold all of the surface, and mostly does.
+    // No note for a region that holds the whole surface, as most do.
     if (!stage.job.source.clip.empty()) {
       report.notes.push_back(
           fmt::format("{}: nothing was cut off, all {} triangles are left", report.subject, facts.triangles_after));
     }
     return report;
   }
-  // Cut triangles may become several: there may be more than before.
+  // Cutting can split a triangle into several, so more triangles may be left than before.
   std::string text = facts.triangles_cut > 0
                          ? fmt::format("{}: {} triangles were cut; {} are left in place of {}", report.subject,
                                        facts.triangles_cut, facts.triangles_after, facts.triangles_before)

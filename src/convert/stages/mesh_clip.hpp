@@ -1,4 +1,4 @@
-// Where a mesh is cut: at planes that were asked for, and at the faces of a region that are not along samples.
+// The stage that clips a mesh: at the requested planes, and at faces of a region that lie between samples.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace isoextract::convert {
 
-// The half-spaces of `planes`, which are in the coordinates of placement.space, in those of the mesh.
+// Returns the half-spaces of `planes` in the mesh's coordinates; `planes` are in the coordinates of placement.space.
 [[nodiscard]] std::vector<mesh::HalfSpace> half_spaces_of(const field::ScalarField& field,
                                                           const field::Affine& output_from_index, Space space,
                                                           const std::vector<ClipPlane>& planes);

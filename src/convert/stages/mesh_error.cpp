@@ -1,4 +1,4 @@
-// The stage that measures how far a mesh is from its isosurface.
+// The stage that measures the distance of a mesh from its isosurface.
 #include <algorithm>
 #include <utility>
 
@@ -16,9 +16,10 @@ namespace {
 
 struct MeshError {
   accuracy::FieldError field;
-  std::optional<accuracy::AnalyticError> analytic;  // of demo fields with a formula
-  std::optional<field::SurfaceSize> exact;  // likewise, where their size is known, in the mesh's units; not of a part
-  bool of_part = false;                     // then: a region or a clip may have left some of it out
+  std::optional<accuracy::AnalyticError> analytic;  // for demo fields with a formula
+  // Exact area and volume in the mesh's units, if known; nullopt for a part of the surface
+  std::optional<field::SurfaceSize> exact;
+  bool of_part = false;  // then: a region or clipping may have removed a part of the surface
 };
 
 Figures figures_of(const accuracy::Length& length) {
@@ -91,7 +92,7 @@ std::string world_text(const accuracy::ErrorStatistics& error) {
                      error.worst.z);
 }
 
-// "3 beside samples that are not finite, 1 where the field is constant"
+// Returns "3 beside samples that are not finite, 1 beyond the outermost samples".
 std::string unmeasured_text(const accuracy::ErrorStatistics& error) {
   std::vector<std::string> parts;
   if (error.not_finite > 0) parts.push_back(fmt::format("{} beside samples that are not finite", error.not_finite));
@@ -186,8 +187,8 @@ std::vector<std::string> details_of(const MeshError& error) {
   return lines;
 }
 
-// `extracted` is how the mesh was extracted from `field`, or from `grid` if there is one, which was made of it by
-// resample() or by blurring. Fails as measure_field_error() does.
+// Measures the error of the surface's mesh against `field`. `grid` is null, or the field that the mesh was extracted
+// from, made from `field` by resampling or blurring. Fails as measure_field_error() does.
 Result<MeshError> measure_mesh_error(const Surface& surface, const StageContext& stage, const field::ScalarField& field,
                                      const field::ScalarField* grid) {
   const mesh::Mesh& mesh = surface.mesh;
@@ -211,7 +212,7 @@ Result<MeshError> measure_mesh_error(const Surface& surface, const StageContext&
     if (error.exact)
       error.exact = field::SurfaceSize{error.exact->area * unit * unit, error.exact->volume * unit * unit * unit};
   }
-  // Known is the size of the whole surface.
+  // The formula gives the size of the whole surface, which cannot be compared with a part.
   if (error.exact && (extracted.region || !clipped.empty())) {
     error.of_part = true;
     error.exact.reset();

@@ -29,7 +29,7 @@ Figures figures_of(const mesh::ComponentFacts& facts) {
           {Key::bounds, Value(field::Box{facts.bounds.min, facts.bounds.max})}};
 }
 
-// The components: the largest by area, and how many others there are.
+// Returns the largest components by area, and the count of the others.
 Result<Figures> measure_table(const mesh::Mesh& mesh, const Context& context) {
   const std::string what = mesh.name + ": the components of its surface";
   const auto labels = TRY(context.reserve(mesh::Components::bytes(mesh.positions.size()), what));

@@ -1,4 +1,4 @@
-// What reports tell of a mesh that was written: size, topology, components.
+// Figures of a written mesh for the report: size, topology, components.
 #pragma once
 
 #include <optional>
@@ -11,11 +11,11 @@
 
 namespace isoextract::convert {
 
-// Fails where the memory to look at the mesh is not there.
+// Returns the figures. Fails if memory runs out.
 [[nodiscard]] Result<Figures> mesh_facts(const Surface& surface, const Context& context);
 
-// The same with what was found out since: the file, the name and the number of vertices of the mesh as it is written,
-// its error where it was measured, and its grid where the job has several.
+// Adds what is known only when the mesh is written: file, mesh name, number of vertices in the file, the error if it
+// was measured, and the grid if the job has several.
 [[nodiscard]] Figures facts_as_written(Figures facts, const std::string& file, const mesh::Mesh& mesh,
                                        const std::optional<Figures>& error, const std::string& grid);
 

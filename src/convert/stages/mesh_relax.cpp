@@ -17,12 +17,12 @@ namespace {
 constexpr double kSmallShare = 0.05;
 constexpr double kSmallPercent = 100 * kSmallShare;
 
-// In the mesh's units; negative of cavities.
+// Volumes in the mesh's units; negative for cavities.
 struct RelaxedVolume {
   double before = 0;  // of the voxels
   double after = 0;   // of the mesh
 
-  // By how much of itself the volume changed; 0 where there was none.
+  // Relative change; 0 if there was no volume.
   [[nodiscard]] double change() const { return before != 0 ? after / before - 1 : 0; }
   [[nodiscard]] bool is_large() const { return std::abs(change()) > kSmallShare; }
   [[nodiscard]] bool is_larger_than(const RelaxedVolume& other) const {
@@ -39,12 +39,13 @@ RelaxedVolume volume_at(const Figures& figures, Key key) {
 
 // "from 30 to 3.29 (89 % less)"
 std::string text_of(const RelaxedVolume& volume) {
-  const double sign = volume.before < 0 ? -1 : 1;  // a cavity's are negative
+  const double sign = volume.before < 0 ? -1 : 1;  // volumes of cavities are negative
   return fmt::format("from {:.4g} to {:.4g} ({:.3g} % {})", sign * volume.before, sign * volume.after,
                      100 * std::abs(volume.change()), volume.change() > 0 ? "more" : "less");
 }
 
-// Of the tetrahedron from the apex to a triangle. The apex is a vertex of the component, so that little cancels.
+// Returns the volume of the tetrahedron from the apex to a triangle. The apex is a vertex of the component, which keeps
+// cancellation small.
 double volume_to(std::span<const glm::vec3> positions, const glm::uvec3& triangle, const glm::dvec3& apex) {
   const glm::dvec3 a = glm::dvec3(positions[triangle.x]) - apex;
   const glm::dvec3 b = glm::dvec3(positions[triangle.y]) - apex;
@@ -60,7 +61,7 @@ struct Component {
 }  // namespace
 
 Result<StageReport> measure_relaxing(Surface& surface, const StageContext& stage) {
-  const bool is_open = !stage.source.clip.empty() && !stage.job.surface.cap;  // and has no volume
+  const bool is_open = !stage.source.clip.empty() && !stage.job.surface.cap;  // an open surface has no volume
   if (!stage.job.surface.relaxes() || is_open) return StageReport();
   const mesh::Mesh& mesh = surface.mesh;
   const Context& context = stage.context;
@@ -71,7 +72,7 @@ Result<StageReport> measure_relaxing(Surface& surface, const StageContext& stage
   auto made = TRY(make_reserved_buffer<Component>(components.count(), context, what));
   Buffer<Component>& list = made->values;
   std::fill(list.begin(), list.end(), Component());
-  // In the order of the triangles, on one thread: sums are always the same.
+  // On one thread, in the order of the triangles: the sums are the same in every run.
   for (const glm::uvec3& triangle : mesh.triangles) {
     const std::uint32_t number = components.of_vertex(triangle.x);
     if (number == mesh::Components::kNone) continue;
@@ -81,7 +82,7 @@ Result<StageReport> measure_relaxing(Surface& surface, const StageContext& stage
     component.volume.after += volume_to(mesh.positions.span(), triangle, glm::dvec3(mesh.positions[component.apex]));
   }
   RelaxedVolume whole;
-  RelaxedVolume worst;  // whose volume changed by the greatest share of itself
+  RelaxedVolume worst;  // the largest relative change
   std::uint64_t changed = 0;
   for (const Component& component : list) {
     whole.before += component.volume.before;
@@ -125,7 +126,7 @@ std::optional<std::string> note_of_relaxing(std::span<const StageReport> reports
   std::string text = "relaxing changed the volume of ";
   if (surfaces > 0) text += fmt::format("{} {}", whole.surface, text_of(whole.volume));
   if (surfaces > 1) text += fmt::format(", that of {} others by more than {} %", surfaces - 1, kSmallPercent);
-  // Of a surface that is one component, or of many that all are, there is no more to tell.
+  // Adds nothing if the components that changed are the surfaces already named.
   if (changed_components > surfaces) {
     text +=
         fmt::format("{}{} of {} components by more than {} %, most in {}{}, {}", surfaces == 0 ? "" : ", and of ",

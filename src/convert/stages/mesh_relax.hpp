@@ -1,4 +1,4 @@
-// What relaxing surface nets did to volumes: thin parts lose most of theirs.
+// Changes of volume by relaxing surface nets; thin parts lose most of their volume.
 #pragma once
 
 #include <optional>
@@ -9,8 +9,8 @@
 
 namespace isoextract::convert {
 
-// A note that relaxing changed volumes by more than a small share: the surface that lost or gained most, and how many
-// others did; nothing where none did. `reports` are those of a conversion.
+// Returns a note if relaxing changed a volume by more than kSmallShare: the surface that changed most, and how many
+// others did. Returns nullopt if none did. `reports` are those of one conversion.
 [[nodiscard]] std::optional<std::string> note_of_relaxing(std::span<const StageReport> reports);
 
 }  // namespace isoextract::convert

@@ -23,13 +23,13 @@ constexpr double kPatchVoxels = 32;
 struct Stretch {
   double least = 1;
   double most = 1;
-  // A similarity, to what rounding leaves of it: it stretches all lengths alike.
+  // Whether the map is a similarity up to rounding, which scales all lengths alike.
   [[nodiscard]] bool is_even() const { return most - least <= 1e-9 * most; }
 };
 
-// How much the map shortens and lengthens what it maps: its least and greatest singular value. Eigenvalues of the
-// symmetric matrix map^T map by the trigonometric formula (O. K. Smith, Eigenvalues of a symmetric 3 x 3 matrix,
-// Comm. ACM 4(4), 1961).
+// Returns the least and greatest factor by which the map scales a length: its extreme singular values. The eigenvalues
+// of the symmetric matrix map^T map follow from the trigonometric formula (O. K. Smith, Eigenvalues of a symmetric 3 x
+// 3 matrix, Comm. ACM 4(4), 1961).
 Stretch stretch_of(const glm::dmat3& map) {
   const glm::dmat3 a = glm::transpose(map) * map;
   const double mean = (a[0][0] + a[1][1] + a[2][2]) / 3;
@@ -52,12 +52,13 @@ std::uint64_t wanted(const TriangleCount& count, std::uint64_t there) {
 
 struct ComponentCount {
   std::uint64_t components = 0;
-  std::uint64_t hollows = 0;  // closed and facing inward
-  std::uint64_t outside = 0;  // of these in an even number of closed components: within no body
+  std::uint64_t hollows = 0;  // closed components that face inward
+  std::uint64_t outside = 0;  // cavities inside no body: an even number of closed components around them
 };
 
-// Of every simplification: measure_components() looks at edges as well, which takes several times as long. The sum of
-// a component's triangles as vectors is 0 where it is closed, and its volume then the same from any point.
+// Counts components before and after each simplification. Cheaper than measure_components(), which also examines edges
+// and takes several times as long. A component is closed if the vector areas of its triangles sum to 0; its volume is
+// then the same from any point.
 Result<ComponentCount> count_components(const mesh::Mesh& mesh, const Context& context) {
   struct Sum {
     glm::dvec3 vector{0.0};
@@ -120,15 +121,16 @@ struct DistanceRange {
 
 Figures figures_of(const DistanceRange& range) { return {{Key::lower, range.lower}, {Key::upper, range.upper}}; }
 
-// The Hausdorff distance of a simplified mesh to what it was, at least and at most, and what became of its components.
+// Bounds of the Hausdorff distance between the simplified mesh and the original, and changes of the components.
 struct Simplified {
   edit::Simplification facts;
-  std::uint64_t asked = 0;  // triangles; 0: no number was
+  std::uint64_t asked = 0;  // requested triangles; 0: no number was requested
   DistanceRange voxels;
   DistanceRange world;  // in the mesh's units
   std::uint64_t components = 0;
-  std::uint64_t turned = 0;       // of them inside out, which shells thinner than the distance may be: at least so many
-  std::uint64_t left_bodies = 0;  // closed components that face inward and lie in no body any more
+  // Lower bound of the components turned inside out; shells thinner than the distance may turn
+  std::uint64_t turned = 0;
+  std::uint64_t left_bodies = 0;  // cavities (closed components that face inward) that no longer lie in a body
 };
 
 std::string why_unchanged(const SimplifyChoice& asked, const Simplified& done) {
@@ -178,7 +180,7 @@ std::vector<std::string> notes_of(const Simplified& done, const std::string& sur
                     "smaller distance, more triangles, or cavities filled it does not",
                     surface, done.left_bodies == 1 ? "1 cavity" : fmt::format("{} cavities", done.left_bodies)));
   }
-  // A closed component has four triangles at least.
+  // A closed component has at least four triangles.
   const std::uint64_t asked = done.asked;
   const bool is_much = done.components > 1 && 4 * done.components > asked / 2;
   if (asked > 0 && is_much && (facts.triangles_after > asked || done.voxels.lower > 1)) {
@@ -200,7 +202,7 @@ std::string simplify_bound_text(const SimplifyBound& bound) {
   return fmt::format("{}{}", bound.distance, bound.in_world_units ? "world" : "voxel");
 }
 
-// `output_from_index` says what a voxel is.
+// Simplifies the surface. Distances are in voxels, whose size output_from_index gives, or in the mesh's units.
 Result<StageReport> simplify_surface(Surface& surface, const StageContext& stage) {
   if (!stage.job.edits.simplify) return StageReport();
   const SimplifyChoice& choice = *stage.job.edits.simplify;
@@ -227,7 +229,7 @@ Result<StageReport> simplify_surface(Surface& surface, const StageContext& stage
   result.facts = simplified.facts;
   result.components = after.components;
   result.turned = std::max(before.hollows, after.hollows) - std::min(before.hollows, after.hollows);
-  // A body that is turned inside out is no cavity.
+  // A body turned inside out counts as an inward component, but is no cavity that left its body.
   const std::uint64_t known = before.outside + after.hollows - std::min(before.hollows, after.hollows);
   result.left_bodies = after.outside - std::min(known, after.outside);
   const DistanceRange measured{simplified.facts.measured_lower, simplified.facts.measured_upper};

@@ -1,4 +1,4 @@
-// How simplification is asked for, as people write it.
+// Text of simplification settings, in the form of the command line.
 #pragma once
 
 #include <string>
@@ -7,9 +7,9 @@
 
 namespace isoextract::convert {
 
-// 100000 or 2.5%.
+// Returns "100000" or "2.5%".
 [[nodiscard]] std::string triangle_count_text(const TriangleCount& count);
-// 0.1voxel or 0.5world.
+// Returns "0.1voxel" or "0.5world".
 [[nodiscard]] std::string simplify_bound_text(const SimplifyBound& bound);
 
 }  // namespace isoextract::convert

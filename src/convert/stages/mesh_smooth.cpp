@@ -9,7 +9,7 @@
 namespace isoextract::convert {
 namespace {
 
-// The samples whose outermost the caps go through, where there are caps.
+// Returns the box of samples whose outer faces the caps lie on, or nullopt without such caps.
 std::optional<field::IndexBox> capped_box(const Source& source) {
   if (source.region) return source.region;
   if (std::holds_alternative<field::SparseSamples>(source.field.samples)) return std::nullopt;
@@ -33,7 +33,7 @@ std::string line_of(const SmoothChoice& asked, const edit::SmoothFacts& facts, c
 
 }  // namespace
 
-// Caps stay on the sides of the box of samples, and in the planes of cuts.
+// Smooths the surface. Vertices of caps stay on the faces of the box of samples and in the planes of cuts.
 Result<StageReport> smooth_surface(Surface& surface, const StageContext& stage) {
   if (!stage.job.edits.smooth || surface.mesh.triangles.empty()) return StageReport();
   const SmoothChoice& asked = *stage.job.edits.smooth;

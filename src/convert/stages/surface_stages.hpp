@@ -1,4 +1,4 @@
-// The stages between the extraction of a surface and its file, one after the other.
+// Runs the stages between a surface's extraction and its file.
 #pragma once
 
 #include <optional>
@@ -21,23 +21,23 @@ struct Surface {
   SurfaceId id;
   mesh::Mesh mesh;
   SurfaceEnd end = {};
-  bool counts_open_edges = false;                // only a look at the mesh says whether it is closed
-  std::optional<Figures> error = {};             // where it was measured
-  std::optional<Figures> facts = {};             // where they are asked for; of the mesh before vertices were copied
-  StageTime looking = {};                        // what that took
-  std::optional<std::uint64_t> open_edges = {};  // where they are counted, before vertices were copied
-  double simplified_by = 0;                      // voxels: how far simplification moved it at most
+  bool counts_open_edges = false;                // only counting boundary edges tells whether the mesh is closed
+  std::optional<Figures> error = {};             // set if it was measured
+  std::optional<Figures> facts = {};             // set if requested; of the mesh before vertices were duplicated
+  StageTime looking = {};                        // time for `facts`
+  std::optional<std::uint64_t> open_edges = {};  // set if counted, before vertices were duplicated
+  double simplified_by = 0;                      // largest distance that simplification moved the surface, in voxels
 };
 
-// What is known of all surfaces, and of the one at hand.
+// Facts about all surfaces of the job and about the current one.
 struct SurfaceFacts {
-  std::span<const SurfaceId> all;      // surfaces of the job
-  bool may_be_open = false;            // it may have a border
-  bool recorded = false;               // Surface::facts are asked for
-  const LabelLooks* labels = nullptr;  // where surfaces are those of labels: how these look
+  std::span<const SurfaceId> all;      // all surfaces of the current grid
+  bool may_be_open = false;            // the current surface may have boundary edges
+  bool recorded = false;               // Surface::facts are requested
+  const LabelLooks* labels = nullptr;  // names and colors of labels, if the surfaces are labels
 };
 
-// What a stage may know besides the surface.
+// Input of a stage besides the surface.
 struct StageContext {
   const ConversionJob& job;
   const Source& source;
@@ -48,22 +48,22 @@ struct StageContext {
   [[nodiscard]] StageReport report_on(StageName stage, const Surface& surface) const;
 };
 
-// How the surface of `source` at an iso value is extracted for `job`.
+// Returns the options to extract the surface of `source` at an iso value for `job`.
 [[nodiscard]] extract::ExtractOptions extract_options_of(const ConversionJob& job, const Source& source, double iso);
 
-// Of the surface that was just extracted.
+// Returns the report of the surface that was just extracted.
 [[nodiscard]] StageReport extraction_report(const extract::ExtractStats& stats, const extract::ExtractOptions& options,
                                             const Surface& surface, const StageContext& stage, const StageTime& time);
 
-// Runs every edit of kStages and tells its report. A mesh that is split into pieces is left without what
-// shade_surface() does: each piece is to have its own. Fails as the stages do.
+// Runs every edit of kStages and reports it. Skips shade_surface() for a mesh that is split later, because each piece
+// gets its own run of it. Fails as the stages do.
 [[nodiscard]] Result<void> edit_surface(const StageContext& context, Events& events, Surface& surface);
 
-// Runs one of them.
+// Runs one edit and reports it.
 [[nodiscard]] Result<void> run_stage(const StageInfo& stage, const StageContext& context, Events& events,
                                      Surface& surface);
 
-// Tells a report, unless there is nothing in it; fails where it says so.
+// Reports, unless the report is empty; fails if it holds an error.
 [[nodiscard]] Result<void> tell(const StageReport& report, Events& events);
 
 }  // namespace isoextract::convert

@@ -14,11 +14,11 @@
 namespace isoextract::convert {
 namespace {
 
-// Of the outermost of several surfaces; the innermost is opaque, and those between are evenly so.
+// Opacity of the outermost of several surfaces. The innermost is opaque; steps between are equal.
 constexpr double kOutermostOpacity = 0.25;
 
-// From the outermost on, from 0 to 1; of one that is alone 1. Values that were found can be the same, of which there is
-// one surface.
+// Returns the position from the outermost (0) to the innermost surface (1); 1 for a single surface. Surfaces that have
+// the same iso value count once.
 double depth_of(const std::vector<SurfaceId>& all, const SurfaceId& id, field::FieldKind kind) {
   const std::set<SurfaceId> surfaces(all.begin(), all.end());
   if (surfaces.size() < 2) return 1;
@@ -59,7 +59,8 @@ Result<StageReport> color_by_attribute(Surface& surface, const StageContext& sta
   if (!job.colour || !job.colour->attribute) return StageReport();
   const std::string& attribute = *job.colour->attribute;
   const auto is_meant = [&](const MissingAttribute& missing) { return missing.choice.name == attribute; };
-  if (std::ranges::any_of(stage.source.attributes->missing, is_meant)) return StageReport();  // it was told
+  // Carry_attributes() or the source has reported it
+  if (std::ranges::any_of(stage.source.attributes->missing, is_meant)) return StageReport();
   const auto made = TRY(edit::color_by_values(
       surface.mesh, attribute, job.colour->map, job.colour->range,
       mesh_io::is_gltf(job.meshes().format) ? edit::ColorStorage::linear_u16 : edit::ColorStorage::srgb_u8,
@@ -107,7 +108,7 @@ Result<StageReport> color_surface(Surface& surface, const StageContext& stage) {
     TRY(facts.labels->colour(stage.job, surface.id.label(), surface.mesh, stage.context));
   }
   auto report = color_by_attribute(surface, stage);
-  // Colors, which go by the values of the input, are made.
+  // Attributes change only now, because colors depend on the input's values.
   if (const auto& attributes = stage.source.attributes; report && attributes) {
     change_attributes(surface.mesh, attributes->kinds, attributes->output_from_world);
   }

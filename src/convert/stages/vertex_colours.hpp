@@ -1,4 +1,4 @@
-// Colors of whole surfaces from their iso values; the stage that colors vertices as well is color_surface().
+// Materials of whole surfaces from their iso values. color_surface() is the stage that colors vertices, too.
 #pragma once
 
 #include <optional>
@@ -10,9 +10,9 @@
 
 namespace isoextract::convert {
 
-// Of the surface `id`, one of `all` that the job's choices came to: the colour by its place between the least
-// and the greatest of them, or in the range that was given, and the opacity. `open`: its inside may be seen. Nothing
-// where none of this says anything.
+// Returns the material of surface `id`, one of `all`: its color and opacity. The color comes from the iso value's place
+// in the job's range, or else between the least and greatest of `all`. `open` makes the material double-sided, because
+// the inside may be visible. Returns nullopt if the job sets none of this.
 [[nodiscard]] std::optional<mesh::Material> material_of(const ConversionJob& job, std::span<const SurfaceId> all,
                                                         const SurfaceId& id, field::FieldKind kind, bool open = false);
 
