@@ -1,7 +1,7 @@
-// Two conversions at once in one process, without the command line: each has its job, its context and its listener;
+// Runs two conversions at once in one process, without the command line. Each has its own job, context and listener;
 // they share one memory budget.
 //
-//   convert_two INPUT ISO OUTPUT INPUT ISO OUTPUT
+//  convert_two INPUT ISO OUTPUT INPUT ISO OUTPUT
 #include <array>
 #include <cstdio>
 #include <cstdlib>
@@ -14,7 +14,7 @@ namespace {
 
 using namespace isoextract;
 
-// Keeps what it hears: the two conversions tell it on threads of their own.
+// Collects messages instead of printing them: the conversions call it on two threads.
 class Listener final : public convert::Events {
  public:
   void note(const std::string& text) override { told += "note: " + text + "\n"; }

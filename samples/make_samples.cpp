@@ -1,4 +1,4 @@
-// Writes the sample volumes that lie beside this file: make_samples FOLDER. The same bytes every time.
+// Writes the sample volumes beside this file: make_samples FOLDER. Writes the same bytes in every run.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,7 +20,7 @@
 namespace isoextract {
 namespace {
 
-// The samples of a demo field, i fastest.
+// The samples of a demo field; i varies fastest.
 struct Demo {
   explicit Demo(const std::string& spec) : field(field::make_demo_field(spec, Context())) {
     if (!field) throw std::runtime_error(field.error().message);
@@ -40,7 +40,7 @@ void append_gzip(const std::filesystem::path& path, const std::vector<std::uint8
   if (gzclose(file) != Z_OK || !written) throw std::runtime_error("cannot write " + path.string());
 }
 
-// Eight bits a sample, like a scan: 128 + 80 times the gyroid's value, which lies within +-1.5.
+// Writes 8-bit samples, as a scanner does: 128 + 80 times the gyroid's value, which is within +-1.5.
 void write_gyroid(const std::filesystem::path& path) {
   const Demo demo("demo:gyroid?size=49");
   std::vector<std::uint8_t> bytes;
@@ -58,9 +58,9 @@ void write_gyroid(const std::filesystem::path& path) {
   append_gzip(path, bytes);
 }
 
-// OpenVDB names every file it writes by random digits; a fixed name makes the file the same each time.
+// OpenVDB writes a random UUID into every file. A fixed one makes the file the same in every run.
 void fix_unique_name(const std::filesystem::path& path) {
-  constexpr std::streamoff kOffset = 8 + 3 * 4 + 1;  // magic number, three version numbers, a flag
+  constexpr std::streamoff kOffset = 8 + 3 * 4 + 1;  // after magic number, three version numbers and a flag
   constexpr std::string_view kName = "00000000-0000-4000-8000-000000000000";
   std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
   std::array<char, kName.size()> found{};
@@ -72,7 +72,7 @@ void fix_unique_name(const std::filesystem::path& path) {
   if (!file.flush()) throw std::runtime_error("cannot write " + path.string());
 }
 
-// A fog volume: density 0.5 on the surface of the balls, 1 inside, fading to the empty background 0.
+// Writes a fog volume: density 0.5 on the surface of the balls, 1 inside, falling to the background value 0 outside.
 void write_metaballs(const std::filesystem::path& path) {
   const Demo demo("demo:metaballs?size=48");
   auto grid = openvdb::FloatGrid::create(0.0F);

@@ -1,4 +1,4 @@
-// Converts frames side by side, and goes on where an earlier run was ended: resumed_batch FOLDER ISO INPUT...
+// Converts frames side by side, and resumes an earlier run that was ended: resumed_batch FOLDER ISO INPUT...
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -15,7 +15,7 @@ using namespace isoextract;
 class Printer final : public batch::RunEvents {
   void over(std::size_t /*frame*/, const batch::FrameRow& row, const convert::Outcome* /*outcome*/,
             const Error* error) override {
-    const std::lock_guard lock(mutex_);  // frames end on several threads
+    const std::lock_guard lock(mutex_);  // several threads call over()
     fmt::print("frame {}: {}{}\n", row.frame, word_of(row.status), error != nullptr ? ": " + error->message : "");
   }
   std::mutex mutex_;

@@ -13,13 +13,13 @@
 namespace isoextract::batch {
 
 struct FrameJob {
-  std::int64_t number = 0;  // of the frame
+  std::int64_t number = 0;  // the frame's number
   convert::ConversionJob job;
 
   friend bool operator==(const FrameJob&, const FrameJob&) = default;
 };
 
-// All frames in one file that plays them (mesh_io/animation_writer.hpp).
+// One file that plays all frames (mesh_io/animation_writer.hpp).
 struct AnimationJob {
   std::string path;
   double frames_per_second = 24;
@@ -28,19 +28,19 @@ struct AnimationJob {
 };
 
 struct BatchJob {
-  std::vector<FrameJob> frames;           // in the order of their numbers; no two write one file
-  std::optional<AnimationJob> animation;  // then each frame has one output, with this path
+  std::vector<FrameJob> frames;           // ordered by number; no two write the same file
+  std::optional<AnimationJob> animation;  // if set, each frame has one output, with the animation's path
 
   friend bool operator==(const BatchJob&, const BatchJob&) = default;
 };
 
-// The files that a frame writes. Of pieces, of which there may be any number, the first.
+// Returns the files that a frame writes. Of an output split into pieces it returns only the first piece's files.
 [[nodiscard]] std::vector<std::filesystem::path> files_of(const convert::ConversionJob& job);
 
-// 32 hexadecimal digits that stand for all frames and what is done with them, as convert::hash_of() does for one.
+// Returns 32 hexadecimal digits that identify all frames and their jobs, as convert::hash_of() does for one job.
 [[nodiscard]] std::string hash_of(const BatchJob& batch);
 
-// The same, of a batch without an animation, from the number and convert::hash_of() of each frame, in their order.
+// Returns the same for a batch without an animation, from the number and convert::hash_of() of each frame, in order.
 struct FrameHash {
   std::int64_t number = 0;
   std::string job;

@@ -26,7 +26,7 @@ files::ReadFiles read_files_of(const BatchJob& batch, const OtherFiles& others, 
   const convert::SourceOptions* before = nullptr;
   for (const FrameJob& frame : batch.frames) {
     const convert::SourceOptions& source = frame.job.source;
-    // The volumes of one file are many frames.
+    // Frames that are volumes of one file read the same files.
     const bool is_known = before != nullptr && before->input == source.input && before->attributes == source.attributes;
     if (!is_known) convert::add_read_files(read, frame.job, context);
     before = &source;
@@ -36,7 +36,7 @@ files::ReadFiles read_files_of(const BatchJob& batch, const OtherFiles& others, 
 
 }  // namespace
 
-// Listens to the threads that convert frames, and holds what they have made so far.
+// Listens to the converting threads, and holds the results so far.
 struct BatchRun::State final : FrameEvents {
   State(const BatchJob& the_batch, RunOptions the_options, const Context& the_context,
         std::optional<Manifest> the_manifest)
@@ -60,30 +60,31 @@ struct BatchRun::State final : FrameEvents {
   convert::Events* started(std::size_t frame, const Context& own) override;
   bool finished(std::size_t frame, const convert::Outcome& outcome) override;
 
-  // Keeps the frames that are done already, and lists the others.
+  // Keeps the frames that are already done, and returns the others.
   std::vector<std::size_t> keep_what_is_done();
   void keep(std::size_t frame, const FrameRecord* record);
   void begin_record(std::size_t frame, const Context& own);
   std::optional<Error> record(std::size_t frame, const convert::Outcome& outcome);
-  // A mesh of an earlier run must not pass for that of a frame that has failed. What there is to say of it.
+  // Renames old meshes of a frame that failed, so that they do not pass for its result. Returns text for the error.
   std::string set_aside_meshes(const convert::ConversionJob& job, const convert::Outcome& outcome);
-  // Gives the animation its name, unless the batch has failed as a whole.
+  // Finishes the animation, unless the batch has failed as a whole.
   Result<mesh_io::MeshWriteResult> finish_animation();
 
   const BatchJob& batch;
   RunOptions options;
   const Context& context;
   const std::vector<std::size_t> frames;
-  std::optional<Manifest> manifest;  // where records are kept
+  std::optional<Manifest> manifest;  // set if records are kept
   std::optional<Animation> animation;
   RunEvents* events = nullptr;
-  std::vector<FrameRow> rows;  // by frame; each is touched by the thread that converts it
+  std::vector<FrameRow> rows;  // by frame index; only the thread that converts the frame writes to its row
   std::vector<std::vector<FileRecord>> inputs;
-  std::vector<FrameRecord> records;  // of an animation, until it is written
-  std::vector<char> is_missing;      // 1: not converted. A frame whose report could not be written has failed as well
-  std::mutex mutex;                  // of the manifest and what follows
+  std::vector<FrameRecord> records;  // of an animation's frames, until the animation is written
+  // 1: not converted. A frame that was converted but whose report failed is not missing.
+  std::vector<char> is_missing;
+  std::mutex mutex;  // guards the manifest and the members below
   std::vector<std::string> set_aside;
-  std::optional<Error> unkept;  // why the manifest or the animation could not be written
+  std::optional<Error> unkept;  // set if the manifest or the animation could not be written
 };
 
 void BatchRun::State::keep(std::size_t frame, const FrameRecord* record) {
@@ -100,7 +101,7 @@ std::vector<std::size_t> BatchRun::State::keep_what_is_done() {
   const bool resumes = manifest && options.earlier == EarlierFrames::kept_if_unchanged;
   std::optional<std::vector<FrameRecord>> all;
   if (animation && resumes) all = kept_animation(*manifest, batch);
-  // What a report says is not kept: a frame without one is done again.
+  // The contents of reports are not recorded, so a frame without a report is converted again.
   const auto lacks_report = [&](std::size_t i) { return !events->has_report(i); };
   if (all && std::ranges::any_of(frames, lacks_report)) all.reset();
   std::vector<std::size_t> others;
@@ -128,7 +129,7 @@ convert::Events* BatchRun::State::started(std::size_t frame, const Context& own)
 
 void BatchRun::State::begin_record(std::size_t frame, const Context& own) {
   auto states = input_states(batch.frames[frame], own);
-  // One that cannot be read fails when it is converted, with a better message.
+  // An unreadable input fails in the conversion, with a better message.
   if (states) inputs[frame] = std::move(*states);
   const std::string job = convert::hash_of(batch.frames[frame].job);
   const std::lock_guard lock(mutex);
@@ -198,7 +199,7 @@ std::optional<Error> BatchRun::State::record(std::size_t frame, const convert::O
 }
 
 Result<mesh_io::MeshWriteResult> BatchRun::State::finish_animation() {
-  std::vector<std::int64_t> missing;  // numbers
+  std::vector<std::int64_t> missing;  // frame numbers
   std::size_t failed = 0;
   bool is_whole = true;
   for (const std::size_t i : frames) {
@@ -268,7 +269,7 @@ fs::path manifest_folder(const BatchJob& batch) {
 
 Result<std::optional<files::ReadFiles>> check_written_files(const BatchJob& batch, const Shard& shard,
                                                             const OtherFiles& others, const Context& context) {
-  std::vector<fs::path> there;  // of all that is written
+  std::vector<fs::path> there;  // files to write that exist already
   std::unordered_set<std::string> meshes;
   for (const FrameJob& frame : batch.frames) {
     for (fs::path& file : files_of(frame.job)) {

@@ -1,5 +1,5 @@
-// A batch from the first frame to the last record: frames that an earlier run has done are kept, each frame that is
-// done gets a record in the manifest, old meshes of frames that fail get other names, and an animation gets its name.
+// Runs a batch from its first frame to the last record. Keeps frames that an earlier run finished, records each
+// finished frame in the manifest, renames old meshes of frames that fail, and finally names the animation.
 #pragma once
 
 #include <cstddef>
@@ -23,76 +23,78 @@
 
 namespace isoextract::batch {
 
-// Which frames of an earlier run a run keeps instead of converting them again.
+// Frames of an earlier run that this run keeps instead of converting them again.
 enum class EarlierFrames {
   converted_again,
-  kept_if_unchanged,  // where the manifest has the job, and all inputs and outputs are what they were, byte by byte
-  kept_if_there,      // where an output has its name, whatever is in it
+  kept_if_unchanged,  // frames whose job is in the manifest and whose inputs and outputs are unchanged, byte by byte
+  kept_if_there,      // frames of which an output file exists, whatever it contains
 };
 
 struct RunOptions {
-  Shard shard = {};  // whose frames are converted
+  Shard shard = {};  // only this shard's frames are converted
   EarlierFrames earlier = EarlierFrames::converted_again;
-  std::vector<std::string> arguments = {};  // of the command, which the manifest tells its readers
-  std::string absent = {};                  // numbers of frames that were asked for and have no input (ManifestHeader)
-  bool keeps_records = true;                // in the manifest, for later runs
-  bool keeps_figures = true;                // in RunResult::rows, which takes memory for each frame
-  SchedulerOptions scheduler = {};          // its note_of_field is RunEvents'
+  std::vector<std::string> arguments = {};  // of the command line, stored in the manifest for its readers
+  std::string absent = {};                  // requested frames without input, as FrameRange text (ManifestHeader)
+  bool keeps_records = true;                // keep records in the manifest, for later runs
+  bool keeps_figures = true;                // keep figures in RunResult::rows, which takes memory for each frame
+  SchedulerOptions scheduler = {};          // BatchRun replaces its note_of_field by RunEvents::note_of_field
 };
 
-// Told by the threads that convert, side by side: who listens guards what it has.
+// Events of a run. The converting threads call them concurrently, so a listener must guard its data.
 class RunEvents {
  public:
   virtual ~RunEvents() = default;
 
-  // Before a frame is converted: FrameEvents::started().
+  // Called before a frame is converted; see FrameEvents::started().
   [[nodiscard]] virtual convert::Events* started(std::size_t /*frame*/, const Context& /*context*/) { return nullptr; }
   // Returns a note about the field of a frame (convert::OutcomeExtras).
   [[nodiscard]] virtual std::optional<std::string> note_of_field(const field::ScalarField& /*field*/) {
     return std::nullopt;
   }
-  // Whether what write_report() makes of a frame is there; a frame without it is not kept.
+  // Returns whether the report of a frame, as write_report() writes it, exists. A frame without one is not kept.
   [[nodiscard]] virtual bool has_report(std::size_t /*frame*/) { return true; }
-  // Writes the report of a frame. A frame whose report cannot be written has failed.
+  // Writes the report of a frame. If that fails, the frame fails.
   [[nodiscard]] virtual Result<void> write_report(std::size_t /*frame*/, const convert::Outcome& /*outcome*/) {
     return {};
   }
-  // Each frame once, when nothing more happens to it. `outcome` is null for one that is kept, `error` for one that has
-  // not failed.
+  // Called once for each frame, after its last event. `outcome` is null for a kept frame, `error` is null unless the
+  // frame failed.
   virtual void over(std::size_t /*frame*/, const FrameRow& /*row*/, const convert::Outcome* /*outcome*/,
                     const Error* /*error*/) {}
 };
 
 struct RunResult {
-  std::vector<FrameRow> rows;               // of the run's frames, in their order
-  std::vector<std::string> set_aside = {};  // the names that old meshes have now, of frames that failed
-  mesh_io::MeshWriteResult animation = {};  // its files, and notes about it
-  std::optional<Error> error = {};          // the manifest or the animation could not be written, which ended the run
+  std::vector<FrameRow> rows;               // of the run's frames, in order
+  std::vector<std::string> set_aside = {};  // the new names of old meshes of frames that failed
+  mesh_io::MeshWriteResult animation = {};  // the animation's files, and notes about it
+  // Set if the manifest or the animation could not be written, which ended the run.
+  std::optional<Error> error = {};
 
   [[nodiscard]] std::size_t count(FrameStatus status) const;
 };
 
-// Returns the deepest folder that all outputs of the batch are in. The manifest lies there.
+// Returns the deepest folder that contains all outputs of the batch. The manifest is in this folder.
 [[nodiscard]] std::filesystem::path manifest_folder(const BatchJob& batch);
 
-// What all frames read, among it files that only the inputs name, where some file that would be written is there
-// already, or names are known late (pieces): nothing else could be replaced. Fails with ErrorCode::usage where a file
-// that would be written is read, or is of another run's shard.
+// Returns all files that the frames read, including files that only the inputs name. Returns nullopt if nothing can be
+// overwritten: no file to write exists yet, and no output has names that are known late (pieces).
+//
+// Fails with ErrorCode::usage if a file to write is also read. Fails as check_replaced_shard() does.
 [[nodiscard]] Result<std::optional<files::ReadFiles>> check_written_files(const BatchJob& batch, const Shard& shard,
                                                                           const OtherFiles& others,
                                                                           const Context& context);
 
 class BatchRun {
  public:
-  // Locks the manifest, if records are kept, whose folder has to be there; converts nothing yet. `batch` and `context`
-  // outlive the run. Fails with ErrorCode::usage and ErrorCode::output.
+  // Opens and locks the manifest, if records are kept; its folder must exist. Converts nothing. `batch` and `context`
+  // must outlive the run. Fails with ErrorCode::usage or ErrorCode::output.
   [[nodiscard]] static Result<BatchRun> open(const BatchJob& batch, RunOptions options, const Context& context);
 
   BatchRun(BatchRun&&) noexcept;
   BatchRun& operator=(BatchRun&&) noexcept;
   ~BatchRun();
 
-  // Call once. Frames that fail are rows of the result.
+  // Runs the batch. Call once. Frames that fail are rows of the result, not an error.
   [[nodiscard]] RunResult run(RunEvents& events);
 
  private:

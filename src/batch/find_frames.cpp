@@ -28,14 +28,14 @@ namespace fs = std::filesystem;
 constexpr std::size_t kShownSequences = 8;
 constexpr std::size_t kShownRuns = 8;
 
-// What was found, before the range chooses.
+// The frames found, before the range selects.
 struct FoundFrames {
   std::vector<Frame> frames;
-  bool numbered = true;  // by their names; else by position, which leaves no gaps
+  bool numbered = true;  // by their names; false: by position, which leaves no gaps
   std::vector<std::string> notes;
 };
 
-// What lies between the frames, of which there is at least one, if their numbers go on as they do.
+// Returns the numbers missing between the frames, at the greatest step that all numbers share. `frames` is not empty.
 std::vector<FrameRun> gaps_between(std::span<const Frame> frames) {
   std::int64_t step = 0;
   for (std::size_t i = 1; i < frames.size(); ++i) step = std::gcd(step, frames[i].number - frames[i - 1].number);
@@ -64,7 +64,7 @@ Result<Frames> chosen_frames(FoundFrames found, const std::optional<FrameRange>&
   if (twice != found.frames.end()) {
     std::string first = twice->input;
     std::string second = std::next(twice)->input;
-    if (second < first) std::swap(first, second);  // folders have no order
+    if (second < first) std::swap(first, second);  // the order in which a folder lists files is arbitrary
     return fail(ErrorCode::input, fmt::format("expected one file for frame {}, found {} and {}", twice->number,
                                               printable(first), printable(second)));
   }
@@ -91,11 +91,11 @@ Result<Frames> without_files(const FramePattern& pattern, const std::optional<Fr
   return frames;
 }
 
-// What of the pattern is the name of an entry of a folder, and what is before and after it.
+// A pattern split at the folder entry that contains its number.
 struct EntryPattern {
   std::string folder;  // with its slash; may be empty
   FramePattern pattern;
-  std::string rest;  // with its slash; may be empty
+  std::string rest;  // starts with a slash; may be empty
 };
 
 EntryPattern entry_pattern(const FramePattern& pattern) {
@@ -107,7 +107,7 @@ EntryPattern entry_pattern(const FramePattern& pattern) {
           suffix.substr(rest)};
 }
 
-// What the pattern's number is in the names that it matches.
+// Judges the digits that stand for the pattern's number in the matching names.
 FractionKind judge_numbers(const FramePattern& pattern, std::span<const std::string> names) {
   const std::string& prefix = pattern.prefix();
   if (names.size() < 2 || !ends_within_decimal(prefix)) return FractionKind::whole_numbers;
@@ -120,7 +120,7 @@ FractionKind judge_numbers(const FramePattern& pattern, std::span<const std::str
   return judge_fractions(digits);
 }
 
-// Tells that digits after a point may be whole numbers or not. Nothing where they can only be whole numbers.
+// Adds a note if digits after a point could be whole numbers or fractions.
 void add_note_of_unclear(const FramePattern& pattern, std::span<const std::string> names, FoundFrames& found) {
   if (judge_numbers(pattern, names) != FractionKind::unclear) return;
   found.notes.push_back(fmt::format("{}: the digits after the point are taken as whole numbers, in which 10 follows 9",
@@ -143,7 +143,7 @@ Result<FoundFrames> matching_files(const FramePattern& pattern, const std::optio
   const FramePattern any_width(entries.pattern.prefix(), 0, entries.pattern.suffix());
   FoundFrames found;
   std::vector<std::string> matched;
-  std::string other_width;  // a name that another width would match
+  std::string other_width;  // a name that matches except for the width
   TRY(visit_folder(entries.folder, [&](const std::string& name, const fs::directory_entry& entry) {
     const auto number = entries.pattern.match(name);
     if (!number) {
@@ -179,7 +179,7 @@ std::string note_by_decimals(const std::string& first, const std::string& last, 
       printable(first), printable(last));
 }
 
-// Members of one sequence, or all of several names by their decimal number or by their position.
+// Numbers the members of one sequence by their names, several sequences by decimal number or by position.
 FoundFrames numbered_frames(std::span<const std::string> names, std::span<const Sequence> sequences,
                             const std::optional<DecimalOrder>& decimals, const std::string& folder) {
   FoundFrames found;
@@ -213,7 +213,7 @@ tl::unexpected<Error> fail_several(const std::string& folder, std::span<const Se
       "name one of them by its pattern, with the folder before it");
 }
 
-// What the folder holds instead may be known: a series in DICOM has no names that tell it.
+// The folder may hold files of a known kind without telling names, such as a DICOM series.
 tl::unexpected<Error> fail_no_names(const std::string& folder, const std::string& first) {
   std::string message = fmt::format("{}: no file in the folder is named like a volume or particles", printable(folder));
   Hint hint("files of any name are found by a pattern, with the folder before it");
@@ -225,12 +225,12 @@ tl::unexpected<Error> fail_no_names(const std::string& folder, const std::string
   return fail(ErrorCode::input, std::move(message), std::move(hint));
 }
 
-// Volumes, or particles where there are none: tables and meshes often lie beside volumes.
+// Finds volumes, else particles: tables and meshes often lie beside volumes.
 Result<FoundFrames> files_of_folder(const std::string& folder) {
   std::vector<std::string> names;
   std::vector<std::string> particles;
   std::size_t others = 0;
-  std::string first;  // of those that are neither
+  std::string first;  // of the files that are neither
   TRY(visit_folder(folder, [&](const std::string& name, const fs::directory_entry& entry) {
     std::error_code none;
     if (name.starts_with('.') || entry.is_directory(none)) return;

@@ -1,5 +1,5 @@
-// From what was given as inputs to the frames of a run: which number each has, and which input. Folders are read; no
-// file is opened.
+// Finds the frames of a run in the inputs that were given: the number and the input of each frame. Reads folders, but
+// opens no file.
 #pragma once
 
 #include <cstdint>
@@ -16,38 +16,42 @@ namespace isoextract::batch {
 struct Frame {
   std::int64_t number = 0;
   std::string input;                 // a path or demo:NAME, as read_volume() takes it
-  std::optional<std::int64_t> step;  // one of several time steps in that file, where they are frames
+  std::optional<std::int64_t> step;  // the time step in `input`, if the time steps of one file are frames
 
   friend bool operator==(const Frame&, const Frame&) = default;
 };
 
 struct Frames {
-  std::vector<Frame> frames;       // at least one; numbers rise, and none is there twice
-  std::vector<FrameRun> gaps;      // with a range: what of it is not there; else what the numbering leaves out
-  std::vector<std::string> notes;  // what was decided, one sentence each, fit for a terminal
+  std::vector<Frame> frames;       // at least one, ordered by number, without duplicates
+  std::vector<FrameRun> gaps;      // with a range: its numbers without a frame; else the numbers missing between frames
+  std::vector<std::string> notes;  // decisions made, one sentence each, safe to print on a terminal
 };
 
-// What of the range is not among the frames, whose numbers rise.
+// Returns the numbers of the range without a frame. `frames` are ordered by number.
 [[nodiscard]] std::vector<FrameRun> gaps_of(const FrameRange& range, std::span<const Frame> frames);
 
-// `inputs` are one of these:
-//   a pattern     the files that match it (frame_pattern.hpp); a file that has the pattern for a name is that file
-//   demo:NAME     with a pattern in it: one input a number of `range`, which then must be there
-//   a folder      the files in it, but for hidden ones, that a volume format reads by extension: one sequence, or files
-//                 without one, in natural order
-//   other files   as shells expand them; one that does not exist is a frame all the same, and fails when it is read
+// Finds the frames. `inputs` are one of these:
+//   a pattern     the files that match it (frame_pattern.hpp); if a file has this very name, only that file
+//   demo:NAME     with a pattern in it: one input for each number of `range`, which is then required
+//   a folder      its files with an extension of a volume format (else of a particle format), but no hidden files: one
+//                 sequence, or files that are no sequence, in natural order
+//   other files   as shells expand them; a missing file is a frame too, and fails when it is read
 //
-// Files are numbered by the one group of digits in which their names differ (detail/sequences.hpp), or else, with a
-// note, 1 to n: by the value of the one decimal number in which they differ (detail/decimal_names.hpp), or in their
-// order; a single one by the last digits of its name, or else 1. Where frames are two or more
-// apart throughout (1, 3, 7), only multiples of that count as gaps (5). Without `range` all frames are taken, with it
-// those that it has.
+// Files are numbered by the only group of digits in which their names differ (detail/sequences.hpp). Without such a
+// group they are numbered 1 to n, with a note: by the only decimal number in which they differ
+// (detail/decimal_names.hpp), else in their order. A single file has the last number in its name, else 1.
 //
-// Fails with ErrorCode::input where a folder cannot be read, where no frame is found, and where two files have one
-// number (f_1.vdb and f_01.vdb); with ErrorCode::usage where a folder holds several sequences, which are listed, where
-// one file is given twice, where a pattern or a folder is one of several inputs, where the number of a pattern is a
-// part of decimal numbers (t_0.{}.vdb with t_0.25.vdb and t_0.5.vdb), for a range of a single file, and for more than
-// kMaxFrames frames.
+// If all frame numbers are multiples of a step apart (1, 3, 7), only numbers at this step count as gaps (5). Takes only
+// the frames in `range`, or all frames without a range.
+//
+// Fails with ErrorCode::input if a folder cannot be read, if there is no frame, and if two files have the same number
+// (f_1.vdb and f_01.vdb).
+//
+// Fails with ErrorCode::usage in these cases:
+//   - a folder holds several sequences (the message lists them);
+//   - a file is given twice, or one of several inputs is a pattern or a folder;
+//   - a pattern's number is part of decimal numbers (t_0.{}.vdb with t_0.25.vdb and t_0.5.vdb);
+//   - a range is given for a single file, or there are more than kMaxFrames frames.
 [[nodiscard]] Result<Frames> find_frames(std::span<const std::string> inputs, const std::optional<FrameRange>& range);
 
 }  // namespace isoextract::batch

@@ -46,7 +46,7 @@ std::optional<std::int64_t> FramePattern::match(std::string_view name) const {
   if (digits.empty() || digits.size() > kMaxFrameDigits) return std::nullopt;
   std::int64_t number = 0;
   const char* const end = digits.data() + digits.size();
-  // A second sign ends it at once.
+  // The explicit test rejects a second minus sign, which from_chars() would accept.
   if (digits.front() == '-' || std::from_chars(digits.data(), end, number).ptr != end) return std::nullopt;
   if (negative && number == 0) return std::nullopt;
   if (negative) number = -number;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kShownText = 60;
 
-// A number that `text` begins with, which is taken off it.
+// Removes a number from the start of `text` and returns it.
 std::optional<std::int64_t> take_number(std::string_view& text) {
   std::int64_t number = 0;
   const auto read = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -82,10 +82,10 @@ std::vector<std::int64_t> numbers_of(std::span<const FrameRun> runs) {
 std::vector<FrameRun> runs_of(std::span<const std::int64_t> numbers) {
   std::vector<FrameRun> runs;
   for (std::size_t i = 0; i < numbers.size();) {
-    std::size_t end = i + 1;  // of the run that begins at i
+    std::size_t end = i + 1;  // end of the run that begins at i
     const std::int64_t step = end < numbers.size() ? numbers[end] - numbers[i] : 1;
     while (end < numbers.size() && numbers[end] - numbers[end - 1] == step) ++end;
-    // Two with something between them are no run yet: the second may begin one.
+    // Two numbers with a gap between them do not make a run yet: the second may start a better one.
     if (end - i == 2 && step > 1) --end;
     runs.push_back({numbers[i], numbers[end - 1], end - i > 1 ? step : 1});
     i = end;

@@ -1,4 +1,4 @@
-// Which frames: "1-240x2", "1-10,20,30-40x5", "-5-5".
+// Sets of frame numbers: "1-240x2", "1-10,20,30-40x5", "-5-5".
 #pragma once
 
 #include <cstddef>
@@ -12,10 +12,10 @@
 
 namespace isoextract::batch {
 
-// At most so many frames in one run.
+// Largest number of frames in one run.
 inline constexpr std::uint64_t kMaxFrames = 1'000'000;
 
-// first, first + step, ..., last. The numbers are within +-kMaxFrameNumber, and the step is 1 where there is only one.
+// The numbers first, first + step, ..., last, all within +-kMaxFrameNumber. The step of a single number is 1.
 struct FrameRun {
   std::int64_t first = 0;
   std::int64_t last = 0;
@@ -26,25 +26,24 @@ struct FrameRun {
   friend bool operator==(const FrameRun&, const FrameRun&) = default;
 };
 
-// As few runs as one pass finds. `numbers` rise.
+// Splits rising numbers into runs, in one greedy pass.
 [[nodiscard]] std::vector<FrameRun> runs_of(std::span<const std::int64_t> numbers);
 
-// How many of them a message lists.
+// Number of runs that a message lists.
 inline constexpr std::size_t kShownFrameRuns = 20;
 
-// As parse() reads it; of more than `max_runs`, "..." stands for the rest.
+// Returns the text that FrameRange::parse() reads. Lists at most `max_runs` runs, then "...".
 [[nodiscard]] std::string text_of(std::span<const FrameRun> runs, std::size_t max_runs = std::string::npos);
 
-// A set of frames: each counts once, however often it was named, and they come in rising order. Equal sets are equal,
-// however they were written.
+// A set of frame numbers without duplicates, in rising order. Equal sets compare equal, however they were written.
 class FrameRange {
  public:
-  // A, A-B or A-BxS, separated by commas; blanks around those do not matter. A and B belong to it, B only where the
-  // steps meet it; both may be negative. Fails with ErrorCode::usage for anything else, for B below A, a step below 1,
-  // numbers beyond kMaxFrameNumber and more than kMaxFrames frames, before memory is taken for them.
+  // Parses A, A-B or A-BxS, separated by commas and optional blanks. A and B are inclusive (B only if the steps reach
+  // it) and may be negative. Fails with ErrorCode::usage for any other text, for B below A, steps below 1, numbers
+  // beyond kMaxFrameNumber and more than kMaxFrames frames. Checks the count before taking memory.
   [[nodiscard]] static Result<FrameRange> parse(std::string_view text);
 
-  // One after another: each begins after the end of the one before.
+  // Returns the runs, which do not overlap and are in rising order.
   [[nodiscard]] std::span<const FrameRun> runs() const { return runs_; }
   [[nodiscard]] std::uint64_t count() const;
   [[nodiscard]] bool contains(std::int64_t number) const;

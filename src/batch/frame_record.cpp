@@ -31,7 +31,7 @@ Result<FileRecord> file_record_of(const mesh_io::WrittenFile& file, const Contex
   return FileRecord{file.path, state};
 }
 
-// Which of the files is not what it was, if one is not.
+// Returns a message about the first file that has changed; empty if none has.
 std::string changed_one(const std::vector<FileRecord>& before, bool with_times) {
   for (const FileRecord& file : before) {
     const auto now = files::state_of_file(file.path, Context());
@@ -44,7 +44,7 @@ std::string changed_one(const std::vector<FileRecord>& before, bool with_times) 
 
 bool is_demo(const FrameJob& frame) { return frame.job.source.input.starts_with(field::kDemoPrefix); }
 
-// Sorted, each once; none of a demo field.
+// Returns the paths of all input files, sorted, without duplicates; none for a demo field.
 Result<std::vector<std::string>> input_paths(const FrameJob& frame, const Context& context) {
   std::vector<std::string> paths;
   if (is_demo(frame)) return paths;
@@ -60,7 +60,7 @@ std::optional<T> optional_of(const Json& json, const char* key) {
   return json.at(key).is_null() ? std::nullopt : std::optional(json.at(key).get<T>());
 }
 
-// Paths need not be UTF-8, JSON is.
+// Paths may hold bytes that are not UTF-8, which JSON text cannot: these become lists of byte values.
 Json bytes_json(const std::string& text) {
   Json codes = Json::array();
   const bool plain = std::ranges::all_of(text, [](char c) { return c >= ' ' && c <= '~'; });
@@ -158,7 +158,7 @@ FrameFigures figures_of(const Json& json) {
   return figures;
 }
 
-// Whether something is of the surface.
+// Returns whether the value belongs to the surface.
 bool is_of(double iso, const std::string& grid, const SurfaceFigures& surface) {
   return iso == surface.iso && grid == surface.grid;
 }
@@ -169,11 +169,11 @@ bool is_of(const Figures& mesh, const SurfaceFigures& surface) {
   return is_of(*value_at<double>(mesh, {Key::iso}), value_at<std::string>(mesh, {Key::grid}).value_or(""), surface);
 }
 
-// What was written of a surface. The same one may be in a second output, which does not count.
+// Adds the figures of the files of a surface. Counts only its first output: another output may repeat the surface.
 void add_written(const convert::Outcome& outcome, SurfaceFigures& figures) {
   const auto first =
       std::ranges::find_if(outcome.written, [&](const auto& written) { return is_of(written, figures); });
-  std::size_t counted = 0;  // files before this one are in the sum
+  std::size_t counted = 0;  // files before this index are in the sum
   for (auto surface = first; surface != outcome.written.end(); ++surface) {
     if (!is_of(*surface, figures) || surface->output != first->output) continue;
     figures.triangles += surface->triangles;
@@ -198,7 +198,7 @@ void add_error(const convert::Outcome& outcome, SurfaceFigures& figures) {
   figures.coverage_max = value_at<double>(found, {Key::coverage, Key::distances, Key::max, Key::voxels});
 }
 
-// Of all meshes that were written.
+// Returns the figures of all written meshes.
 std::vector<const Figures*> meshes_of(const convert::Outcome& outcome) {
   std::vector<const Figures*> meshes;
   for (const StageReport& report : outcome.reports) {
@@ -217,9 +217,9 @@ void add_mesh(const Figures& mesh, SurfaceFigures& surface) {
   surface.volume = surface.volume.value_or(0) + value_at<double>(mesh, {Key::volume}).value_or(0);
 }
 
-// What is known of the meshes that a surface was written as: several where its pieces are meshes of their own.
+// Adds the figures of the meshes of a surface: several if its pieces are separate meshes.
 void add_meshes(const convert::Outcome& outcome, SurfaceFigures& surface) {
-  // The same surface may be in a second file, and pieces with names of their own may each have a file.
+  // A second output may repeat the surface: count each mesh name from one file only. Pieces have names of their own.
   std::unordered_map<std::string, std::string> file_of_name;
   for (const Figures* mesh : meshes_of(outcome)) {
     if (!is_of(*mesh, surface)) continue;
@@ -230,18 +230,18 @@ void add_meshes(const convert::Outcome& outcome, SurfaceFigures& surface) {
   if (!surface.closed.value_or(false)) surface.volume.reset();
 }
 
-// Of a surface whose pieces went to files of their own: what each of them is.
+// Adds the figures of each file of a surface whose pieces have files of their own.
 void add_files(const convert::Outcome& outcome, SurfaceFigures& surface) {
   const auto first =
       std::ranges::find_if(outcome.written, [&](const auto& written) { return is_of(written, surface); });
   std::unordered_map<std::string, const Figures*> mesh_of_file;
   for (const Figures* mesh : meshes_of(outcome)) mesh_of_file.emplace(*value_at<std::string>(*mesh, {Key::file}), mesh);
   std::vector<SurfaceFigures> files;
-  std::size_t end = 0;  // of the files so far
+  std::size_t end = 0;  // end of the files counted so far
   for (auto piece = first; piece != outcome.written.end(); ++piece) {
     if (!is_of(*piece, surface) || piece->output != first->output) continue;
     if (piece->files == 0 || piece->first_file + piece->files > outcome.files.size()) continue;
-    if (!files.empty() && piece->first_file < end) return;  // pieces that share a file
+    if (!files.empty() && piece->first_file < end) return;  // the pieces share a file
     end = piece->first_file + piece->files;
     SurfaceFigures& file = files.emplace_back(surface);
     file.triangles = piece->triangles;
@@ -259,7 +259,7 @@ void add_files(const convert::Outcome& outcome, SurfaceFigures& surface) {
   if (files.size() > 1) surface.files = std::move(files);
 }
 
-// Optional attributes that the input does not have. The same one may be asked for twice: as it is, and for colors.
+// Adds the optional attributes that the input lacks. One may be requested twice: to be written, and for colors.
 void add_lacked(const StageReport& report, std::vector<std::string>& lacked) {
   for (const Figures& attribute : report.entries) {
     const auto name = value_at<std::string>(attribute, {Key::attribute}).value_or("");

@@ -1,5 +1,5 @@
-// What is kept of a frame that is done: enough to tell later that its files are still those that it made, and what the
-// table over all frames shows.
+// The record of a finished frame: enough to tell later whether its files are unchanged, and the figures of the table
+// over all frames.
 #pragma once
 
 #include <cstdint>
@@ -16,44 +16,44 @@ namespace isoextract::batch {
 
 struct SurfaceFigures {
   double iso = 0;
-  std::string asked;  // "p99"; empty where that was the number
+  std::string asked;  // "p99"; empty if a number was given
   std::uint64_t triangles = 0;
-  // Where the facts of meshes were asked for.
+  // Set if the facts of meshes were requested.
   std::optional<std::uint64_t> vertices;
   std::optional<std::uint64_t> components;
   std::optional<bool> closed;
   std::optional<double> area;
   std::optional<double> volume;  // of a closed mesh
-  // Where the surface went to files of its frame.
-  std::string output;                  // the first of them
-  std::optional<std::uint64_t> bytes;  // of all of them, with the other surfaces in them
-  // Where the error was measured, in voxels: from the mesh to the surface of the data, and the other way.
+  // Set if the surface was written to files of its frame.
+  std::string output;                  // the first of these files
+  std::optional<std::uint64_t> bytes;  // of all these files, including other surfaces in them
+  // Set if the error was measured. In voxels; error: from the mesh to the data's surface, coverage: back.
   std::optional<double> error_rms;
   std::optional<double> error_max;
   std::optional<double> coverage_rms;
   std::optional<double> coverage_max;
-  std::string grid = {};  // whose surface it is, where the conversion has several
-  // Where its pieces went to several files: the figures of each file, whose errors are those of the whole surface.
+  std::string grid = {};  // the surface's grid, if the conversion has several
+  // Set if the surface's pieces have several files: the figures of each file. Errors are those of the whole surface.
   std::vector<SurfaceFigures> files = {};
 
   friend bool operator==(const SurfaceFigures&, const SurfaceFigures&) = default;
 };
 
 struct FrameFigures {
-  std::vector<SurfaceFigures> surfaces;  // in the job's order; those that were extracted
-  std::uint64_t bytes = 0;               // that were written
+  std::vector<SurfaceFigures> surfaces;  // the extracted surfaces, in the job's order
+  std::uint64_t bytes = 0;               // written in all
   double wall_seconds = 0;
-  std::uint64_t memory = 0;                    // the most that was reserved
-  std::string time_step;                       // the number that the input gives the frame; empty where it has none
-  std::vector<std::string> lacked_attributes;  // optional ones that the input does not have
-  std::string unit = {};                       // of lengths in the meshes: "mm"; empty where nothing says it
+  std::uint64_t memory = 0;                    // peak of the reserved memory, in bytes
+  std::string time_step;                       // the time step that the input states for the frame; empty if none
+  std::vector<std::string> lacked_attributes;  // optional attributes that the input lacks
+  std::string unit = {};                       // of lengths in the meshes: "mm"; empty if unknown
 
   friend bool operator==(const FrameFigures&, const FrameFigures&) = default;
 };
 
 [[nodiscard]] FrameFigures figures_of(const convert::Outcome& outcome);
 
-// What tables have a row of: the surfaces, and instead of one whose pieces went to several files each of these.
+// Returns one row for each surface, or for each file of a surface whose pieces have several files.
 [[nodiscard]] std::vector<const SurfaceFigures*> rows_of(const FrameFigures& figures);
 
 struct FileRecord {
@@ -66,39 +66,39 @@ struct FileRecord {
 struct FrameRecord {
   std::int64_t frame = 0;
   std::string job;                  // convert::hash_of()
-  std::vector<FileRecord> inputs;   // with those that hold samples apart; none of a demo field
-  std::vector<FileRecord> outputs;  // none where the surface was empty and skipped
+  std::vector<FileRecord> inputs;   // including files with separate samples; none for a demo field
+  std::vector<FileRecord> outputs;  // none if the surface was empty and skipped
   FrameFigures figures;
 
   friend bool operator==(const FrameRecord&, const FrameRecord&) = default;
 };
 
-// The inputs as they are now: to be asked before the frame is converted, so that one that changes meanwhile is not
-// taken for what was read. Fails where one cannot be read.
+// Returns the state of the frame's inputs now. Call before converting the frame, so that a change during the conversion
+// is noticed later. Fails if an input cannot be read.
 [[nodiscard]] Result<std::vector<FileRecord>> input_states(const FrameJob& frame, const Context& context);
 
-// Of a frame that was just done. Files whose hash the outcome has are not read again; fails where others cannot be.
+// Makes the record of a frame that was just finished. Reads again only files whose hash the outcome lacks; fails if one
+// cannot be read.
 [[nodiscard]] Result<FrameRecord> record_of(const FrameJob& frame, std::vector<FileRecord> inputs,
                                             const convert::Outcome& outcome, const Context& context);
 
-// An input of the frame that is there now and was not when the record was made, such as the file of an optional
-// attribute: "h_03.npy was not there"; empty where there is none.
+// Returns an input of the frame that exists now but not in the record, such as the file of an optional attribute:
+// "h_03.npy was not there". Empty if there is none.
 [[nodiscard]] std::string what_came(const FrameRecord& record, const FrameJob& frame);
 
-// False where the inputs could not be read when the frame was begun, and could when it was converted: nobody knows what
-// it was made of.
+// Returns false if the inputs could not be read before the conversion but could during it: then the record does not
+// know them.
 [[nodiscard]] bool knows_inputs(const FrameRecord& record, const FrameJob& frame);
 
-// The first of the record's files that is not what it was, byte by byte: "in.vdb has changed"; empty where all are.
+// Returns the first file of the record that has changed, byte by byte: "in.vdb has changed". Empty if none has.
 [[nodiscard]] std::string what_changed(const FrameRecord& record);
 
-// Why the frame has to be done again although there is a record of its job: "in.vdb has changed"; empty where all
-// inputs and outputs are what they were, byte by byte, and no input has come. A file's record without inputs is not
-// believed.
+// Returns why a recorded frame must be converted again: "in.vdb has changed". Empty if its options, inputs and outputs
+// are unchanged, byte by byte, and no input was added. A record without inputs is trusted only for demo fields.
 [[nodiscard]] std::string why_again(const FrameRecord& record, const FrameJob& frame);
 
 [[nodiscard]] convert::Json json_of(const FrameRecord& record);
-// The other way; nothing where it is none.
+// Parses a record. Returns nullopt if the JSON is none.
 [[nodiscard]] std::optional<FrameRecord> record_of(const convert::Json& json);
 
 }  // namespace isoextract::batch

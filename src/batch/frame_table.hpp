@@ -1,4 +1,4 @@
-// The frames of a batch as a table, for spreadsheets and scripts.
+// The table of a batch's frames, for spreadsheets and scripts.
 #pragma once
 
 #include <array>
@@ -14,11 +14,11 @@ namespace isoextract::batch {
 
 enum class FrameStatus {
   done,
-  empty,  // done, and without a triangle
+  empty,  // done, but no surface has a triangle
   kept,   // from an earlier run
   failed,
-  cancelled,    // it was in work when something else has ended the batch
-  not_started,  // a failure, or somebody, has ended the batch before
+  cancelled,    // running when the batch ended for another reason
+  not_started,  // the batch ended before, by a failure or by request
 };
 constexpr auto words_of(FrameStatus /*type*/) {
   return std::array{Word{FrameStatus::done, "done"},           Word{FrameStatus::empty, "empty"},
@@ -31,29 +31,40 @@ struct FrameRow {
   std::string input;
   FrameStatus status = FrameStatus::not_started;
   FrameFigures figures;
-  std::vector<std::string> outputs;  // that were written
-  std::string error;                 // why it failed
+  std::vector<std::string> outputs;  // files that were written
+  std::string error;                 // why the frame failed
 };
 
-// The first file of a surface of the row, null where it has none; of an animation, whose frames have no files of their
-// own, the file that plays them.
+// Returns the first file of a surface of the row; `surface` is null for a row without surfaces. For an animation, whose
+// frames have no files of their own, returns the animation's file.
 [[nodiscard]] std::string output_of(const FrameRow& row, const SurfaceFigures* surface);
 
-// Whether there are surfaces and none has a triangle.
+// Returns whether there are surfaces but none has a triangle.
 [[nodiscard]] bool is_empty(const FrameFigures& figures);
 
-// RFC 4180, with a header, one row a surface, or a row for each file of a surface whose pieces have files of their own
-// (rows_of()); a frame without any has one row, whose iso is empty. Columns: frame,
-// input, output (the first file of the row), status (`empty` for a surface without a triangle), iso, asked (auto,
-// p99, ...; empty where that was the number), triangles, vertices, area, volume, closed, components, seconds, memory,
-// bytes (of the row's files), error, time_step, and in voxels error_rms, error_max (from the mesh to the surface of
-// the data), coverage_rms, coverage_max (from that to the mesh), grid where there are several, lacked_attributes
-// (the optional ones that the input does not have, a space between two), and unit (of the lengths that area and volume
-// are made of). Cells of what is not known are empty. Seconds, memory, time step, attributes and unit are the frame's
-// and stand in each of its rows.
+// Returns the frames as CSV (RFC 4180) with a header. There is one row for each surface, or for each file of a surface
+// whose pieces have several files (rows_of()). A frame without surfaces has one row with an empty iso value.
+//
+// Columns:
+//   frame, input, output           `output` is the first file of the row
+//   status                         `empty` for a surface without a triangle
+//   iso, asked                     `asked`: auto, p99, ...; empty if a number was given
+//   triangles, vertices, area, volume, closed, components
+//   seconds, memory, bytes         `bytes` of the row's files
+//   error                          why the frame failed
+//   time_step
+//   error_rms, error_max           in voxels, from the mesh to the data's surface
+//   coverage_rms, coverage_max     in voxels, from the data's surface to the mesh
+//   grid                           if the frame has several
+//   lacked_attributes              optional attributes that the input lacks, separated by spaces
+//   unit                           of the lengths in area and volume
+//
+// Unknown values are empty cells. Seconds, memory, time step, attributes and unit belong to the frame and repeat in
+// each of its rows.
 [[nodiscard]] std::string table_csv(std::span<const FrameRow> rows);
 
-// A list of the frames, each with the list of its surfaces, or of the files of their pieces; what is not known is null.
+// Returns a list of the frames, each with a list of its surfaces or of the files of their pieces. Unknown values are
+// null.
 [[nodiscard]] convert::Json table_json(std::span<const FrameRow> rows);
 
 }  // namespace isoextract::batch

@@ -24,7 +24,7 @@ constexpr std::size_t kShownField = 40;
 constexpr std::size_t kShownFrames = 8;
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
-// The line that `text` begins with, which is taken off it.
+// Removes the first line from `text` and returns it.
 std::string_view take_line(std::string_view& text) {
   const std::size_t end = std::min(text.find('\n'), text.size());
   const std::string_view line = text.substr(0, end);
@@ -32,8 +32,8 @@ std::string_view take_line(std::string_view& text) {
   return line;
 }
 
-// A field that `line` begins with, which is taken off it with the separator behind it; `more` tells whether there was
-// one. Nothing where quotes are wrong.
+// Removes the first field and its separator from `line` and returns the field. `more` tells whether there was a
+// separator. Returns nullopt if quotes are wrong.
 std::optional<std::string> take_field(std::string_view& line, char separator, bool& more) {
   std::string field;
   std::size_t end = 0;
@@ -84,7 +84,7 @@ std::optional<convert::IsoChoice> iso_of(std::string text, char decimal_mark) {
   return std::isfinite(*number) ? std::optional<convert::IsoChoice>(*number) : std::nullopt;
 }
 
-// '.' or ',', or 0 where the field has neither.
+// Returns '.' or ',', or 0 if the field has neither.
 char decimal_mark_of(std::string_view field, char separator) {
   const std::size_t at = field.find_first_of(separator == ',' ? "." : ".,");
   return at == std::string_view::npos ? '\0' : field[at];
@@ -168,7 +168,7 @@ Result<IsoTable> IsoTable::parse(std::string_view text, const std::string& name)
                                                 printable(frame_field, kShownField)));
     }
     const std::string& iso_field = (*fields)[columns->iso];
-    // A row with the other mark, or with both, may have a thousands separator.
+    // A row with another decimal mark, or with both, may use one as a thousands separator, so it is rejected.
     const char mark = decimal_mark_of(iso_field, columns->separator);
     const bool fits = mark == '\0' || decimal_mark == '\0' || mark == decimal_mark;
     if (mark != '\0') decimal_mark = mark;

@@ -1,17 +1,18 @@
-// Iso values a frame, from a CSV file:
+// A table of iso values for each frame, from a CSV file:
 //
 //   # threshold that keeps the water's volume
 //   frame,iso
 //   1,0.15
 //   2,0.152
 //
-// The first line that is neither blank nor a comment (#) names the columns; `frame` and `iso` (in any case) are there
-// once each, in any order, and others are not looked at. Fields are separated by tabs, semicolons or commas: by the
-// first of these that the header has. They may be quoted ("0.15", with "" for a quote), but not go on over the end of a
-// line. All lines have as many fields as the header. A frame with several iso values has a row for each.
-// An iso value may be auto or a percentile such as p99 as well (convert/iso_choice.hpp). Decimals have a point or,
-// where fields are not separated by commas, a comma in all rows, as spreadsheets write them in some languages. A byte
-// order mark, CR before line ends, blanks around fields and a line "sep=;" before the header are ignored.
+// The first line that is neither blank nor a comment (#) names the columns. `frame` and `iso` (in any letter case)
+// occur once each, in any order; other columns are ignored. The separator is the first of tab, semicolon and comma that
+// the header contains. Fields may be quoted ("0.15", with "" for a quote), but end on their line. All lines have as
+// many fields as the header. A frame with several iso values has a row for each.
+// An iso value may also be auto or a percentile such as p99 (convert/iso_choice.hpp). The decimal mark is a point, or a
+// comma in all rows if commas do not separate fields, as spreadsheets write it in some languages.
+//
+// A byte order mark, CR before line ends, blanks around fields, and a line "sep=;" before the header are ignored.
 #pragma once
 
 #include <cstddef>
@@ -30,18 +31,18 @@ namespace isoextract::batch {
 
 class IsoTable {
  public:
-  // Fails with ErrorCode::input for a file that cannot be read or is larger than 256 MiB, and as parse() does.
+  // Reads a file. Fails with ErrorCode::input if it cannot be read or is larger than 256 MiB, and as parse() does.
   [[nodiscard]] static Result<IsoTable> read(const std::filesystem::path& path, const Context& context);
 
-  // `name` is what messages call the text. Fails with ErrorCode::input for columns or fields that are missing, for what
-  // is no iso value or no frame, and for a row that is there twice; the message begins with "name:line".
+  // Parses a text; messages call it `name`. Fails with ErrorCode::input if columns or fields are missing, for an
+  // invalid iso value or frame number, and for a repeated row. The message begins with "name:line".
   [[nodiscard]] static Result<IsoTable> parse(std::string_view text, const std::string& name);
 
-  // In the order of the rows; empty where the frame has none.
+  // Returns the iso values of a frame, in the order of the rows; empty if the frame has none.
   [[nodiscard]] std::span<const convert::IsoChoice> isos_of(std::int64_t frame) const;
 
-  // Fails with ErrorCode::input where a frame has no row. Rows of other frames are no error: there may be more of them
-  // than are converted this time.
+  // Fails with ErrorCode::input if one of `frames` has no row. Rows of other frames are allowed: a run may convert only
+  // a part of the table's frames.
   [[nodiscard]] Result<void> check_covers(std::span<const std::int64_t> frames) const;
 
  private:
@@ -53,8 +54,8 @@ class IsoTable {
   [[nodiscard]] Result<void> sort_rows();
 
   std::string name_;
-  std::vector<Row> rows_;                 // by frame, then as they were in the text
-  std::vector<convert::IsoChoice> isos_;  // of the rows
+  std::vector<Row> rows_;                 // ordered by frame, then by line
+  std::vector<convert::IsoChoice> isos_;  // of each row
 };
 
 }  // namespace isoextract::batch

@@ -29,7 +29,7 @@ using convert::Json;
 
 constexpr int kManifestVersion = 1;
 constexpr std::size_t kHashDigits = 32;
-constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 28;  // a frame takes about a thousand
+constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 28;  // a frame takes about a thousand bytes
 constexpr const char* kBegun = "begun_anew";
 
 tl::unexpected<Error> output_error(const fs::path& path, std::string_view action, int code) {
@@ -37,13 +37,13 @@ tl::unexpected<Error> output_error(const fs::path& path, std::string_view action
               fmt::format("{}: cannot {}: {}", path.string(), action, std::generic_category().message(code)));
 }
 
-// JSON that need not be UTF-8 where arguments are not: what is not becomes U+FFFD.
+// Arguments may hold bytes that are not UTF-8; each such byte becomes U+FFFD.
 std::string line_of(const Json& json) {
   const std::string text = convert::json_line(json);
   return fmt::format("{} {}\n", files::content_hash(text), text);
 }
 
-// The JSON of the next line, which is taken off; nothing where it is torn or not what it was.
+// Removes the next line and returns its JSON. Returns nullopt if the line is truncated or its hash does not match.
 std::optional<Json> take_record_line(std::string_view& text) {
   const std::size_t end = text.find('\n');
   if (end == std::string_view::npos || end <= kHashDigits || text[kHashDigits] != ' ') return std::nullopt;
@@ -108,12 +108,12 @@ std::optional<ManifestContent> content_of(std::string_view text) {
   return content;
 }
 
-// Whether it begins as a manifest does: with the hash of its header, or a part of that.
+// Returns whether the text can be a truncated manifest: it begins with the hash of a header, or a part of the hash.
 bool may_be_torn(std::string_view text) {
   return text.substr(0, kHashDigits).find_first_not_of("0123456789abcdef") == std::string_view::npos;
 }
 
-// What other runs in the folder did of these jobs: the joined manifest, and those of other numbers of shards.
+// Adds records of these jobs from other manifests in the folder: the joined one, and those of other numbers of shards.
 void add_records_of_others(const fs::path& folder, const fs::path& own, const ManifestHeader& header,
                            const std::unordered_set<std::string>& jobs, std::vector<FrameRecord>& records) {
   std::unordered_set<std::string> known;
@@ -122,7 +122,7 @@ void add_records_of_others(const fs::path& folder, const fs::path& own, const Ma
   if (!paths) return;
   for (const fs::path& path : *paths) {
     if (path.filename() == own.filename()) continue;
-    auto other = read_manifest(path);  // one that is no manifest has no records
+    auto other = read_manifest(path);  // a file that is no manifest has no records
     if (!other || other->header.program != header.program) continue;
     for (FrameRecord& record : other->records) {
       if (jobs.contains(record.job) && known.insert(record.job).second) records.push_back(std::move(record));
@@ -132,7 +132,7 @@ void add_records_of_others(const fs::path& folder, const fs::path& own, const Ma
 
 Result<std::string> text_of_file(const fs::path& path) {
   return files::read_text_file(path, "the manifest of a batch", kMostBytes,
-                               Context());  // a record is no input: its bytes are not counted
+                               Context());  // not counted as bytes read, because a manifest is no input
 }
 
 }  // namespace
@@ -179,10 +179,10 @@ Result<ManifestContent> read_manifest(const fs::path& path) {
 struct Manifest::State {
   fs::path path;
   int file = -1;
-  int before = -1;  // the file that this one has replaced: whoever opened that cannot lock it
-  int folder = -1;  // locked too
+  int before = -1;  // the replaced file; stays open, so that a run that opened it cannot lock it
+  int folder = -1;  // also locked
   bool resume = false;
-  std::unordered_map<std::string, FrameRecord> records;  // of earlier runs; without resume their jobs only
+  std::unordered_map<std::string, FrameRecord> records;  // of earlier runs; without `resume` only their jobs
 
   State() = default;
   State(const State&) = delete;
@@ -225,14 +225,15 @@ Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& he
                 fmt::format("{}: another run writes into this folder", folder.empty() ? "." : folder.string()),
                 "wait for its end, or choose another folder");
   };
-  // Shards share the folder among themselves, and with nobody else. Some file systems lock no folders.
+  // Shards share the folder, other runs lock it exclusively. Some file systems cannot lock folders; then only files are
+  // locked.
   state->folder = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (state->folder < 0) return output_error(folder, "open the folder", errno);
   const int kind = header.shard.is_all() ? LOCK_EX : LOCK_SH;
   if (::flock(state->folder, kind | LOCK_NB) != 0 && errno == EWOULDBLOCK) return in_use();
 
   state->path = folder / manifest_name(header.shard);
-  constexpr mode_t kNewFile = 0666;  // less what the umask takes away
+  constexpr mode_t kNewFile = 0666;  // minus the umask
   state->file = ::open(state->path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, kNewFile);
   if (state->file < 0) return output_error(state->path, "open it for writing", errno);
   if (::flock(state->file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return in_use();
@@ -256,7 +257,7 @@ Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& he
     });
   }
   if (resume) add_records_of_others(folder, state->path, header, jobs, kept);
-  // Those of this batch last, so that merge_shards() knows them from those of others.
+  // Records of this batch go last, so that merge_shards() can tell them from those of other batches.
   std::stable_partition(kept.begin(), kept.end(),
                         [&](const FrameRecord& record) { return !jobs.contains(record.job); });
   const bool goes_on = trusted && resume && old->header.batch == header.batch;
@@ -265,9 +266,9 @@ Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& he
   std::string content = line_of(json_of(own));
   for (const FrameRecord& record : kept) content += line_of(batch::json_of(record));
   if (content != *text) {
-    // At once or not at all, whatever ends the run.
+    // Atomic, even if the run is killed.
     if (auto written = files::write_file(state->path, content); !written) {
-      if (text->empty()) ::unlink(state->path.c_str());  // the one that was made above to be locked
+      if (text->empty()) ::unlink(state->path.c_str());  // the empty file created above for the lock
       return tl::unexpected(written.error());
     }
     state->before = std::exchange(state->file, ::open(state->path.c_str(), O_RDWR | O_APPEND | O_CLOEXEC));

@@ -32,10 +32,10 @@ struct ShardManifest {
   ManifestContent content;
 };
 
-// The manifests of one batch in one number of shards.
+// The manifests of one batch with one number of shards.
 struct ShardGroup {
-  std::vector<ShardManifest> shards;                       // by path; at least one
-  fs::file_time_type written = fs::file_time_type::min();  // the last time that one of them was
+  std::vector<ShardManifest> shards;                       // sorted by path; at least one
+  fs::file_time_type written = fs::file_time_type::min();  // latest write time
 
   [[nodiscard]] const ManifestHeader& header() const { return shards.front().content.header; }
   [[nodiscard]] bool is_of_batch(const ManifestHeader& other) const {
@@ -60,7 +60,7 @@ struct ShardGroup {
 class JoinedManifest {
  public:
   explicit JoinedManifest(const fs::path& folder) : path_(folder / manifest_name({})) {
-    auto content = read_manifest(path_);  // one that is damaged fails where it is opened
+    auto content = read_manifest(path_);  // a damaged one fails in Manifest::open()
     if (!content || content->header.program != generator()) return;
     content_ = std::move(*content);
     for (const FrameRecord& record : content_.records) {
@@ -72,14 +72,14 @@ class JoinedManifest {
   JoinedManifest& operator=(const JoinedManifest&) = delete;
 
   [[nodiscard]] const fs::path& path() const { return path_; }
-  // Of the last run or merge; without a batch where there is no such manifest.
+  // The header of the last run or merge; its `batch` is empty if there is no such manifest.
   [[nodiscard]] const ManifestHeader& header() const { return content_.header; }
   [[nodiscard]] bool is_there() const { return !content_.header.batch.empty(); }
   [[nodiscard]] const FrameRecord* find(const std::string& job) const {
     const auto place = by_job_.find(job);
     return place == by_job_.end() ? nullptr : place->second;
   }
-  // The last record of a frame, of whatever batch.
+  // Returns the last record of a frame, of any batch.
   [[nodiscard]] const FrameRecord* last_of(std::int64_t frame) const {
     const auto place = by_frame_.find(frame);
     return place == by_frame_.end() ? nullptr : place->second;
@@ -92,11 +92,11 @@ class JoinedManifest {
   std::unordered_map<std::int64_t, const FrameRecord*> by_frame_;
 };
 
-// Which records count: all, or those whose inputs and outputs are what they were.
+// The records that count: all, or only those whose inputs and outputs are unchanged.
 enum class Wanted { all, unchanged };
 
-// Adds records of the joined manifest for the frames of the batch that `found` lacks. The joined manifest has records
-// of other batches as well: adds none where the outcome is another batch, or a part of one that another one followed.
+// Adds records of the joined manifest for the frames that `found` lacks. The joined manifest has records of other
+// batches, too. Adds none if the result is another batch, or only a part of a batch that was not the last one.
 void add_joined_records(const ManifestHeader& header, const JoinedManifest& joined, Wanted wanted,
                         std::map<std::int64_t, FrameRecord>& found) {
   const auto range = FrameRange::parse(header.numbers);
@@ -133,7 +133,7 @@ Result<std::vector<ShardGroup>> read_groups(const fs::path& folder) {
   return groups;
 }
 
-// Of each batch the group with all frames, or else the newest.
+// Returns one group of each batch: the complete one, else the newest.
 std::vector<ShardGroup> one_of_each_batch(std::vector<ShardGroup> groups) {
   std::ranges::stable_sort(groups, [](const ShardGroup& a, const ShardGroup& b) {
     return std::pair(a.is_complete(), a.written) > std::pair(b.is_complete(), b.written);
@@ -147,7 +147,7 @@ std::vector<ShardGroup> one_of_each_batch(std::vector<ShardGroup> groups) {
   return chosen;
 }
 
-// Whether the joined manifest has all records of the group's batch.
+// Returns whether the joined manifest has all records of the group's batch.
 bool is_joined(const ShardGroup& group, const JoinedManifest& joined) {
   std::map<std::int64_t, FrameRecord> found;
   for (const ShardManifest& shard : group.shards) {
@@ -161,8 +161,8 @@ bool is_joined(const ShardGroup& group, const JoinedManifest& joined) {
   return found.size() == group.header().frames;
 }
 
-// The group to join: of the batch that is not joined yet. Where all are, the newest, whose files are checked again;
-// nothing where there is none.
+// Returns the group to join: of the only batch that is not joined yet. If all are joined, returns the newest, to check
+// its files again. Returns nullopt if there is no group.
 Result<std::optional<ShardGroup>> choose_group(const fs::path& folder, const JoinedManifest& joined) {
   auto read = TRY(read_groups(folder));
   std::vector<ShardGroup> groups = one_of_each_batch(std::move(read));
@@ -183,7 +183,7 @@ Result<std::optional<ShardGroup>> choose_group(const fs::path& folder, const Joi
                          fmt::join(open.back()->paths(), " ")));
 }
 
-// "3 are missing: 2, 5, 8"
+// Returns "3 are missing: 2, 5, 8".
 std::string missing_text(const ManifestHeader& header, const std::map<std::int64_t, FrameRecord>& found) {
   std::vector<std::int64_t> missing;
   if (const auto range = FrameRange::parse(header.numbers)) {
@@ -215,7 +215,7 @@ tl::unexpected<Error> fail_missing(const fs::path& folder, const ManifestHeader&
                                  missing_text(header, found), absent_text(header)));
 }
 
-// Checks what a run without shards has done: shard 1 of 1, which needs no joining.
+// Checks the last run without shards (or shard 1 of 1), which needs no joining.
 Result<MergedShards> check_whole(const fs::path& folder, const JoinedManifest& joined) {
   if (!joined.is_there()) return bad(folder, "there is no manifest of a shard in this folder");
   const ManifestHeader& header = joined.header();
@@ -251,7 +251,7 @@ Result<MergedShards> merge_shards(const fs::path& folder) {
     seen[place] = true;
     if (header.absent.empty()) header.absent = content.header.absent;
     for (FrameRecord& record : content.records) {
-      // A later run without shards may have made the frame anew.
+      // A later run without shards may have converted the frame again.
       const FrameRecord* const other = joined.find(record.job);
       const bool is_old = other != nullptr && *other != record && !what_changed(record).empty();
       if (is_old && what_changed(*other).empty()) record = *other;

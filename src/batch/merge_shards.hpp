@@ -1,4 +1,4 @@
-// What the shards of a batch did, joined.
+// Merges the manifests of a batch's shards.
 #pragma once
 
 #include <cstdint>
@@ -16,20 +16,22 @@ struct MergedShards {
   std::filesystem::path manifest;
   int shards = 0;
   std::uint64_t frames = 0;
-  std::string absent;  // frames that were asked for and have no input: FrameRange text; empty where there are none
+  std::string absent;  // requested frames without input, as FrameRange text; empty if there are none
 };
 
-// Joins the manifests of all shards in `folder` to one, as a run of one process would have written it. Of one batch in
-// other numbers of shards, joins those that have all frames, or else the newest; leaves out batches that are joined
-// already. Takes from the joined manifest what a later run without shards made of the batch. Where every shard is
-// joined and the last run had none (or was shard 1 of 1), checks that run. Fails with ErrorCode::input where a shard or
-// a frame is missing or there twice, where manifests are of several batches or versions of the program, or where an
-// output is not what its record says; then nothing is written.
+// Merges the manifests of all shards in `folder` into one, as if one process had run the batch.
+//
+// If a batch was run in several numbers of shards, it uses the manifests that cover all frames, else the newest. Skips
+// batches that are merged already. Where the merged manifest has newer results, of a later run without shards, it uses
+// those. If every batch is merged and the last run had no shards (or was shard 1 of 1), it only checks that run.
+//
+// Fails with ErrorCode::input, and writes nothing, in these cases: a shard or frame is missing or occurs twice; the
+// manifests are of several batches or program versions; an output differs from its record.
 [[nodiscard]] Result<MergedShards> merge_shards(const std::filesystem::path& folder);
 
-// Fails with ErrorCode::output where a run of the shard would replace a manifest with records of another batch that are
-// in no other one: of frames that are not joined and whose files are there and are not among `files`, the normal paths
-// of those that the batch writes.
+// Fails with ErrorCode::output if a run of this shard would replace a manifest that still has records of another batch.
+// Such a record counts if it is not merged and one of its files exists and is not among `files`. `files` are the
+// normalized paths of the files that the batch writes.
 [[nodiscard]] Result<void> check_replaced_shard(const std::filesystem::path& folder, const BatchJob& batch,
                                                 const Shard& shard, const std::unordered_set<std::string>& files);
 

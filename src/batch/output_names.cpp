@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kLeastFrameDigits = 4;  // of names that are made here
+constexpr int kLeastFrameDigits = 4;  // in names made here
 
 std::string label_of_source(const OutputSource& source) {
   if (source.alone) return printable(source.input);
@@ -35,7 +35,7 @@ std::string label_of_source(const OutputSource& source) {
   return label + ")";
 }
 
-// Who reads or writes a file: the conversion of a source, or what another file is for.
+// Who reads or writes a file: the conversion of a source, or `other`.
 struct FileUse {
   const OutputSource* source = nullptr;
   const NamedFile* other = nullptr;
@@ -50,7 +50,7 @@ std::string mesh_text(const OutputSource& source) {
   return source.alone ? "the mesh" : "the mesh of " + label_of_source(source);
 }
 
-// All files of a run in one set, by their places.
+// All files of a run in one set, by their place on disk.
 class FileUses {
  public:
   explicit FileUses(files::PlaceKeys& places) : places_(places) {}
@@ -69,7 +69,7 @@ class FileUses {
       return fail(ErrorCode::usage, over_read(shown, use, reader_text(reader->second)), hint);
     }
     const auto [writer, fresh] = writers_.try_emplace(key, use);
-    const bool is_lost = !files::same_place(file, file);  // /dev/null
+    const bool is_lost = !files::same_place(file, file);  // a device such as /dev/null
     return fresh || is_lost ? Result<void>() : twice(shown, writer->second, use);
   }
 
@@ -103,7 +103,7 @@ class FileUses {
   std::unordered_map<std::string, FileUse> writers_;
 };
 
-// What tells the names in a folder apart.
+// Returns a template that tells the files in a folder apart.
 std::string name_in_folder(std::span<const OutputSource> sources, std::string_view extension) {
   std::unordered_map<std::string, std::int64_t> frame_of_stem;
   std::map<std::pair<std::int64_t, std::string>, const std::string*> grid_of_frame;
@@ -196,7 +196,7 @@ OutputFiles files_of(const OutputSource& source, const OutputTemplate& names) {
   return files;
 }
 
-// Files whose names have a place for the numbers of pieces.
+// Checks the files whose names contain {piece}.
 Result<void> check_piece_files(std::span<const OutputSource> sources, std::span<const OutputFiles> outputs,
                                mesh_io::MeshFormat format, const OtherFiles& others, files::PlaceKeys& places) {
   PieceNames names;
@@ -274,7 +274,7 @@ Result<void> check_outputs(std::span<const OutputSource> sources, std::span<cons
   FileUses uses(places);
   for (const NamedFile& file : others.read) uses.add_read(file.path, {nullptr, &file});
   for (const OutputSource& source : sources) {
-    // Standard input is not standard output.
+    // "-" means standard input as an input, but standard output as an output.
     if (is_file_name(source.input) && source.input != "-") uses.add_read(source.input, {&source, nullptr});
   }
   for (std::size_t i = 0; i < outputs.size(); ++i) {

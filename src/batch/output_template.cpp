@@ -63,7 +63,7 @@ std::string safe_in_file_names(std::string_view text) {
     const std::string_view character = text.substr(at, bytes);
     const bool fits = kUnsafe.find(text[at]) == std::string_view::npos && printable(character) == character;
     safe += fits ? character : "_";
-    at += fits ? character.size() : 1;  // of a bad one every byte
+    at += fits ? character.size() : 1;  // replaces every byte of an invalid character
   }
   for (char& c : safe) {
     if (c != '.') break;

@@ -1,4 +1,4 @@
-// Names of outputs with words in them: "out/{stem}_{frame:04}_{iso}.glb".
+// Output names with words in them: "out/{stem}_{frame:04}_{iso}.glb".
 #pragma once
 
 #include <array>
@@ -18,43 +18,43 @@ constexpr auto words_of(OutputWord /*type*/) {
                     Word{OutputWord::iso, "iso"}, Word{OutputWord::piece, "piece"}};
 }
 
-// What the words stand for.
+// Values of the words.
 struct OutputWords {
   std::string stem;
   std::int64_t frame = 0;
   std::string grid;
-  std::string iso;  // as convert::text_of() has it
+  std::string iso;  // in the form of convert::name_part_of()
 };
 
 class OutputTemplate {
  public:
-  // Numbering and escapes are those of frame_pattern.hpp, except that a number may be there more than once:
-  // "{frame:04}/mesh_####.ply". Nothing in braces is text unless the braces are escaped. Fails with ErrorCode::usage
-  // for words that are unknown or have a width, and for what FramePattern::parse() refuses.
+  // Parses a template. Numberings and escapes are those of frame_pattern.hpp, but a number may occur more than once:
+  // "{frame:04}/mesh_####.ply". Text in braces is always a word unless the braces are escaped. Fails with
+  // ErrorCode::usage for unknown words, words with a width, and as FramePattern::parse() does.
   [[nodiscard]] static Result<OutputTemplate> parse(std::string_view name);
 
   [[nodiscard]] bool uses(OutputWord word) const;
 
-  // Stem and grid come out as safe_in_file_names(), and {piece} as it is, convert::kPieceWord: the numbers are known
-  // once there are pieces.
+  // Returns the name. Stem and grid are made safe by safe_in_file_names(). {piece} stays as convert::kPieceWord,
+  // because piece numbers are known only when pieces exist.
   [[nodiscard]] std::string expand(const OutputWords& words) const;
 
  private:
   struct Part {
-    std::string text;  // before the word
+    std::string text;  // text before the word
     OutputWord word = OutputWord::stem;
     int width = 0;
   };
   std::vector<Part> parts_;
-  std::string end_;  // after the last word
+  std::string end_;  // text after the last word
 };
 
-// A template that expands to this very name.
+// Returns a template that expands to exactly this name.
 [[nodiscard]] std::string template_of(std::string_view name);
 
-// For names that come out of files: _ stands for slashes, backslashes, control characters, what is no UTF-8 or turns
-// the direction of writing, any of : * ? " < > | and dots at the beginning, so that the text is part of one name, of a
-// file that is not hidden and that other systems can have as well.
+// Makes a text from a file safe as part of one file name, visible and valid on other systems, too. Replaces these by _:
+// slashes, backslashes, any of : * ? " < > |, control characters, invalid UTF-8, characters that change the writing
+// direction, and leading dots.
 [[nodiscard]] std::string safe_in_file_names(std::string_view text);
 
 }  // namespace isoextract::batch

@@ -37,14 +37,14 @@ class Scheduler {
 
   BatchCounts run() {
     {
-      // This thread is one of them, so that one job needs no other.
+      // This thread works too, so a single job needs no other thread.
       std::vector<std::jthread> others;
       const auto wanted = std::min<std::size_t>(static_cast<std::size_t>(std::max(options_.jobs, 1)), which_.size());
       for (std::size_t i = 1; i < wanted; ++i) {
         try {
           others.emplace_back([this] { work(); });
         } catch (const std::system_error&) {
-          break;  // the work gets done all the same
+          break;  // the other threads do the work
         }
       }
       work();
@@ -57,7 +57,7 @@ class Scheduler {
  private:
   struct Running {
     Context context;
-    std::uint64_t memory = 0;  // that it is thought to need
+    std::uint64_t memory = 0;  // estimated need, in bytes
     bool beside_others = false;
   };
 
@@ -76,7 +76,7 @@ class Scheduler {
   [[nodiscard]] bool ended() const { return ended_ || context_.cancelled(); }
   [[nodiscard]] bool nothing_left() const { return ended() || (queue_.left() == 0 && running_.empty()); }
 
-  // The place in the queue that may start now.
+  // Returns the queue position that may start now.
   [[nodiscard]] std::optional<std::size_t> next() const {
     if (ended()) return std::nullopt;
     const auto place = queue_.next();
@@ -99,7 +99,7 @@ class Scheduler {
     convert::Events unheard;
     convert::Events* const heard = events_.started(frame, own);
     convert::Outcome outcome;
-    convert::MeshCollector held;  // until it is the frame's turn
+    convert::MeshCollector held;  // until the frame's turn
     tbb::task_arena arena(threads);
     arena.execute([&] {
       outcome = convert::run(batch_.frames[frame].job, own, heard != nullptr ? *heard : unheard, options_.extras,
@@ -108,7 +108,7 @@ class Scheduler {
     lock.lock();
     memory_of_one_ = std::max(memory_of_one_, outcome.reserved_memory);
     const bool turned_away = receiver_ != nullptr && outcome.done() && !hand_over(place, held, outcome, lock);
-    // Packing it may have been too much as well.
+    // Packing in the receiver may have run out of memory, too.
     const bool for_memory =
         running->beside_others && outcome.error && outcome.error->code == ErrorCode::out_of_memory && !ended();
     running_.erase(running);
@@ -120,12 +120,13 @@ class Scheduler {
     lock.unlock();
     const bool kept = events_.finished(frame, outcome);
     lock.lock();
-    queue_.end(place);  // only now, so that none after it is taken where the batch ends with it
+    queue_.end(place);  // Only after finished(), so that no later frame is taken if the batch ends with this one.
     ++(outcome.done() ? counts_.done : counts_.failed);
     if (!kept || (options_.fail_fast && !outcome.done())) end();
   }
 
-  // Waits for the frame's turn; false where it is turned away. The meshes are gone afterwards.
+  // Waits for the frame's turn and hands its meshes over. Returns false if it is turned away. Frees the meshes in any
+  // case.
   bool hand_over(std::size_t place, convert::MeshCollector& held, convert::Outcome& outcome,
                  std::unique_lock<std::mutex>& lock) {
     using Turn = FrameQueue::Turn;
@@ -152,7 +153,7 @@ class Scheduler {
     try {
       const auto packed = TRY(receiver_->take(frame, held));
       for (std::size_t m = 0; m < packed.size(); ++m) {
-        if (packed[m].bytes_before == 0) continue;  // it has no triangles
+        if (packed[m].bytes_before == 0) continue;  // no triangles
         outcome.reports.push_back(convert::report_of({.id = held.ids[m],
                                                       .file = batch_.frames[frame].job.outputs.front().path,
                                                       .packing = held.packing,
@@ -175,10 +176,10 @@ class Scheduler {
   const Context& context_;
   FrameEvents& events_;
   convert::KeptBackends kept_backends_;
-  convert::KeptBackends* backends_;  // null for one frame, which leaves nothing to another
+  convert::KeptBackends* backends_;  // null for a single frame, which has nobody to keep a device for
   FrameReceiver* receiver_;
 
-  std::mutex mutex_;  // of all that follows
+  std::mutex mutex_;  // guards the members below
   FrameQueue queue_;
   std::condition_variable changed_;
   std::list<Running> running_;

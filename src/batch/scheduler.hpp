@@ -1,6 +1,6 @@
-// Conversions side by side, within one budget of memory and one number of threads. What comes out does not depend on
-// how many run at a time. A GPU is opened once for all of them (convert::KeptBackends): while one frame is drawn,
-// others are read, measured and written.
+// Runs conversions side by side within one memory budget and one number of threads. The results do not depend on how
+// many run at a time. One GPU device serves all conversions (convert::KeptBackends): while it extracts one frame, other
+// frames are read, measured and written.
 #pragma once
 
 #include <cstddef>
@@ -16,35 +16,35 @@
 namespace isoextract::batch {
 
 struct SchedulerOptions {
-  int jobs = 1;     // conversions at a time, at most
-  int threads = 1;  // of all of them together; each conversion has its share, and more when few are left
+  int jobs = 1;     // largest number of conversions at a time
+  int threads = 1;  // in all; each conversion gets its share, and more when few are left
   bool fail_fast = false;
-  std::uint64_t memory_of_one = 0;  // what a conversion is thought to reserve, until some are measured; 0: not known
+  std::uint64_t memory_of_one = 0;  // estimated reservation of one conversion, until some are measured; 0: unknown
   convert::OutcomeExtras extras = {};
 };
 
-// Told by the threads that convert, side by side: who listens guards what it has. Every function does nothing unless it
-// is overridden.
+// Events of frames; they do nothing unless overridden. The converting threads call them concurrently, so a listener
+// must guard its data.
 class FrameEvents {
  public:
   virtual ~FrameEvents() = default;
 
-  // Before a frame is converted, with the context that it is converted in; for one that is repeated, twice. Returns who
-  // hears of its stages, on the thread that converts it, until the frame has ended; null: nobody.
+  // Called before a frame is converted, with its context; again if the frame is repeated. Returns the listener of the
+  // frame's stages, used on the converting thread until the frame ends, or null.
   virtual convert::Events* started(std::size_t /*frame*/, const Context& /*context*/) { return nullptr; }
-  // Every frame that was started, once. False ends the batch as a failure does with fail_fast: what the listener keeps
-  // of the frame could not be kept.
+  // Called once for every frame that was started. Returning false ends the batch as a failure with fail_fast does: the
+  // listener could not keep its record of the frame.
   virtual bool finished(std::size_t /*frame*/, const convert::Outcome& /*outcome*/) { return true; }
 };
 
-// Takes the meshes of frames, where they do not go to files of their own.
+// Receives the meshes of frames that do not get files of their own.
 class FrameReceiver {
  public:
   virtual ~FrameReceiver() = default;
 
-  // The surfaces of a frame, as they were collected, or none; not told of frames that fail. One frame at a time,
-  // in the order of the frames, on the thread that converted it. A failure is the frame's. Gives what packing did to
-  // each surface, or nothing where they are not packed.
+  // Receives the collected surfaces of a frame, possibly none; frames that fail are not received. Frames arrive one at
+  // a time, in order, on the thread that converted them. An error is the frame's. Returns what packing did to each
+  // surface, or nothing if surfaces are not packed.
   [[nodiscard]] virtual Result<std::vector<mesh_io::PackedFacts>> take(std::size_t frame,
                                                                        const convert::MeshCollector& collected) = 0;
 };
@@ -52,20 +52,20 @@ class FrameReceiver {
 struct BatchCounts {
   std::size_t done = 0;
   std::size_t failed = 0;
-  std::size_t not_started = 0;  // because of a failure before, or because somebody wanted the end
-  std::size_t repeated = 0;     // times that a frame was run again: it failed for want of memory beside others, or
-                                // had to wait for one that did
+  std::size_t not_started = 0;  // because of an earlier failure or a request to end
+  // Runs repeated because a frame ran out of memory beside others, or had to wait for such a frame.
+  std::size_t repeated = 0;
 };
 
-// Runs `which` of the batch's frames, by index, in their order as far as memory lets them start. A frame starts where
-// what it is thought to need (the most that one has reserved so far) is left beside those that run, and in any case
-// where none runs. One that fails for want of memory beside others is run again alone, at the end. Where the context is
-// asked to end no further frame starts.
+// Runs the batch's frames with the indices `which`, in order as far as memory allows. A frame starts if the limit has
+// room for its estimated memory (the largest reservation so far) beside the running frames, or if none is running. A
+// frame that ran out of memory beside others runs again alone, at the end. If the context is cancelled, no further
+// frame starts.
 //
-// With a `receiver` no frame is written to files. A frame that is converted waits until those before it were taken, and
-// holds its meshes, and its place among those that run, meanwhile: so there is one frame a job in memory, however many
-// there are. One that fails has no turn. Where one fails for want of memory beside others, those that come after it
-// are converted again as well, after it. Where the batch ends early, frames that wait fail with ErrorCode::cancelled.
+// With a `receiver`, writes no frame to files. A converted frame waits until all earlier frames were taken; meanwhile
+// it keeps its meshes and its slot, so memory holds at most one frame for each job. A frame that fails is not waited
+// for. If a frame runs out of memory beside others, it and all later unfinished frames run again. If the batch ends
+// early, waiting frames fail with ErrorCode::cancelled.
 BatchCounts run(const BatchJob& batch, std::span<const std::size_t> which, const SchedulerOptions& options,
                 const Context& context, FrameEvents& events, FrameReceiver* receiver = nullptr);
 

@@ -17,13 +17,13 @@ std::optional<int> whole(std::string_view text) {
   return number;
 }
 
-// The variables of a job scheduler.
+// The environment variables of one job scheduler.
 struct Scheme {
   const char* number;
   const char* count;
-  const char* first;  // the least number; nullptr: 0
+  const char* first;  // smallest number; nullptr: 0
   const char* step;
-  const char* hint;  // where the count is missing
+  const char* hint;  // if the count is missing
 };
 constexpr std::array kSchemes{
     Scheme{"SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_COUNT", "SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_STEP",
@@ -34,7 +34,7 @@ constexpr std::array kSchemes{
         "the container (name: JOB_COMPLETIONS, value: \"8\"); or name the shard K/N"},
 };
 
-// A variable's number. None where it is not set.
+// Returns the variable's number, or nullopt if it is not set.
 Result<std::optional<int>> variable(const std::function<const char*(const char*)>& get, const char* name) {
   const char* const text = get(name);
   if (text == nullptr || *text == '\0') return std::nullopt;

@@ -2,11 +2,11 @@
 //
 // AttributeChoice::from has one of these forms:
 //
-//    GRID         a grid of the input, if its format names grids: "temperature"; a component of a vector grid,
-//                 "velocity[x]", or its length, "velocity[length]". "velocity" alone means the whole vector grid, with
-//                 three components, or the three scalar grids velocity.x, velocity.y and velocity.z together
-//    FILE         another file with one volume or one scalar grid
-//    FILE[GRID]   a grid of another file
+//   GRID         a grid of the input, if its format names grids: "temperature"; a component of a vector grid,
+//                "velocity[x]", or its length, "velocity[length]". "velocity" alone means the whole vector grid, with
+//                three components, or the three scalar grids velocity.x, velocity.y and velocity.z together
+//   FILE         another file with one volume or one scalar grid
+//   FILE[GRID]   a grid of another file
 //
 // The text counts as a file in three cases: it has the extension or the prefix (demo:) of a volume format; a file of
 // that name exists; a folder of that name exists and the text contains a slash. If `from` equals the attribute's name,

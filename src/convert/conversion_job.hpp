@@ -65,7 +65,7 @@ struct ParticleOptions {
   bool expected = false;
   points::Method method = points::Method::sph;
   // Particle radius in world units; else estimated from the particles' distances, for level sets first taken from
-  // points::kRadiusAttributes
+  // points::kRadiusAttributes.
   std::optional<double> radius;
   std::optional<double> cell_size;  // spacing of the samples, in particle radii; else the method's
   double smoothing_length = 2;      // for sph, anisotropic, smooth; in particle radii
@@ -98,17 +98,17 @@ struct SourceOptions {
   std::vector<FilterStep> filters;          // applied in order to the field that was read or made from particles
   std::vector<BlurStep> blurs;              // applied in order after the filters
   std::vector<AttributeChoice> attributes;  // vertex attributes; their names differ
-  // Of the grid to extract from, in place of the input's own samples; not with voxel_size
+  // Of the grid to extract from, in place of the input's own samples; not with voxel_size.
   std::optional<glm::ivec3> resolution;
   std::optional<glm::dvec3> voxel_size;  // likewise, in units of the input's world; not with resolution
   // Chooses the inside by the sign of the iso value instead of by read.kind: inside is above a positive iso value and
   // below a negative one. At 0 the field's own kind decides. Volumes only.
   bool away_from_zero = false;
   field::ResampleKernel kernel = field::ResampleKernel::linear;  // interpolates the input's samples when resampling
-  // Region to extract, in the coordinates of placement.space
+  // Region to extract, in the coordinates of placement.space.
   std::optional<field::Box> roi;
   bool roi_snap = false;  // RegionEnds::samples instead of RegionEnds::faces
-  // Clips the surfaces, not the samples; in the coordinates of placement.space
+  // Clips the surfaces, not the samples; in the coordinates of placement.space.
   std::vector<ClipPlane> clip;
   Placement placement;
 
@@ -193,7 +193,7 @@ struct ConversionJob {
   // are opaque, except that with several iso values colored by iso value the outer surfaces are translucent.
   std::vector<double> opacity;
   SurfaceEdits edits;
-  // The interpolant to measure the meshes' error against; nullopt: no measurement
+  // The interpolant to measure the meshes' error against; nullopt: no measurement.
   std::optional<field::Interpolation> error;
   bool verify = false;  // extracts with the other backend as well, and fails if the two disagree
   BackendChoice backend;

@@ -51,7 +51,7 @@ struct Placement {
   bool turn_y_up_to_z_up = false;  // (x, y, z) -> (x, -z, y); not both
   double scale = 1;                // place_field() sets it if the unit is kUnitOfFile
   std::string unit;                // unit of the input's world, or kUnitOfFile; empty if none was given
-  // Unit of the output, which `scale` converts to; empty if `unit` is empty, or to keep the file's unit
+  // Unit of the output, which `scale` converts to; empty if `unit` is empty, or to keep the file's unit.
   std::string to_unit;
   std::optional<AnatomicalSpace> to_space;  // mirrors the world's axes into this space, before the turn
   // Finally moves the center of the samples to the origin: of the region, else of the field's extents. Not in
@@ -100,7 +100,7 @@ struct ClipPlane {
 // Where surfaces end at the sides of a region.
 enum class RegionEnds {
   faces,  // at the faces of the box: surfaces are cut at faces that lie between samples
-  // At samples: the region is the box of samples inside the box; if the axes are oblique, of samples that cover the box
+  // At samples: the region is the box of samples inside the box; with oblique axes, of the samples that cover it.
   samples,
 };
 

@@ -22,7 +22,7 @@ namespace isoextract::convert {
 
 struct Source {
   field::ScalarField field;  // to extract from
-  // The field as read, if `field` was made from it and SourceUse::keep_data is set
+  // The field as read, if `field` was made from it and SourceUse::keep_data is set.
   std::optional<field::ScalarField> data;
   ResolvedPlacement placement;
   field::Affine output_from_index;

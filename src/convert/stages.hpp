@@ -65,15 +65,15 @@ EditSurface measure_error;
 struct StageInfo {
   StageName name = StageName::open;
   std::string_view word;  // name in the JSON report
-  // Section of the JSON report with this stage's entries; empty: none
+  // Section of the JSON report with this stage's entries; empty: none.
   std::string_view section = {};
-  // Returns whether the job asks for the stage; null: every job does
+  // Returns whether the job asks for the stage; null: every job does.
   bool (*asked)(const ConversionJob& job) = nullptr;
-  // The section is in the report even if the job does not ask for the stage
+  // The section is in the report even if the job does not ask for the stage.
   bool is_listed = false;
   EditSurface* edit = nullptr;  // for stages between a surface's extraction and its file
   std::string_view done = {};   // past participle for printed lines: "smoothed"
-  // Its time is reported; false: the time is part of another stage's
+  // Its time is reported; false: the time is part of another stage's.
   bool is_timed = true;
   int line_rank = 0;  // lines of higher ranks are printed below
 };

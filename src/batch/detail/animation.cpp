@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kNodeDigits = 4;
 
-// Records of an animation go by other names than those of jobs, which write files of their own.
+// Keys of an animation's records differ from the hashes of jobs, whose frames have files of their own.
 std::string key_of(const BatchJob& batch) { return animation_key(hash_of(batch)); }
 
 std::string key_of(const std::string& animation, const FrameJob& frame) {
@@ -82,7 +82,7 @@ Result<mesh_io::MeshWriteResult> Animation::finish() {
 }
 
 std::string left_out_text(const BatchJob& batch, std::span<const std::int64_t> missing) {
-  std::size_t leading = 0;  // failed before any frame that is there
+  std::size_t leading = 0;  // failed frames before the first frame in the file
   while (leading < missing.size() && missing[leading] == batch.frames[leading].number) ++leading;
   const auto list = [](std::span<const std::int64_t> frames) { return text_of(runs_of(frames), kShownFrameRuns); };
   std::string shown = "the frame before is shown in their time";
@@ -104,7 +104,7 @@ Result<void> keep_animation(Manifest& manifest, const BatchJob& batch, std::vect
     frames[i].job = key_of(key, batch.frames[i]);
     TRY(manifest.add(frames[i]));
   }
-  // Last: without it the others stand for nothing.
+  // Last, because the other records count only with this one.
   convert::Outcome whole;
   whole.files = written.files;
   auto record = TRY(record_of(batch.frames.front(), {}, whole, Context()));
@@ -116,7 +116,7 @@ std::optional<std::vector<FrameRecord>> kept_animation(const Manifest& manifest,
   const std::string key = key_of(batch);
   const FrameRecord* const whole = manifest.find(key);
   if (whole == nullptr || !what_changed(*whole).empty()) return std::nullopt;
-  // Nothing was written, as no frame has a surface: what is there now is another's.
+  // The animation had no surface, so no file was written: an existing file is not this animation.
   std::error_code none;
   if (whole->outputs.empty() && std::filesystem::exists(batch.animation->path, none)) return std::nullopt;
   std::vector<FrameRecord> frames;

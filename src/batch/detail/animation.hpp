@@ -1,5 +1,5 @@
-// The frames of a batch as one animated GLB: each is added when its turn comes, and what the file was made of is kept
-// in the manifest, for all frames or for none.
+// Writes the frames of a batch into one animated GLB, each when its turn comes. Records in the manifest what the file
+// was made from: all frames or none.
 #pragma once
 
 #include <cstddef>
@@ -22,46 +22,46 @@ namespace isoextract::batch {
 
 class Animation final : public FrameReceiver {
  public:
-  // Of the batch's animation, which outlives it. `largest_file` is for tests.
+  // `batch` must have an animation and outlive this object. `largest_file` is for tests.
   Animation(const BatchJob& batch, const Context& context, std::uint64_t largest_file = mesh_io::kLargestGlb);
 
-  // Whether it could be written, before any work. Fails with ErrorCode::usage or ErrorCode::output.
+  // Checks before any work that the file can be written. Fails with ErrorCode::usage or ErrorCode::output.
   [[nodiscard]] Result<void> check() const;
 
-  // The frame's node is named after the file and the frame: water_0012.
+  // Adds a frame. Its node is named after the file and the frame: water_0012.
   [[nodiscard]] Result<std::vector<mesh_io::PackedFacts>> take(std::size_t frame,
                                                                const convert::MeshCollector& collected) override;
 
-  // Why nothing more can be written, where that is so: a full disk, for example. Then the failure of a frame is the
-  // whole animation's. May be asked on any thread.
+  // Returns the error after which nothing more can be written, such as a full disk, or nullopt. The whole animation has
+  // then failed, not only a frame. Safe to call on any thread.
   [[nodiscard]] std::optional<Error> lost() const;
 
-  // Gives the files their names. Call once, last. Where no frame came, because none has a surface, nothing is written,
-  // an old file of that name is removed, and a note says so.
+  // Finishes the files and gives them their names. Call once, last. If no frame has a surface, writes nothing, removes
+  // an old file of that name, and returns a note.
   [[nodiscard]] Result<mesh_io::MeshWriteResult> finish();
 
  private:
   const BatchJob& batch_;
   mesh_io::AnimationWriter writer_;
   bool is_empty_ = true;
-  mutable std::mutex mutex_;  // of what follows
+  mutable std::mutex mutex_;  // guards the member below
   std::optional<Error> lost_;
 };
 
-// Returns a note of the frames that failed, which are `missing` in the animation, in their order: which they are, and
-// what is shown in their time.
+// Returns a note about failed frames: which are missing in the animation, and what it shows in their time. `missing` is
+// ordered.
 [[nodiscard]] std::string left_out_text(const BatchJob& batch, std::span<const std::int64_t> missing);
 
-// What the record of a whole animation has as its job, by the hash of its batch.
+// Returns the key that records a whole animation in the manifest, from the hash of its batch.
 [[nodiscard]] std::string animation_key(const std::string& batch);
 
-// Keeps in the manifest what a whole animation was made of: `frames` are the records of all its frames, in their order.
-// A run that ends within leaves it as if nothing was kept.
+// Records in the manifest what the animation was made from. `frames` are the records of all its frames, in order. If
+// the run is killed meanwhile, nothing counts as recorded.
 [[nodiscard]] Result<void> keep_animation(Manifest& manifest, const BatchJob& batch, std::vector<FrameRecord> frames,
                                           const mesh_io::MeshWriteResult& written);
 
-// The records of all frames where the manifest has the batch's animation, and its files and all inputs are what they
-// were, byte by byte. Outputs of each are all files of the animation.
+// Returns the records of all frames if the manifest has the batch's animation and all its inputs and files are
+// unchanged, byte by byte. The outputs of each record are the animation's files.
 [[nodiscard]] std::optional<std::vector<FrameRecord>> kept_animation(const Manifest& manifest, const BatchJob& batch);
 
 }  // namespace isoextract::batch

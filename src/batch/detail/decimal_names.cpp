@@ -17,11 +17,11 @@ namespace isoextract::batch {
 namespace {
 
 struct Decimal {
-  std::string_view whole;  // may be empty: .25
+  std::string_view whole;  // may be empty, as in .25
   std::string_view fraction;
   std::string_view exponent;  // with its sign
   bool minus = false;
-  bool glued = false;  // the minus follows a letter or a digit: it may join two words
+  bool glued = false;  // the minus follows a letter or digit, so it may be a hyphen
 
   [[nodiscard]] bool same(const Decimal& other) const {
     return std::tie(whole, fraction, exponent, minus) ==
@@ -30,7 +30,7 @@ struct Decimal {
   [[nodiscard]] bool is_minus_zero() const {
     return minus && whole.find_first_not_of('0') == std::string_view::npos && !fraction.empty();
   }
-  // Nothing beyond the range of a double.
+  // Returns nullopt if the number is out of double's range.
   [[nodiscard]] std::optional<double> value(bool with_sign) const {
     std::string text(with_sign && minus ? "-" : "");
     text += whole;
@@ -43,7 +43,7 @@ struct Decimal {
 };
 
 struct DecimalName {
-  std::string skeleton;  // a mark in place of each number
+  std::string skeleton;  // the name with a mark in place of each number
   std::vector<Decimal> numbers;
 };
 
@@ -51,7 +51,7 @@ std::string_view digits_at(std::string_view name, std::size_t at) {
   return at >= name.size() ? std::string_view() : name.substr(at, name.find_first_not_of(kDigits, at) - at);
 }
 
-// Whether a decimal point may stand at `at`: 0.25, 0,25, 0p25, and .25 behind a word.
+// Returns whether a decimal point may stand at `at`: 0.25, 0,25, 0p25, and .25 after a word.
 bool is_decimal_point(std::string_view name, std::size_t at) {
   constexpr std::string_view kPoints(".,p");
   constexpr std::string_view kEndsOfWords("_-= ");
@@ -89,7 +89,7 @@ DecimalName split_decimals(std::string_view name) {
   return result;
 }
 
-// The one number of each name in which they differ.
+// Returns the only number in which the names differ, one for each name; empty if there is no such number.
 std::vector<Decimal> differing_numbers(std::span<const std::string> names) {
   std::vector<DecimalName> split;
   for (const std::string& name : names) {
@@ -113,7 +113,7 @@ std::vector<Decimal> differing_numbers(std::span<const std::string> names) {
 enum class Steps {
   of_one,
   equal,
-  with_gaps,  // multiples of the least one, and half of what that leads through is there
+  with_gaps,  // multiples of the smallest step, with at least half of the numbers present
   unequal,
 };
 
@@ -176,7 +176,7 @@ FractionKind judge_fractions(std::span<const std::string_view> digits) {
     has_last_zero = has_last_zero || (text.size() > 1 && text.back() == '0');
   }
   if (shortest >= longest) return FractionKind::whole_numbers;
-  // Numbers filled to a length are never shorter.
+  // Numbers padded with zeros are never shorter than the padding.
   if (longest_filled > shortest) return FractionKind::fractions;
   const Steps steps = steps_of(digits);
   if (steps == Steps::of_one) return FractionKind::whole_numbers;

@@ -11,8 +11,8 @@
 
 namespace isoextract::batch {
 
-// Calls visit(name, entry) for all that `folder` ("" is the current one) holds, in no order. Fails with
-// ErrorCode::input, also where reading breaks off.
+// Calls visit(name, entry) for each entry of `folder` ("" is the current one), in no order. Fails with ErrorCode::input
+// if reading fails, also after some entries.
 template <class Visit>
 [[nodiscard]] Result<void> visit_folder(const std::string& folder, Visit&& visit) {
   std::error_code error;

@@ -6,7 +6,7 @@ std::optional<std::size_t> FrameQueue::next() const {
   const bool repeats = !again_.empty() && (in_order_ || fresh_ == count_);
   if (!repeats && fresh_ == count_) return std::nullopt;
   const std::size_t place = repeats ? *again_.begin() : fresh_;
-  // One that runs alone is the only one that runs.
+  // A frame that runs alone waits for all others, and all others wait for it.
   const bool waits = is_alone(place) || (running_.size() == 1 && is_alone(*running_.begin()));
   return waits && !running_.empty() ? std::nullopt : std::optional(place);
 }
@@ -40,7 +40,7 @@ void FrameQueue::run_again(std::size_t place) {
 
 FrameQueue::Turn FrameQueue::turn(std::size_t place) const {
   if (turned_away_.contains(place)) return Turn::turned_away;
-  // What is to be run again before it would have turned it away.
+  // No earlier frame waits in again_: putting it back would have turned this one away.
   return *running_.begin() == place ? Turn::now : Turn::later;
 }
 

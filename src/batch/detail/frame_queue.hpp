@@ -1,4 +1,4 @@
-// The order of a batch's frames: which starts next, which is run again, and whose turn it is to be taken.
+// The order of a batch's frames: which starts next, which runs again, and which is handed over next.
 #pragma once
 
 #include <cstddef>
@@ -7,50 +7,49 @@
 
 namespace isoextract::batch {
 
-// Of frames by their place, 0 to count - 1. Each starts, and then is over or has to be run again. It knows no threads:
-// whoever shares it guards it.
+// A queue of frames by position, 0 to count - 1. Each frame starts, and then ends or runs again. Not safe to use from
+// several threads without a lock.
 //
-// Frames start in their order. One that failed for want of memory beside others has to be run again alone. Where frames
-// are taken in any order that is at the end. Where they are taken in their own order, those that are made and wait for
-// their turn hold memory, so it is at once: all that come after it and are not over are turned away, let go what they
-// hold, and are run again after it.
+//
+// Frames start in order. A frame that ran out of memory beside others runs again alone: at the end if frames are handed
+// over in any order. With `in_order`, converted frames wait for their turn and hold memory, so it runs again at once.
+// All later unfinished frames are then turned away: they free their memory and run again after it.
 class FrameQueue {
  public:
   FrameQueue(std::size_t count, bool in_order) : count_(count), in_order_(in_order) {}
 
-  // The place that may start now, if one may.
+  // Returns the position that may start now, or nullopt.
   [[nodiscard]] std::optional<std::size_t> next() const;
   void start(std::size_t place);
-  // Whether no other starts beside it.
+  // Returns whether no other frame starts beside this one.
   [[nodiscard]] bool is_alone(std::size_t place) const { return alone_.contains(place); }
 
-  // Of one that was started: it is over, however it ended.
+  // Ends a started frame, whatever its result.
   void end(std::size_t place);
-  // Of one that was started beside others: it has to be run again alone.
+  // Puts a started frame back, to run again alone.
   void run_again_alone(std::size_t place);
-  // Of one that was started and told that it is turned away: it has let go what it held, and is run again.
+  // Puts back a started frame that was turned away and has freed its memory.
   void run_again(std::size_t place);
 
   enum class Turn {
-    now,    // all before it are over
-    later,  // one of those has a chance to come first
+    now,    // all earlier frames have ended
+    later,  // an earlier frame has not ended
     turned_away,
   };
-  // Of one that was started, where frames are taken in their order. Of those that run, one at least is not told
-  // `later`.
+  // Returns the turn of a started frame, with `in_order`. At least one running frame is not told `later`.
   [[nodiscard]] Turn turn(std::size_t place) const;
 
-  // Those that have not started, or have to be run again.
+  // Returns the number of frames that have not started or have to run again.
   [[nodiscard]] std::size_t left() const { return count_ - fresh_ + again_.size(); }
 
  private:
   std::size_t count_;
   bool in_order_;
-  std::size_t fresh_ = 0;              // the first that never started
-  std::set<std::size_t> again_;        // to be run again
-  std::set<std::size_t> running_;      // started and not over
-  std::set<std::size_t> alone_;        // of both: those that run alone
-  std::set<std::size_t> turned_away_;  // of those that run
+  std::size_t fresh_ = 0;              // the first position that never started
+  std::set<std::size_t> again_;        // to run again
+  std::set<std::size_t> running_;      // started and not ended
+  std::set<std::size_t> alone_;        // to run alone, from again_ or running_
+  std::set<std::size_t> turned_away_;  // running frames that were turned away
 };
 
 }  // namespace isoextract::batch

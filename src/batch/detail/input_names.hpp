@@ -1,11 +1,11 @@
-// Names of inputs: those of files, and texts that stand for no file.
+// Input names: paths of files, and texts that are no paths.
 #pragma once
 
 #include <string>
 
 namespace isoextract::batch {
 
-// False for demo:NAME, and for what else starts with the prefix of a volume format.
+// Returns false for demo:NAME and any other text with the prefix of a volume format.
 [[nodiscard]] bool is_file_name(const std::string& input);
 
 }  // namespace isoextract::batch

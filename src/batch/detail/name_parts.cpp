@@ -13,7 +13,7 @@
 namespace isoextract::batch {
 namespace {
 
-// "04" and "4" are 4, "" is 0; nothing where it is no number. What is too large comes out as larger than allowed.
+// Parses "04" and "4" as 4, "" as 0; nullopt if it is no number. Too large numbers become kMaxFrameDigits + 1.
 std::optional<int> width_of(std::string_view digits) {
   int width = 0;
   for (const char c : digits) {
@@ -27,14 +27,14 @@ bool parts_names(std::string_view name, std::size_t at) {
   return at >= name.size() || std::string_view("._-/").find(name[at]) != std::string_view::npos;
 }
 
-// Of the # or @ that number frames from `at` on; 0 where they are text.
+// Returns the length of the run of # or @ at `at` that stands for a number; 0 if it is text.
 std::size_t marks_length(std::string_view name, std::size_t at) {
   const std::size_t end = std::min(name.find_first_not_of(name[at], at), name.size());
   if (end > at + 1) return end - at;
   return (at == 0 || parts_names(name, at - 1)) && parts_names(name, end) ? 1 : 0;
 }
 
-// Of the $F, $F4, ${F} or ${F4} that `text` begins with; 0 where it begins with none, as in $FF or $F42.
+// Returns the length of $F, $F4, ${F} or ${F4} at the start of `text`; 0 without one, as in $FF or $F42.
 std::size_t houdini_length(std::string_view text) {
   const bool in_braces = text.starts_with("${F");
   if (!in_braces && !text.starts_with("$F")) return 0;
@@ -99,7 +99,7 @@ class NameScanner {
     return true;
   }
 
-  // {}, {:04}, {word}. A brace that is not closed, or has numbering inside, is text.
+  // {}, {:04}, {word}. An unclosed brace, or one with numbering inside, is text.
   Result<bool> braces() {
     const std::size_t close = name_.find('}', at_);
     if (close == std::string_view::npos) return false;
@@ -123,7 +123,7 @@ class NameScanner {
     return add_number(end + 1 - at_, width_of(name_.substr(at_ + 1, end - at_ - 1)));
   }
 
-  // $F, $F4, ${F}, ${F4}, as Houdini has them.
+  // $F, $F4, ${F}, ${F4}, as in Houdini.
   Result<bool> houdini() {
     const std::size_t length = houdini_length(name_.substr(at_));
     if (length == 0) return false;
@@ -132,8 +132,8 @@ class NameScanner {
     return add_number(length, width_of(digits.substr(first, digits.find_last_of("0123456789") + 1 - first)));
   }
 
-  // ##, ###, @@, ... or a single one between dots, dashes, underscores and the ends of a name. Elsewhere a single one
-  // is text: it is common in names.
+  // ##, ###, @@, ..., or a single one between dots, dashes, underscores and the ends of a name. Elsewhere a single one
+  // is text, because it is common in names.
   Result<bool> marks() {
     const std::size_t length = marks_length(name_, at_);
     if (length == 0) return false;

@@ -1,4 +1,4 @@
-// What stands in a name besides its text: numbering and words. For names of inputs and for those of outputs.
+// Splits names of inputs and outputs into text, numberings and words.
 #pragma once
 
 #include <string>
@@ -12,16 +12,16 @@ namespace isoextract::batch {
 struct NamePart {
   enum class Kind { text, number, word };
   Kind kind = Kind::text;
-  std::string text;  // text: unescaped; else as it was written
-  std::string word;  // what stands between the braces
-  int width = 0;     // of a number: at least so many digits; 0 is any way of writing it
+  std::string text;  // of Kind::text unescaped, else as written
+  std::string word;  // the text between the braces
+  int width = 0;     // of a number: minimum number of digits; 0: any
 };
 
-// Neighbouring text is one part. {frame} is a number, anything else in braces a word. Fails as FramePattern::parse()
-// does.
+// Splits a name. Adjacent text is one part. {frame} is a number, any other text in braces a word. Fails as
+// FramePattern::parse() does.
 [[nodiscard]] Result<std::vector<NamePart>> name_parts(std::string_view name);
 
-// The way back for text: a name in which it stands for itself.
+// Escapes text so that name_parts() returns it as text.
 [[nodiscard]] std::string escaped_name(std::string_view text);
 
 }  // namespace isoextract::batch

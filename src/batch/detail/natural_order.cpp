@@ -8,7 +8,7 @@
 namespace isoextract::batch {
 namespace {
 
-// The digits that `text` begins with, which are taken off it, without zeros before them.
+// Removes the leading digits from `text` and returns them without leading zeros.
 std::string_view take_digits(std::string_view& text) {
   const std::string_view digits = text.substr(0, text.find_first_not_of(kDigits));
   text.remove_prefix(digits.size());

@@ -1,4 +1,4 @@
-// Names in the order in which people number them: f2 before f10.
+// Natural order of names: f2 before f10.
 #pragma once
 
 #include <compare>
@@ -6,8 +6,8 @@
 
 namespace isoextract::batch {
 
-// A total order of names, the same in every locale: digits are compared as numbers of any length, everything else byte
-// by byte. Names that differ only in zeros before a number are next to each other, in the order of their bytes.
+// Compares names, the same in every locale: digits as numbers of any length, everything else byte by byte. A total
+// order: names that differ only in leading zeros of a number are adjacent, in byte order.
 [[nodiscard]] std::strong_ordering natural_order(std::string_view a, std::string_view b);
 
 struct NaturalLess {

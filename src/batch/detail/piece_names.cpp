@@ -11,9 +11,9 @@ namespace isoextract::batch {
 namespace {
 
 struct ShapeOfName {
-  std::string text;               // a run of digits and numbers is one NUL, which no name of a file has
-  std::vector<std::string> runs;  // the digits of each, up to the first number in it
-  std::vector<bool> numbered;     // whether there is a number in it
+  std::string text;               // each run of digits and {piece} is one NUL, which no file name contains
+  std::vector<std::string> runs;  // the digits of each run, up to the first {piece} in it
+  std::vector<bool> numbered;     // whether the run contains {piece}
 };
 
 ShapeOfName shape_of(std::string_view name) {
@@ -38,7 +38,7 @@ ShapeOfName shape_of(std::string_view name) {
   return shape;
 }
 
-// What is the same whatever the numbers are, of a name whose runs are numbered so.
+// Returns the digits that do not depend on piece numbers, of a name whose runs are numbered like this.
 std::string fixed_digits(const std::vector<std::string>& runs, const std::vector<bool>& numbered) {
   std::string digits;
   for (std::size_t i = 0; i < runs.size(); ++i) {

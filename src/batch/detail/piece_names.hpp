@@ -1,5 +1,5 @@
-// Names with a place for the numbers of pieces, which are known only once a surface is made: whether two of them could
-// come to one name. Private to the names of outputs.
+// Output names with {piece}, whose numbers are known only when a surface is made: detects names that could become
+// equal. Used only by output_names.
 #pragma once
 
 #include <cstddef>
@@ -13,22 +13,23 @@ namespace isoextract::batch {
 
 class PieceNames {
  public:
-  // Takes a name with convert::kPieceWord in it, of the output `owner`. The owner of one that was taken before and that
-  // some numbers of pieces could make the same as this one, if there is any. Of digits beside a number only those
-  // before it are looked at: never silent about two that could be the same.
+  // Adds a name with convert::kPieceWord, of the output `owner`. Returns the owner of an earlier name that some piece
+  // numbers could make equal to this one, or nullopt. Looks only at digits before the first number, so it may report
+  // names that never collide, but misses none.
   [[nodiscard]] std::optional<std::size_t> add(std::string_view name, std::size_t owner);
 
-  // The owner of a name that some numbers of pieces could make this one.
+  // Returns the owner of a name that some piece numbers could make equal to `file`.
   [[nodiscard]] std::optional<std::size_t> could_be(std::string_view file) const;
 
  private:
   struct Group {
-    std::vector<bool> numbered;  // which runs of digits have a number in them; those of all of its names
-    std::size_t owner = 0;       // of the first
-    // By the digits that are no numbers, then those before the first number: none begins with another.
+    std::vector<bool> numbered;  // which runs of digits contain {piece}; the same for all names of the group
+    std::size_t owner = 0;       // of the group's first name
+    // Keys: digits of the runs without {piece}, then the digits before the first {piece}. No key is a prefix of
+    // another.
     std::map<std::string, std::size_t> owners;
   };
-  std::map<std::string, Group> groups_;  // by what is no digit and no number
+  std::map<std::string, Group> groups_;  // by the text between the runs
 };
 
 }  // namespace isoextract::batch

@@ -12,12 +12,12 @@
 namespace isoextract::batch {
 namespace {
 
-// A group of digits in a name, and the sign before it, if there is one.
+// A group of digits in a name, and the minus sign before it, if any.
 struct DigitGroup {
   std::string_view digits;
-  std::size_t at = 0;  // of the digits
+  std::size_t at = 0;  // position of the digits
   bool minus = false;
-  bool glued = false;  // the sign follows a letter or a digit: it may only join two words
+  bool glued = false;  // the minus follows a letter or digit, so it may be a hyphen
 
   [[nodiscard]] bool same(const DigitGroup& other) const { return digits == other.digits && minus == other.minus; }
   [[nodiscard]] std::int64_t number(bool with_sign) const {
@@ -28,7 +28,7 @@ struct DigitGroup {
 };
 
 struct SplitName {
-  std::string skeleton;  // a mark in place of each number, sign and all
+  std::string skeleton;  // the name with a mark in place of each number and its sign
   std::vector<DigitGroup> groups;
 };
 
@@ -55,13 +55,13 @@ SplitName split(std::string_view name) {
   return result;
 }
 
-// Names of one skeleton.
+// File names that are equal except for digits.
 struct Alike {
   std::vector<std::size_t> names;
   std::vector<std::vector<DigitGroup>> groups;  // of each name
 };
 
-// The last group in which not all are the same.
+// Returns the last group in which the names differ.
 std::optional<std::size_t> frame_group(const Alike& alike) {
   for (std::size_t g = alike.groups.front().size(); g-- > 0;) {
     const auto differs = [&](const auto& groups) { return !groups[g].same(alike.groups.front()[g]); };
@@ -70,7 +70,7 @@ std::optional<std::size_t> frame_group(const Alike& alike) {
   return std::nullopt;
 }
 
-// The numbers of a name but for the one of its frame.
+// Returns the numbers of a name except the frame number.
 std::string other_numbers(std::span<const DigitGroup> groups, std::size_t frame) {
   std::string key;
   for (std::size_t g = 0; g < groups.size(); ++g) {
@@ -81,7 +81,7 @@ std::string other_numbers(std::span<const DigitGroup> groups, std::size_t frame)
   return key;
 }
 
-// The one pattern that gives all of these names, or else the one that matches them.
+// Returns the pattern of the names; `width` 0 matches any number of digits.
 std::string pattern_of(std::string_view name, const DigitGroup& group, bool with_sign, int width) {
   const std::size_t first = group.at - (with_sign && group.minus ? 1 : 0);
   return FramePattern(std::string(name.substr(0, first)), width,

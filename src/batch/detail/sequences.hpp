@@ -1,4 +1,4 @@
-// Which names belong together: those that differ in one number.
+// Groups names into sequences: names that differ in one number.
 #pragma once
 
 #include <cstddef>
@@ -11,30 +11,33 @@
 
 namespace isoextract::batch {
 
-// Stands for a number in the skeleton of a name; no path holds it.
+// Stands for a number in a skeleton, the name without its numbers; no path contains it.
 inline constexpr char kNumberMark = '\0';
 
-// Whether `c` is a letter or a digit. Bytes of other scripts are letters.
+// Returns whether `c` is a letter or digit. Bytes beyond ASCII count as letters.
 [[nodiscard]] bool is_part_of_word(char c);
 
 struct SequenceMember {
-  std::size_t name = 0;  // which of the names
+  std::size_t name = 0;  // index of the name
   std::int64_t number = 0;
 };
 
 struct Sequence {
   std::vector<SequenceMember> members;  // in the order of the names
-  std::string pattern;                  // as FramePattern::parse() takes it; of a single name that name, unescaped
+  // In the form that FramePattern::parse() takes; for a single name that name, not escaped.
+  std::string pattern;
 };
 
-// Each name is in one sequence; sequences come in the order of their first names. Where names differ in several groups
-// of digits, the last of these numbers the frames, and names that differ in another one are of different sequences. A
-// sign is part of a number where it follows none of letters and digits, or where not all names have it. Digits beyond
-// kMaxFrameDigits are no number. Numbers may repeat (f_1, f_01). The number of a single name is single_number() of it.
+// Groups the names; each is in one sequence. Sequences are in the order of their first names. If names differ in
+// several groups of digits, the last of these is the frame number, and names that differ in another one are in
+// different sequences.
+//
+// A minus sign is part of a number unless all names have it after a letter or digit. More than kMaxFrameDigits digits
+// are no number. Numbers may repeat (f_1, f_01). A single name has the number single_number().
 [[nodiscard]] std::vector<Sequence> sequences_of(std::span<const std::string> names);
 
-// The last group of digits in the name of the file, which is not in its extension: 42 of shot_3/sim_042.vdb. Nothing
-// where there is none.
+// Returns the last number in the file name, not in its extension: 42 for shot_3/sim_042.vdb. Returns nullopt if there
+// is none.
 [[nodiscard]] std::optional<std::int64_t> single_number(std::string_view path);
 
 }  // namespace isoextract::batch

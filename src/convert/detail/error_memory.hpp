@@ -10,7 +10,7 @@
 
 namespace isoextract::convert {
 
-// Checks, before any surface is extracted, that the budget has room for the memory that measuring `source`
+// Checks, before any surface is extracted, that the budget has room for what extracting and measuring `source`
 // needs at least. Fails with ErrorCode::out_of_memory and Remedy::raise_memory_limit.
 [[nodiscard]] Result<void> check_error_memory(const ConversionJob& job, const Source& source, const Context& context);
 

@@ -17,7 +17,7 @@ namespace {
 struct MeshError {
   accuracy::FieldError field;
   std::optional<accuracy::AnalyticError> analytic;  // for demo fields with a formula
-  // Exact area and volume in the mesh's units, if known; nullopt for a part of the surface
+  // Exact area and volume in the mesh's units, if known; nullopt for a part of the surface.
   std::optional<field::SurfaceSize> exact;
   bool of_part = false;  // then: a region or clipping may have removed a part of the surface
 };

@@ -128,7 +128,7 @@ struct Simplified {
   DistanceRange voxels;
   DistanceRange world;  // in the mesh's units
   std::uint64_t components = 0;
-  // Lower bound of the components turned inside out; shells thinner than the distance may turn
+  // Lower bound of the components turned inside out; shells thinner than the distance may turn.
   std::uint64_t turned = 0;
   std::uint64_t left_bodies = 0;  // cavities (closed components that face inward) that no longer lie in a body
 };

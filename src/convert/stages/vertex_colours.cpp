@@ -59,7 +59,7 @@ Result<StageReport> color_by_attribute(Surface& surface, const StageContext& sta
   if (!job.colour || !job.colour->attribute) return StageReport();
   const std::string& attribute = *job.colour->attribute;
   const auto is_meant = [&](const MissingAttribute& missing) { return missing.choice.name == attribute; };
-  // Carry_attributes() or the source has reported it
+  // carry_attributes() or the source has reported it.
   if (std::ranges::any_of(stage.source.attributes->missing, is_meant)) return StageReport();
   const auto made = TRY(edit::color_by_values(
       surface.mesh, attribute, job.colour->map, job.colour->range,
