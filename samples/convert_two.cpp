@@ -1,7 +1,7 @@
 // Runs two conversions at once in one process, without the command line. Each has its own job, context and listener;
 // they share one memory budget.
 //
-//  convert_two INPUT ISO OUTPUT INPUT ISO OUTPUT
+//   convert_two INPUT ISO OUTPUT INPUT ISO OUTPUT
 #include <array>
 #include <cstdio>
 #include <cstdlib>

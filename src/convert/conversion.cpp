@@ -158,8 +158,7 @@ class Conversion {
     return check_error_memory(job_, source_, context_);
   }
 
-  // Writes one output: makes, writes and frees one surface after another (if the format allows) and one grid after
-  // another.
+  // Writes one output: extracts, writes and frees one surface after another, if the format allows it.
   Result<void> write(const OutputFileJob& output) {
     std::optional<OutputMeshes> file;
     std::vector<SkippedSurfaces> skipped;
