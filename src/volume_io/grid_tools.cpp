@@ -23,7 +23,7 @@ namespace {
 
 using Tools = isoextract_grid_tools_plugin_v3;
 
-// Looked for each time, which is little beside the work; once loaded it stays.
+// Searches the folders on every call, which is cheap beside the work; the loaded library stays open.
 Result<const Tools*> grid_tools_for(const std::string& work) {
   const plugin_host::PluginLibrary library(
       {"isoextract-grids-", "isoextract_grid_tools_plugin", ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION, false},
@@ -37,7 +37,7 @@ Error tools_failed(const Tools& tools, const std::string& work, ErrorCode code =
   return {code, fmt::format("{}: {}", work, text == nullptr ? "it cannot be done" : printable(text, 400)), {}};
 }
 
-// A grid that the plug-in made, and the memory that it asked for.
+// A grid made by the plug-in, with the memory the plug-in requested.
 struct MadeGrid {
   MadeGrid(const Tools& the_tools, const Context& context, const std::string& work)
       : tools(the_tools), memory(context, work) {}
@@ -53,7 +53,7 @@ struct MadeGrid {
   bool is_given = false;
 };
 
-// A field as a plug-in takes it; refers to it.
+// A field in the plug-in's format; refers to the field.
 class GridInput {
  public:
   explicit GridInput(const field::ScalarField& field) {
@@ -79,7 +79,7 @@ class GridInput {
   std::unique_ptr<const plugin_host::PluginSparse> sparse_;
 };
 
-// What the lists of a sparse field take while a plug-in reads them.
+// Returns the bytes of a sparse field's lists in the plug-in's format.
 std::uint64_t list_bytes(const field::ScalarField& field) {
   const auto* sparse = std::get_if<field::SparseSamples>(&field.samples);
   if (sparse == nullptr) return 0;
@@ -124,7 +124,7 @@ Result<void> check_sphere_options(const points::ParticleSet& particles, const Sp
   return {};
 }
 
-// Where the bytes of a file go, and why one went nowhere.
+// Receives the bytes of a VDB file; `error` is the first failure.
 struct VdbSink {
   files::OutputFile& file;
   std::optional<Error> error;
@@ -139,7 +139,7 @@ std::span<const std::byte> bytes_of(const void* bytes, std::uint64_t count) {
   return {static_cast<const std::byte*>(bytes), static_cast<std::size_t>(count)};
 }
 
-// A field and what its grid is called.
+// A field with the name of its grid.
 struct NamedField {
   const field::ScalarField* field;
   std::string name;

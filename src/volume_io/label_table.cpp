@@ -19,7 +19,7 @@
 namespace isoextract::volume_io {
 namespace {
 
-constexpr std::size_t kMaxShown = 60;  // bytes of a line in a message
+constexpr std::size_t kMaxShown = 60;  // most bytes of a line shown in a message
 
 std::optional<std::int64_t> whole_number(std::string_view word) {
   std::int64_t number = 0;
@@ -48,7 +48,7 @@ std::optional<glm::dvec3> colour_of(std::span<const std::string_view> words) {
   return colour;
 }
 
-// Nothing where the line is no label.
+// Returns nothing if the line is not a label.
 std::optional<LabelEntry> entry_of(std::string_view line) {
   const bool is_text = std::ranges::none_of(
       line, [](char c) { return (static_cast<unsigned char>(c) < ' ' && c != '\t') || c == '\x7f'; });
@@ -123,7 +123,7 @@ bool LabelTable::shares_name(const LabelEntry& entry) const {
 }
 
 glm::dvec3 usual_label_colour(std::int64_t label) {
-  // A turn by the golden ratio of the circle leaves none of the hues before near.
+  // Steps of the golden ratio around the hue circle keep hues far from all earlier ones.
   constexpr double kGolden = 0.6180339887498949;
   constexpr double kSaturation = 0.6;
   constexpr double kValue = 0.9;

@@ -13,12 +13,12 @@
 namespace isoextract::volume_io {
 namespace {
 
-// Reads {'descr': '<f4', 'fortran_order': False, 'shape': (3, 4, 5), } and nothing else of Python.
+// Parses {'descr': '<f4', 'fortran_order': False, 'shape': (3, 4, 5), } and no other Python.
 class NpyDictParser {
  public:
   explicit NpyDictParser(std::string_view text) : rest_(text) {}
 
-  // Empty for anything that is not such a dictionary.
+  // Returns nothing for any other text.
   std::optional<NpyHeader> parse() {
     if (!take('{')) return std::nullopt;
     while (!take('}')) {
@@ -68,14 +68,14 @@ class NpyDictParser {
       const auto [end, status] = std::from_chars(rest_.data(), rest_.data() + rest_.size(), number);
       if (status != std::errc{} || numbers.size() == 64) return std::nullopt;
       rest_.remove_prefix(static_cast<std::size_t>(end - rest_.data()));
-      take('L');  // Python 2 wrote long integers so
+      take('L');  // suffix of long integers in Python 2
       numbers.push_back(number);
       if (!take(',') && !peek(')')) return std::nullopt;
     }
     return numbers;
   }
 
-  // [('x', '<f4'), ('v', '<f4', (3,))], or anything else in brackets, whose end is enough.
+  // Accepts [('x', '<f4'), ('v', '<f4', (3,))]. Skips any other list up to its closing bracket.
   bool list() {
     const std::string_view whole = rest_;
     if (flat_list()) return true;
@@ -145,7 +145,7 @@ class NpyDictParser {
   std::optional<std::vector<std::uint64_t>> shape_;
 };
 
-// How many bytes tell how long the dictionary is; they follow the version.
+// Returns the size in bytes of the length field that follows the version.
 std::size_t length_bytes(int version) { return version == 1 ? 2 : 4; }
 
 std::uint64_t dict_length(std::span<const std::byte> start, int version) {

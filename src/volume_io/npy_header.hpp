@@ -1,4 +1,4 @@
-// The header of NumPy's array files (.npy), versions 1 to 3: a magic, a length, a Python dictionary as text.
+// The header of NumPy's array files (.npy), versions 1 to 3: a signature, a length, and a Python dictionary as text.
 #pragma once
 
 #include <cstdint>
@@ -15,31 +15,32 @@ namespace isoextract::volume_io {
 
 inline constexpr std::string_view kNpyMagic("\x93NUMPY", 6);
 
-// A named part of each element of a structured array.
+// A named member of each element of a structured array.
 struct NpyField {
   std::string name;
   std::string descr;                 // "<f4"
-  std::vector<std::uint64_t> shape;  // empty for one number
+  std::vector<std::uint64_t> shape;  // empty for a scalar
 };
 
 struct NpyHeader {
   std::string descr;             // "<f4"; "a structure" for a structured array
-  std::vector<NpyField> fields;  // of a structured array; none where they are nested, or written in another way
+  std::vector<NpyField> fields;  // of a structured array; empty if they are nested or have an unknown form
   bool fortran_order = false;    // the first axis is the fastest
   std::vector<std::uint64_t> shape;
   std::uint64_t data_offset = 0;
 };
 
-// Fails with ErrorCode::input where there is no such header. What types and shape mean is not looked at.
+// Reads the header. Fails with ErrorCode::input if there is none. Does not interpret types and shape.
 [[nodiscard]] Result<NpyHeader> read_npy_header(const files::InputFile& file);
 
-// No header is longer than this, or it is refused.
+// Longest header that is accepted.
 inline constexpr std::uint64_t kMaxNpyHeader = (std::uint64_t{1} << 20) + 12;
-// The same of `size` bytes, of which `start` are the first: all of them, or kMaxNpyHeader. `name` is for messages.
+// Parses the header of an array file of `size` bytes; `start` is the whole file or its first kMaxNpyHeader bytes.
+// `name` is for messages.
 [[nodiscard]] Result<NpyHeader> parse_npy_header(const std::string& name, std::span<const std::byte> start,
                                                  std::uint64_t size);
 
-// The same of the first bytes of a file; nothing where the header is none, or longer than they are.
+// Parses the header from the first bytes of a file. Returns nothing if it is invalid or longer than these bytes.
 [[nodiscard]] std::optional<NpyHeader> npy_header_in(std::span<const std::byte> start);
 
 }  // namespace isoextract::volume_io

@@ -6,7 +6,7 @@ namespace isoextract::volume_io {
 
 std::string npy_header(std::string_view type, std::string_view shape) {
   std::string text = fmt::format("{{'descr': {}, 'fortran_order': False, 'shape': {}, }}", type, shape);
-  constexpr std::size_t kStart = 10;  // magic number, version, length
+  constexpr std::size_t kStart = 10;  // signature, version, length
   constexpr std::size_t kAligned = 64;
   text.resize((kStart + text.size() + 1 + kAligned - 1) / kAligned * kAligned - kStart - 1, ' ');
   text += '\n';

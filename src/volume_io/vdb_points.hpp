@@ -1,4 +1,4 @@
-// Points in VDB files, which a plug-in reads: what the header tells of them without it.
+// Finds point grids in VDB files from the header alone; a plug-in reads them.
 #pragma once
 
 #include <optional>
@@ -9,13 +9,13 @@
 
 namespace isoextract::volume_io {
 
-// Whether a VDB file holds points and nothing else, or where `grid` is given, points by that name. False where the file
-// is damaged or not known: the reader of volumes says what is wrong with it. Fails where the file cannot be read, or
-// where the work is to end.
+// Returns whether a VDB file contains only point grids or, if `grid` is given, a point grid of that name. Returns false
+// for damaged or unknown files; the volume reader reports what is wrong with them. Fails if the file cannot be read or
+// the context is cancelled.
 [[nodiscard]] Result<bool> has_vdb_points(const files::InputFile& file, const std::optional<std::string>& grid);
 
-// Fails where the header is damaged: OpenVDB believes what it reads, and places of grids that a cut file no longer has
-// are found here. A header that is not known here is no error, as OpenVDB may know it.
+// Fails if the header is damaged. OpenVDB does not validate its input; this finds grid positions beyond the end of a
+// truncated file. Accepts unknown headers, which OpenVDB may support.
 [[nodiscard]] Result<void> check_vdb_header(const files::InputFile& file);
 
 }  // namespace isoextract::volume_io

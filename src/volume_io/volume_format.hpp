@@ -1,6 +1,5 @@
-// What all formats of volumes have in common, and the list of them. A new format is a class of its own and a line in
-// the list (volume_format.cpp): detection, the help, the man page and the choice of a format follow from what it says
-// here.
+// The interface of volume formats, and their list. A new format is a class and a line in the list (volume_format.cpp);
+// detection, help, man page and the choice of a format follow from its description here.
 #pragma once
 
 #include <array>
@@ -25,7 +24,7 @@
 
 namespace isoextract::volume_io {
 
-// What a headerless file cannot say of itself.
+// Layout of a headerless file.
 struct RawLayout {
   glm::ivec3 dims{0};  // x (fastest), y, z
   field::SampleType type = field::SampleType::u8;
@@ -35,96 +34,96 @@ struct RawLayout {
   friend bool operator==(const RawLayout&, const RawLayout&) = default;
 };
 
-// Of several numbers a sample: one, counted from 0, or the length of the vector that all of them make.
+// Selects one of several components per sample by its index from 0, or the length of the vector of all components.
 struct ComponentChoice {
-  std::optional<std::int64_t> number;  // nothing: the length
+  std::optional<std::int64_t> number;  // empty: the vector's length
 
   friend bool operator==(const ComponentChoice&, const ComponentChoice&) = default;
 };
 
-// What the axes of an array are, from the one whose index is written first, as NumPy's a[z, y, x]. Without an order of
-// its own, the last of them is the fastest in a file.
+// Meaning of an array's axes, starting with the first index as in NumPy's a[z, y, x]. Unless the file specifies the
+// storage order, the last axis is the fastest.
 enum class AxisOrder { zyx, xyz };
 constexpr auto words_of(AxisOrder /*type*/) {
   return std::array{Word{AxisOrder::zyx, "zyx"}, Word{AxisOrder::xyz, "xyz"}};
 }
 
-// The volume that another one is read beside. A file that states no spacing and no origin lies on its grid where it has
-// its dims, or where `spacing` says.
+// The volume whose placement a second one takes. A file without spacing and origin gets the same placement if its
+// dimensions are the same; otherwise its placement follows from `spacing`.
 struct VolumeBeside {
-  std::string source;  // what messages call it
-  glm::ivec3 dims{0};  // 0 where it is sparse
+  std::string source;  // name for messages
+  glm::ivec3 dims{0};  // 0 if sparse
   field::Affine index_to_world;
-  std::optional<glm::dvec3> spacing;  // of the file that states none; its origin is then 0,0,0, or `origin`
+  std::optional<glm::dvec3> spacing;  // of the file without placement; its origin is then `origin`, default 0,0,0
   std::optional<glm::dvec3> origin;
 
   friend bool operator==(const VolumeBeside&, const VolumeBeside&) = default;
 };
 
-// What is to be read, as plain values.
+// What to read and how.
 struct ReadOptions {
-  std::optional<std::string> format;         // the id of one; default: by content, then by extension
-  std::optional<std::string> grid;           // a grid's label or name (GridInfo), where formats have grids
-  std::optional<std::int64_t> volume;        // of a file with several, such as time steps; counted from 0
-  std::optional<ComponentChoice> component;  // of a file with several numbers a sample
-  std::optional<RawLayout> raw;              // raw files need it; for others it is an error
-  std::optional<AxisOrder> axis_order;       // of arrays; zyx where nothing is said
-  std::optional<glm::dvec3> spacing;         // replaces what the file says; raw and NPY have 1
-  std::optional<glm::dvec3> origin;          // world position of index (0, 0, 0); likewise
-  std::optional<VolumeBeside> beside;        // replaces spacing and origin where the file states none
-  std::optional<field::FieldKind> kind;      // replaces what the file says
-  std::optional<double> no_data;             // dense samples of this value are not a number (field/no_data.hpp)
-  bool no_data_if_dense = false;             // sparse samples are left as they are, where no_data is an error for them
+  std::optional<std::string> format;         // id of a format; default: by content, then by extension
+  std::optional<std::string> grid;           // a grid's label or name (GridInfo), for formats with grids
+  std::optional<std::int64_t> volume;        // for files with several volumes, such as time steps; from 0
+  std::optional<ComponentChoice> component;  // for files with several components per sample
+  std::optional<RawLayout> raw;              // required for raw files, an error for others
+  std::optional<AxisOrder> axis_order;       // of arrays; default zyx
+  std::optional<glm::dvec3> spacing;         // replaces the file's spacing; raw and NPY have 1
+  std::optional<glm::dvec3> origin;          // replaces the file's origin: world position of index (0, 0, 0)
+  std::optional<VolumeBeside> beside;        // replaces spacing and origin if the file has none
+  std::optional<field::FieldKind> kind;      // replaces the file's kind
+  std::optional<double> no_data;             // dense samples of this value become NaN (field/no_data.hpp)
+  bool no_data_if_dense = false;             // ignore no_data for sparse samples, for which it is otherwise an error
 
   friend bool operator==(const ReadOptions&, const ReadOptions&) = default;
 };
 
-// One grid of a file as its header tells, without reading samples.
+// One grid of a file as described by its header, without reading samples.
 struct GridInfo {
-  std::string name;     // as the file has it, which may be any bytes
-  std::string label;    // printable, and of no other grid of the file: NAME, or NAME[k] where it repeats
-  std::string type;     // "float", "vec3s", ...
-  bool scalar = false;  // a surface can be extracted from it
-  std::optional<field::FieldKind> kind;  // where the file says so
-  field::IndexBox box;                   // active voxels, or all samples; empty as well if they were not counted
-  std::optional<std::uint64_t> voxels;   // active voxels, or all samples; none if they were not counted
-  std::uint64_t volumes = 1;             // of this box each: time steps, for example; ReadOptions::volume chooses one
-  std::uint64_t components = 1;          // numbers a sample; ReadOptions::component chooses one, or their length
-  std::string creator;                   // what the file says made it; may be empty
-  std::optional<AttributeKind> kind_of_vectors;  // of a grid of vectors, where the file says so
-  bool vectors_in_voxels = false;                // likewise: along the axes of the voxels, in voxels
-  std::string frame_problem;                     // why the place that the file gives it cannot be used; empty if it can
-  // Of a grid that a plug-in reads in place of its format:
-  std::string plugin;              // the plug-in's id; empty if there is none
-  bool plugin_is_missing = false;  // it is in none of the folders
-  std::vector<std::string> parts;  // of vectors: the labels of the scalar grids that are made of them
+  std::string name;                      // as in the file; may be any bytes
+  std::string label;                     // printable and unique in the file: NAME, or NAME[k] if it repeats
+  std::string type;                      // "float", "vec3s", ...
+  bool scalar = false;                   // whether a surface can be extracted
+  std::optional<field::FieldKind> kind;  // if the file specifies it
+  field::IndexBox box;                   // of the active voxels, or all samples; also empty if not counted
+  std::optional<std::uint64_t> voxels;   // active voxels, or all samples; empty if not counted
+  std::uint64_t volumes = 1;             // volumes with this box, such as time steps; ReadOptions::volume selects one
+  std::uint64_t components = 1;          // components per sample; ReadOptions::component selects one, or their length
+  std::string creator;                   // program that wrote it; may be empty
+  std::optional<AttributeKind> kind_of_vectors;  // of a vector grid, if the file specifies it
+  bool vectors_in_voxels = false;                // of a vector grid: vectors are in index space, in voxels
+  std::string frame_problem;                     // why the file's transform cannot be used; empty if it can
+  // For grids that a plug-in reads instead of the format itself:
+  std::string plugin;              // the plug-in's id; may be empty
+  bool plugin_is_missing = false;  // in none of the folders
+  std::vector<std::string> parts;  // of a vector grid: labels of the scalar grids it provides
 
   [[nodiscard]] bool is_called(std::string_view wanted) const { return label == wanted || name == wanted; }
 
-  // Whether read_volume reads it, or one of its parts, as far as its header tells.
+  // Returns whether read_volume() can read the grid or one of its parts, judging by its header.
   [[nodiscard]] bool is_readable() const {
     if (!plugin.empty()) return !plugin_is_missing;
     return scalar && frame_problem.empty();
   }
 };
 
-// What a format says of itself without looking at a file.
+// Properties of a format.
 struct FormatDescription {
-  std::string id = {};                       // what it is chosen by: "nrrd"; lower case, and it never changes
-  std::string title = {};                    // one line for people: "NRRD, attached or detached, raw or gzip"
-  std::vector<std::string> extensions = {};  // the ends of files' names, in lower case: ".nii.gz"
-  std::string prefix = {};      // "demo:": inputs that start so are of this format and no files; else empty
-  bool has_grids = false;       // a file names its grids, and ReadOptions::grid chooses one
-  bool has_volumes = false;     // a file may hold several volumes, and ReadOptions::volume chooses one
-  bool has_components = false;  // a sample may be several numbers, and ReadOptions::component chooses
-  bool has_axis_order = false;  // its axes have no order of their own, and ReadOptions::axis_order may say another
-  bool needs_layout = false;    // files do not say what is in them: ReadOptions::raw has to
+  std::string id = {};                       // name by which it is selected: "nrrd"; lower case, never changes
+  std::string title = {};                    // one line for users: "NRRD, attached or detached, raw or gzip"
+  std::vector<std::string> extensions = {};  // file name endings in lower case: ".nii.gz"
+  std::string prefix = {};      // "demo:": inputs with this prefix are of this format and are not files; may be empty
+  bool has_grids = false;       // files have named grids, selected by ReadOptions::grid
+  bool has_volumes = false;     // files may have several volumes, selected by ReadOptions::volume
+  bool has_components = false;  // samples may have several components, selected by ReadOptions::component
+  bool has_axis_order = false;  // files do not specify the order of axes; ReadOptions::axis_order may
+  bool needs_layout = false;    // files have no header; needs ReadOptions::raw
 };
 
-// Formats live as long as the program, keep nothing of a file between calls and may be used by several threads at once.
-// Where `input` is named, it is the path of a file, or a text that starts with the format's prefix. Options were
-// checked against the description. What they throw, std::bad_alloc for example, is caught by whoever calls them by way
-// of volume_reader.hpp. Failures are ErrorCode::input unless said otherwise, and messages name the file.
+// A format lives as long as the program, keeps no state of a file between calls, and is safe to use from several
+// threads. `input` is the path of a file or a text with the format's prefix. Options have been checked against the
+// description. volume_reader.hpp catches exceptions such as std::bad_alloc. Failures are ErrorCode::input unless stated
+// otherwise; messages name the file.
 class VolumeFormat {
  public:
   explicit VolumeFormat(FormatDescription about) : about_(std::move(about)) {}
@@ -134,20 +133,20 @@ class VolumeFormat {
 
   [[nodiscard]] const FormatDescription& about() const { return about_; }
 
-  // Whether a file that starts so is of this format, beyond doubt. False where only its name can tell.
+  // Returns whether the start of a file proves that it is of this format; false if only its name can tell.
   [[nodiscard]] virtual bool probe(const files::FileStart& /*start*/) const { return false; }
 
-  // The grids there are, scalar or not; one where the format has no names for them. Never reads samples.
+  // Lists the grids, scalar or not; a single one if the format does not name them. Never reads samples.
   [[nodiscard]] virtual Result<std::vector<GridInfo>> list(const std::string& input, const ReadOptions& options,
                                                            const Context& context) const = 0;
 
-  // The files that open() would look at. One may be named twice. Never reads samples.
+  // Lists the files that open() would read; a file may be listed twice. Never reads samples.
   [[nodiscard]] virtual Result<std::vector<std::filesystem::path>> files(const std::string& input,
                                                                          const ReadOptions& options,
                                                                          const Context& context) const = 0;
 
-  // One grid, dense or sparse as the file has it, with its place (options applied), its notes and `grids`. Its samples
-  // stay reserved in the context's memory for as long as they live, unless they are a mapping of their file.
+  // Reads one grid, dense or sparse as in the file, with its transform (after applying the options), notes and `grids`.
+  // Samples stay reserved in the context's memory for as long as they live, unless they are a mapping of their file.
   [[nodiscard]] virtual Result<field::ScalarField> open(const std::string& input, const ReadOptions& options,
                                                         const Context& context) const = 0;
 
@@ -155,9 +154,9 @@ class VolumeFormat {
   FormatDescription about_;
 };
 
-// All of them, in the order in which they are asked and shown.
+// Returns all formats in the order of detection and display.
 [[nodiscard]] std::span<const VolumeFormat* const> volume_formats();
-// Null where there is none of that id.
+// Returns the format with this id; null if there is none.
 [[nodiscard]] const VolumeFormat* find_volume_format(std::string_view id);
 
 }  // namespace isoextract::volume_io

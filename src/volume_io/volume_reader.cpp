@@ -17,7 +17,7 @@
 namespace isoextract::volume_io {
 namespace {
 
-// Options that belong to one format are an error for the others: they would do nothing, in silence.
+// Rejects options that have no effect on this format.
 Result<void> check_options(const std::string& input, const FormatDescription& about, const ReadOptions& options) {
   if (options.raw && !about.needs_layout) {
     return fail(ErrorCode::usage,
@@ -68,7 +68,7 @@ Result<void> check_options(const std::string& input, const FormatDescription& ab
   return {};
 }
 
-// Finds the format and calls work(detected), which returns a Result. No exception of a library gets further.
+// Detects the format and calls work(detected), which returns a Result. Catches exceptions of libraries.
 template <class F>
 auto with_format(const std::string& input, const ReadOptions& options, const Context& context, F&& work)
     -> decltype(work(DetectedFormat())) {
@@ -106,7 +106,7 @@ Result<std::string> grid_label(const std::string& input, const ReadOptions& opti
   const auto grids = TRY(list_grids(input, options, context));
   const auto chosen = choose_grid(files::shown_input_name(input), grids, options.grid);
   if (chosen) return (grids)[*chosen].label;
-  // A plug-in reads grids that are not scalar, and parts of vectors.
+  // Plug-ins read grids that are not scalar, and parts of vector grids.
   for (const GridInfo& grid : grids) {
     if (grid.plugin.empty()) continue;
     const bool is_part = std::ranges::find(grid.parts, *options.grid) != grid.parts.end();

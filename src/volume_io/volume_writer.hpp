@@ -1,4 +1,4 @@
-// The door for volumes that are written: fields as files, whole or not at all.
+// The entry point for writing volumes: fields as files, atomically.
 #pragma once
 
 #include <array>
@@ -15,9 +15,9 @@
 namespace isoextract::volume_io {
 
 enum class VolumeFileFormat {
-  npy,   // NumPy's array [z, y, x], of one layer [y, x]; holds no spacing and no origin
-  nrrd,  // an attached header with the transform, raw samples
-  raw,   // samples alone, x fastest
+  npy,   // NumPy array [z, y, x], or [y, x] for one layer; without spacing and origin
+  nrrd,  // attached header with the transform, raw samples
+  raw,   // samples only, x fastest
   vdb,   // OpenVDB, by the plug-in (grid_tools.hpp); any number of fields, as floats
 };
 constexpr auto words_of(VolumeFileFormat /*type*/) {
@@ -25,12 +25,12 @@ constexpr auto words_of(VolumeFileFormat /*type*/) {
                     Word{VolumeFileFormat::raw, "raw"}, Word{VolumeFileFormat::vdb, "vdb"}};
 }
 
-// By the extension of a name, upper case or lower.
+// Returns the format for a file's extension, ignoring case.
 [[nodiscard]] std::optional<VolumeFileFormat> volume_file_format_by_path(const std::filesystem::path& path);
 
-// One field or, in a vdb, several. Of npy, nrrd and raw the samples are dense, keep their type and are written in the
-// machine's byte order; nrrd has none of 16-bit floats. Gives the number of bytes. Fails with ErrorCode::output where
-// the file cannot be written or its format does not hold the field, and as write_vdb() does.
+// Writes one field or, for vdb, several. For npy, nrrd and raw, samples must be dense; they keep their type and are in
+// the machine's byte order. nrrd does not support 16-bit floats. Returns the number of bytes. Fails with
+// ErrorCode::output if the file cannot be written or its format cannot hold the field, and as write_vdb() does.
 [[nodiscard]] Result<std::uint64_t> write_volume(const std::filesystem::path& path,
                                                  std::span<const field::ScalarField> fields, VolumeFileFormat format,
                                                  const Context& context);

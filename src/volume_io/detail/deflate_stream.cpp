@@ -7,7 +7,7 @@
 
 namespace isoextract::volume_io {
 
-// No header of zlib's or gzip's is before a member.
+// -MAX_WBITS: raw Deflate, without a zlib or gzip header.
 DeflateStream::DeflateStream(const files::InputFile& file, std::uint64_t offset, const DeflatedMember& member)
     : input_(file, offset, offset + member.packed, -MAX_WBITS),
       member_(member),

@@ -1,4 +1,4 @@
-// A member of a ZIP file that is packed by Deflate (RFC 1951), from front to back.
+// Decompresses a Deflate member (RFC 1951) of a ZIP file sequentially.
 #pragma once
 
 #include <cstddef>
@@ -10,21 +10,21 @@
 
 namespace isoextract::volume_io {
 
-// What the directory of a ZIP file says of a packed member.
+// Sizes and checksum of a compressed member from the ZIP directory.
 struct DeflatedMember {
-  std::uint64_t packed = 0;    // bytes in the file
+  std::uint64_t packed = 0;    // compressed bytes in the file
   std::uint64_t inflated = 0;  // bytes of the content
   std::uint32_t crc = 0;       // CRC-32 of the content
 };
 
-// Outlived by the file it reads.
+// The file must outlive the stream.
 class DeflateStream {
  public:
-  // `offset` is where in the file the packed bytes begin; they lie within it.
+  // `offset` is the position of the compressed bytes, which must lie within the file.
   DeflateStream(const files::InputFile& file, std::uint64_t offset, const DeflatedMember& member);
 
-  // How many bytes came; fewer than asked for only at the end of intact data, whose length and checksum are what the
-  // member says. At most 2 GiB at a time.
+  // Returns the number of bytes written to `out`; it is smaller than out.size() only at the end of intact data, whose
+  // length and checksum match the member. At most 2 GiB at a time.
   [[nodiscard]] Result<std::size_t> inflate(std::span<std::byte> out);
 
  private:

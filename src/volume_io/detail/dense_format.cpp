@@ -12,7 +12,7 @@
 namespace isoextract::volume_io {
 namespace {
 
-constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 62;  // of what one file holds
+constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 62;  // limit of the content of one file
 
 }  // namespace
 

@@ -1,5 +1,5 @@
-// Formats whose files hold one full box of samples behind a header: they say what the header says and where the samples
-// are; the rest is the same for all.
+// Base of formats whose files hold one full box of samples with a header. A format parses the header and locates the
+// samples; everything else is shared.
 #pragma once
 
 #include <array>
@@ -18,31 +18,32 @@
 
 namespace isoextract::volume_io {
 
-// Integers of 64 bits become doubles, which hold them exactly up to 2^53 and some beyond; one that they do not hold is
-// an error.
+// 64-bit integers are converted to double, which is exact up to 2^53 and for some beyond; inexact ones are an error.
 enum class WideInteger { none, i64, u64 };
 
-// A dense volume, or several of one size, whose header was read and checked; the samples were not.
+// One or several dense volumes of equal size with a validated header; samples are not validated.
 struct DenseFile {
   std::string format;  // "NRRD"
   std::string world_space;
-  std::string length_unit;  // likewise as in ScalarField
+  std::string length_unit;  // as in ScalarField, like world_space
   field::SampleType type = field::SampleType::u8;
-  WideInteger wide = WideInteger::none;  // f64 is the type of others
+  WideInteger wide = WideInteger::none;  // if set, `type` is f64
   glm::ivec3 dims{0};
   std::endian endian = std::endian::native;
   bool x_slowest = false;  // stored with the last axis fastest
   field::ValueScale scale;
   Frame frame;
-  std::uint64_t volumes = 1;     // at least, of `dims` each
-  bool interleaved = false;      // the volumes' first samples come first, then their second ones; else one volume first
-  std::uint64_t components = 1;  // numbers a sample, at least
-  bool components_interleaved = false;  // likewise
-  bool component_before_volume = true;  // of two axes on the same side of space, that of the components is the faster
-  std::string component_names;          // what they are, in their order; may be empty
-  Hint other_reading;                   // what else the file could be than several volumes; see choose_volume()
+  std::uint64_t volumes = 1;     // at least this many volumes of `dims` each
+  bool interleaved = false;      // stored sample by sample: the first samples of all volumes, then the second ones;
+                                 // else volume by volume
+  std::uint64_t components = 1;  // components per sample, at least
+  bool components_interleaved = false;  // likewise for components
+  bool component_before_volume = true;  // if both axes are on the same side of the spatial ones, components are the
+                                        // faster
+  std::string component_names;          // names of the components in order; may be empty
+  Hint other_reading;                   // other interpretation of a file with several volumes; see choose_volume()
   std::vector<SamplePiece> pieces;      // of all volumes and components
-  bool size_is_exact = false;           // bytes after the samples are an error, not a note
+  bool size_is_exact = false;           // bytes after the samples are an error instead of a note
   std::vector<std::string> notes;
 };
 
@@ -58,20 +59,20 @@ class DenseFormat : public VolumeFormat {
                                                 const Context& context) const final;
 
  protected:
-  // Reads the header. Other files that it names are opened in the context of `file`.
+  // Reads the header. Opens other files that it names in the context of `file`.
   [[nodiscard]] virtual Result<DenseFile> open_header(const files::InputFile& file,
                                                       const ReadOptions& options) const = 0;
 };
 
-// The grid that `dense` is.
+// Returns the description of the only grid.
 [[nodiscard]] GridInfo grid_of(const DenseFile& dense, std::string name);
 
-// Sizes from a header as dims. Fails where one is 0 or too large for an index, or where all together are more than
-// 2^62 bytes.
+// Converts sizes from a header to dims. Fails if one is 0 or too large for an index, or if the total is more than 2^62
+// bytes.
 [[nodiscard]] Result<glm::ivec3> checked_dims(const std::string& file, const std::array<std::uint64_t, 3>& sizes,
                                               field::SampleType type);
 
-// Likewise for the number of volumes of that size in one file, components counted as such.
+// Fails if `count` volumes of that size, counting components as volumes, are more than 2^62 bytes.
 [[nodiscard]] Result<void> check_volume_count(const std::string& file, const glm::ivec3& dims, field::SampleType type,
                                               std::uint64_t count);
 
@@ -80,10 +81,10 @@ class DenseFormat : public VolumeFormat {
 // "100x100x100 f32 samples"
 [[nodiscard]] std::string describe_samples(const glm::ivec3& dims, field::SampleType type);
 
-// The one grid of a dense volume.
+// Returns the description of the only grid of a dense volume.
 [[nodiscard]] GridInfo dense_grid(std::string name, const glm::ivec3& dims, field::SampleType type);
 
-// The name of a file without its folder and the extensions of its format.
+// Returns a file's name without folder and format extensions.
 [[nodiscard]] std::string stem_of(const std::filesystem::path& path);
 
 }  // namespace isoextract::volume_io

@@ -20,7 +20,7 @@ constexpr std::size_t kSamplesAtOnce = std::size_t{1} << 16;
 
 using Owned = std::shared_ptr<ReservedBuffer<std::byte>>;
 
-// Exactly as a double: all up to 2^53, and of greater ones those with zeros at their end.
+// Returns whether double represents the value exactly: all up to 2^53, and larger ones with enough trailing zero bits.
 template <class T>
 bool is_exact(T value) {
   const auto as_double = static_cast<double>(value);
@@ -28,7 +28,7 @@ bool is_exact(T value) {
   return as_double < kEnd && static_cast<T>(as_double) == value;
 }
 
-// In place: both have eight bytes.
+// Converts 64-bit integers to double in place, as both have eight bytes.
 template <class T>
 Result<void> widen(const files::InputFile& file, const glm::ivec3& dims, std::span<std::byte> bytes,
                    std::optional<double> no_data) {
@@ -62,8 +62,8 @@ Result<void> widen(const files::InputFile& file, const glm::ivec3& dims, std::sp
       "subtract what they have in common first, or divide them; renumber them where they are ids of labels");
 }
 
-// Mapped where that can be. A mapping needs no memory of its own: the system keeps what is in use of it and drops the
-// rest where memory is short.
+// Maps the samples if possible. A mapping needs no memory of its own: the system keeps the pages in use and drops
+// others when memory is short.
 Result<field::DenseSamples> load_samples(const files::InputFile& file, const DenseFile& dense,
                                          const SampleSource& source, bool last, std::optional<double> no_data,
                                          std::vector<std::string>& notes) {
@@ -92,12 +92,12 @@ Result<field::DenseSamples> load_samples(const files::InputFile& file, const Den
   return field::DenseSamples{dense.type, dense.dims, owned, owned->values.data(), false};
 }
 
-// Which part of all that is stored.
+// Returns the samples of one volume and component.
 Result<SampleSource> part_of(const SampleSource& all, const DenseFile& dense, std::uint64_t volume,
                              std::uint64_t component) {
   const Share volumes{volume, dense.volumes};
   const Share components{component, dense.components};
-  // Of two axes on one side of space, the number along both.
+  // The index along both axes when they are on the same side of the spatial ones.
   const auto both = [&] {
     const Share& fast = dense.component_before_volume ? components : volumes;
     const Share& slow = dense.component_before_volume ? volumes : components;
@@ -116,7 +116,7 @@ void add_to_lengths(const T* component, bool first, const field::ValueScale& sca
     for (std::size_t i = begin; i < end; ++i) {
       const double value = scale(static_cast<double>(component[i]));
       const double before = first ? 0 : static_cast<double>(lengths[i]);
-      // hypot() gives infinity for infinity and NaN.
+      // hypot() returns infinity for infinity and NaN.
       const double length = std::isnan(value) || std::isnan(before) ? std::numeric_limits<double>::quiet_NaN()
                                                                     : std::hypot(before, value);
       lengths[i] = static_cast<Length>(length);
@@ -124,7 +124,7 @@ void add_to_lengths(const T* component, bool first, const field::ValueScale& sca
   });
 }
 
-// Component after component, so that no more than one of them is in memory beside the lengths.
+// Reads one component after another, so that only one of them is in memory besides the lengths.
 template <class Length, class Load>
 Result<field::DenseSamples> read_lengths(const files::InputFile& file, const DenseFile& dense, const Load& load) {
   field::DenseSamples result;

@@ -1,4 +1,4 @@
-// The samples of a dense file into a field: which of its volumes and components, mapped or read, as one number each.
+// Reads the samples of a dense file into a field: selects volume and component, then maps or reads them.
 #pragma once
 
 #include <string>
@@ -9,11 +9,14 @@
 
 namespace isoextract::volume_io {
 
-// Mapped where the samples lie in the file as they are wanted; else read, into memory that is reserved for as long as
-// they live. The length of a vector is computed from values as the file's scale makes them; it is f64 where the
-// components are f64 or integers that float does not hold, and else f32. Fails with ErrorCode::input where the file is
-// shorter than its header says, where no volume or component is chosen of several, where an integer of 64 bits is none
-// that a double holds, unless it is options.no_data, and where set_frame() does.
+// Maps the samples if their layout in the file fits; else reads them into memory that is reserved for as long as they
+// live. Vector lengths are computed from scaled components. They are f64 if the components are f64 or integers that
+// float cannot represent, else f32.
+//
+// Fails as set_frame() does, and with ErrorCode::input
+// - if the file is shorter than its header says,
+// - if there are several volumes or components and none is selected,
+// - if double cannot represent a 64-bit integer that is not options.no_data.
 [[nodiscard]] Result<field::ScalarField> read_dense(const files::InputFile& file, DenseFile dense, std::string name,
                                                     const ReadOptions& options);
 

@@ -1,4 +1,4 @@
-// The formats that are built in, one file each.
+// The built-in formats.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,7 @@
 namespace isoextract::volume_io {
 
 [[nodiscard]] const VolumeFormat& vdb_format();
-// The same, with plug-ins from elsewhere.
+// Returns the VDB format with plug-ins from other folders.
 [[nodiscard]] std::unique_ptr<const VolumeFormat> make_vdb_format(plugin_host::PluginFolders folders);
 [[nodiscard]] const VolumeFormat& nrrd_format();
 [[nodiscard]] const VolumeFormat& nifti_format();

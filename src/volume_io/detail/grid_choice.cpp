@@ -35,7 +35,7 @@ std::vector<std::size_t> indices_where(std::span<const GridInfo> grids, const F&
   return found;
 }
 
-// The one of a label; where there is none, those of a name, as the file has it or as it is shown.
+// Returns the grid with this label; if there is none, all grids with this name, as stored or as shown.
 std::vector<std::size_t> grids_called(std::span<const GridInfo> grids, const std::string& wanted) {
   auto found = indices_where(grids, [&](const GridInfo& grid) { return grid.label == wanted; });
   if (!found.empty()) return found;
@@ -46,7 +46,7 @@ std::vector<std::size_t> grids_called(std::span<const GridInfo> grids, const std
 }  // namespace
 
 void label_grids(std::span<GridInfo> grids) {
-  std::map<std::string, int> names;  // as they are shown, and how many grids have them
+  std::map<std::string, int> names;  // printable names, with the number of grids that have them
   for (GridInfo& grid : grids) {
     grid.label = printable(grid.name, kMaxLabel);
     ++names[grid.label];

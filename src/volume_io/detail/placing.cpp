@@ -7,7 +7,7 @@ namespace {
 
 std::string dims_text(const glm::ivec3& dims) { return fmt::format("{} x {} x {}", dims.x, dims.y, dims.z); }
 
-// The placement of a file that states none.
+// Returns the placement of a file that has none of its own.
 Result<field::Affine> place_beside(field::ScalarField& field, const VolumeBeside& other) {
   const std::string states_none = field.source + " states no spacing and no origin";
   if (other.spacing) {
@@ -31,11 +31,11 @@ Result<field::Affine> place_beside(field::ScalarField& field, const VolumeBeside
   return field::Affine{other.index_to_world.linear, other.origin.value_or(other.index_to_world.offset)};
 }
 
-// The placement that the file states, or the options in its place.
+// Returns the file's placement, with spacing and origin replaced by the options.
 Result<field::Affine> place_alone(field::ScalarField& field, const Frame& frame, const ReadOptions& options) {
   field::Affine affine = frame.index_to_world;
   if (options.spacing) {
-    // An axis-aligned frame has no other entries than those that the spacing replaces.
+    // For an axis-aligned transform the spacing replaces all nonzero entries.
     const glm::dmat3 diagonal = field::scaling({affine.linear[0][0], affine.linear[1][1], affine.linear[2][2]}).linear;
     const bool mirrored = affine.linear[0][0] < 0 || affine.linear[1][1] < 0 || affine.linear[2][2] < 0;
     if (!frame.problem.empty()) {

@@ -18,7 +18,7 @@ namespace isoextract::volume_io {
 namespace {
 
 namespace fs = std::filesystem;
-// Samples of a plug-in, and what is reserved for a full box of them.
+// A plug-in's samples, with the reservation for a full box.
 struct PluginSamples {
   Reservation box_memory;
   plugin_host::VisitedSamples visited;
@@ -67,7 +67,7 @@ class PluginFormat final : public VolumeFormat {
   }
 
  private:
-  // The plug-in's list of a file that it takes.
+  // Opens a file with the plug-in, which lists its grids.
   Result<std::unique_ptr<plugin_host::VolumeVisit>> visit_file(const std::string& input, const Context& context) const {
     if (files::is_standard_input(input)) {
       return fail(ErrorCode::input,
@@ -84,7 +84,7 @@ class PluginFormat final : public VolumeFormat {
     return visit;
   }
 
-  // What is wrong with what the plug-in gives, not with the file.
+  // Returns the error for invalid output of the plug-in; the file is not at fault.
   tl::unexpected<Error> refused(const std::string& input, const std::string& what) const {
     return fail(ErrorCode::input, fmt::format("{}: the plug-in for {} gives {}", input, about().id, what));
   }
@@ -117,7 +117,7 @@ class PluginFormat final : public VolumeFormat {
     return grids;
   }
 
-  // Those of a scalar grid; the sizes of a full box were checked.
+  // Reads the samples of a scalar grid; the sizes of a full box have been checked.
   Result<void> read_samples(plugin_host::VolumeVisit& visit, const std::string& input, std::size_t index,
                             const Context& context, field::ScalarField& field) const {
     const isoextract_volume_grid& grid = visit.list().grids[index];

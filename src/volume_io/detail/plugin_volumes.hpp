@@ -1,5 +1,5 @@
-// Formats that plug-ins read (plugins/volume_plugin.h). Which there are is known from tables beside them; a plug-in
-// itself is opened when a file of its format comes, and stays open.
+// Volume formats read by plug-ins (plugins/volume_plugin.h). Tables beside the plug-ins list them; a plug-in is opened
+// for the first file of its format and stays open.
 #pragma once
 
 #include <memory>
@@ -10,14 +10,13 @@
 
 namespace isoextract::volume_io {
 
-// One format, which is the description's id, without a look at tables.
+// Makes the format with the description's id, without reading tables.
 [[nodiscard]] std::unique_ptr<const VolumeFormat> make_plugin_format(FormatDescription about,
                                                                      plugin_host::PluginFolders folders);
 
-// What the tables in the folders say, by folder and then by name; the first of an id counts. kOpenVdbPlugin
-// is left out. Besides the errors of all
-// formats theirs are ErrorCode::unavailable: the plug-in is in none of the folders, cannot be opened, or is of another
-// version.
+// Makes the formats of the tables in the folders, by folder and then by name; of several with the same id, only the
+// first. Skips kOpenVdbPlugin. These formats also fail with ErrorCode::unavailable if their plug-in is in none of the
+// folders, cannot be opened, or has another version.
 [[nodiscard]] std::vector<std::unique_ptr<const VolumeFormat>> find_plugin_formats(
     const plugin_host::PluginFolders& folders);
 

@@ -41,7 +41,7 @@ void swap_samples(std::span<std::byte> bytes, std::size_t sample_size) {
   }
 }
 
-// Calls work(i) for all i < count from all threads; the first error ends it.
+// Calls work(i) for all i < count in parallel; stops at the first error.
 Result<void> for_each_parallel(std::size_t count, const std::function<Result<void>(std::size_t)>& work) {
   std::mutex mutex;
   std::optional<Error> error;
@@ -75,8 +75,8 @@ void pick_samples(const std::byte* stored, std::span<std::byte> out, const Sampl
   }
 }
 
-// Fills `out` with wanted samples, from what take(at, bytes) puts into `bytes` of the stored ones: the run that `at`
-// bytes of `out` begin. Nothing passes through other memory where only wanted ones are stored.
+// Fills `out` with the wanted samples. take(at, bytes) must read stored samples into `bytes`, starting with the one
+// wanted at byte `at` of `out`. Without interleaving, reads directly into `out`.
 template <class Take>
 Result<void> fill_from_lane(std::span<std::byte> out, const SampleSource& source, const Take& take) {
   if (source.stride == 1) return take(std::size_t{0}, out);
@@ -90,8 +90,7 @@ Result<void> fill_from_lane(std::span<std::byte> out, const SampleSource& source
   return {};
 }
 
-// Reads what lies in a piece from its wanted byte `first` on and, while the bytes are in the cache, brings them into
-// native order.
+// Reads wanted bytes of a piece from `first` on, and converts them to native byte order while they are in the cache.
 Result<void> read_range(const files::InputFile& file, const SamplePiece& piece, std::uint64_t first,
                         std::span<std::byte> out, const SampleSource& source, const Context& context) {
   return for_each_parallel((out.size() + kChunk - 1) / kChunk, [&](std::size_t i) -> Result<void> {
@@ -109,10 +108,10 @@ Result<void> read_range(const files::InputFile& file, const SamplePiece& piece, 
 
 std::string_view packing_of(const SamplePiece& piece) { return piece.deflated ? "packed" : "gzip"; }
 
-// Wanted samples of a packed piece, from front to back and in native byte order.
+// Reads the wanted samples of a compressed piece sequentially, in native byte order.
 class PackedSamples {
  public:
-  // `wanted` bytes will be asked for.
+  // `wanted` is the total number of bytes that will be read.
   static Result<PackedSamples> open(const files::InputFile& file, const SamplePiece& piece, const SampleSource& source,
                                     std::uint64_t wanted) {
     PackedSamples samples(file, source, packing_of(piece),
@@ -142,7 +141,7 @@ class PackedSamples {
     return {};
   }
 
-  // Whether anything is left. One byte further, so that a checksum at the end is compared.
+  // Returns whether content follows. Reads one byte further, so that the checksum at the end is verified.
   Result<bool> more() {
     std::byte next{};
     const auto got = TRY(inflate(std::span(&next, 1)));
@@ -183,7 +182,7 @@ class PackedSamples {
   std::variant<std::monostate, files::GzipStream, DeflateStream> stream_;
 };
 
-// What `piece` must hold, by what is known before it is inflated.
+// Fails if the compressed piece cannot hold the expected bytes, as far as that is known before decompression.
 Result<void> check_packed(const files::InputFile& file, const SamplePiece& piece, std::uint64_t expected,
                           const std::string& of_what) {
   const std::uint64_t found =
@@ -202,7 +201,7 @@ Result<void> check_packed(const files::InputFile& file, const SamplePiece& piece
   return {};
 }
 
-// Whether the samples lie in the file as memory has them.
+// Returns whether the samples have the same layout in the file and in memory.
 bool is_mappable(const SampleSource& source) {
   const SamplePiece& piece = source.pieces.front();
   return source.pieces.size() == 1 && !piece.packed() && !source.swap_bytes && source.stride == 1 &&
@@ -306,7 +305,7 @@ Result<ReadSamples> read_samples(const SampleSource& source, const Context& cont
 
 namespace {
 
-// x planes that are read and turned together: long enough runs in the result, little memory beside it.
+// Planes in x that are transposed together: long enough runs in the result, little additional memory.
 constexpr int kSlab = 16;
 
 template <class T>

@@ -1,5 +1,5 @@
-// Samples as they lie in files: where the bytes are, whether they fit, and how they come into memory: mapped where they
-// lie there as they are wanted, read otherwise.
+// Locates samples in files, checks their sizes, and brings them into memory: maps them if their layout fits, else reads
+// them.
 #pragma once
 
 #include <cstddef>
@@ -19,63 +19,62 @@
 
 namespace isoextract::volume_io {
 
-// A run of samples in a file.
+// A contiguous run of samples in a file.
 struct SamplePiece {
   std::filesystem::path path;
-  std::uint64_t offset = 0;  // of the first sample, or of the packed bytes
+  std::uint64_t offset = 0;  // of the first sample, or of the compressed bytes
   bool gzip = false;
-  std::uint64_t skip = 0;                       // packed only: inflated bytes before the first sample
-  std::optional<DeflatedMember> deflated = {};  // packed as a member of a ZIP file
-  std::optional<std::uint64_t> end = {};        // where in the file its bytes end; else where the file does
+  std::uint64_t skip = 0;                       // compressed only: decompressed bytes before the first sample
+  std::optional<DeflatedMember> deflated = {};  // compressed as a member of a ZIP file
+  std::optional<std::uint64_t> end = {};        // end of its bytes in the file; default: the end of the file
 
   [[nodiscard]] bool packed() const { return gzip || deflated.has_value(); }
 };
 
 struct SampleSource {
-  std::vector<SamplePiece> pieces;  // one after the other; all hold the same number of bytes
+  std::vector<SamplePiece> pieces;  // in sequence; all have the same number of bytes
   std::uint64_t bytes = 0;          // of all pieces
   std::size_t sample_size = 1;
-  bool swap_bytes = false;  // the stored byte order is not the machine's
-  // Where other samples lie between those that are wanted: of each `stride` samples in the pieces the one at `lane`.
+  bool swap_bytes = false;  // the byte order differs from the machine's
+  // For interleaved samples: of each `stride` samples in the pieces, only the one at `lane` is wanted.
   std::uint64_t stride = 1;
   std::uint64_t lane = 0;
 
   [[nodiscard]] std::uint64_t piece_bytes() const { return bytes / pieces.size(); }
 };
 
-// One of `count` that lie in a certain way.
+// Part `index` of `count` equal parts.
 struct Share {
   std::uint64_t index = 0;
   std::uint64_t count = 1;
 };
 
-// A part of all samples that `all` holds: of the runs of samples that follow one another in it the one at `run`, and in
-// that, of the samples side by side, the one at `lane`. Fails where the run is not whole pieces or a part of one, or
-// too many samples lie side by side.
+// Returns a part of the samples in `all`: of the consecutive runs the one at `run`, and in it, of the interleaved
+// samples, the one at `lane`. Fails if the run is neither whole pieces nor part of one, or if too many samples are
+// interleaved.
 [[nodiscard]] Result<SampleSource> part_of(const SampleSource& all, const Share& lane, const Share& run);
 
-// For a source without lanes: holds the sizes against the files before any memory is taken, and returns how many bytes
-// follow the samples (not counting what gzip holds, whose length nothing says). `what` says in messages what the bytes
-// are, for example "100x100x100 f32 samples".
+// For a source without lanes: compares its sizes with the files before allocating memory, and returns the number of
+// bytes after the samples. Does not count gzip contents, whose size is unknown. `what` describes the bytes in messages,
+// for example "100x100x100 f32 samples".
 [[nodiscard]] Result<std::uint64_t> check_source(const SampleSource& source, const std::string& what,
                                                  const Context& context);
 
-// Samples that lie in their file just as they are wanted: one piece, nothing between them, not gzip, native byte order,
-// at an offset aligned for their type. Counts them as read once, and reports them as "reading". Nothing where they lie
-// otherwise or where the system cannot map them: then they are to be read.
+// Maps samples that need no conversion: one piece, not interleaved or compressed, native byte order, aligned offset.
+// Counts them as read once and reports "reading". Returns nothing if the layout does not fit or the system cannot map
+// them; then they must be read.
 [[nodiscard]] std::optional<files::MappedFile> map_samples(const SampleSource& source, const Context& context);
 
 struct ReadSamples {
   Buffer<std::byte> data;
-  bool more_packed = false;  // inflated bytes follow the samples
+  bool more_packed = false;  // decompressed bytes follow the samples
 };
 
-// Reads all pieces, straight into one buffer and in native byte order. Reports bytes as "reading". Its memory is the
-// caller's to reserve.
+// Reads all pieces into one buffer in native byte order. Reports bytes as "reading". The caller reserves the memory.
 [[nodiscard]] Result<ReadSamples> read_samples(const SampleSource& source, const Context& context);
 
-// The same for one piece whose last axis is the fastest one: the result has x fastest. Needs
-// transpose_bytes() on top of the result.
+// Reads a piece whose last axis is the fastest, and returns the samples with x fastest. Needs transpose_bytes() of
+// memory besides the result.
 [[nodiscard]] Result<ReadSamples> read_samples_transposed(const SampleSource& source, const glm::ivec3& dims,
                                                           const Context& context);
 [[nodiscard]] std::uint64_t transpose_bytes(const glm::ivec3& dims, std::size_t sample_size);

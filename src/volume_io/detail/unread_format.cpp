@@ -11,7 +11,7 @@ namespace {
 
 using std::string_view_literals::operator""sv;
 
-// What a file has at one place, if it is of the format.
+// Bytes of a format's signature at an offset.
 struct Magic {
   std::size_t offset;
   std::string_view bytes;
@@ -24,7 +24,7 @@ struct KnownUnread {
   std::string_view way;
 };
 
-// Those whose content says less than their name, as HDF5's, come last.
+// Formats such as HDF5, whose content says less than the name, come last.
 const std::vector<KnownUnread>& known_unread() {
   static const std::vector<KnownUnread> known{
       {"a DICOM file", {".dcm", ".dicom", ".ima"}, {{128, "DICM"}}, "dcm2niix makes a NIfTI file of the series"},
@@ -80,7 +80,7 @@ bool begins_with(std::span<const std::byte> start, const Magic& magic) {
                             [](char c) { return static_cast<std::byte>(c); });
 }
 
-// Arrays have no place in the world, as most of these files have.
+// Arrays have no placement in the world, which most of these files have.
 std::string way_of(const KnownUnread& format) {
   std::string way(format.way);
   if (way.find("NPY") != std::string::npos) way += ", whose spacing and origin are to be given then";

@@ -1,4 +1,4 @@
-// Formats of the field that are known and not read, so that a message can say what converts them.
+// Known formats that are not supported, for messages that name a program to convert them.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +11,11 @@ namespace isoextract::volume_io {
 
 struct UnreadFormat {
   std::string title;  // "a DICOM file"
-  bool by_name;       // what told it; else the content did
-  std::string way;    // what makes a file of it that is read, as a clause of its own
+  bool by_name;       // recognized by its name; else by its content
+  std::string way;    // how to convert it to a supported format, as a clause
 };
 
-// By the end of the file's name, whatever its case, then by what the file begins with. Nothing where neither is known.
+// Recognizes a file by its extension, ignoring case, then by its first bytes. Returns nothing if neither is known.
 [[nodiscard]] std::optional<UnreadFormat> unread_format(const std::filesystem::path& path,
                                                         std::span<const std::byte> start);
 

@@ -30,7 +30,7 @@ const VolumeFormat* format_by_content(const files::FileStart& start) {
   return nullptr;
 }
 
-// The first that claims the end of the name, whatever its case.
+// Returns the first format that has the name's ending, ignoring case.
 const VolumeFormat* format_by_extension(const std::filesystem::path& path) {
   const std::string name = lower_case(path.filename().string());
   for (const VolumeFormat* format : volume_formats()) {
@@ -102,7 +102,7 @@ Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions
     return detected;
   }
   if (options.raw) return DetectedFormat{&raw_format(), {}};
-  // The reader of that format says what is wrong with the content.
+  // The format's reader reports what is wrong with the content.
   if (by_extension != nullptr) return DetectedFormat{by_extension, {}};
   return fail_unknown(file, content);
 }

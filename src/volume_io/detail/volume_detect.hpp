@@ -1,4 +1,4 @@
-// Which format an input is: by what was asked for, by its content, then by its extension.
+// Detects the format of an input: by the options, by its content, then by its extension.
 #pragma once
 
 #include <string>
@@ -11,18 +11,18 @@ namespace isoextract::volume_io {
 
 struct DetectedFormat {
   const VolumeFormat* format;
-  std::string note;  // where the extension says something else; else empty
+  std::string note;  // set if the extension suggests another format
 };
 
-// A prefix such as demo: decides; else ReadOptions::format, where it is given. A raw layout makes a file raw that
-// nothing else claims. Fails with ErrorCode::input for what is not a volume, and with ErrorCode::usage for a format
-// that there is not or that has no files.
+// A prefix such as demo: decides, else ReadOptions::format, if given. A file that no format recognizes is raw if a raw
+// layout is given. Fails with ErrorCode::input if the input is not a volume, and with ErrorCode::usage if the format
+// does not exist or has no files.
 [[nodiscard]] Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions& options,
                                                    const Context& context);
 
-// Whether the input is no file but begins like demo:.
+// Returns whether the input is no file but has a prefix like demo:.
 [[nodiscard]] bool is_named_by_prefix(const std::string& input);
-// Whether a format knows the file by its content.
+// Returns whether a format recognizes the file by its content.
 [[nodiscard]] Result<bool> has_volume_content(const std::string& input, const Context& context);
 
 }  // namespace isoextract::volume_io

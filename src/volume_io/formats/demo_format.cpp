@@ -1,4 +1,4 @@
-// Fields by formula, as inputs like any other.
+// Demo fields, computed from formulas, as inputs.
 #include "field/demo_field.hpp"
 #include "volume_io/detail/dense_format.hpp"
 #include "volume_io/detail/formats.hpp"
@@ -14,7 +14,7 @@ class DemoFormat final : public VolumeFormat {
                       .extensions = {},
                       .prefix = std::string(field::kDemoPrefix)}) {}
 
-  // Demo fields hold density unless the options say otherwise; their samples are not made here.
+  // Demo fields are densities unless the options say otherwise. Does not compute samples.
   [[nodiscard]] Result<std::vector<GridInfo>> list(const std::string& input, const ReadOptions& options,
                                                    const Context& /*context*/) const override {
     const auto demo = TRY(field::parse_demo_spec(input));

@@ -1,6 +1,6 @@
-// NIfTI-1 and NIfTI-2. The header's layout, byte swapping, type names and quaternions are the NIfTI reference
-// library's. Its own reading is not used: it sets NaN and infinite samples to 0, replaces bad spacings by 1 and prints
-// errors on stderr.
+// NIfTI-1 and NIfTI-2. Uses the NIfTI reference library for the header's layout, byte swapping, type names and
+// quaternions. Does not use its reader, which sets NaN and infinite samples to 0, replaces invalid spacings by 1 and
+// prints errors on stderr.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -17,11 +17,11 @@
 namespace isoextract::volume_io {
 namespace {
 
-// What is used of a header, of either version.
+// The members that are used, from either version of the header.
 struct NiftiHeader {
   int version = 1;
   bool swapped = false;
-  bool pair = false;  // the samples are in a file of their own
+  bool pair = false;  // the samples are in a separate file
   std::array<std::int64_t, 8> dim{};
   int datatype = 0;
   std::array<double, 8> pixdim{};
@@ -82,7 +82,7 @@ std::optional<NiftiHeader> parse_header(std::span<const std::byte> content) {
 
 struct NiftiType {
   field::SampleType type = field::SampleType::u8;
-  std::uint64_t numbers = 1;  // that a sample is, side by side
+  std::uint64_t numbers = 1;  // components per sample, interleaved
   WideInteger wide = WideInteger::none;
 };
 
@@ -123,7 +123,7 @@ Result<glm::ivec3> read_dims(const std::string& file, const NiftiHeader& header,
   return checked_dims(file, sizes, type);
 }
 
-// Axis 4 counts volumes, those after it the numbers a sample. The sizes are above 0.
+// Returns the number of components: axis 4 counts volumes, later axes count components. The sizes are above 0.
 std::optional<std::uint64_t> component_count(const NiftiHeader& header) {
   std::optional<std::uint64_t> count = 1;
   for (std::size_t axis = 5; axis <= static_cast<std::size_t>(header.dim[0]) && count; ++axis) {
@@ -138,7 +138,7 @@ bool all_finite(const std::array<double, N>& values, std::size_t first = 0, std:
                      values.begin() + static_cast<std::ptrdiff_t>(last), [](double v) { return std::isfinite(v); });
 }
 
-// The standard's three methods: sform, qform, spacings alone.
+// Returns the placement by the standard's three methods: sform, qform, or spacings alone.
 Frame frame_of(const NiftiHeader& header, std::vector<std::string>& notes) {
   Frame frame;
   field::Affine& affine = frame.index_to_world;
@@ -179,7 +179,7 @@ Frame frame_of(const NiftiHeader& header, std::vector<std::string>& notes) {
   return frame;
 }
 
-// The standard's code 0 is "unknown"; what is no code of a length is shown as it is.
+// Returns "" for the standard's code 0, "unknown"; shows invalid codes as they are.
 std::string length_unit_of(const NiftiHeader& header) {
   switch (header.units) {
     case NIFTI_UNITS_UNKNOWN: return "";
@@ -210,7 +210,7 @@ bool has_extension(const std::filesystem::path& path, std::string_view extension
                     [](char a, char b) { return a == (b | 0x20) || a == b; });
 }
 
-// "a.img.gz" -> "a"; only for names that end in one of the extensions of a pair.
+// "a.img.gz" -> "a"; only for names with an extension of a header/image pair.
 std::optional<std::filesystem::path> pair_stem(const std::filesystem::path& path) {
   for (const std::string_view extension : {".hdr.gz", ".img.gz", ".hdr", ".img"}) {
     if (!has_extension(path, extension)) continue;
@@ -220,7 +220,7 @@ std::optional<std::filesystem::path> pair_stem(const std::filesystem::path& path
   return std::nullopt;
 }
 
-// The other half of a pair, beside the one that was given.
+// Returns the other file of a header/image pair.
 Result<std::filesystem::path> find_partner(const files::InputFile& file, std::string_view extension) {
   if (files::is_standard_input(file.path())) {
     return fail(ErrorCode::input,
@@ -242,7 +242,7 @@ Result<std::filesystem::path> find_partner(const files::InputFile& file, std::st
                                             file.name(), stem ? tried : "a name ending in .hdr or .img"));
 }
 
-// Where the samples are.
+// Returns the location of the samples.
 Result<SamplePiece> locate_samples(const files::InputFile& file, const NiftiHeader& header) {
   SamplePiece piece{file.path()};
   constexpr double kMaxOffset = 0x1p62;
@@ -260,7 +260,7 @@ Result<SamplePiece> locate_samples(const files::InputFile& file, const NiftiHead
   if (image.size() >= start.size()) {
     TRY(image.read_at(0, start));
   }
-  // A pair's image has no magic of its own: only its name says that it is compressed.
+  // The image of a pair has no signature: only its name shows that it is compressed.
   piece.gzip = header.pair ? has_extension(piece.path, ".gz") : files::is_gzip(start);
   (piece.gzip ? piece.skip : piece.offset) = static_cast<std::uint64_t>(header.vox_offset);
   return piece;
@@ -302,7 +302,7 @@ Result<DenseFile> open_with_header(const files::InputFile& file, const NiftiHead
     dense.endian = std::endian::native == std::endian::little ? std::endian::big : std::endian::little;
   }
   const bool is_colour = header.datatype == NIFTI_TYPE_RGB24 || header.datatype == NIFTI_TYPE_RGBA32;
-  if (!is_colour) dense.scale = scale_of(header, dense.notes);  // which the standard does not apply to colours
+  if (!is_colour) dense.scale = scale_of(header, dense.notes);  // the standard does not scale colors
   dense.frame = frame_of(header, dense.notes);
   dense.pieces = {std::move(piece)};
   dense.length_unit = length_unit_of(header);
@@ -318,7 +318,7 @@ Result<DenseFile> open_nifti(const files::InputFile& file) {
   if (const auto header = parse_header(content)) return open_with_header(file, *header);
   if (!has_extension(file.path(), ".img") && !has_extension(file.path(), ".img.gz")) return fail_no_header(file);
 
-  // The samples of a pair were named; the header is beside them.
+  // The image file of a pair was given; the header is in the other file.
   const auto path = TRY(find_partner(file, ".hdr"));
   const auto partner = TRY(files::InputFile::open(path, file.context()));
   const auto partner_content = TRY(files::first_bytes(partner, files::kStartBytes));

@@ -1,5 +1,5 @@
-// NumPy's array files (.npy): a header, the samples. Debian has no library for them. Objects are refused, never
-// unpickled.
+// NumPy's array files (.npy): a header and the samples. Debian has no library for them. Rejects Python objects, which
+// would need unpickling.
 #include <algorithm>
 #include <optional>
 
@@ -20,7 +20,7 @@ struct NpyType {
   field::SampleType type = field::SampleType::u8;
   std::endian endian = std::endian::native;
   WideInteger wide = WideInteger::none;
-  std::uint64_t numbers = 1;  // that an element is
+  std::uint64_t numbers = 1;  // components per element
 };
 
 std::optional<NpyType> parse_descr(std::string_view descr) {
@@ -53,7 +53,7 @@ std::optional<NpyType> parse_descr(std::string_view descr) {
   }
 }
 
-// The axes of an array, by what they count.
+// The axes of an array by meaning.
 struct NpyAxes {
   std::array<std::uint64_t, 3> sizes{};  // x, y, z
   std::optional<std::uint64_t> volumes;
@@ -63,7 +63,7 @@ struct NpyAxes {
 Result<NpyAxes> find_axes(const std::string& name, const NpyHeader& header, bool has_component, AxisOrder order,
                           std::vector<std::string>& notes) {
   std::vector<std::uint64_t> shape = header.shape;
-  const std::size_t wanted = has_component ? 4 : 3;  // and one more, of volumes
+  const std::size_t wanted = has_component ? 4 : 3;  // one more with volumes
   while (shape.size() > wanted && shape.front() == 1) shape.erase(shape.begin());
   const std::size_t kept = shape.size();
   const std::string_view letters = order == AxisOrder::zyx ? "z, y, x" : "x, y, z";
@@ -152,7 +152,7 @@ Result<DenseFile> npy_volume(const std::string& name, const NpyHeader& header, c
   dense.wide = type->wide;
   dense.dims = dims;
   dense.endian = type->endian;
-  // The order of storage, not of the axes: [t, z, y, x] all the same, but its first axis is the fastest.
+  // Axes are [t, z, y, x] in either storage order; Fortran order makes the first one the fastest.
   dense.x_slowest = header.fortran_order == (order == AxisOrder::zyx);
   dense.interleaved = header.fortran_order;
   dense.components_interleaved = !header.fortran_order || is_complex;

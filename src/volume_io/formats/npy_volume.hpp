@@ -1,4 +1,4 @@
-// What a NumPy array is as a volume, wherever its bytes are: in a file of its own or as a member of an .npz.
+// Interprets a NumPy array as a volume, for .npy files and members of .npz files.
 #pragma once
 
 #include <string>
@@ -9,9 +9,9 @@
 
 namespace isoextract::volume_io {
 
-// All of it but where the samples are: [z, y, x], or with a leading axis of volumes [t, z, y, x]. Where options ask for
-// a component, a last one of components: [z, y, x, c] or [t, z, y, x, c]; complex numbers have two without one.
-// `name` is for messages.
+// Returns everything but the location of the samples. Axes are [z, y, x], or [t, z, y, x] with several volumes. If the
+// options select a component, a last axis of components is added: [z, y, x, c] or [t, z, y, x, c]. Complex numbers have
+// two components without such an axis. `name` is for messages.
 [[nodiscard]] Result<DenseFile> npy_volume(const std::string& name, const NpyHeader& header,
                                            const ReadOptions& options);
 

@@ -1,5 +1,5 @@
-// NumPy's archives of arrays (.npz): ZIP files whose members are NPY files. Which of them is read is chosen as a grid
-// is; the others are not looked at but for their headers.
+// NumPy's archives of arrays (.npz): ZIP files whose members are NPY files. A member is selected like a grid; of the
+// others only headers are read.
 #include <algorithm>
 #include <array>
 #include <span>
@@ -24,9 +24,9 @@ namespace {
 constexpr std::string_view kMemberEnd = ".npy";
 constexpr std::string_view kZipMagic("PK\3\4", 4);
 
-// An array of an archive, as its header says.
+// An array of an archive, from its header.
 struct NpzArray {
-  SamplePiece piece;  // all of the member
+  SamplePiece piece;  // the whole member
   NpyHeader header;
 };
 
@@ -36,7 +36,7 @@ std::string member_name(const files::InputFile& file, const ZipMember& member) {
 
 Result<NpzArray> read_array(const files::InputFile& file, const ZipMember& member) {
   auto piece = TRY(locate_zip_member(file, member));
-  // Headers are short, and nearly all of them within this.
+  // Nearly all headers fit into the first, small size.
   constexpr std::size_t kMostHeaders = 4096;
   for (const std::size_t count : {kMostHeaders, static_cast<std::size_t>(kMaxNpyHeader)}) {
     const auto start = TRY(first_bytes_of(file, piece, count));
@@ -47,7 +47,7 @@ Result<NpzArray> read_array(const files::InputFile& file, const ZipMember& membe
   return fail(ErrorCode::input, member_name(file, member) + ": no header");
 }
 
-// Of a member that is stored as it is: packed ones are checked as they are unpacked.
+// Verifies the checksum of an uncompressed member; compressed ones are verified while they are decompressed.
 Result<void> check_stored(const files::InputFile& file, const ZipMember& member, const SamplePiece& piece) {
   constexpr std::uint64_t kBlock = std::uint64_t{1} << 20;
   const auto reserved = TRY(file.context().reserve(kBlock, file.name() + ": its checksum"));
@@ -71,7 +71,7 @@ std::vector<ZipMember> arrays_of(std::vector<ZipMember> members) {
 
 std::string name_of(const ZipMember& member) { return member.name.substr(0, member.name.size() - kMemberEnd.size()); }
 
-// What cannot be read is in the list all the same, as a grid that is no volume.
+// Describes a member; unreadable ones are listed as grids that are not scalar.
 GridInfo describe(const files::InputFile& file, const ZipMember& member, const ReadOptions& options) {
   GridInfo info;
   info.name = name_of(member);
@@ -108,7 +108,7 @@ class NpzFormat final : public VolumeFormat {
                       .has_components = true,
                       .has_axis_order = true}) {}
 
-  // Other kinds of files are ZIP files, too: the first member's name tells.
+  // Other formats are ZIP files too; the first member's name identifies this one.
   [[nodiscard]] bool probe(const files::FileStart& start) const override {
     constexpr std::size_t kNameLength = 26;
     constexpr std::size_t kName = 30;
@@ -138,7 +138,7 @@ class NpzFormat final : public VolumeFormat {
     auto all = TRY(read_zip_directory(file));
     const std::vector<ZipMember> members = arrays_of(std::move(all));
     auto grids = TRY(list_arrays(file, members, options));
-    // What is wrong with an array that was named, or with the only one, its reader says best.
+    // For a selected or single array, the reader gives the best error message.
     if (options.grid || grids.size() == 1) {
       for (GridInfo& grid : grids) grid.scalar = true;
     }

@@ -13,8 +13,8 @@ namespace isoextract::volume_io {
 namespace {
 
 constexpr std::size_t kMaxHeader = std::size_t{16} << 20;
-// teem 1.12 writes each message into AIR_STRLEN_HUGE bytes without looking: what it says itself, less than 200 bytes,
-// and one line of the header or a part of it.
+// teem 1.12 writes each message into AIR_STRLEN_HUGE bytes without a bounds check: its own text, less than 200 bytes,
+// and at most one line of the header.
 constexpr std::size_t kMaxLine = 768;
 static_assert(kMaxLine + 200 < AIR_STRLEN_HUGE);
 
@@ -24,12 +24,13 @@ std::string_view trim(std::string_view text) {
   return text.substr(0, text.find_last_not_of(" \t\r") + 1);
 }
 
-// Lines of the start of a file, read as they are needed.
+// Reads lines from the start of a file on demand.
 class HeaderLines {
  public:
   explicit HeaderLines(const files::InputFile& file) : file_(file) {}
 
-  // The next line without its end; empty at the end of the file. Sets `complete` to whether the line has an end.
+  // Returns the next line without its end; nothing at the end of the file. Sets `complete` to whether the line has an
+  // end.
   Result<std::optional<std::string>> next() {
     std::size_t end = 0;
     while ((end = text_.find('\n', begin_)) == std::string::npos) {
@@ -53,7 +54,7 @@ class HeaderLines {
   }
 
   [[nodiscard]] std::uint64_t position() const { return begin_; }
-  [[nodiscard]] std::uint64_t number() const { return number_; }  // of the line that came last, from 1
+  [[nodiscard]] std::uint64_t number() const { return number_; }  // of the last line, from 1
 
  private:
   Result<void> grow() {
@@ -69,21 +70,21 @@ class HeaderLines {
   std::uint64_t number_ = 0;
 };
 
-// The field that a line is to teem, which takes ": " for the end of a name; nrrdField_unknown for lines without one.
+// Returns the field that teem sees in a line; its name ends at ": ". Returns nrrdField_unknown for lines without one.
 int field_of(const std::string& line) {
   const std::size_t colon = line.find(": ");
   if (colon == std::string::npos) return nrrdField_unknown;
   return ::airEnumVal(nrrdField, line.substr(0, colon).c_str());
 }
 
-// Comments, key/value pairs and what the volume is about: any text, of any length, that says nothing of the samples.
+// Returns whether the line is free text that does not describe the samples: a comment, a key/value pair or "content".
 bool is_free_text(const std::string& line) {
   if (line.starts_with('#')) return true;
   const int field = field_of(line);
   return field == nrrdField_content || (field == nrrdField_unknown && line.find(":=") != std::string::npos);
 }
 
-// teem looks for one value more than there are axes, in an array for as many as there can be.
+// teem looks for one value more than there are axes, in an array with room for exactly the largest number of axes.
 bool has_value_per_axis(int field) {
   return field == nrrdField_sizes || field == nrrdField_spacings || field == nrrdField_thicknesses ||
          field == nrrdField_axis_mins || field == nrrdField_axis_maxs;
@@ -98,7 +99,7 @@ std::size_t count_words(std::string_view text) {
   return count;
 }
 
-// Fails for lines that would overrun a buffer of teem.
+// Fails for lines that would overflow a buffer in teem.
 Result<void> check_line(const files::InputFile& file, std::uint64_t number, const std::string& line) {
   if (line.size() > kMaxLine) {
     return fail(ErrorCode::input, fmt::format("{}: line {} of the header has {} bytes, the limit is {}: '{}'",
@@ -121,7 +122,7 @@ std::optional<T> parse_number(std::string_view& text) {
   return number;
 }
 
-// "slice%03d.raw" split at its one %d; nothing for a name without one.
+// Splits "slice%03d.raw" at its only %d; returns nothing for a name without one.
 std::optional<NrrdFilePattern> parse_pattern_name(std::string_view name) {
   const std::size_t percent = name.find('%');
   if (percent == std::string_view::npos || name.find('%', percent + 1) != std::string_view::npos) return std::nullopt;
@@ -138,7 +139,7 @@ std::optional<NrrdFilePattern> parse_pattern_name(std::string_view name) {
   return pattern;
 }
 
-// "slice%03d.raw 0 99 1 [2]", if it is that; a single name otherwise.
+// Parses "slice%03d.raw 0 99 1 [2]"; returns nothing for a single name.
 std::optional<NrrdDataFiles> parse_pattern(std::string_view value) {
   const std::size_t space = value.find_first_of(" \t");
   if (space == std::string_view::npos) return std::nullopt;
@@ -171,7 +172,7 @@ Result<NrrdDataFiles> read_list(HeaderLines& lines, std::string_view rest) {
   }
 }
 
-// True for the "data file" field, in any case; `value` is what follows.
+// Returns true for the "data file" field, ignoring case; sets `value` to its value.
 bool is_data_file_field(std::string_view line, std::string_view& value) {
   const std::size_t colon = line.find(':');
   if (colon == std::string_view::npos || line.substr(colon).starts_with(":=")) return false;
@@ -223,7 +224,7 @@ Result<NrrdHeaderText> read_nrrd_header(const files::InputFile& file) {
     }
     std::string_view value;
     if (!is_data_file_field(line, value)) {
-      if (is_free_text(line)) continue;  // nobody asks for it, and teem looks at all keys for each
+      if (is_free_text(line)) continue;  // unused, and slow: teem compares each key with all others
       TRY(check_line(file, lines.number(), line));
       header.fields += line + '\n';
       continue;

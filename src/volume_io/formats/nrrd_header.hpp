@@ -1,5 +1,5 @@
-// The text of a NRRD header, split before the library sees it: where the samples are is read here, so that no file is
-// opened on a header's word, and lines that the library is not made for are found. Private to the NRRD reader.
+// Splits the text of an NRRD header before teem parses it. The location of the samples is parsed here, so that teem
+// opens no files, and lines that teem cannot handle are rejected. Private to the NRRD reader.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace isoextract::volume_io {
 
-// Files numbered by a pattern: NAME%03d.raw MIN MAX STEP.
+// Numbered data files: NAME%03d.raw MIN MAX STEP.
 struct NrrdFilePattern {
   std::string prefix;
   std::string suffix;
@@ -26,27 +26,27 @@ struct NrrdFilePattern {
   [[nodiscard]] std::string name(std::uint64_t i) const;
 };
 
-// What the "data file" field says.
+// The value of the "data file" field.
 struct NrrdDataFiles {
   std::vector<std::string> names;          // one, or those of a LIST
-  std::optional<NrrdFilePattern> pattern;  // instead of names
-  bool several = false;                    // a LIST or pattern: the slow axes count the files
-  std::optional<unsigned> file_dimension;  // of each of several files; default: one less than the volume's
+  std::optional<NrrdFilePattern> pattern;  // replaces names
+  bool several = false;                    // a LIST or pattern: the slow axes enumerate the files
+  std::optional<unsigned> file_dimension;  // dimension of each of several files; default: one less than the volume's
 
   [[nodiscard]] std::uint64_t count() const { return pattern ? pattern->count() : names.size(); }
   [[nodiscard]] std::string name(std::uint64_t i) const { return pattern ? pattern->name(i) : names[i]; }
 };
 
 struct NrrdHeaderText {
-  // For the library: all lines but those of "data file", and without texts that are too long for it and say nothing of
-  // the samples (comments, key/value pairs, the content).
+  // Input for teem: all lines except "data file", and without overlong texts that do not describe the samples
+  // (comments, key/value pairs, content).
   std::string fields;
   std::optional<NrrdDataFiles> detached;  // empty: the samples follow the header
-  std::uint64_t data_offset = 0;          // of an attached file: behind the empty line
+  std::uint64_t data_offset = 0;          // of an attached file: after the empty line
 };
 
-// Fails with ErrorCode::input where the text does not end, is binary, has a line that the library has no room for, or
-// names its data files in a way that is not understood.
+// Reads the header. Fails with ErrorCode::input if the text does not end, is binary, has a line too long for teem, or
+// names its data files in an unknown way.
 [[nodiscard]] Result<NrrdHeaderText> read_nrrd_header(const files::InputFile& file);
 
 }  // namespace isoextract::volume_io

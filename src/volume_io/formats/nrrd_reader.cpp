@@ -1,5 +1,5 @@
-// NRRD. teem parses the header's fields; the samples, raw or gzip, are read by sample_source.cpp. teem would open the
-// data files that a header names, wherever they are, before they could be checked.
+// NRRD. teem parses the header's fields; sample_source.cpp reads the samples, raw or gzip. teem itself would open the
+// data files that a header names, wherever they are, before their paths could be checked.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -28,7 +28,7 @@ struct NrrdDeleter {
   void operator()(NrrdIoState* state) const { ::nrrdIoStateNix(state); }
 };
 
-// A header as teem understands it.
+// A header as parsed by teem.
 struct ParsedNrrd {
   std::unique_ptr<Nrrd, NrrdDeleter> nrrd;
   std::unique_ptr<NrrdIoState, NrrdDeleter> state;
@@ -36,13 +36,13 @@ struct ParsedNrrd {
   [[nodiscard]] bool has(int field) const { return state->seen[field] != 0; }
 };
 
-// teem keeps its error messages in global variables.
+// Guards teem's error messages, which are global variables.
 std::mutex& teem_mutex() {
   static std::mutex mutex;
   return mutex;
 }
 
-// The last line of teem's messages is the innermost; functions' names come before the text.
+// Returns the last line of teem's messages, the innermost error, without function names.
 std::string innermost_message(std::string messages) {
   while (messages.ends_with('\n')) messages.pop_back();
   messages.erase(0, messages.rfind('\n') + 1);
@@ -74,7 +74,7 @@ Result<ParsedNrrd> parse_fields(const std::string& file, const std::string& fiel
     const std::unique_ptr<char, decltype(&std::free)> text(::biffGetDone(NRRD), &std::free);
     if (text) messages = text.get();
   }
-  // teem says it less clearly where every line is fine but one is missing.
+  // If every line is valid but one is missing, these messages are clearer than teem's.
   if (!failed || messages.find("complete valid header") != std::string::npos) {
     TRY(check_fields(file, parsed));
   }
@@ -84,7 +84,7 @@ Result<ParsedNrrd> parse_fields(const std::string& file, const std::string& fiel
   return parsed;
 }
 
-// Integers of 64 bits as the doubles that they become.
+// Returns f64 for 64-bit integers, which are converted to double.
 Result<field::SampleType> sample_type_of(const std::string& file, const Nrrd& nrrd) {
   switch (nrrd.type) {
     case nrrdTypeChar: return field::SampleType::i8;
@@ -111,16 +111,16 @@ bool has_direction(const Nrrd& nrrd, unsigned axis) {
 
 bool is_spatial_kind(int kind) { return kind == nrrdKindUnknown || kind == nrrdKindDomain || kind == nrrdKindSpace; }
 
-// Along such an axis lie volumes, not what one sample is made of.
+// Returns whether such an axis enumerates volumes instead of components.
 bool is_series_kind(int kind) { return kind == nrrdKindTime || kind == nrrdKindList; }
 
 struct NrrdAxes {
   std::array<unsigned, 3> space{};     // fastest first
-  std::optional<unsigned> series;      // that of several volumes; faster or slower than those of space
-  std::optional<unsigned> components;  // likewise, that of several numbers a sample
+  std::optional<unsigned> series;      // axis of several volumes; faster or slower than the spatial ones
+  std::optional<unsigned> components;  // axis of several components, likewise
 };
 
-// Axes of length 1 may come on top.
+// Finds the axes; ignores additional axes of length 1.
 Result<NrrdAxes> find_axes(const std::string& file, const ParsedNrrd& parsed, std::vector<std::string>& notes) {
   const Nrrd& nrrd = *parsed.nrrd;
   const auto describe = [&](unsigned axis) {
@@ -171,7 +171,7 @@ Result<NrrdAxes> find_axes(const std::string& file, const ParsedNrrd& parsed, st
   return axes;
 }
 
-// Direction vectors in a named space.
+// Returns the placement from direction vectors in a named space.
 Frame oriented_frame(const ParsedNrrd& parsed, const std::array<unsigned, 3>& axes) {
   const Nrrd& nrrd = *parsed.nrrd;
   Frame frame;
@@ -201,8 +201,8 @@ Frame oriented_frame(const ParsedNrrd& parsed, const std::array<unsigned, 3>& ax
   return frame;
 }
 
-// Spacings, mins and maxs per axis. A cell-centred axis begins half a spacing before its first sample; cells are what
-// teem and its users assume where the header does not say.
+// Returns the placement from spacings, mins and maxs per axis. A cell-centered axis starts half a spacing before its
+// first sample. Cells are the default if the header does not specify the centering, as in teem.
 Frame axis_aligned_frame(const ParsedNrrd& parsed, const std::array<unsigned, 3>& axes) {
   Frame frame;
   bool any_spacing = false;
@@ -233,7 +233,7 @@ Frame axis_aligned_frame(const ParsedNrrd& parsed, const std::array<unsigned, 3>
   return frame;
 }
 
-// The unit of lengths: that of the space, or of the axes where there is none. Where they do not agree, all of them.
+// Returns the unit of the space, or of the axes if it has none. Lists all units if they differ.
 std::string length_unit_of(const Nrrd& nrrd, const std::array<unsigned, 3>& axes) {
   std::array<std::string, 3> units;
   for (unsigned i = 0; i < 3; ++i) {
@@ -245,7 +245,7 @@ std::string length_unit_of(const Nrrd& nrrd, const std::array<unsigned, 3>& axes
   return fmt::format("{}", fmt::join(units, ", "));
 }
 
-// How many files the slow axes of the volume stand for.
+// Fails if the number of data files does not match the slow axes of the volume.
 Result<void> check_file_count(const std::string& file, const Nrrd& nrrd, const NrrdDataFiles& files) {
   const unsigned dimension = files.file_dimension.value_or(nrrd.dim - 1);
   const std::uint64_t found = files.count();
@@ -260,7 +260,7 @@ Result<void> check_file_count(const std::string& file, const Nrrd& nrrd, const N
               fmt::format("{}: expected as many data files as the slow axes have slices, found {}", file, found));
 }
 
-// The offset behind `lines` line ends.
+// Returns the offset after `lines` line ends.
 Result<std::uint64_t> skip_lines(const files::InputFile& file, std::uint64_t offset, unsigned lines) {
   std::vector<char> block(std::size_t{64} << 10);
   while (lines > 0) {
@@ -278,7 +278,7 @@ Result<std::uint64_t> skip_lines(const files::InputFile& file, std::uint64_t off
   return offset;
 }
 
-// Where the samples in one file begin, by "line skip" and "byte skip".
+// Returns where the samples start in a data file, from "line skip" and "byte skip".
 Result<SamplePiece> locate_piece(const std::filesystem::path& path, std::uint64_t offset, const NrrdIoState& state,
                                  std::uint64_t piece_bytes, const Context& context) {
   const auto file = TRY(files::InputFile::open(path, context));
@@ -290,7 +290,7 @@ Result<SamplePiece> locate_piece(const std::filesystem::path& path, std::uint64_
     (piece.gzip ? piece.skip : piece.offset) += skip;
     return piece;
   }
-  // -1: the samples are the last bytes of the file; -1 - n: n bytes follow them.
+  // -1: the samples are at the end of the file; -1 - n: n bytes follow them.
   const std::uint64_t behind = static_cast<std::uint64_t>(-(state.byteSkip + 1));
   const auto from_end = checked_sum(piece_bytes, behind);
   if (piece.gzip || !from_end || *from_end > file.size()) {
@@ -312,7 +312,7 @@ Result<std::vector<SamplePiece>> locate_samples(const files::InputFile& file, co
   if (text.detached->several) {
     TRY(check_file_count(file.name(), *parsed.nrrd, *text.detached));
   }
-  // Each name is resolved before the next is made: a header cannot ask for more of them than there are files.
+  // Resolves each name before generating the next, so a header cannot request more names than there are files.
   const std::uint64_t count = text.detached->count();
   for (std::uint64_t i = 0; i < count; ++i) {
     auto path = TRY(files::resolve_beside(file.path(), text.detached->name(i)));

@@ -8,7 +8,7 @@
 namespace isoextract::volume_io {
 namespace {
 
-// The types of sample with which `bytes` would be one volume of `count` samples: "u16, i16, f16"; may be none.
+// Returns the sample types for which `bytes` is one volume of `count` samples: "u16, i16, f16"; may be empty.
 std::string fitting_types(std::uint64_t count, std::uint64_t bytes) {
   std::string types;
   for (const field::SampleType type : {field::SampleType::u8, field::SampleType::i8, field::SampleType::u16,
@@ -20,7 +20,7 @@ std::string fitting_types(std::uint64_t count, std::uint64_t bytes) {
   return types;
 }
 
-// What else would make the file fit.
+// Suggests changes of the layout that would fit the file's size.
 Hint fitting_layout(const files::InputFile& file, const RawLayout& layout, std::uint64_t expected) {
   const std::uint64_t found = file.size() - std::min(file.size(), layout.skip);
   const std::string types = fitting_types(expected / field::sample_size(layout.type), found);

@@ -24,9 +24,9 @@ constexpr std::uint64_t kEntryBytes = 46;
 constexpr std::uint64_t kLocalBytes = 30;
 constexpr std::uint64_t kMaxComment = 0xffff;
 constexpr std::uint64_t kMaxDirectory = std::uint64_t{64} << 20;
-constexpr std::uint32_t kIn64Bits = 0xffffffff;  // the number is in the ZIP64 field
+constexpr std::uint32_t kIn64Bits = 0xffffffff;  // the value is in the ZIP64 field
 
-// Little endian, whatever the machine.
+// Reads a little-endian number on any machine.
 template <class T>
 T number_at(std::span<const std::byte> bytes, std::size_t at) {
   T value = 0;
@@ -45,7 +45,7 @@ tl::unexpected<Error> damaged(const files::InputFile& file, const std::string& w
   return fail(ErrorCode::input, fmt::format("{}: not an intact ZIP file: {}", file.name(), what));
 }
 
-// The end of the directory is before a comment of any length, so it is looked for from the end of the file.
+// Searches backward from the end of the file, as a comment of any length may follow the directory's end record.
 Result<Directory> find_directory(const files::InputFile& file) {
   if (file.size() < kEndBytes) return damaged(file, fmt::format("it has {} bytes", file.size()));
   const std::uint64_t looked_at = std::min(file.size(), kEndBytes + kMaxComment + kLocatorBytes);
@@ -80,7 +80,7 @@ Result<Directory> find_directory(const files::InputFile& file) {
   return directory;
 }
 
-// Numbers of 64 bits for those that did not fit, in the order in which they are named. False where one is missing.
+// Reads the 64-bit values for fields that overflowed, in the order of the standard. Returns false if one is missing.
 bool take_zip64(std::span<const std::byte> extra, ZipMember& member) {
   std::array<std::uint64_t*, 3> places{};
   std::size_t missing = 0;

@@ -1,6 +1,6 @@
-// The directory of a ZIP file, which is at its end, and where the bytes of its members are (PKWARE, APPNOTE.TXT 6.3.10:
-// sections 4.3.7 local file header, 4.3.12 central directory, 4.3.14 to 4.3.16 its end, 4.5.3 ZIP64). No size in it is
-// trusted: all is held against the file. Private to the reader of .npz.
+// Reads the directory at the end of a ZIP file and locates its members (PKWARE, APPNOTE.TXT 6.3.10: sections 4.3.7
+// local file header, 4.3.12 central directory, 4.3.14 to 4.3.16 its end, 4.5.3 ZIP64). Validates all sizes against the
+// file. Private to the .npz reader.
 #pragma once
 
 #include <cstdint>
@@ -14,22 +14,22 @@
 namespace isoextract::volume_io {
 
 struct ZipMember {
-  std::string name;  // as the file has it, which may be any bytes
+  std::string name;  // as in the file; may be any bytes
   int method = 0;    // 0 stored, 8 Deflate
   bool encrypted = false;
   DeflatedMember sizes;
-  std::uint64_t header = 0;  // where in the file its local header is
+  std::uint64_t header = 0;  // position of its local header in the file
 };
 
-// All members, in the order of the directory. Fails with ErrorCode::input where the file has no directory at its end,
-// or one that does not fit into it.
+// Returns all members in the order of the directory. Fails with ErrorCode::input if there is no directory at the end of
+// the file or it does not fit into the file.
 [[nodiscard]] Result<std::vector<ZipMember>> read_zip_directory(const files::InputFile& file);
 
-// Its bytes: from their first one on, which content byte 0 is, to their last; packed or as they are. Fails with
-// ErrorCode::input where they are encrypted, packed by another method than Deflate, or not within the file.
+// Returns the range of the member's bytes, stored or compressed; it starts with the content's first byte. Fails with
+// ErrorCode::input if they are encrypted, compressed by another method than Deflate, or not within the file.
 [[nodiscard]] Result<SamplePiece> locate_zip_member(const files::InputFile& file, const ZipMember& member);
 
-// At most `count` bytes from the start of what `piece`, of a ZIP file, holds; fewer where it holds no more.
+// Returns the first bytes of the content of `piece`, at most `count`; fewer if the content is shorter.
 [[nodiscard]] Result<std::vector<std::byte>> first_bytes_of(const files::InputFile& file, const SamplePiece& piece,
                                                             std::size_t count);
 

@@ -23,7 +23,7 @@ bool VdbCursor::is_prepared(std::uint64_t count) const { return std::min(count, 
 void VdbCursor::prepare(std::uint64_t count) {
   if (is_prepared(count)) return;
   if (auto wanted = file_.context().check(); !wanted) throw VdbRefused(wanted.error());
-  // Twice what is asked for: then no more is copied from window to window than is read.
+  // Twice the requested size, so that no more bytes are copied between windows than are read.
   constexpr std::uint64_t kWindow = std::uint64_t{256} << 10;
   const std::size_t kept = length_ - at_;
   const std::size_t length = std::min(size() - position(), std::max(kWindow, 2 * count));

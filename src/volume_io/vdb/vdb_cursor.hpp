@@ -1,5 +1,5 @@
-// Reads a VDB file from front to back, with jumps, through a window of it. Sizes in a file are not to be trusted: what
-// would be read past the end is VdbDamaged.
+// Reads a VDB file sequentially, with seeks, through a buffer (the window). Sizes in the file are not trusted: reading
+// past the end throws VdbDamaged.
 #pragma once
 
 #include <cstddef>
@@ -16,19 +16,19 @@
 
 namespace isoextract::volume_io {
 
-// Thrown while a VDB file is read, and caught where this room ends: what is wrong with the file.
+// Thrown while reading a VDB file and caught within this room: what is wrong with the file.
 class VdbDamaged : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// Likewise: what may be right, but is not read here.
+// Likewise, for content that may be valid but is not supported.
 class VdbUnsupported : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// Likewise: why the work ends although the file may be sound.
+// Likewise, for errors that are not the file's fault, such as cancellation.
 class VdbRefused : public std::runtime_error {
  public:
   explicit VdbRefused(Error why) : std::runtime_error(why.message), error(std::move(why)) {}
@@ -37,23 +37,23 @@ class VdbRefused : public std::runtime_error {
 
 class VdbCursor {
  public:
-  // What is read counts as progress.
+  // Reports bytes read as progress.
   explicit VdbCursor(const files::InputFile& file) : file_(file), end_(file.size()) {}
 
   [[nodiscard]] std::uint64_t size() const { return file_.size(); }
   [[nodiscard]] std::uint64_t position() const { return begin_ + at_; }
   void seek(std::uint64_t position);
-  // From now on, what is sought and taken must not lie behind `end`: at first the file's end. Seek next where the
-  // cursor is behind it already.
+  // Limits seeking and reading to positions before `end`, at first the end of the file. If the cursor is already beyond
+  // it, seek next.
   void set_end(std::uint64_t end) { end_ = end; }
 
-  // Sees to it that the next `count` bytes are in the window, or as many as the file has. Throws VdbRefused where they
-  // cannot be read, or where the work is to end.
+  // Loads the next `count` bytes into the window, or all that remain. Throws VdbRefused if they cannot be read or the
+  // work is cancelled.
   void prepare(std::uint64_t count);
   [[nodiscard]] bool is_prepared(std::uint64_t count) const;
 
-  // The next bytes. They stay where they are until more than the window holds is asked for, and as long as somebody
-  // keeps window().
+  // Returns the next bytes. They stay valid until more is requested than the window holds, and for as long as anyone
+  // holds window().
   [[nodiscard]] std::span<const std::byte> take(std::uint64_t count);
   [[nodiscard]] std::shared_ptr<const std::byte[]> window() const { return window_; }
 
@@ -64,7 +64,7 @@ class VdbCursor {
     std::memcpy(&value, take(sizeof value).data(), sizeof value);
     return value;
   }
-  // A length and that many characters. Throws VdbUnsupported for names that are longer than any should be.
+  // Reads a length and that many characters. Throws VdbUnsupported if the name is too long.
   [[nodiscard]] std::string read_name();
   [[nodiscard]] std::string read_text(std::uint64_t length);
 
@@ -74,9 +74,9 @@ class VdbCursor {
   const files::InputFile& file_;
   std::uint64_t end_;
   std::shared_ptr<std::byte[]> window_;
-  std::uint64_t begin_ = 0;  // of the window, in the file
-  std::size_t length_ = 0;   // of the window
-  std::size_t at_ = 0;       // in the window
+  std::uint64_t begin_ = 0;  // position of the window in the file
+  std::size_t length_ = 0;   // length of the window
+  std::size_t at_ = 0;       // position in the window
 };
 
 }  // namespace isoextract::volume_io

@@ -13,14 +13,13 @@ namespace isoextract::volume_io {
 namespace {
 
 constexpr std::int64_t kVdbMagic = 0x56444220;
-// From OpenVDB 1.1 (2013) on; older layouts have other nodes and transforms.
+// OpenVDB 1.1 (2013); older versions have other nodes and transforms.
 constexpr std::uint32_t kOldestVersion = 222;
 constexpr std::size_t kUuidLength = 36;
 constexpr std::string_view kHalfSuffix = "_HalfFloat";
 constexpr char kNameSeparator = '\x1e';
 
-// Calls item(name, type, bytes) for each entry of a metadata map that is small enough to be of interest; the others are
-// passed over.
+// Calls item(name, type, bytes) for each metadata entry that is small enough to matter; skips the others.
 void read_metadata(VdbCursor& cursor,
                    const std::function<void(const std::string&, const std::string&, const std::string&)>& item) {
   const auto count = cursor.read_value<std::uint32_t>();
@@ -45,7 +44,7 @@ std::optional<T> number_of(const std::string& bytes) {
   return value;
 }
 
-// What OpenVDB's users call the program that made a grid or a file.
+// Returns whether the entry names the program that made a grid or file, by OpenVDB's convention.
 bool is_creator(const std::string& name, const std::string& type) { return name == "creator" && type == "string"; }
 
 void read_grid_metadata(VdbCursor& cursor, VdbGridRecord& grid) {
@@ -66,7 +65,7 @@ void read_grid_metadata(VdbCursor& cursor, VdbGridRecord& grid) {
   });
   if (!box_min || !box_max) return;
   grid.box = field::IndexBox{*box_min, *box_max};
-  // An empty grid's box is inside out, in a way that overflows when it is measured.
+  // The box of an empty grid is inverted, and its size overflows.
   if (grid.box->empty()) grid.box = field::IndexBox{};
 }
 
@@ -81,7 +80,7 @@ std::string value_type_of(const std::string& tree_type) {
   return shape == kUsualShape ? value : fmt::format("{} (tree {})", value, shape);
 }
 
-// Leaves the cursor behind the transform. False where nobody knows where that is.
+// Reads the frame and leaves the cursor after the transform. Returns false if the transform's end is unknown.
 bool read_frame(VdbCursor& cursor, VdbGridRecord& grid) {
   try {
     const VdbFrame frame = read_vdb_transform(cursor);
@@ -94,7 +93,7 @@ bool read_frame(VdbCursor& cursor, VdbGridRecord& grid) {
   }
 }
 
-// From the grid's compression flags to its transform.
+// Reads from the grid's compression flags to its transform.
 bool read_grid_head(VdbCursor& cursor, VdbGridRecord& grid) {
   grid.compression = cursor.read_value<std::uint32_t>();
   read_grid_metadata(cursor, grid);
@@ -102,7 +101,7 @@ bool read_grid_head(VdbCursor& cursor, VdbGridRecord& grid) {
   return read_frame(cursor, grid);
 }
 
-// The same, and on to the grid's end, in a file that does not say where that is. Nobody needs that of the last grid.
+// Does the same and finds the grid's end, in a file that does not store it. The last grid's end is not needed.
 void read_streamed_grid(VdbCursor& cursor, VdbGridRecord& grid, bool last) {
   const bool known = read_grid_head(cursor, grid);
   grid.end_position = cursor.size();
@@ -119,13 +118,13 @@ void read_streamed_grid(VdbCursor& cursor, VdbGridRecord& grid, bool last) {
   }
 }
 
-// The names with which a grid's descriptor begins.
+// Reads the names at the start of a grid's descriptor.
 VdbGridRecord read_names(VdbCursor& cursor) {
   VdbGridRecord grid;
   grid.unique_name = cursor.read_name();
   grid.name = grid.unique_name.substr(0, grid.unique_name.find(kNameSeparator));
   grid.tree_type = cursor.read_name();
-  // OpenVDB too goes by the metadata when it reads the values.
+  // OpenVDB also uses the metadata instead of this suffix to read values.
   if (grid.tree_type.ends_with(kHalfSuffix)) grid.tree_type.resize(grid.tree_type.size() - kHalfSuffix.size());
   grid.value_type = value_type_of(grid.tree_type);
   return grid;
@@ -135,7 +134,7 @@ VdbGridRecord read_descriptor(VdbCursor& cursor, bool streamed, bool last) {
   VdbGridRecord grid = read_names(cursor);
   grid.instance_parent = cursor.read_name();
   const auto grid_position = cursor.read_value<std::int64_t>();
-  static_cast<void>(cursor.read_value<std::int64_t>());  // of its values: they follow the tree's nodes
+  static_cast<void>(cursor.read_value<std::int64_t>());  // position of the leaf values, which follow the topology
   const auto end_position = cursor.read_value<std::int64_t>();
   if (streamed) {
     read_streamed_grid(cursor, grid, last);
@@ -146,7 +145,7 @@ VdbGridRecord read_descriptor(VdbCursor& cursor, bool streamed, bool last) {
     throw VdbDamaged(fmt::format("grid '{}' is said to be at bytes {} to {} of {}", printable(grid.name, 80),
                                  grid_position, end_position, cursor.size()));
   }
-  // Grids do not overlap where each stays within its end: then all of them together take no longer than the file is.
+  // Each grid must stay before its own end, so that grids do not overlap and the total time is linear in the file size.
   grid.end_position = static_cast<std::uint64_t>(end_position);
   cursor.seek(static_cast<std::uint64_t>(grid_position));
   cursor.set_end(grid.end_position);
@@ -154,7 +153,7 @@ VdbGridRecord read_descriptor(VdbCursor& cursor, bool streamed, bool last) {
     read_grid_head(cursor, grid);
   } catch (const VdbDamaged& damage) {
     if (grid.transform_position == 0) throw;
-    grid.frame_problem = fmt::format("it is damaged: {}", damage.what());  // which hides no other grid
+    grid.frame_problem = fmt::format("it is damaged: {}", damage.what());  // other grids stay readable
   }
   cursor.set_end(cursor.size());
   cursor.seek(grid.end_position);
@@ -174,10 +173,10 @@ VdbValueLayout value_layout(const VdbGridRecord& grid, std::size_t value_size, s
 
 namespace {
 
-// What is before the grids.
+// The part of a file before its grids.
 struct FileHead {
   std::uint32_t version = 0;
-  bool streamed = false;  // without the places of its grids
+  bool streamed = false;  // has no grid positions
   std::string creator;
   std::int32_t grids = 0;
 };
@@ -191,7 +190,7 @@ FileHead read_file_head(VdbCursor& cursor) {
         fmt::format("expected file version {} or later, found {}: load and save it with a newer OpenVDB",
                     kOldestVersion, head.version));
   }
-  static_cast<void>(cursor.take(2 * sizeof(std::uint32_t)));  // the library's version
+  static_cast<void>(cursor.take(2 * sizeof(std::uint32_t)));  // version of the library
   head.streamed = cursor.read_value<std::uint8_t>() == 0;
   cursor.seek(cursor.position() + kUuidLength);
   read_metadata(cursor, [&](const std::string& name, const std::string& type, const std::string& bytes) {

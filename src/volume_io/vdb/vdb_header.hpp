@@ -1,5 +1,4 @@
-// The header of a VDB file and the descriptions of its grids, without their trees. Grids of an unknown type are no
-// error here.
+// The header of a VDB file and the descriptions of its grids, without their trees. Accepts grids of unknown types.
 #pragma once
 
 #include <cstdint>
@@ -14,45 +13,45 @@
 namespace isoextract::volume_io {
 
 struct VdbGridRecord {
-  std::string unique_name;  // as stored: the name, and a suffix where it repeats
+  std::string unique_name;  // as stored: the name, with a suffix if it repeats
   std::string name;
   std::string tree_type;                // "Tree_float_5_4_3"
-  std::string value_type;               // "float"; the tree's shape as well if it is not the usual one
+  std::string value_type;               // "float"; with the tree's configuration if it is unusual
   std::string instance_parent;          // unique name of the grid whose tree this one shares; may be empty
   bool half = false;                    // floats are stored as half
   std::string grid_class;               // "level set", "fog volume", ...; may be empty
-  std::string creator;                  // what made it, where the grid or the file says so
-  std::string vector_type;              // of vectors: "contravariant relative", ...; may be empty
-  bool in_local_space = false;          // likewise: they are in the axes of the voxels, not in those of the world
-  std::optional<std::uint64_t> voxels;  // active ones, where the file says so
-  std::optional<field::IndexBox> box;   // of the active voxels, likewise
+  std::string creator;                  // from the grid's or the file's metadata
+  std::string vector_type;              // of vector grids: "contravariant relative", ...; may be empty
+  bool in_local_space = false;          // of vector grids: vectors are in index space instead of world space
+  std::optional<std::uint64_t> voxels;  // number of active voxels, if the file has it
+  std::optional<field::IndexBox> box;   // of the active voxels, if the file has it
   std::uint32_t compression = 0;
-  std::uint64_t transform_position = 0;  // in the file; the tree follows the transform
+  std::uint64_t transform_position = 0;  // position in the file; the tree follows the transform
   std::string frame_problem;             // why the transform cannot be used; empty if it can
-  bool in_frustum = false;               // which is why
-  std::uint64_t end_position = 0;        // of the grid, at which the next one's description begins
+  bool in_frustum = false;               // the reason is a frustum
+  std::uint64_t end_position = 0;        // end of the grid, where the next description starts
 };
 
-// How values of `value_size` bytes are stored in the grid; of `half_size` where it is saved as half. Throws
-// VdbUnsupported for compressions that are not known.
+// Returns how the grid stores values of `value_size` bytes (`half_size` if saved as half). Throws VdbUnsupported for
+// unknown compressions.
 [[nodiscard]] VdbValueLayout value_layout(const VdbGridRecord& grid, std::size_t value_size, std::size_t half_size);
 
-// What OpenVDB 10 writes. Later ones have been readable so far.
+// Version written by OpenVDB 10; files of later versions have been readable so far.
 inline constexpr std::uint32_t kNewestVdbVersion = 224;
 
 struct VdbHeader {
   std::uint32_t file_version = 0;
-  std::vector<VdbGridRecord> grids;  // in the order of the file
+  std::vector<VdbGridRecord> grids;  // in file order
 };
 
-// Of a file that was written as a stream, which has no places of grids, this reads all there is: a grid's end is found
-// by passing over its tree. Throws VdbDamaged and VdbUnsupported.
+// Reads the header. Files written as a stream do not store grid positions: reads them to their end, skipping each tree
+// to find the next grid. Throws VdbDamaged and VdbUnsupported.
 [[nodiscard]] VdbHeader read_vdb_header(VdbCursor& cursor);
 
-// Whether the grids of a file are points, all of them, and there is one. Reads no further than it must. Throws
-// VdbDamaged and VdbUnsupported.
+// Returns whether the file has grids and all are point grids. Reads no more than necessary. Throws VdbDamaged and
+// VdbUnsupported.
 [[nodiscard]] bool holds_only_points(VdbCursor& cursor);
-// Points of which nothing but their descriptors is read here.
+// Returns whether it is a point grid, of which this reader only reads the description.
 [[nodiscard]] bool is_point_grid(const VdbGridRecord& grid);
 
 }  // namespace isoextract::volume_io

@@ -20,7 +20,7 @@ constexpr std::array<std::string_view, 6> kPluginValues{"bool", "mask", "int64",
 constexpr std::string_view kStaggeredClass = "staggered";
 constexpr std::array<std::string_view, 4> kVectorParts{"[x]", "[y]", "[z]", "[length]"};
 
-// Trees of the usual shape alone: others have it in their value_type.
+// Matches only trees of the usual configuration: value_type includes any other.
 bool is_left_to_plugin(const VdbGridRecord& record) { return std::ranges::count(kPluginValues, record.value_type) > 0; }
 
 // "velocity[x]" -> "velocity"; other names as they are.
@@ -31,8 +31,8 @@ std::string_view without_part(std::string_view name) {
   return name;
 }
 
-// Of a staggered grid each component is in the middle of its voxels' lower faces along its axis, as OpenVDB's
-// StaggeredBoxSampler has it.
+// Shifts a component of a staggered grid to the centers of the voxels' lower faces along its axis, as OpenVDB's
+// StaggeredBoxSampler does.
 void place_staggered(const std::string& part, const VdbGridRecord& record, field::ScalarField& field) {
   const std::string what = fmt::format("the grid '{}' is staggered: ", printable(record.name, 80));
   const std::string_view axes = "xyz";
@@ -49,7 +49,7 @@ void place_staggered(const std::string& part, const VdbGridRecord& record, field
   }
 }
 
-// Of trees whose form is known, which are all that the plug-in is asked for.
+// Checks where the tree ends; the plug-in only gets trees of known configurations.
 void check_tree_ends(VdbCursor& cursor, const VdbGridRecord& record) {
   if (!record.instance_parent.empty()) return;
   cursor.set_end(record.end_position);
@@ -82,7 +82,7 @@ std::optional<PluginGrid> grid_for_plugin(VdbCursor& cursor, const VdbHeader& he
     check_tree_ends(cursor, record);
     return PluginGrid{grids[*chosen].label, fmt::format("'{}' lies in a frustum", grids[*chosen].label)};
   }
-  // No scalar grid of that name; or one of several, which is for the user to choose.
+  // Returns nothing if scalar grids exist: the user must choose one of them.
   if (!options.grid && std::ranges::count(grids, true, &GridInfo::scalar) > 0) return std::nullopt;
   std::optional<PluginGrid> found;
   for (std::size_t i = 0; i < grids.size(); ++i) {

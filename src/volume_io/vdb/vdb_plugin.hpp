@@ -1,5 +1,5 @@
-// What of a VDB file is left to the plug-in around OpenVDB: grids of bool, mask and int64, vectors by a component or by
-// their length, and grids in a frustum.
+// Decides which grids of a VDB file the OpenVDB plug-in reads: bool, mask and int64 grids, vector grids by component or
+// length, and grids in a frustum.
 #pragma once
 
 #include <optional>
@@ -14,22 +14,21 @@
 
 namespace isoextract::volume_io {
 
-// Notes in the list of grids which ones are left to the plug-in: the one place that decides it. `is_missing`: the
-// plug-in is.
+// Marks the grids that the plug-in reads; the only place that decides it. `is_missing`: the plug-in is missing.
 void mark_plugin_grids(const VdbHeader& header, std::span<GridInfo> grids, bool is_missing);
 
 struct PluginGrid {
-  std::optional<std::string> grid;  // which one the plug-in is to read; none where it is the only one
+  std::optional<std::string> grid;  // name of the grid for the plug-in; empty if it is the only one
   std::string reason;               // "'velocity' holds vec3s"
 };
 
-// Nothing where the built-in reader reads what `options` ask for, or where nobody does. Throws VdbDamaged where a grid
-// that is left to the plug-in does not end within its place in the file: OpenVDB believes what it reads.
+// Returns the grid that the plug-in must read; nothing if the built-in reader reads what `options` select or nobody
+// can. Throws VdbDamaged if the grid does not end within its range of the file, as OpenVDB does not validate its input.
 [[nodiscard]] std::optional<PluginGrid> grid_for_plugin(VdbCursor& cursor, const VdbHeader& header,
                                                         std::span<const GridInfo> grids, const ReadOptions& options);
 
-// Reads it: components of staggered grids where they are. Where the plug-in is missing the error is
-// ErrorCode::unavailable, and says what it is needed for.
+// Reads the grid; shifts components of staggered grids to their positions. Fails with ErrorCode::unavailable if the
+// plug-in is missing; the message says why it is needed.
 [[nodiscard]] Result<field::ScalarField> read_by_plugin(const VolumeFormat& plugin, const std::string& input,
                                                         const PluginGrid& wanted, const VdbHeader& header,
                                                         std::span<const GridInfo> grids, const ReadOptions& options,

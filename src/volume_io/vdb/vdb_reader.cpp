@@ -1,4 +1,4 @@
-// OpenVDB's files: which grid, where it is, and its tree into sparse samples.
+// OpenVDB's files: selects a grid and reads its transform, and its tree as sparse samples.
 #include <algorithm>
 #include <optional>
 #include <unordered_map>
@@ -24,7 +24,7 @@ constexpr std::string_view kVdbStart(" BDV\0\0\0\0", 8);
 constexpr std::string_view kLevelSetClass = "level set";
 constexpr std::string_view kFogClass = "fog volume";
 
-// Calls use(std::type_identity<Value>{}) with the type of a scalar grid's values; false for all other grids.
+// Calls use(std::type_identity<Value>{}) with the value type of a scalar grid; returns false for all other grids.
 template <class F>
 bool visit_scalar_tree(const std::string& tree_type, F&& use) {
   if (tree_type == "Tree_float_5_4_3") {
@@ -44,7 +44,7 @@ VdbValueLayout layout_of(const VdbGridRecord& record) {
   return value_layout(record, sizeof(Value), std::is_floating_point_v<Value> ? sizeof(field::Half) : sizeof(Value));
 }
 
-// Leaves the cursor at the grid's tree, beyond whose end it does not go.
+// Leaves the cursor at the grid's tree, limited to the end of the grid.
 Frame read_transform_of(VdbCursor& cursor, const VdbGridRecord& record) {
   cursor.set_end(record.end_position);
   cursor.seek(record.transform_position);
@@ -58,7 +58,7 @@ class GridsByName {
     for (const VdbGridRecord& record : header.grids) records_.emplace(record.unique_name, &record);
   }
 
-  // The record whose tree belongs to `record`: its own, or that of the grid it is an instance of.
+  // Returns the record that owns the tree: `record`, or the grid of which it is an instance.
   [[nodiscard]] const VdbGridRecord& tree_owner(const VdbGridRecord& record) const {
     if (record.instance_parent.empty()) return record;
     const auto parent = records_.find(record.instance_parent);
@@ -79,8 +79,8 @@ struct VoxelCount {
   field::IndexBox box;
 };
 
-// For files whose writer did not store these counts. Each tree is read once, however many grids share it; a tree that
-// cannot be read is not counted.
+// Counts active voxels of files that do not store the counts. Reads each tree once, even if several grids share it;
+// skips trees that cannot be read.
 class VoxelCounter {
  public:
   VoxelCounter(VdbCursor& cursor, const files::InputFile& file, const VdbHeader& header)
@@ -116,10 +116,10 @@ class VoxelCounter {
   VdbCursor& cursor_;
   const files::InputFile& file_;
   GridsByName grids_;
-  std::unordered_map<std::uint64_t, std::optional<VoxelCount>> counts_;  // by the place of the owner's transform
+  std::unordered_map<std::uint64_t, std::optional<VoxelCount>> counts_;  // by the position of the owner's transform
 };
 
-// OpenVDB's "invariant" is what a grid says that was never told, and gradients, its "covariant", are no kind.
+// OpenVDB writes "invariant" as the default if the type was never set; "covariant" (gradients) has no matching kind.
 std::optional<AttributeKind> kind_of_vectors(std::string_view vector_type) {
   if (vector_type == "contravariant relative") return AttributeKind::vector;
   if (vector_type == "contravariant absolute") return AttributeKind::point;
@@ -176,7 +176,7 @@ Result<field::ScalarField> read_grid(const files::InputFile& file, VdbCursor& cu
   return field;
 }
 
-// Calls work() and turns what it throws into an error that names the file.
+// Calls work() and turns its exceptions into errors that name the file.
 template <class F>
 auto with_messages(const files::InputFile& file, F&& work) -> decltype(work()) {
   if (!files::starts_with(files::first_bytes(file, files::kStartBytes).value_or(std::vector<std::byte>{}), kVdbStart)) {

@@ -12,14 +12,14 @@
 namespace isoextract::volume_io {
 namespace {
 
-// What a leaf has besides its mask.
+// Content of a leaf besides its mask.
 enum class LeafContents {
-  values,           // packed like those of other nodes
-  origin_and_bits,  // of bool: where it is, and one bit a value
-  origin,           // of mask: where it is; the mask is all there is
+  values,           // compressed like other nodes' values
+  origin_and_bits,  // bool: its origin and one bit per value
+  origin,           // mask: its origin; the mask is the value
 };
 
-// How large the values of a tree are in a file.
+// Size of a tree's values in a file.
 struct TreeValues {
   std::string_view type;
   std::size_t size;
@@ -43,7 +43,7 @@ constexpr std::uint64_t kMaskBytes = kLeafEntries / 8;
 
 void pass(VdbCursor& cursor, std::uint64_t bytes) { cursor.seek(cursor.position() + bytes); }
 
-// A node of `entries`, each a tile or a child. Returns how many are children.
+// Skips a node with this many entries, each a tile or a child. Returns the number of children.
 std::uint32_t skip_node(VdbCursor& cursor, const VdbValueLayout& layout, std::uint64_t entries) {
   const std::uint64_t mask_bytes = entries / 8;
   cursor.prepare(2 * mask_bytes + max_packed_bytes(entries, layout.value_size));
@@ -53,7 +53,7 @@ std::uint32_t skip_node(VdbCursor& cursor, const VdbValueLayout& layout, std::ui
   return count_bits(children);
 }
 
-// Everything above the leaves' contents. Returns how many leaves there are.
+// Skips everything before the leaves' contents. Returns the number of leaves.
 std::uint64_t skip_topology(VdbCursor& cursor, const VdbValueLayout& layout) {
   constexpr std::uint64_t kUpperEntries = 32 * 32 * 32;
   constexpr std::uint64_t kLowerEntries = 16 * 16 * 16;
@@ -92,7 +92,7 @@ void skip_leaves(VdbCursor& cursor, const VdbValueLayout& layout, LeafContents c
 }  // namespace
 
 void skip_vdb_tree(VdbCursor& cursor, const VdbGridRecord& grid) {
-  // For trees of the usual shape that is the type of the values alone.
+  // For trees of the usual configuration value_type is the plain type.
   const auto known = std::ranges::find(kTreeValues, std::string_view(grid.value_type), &TreeValues::type);
   if (known == kTreeValues.end() || !grid.tree_type.starts_with("Tree_")) {
     throw VdbUnsupported(fmt::format("nobody knows where a tree of {} ends", printable(grid.tree_type, 80)));

@@ -1,4 +1,4 @@
-// Passing over a grid's tree without unpacking it, in files that do not say where it ends.
+// Skips a grid's tree without decompressing it, in files that do not store its end.
 #pragma once
 
 #include "volume_io/vdb/vdb_cursor.hpp"
@@ -6,8 +6,8 @@
 
 namespace isoextract::volume_io {
 
-// The cursor is at the tree, and then behind it. Throws VdbDamaged, and VdbUnsupported for trees of a shape or of
-// values whose sizes are not known.
+// Moves the cursor from the start of the tree to its end. Throws VdbDamaged, and VdbUnsupported for trees whose
+// configuration or value size is unknown.
 void skip_vdb_tree(VdbCursor& cursor, const VdbGridRecord& grid);
 
 }  // namespace isoextract::volume_io

@@ -1,5 +1,5 @@
-// OpenVDB's maps. Each is a name and its members as doubles; the matrices multiply row vectors from the left, so row a
-// of a matrix is the image of axis a. The maps that scale store, besides the scale, four vectors that follow from it.
+// OpenVDB's maps. Each is stored as a name and its members as doubles. Matrices multiply row vectors, so row a of a
+// matrix is the image of axis a. Scale maps also store four vectors derived from the scale.
 #include "volume_io/vdb/vdb_transform.hpp"
 
 #include <array>
@@ -51,7 +51,7 @@ Frame read_linear_map(VdbCursor& cursor, const std::string& name) {
 VdbFrame read_vdb_transform(VdbCursor& cursor) {
   const std::string name = cursor.read_name();
   if (name == kFrustum) {
-    // A box of six doubles, taper and depth; then the map behind the frustum.
+    // A box of six doubles, taper and depth; then the frustum's linear map.
     static_cast<void>(cursor.take(8 * sizeof(double)));
     const std::string second = cursor.read_name();
     VdbFrame frame{read_linear_map(cursor, second), true};

@@ -1,4 +1,4 @@
-// The transform of a grid in a VDB file.
+// Reads the transform of a grid in a VDB file.
 #pragma once
 
 #include "volume_io/detail/placing.hpp"
@@ -7,12 +7,11 @@
 namespace isoextract::volume_io {
 
 struct VdbFrame : Frame {
-  bool is_frustum = false;  // a camera's view, which no linear map describes: one kind of `problem`
+  bool is_frustum = false;  // a camera's frustum, which no linear map describes; also sets `problem`
 };
 
-// Leaves the cursor behind the transform, where the grid's tree begins. Frustums and matrices without an inverse are
-// the frame's `problem`. Throws VdbDamaged, and VdbUnsupported for transforms of an unknown name: nobody knows where
-// those end.
+// Reads the transform and leaves the cursor at the grid's tree. Frustums and singular matrices set the frame's
+// `problem`. Throws VdbDamaged, and VdbUnsupported for unknown transforms, whose end cannot be found.
 [[nodiscard]] VdbFrame read_vdb_transform(VdbCursor& cursor);
 
 }  // namespace isoextract::volume_io

@@ -24,7 +24,7 @@ using LeafMask = std::array<std::uint64_t, 8>;
 
 auto by_place(const glm::ivec3& v) { return std::tuple(v.x, v.y, v.z); }
 
-// Calls use(i) for each bit that is on, in rising order.
+// Calls use(i) for each set bit in ascending order.
 template <std::size_t Words, class F>
 void for_each_bit(const std::array<std::uint64_t, Words>& mask, F&& use) {
   for (std::size_t word = 0; word < Words; ++word) {
@@ -41,7 +41,7 @@ std::array<std::uint64_t, Words> mask_words(std::span<const std::byte> mask) {
   return words;
 }
 
-// The box of the bits that are on, of which there is one at least.
+// Returns the box of the set bits; at least one must be set.
 field::IndexBox box_of(const LeafMask& mask) {
   field::IndexBox box{glm::ivec3(kLeafSize), glm::ivec3(0)};
   std::uint64_t rows = 0;  // bit y * 8 + z
@@ -102,7 +102,7 @@ class TopologyReader {
   }
 
  private:
-  // The walkers behind rely on whole multiples.
+  // Validates the position: iterators rely on multiples of the node size.
   glm::ivec3 read_root_place() {
     const auto place = cursor_.read_value<glm::ivec3>();
     for (int axis = 0; axis < 3; ++axis) {
@@ -114,14 +114,14 @@ class TopologyReader {
     return place;
   }
 
-  // The leaves' values follow in the order of places, whatever the order of the nodes above them.
+  // Leaf values are stored in the order of positions, so all nodes must be in that order.
   static void check_order(const glm::ivec3& before, const glm::ivec3& origin) {
     if (by_place(before) <= by_place(origin)) return;
     throw VdbDamaged(fmt::format("the node at ({}, {}, {}) comes after the one at ({}, {}, {})", origin.x, origin.y,
                                  origin.z, before.x, before.y, before.z));
   }
 
-  // Likewise on one more voxel all round.
+  // Leaves room for one more voxel on every side.
   static void check_range(const glm::ivec3& origin) {
     for (int axis = 0; axis < 3; ++axis) {
       if (origin[axis] >= -field::kMaxSparseIndex && origin[axis] < field::kMaxSparseIndex) continue;
@@ -129,7 +129,7 @@ class TopologyReader {
     }
   }
 
-  // A node of kSide^3 entries, each a tile or a child of kChildSize voxels a side.
+  // Reads a node of kSide^3 entries, each a tile or a child with kChildSize voxels per side.
   template <int kSide, int kChildSize>
   void read_node(const glm::ivec3& origin) {
     constexpr std::size_t kEntries = std::size_t{kSide} * kSide * kSide;
@@ -145,9 +145,8 @@ class TopologyReader {
     const auto place = [&](int i) {
       return origin + kChildSize * glm::ivec3(i / (kSide * kSide), i / kSide % kSide, i % kSide);
     };
-    // topologyUnion() of OpenVDB 3.0 left entries both active and children. They are children: the values that are
-    // stored for them fill places of the file and nothing else. They are no active tiles here, unlike in OpenVDB's own
-    // counts.
+    // topologyUnion() of OpenVDB 3.0 left entries that are both active tiles and children. They are children here, and
+    // the values stored for them are ignored. So active voxel counts can differ from OpenVDB's.
     std::array<std::uint64_t, kWords> tiles;
     std::array<std::uint64_t, kWords> active_tiles;
     for (std::size_t word = 0; word < kWords; ++word) {
@@ -198,8 +197,8 @@ class TopologyReader {
     whole = whole.empty() ? box : field::IndexBox{glm::min(whole.min, box.min), glm::max(whole.max, box.max)};
   }
 
-  // Room for one more element. Few bytes of a file can stand for many tiles: what a list grows to is reserved before it
-  // grows, beside what it has until then.
+  // Makes room for one more element. A few bytes in a file can describe many tiles, so growth is reserved first, in
+  // addition to the existing list.
   template <class T>
   void make_room(std::vector<T>& list, Reservation& memory) const {
     if (list.size() < list.capacity()) return;
@@ -219,10 +218,10 @@ class TopologyReader {
   VdbTopology topology_;
   field::SparseSamples& samples_ = topology_.samples;
   std::vector<glm::ivec3> root_places_;
-  std::vector<Value> values_;  // of the node that is read
+  std::vector<Value> values_;  // of the current node
 };
 
-// What a grid's samples point into, and what is reserved for them.
+// Owns the values of a grid's samples, with their reservations.
 template <class Value>
 struct TreeMemory {
   Buffer<Value> values;
@@ -231,9 +230,9 @@ struct TreeMemory {
   Reservation tiles_memory;
 };
 
-// Leaves that lie in one window of the file, in its order.
+// Consecutive leaves in one window of the file.
 struct LeafRun {
-  std::shared_ptr<const std::byte[]> window;  // what the leaves point into
+  std::shared_ptr<const std::byte[]> window;  // keeps alive the data of the leaves
   std::size_t first = 0;
   std::vector<VdbPackedValues> leaves;
 };

@@ -1,5 +1,5 @@
-// The tree of a scalar grid in a VDB file: a root with nodes of 32^3 nodes of 16^3 leaves of 8^3 values. First its
-// topology, masks and tiles, then the values of its leaves.
+// Reads the tree of a scalar grid in a VDB file: a root, upper nodes of 32^3 entries, lower nodes of 16^3 entries,
+// leaves of 8^3 values. The file stores first the topology, masks and tiles, then the values of the leaves.
 #pragma once
 
 #include <array>
@@ -15,28 +15,28 @@
 namespace isoextract::volume_io {
 
 struct VdbTopology {
-  field::SparseSamples samples;                     // blocks in the order of the file, without values; tiles
-  std::vector<std::array<std::uint64_t, 8>> masks;  // of the blocks: the active values
-  Reservation blocks_memory;                        // of samples.blocks
-  Reservation tiles_memory;                         // of samples.tiles
+  field::SparseSamples samples;                     // blocks in file order, without values; tiles
+  std::vector<std::array<std::uint64_t, 8>> masks;  // active masks of the blocks
+  Reservation blocks_memory;                        // for samples.blocks
+  Reservation tiles_memory;                         // for samples.tiles
   Reservation masks_memory;
 };
 
-// Where memory is reserved, and what messages call it.
+// Context for memory reservations, and names for messages.
 struct VdbTreeLimits {
   const Context& context;
   std::string file;
   std::string grid;
 };
 
-// The cursor is at the tree, and then where the leaves' values begin. Throws VdbDamaged, and VdbRefused before tiles
-// and blocks need more memory than there is. For float, double and int32_t.
+// Reads the topology; moves the cursor from the tree to the leaves' values. Throws VdbDamaged, and VdbRefused before
+// tiles and blocks need more memory than there is. For float, double and int32_t.
 template <class Value>
 [[nodiscard]] VdbTopology read_vdb_topology(VdbCursor& cursor, const VdbValueLayout& layout,
                                             const VdbTreeLimits& limits);
 
-// Fills the blocks, many at a time; after that they are sorted, and own their values and all that is reserved for them.
-// Throws as the topology does.
+// Reads the values of the blocks in parallel. The result is sorted and owns its values and reservations. Throws as
+// read_vdb_topology() does.
 template <class Value>
 [[nodiscard]] field::SparseSamples read_vdb_leaves(VdbCursor& cursor, const VdbValueLayout& layout,
                                                    const VdbTreeLimits& limits, VdbTopology topology);

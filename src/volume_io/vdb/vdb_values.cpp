@@ -13,15 +13,15 @@
 namespace isoextract::volume_io {
 namespace {
 
-// What the byte before a node's values says of the inactive ones.
+// The byte before a node's values: how inactive values are stored.
 enum InactiveCode : std::uint8_t {
   kBackground,            // all are the background
   kMinusBackground,       // all are its negative
   kOneValue,              // all are one value, which follows
-  kBothBackgrounds,       // a mask follows: the negative where it is off, the background where on
-  kOneValueOrBackground,  // a value and a mask follow: the value where it is off, the background where on
+  kBothBackgrounds,       // a mask follows: the negative background where off, the background where on
+  kOneValueOrBackground,  // a value and a mask follow: the value where off, the background where on
   kTwoValues,             // two values and a mask follow
-  kAllStored,             // they are among the stored values
+  kAllStored,             // they are stored with the others
 };
 
 std::size_t inactive_values(std::uint8_t code) {
@@ -33,12 +33,12 @@ bool has_selection(std::uint8_t code) {
   return code == kBothBackgrounds || code == kOneValueOrBackground || code == kTwoValues;
 }
 
-// OpenVDB's own compression never makes a chunk longer than this.
+// Longest chunk that OpenVDB's own compression makes.
 std::uint64_t max_chunk(std::uint64_t bytes) { return 2 * bytes + 512; }
 
 void expand_blosc(const VdbPackedValues& packed, std::span<std::byte> bytes) {
   std::size_t size = 0;
-  // blosc_decompress_ctx takes the lengths in the chunk's own header on trust.
+  // blosc_decompress_ctx trusts the lengths in the chunk's header.
   const bool sound = ::blosc_cbuffer_validate(packed.data.data(), packed.data.size(), &size) == 0;
   if (!sound || size != bytes.size()) {
     throw VdbDamaged(
@@ -79,7 +79,7 @@ Value negative(Value value) {
   }
 }
 
-// `from` may lie at the end of `to`: what is written never reaches what is still to be read.
+// `from` may be at the end of `to`: writes never overtake reads.
 template <class Value>
 void convert(const std::byte* from, std::size_t stored_size, std::span<Value> to) {
   if constexpr (std::is_floating_point_v<Value>) {
@@ -124,7 +124,8 @@ Inactive<Value> inactive_of(const VdbPackedValues& packed, Value background) {
   return inactive;
 }
 
-// Values from `from`, which may lie at the end of `values`, to where the mask is on; inactive ones to the other places.
+// Moves values from `from`, possibly at the end of `values`, to the active entries; fills the others with the inactive
+// values.
 template <class Value>
 void spread(const VdbPackedValues& packed, std::size_t stored_size, const std::byte* from,
             const Inactive<Value>& inactive, std::span<Value> values) {
@@ -178,10 +179,10 @@ VdbPackedValues take_values(VdbCursor& cursor, std::span<const std::byte> active
     packed.data = cursor.take(expected);
     return packed;
   }
-  // Nothing at all is written for no halves, unlike for no floats.
+  // For zero halves OpenVDB writes nothing, for zero floats it writes a size.
   if (packed.stored == 0 && layout.half()) return packed;
 
-  // Zero or less: so many bytes that are not compressed.
+  // Zero or negative: that many uncompressed bytes.
   const auto size = cursor.read_value<std::int64_t>();
   packed.compressed = size > 0;
   const std::uint64_t length =
@@ -197,7 +198,7 @@ VdbPackedValues take_values(VdbCursor& cursor, std::span<const std::byte> active
 template <class Value>
 void unpack_values(const VdbPackedValues& packed, const VdbValueLayout& layout, Value background,
                    std::span<Value> values) {
-  // Behind the places they will have, so that they can be moved there from front to back.
+  // Decompresses to the end of `values`, from where they can be moved forward in place.
   const std::span<std::byte> stored = std::as_writable_bytes(values).last(packed.stored * layout.stored_size);
   expand(packed, layout, stored);
   if (packed.stored == values.size()) {

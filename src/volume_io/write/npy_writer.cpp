@@ -9,7 +9,7 @@
 namespace isoextract::volume_io {
 
 std::string npy_header(const field::DenseSamples& samples) {
-  const std::string_view type = field::sample_type_name(samples.type);  // "u16"; NumPy counts bytes
+  const std::string_view type = field::sample_type_name(samples.type);  // "u16"; NumPy's size is in bytes
   const std::size_t size = field::sample_size(samples.type);
   const char order = size == 1 ? '|' : std::endian::native == std::endian::little ? '<' : '>';
   const glm::ivec3& dims = samples.dims;

@@ -30,7 +30,7 @@ std::string vector_text(const glm::dvec3& v) { return fmt::format("({},{},{})", 
 
 std::string nrrd_header(const field::ScalarField& field, const field::DenseSamples& samples) {
   const field::Affine& place = field.index_to_world;
-  // A line break would end the name.
+  // A line break would end the field.
   std::string name = field.name;
   std::ranges::replace_if(
       name, [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
