@@ -29,7 +29,7 @@ const ParticleFormat* particles_by_id(std::string_view id) {
   return nullptr;
 }
 
-// Where `only_tellable` is set, formats that their content would have told are passed over.
+// If `only_tellable` is set, skips formats that their content would have identified.
 const ParticleFormat* particles_by_extension(const std::filesystem::path& path, bool only_tellable) {
   std::string name = lower_case(path.filename().string());
   if (name.ends_with(".gz")) name.resize(name.size() - 3);
@@ -51,7 +51,7 @@ const ParticleFormat* particles_by_content(const files::InputFile& file, const P
   return nullptr;
 }
 
-// Null where the file is none of particles, as far as that shows.
+// Returns null if the file does not appear to hold particles.
 const ParticleFormat* format_of(const files::InputFile& file, const ParticleReadOptions& options, bool only_tellable) {
   if (options.format) {
     const ParticleFormat* format = particles_by_id(*options.format);
@@ -76,7 +76,7 @@ const ParticleFormat* format_of(const files::InputFile& file, const ParticleRead
       Hint(hint));
 }
 
-// Options that belong to some formats are an error for the others: they would do nothing, in silence.
+// Rejects options that have no effect on this format.
 void check_options(const files::InputFile& file, const ParticleFormatDescription& about,
                    const ParticleReadOptions& options) {
   const auto refuse = [&](std::string_view what, Hint hint) {
@@ -92,7 +92,7 @@ void check_options(const files::InputFile& file, const ParticleFormatDescription
     refuse("columns of x, y and z are for tables", "the file itself says which of its numbers are x, y and z");
 }
 
-// Calls work(file), which may throw, and gives what it returns. No exception gets further.
+// Calls work(file), which may throw, and returns its result. Catches all exceptions.
 template <class F>
 auto with_input(const std::string& input, const Context& context, F&& work)
     -> Result<decltype(work(std::declval<const files::InputFile&>()))> {

@@ -1,4 +1,4 @@
-// The one door to files of particles: which format an input is, what is in it, and reading it.
+// The entry point for reading particles: detects the format of an input, lists its contents, and reads it.
 #pragma once
 
 #include <cstdint>
@@ -13,43 +13,45 @@
 
 namespace isoextract::particle_io {
 
-// `input` is a path, or "-" for standard input. Files may be gzip. Failures are ErrorCode::input (unreadable, not what
-// the format asks for, no such frame, attribute or column; the hint lists what there is), ErrorCode::usage (options
-// that do not go with the format) or ErrorCode::unavailable (the plug-in of the format is missing or does not fit).
+// `input` is a path, or "-" for standard input. Files may be gzip. All functions fail with
+// - ErrorCode::input if the file is unreadable, damaged, or lacks the wanted frame, attribute or column; the hint lists
+//   the existing ones,
+// - ErrorCode::usage if options do not fit the format,
+// - ErrorCode::unavailable if the format's plug-in is missing or incompatible.
 
-// The format that an input would be read as: by ParticleReadOptions::format, by its content, or by its extension where
-// content tells nothing of a format. Nothing where it is none of particles, as far as that shows.
+// Returns the format that the input would be read as: by ParticleReadOptions::format, by content, or by extension for
+// formats that content does not identify. Returns nothing if it does not appear to hold particles.
 [[nodiscard]] Result<std::optional<ParticleFormatDescription>> detect_particles(const std::string& input,
                                                                                 const ParticleReadOptions& options,
                                                                                 const Context& context);
 
-// Reads headers, and text files from end to end where they do not say how much is in them.
+// Reads headers; reads text files completely if their header does not state their size.
 [[nodiscard]] Result<ParticleInfo> particle_info(const std::string& input, const ParticleReadOptions& options,
                                                  const Context& context);
 
 struct ParticleFile {
   points::ParticleSet particles;
-  std::string format;              // the id of one
-  std::string length_unit;         // of the positions, where the file says so
-  std::string time_step = {};      // the number that the file gives this frame; empty where it has none
-  std::string creator = {};        // as ScalarField::creator
-  std::vector<std::string> notes;  // what was left out, assumed, or taken otherwise than the file has it
+  std::string format;              // the format's id
+  std::string length_unit;         // of the positions; may be empty
+  std::string time_step = {};      // the frame's number in the file; may be empty
+  std::string creator = {};        // see ScalarField::creator
+  std::vector<std::string> notes;  // omissions, assumptions and changes made while reading
 };
 
-// Reads one frame; a file with several needs a choice. Positions are in the file's own coordinates, and may be NaN or
-// infinite where the file has that; a field that a table leaves empty is NaN. Its memory is reserved in the context,
-// and blocks of the file are on the way: never the file as a whole.
+// Reads one frame, which must be selected if there are several. Positions are in the file's coordinates and can be NaN
+// or infinite as in the file; an empty field of a table is NaN. Reserves memory in the context and reads the file in
+// blocks, never as a whole.
 [[nodiscard]] Result<ParticleFile> read_particles(const std::string& input, const ParticleReadOptions& options,
                                                   const Context& context);
 
 struct DescribedParticles {
   ParticleInfo info;
-  std::optional<std::int64_t> frame;  // that was read, where the file has several or one was asked for
+  std::optional<std::int64_t> frame;  // the frame that was read, if the file has several or one was selected
   ParticleFile file;
 };
 
-// Both at once, with one opening of the file: what is in it, and a frame with all attributes. It is the first one where
-// the options choose none.
+// Returns the contents of the file, and a frame with all attributes, after opening the file once. The frame is the
+// first one if none is selected.
 [[nodiscard]] Result<DescribedParticles> describe_particles(const std::string& input,
                                                             const ParticleReadOptions& options, const Context& context);
 

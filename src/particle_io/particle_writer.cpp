@@ -26,7 +26,7 @@ using points::ParticleAttribute;
 using points::ParticleSet;
 
 constexpr std::size_t kMostLetters = 40;
-constexpr std::size_t kMostAttributes = 100;  // headers stay short
+constexpr std::size_t kMostAttributes = 100;  // keeps headers short
 
 bool is_plain_name(const std::string& name) {
   return !name.empty() && name.size() <= kMostLetters &&
@@ -92,11 +92,11 @@ char* put_binary(char* out, const T* values, std::size_t count) {
   return out + count * sizeof(T);
 }
 
-// The longest are "-2.2250738585072014e-308" and "-1.17549435e-38".
+// Length of the longest numbers, "-2.2250738585072014e-308" and "-1.17549435e-38".
 template <class T>
 constexpr std::size_t kMostText = sizeof(T) == sizeof(double) ? 24 : 15;
 
-// With a blank after each.
+// Adds a space after each number.
 template <class T>
 char* put_text(char* out, const T* values, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
@@ -106,7 +106,7 @@ char* put_text(char* out, const T* values, std::size_t count) {
   return out;
 }
 
-// Particles [first, last), one after the other: position, then attributes.
+// Writes particles [first, last) one after another: position, then attributes.
 template <class PutDoubles, class PutFloats, class End>
 char* put_rows(const ParticleSet& particles, std::size_t first, std::size_t last, char* out,
                const PutDoubles& put_doubles, const PutFloats& put_floats, const End& end) {
@@ -136,7 +136,7 @@ Result<void> write_binary_rows(const ParticleSet& particles, files::OutputFile& 
 
 Result<void> write_text_rows(const ParticleSet& particles, files::OutputFile& file) {
   const std::size_t record = 3 * (kMostText<double> + 1) + floats_of(particles) * (kMostText<float> + 1);
-  // The last blank of a line becomes its end.
+  // Replaces the last space of a line by its end.
   const auto end_line = [](char* at) {
     at[-1] = '\n';
     return at;

@@ -1,4 +1,4 @@
-// The door for particles that are written: a set as one file, whole or not at all.
+// The entry point for writing particles: a set as one file, atomically.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,10 @@
 
 namespace isoextract::particle_io {
 
-// Positions are written as float64 and attributes as float32, so that read_particles() gives the same numbers again.
+// Writes positions as float64 and attributes as float32, so that read_particles() returns the same numbers.
 enum class ParticleFileFormat {
-  ply,  // binary: x, y, z; NAME, or NAME_x, NAME_y, NAME_z of three components, or NAME_0, NAME_1, ...
-  npy,  // a structured array: position (3), and each attribute with its components
+  ply,  // binary: x, y, z; NAME, or NAME_x, NAME_y, NAME_z for three components, or NAME_0, NAME_1, ...
+  npy,  // structured array: position (3), and each attribute with its components
   xyz,  // extended XYZ, text: pos, and each attribute
 };
 constexpr auto words_of(ParticleFileFormat /*type*/) {
@@ -22,13 +22,14 @@ constexpr auto words_of(ParticleFileFormat /*type*/) {
                     Word{ParticleFileFormat::xyz, "xyz"}};
 }
 
-// By the extension of a name, upper case or lower.
+// Returns the format for a file's extension, ignoring case.
 [[nodiscard]] std::optional<ParticleFileFormat> particle_file_format_by_path(const std::filesystem::path& path);
 
-// Gives the number of bytes; they do not depend on the number of threads. "-" is standard output. Fails with
-// ErrorCode::output where the file cannot be written, and for attributes whose names are anything else than A to Z, a
-// to z, digits and underscores, more than 40 of those, that of another one or that of the position, and for more than
-// 100 attributes.
+// Returns the number of bytes; the bytes do not depend on the number of threads. "-" is standard output. Fails with
+// ErrorCode::output if the file cannot be written, if there are more than 100 attributes, or if an attribute name
+// - has characters other than A to Z, a to z, digits and underscores,
+// - is longer than 40 characters,
+// - equals another attribute's name or that of the position.
 [[nodiscard]] Result<std::uint64_t> write_particles(const std::filesystem::path& path,
                                                     const points::ParticleSet& particles, ParticleFileFormat format);
 

@@ -48,8 +48,9 @@ constexpr auto words_of(AxisOrder /*type*/) {
   return std::array{Word{AxisOrder::zyx, "zyx"}, Word{AxisOrder::xyz, "xyz"}};
 }
 
-// The volume whose placement a second one takes. A file without spacing and origin gets the same placement if its
-// dimensions are the same; otherwise its placement follows from `spacing`.
+// The volume whose placement a second one takes. A file without spacing and origin is placed by `spacing` and `origin`
+// if `spacing` is given. Otherwise it takes this volume's transform, with `origin` if given, and must have the same
+// dimensions.
 struct VolumeBeside {
   std::string source;  // name for messages
   glm::ivec3 dims{0};  // 0 if sparse

@@ -38,8 +38,8 @@ Reservation ContentReader::reserve(std::uint64_t bytes, std::string_view what) c
   return must(file_.context().reserve(bytes, fmt::format("{}: {}", file_.name(), what)));
 }
 
-// More bytes behind those that are left, which move to the front of the buffer where there is no room. How many came; 0
-// at the end of the content.
+// Appends bytes to the unread ones, which move to the front of the buffer if there is no room. Returns the number of
+// new bytes; 0 at the end of the content.
 std::size_t ContentReader::refill() {
   if (at_end_) return 0;
   must(file_.context().check());
@@ -102,7 +102,7 @@ void ContentReader::go_to(const LinePlace& place, std::uint64_t expected) {
   at_end_ = taken_ >= file_.size();
   line_number_ = place.number;
   line_end_ = place.line_end;
-  // How lines end follows from a whole block.
+  // The line end is detected in a whole block.
   piece_ = place.line_end == 0 ? kMostBuffered
                                : std::clamp<std::uint64_t>(expected == 0 ? kLeastPiece : expected, 1, kMostBuffered);
 }

@@ -16,7 +16,7 @@ struct FramePlace {
   std::string carried;
 };
 
-// Places of the frames 0, stride, 2 stride, ...
+// Positions of the frames 0, stride, 2 stride, ...
 struct FramePlaces {
   std::uint64_t stride = 1;
   std::vector<FramePlace> places;
@@ -33,7 +33,7 @@ struct FramePlaces {
 
 struct Store {
   std::mutex mutex;
-  std::vector<std::pair<files::FileVersion, FramePlaces>> files;  // the one that was used last is the last
+  std::vector<std::pair<files::FileVersion, FramePlaces>> files;  // the most recently used one is last
 
   FramePlaces& of(const files::FileVersion& file) {
     const auto found = std::ranges::find(files, file, &std::pair<files::FileVersion, FramePlaces>::first);
@@ -64,7 +64,7 @@ std::uint64_t FrameIndex::go_to_nearest(ContentReader& content, std::uint64_t wa
   if (known.places.empty()) return 0;
   const std::size_t i = std::min<std::uint64_t>(wanted / known.stride, known.places.size() - 1);
   const FramePlace& place = known.places[i];
-  // As long as the frame is, or as the one before it was.
+  // Expects the frame's own length, or that of the one before.
   const std::size_t measured = i + 1 < known.places.size() ? i + 1 : i;
   content.go_to(place.at,
                 measured == 0 ? 0 : known.places[measured].at.position - known.places[measured - 1].at.position);

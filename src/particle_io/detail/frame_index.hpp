@@ -1,5 +1,5 @@
-// Where the frames of a text file begin, as far as earlier readings of the same file came, so that reading all of its
-// frames, one after the other, goes through it once and not once for each.
+// Caches where the frames of a text file begin, so that reading all its frames one after another is linear in the size
+// of the file.
 #pragma once
 
 #include <cstdint>
@@ -12,19 +12,19 @@
 
 namespace isoextract::particle_io {
 
-// Places are kept for the process, of the last few files and at most 65536 of each: of every frame, or in long files of
-// every second, fourth, ... one. A file is known again by its version; nothing is kept of one that was written to just
-// now (FileVersion::is_settled). Safe to use from several threads.
+// Keeps the positions for the life of the process, for the last few files and at most 65536 frames of each: of every
+// frame, or in long files of every second, fourth, ... one. Recognizes a file by its version; caches nothing for a file
+// that was just written to (FileVersion::is_settled). Safe to use from several threads.
 class FrameIndex {
  public:
   // Throws Refused.
   explicit FrameIndex(const files::InputFile& file);
 
-  // Moves the content to the last known frame up to `wanted` and returns its number: 0 at the start of the content.
-  // `carried` becomes what add() was given with it, and stays as it is at the start.
+  // Moves the content to the last cached frame up to `wanted` and returns its number; 0 is the start of the content.
+  // Sets `carried` to the value that add() got for it; leaves it unchanged at the start.
   std::uint64_t go_to_nearest(ContentReader& content, std::uint64_t wanted, std::string& carried) const;
 
-  // Notes that frame `number` begins where the content is; `carried` is what it takes over from the frames before it.
+  // Records that frame `number` begins at the content's position; `carried` is state inherited from earlier frames.
   void add(std::uint64_t number, const ContentReader& content, const std::string& carried) const;
 
  private:
@@ -32,8 +32,8 @@ class FrameIndex {
   bool is_settled_ = false;
 };
 
-// Goes through the frames from number `next` on and returns how many there are in all. `pass(number)` reads past one,
-// and is false where there is none. The last one counts where it is cut short: those before it can be read.
+// Counts all frames of a file, starting with number `next`. `pass(number)` skips one frame; it returns false if there
+// is none. A truncated last frame counts, as the others can be read.
 template <class Pass>
 std::uint64_t count_frames(std::uint64_t next, Pass&& pass) {
   try {

@@ -1,4 +1,4 @@
-// Numbers as binary files of particles hold them.
+// Number types of binary particle files.
 #pragma once
 
 #include <bit>
@@ -46,8 +46,7 @@ template <class Bits>
   return bits;
 }
 
-// Calls take(i, value as double) for `count` numbers that lie `stride` bytes apart, the first one at the start of
-// `bytes`.
+// Calls take(i, value as double) for `count` numbers, `stride` bytes apart from the start of `bytes`.
 template <class F>
 void for_each_number(NumberType type, std::endian endian, const std::byte* bytes, std::size_t stride, std::size_t count,
                      F&& take) {

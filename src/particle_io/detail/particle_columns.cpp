@@ -16,7 +16,7 @@
 namespace isoextract::particle_io {
 namespace {
 
-constexpr std::size_t kMostNamed = 100;  // columns or attributes that a message lists
+constexpr std::size_t kMostNamed = 100;  // longest list of columns or attributes in a message
 
 std::string column_list(const ParticleTable& table) {
   std::string list;
@@ -51,7 +51,7 @@ std::optional<std::size_t> find_column(const ParticleTable& table, std::string_v
   return std::nullopt;
 }
 
-// By its name, without regard to case where that finds nothing, or by its number.
+// Finds a column by name, then by name ignoring case, then by number.
 std::size_t named_column(const ParticleTable& table, const std::string& name) {
   if (const auto found = find_column(table, name)) return *found;
   for (std::size_t i = 0; i < table.columns.size(); ++i) {
@@ -64,10 +64,10 @@ std::size_t named_column(const ParticleTable& table, const std::string& name) {
                          fmt::format("it has {}: {}", table.columns.size(), column_list(table)));
 }
 
-// In this case only: px, py and pz are momenta.
+// Compared with case: px, py and pz are momenta.
 constexpr std::string_view kHoudiniPosition = "P";
 
-// The names of a position, the surest first.
+// Names of a position in order of preference.
 constexpr std::array<std::string_view, 14> kPositionNames{
     "x y z",      "position", "positions", "pos",      "points", "point",  "coordinates",
     "coordinate", "coords",   "coord",     "location", "centre", "center", kHoudiniPosition};
@@ -111,7 +111,7 @@ std::optional<ColumnGroup> find_attribute(const ParticleTable& table, const std:
   return std::nullopt;
 }
 
-// Throws where it is not made of numbers.
+// Throws if it is not numeric.
 void add_attribute(const ParticleTable& table, const ColumnGroup& attribute, ColumnChoice& choice) {
   check_numbers(table, attribute.columns, fmt::format("'{}'", printable(attribute.name, 80)),
                 "of numbers " + attribute_list(table, choice.position));
@@ -136,12 +136,12 @@ std::string_view without_spaces_behind(std::string_view text) {
   return text;
 }
 
-// Names of components: digits, and the letters of these. Colours are only named so in brackets: "Cd[r]".
+// Suffixes of components: digits or these letters. Colors only in brackets: "Cd[r]".
 enum class ComponentNames { digits, axes, colours };
 constexpr std::string_view kAxes = "xyz";
 constexpr std::string_view kColours = "rgba";
 
-// "vx" -> "v" and 0; "Points:2" -> "Points" and 2; "v[y]" -> "v" and 1. An empty stem is one of x, y and z alone.
+// "vx" -> "v" and 0; "Points:2" -> "Points" and 2; "v[y]" -> "v" and 1. The stem is empty for x, y and z alone.
 struct Component {
   std::string_view stem;
   std::size_t index;
@@ -173,8 +173,8 @@ std::optional<Component> component_of(std::string_view name) {
   return std::nullopt;
 }
 
-// How many components of one quantity start with the column `first`; 1 where that is no part of a tuple. `name_of`
-// gives the name of a column, empty behind the last.
+// Returns the number of components of the quantity that starts with column `first`; 1 if it is not part of a tuple.
+// `name_of` returns a column's name, empty after the last.
 template <class NameOf>
 std::size_t count_components(std::size_t first, const NameOf& name_of) {
   const auto start = component_of(name_of(first));
@@ -231,7 +231,7 @@ void make_group_names_unique(ParticleTable& table) {
 
 std::vector<NameAndUnit> split_units(std::span<const std::string_view> headers) {
   std::vector<NameAndUnit> split;
-  std::size_t components = 0;  // that are still to come of a tuple
+  std::size_t components = 0;  // remaining components of the current tuple
   for (std::size_t i = 0; i < headers.size(); ++i) {
     if (components == 0) {
       const std::size_t count = count_components(
@@ -241,7 +241,7 @@ std::vector<NameAndUnit> split_units(std::span<const std::string_view> headers) 
     const bool is_component = components > 0;
     if (is_component) --components;
     const auto brackets = split_brackets(headers[i]);
-    // A number in brackets counts components, and so does an axis: neither is a unit.
+    // A number or an axis in brackets counts components and is not a unit.
     if (is_component || !brackets || brackets->inside.find_first_not_of("0123456789") == std::string_view::npos ||
         (brackets->inside.size() == 1 && kAxes.find(lower_case(brackets->inside)) != std::string_view::npos)) {
       split.push_back({std::string(headers[i]), {}});

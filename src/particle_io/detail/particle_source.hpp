@@ -1,5 +1,5 @@
-// What the readers of particles share: how they fail, and what a format is to particle_reader.cpp. Within this room,
-// failures of theirs are exceptions: rows are read deep inside loops, and every value may be wrong.
+// Shared code of the particle readers: their exceptions, and the interface that particle_reader.cpp calls. Readers fail
+// by exceptions within this room, as any value deep inside a loop can be invalid.
 #pragma once
 
 #include <cstdint>
@@ -19,34 +19,34 @@
 
 namespace isoextract::particle_io {
 
-// A file that does not hold what it should: what was expected and what was found. Whoever calls a format puts the
-// file's name in front and makes an Error of ErrorCode::input of it.
+// The file is invalid; the message says what was expected and what was found. The caller of a format prepends the file
+// name and makes an ErrorCode::input error of it.
 struct DamagedParticles : std::runtime_error {
   explicit DamagedParticles(const std::string& message, Hint the_hint = {})
       : std::runtime_error(message), hint(std::move(the_hint)) {}
   Hint hint;
 };
 
-// The file ends within a frame, as a dump does whose simulation was ended.
+// The file ends within a frame, such as the dump of an interrupted simulation.
 struct CutShort : DamagedParticles {
   using DamagedParticles::DamagedParticles;
 };
 
-// Any other error, whole as it is.
+// Wraps any other error unchanged.
 struct Refused {
   Error error;
 };
 
-// The value of a result, or what is thrown instead.
+// Returns the value of a result or throws its error.
 template <class T>
 T must(Result<T> result) {
   if (!result) throw Refused{std::move(result.error())};
   if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
 
-// Formats live as long as the program, keep nothing of a file between calls but places (frame_index.hpp), and may be
-// used by several threads at once. Options were checked against the description. What is read counts in the context of
-// the file. They throw DamagedParticles, Refused and std::bad_alloc.
+// A format lives as long as the program, keeps nothing of a file between calls but frame positions (frame_index.hpp),
+// and is safe to use from several threads. Options have been checked against the description. Bytes read count in the
+// file's context. Throws DamagedParticles, Refused and std::bad_alloc.
 class ParticleFormat {
  public:
   explicit ParticleFormat(ParticleFormatDescription about) : about_(std::move(about)) {}
@@ -56,20 +56,20 @@ class ParticleFormat {
 
   [[nodiscard]] const ParticleFormatDescription& about() const { return about_; }
 
-  // Whether a file that starts so is one of particles in this format, beyond doubt.
+  // Returns whether the start of a file proves that it holds particles in this format.
   [[nodiscard]] virtual bool probe(const files::FileStart& /*start*/) const { return false; }
 
-  // Likewise, for formats of which the start of a file does not tell enough.
+  // Likewise, for formats that the start of a file does not identify.
   [[nodiscard]] virtual bool claims(const files::InputFile& /*file*/, const files::FileStart& start,
                                     const ParticleReadOptions& /*options*/) const {
     return probe(start);
   }
 
-  // All but ParticleInfo::format.
+  // Returns everything except ParticleInfo::format.
   [[nodiscard]] virtual ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const = 0;
-  // All but ParticleFile::format. Its set is labelled where the file's name is not enough.
+  // Returns everything except ParticleFile::format. Labels the set if the file's name is not enough.
   [[nodiscard]] virtual ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const = 0;
-  // Both, without those two; the frame and the attributes as describe_particles() has them.
+  // Returns both without these members; see describe_particles() for frame and attributes.
   [[nodiscard]] virtual DescribedParticles describe(const files::InputFile& file,
                                                     const ParticleReadOptions& options) const;
 
@@ -77,7 +77,7 @@ class ParticleFormat {
   ParticleFormatDescription about_;
 };
 
-// What describe() gives, where `read` gives a frame as read() does.
+// Implements describe(), given the result of info() and a function that reads a frame as read() does.
 [[nodiscard]] DescribedParticles describe_with(ParticleInfo info, const ParticleReadOptions& options,
                                                const std::function<ParticleFile(const ParticleReadOptions&)>& read);
 
@@ -88,13 +88,13 @@ class ParticleFormat {
 [[nodiscard]] const ParticleFormat& xyz_particles();
 [[nodiscard]] const ParticleFormat& csv_particles();
 
-// All formats, those of plug-ins last.
+// Returns all formats; plug-ins last.
 [[nodiscard]] const std::vector<const ParticleFormat*>& particle_formats();
 
-// For formats with frames that are found one after the other: whether a frame is the one that is asked for. Without a
-// choice it is the first, and whoever reads then looks whether it is the only one.
+// Returns the frame to read, for formats that find frames sequentially: the selected one or the first. Without a
+// selection the caller must then check that there is no second one.
 [[nodiscard]] std::uint64_t wanted_frame(const ParticleReadOptions& options);
-// Throws what is to be said of a frame that is not there, or of a missing choice.
+// Throws the error for a frame that does not exist or a missing selection.
 [[noreturn]] void refuse_frame(const ParticleReadOptions& options, std::uint64_t frames);
 
 }  // namespace isoextract::particle_io

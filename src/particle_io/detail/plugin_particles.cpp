@@ -45,7 +45,7 @@ class PluginParticles : public ParticleFormat {
     return opened.read(options);
   }
 
-  // With one worker.
+  // Uses one worker for both.
   [[nodiscard]] DescribedParticles describe(const files::InputFile& file,
                                             const ParticleReadOptions& options) const override {
     const OpenedFile opened(*this, file, options);
@@ -54,7 +54,7 @@ class PluginParticles : public ParticleFormat {
   }
 
  private:
-  // A file in the hands of the plug-in, and what it takes reserved meanwhile.
+  // A file opened with the plug-in, with a reservation for its memory.
   class OpenedFile {
    public:
     OpenedFile(const PluginParticles& format, const files::InputFile& file, const ParticleReadOptions& options)
@@ -64,7 +64,7 @@ class PluginParticles : public ParticleFormat {
                                "write the data to a file first");
       }
       const std::string what = file.name() + ": what the plug-in takes to read it";
-      // How much that is shows afterwards; until then the file's own size, twice.
+      // The size is known only later; until then reserves twice the size of the file.
       memory_ = must(
           file.context().reserve(checked_product(file.size(), std::uint64_t{2}).value_or(~std::uint64_t{0}), what));
       file.context().progress().begin("reading", 0);
@@ -88,7 +88,7 @@ class PluginParticles : public ParticleFormat {
       return info;
     }
 
-    // Once.
+    // Call once.
     [[nodiscard]] ParticleFile read(const ParticleReadOptions& options) const {
       const ColumnChoice choice = choose_columns(table_, options);
       std::string label = name_;
@@ -115,7 +115,7 @@ class PluginParticles : public ParticleFormat {
                                              printable(table_.columns[first].name, 80)));
         }
         const std::span<float> values = set.attributes[a].values.span();
-        if (group == table_.groups.begin()) {  // the position, of which plug-ins do not know as an attribute
+        if (group == table_.groups.begin()) {  // the position, which plug-ins do not list as an attribute
           float* to = values.data();
           for (const glm::dvec3& p : set.positions) {
             for (int axis = 0; axis < 3; ++axis) *to++ = static_cast<float>(p[axis]);
@@ -126,7 +126,7 @@ class PluginParticles : public ParticleFormat {
       }
     }
 
-    // After all that was asked for: what the plug-in has printed, as a note; may be empty.
+    // Call last. Returns the plug-in's output as a note; may be empty.
     [[nodiscard]] std::string finish() const {
       must(visit_->finish());
       const std::string printed = visit_->printed();
@@ -180,7 +180,7 @@ class VtkParticles final : public PluginParticles {
                          .from_standard_input = false},
                         std::move(folders)) {}
 
-  // Other kinds of data are volumes or tables.
+  // Other kinds of VTK data are volumes or tables.
   [[nodiscard]] bool probe(const files::FileStart& start) const override {
     if (start.packed) return false;
     const std::string_view text(reinterpret_cast<const char*>(start.bytes.data()), start.bytes.size());
@@ -190,7 +190,7 @@ class VtkParticles final : public PluginParticles {
   }
 };
 
-// Point grids. Which grids a file has is known without the plug-in.
+// OpenVDB's point grids. The list of grids is read without the plug-in.
 class OpenVdbParticles final : public PluginParticles {
  public:
   explicit OpenVdbParticles(plugin_host::PluginFolders folders)
@@ -201,7 +201,7 @@ class OpenVdbParticles final : public PluginParticles {
                          .from_standard_input = false},
                         std::move(folders)) {}
 
-  // A file of points alone; or the grid that is asked for, which a volume has no use for.
+  // Claims files that only have points, or whose selected grid is a point grid.
   [[nodiscard]] bool claims(const files::InputFile& file, const files::FileStart& start,
                             const ParticleReadOptions& options) const override {
     constexpr std::string_view kStart(" BDV\0\0\0\0", 8);

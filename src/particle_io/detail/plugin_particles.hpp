@@ -1,5 +1,5 @@
-// Formats of particles that plug-ins read (plugins/particle_plugin.h). Those of VTK and OpenVDB are known without
-// their plug-ins, so that their files can be told from others where those are missing.
+// Particle formats read by plug-ins (plugins/particle_plugin.h). VTK and OpenVDB are known without their plug-ins, so
+// that their files are recognized even if the plug-ins are missing.
 #pragma once
 
 #include <memory>
@@ -10,8 +10,8 @@
 
 namespace isoextract::particle_io {
 
-// VTK, OpenVDB, and what the tables in the folders say. Besides the errors of all formats theirs are
-// ErrorCode::unavailable (PluginLibrary::opened).
+// Makes the formats of VTK, OpenVDB, and the tables in the folders. They also fail with ErrorCode::unavailable (see
+// PluginLibrary::opened).
 [[nodiscard]] std::vector<std::unique_ptr<const ParticleFormat>> find_particle_plugins(
     const plugin_host::PluginFolders& folders);
 

@@ -17,7 +17,7 @@ namespace {
                              found, content.line_number()));
 }
 
-// Lines that a count in a text asks for: after how many of them the end of the work is asked about.
+// Calls use() for `count` lines; checks for cancellation at intervals.
 template <class Use>
 void for_each_row(ContentReader& content, std::uint64_t count, Use&& use) {
   for (std::uint64_t row = 0; row < count; ++row) {
@@ -40,7 +40,7 @@ std::optional<double> number_in(std::string_view word) {
   if (end != last) return std::nullopt;
   if (status == std::errc{}) return value;
   if (status != std::errc::result_out_of_range) return std::nullopt;
-  // A wider type tells on which side of double's range it is, and beyond that the exponent.
+  // A wider type shows whether the number is too large or too small for double; beyond its range the exponent does.
   long double wide = 0;
   if (std::from_chars(word.data(), last, wide).ec != std::errc{}) {
     const std::size_t exponent = word.find_first_of("eE");

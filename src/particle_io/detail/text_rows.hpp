@@ -1,4 +1,4 @@
-// Rows of a text file: words and numbers of a line, and from there into a set of particles.
+// Parses rows of text files: splits lines into words and numbers and delivers them to a particle set.
 #pragma once
 
 #include <cstddef>
@@ -12,13 +12,13 @@
 
 namespace isoextract::particle_io {
 
-// The whole of `word` as a number, NaN and infinities among them. One too small for double is 0, one too large
-// infinite.
+// Parses all of `word` as a number, also NaN and infinity. Returns 0 for numbers too small for double, infinity for
+// numbers too large.
 [[nodiscard]] std::optional<double> number_in(std::string_view word);
 [[nodiscard]] std::optional<std::uint64_t> whole_number_in(std::string_view word);
 
-// Numbers whose decimals have a point or a comma, whichever the first one has: spreadsheets write commas in some
-// languages. Nothing for a number with the other mark or with both, which may be a thousands separator.
+// Parses numbers with a decimal point or comma, whichever the first one uses: some languages write commas. Returns
+// nothing for a number with the other mark or with both, which may be a thousands separator.
 class DecimalReader {
  public:
   [[nodiscard]] std::optional<double> number(std::string_view word);
@@ -26,31 +26,30 @@ class DecimalReader {
   [[nodiscard]] bool found_commas() const { return mark_ == ','; }
 
  private:
-  char mark_ = '\0';  // none so far
+  char mark_ = '\0';  // 0 until the first one is found
 };
 
-// Words with spaces and tabs between them; what is beyond kMostColumns of them is one word.
+// Splits at spaces and tabs; everything after kMostColumns words is one word.
 void split_words(std::string_view line, std::vector<std::string_view>& words);
 
-// The words of a line that must have that many of them. Throws DamagedParticles.
+// Splits a line that must have `count` words. Throws DamagedParticles.
 void words_of_row(const ContentReader& content, std::string_view line, std::size_t count,
                   std::vector<std::string_view>& words);
 
-// The numbers of a row, for particle `particle`. An empty field is NaN. Decimals have points unless `decimals` reads
-// them. Throws DamagedParticles.
+// Delivers the numbers of a row to particle `particle`. An empty field is NaN. Without `decimals`, only decimal points
+// are accepted. Throws DamagedParticles.
 void put_row(const ContentReader& content, const ParticleTable& table, std::span<const std::string_view> fields,
              std::size_t particle, std::span<const ColumnSink> sinks, DecimalReader* decimals = nullptr);
 
-// The next `count` lines as rows of words. Throws DamagedParticles where the text ends before.
+// Reads the next `count` lines as rows of words. Throws DamagedParticles if the text ends before.
 void read_rows(ContentReader& content, const ParticleTable& table, std::uint64_t count,
                std::span<const ColumnSink> sinks);
-// Past the next `count` lines, likewise.
+// Skips the next `count` lines. Throws DamagedParticles if the text ends before.
 void skip_rows(ContentReader& content, std::uint64_t count);
 
-// Says of columns whose field in this row, the first one, is no number that they are text. `commas`: decimals may have
-// commas.
+// Marks columns as text whose field in the first row is not a number. `commas`: accepts decimal commas.
 void look_for_text(ParticleTable& table, std::span<const std::string_view> fields, bool commas = false);
-// The same for the row of words that is the next line.
+// Does the same for the next line, split into words.
 void look_for_text_ahead(ContentReader& content, ParticleTable& table);
 
 }  // namespace isoextract::particle_io

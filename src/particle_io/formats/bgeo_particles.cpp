@@ -1,5 +1,5 @@
-// Points of Houdini's geometry files: BGEO as Houdini wrote it before version 12 and other programs still do ("BgeoV",
-// big-endian), and what came after it (houdini_geometry). Both may be gzip.
+// Points of Houdini's geometry files: the BGEO format before version 12, still written by other programs ("BgeoV",
+// big-endian), and its successor (houdini_geometry). Both may be gzip.
 #include <algorithm>
 #include <bit>
 
@@ -15,7 +15,7 @@ namespace isoextract::particle_io {
 namespace {
 
 constexpr std::string_view kBgeoMagic = "BgeoV";
-constexpr std::size_t kMostNameBytes = 1024;  // bytes; Houdini's own names are far shorter
+constexpr std::size_t kMostNameBytes = 1024;  // Houdini's own names are far shorter
 
 std::uint32_t bgeo_whole(ContentReader& content, std::size_t bytes, std::string_view what) {
   std::uint32_t value = 0;
@@ -23,7 +23,7 @@ std::uint32_t bgeo_whole(ContentReader& content, std::size_t bytes, std::string_
   return value;
 }
 
-// A size or a number of things.
+// Reads a size or a count.
 std::uint32_t bgeo_count(ContentReader& content, std::string_view what) {
   const std::uint32_t value = bgeo_whole(content, 4, what);
   if (value > 0x7fffffff) {
@@ -46,7 +46,7 @@ struct BgeoFile {
   std::vector<std::string> notes;
 };
 
-// What an attribute of points is, and its default; it adds its columns and their places in a record.
+// Reads the definition of a point attribute and its default; adds its columns and their places in a record.
 void read_bgeo_attribute(ContentReader& content, BgeoFile& bgeo) {
   const std::string name = bgeo_text(content, "the name of an attribute");
   if (name.size() > kMostNameBytes) {
@@ -57,7 +57,7 @@ void read_bgeo_attribute(ContentReader& content, BgeoFile& bgeo) {
   const std::uint32_t type = bgeo_whole(content, 4, "the type of an attribute");
   constexpr std::uint32_t kFloat = 0;
   constexpr std::uint32_t kInteger = 1;
-  constexpr std::uint32_t kIndex = 4;  // of a text
+  constexpr std::uint32_t kIndex = 4;  // index of a text
   constexpr std::uint32_t kVector = 5;
   if (type != kFloat && type != kInteger && type != kIndex && type != kVector) {
     throw DamagedParticles(
@@ -74,7 +74,7 @@ void read_bgeo_attribute(ContentReader& content, BgeoFile& bgeo) {
     content.skip(4 * size, "the default of an attribute");
   }
   const bool is_whole = type == kInteger || type == kIndex;
-  // Houdini takes vectors for normals by the name N alone.
+  // By Houdini's convention, vectors named N are normals.
   const std::optional<AttributeKind> kind =
       type != kVector ? std::nullopt : std::optional(name == "N" ? AttributeKind::normal : AttributeKind::vector);
   add_tuple(bgeo.table, name, type == kIndex ? "text" : is_whole ? "i32" : "f32", size, type != kIndex, kind);
@@ -84,7 +84,7 @@ void read_bgeo_attribute(ContentReader& content, BgeoFile& bgeo) {
   }
 }
 
-// Up to the first point.
+// Reads up to the first point.
 BgeoFile read_bgeo_header(ContentReader& content) {
   static_cast<void>(content.take(kBgeoMagic.size(), "the magic"));
   const std::uint32_t version = bgeo_whole(content, 4, "the version");
@@ -101,7 +101,7 @@ BgeoFile read_bgeo_header(ContentReader& content) {
   if (primitives > 0) {
     bgeo.notes.push_back(fmt::format("{} primitives were left out, their points were read", primitives));
   }
-  // The fourth number of a position is its weight in a spline.
+  // The fourth number of a position is its spline weight.
   add_tuple(bgeo.table, "position", "f32", 3);
   bgeo.table.position = {0, 1, 2};
   for (std::size_t i = 0; i < 3; ++i) bgeo.layout.fields.push_back({NumberType::f32, 4 * i, std::endian::big});
@@ -154,7 +154,7 @@ class BgeoParticles final : public ParticleFormat {
     return files::starts_with(start, kHoudiniMagicLittle) || files::starts_with(start, kHoudiniMagicBig);
   }
 
-  // Throws where the content is of neither kind.
+  // Throws if the content has neither format.
   static bool is_newer(const files::InputFile& file) {
     const auto start = must(files::first_bytes(file, 16));
     if (is_houdini(start)) return true;

@@ -1,8 +1,9 @@
-// Tables as text: a line of names and a line a particle, or the latter alone. Fields are separated by commas,
-// semicolons, tabs, bars or spaces, and may be in quotes (RFC 4180, but a quoted field ends in its line). Lines that
-// start with '#' are comments, and so is "sep=;", which tells spreadsheets the separator; decimals may have commas
-// where fields are not separated by them. Of a table without names, the last comment before it may hold them, as
-// NumPy's savetxt writes it.
+// Text tables: a line per particle, with or without a line of names before them.
+// - Fields are separated by commas, semicolons, tabs, bars or spaces. They may be quoted (RFC 4180, but a quoted field
+//   may not contain a line end).
+// - Lines that start with '#' are comments, and so is "sep=;", which gives spreadsheets the separator.
+// - Numbers may have decimal commas if the separator is not a comma.
+// - Without a line of names, the last comment before the table may contain them, as NumPy's savetxt writes it.
 #include <algorithm>
 #include <deque>
 #include <optional>
@@ -16,7 +17,7 @@
 namespace isoextract::particle_io {
 namespace {
 
-constexpr char kWords = ' ';  // fields are words
+constexpr char kWords = ' ';  // separator of fields that are words
 
 bool is_space(char c) { return c == ' ' || c == '\t'; }
 
@@ -33,14 +34,14 @@ bool is_comment(std::string_view line) {
   return text.starts_with('#') || (text.starts_with("sep=") && text.size() <= 5);
 }
 
-// Splits lines into fields. Those in quotes that hold a doubled one are kept here, as the line has them otherwise.
+// Splits lines into fields. Stores unescaped copies of fields with doubled quotes; the others are views of the line.
 class FieldSplitter {
  public:
   explicit FieldSplitter(char delimiter) : delimiter_(delimiter) {}
 
   [[nodiscard]] char delimiter() const { return delimiter_; }
 
-  // False where a quote does not end. What is beyond kMostColumns of them is not split.
+  // Returns false if a quote does not end. Everything after kMostColumns fields is not split.
   bool split(std::string_view line, std::vector<std::string_view>& fields) {
     unescaped_.clear();
     if (delimiter_ == kWords && line.find('"') == std::string_view::npos) {
@@ -100,18 +101,18 @@ class FieldSplitter {
   }
 
   char delimiter_;
-  std::deque<std::string> unescaped_;  // which stay where they are
+  std::deque<std::string> unescaped_;  // a deque keeps views of its elements valid
 };
 
 struct CsvFile {
   char delimiter = ',';
   ParticleTable table;
   std::uint64_t rows = 0;
-  std::uint64_t header_line = 0;  // the number of the line with names, where it is none of a comment; 0: none
+  std::uint64_t header_line = 0;  // number of the line with names, unless it is a comment; 0: none
   std::vector<std::string> notes;
 };
 
-// A number among them tells that they are values: a particle taken for names would be lost in silence.
+// Returns whether the fields are names: a line with a number has values, and would otherwise be lost as a particle.
 bool are_names(std::span<const std::string_view> fields, char delimiter) {
   const auto is_number = [&](std::string_view field) {
     return delimiter == ',' ? number_in(field).has_value() : DecimalReader().number(field).has_value();
@@ -124,7 +125,7 @@ std::string_view without_utf8_mark(std::string_view line) {
   return line.starts_with("\xEF\xBB\xBF") ? line.substr(3) : line;
 }
 
-// The first delimiter that makes as many fields, three at least, of the first line as of the next one.
+// Returns the first delimiter that splits both lines into the same number of fields, at least three.
 std::optional<char> find_delimiter(std::string_view first, const std::optional<std::string>& second) {
   std::vector<std::string_view> fields;
   for (const char delimiter : {'\t', ';', ',', '|', kWords}) {
@@ -145,7 +146,7 @@ void name_columns(CsvFile& csv, std::span<const std::string_view> names) {
   }
 }
 
-// Names of a table without a line of them: from the comment before it, or numbers.
+// Names the columns of a table without names: from the comment before it, or by number.
 void name_columns_of_values(CsvFile& csv, const std::string& comment, std::size_t count) {
   std::vector<std::string_view> names;
   FieldSplitter splitter(csv.delimiter);
@@ -163,7 +164,7 @@ void name_columns_of_values(CsvFile& csv, const std::string& comment, std::size_
   }
 }
 
-// Looks at the whole file: what its columns are, and how many rows it has.
+// Reads the whole file to find its columns and the number of rows.
 CsvFile survey_csv(const files::InputFile& file) {
   ContentReader content(file);
   CsvFile csv;
@@ -216,7 +217,7 @@ CsvFile survey_csv(const files::InputFile& file) {
   return csv;
 }
 
-// Returns whether decimals have commas.
+// Returns whether numbers have decimal commas.
 bool read_csv_rows(ContentReader& content, const CsvFile& csv, std::span<const ColumnSink> sinks) {
   DecimalReader decimals;
   DecimalReader* const commas = csv.delimiter == ',' ? nullptr : &decimals;
@@ -233,7 +234,7 @@ bool read_csv_rows(ContentReader& content, const CsvFile& csv, std::span<const C
     if (content.line_number() == csv.header_line || is_blank(line) || is_comment(line)) continue;
     if (row == csv.rows) changed();
     if (!splitter.split(line, fields)) content.expected("fields whose quotes end in their line", line);
-    // A delimiter at the end of a line makes one empty field more.
+    // A delimiter at the end of a line adds an empty field.
     const bool ends_with_one = fields.size() == columns + 1 && fields.back().empty();
     if (fields.size() != columns && !ends_with_one) {
       content.expected(fmt::format("{} fields, not {}", columns, fields.size()), line);

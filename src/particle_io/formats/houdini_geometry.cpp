@@ -1,6 +1,6 @@
-// An attribute is [definition, values]; numbers are in "tuples", in "arrays" of one component each, or in
-// "rawpagedata": the elements page by page, in each page one sub-vector of the components after the other ("packing"),
-// as one tuple where "constantpageflags" says that it is the same in all of the page.
+// An attribute is [definition, values]. Its numbers are stored in one of three forms: "tuples", "arrays" of one
+// component each, or "rawpagedata". The last form stores pages of elements; each page has one block per sub-vector of
+// components ("packing"). A block is a single tuple if "constantpageflags" marks it as constant.
 #include "particle_io/formats/houdini_geometry.hpp"
 
 #include <algorithm>
@@ -18,11 +18,11 @@ namespace isoextract::particle_io {
 namespace {
 
 constexpr std::uint64_t kMostComponents = 1024;
-constexpr std::uint64_t kMostPage = 65536;  // elements; Houdini has 1024
+constexpr std::uint64_t kMostPage = 65536;  // elements; Houdini uses 1024
 constexpr std::size_t kMostNamesOfMap = 256;
 
-// Calls use(name, first token of the value), which takes the value, for each pair of an array or a map. Refuses
-// repeated names: a second "pointcount" would hold for some of the attributes only.
+// Calls use(name, first token of the value) for each pair of an array or a map; use() must consume the value. Rejects
+// repeated names, as a second "pointcount" would apply to only some of the attributes.
 template <class F>
 void each_pair(HoudiniJson& json, const JsonToken& first, F&& use) {
   if (first.kind != JsonToken::Kind::begin) json.expected("an array of names and values");
@@ -49,7 +49,7 @@ std::uint64_t whole_of(HoudiniJson& json, const JsonToken& token, std::string_vi
   return static_cast<std::uint64_t>(token.number);
 }
 
-// Where the numbers of an attribute go, in the order in which they come.
+// Delivers the numbers of an attribute in the order in which they arrive.
 class AttributeSinks {
  public:
   AttributeSinks(std::uint64_t points, std::uint64_t size, std::span<const ColumnSink> sinks, std::size_t first_column)
@@ -75,14 +75,14 @@ class AttributeSinks {
   std::vector<std::vector<ColumnSink>> components_;
 };
 
-// Pages of an attribute, walked as its numbers come.
+// Tracks the position within an attribute's pages while its numbers arrive.
 class PageWalk {
  public:
   PageWalk(const AttributeSinks& sinks, std::uint64_t page, std::vector<std::uint64_t> packing,
            const std::vector<std::vector<bool>>& constant)
       : sinks_(sinks), page_(page), packing_(std::move(packing)), constant_(constant) {}
 
-  // False where there are more numbers than there should be.
+  // Returns false if there are too many numbers.
   bool take(double value) {
     if (done()) return false;
     const std::uint64_t in_page = std::min(page_, sinks_.points() - first_);
@@ -106,25 +106,25 @@ class PageWalk {
  private:
   const AttributeSinks& sinks_;
   std::uint64_t page_;
-  std::vector<std::uint64_t> packing_;  // components of each sub-vector
+  std::vector<std::uint64_t> packing_;  // number of components of each sub-vector
   const std::vector<std::vector<bool>>& constant_;
-  std::uint64_t first_ = 0;  // element of the page
+  std::uint64_t first_ = 0;  // first element of the page
   std::uint64_t page_number_ = 0;
-  std::size_t part_ = 0;         // sub-vector
-  std::uint64_t before_ = 0;     // components of those before it
-  std::uint64_t element_ = 0;    // in the page
-  std::uint64_t component_ = 0;  // in the sub-vector
+  std::size_t part_ = 0;         // index of the sub-vector
+  std::uint64_t before_ = 0;     // components of the sub-vectors before
+  std::uint64_t element_ = 0;    // within the page
+  std::uint64_t component_ = 0;  // within the sub-vector
 };
 
-// What is said of the pages before their data.
+// The layout of the pages, read before their data.
 struct Paging {
   std::uint64_t page = 0;
   std::vector<std::uint64_t> packing;
-  std::vector<std::vector<bool>> constant;  // of each sub-vector, of each page
+  std::vector<std::vector<bool>> constant;  // per sub-vector and page
   std::vector<Reservation> memory;          // for the flags of each sub-vector
 };
 
-// A packed file can have any number of flags.
+// A compressed file can contain any number of flags, so memory is reserved for them.
 void read_constant_flags(HoudiniJson& json, const JsonToken& first, std::uint64_t points, Paging& paging) {
   if (first.kind != JsonToken::Kind::begin) json.expected("an array of flags of pages");
   const std::uint64_t pages = paging.page == 0 ? points : (points + paging.page - 1) / paging.page;
@@ -158,7 +158,7 @@ void read_pages(HoudiniJson& json, const JsonToken& first, Paging& paging, const
   if (!walk.done()) json.expected("more data of pages");
 }
 
-// Numbers that all are there: element by element, or component by component.
+// Reads numbers without constant pages: element by element, or component by component.
 void read_all_numbers(HoudiniJson& json, const JsonToken& first, bool by_component, const AttributeSinks& sinks) {
   std::uint64_t taken = 0;
   const std::uint64_t all = checked_product(sinks.points(), sinks.size()).value_or(0);
@@ -172,7 +172,7 @@ void read_all_numbers(HoudiniJson& json, const JsonToken& first, bool by_compone
   if (taken != all) json.expected("more numbers of an attribute");
 }
 
-// The value of "values".
+// Reads the value of "values".
 void read_attribute_numbers(HoudiniJson& json, const JsonToken& first, const AttributeSinks& sinks) {
   Paging paging;
   bool found = false;
@@ -205,7 +205,7 @@ void read_attribute_numbers(HoudiniJson& json, const JsonToken& first, const Att
   if (!found) json.expected("the values of an attribute");
 }
 
-// The value of "options": names, and maps of a type and a value each.
+// Reads the value of "options": names with maps of a type and a value.
 void read_attribute_options(HoudiniJson& json, const JsonToken& first, HoudiniAttribute& attribute) {
   each_pair(json, first, [&](const std::string& name, const JsonToken& value) {
     if (name != "type" || value.kind != JsonToken::Kind::begin) {
@@ -227,12 +227,12 @@ std::optional<AttributeKind> kind_of(const HoudiniAttribute& attribute) {
   return std::nullopt;
 }
 
-// What the second walk has to find again, and where the numbers of attributes go: sinks are sorted by column.
+// State of the second pass: the result of the first, and the sinks for the numbers, sorted by column.
 struct SecondWalk {
   const HoudiniFile& first;
   std::span<const ColumnSink> sinks;
 
-  // The sinks of an attribute whose first component is column `first_column`.
+  // Returns the sinks of an attribute whose first component is column `first_column`.
   [[nodiscard]] std::span<const ColumnSink> sinks_of(std::size_t first_column, std::uint64_t components) const {
     const auto begin = std::ranges::lower_bound(sinks, first_column, {}, &ColumnSink::column);
     const auto end = std::ranges::lower_bound(sinks, first_column + components, {}, &ColumnSink::column);
@@ -248,8 +248,8 @@ void expect_unchanged(bool same, std::string_view what) {
   }
 }
 
-// Reads one attribute of points. In the second walk, `expected` is the attribute that the first one found here, and
-// `sinks` take its numbers.
+// Reads one point attribute. In the second pass, `expected` is the attribute found here by the first pass, and `sinks`
+// receive its numbers.
 HoudiniAttribute read_attribute(HoudiniJson& json, const JsonToken& first, std::uint64_t points,
                                 const HoudiniAttribute* expected, std::span<const ColumnSink> sinks,
                                 std::size_t first_column) {
@@ -277,19 +277,19 @@ HoudiniAttribute read_attribute(HoudiniJson& json, const JsonToken& first, std::
   });
   if (json.next().kind != JsonToken::Kind::end) json.expected("the end of an attribute");
   if (expected != nullptr) expect_unchanged(attribute == *expected, "an attribute");
-  // Memory of particles is not cleared: what is not read would be whatever it held before.
+  // The particles' memory is not initialized, so missing values would be undefined.
   if (!sinks.empty() && !has_values) {
     json.expected(fmt::format("the values of the attribute '{}'", printable(attribute.name, 80)));
   }
   return attribute;
 }
 
-// One at least: attributes are counted by their columns.
+// At least one column, as attributes are counted by columns.
 std::size_t columns_of(const HoudiniAttribute& attribute) {
   return attribute.type == "numeric" ? std::max<std::size_t>(1, static_cast<std::size_t>(attribute.size)) : 1;
 }
 
-// Walks through the whole file; the first time without `second`, for what is in it.
+// Reads the whole file. The first pass, without `second`, finds its contents.
 HoudiniFile walk_houdini(ContentReader& content, const SecondWalk* second) {
   HoudiniJson json(content);
   HoudiniFile found;
@@ -385,7 +385,7 @@ ParticleFile read_houdini(const files::InputFile& file, const HoudiniFile& surve
                           const ParticleReadOptions& options) {
   const ColumnChoice choice = choose_columns(houdini_table(surveyed), options);
   ContentReader content(file);
-  // A page of P is one tuple at least.
+  // Each page of P has at least one tuple.
   check_count(content, (surveyed.points + kMostPage - 1) / kMostPage, 3);
   ParticleFile result;
   result.particles = make_particles(file.context(), file.name(), surveyed.points, choice);

@@ -1,4 +1,4 @@
-// Points of Houdini's geometry files since version 12: arrays of names and values in binary JSON.
+// Reads points of Houdini's geometry files since version 12: arrays of names and values in binary JSON.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace isoextract::particle_io {
 
-// ScalarField::creator of files in Houdini's formats that do not say that Houdini made them.
+// ScalarField::creator for files that do not name the program, although other programs write these formats too.
 inline constexpr const char* kHoudiniFormat = "Houdini's format";
 
 struct HoudiniAttribute {
@@ -26,18 +26,18 @@ struct HoudiniAttribute {
 struct HoudiniFile {
   std::uint64_t points = 0;
   std::uint64_t primitives = 0;
-  std::string software;                      // that wrote it: "Houdini 18.0.499"; may be empty
+  std::string software;                      // program that wrote the file: "Houdini 18.0.499"; may be empty
   std::vector<HoudiniAttribute> attributes;  // of points
   std::vector<std::string> notes;
   files::FileVersion version;
 };
 
-// All of these throw DamagedParticles and Refused.
+// All functions throw DamagedParticles and Refused.
 
-// Walks through the whole file for counts and attributes, without their numbers.
+// Reads the whole file for its counts and attributes, without their numbers.
 [[nodiscard]] HoudiniFile survey_houdini(const files::InputFile& file);
 
-// As ParticleFormat::info and read. The numbers are read in a second walk, which must find what the survey found.
+// As ParticleFormat::info and read. Reads the numbers in a second pass, which must find the same attributes.
 [[nodiscard]] ParticleInfo houdini_info(const files::InputFile& file, const ParticleReadOptions& options);
 [[nodiscard]] ParticleFile read_houdini(const files::InputFile& file, const HoudiniFile& surveyed,
                                         const ParticleReadOptions& options);

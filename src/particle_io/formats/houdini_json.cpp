@@ -103,7 +103,7 @@ JsonToken HoudiniJson::uniform_array() {
   JsonToken token;
   const auto code = static_cast<unsigned>(whole(1));
   token.count = length();
-  std::uint64_t least = token.count;  // bytes that the elements need
+  std::uint64_t least = token.count;  // fewest bytes that the elements need
   if (const auto type = number_of_code(code)) {
     token.kind = JsonToken::Kind::numbers;
     token.type = *type;

@@ -1,5 +1,5 @@
-// Houdini's binary JSON (SideFX Houdini Development Kit, UT_JSONDefines.h): a stream of tokens, each one byte and what
-// belongs to it, in the byte order that the magic tells.
+// Houdini's binary JSON (SideFX Houdini Development Kit, UT_JSONDefines.h): a stream of tokens, each a byte and its
+// data, in the byte order given by the signature.
 #pragma once
 
 #include <algorithm>
@@ -23,10 +23,10 @@ inline constexpr std::string_view kHoudiniMagicBig(
 struct JsonToken {
   enum class Kind { null, number, text, begin, end, numbers, bits, texts, names, finished };
   Kind kind = Kind::null;             // begin and end: of an array or a map
-  double number = 0;                  // of a number; a truth value is 0 or 1
-  std::string text;                   // of a text, or as much of it as kMostText
-  std::uint64_t count = 0;            // of the elements of a uniform array, which follow
-  NumberType type = NumberType::f64;  // of its numbers
+  double number = 0;                  // of number tokens; booleans are 0 or 1
+  std::string text;                   // of text tokens, truncated to kMostText
+  std::uint64_t count = 0;            // of uniform arrays: number of elements that follow
+  NumberType type = NumberType::f64;  // of uniform arrays: type of the elements
 };
 
 // Throws DamagedParticles and Refused.
@@ -34,15 +34,15 @@ class HoudiniJson {
  public:
   static constexpr std::size_t kMostText = 4096;
 
-  // Past the magic.
+  // Consumes the signature.
   explicit HoudiniJson(ContentReader& content);
 
-  // Elements of a uniform array are to be read before the next token.
+  // Returns the next token. Elements of a uniform array must be read before.
   [[nodiscard]] JsonToken next();
-  // Past all of the value that `first` begins.
+  // Skips the rest of the value that starts with `first`.
   void skip_value(const JsonToken& first);
 
-  // All numbers of the value that `first` begins, however deep in arrays, in their order: take(value).
+  // Calls take(value) for all numbers of the value that starts with `first`, in order, at any depth of nested arrays.
   template <class F>
   void each_number(const JsonToken& first, F&& take) {
     std::uint64_t depth = 0;
@@ -79,7 +79,7 @@ class HoudiniJson {
     }
   }
 
-  // In words of 32, the lowest bit first.
+  // Bits are stored in 32-bit words, the lowest bit first.
   template <class F>
   void uniform_bits(std::uint64_t count, F&& take) {
     for (std::uint64_t i = 0; i < count; i += 32) {
@@ -97,7 +97,7 @@ class HoudiniJson {
 
   ContentReader& content_;
   std::endian endian_ = std::endian::little;
-  std::unordered_map<std::uint64_t, std::string> names_;  // texts that were defined once
+  std::unordered_map<std::uint64_t, std::string> names_;  // texts that later tokens refer to
 };
 
 }  // namespace isoextract::particle_io

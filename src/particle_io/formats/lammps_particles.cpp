@@ -1,6 +1,6 @@
-// Dumps of LAMMPS as text, styles atom and custom: one time step after the other, each with its box and a table of
-// atoms whose columns have names. Positions are x y z as they are, unwrapped ones xu yu zu, or fractions of the box xs
-// ys zs (xsu ysu zsu), in boxes that may be triclinic (LAMMPS documentation, "dump" and "Howto triclinic").
+// Text dumps of LAMMPS, styles atom and custom: a sequence of time steps, each with its box and a table of atoms with
+// named columns. Positions are x y z, unwrapped xu yu zu, or fractions of the box xs ys zs (xsu ysu zsu). The box may
+// be triclinic (LAMMPS documentation, "dump" and "Howto triclinic").
 #include <algorithm>
 #include <limits>
 #include <optional>
@@ -18,7 +18,7 @@ namespace {
 
 struct LammpsBox {
   glm::dvec3 low{0};
-  glm::dmat3 edges{1};  // columns: the box's three edges
+  glm::dmat3 edges{1};  // columns: the three edges of the box
   bool is_known = false;
 };
 
@@ -28,7 +28,7 @@ struct LammpsFrame {
   std::uint64_t atoms = 0;
   LammpsBox box;
   ParticleTable table;
-  std::string unit;  // of lengths
+  std::string unit;  // unit of lengths
 };
 
 std::string_view length_unit_of(std::string_view units) {
@@ -51,10 +51,10 @@ std::string_view line_of(ContentReader& content, std::string_view what) {
   return *line;
 }
 
-// Three lines of bounds, with tilt factors where the title has them. The bounds are those of the box around the
-// parallelepiped.
+// Reads three lines of bounds, with tilt factors if the title names them. The bounds are those of the axis-aligned box
+// around the parallelepiped.
 LammpsBox read_lammps_box(ContentReader& content, std::span<const std::string_view> title) {
-  // "ITEM: BOX BOUNDS xy xz yz pp pp pp"; "abc origin" where the edges are given whole.
+  // "ITEM: BOX BOUNDS xy xz yz pp pp pp"; with "abc origin" the edges are given directly.
   const bool is_general = title.size() > 3 && title[3] == "abc";
   const bool is_tilted = title.size() > 3 && title[3] == "xy";
   const std::size_t numbers = is_general ? 4 : is_tilted ? 3 : 2;
@@ -96,7 +96,7 @@ using AxisNames = std::array<std::string_view, 3>;
 // Positions that are fractions of the box's edges.
 constexpr std::array<AxisNames, 2> kScaledNames{{{"xs", "ys", "zs"}, {"xsu", "ysu", "zsu"}}};
 
-// Which columns are the position.
+// Finds the columns of the position.
 void find_lammps_position(LammpsFrame& frame) {
   constexpr std::array<AxisNames, 4> kNames{{{"x", "y", "z"}, {"xu", "yu", "zu"}, kScaledNames[0], kScaledNames[1]}};
   for (const AxisNames& names : kNames) {
@@ -114,7 +114,7 @@ void find_lammps_position(LammpsFrame& frame) {
   }
 }
 
-// The next time step up to its first atom; false at the end of the file.
+// Reads the next time step up to its first atom; returns false at the end of the file.
 bool next_lammps_frame(ContentReader& content, LammpsFrame& frame) {
   const std::string units = std::move(frame.units);
   frame = {};
@@ -152,7 +152,7 @@ bool next_lammps_frame(ContentReader& content, LammpsFrame& frame) {
       }
       break;
     } else {
-      static_cast<void>(line_of(content, "what belongs to an ITEM"));  // one that is of no use here
+      static_cast<void>(line_of(content, "what belongs to an ITEM"));  // skips the data of an ITEM that is not needed
     }
   }
   if (frame.table.columns.empty()) content.expected("the names of columns after 'ITEM: ATOMS'", "");
@@ -163,7 +163,7 @@ bool next_lammps_frame(ContentReader& content, LammpsFrame& frame) {
   return true;
 }
 
-// To the frame that is wanted; throws where there is none of that number.
+// Moves to the wanted frame; throws if there is none of that number.
 LammpsFrame find_lammps_frame(ContentReader& content, const FrameIndex& index, const ParticleReadOptions& options) {
   const std::uint64_t wanted = wanted_frame(options);
   LammpsFrame frame;
@@ -178,7 +178,7 @@ LammpsFrame find_lammps_frame(ContentReader& content, const FrameIndex& index, c
   }
 }
 
-// Goes through the frames from number `next` on, and returns how many there are in all. `frame` is the one before it.
+// Counts all frames, starting with number `next`; `frame` is the one before.
 std::uint64_t count_lammps_frames(ContentReader& content, const FrameIndex& index, std::uint64_t next,
                                   LammpsFrame frame) {
   return count_frames(next, [&](std::uint64_t number) {
@@ -189,7 +189,7 @@ std::uint64_t count_lammps_frames(ContentReader& content, const FrameIndex& inde
   });
 }
 
-// Which edge of the box the column's numbers are fractions of; nothing for other columns.
+// Returns the box edge whose fractions the column holds; nothing for other columns.
 std::optional<std::size_t> scaled_axis(const ParticleColumn& column) {
   for (const AxisNames& names : kScaledNames) {
     const auto name = std::ranges::find(names, column.name);
@@ -198,10 +198,10 @@ std::optional<std::size_t> scaled_axis(const ParticleColumn& column) {
   return std::nullopt;
 }
 
-// Makes lengths of coordinates that are fractions of the box, whichever of its edges `columns` take as x, y and z.
+// Converts fractional coordinates to lengths, for any assignment of box edges to x, y and z in `columns`.
 void unscale(Buffer<glm::dvec3>& positions, const LammpsFrame& frame, const std::array<std::size_t, 3>& columns) {
   std::array<std::optional<std::size_t>, 3> axes;
-  std::array<int, 3> times{};  // that each edge is taken
+  std::array<int, 3> times{};  // how often each edge is used
   for (std::size_t k = 0; k < 3; ++k) {
     axes[k] = scaled_axis(frame.table.columns[columns[k]]);
     if (axes[k]) ++times[*axes[k]];

@@ -1,4 +1,4 @@
-// NumPy's array files: a row a particle, N x 3 or wider, or a structured array, whose fields have names.
+// NumPy's array files: one row per particle, N x 3 or wider, or a structured array with named fields.
 #include <algorithm>
 #include <charconv>
 
@@ -18,13 +18,13 @@ constexpr std::size_t kMostFieldBytes = 4096;
 
 // One element of an array or of a field.
 struct NpyElement {
-  std::optional<NumberType> number;  // nothing for a type that is no number, such as a text
+  std::optional<NumberType> number;  // empty for types that are not numbers, such as text
   std::endian endian = std::endian::native;
   std::size_t bytes = 0;
 };
 
-// The bytes of a type that is no number that this program reads, from its letter and size: texts, raw bytes, dates,
-// complex numbers, long doubles. Nothing for any other, and for one without bytes.
+// Returns the size of a type that is not read as a number: text, raw bytes, dates, complex numbers, long doubles.
+// Returns 0 for any other type and for types without bytes. Takes the type's letter and size.
 std::size_t npy_bytes_of_other(std::string_view type) {
   constexpr std::array<std::string_view, 5> kNumbers{"c8", "c16", "c32", "f12", "f16"};
   const bool is_date = type.starts_with("M8") || type.starts_with("m8");
@@ -39,7 +39,7 @@ std::size_t npy_bytes_of_other(std::string_view type) {
   return type.front() == 'U' ? 4 * count : count;
 }
 
-// Reads "<f4". Nothing for a type outside the closed lists.
+// Parses "<f4". Returns nothing for unsupported types.
 std::optional<NpyElement> npy_element(std::string_view descr) {
   constexpr std::array<std::pair<std::string_view, NumberType>, 12> kTypes{{{"u1", NumberType::u8},
                                                                             {"b1", NumberType::u8},
@@ -76,7 +76,7 @@ struct NpyParticleFile {
   std::uint64_t particles = 0;
   ParticleTable table;
   RecordLayout layout;
-  bool by_column = false;  // all of a column before the next one
+  bool by_column = false;  // column by column instead of row by row
   std::vector<std::string> notes;
 };
 
@@ -110,7 +110,7 @@ void add_npy_fields(NpyParticleFile& npy) {
     }
   }
   make_group_names_unique(npy.table);
-  // Names of single columns may make groups: x, y, z, vx, vy, vz.
+  // Single columns may form groups by name: x, y, z, vx, vy, vz.
   if (std::ranges::all_of(npy.table.groups, [](const ColumnGroup& group) { return group.columns.size() == 1; })) {
     npy.table.groups.clear();
     group_by_names(npy.table);
@@ -159,7 +159,7 @@ void read_npy_columns(ContentReader& content, const NpyParticleFile& npy, std::s
     one.fields.resize(column + 1);
     one.fields[column] = npy.layout.fields[column];
     one.fields[column].offset = 0;
-    one.bytes = npy.layout.bytes / npy.layout.fields.size();  // all columns have one type
+    one.bytes = npy.layout.bytes / npy.layout.fields.size();  // all columns have the same type
     const auto first = std::ranges::lower_bound(sinks, column, {}, &ColumnSink::column);
     const auto last = std::ranges::upper_bound(sinks, column, {}, &ColumnSink::column);
     if (first == last) {

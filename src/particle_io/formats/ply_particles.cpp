@@ -1,5 +1,5 @@
-// PLY (Greg Turk, 1994) without faces: text, little- and big-endian; the element "vertex" with any properties. Other
-// elements and lists are passed over. A file with faces is a mesh.
+// PLY (Greg Turk, 1994) without faces: text, little- and big-endian; the element "vertex" with any properties. Skips
+// other elements and lists. A file with faces is a mesh.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -18,7 +18,7 @@ namespace {
 struct PlyProperty {
   std::string name;
   NumberType type = NumberType::f32;
-  std::optional<NumberType> count_type;  // of a list
+  std::optional<NumberType> count_type;  // set for lists
 };
 
 struct PlyElement {
@@ -29,7 +29,7 @@ struct PlyElement {
   [[nodiscard]] bool has_lists() const {
     return std::ranges::any_of(properties, [](const PlyProperty& p) { return p.count_type.has_value(); });
   }
-  // What one of them has in a binary file at least.
+  // Returns the least size of an element in a binary file.
   [[nodiscard]] std::size_t least_bytes() const {
     std::size_t bytes = 0;
     for (const PlyProperty& p : properties) bytes += number_size(p.count_type.value_or(p.type));
@@ -41,7 +41,7 @@ struct PlyFile {
   bool is_text = false;
   std::endian endian = std::endian::little;
   std::vector<PlyElement> elements;
-  std::size_t vertices = 0;  // which element they are
+  std::size_t vertices = 0;  // index of the vertex element
   std::vector<std::string> notes;
 
   [[nodiscard]] const PlyElement& vertex() const { return elements[vertices]; }
@@ -98,7 +98,8 @@ void check_ply_is_particles(const PlyFile& ply) {
   }
 }
 
-// Elements and their properties are held while the file is read, and a packed file may have any number of them.
+// Limit of the header, whose elements and properties are kept in memory; a compressed file could have any number of
+// them.
 constexpr std::uint64_t kMostPlyHeader = std::uint64_t{1} << 20;  // bytes
 
 PlyFile read_ply_header(ContentReader& content) {
@@ -140,8 +141,7 @@ PlyFile read_ply_header(ContentReader& content) {
   return ply;
 }
 
-// The columns are the numbers of a vertex. In a text file lists have columns of their own nowhere: they are counted
-// off.
+// Makes a column for each number of a vertex. Lists have no columns; drop_lists() removes them from rows of text.
 ParticleTable ply_table(PlyFile& ply) {
   ParticleTable table;
   for (const PlyProperty& property : ply.vertex().properties) {
@@ -163,7 +163,7 @@ std::uint64_t list_length(const PlyProperty& property, double length) {
   return static_cast<std::uint64_t>(length);
 }
 
-// One element of a binary file: its numbers into `record`, its lists passed over.
+// Reads one element of a binary file: its numbers go into `record`, its lists are skipped.
 void walk_ply_element(ContentReader& content, const PlyFile& ply, const PlyElement& element,
                       std::vector<std::byte>& record) {
   record.clear();
@@ -180,7 +180,7 @@ void walk_ply_element(ContentReader& content, const PlyFile& ply, const PlyEleme
   }
 }
 
-// To the vertices.
+// Skips to the vertices.
 void skip_to_vertices(ContentReader& content, const PlyFile& ply) {
   std::vector<std::byte> record;
   for (std::size_t i = 0; i < ply.vertices; ++i) {
@@ -198,7 +198,7 @@ void skip_to_vertices(ContentReader& content, const PlyFile& ply) {
   }
 }
 
-// The words of a line with lists: those of the numbers alone.
+// Removes the words that belong to lists from a line.
 void drop_lists(const ContentReader& content, const PlyElement& vertex, std::vector<std::string_view>& words) {
   std::size_t from = 0;
   std::vector<std::string_view> numbers;
@@ -275,7 +275,7 @@ class PlyParticles final : public ParticleFormat {
     const ColumnChoice choice = choose_columns(table, options);
     skip_to_vertices(content, ply);
     const PlyElement& vertex = ply.vertex();
-    // A value of a text is a character and what ends it.
+    // A value in text has at least a character and a separator.
     check_count(content, vertex.count, ply.is_text ? 2 * vertex.properties.size() - 1 : vertex.least_bytes());
     ParticleFile result;
     result.particles = make_particles(file.context(), file.name(), vertex.count, choice);

@@ -1,7 +1,7 @@
-// XYZ: a count, a comment, and a line an atom, frame after frame; and extended XYZ, whose comment says what is in a
-// line (Properties=species:S:1:pos:R:3:...; https://github.com/libAtoms/extxyz). The lattice of an extended file is not
-// used. In a plain file a line is the name of an element and x, y, z, or those three alone; numbers after them have no
-// names.
+// XYZ: frames of a count, a comment, and one line per atom.
+// - Plain: a line is the name of an element and x, y, z, or those three alone. Numbers after them have no names.
+// - Extended: the comment describes the columns (Properties=species:S:1:pos:R:3:...;
+//   https://github.com/libAtoms/extxyz). The lattice is ignored.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -17,12 +17,12 @@ namespace {
 struct XyzFrame {
   std::uint64_t atoms = 0;
   std::string name;
-  ParticleTable table;  // without columns where there are no atoms
+  ParticleTable table;  // without columns if there are no atoms
 };
 
 constexpr std::string_view kProperties = "Properties=";
 
-// What follows KEY= in the comment, in quotes or not. Nothing where the key is not there.
+// Returns the value after KEY= in the comment, quoted or not. Returns nothing if the key is missing.
 std::optional<std::string_view> value_of_key(std::string_view comment, std::string_view key) {
   for (std::size_t at = comment.find(key); at != std::string_view::npos; at = comment.find(key, at + 1)) {
     if (at > 0 && comment[at - 1] != ' ' && comment[at - 1] != '\t') continue;
