@@ -1,4 +1,4 @@
-// OpenVDB's files written through the host's callbacks, the same bytes for the same grid.
+// Writes OpenVDB files through the host's callbacks; equal grids give equal bytes.
 #pragma once
 
 #include <array>
@@ -20,8 +20,8 @@
 
 namespace isoextract_openvdb {
 
-// The name of a file's content, in the form of a UUID: OpenVDB would draw one by chance, and equal grids are to be
-// equal files.
+// Returns a hash of the content in the form of a UUID. OpenVDB would use a random one, but equal grids must give equal
+// files.
 inline std::string content_name(const std::vector<openvdb::FloatGrid::Ptr>& grids, const isoextract_vdb_job& job) {
   std::array<std::uint64_t, 2> sums{0x9e3779b97f4a7c15U, 0xc2b2ae3d27d4eb4fU};
   const auto add = [&](std::uint64_t word) {
@@ -60,8 +60,8 @@ inline std::string content_name(const std::vector<openvdb::FloatGrid::Ptr>& grid
   return name;
 }
 
-// Passes bytes on to the host; a place that was passed can be gone back to. A file begins with a magic number of 8
-// bytes, versions of 12, a flag of 1 and then its UUID, in the place of which `name` comes.
+// Passes bytes to the host; supports seeking to written positions. A file starts with a signature of 8 bytes, 12 bytes
+// of versions, a flag of 1 byte and the UUID, which is replaced by `name`.
 class HostStream : public std::streambuf {
  public:
   HostStream(const isoextract_vdb_job& job, std::string name) : job_(job), name_(std::move(name)) {}
@@ -117,7 +117,7 @@ class HostStream : public std::streambuf {
   bool failed_ = false;
 };
 
-// What io::File and io::Stream do, for a stream of one's own.
+// Gives access to the protected writer of io::File and io::Stream, to use another stream.
 class HostArchive : public openvdb::io::Archive {
  public:
   void put(std::ostream& stream, const openvdb::GridCPtrVec& grids, bool with_places) const {

@@ -1,7 +1,7 @@
-// Work on grids with OpenVDB: particles to level sets, filters of level sets, and grids as files (grid_tools_plugin.h).
+// Grid tools with OpenVDB: level sets from particles, level set filters, and VDB files (grid_tools_plugin.h).
 //
-// Spheres are united by openvdb::tools::ParticlesToLevelSet; the smooth surface is that of
-// openvdb::points::rasterizeSmoothSpheres: Y. Zhu and R. Bridson, "Animating sand as a fluid", SIGGRAPH 2005.
+// Uses openvdb::tools::ParticlesToLevelSet for the union of spheres, and openvdb::points::rasterizeSmoothSpheres for
+// the smooth surface: Y. Zhu and R. Bridson, "Animating sand as a fluid", SIGGRAPH 2005.
 #include <array>
 #include <bit>
 #include <cmath>
@@ -31,7 +31,7 @@ using openvdb::FloatGrid;
 using openvdb::FloatTree;
 using Leaf = FloatTree::LeafNodeType;
 
-constexpr double kMostIndex = 1 << 29;  // of voxels, so that arithmetic on them stays within an int
+constexpr double kMostIndex = 1 << 29;  // limit of voxel indices; keeps arithmetic within an int
 
 // Grids that come in.
 
@@ -80,7 +80,7 @@ class GridBuilder {
     return static_cast<float>(as_it_is ? stored : input_.slope * stored + input_.intercept);
   }
 
-  // Floats keep their bits.
+  // Floats are unchanged bit by bit.
   template <class T>
   [[nodiscard]] float sample(T stored) const {
     if constexpr (std::is_same_v<T, float>) {
@@ -89,7 +89,7 @@ class GridBuilder {
     return value_of(static_cast<double>(stored));
   }
 
-  // Whether a voxel of that value is of interest: what else there is comes back from the background alone.
+  // Returns whether a voxel is active: the background can restore all other values.
   [[nodiscard]] bool is_active(float value) const {
     const float background = grid_->background();
     if (input_.kind == ISOEXTRACT_LEVEL_SET && same_bits(value, -background)) return false;
@@ -110,7 +110,7 @@ class GridBuilder {
     }
   }
 
-  // Of scattered bricks each can have nodes of its own, which are far larger than it is.
+  // Scattered bricks can each have their own nodes, which are far larger than a brick.
   void reserve_nodes_above(const isoextract_sparse_samples& samples) {
     using Upper = FloatTree::RootNodeType::ChildNodeType;
     using Lower = Upper::ChildNodeType;
@@ -120,7 +120,7 @@ class GridBuilder {
     const auto add = [&](const std::int32_t* origin) { nodes.emplace_back(origin[0], origin[1], origin[2]); };
     const auto distinct = [&](openvdb::Index side) {
       for (openvdb::Coord& node : nodes) node &= ~(static_cast<std::int32_t>(side) - 1);
-      nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());  // most lie behind each other
+      nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());  // most duplicates are consecutive
       std::ranges::sort(nodes, [](const openvdb::Coord& a, const openvdb::Coord& b) { return a < b; });
       nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
       return static_cast<std::uint64_t>(nodes.size());
@@ -142,7 +142,7 @@ class GridBuilder {
     leaf.setActiveState(n, is_active(value));
   }
 
-  // In cubes of the tree's own sizes.
+  // Fills the tile with cubes of the tree's node sizes.
   void add_tile(const isoextract_sparse_tile& tile) {
     const float value = value_of(tile.value);
     openvdb::Index level = 1;
@@ -186,7 +186,7 @@ class GridBuilder {
     });
   }
 
-  // Of a density its least value, of a level set its greatest: what is outside, wherever iso is.
+  // Returns the least value of a density, the greatest of a level set: outside for every iso value.
   template <class T>
   [[nodiscard]] float outside(const T* data, std::size_t count) const {
     const bool greatest = input_.kind == ISOEXTRACT_LEVEL_SET;
@@ -200,7 +200,7 @@ class GridBuilder {
 
   template <class T>
   void put_box(const T* data, const std::array<int, 3>& dims, const openvdb::Coord& origin) {
-    Leaf* leaf = nullptr;  // there is none where all is background
+    Leaf* leaf = nullptr;  // null if all values are the background
     for (openvdb::Index n = 0; n < kLeafValues; ++n) {
       const openvdb::Coord at = origin + Leaf::offsetToLocalCoord(n);
       if (at.x() >= dims[0] || at.y() >= dims[1] || at.z() >= dims[2]) continue;
@@ -231,7 +231,7 @@ void give(const FloatGrid& grid, std::int32_t kind, Reserved& memory, isoextract
 
 // Particles.
 
-// Those that are large enough, as OpenVDB asks for them.
+// The particles that are large enough, in the interface that OpenVDB requires.
 class Particles {
  public:
   using PosType = openvdb::Vec3R;
@@ -283,7 +283,7 @@ class Particles {
   std::vector<std::uint64_t> kept_;
 };
 
-// Memory of hash tables, reserved as they grow.
+// Reserves memory of hash tables as they grow.
 class TableMemory {
  public:
   explicit TableMemory(const isoextract_plugin_host& host) : memory_(host) {}
@@ -294,14 +294,14 @@ class TableMemory {
 
  private:
   static constexpr std::uint64_t kStep = 1024;
-  static constexpr std::uint64_t kEntryBytes = 64;  // with what the heap takes, and buckets while they are remade
+  static constexpr std::uint64_t kEntryBytes = 64;  // includes the allocator's overhead, and buckets during rehashing
 
   Reserved memory_;
   std::uint64_t entries_ = 0;
 };
 
-// How many leaves the narrow band, and what is filled meanwhile, can touch at most. Particles in one leaf count once,
-// with the farthest reach among them; beyond `kMost` it is not counted any further.
+// Returns an upper bound for the leaves that the narrow band and its construction touch. Particles in one leaf count
+// once, with the largest reach among them. Stops counting at `kMost`.
 std::uint64_t leaves_touched(const Particles& particles, const isoextract_sphere_job& job,
                              const isoextract_plugin_host& host) {
   constexpr std::size_t kMost = std::size_t{1} << 24;
@@ -343,7 +343,7 @@ FloatGrid::Ptr united_spheres(const Particles& particles, const isoextract_spher
 FloatGrid::Ptr smooth_spheres(const Particles& particles, const isoextract_sphere_job& job, Interrupter& interrupter,
                               Reserved& memory) {
   namespace points = openvdb::points;
-  constexpr std::uint64_t kBytesPerPoint = 64;  // its index, place and radius, and lists on the way to them
+  constexpr std::uint64_t kBytesPerPoint = 64;  // index, position and radius, and intermediate lists
   memory.take(particles.size() * kBytesPerPoint);
   const auto transform = openvdb::math::Transform::createLinearTransform(job.voxel);
   const auto index = openvdb::tools::createPointIndexGrid<openvdb::tools::PointIndexGrid>(particles, *transform);
@@ -382,7 +382,7 @@ int spheres(const isoextract_sphere_job* job, const isoextract_plugin_host* host
     output->left_out = particles.left_out();
     FloatGrid::Ptr grid = openvdb::createLevelSet<FloatGrid>(job->voxel, job->half_band);
     if (particles.size() > 0) {
-      // Threads have grids of their own, which overlap where their particles do.
+      // Each thread has its own grid; they overlap where their particles do.
       Reserved for_grid(*host);
       for_grid.take(2 * leaves_touched(particles, *job, *host) * kLeafBytes);
       grid = job->method == ISOEXTRACT_SMOOTH_SPHERES ? smooth_spheres(particles, *job, interrupter, for_work)
@@ -412,7 +412,7 @@ int filter(const isoextract_filter_job* job, const isoextract_plugin_host* host,
     if (!(grid->background() > 0)) {
       throw Problem("expected a level set that is positive far outside, found " + std::to_string(grid->background()));
     }
-    // Two buffers beside the grid's own, and leaves that the band moves into.
+    // Two buffers besides the grid's own, and new leaves of the moving band.
     for_work.take(3 * grid->memUsage());
     openvdb::tools::LevelSetFilter<FloatGrid> work(*grid, &interrupter);
     const auto width = static_cast<int>(std::clamp<std::uint32_t>(job->width, 1, 64));

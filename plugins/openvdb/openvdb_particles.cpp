@@ -1,4 +1,4 @@
-// Particles as OpenVDB's point grids hold them: each at a place relative to its voxel, with attributes by name.
+// Particles of OpenVDB's point grids: positions relative to a voxel, and named attributes.
 #include <malloc.h>
 
 #include <memory>
@@ -20,7 +20,7 @@ using Leaf = points::PointDataTree::LeafNodeType;
 
 constexpr const char* kPosition = "P";
 
-// A grid in memory, and what is told of it.
+// An open grid and its description.
 struct Opened {
   points::PointDataGrid::Ptr grid;
   std::vector<std::string> attributes;  // names
@@ -28,7 +28,7 @@ struct Opened {
   std::vector<isoextract_particle_quantity> quantities;
 };
 
-// Calls use(Value{}, values of one element) with the type of a numeric attribute; false for all others.
+// Calls use(Value{}, components) for a numeric attribute type; returns false for all others.
 template <class F>
 bool visit_attribute(const std::string& type, F&& use) {
   if (type == "float") return use(float{}, 1), true;
@@ -52,8 +52,8 @@ void put(float*& to, const auto& value) {
   }
 }
 
-// OpenVDB takes as many bytes from a file as it tells of an array, and reads as many as its values need: beyond them
-// there is the memory of others.
+// OpenVDB allocates the bytes that the file states for an array, but reads as many as its values need. Rejects arrays
+// whose values would be read from beyond that memory.
 void check_bytes(const points::AttributeArray& array, const std::string& name) {
   if (array.size() == 0) return;
   const std::uint64_t values = array.isUniform() ? 1 : std::uint64_t{array.size()} * array.stride();
@@ -65,7 +65,7 @@ void check_bytes(const points::AttributeArray& array, const std::string& name) {
   }
 }
 
-// The name, as the file's iterator has it, of the one set of points that is meant.
+// Returns the file iterator's name of the wanted set of points, or of the only one.
 std::string chosen_grid(openvdb::io::File& file, const char* wanted) {
   std::vector<std::string> sets;
   std::string all;
@@ -75,7 +75,7 @@ std::string chosen_grid(openvdb::io::File& file, const char* wanted) {
     try {
       grid = file.readGridMetadata(*name);
     } catch (const openvdb::Exception&) {
-      continue;  // of a type that OpenVDB does not know, so not of points
+      continue;  // unknown to OpenVDB, so not a point grid
     }
     if (!grid->isType<points::PointDataGrid>()) {
       others += (others.empty() ? "" : ", ") + grid->type() + " '" + *name + "'";
@@ -128,7 +128,7 @@ std::unique_ptr<Opened> open_points(const char* path, const char* wanted) {
   opened->grid = openvdb::gridPtrCast<points::PointDataGrid>(grid);
   if (opened->grid == nullptr) throw Problem("expected a grid of points, found " + grid->type());
   for (auto leaf = opened->grid->tree().cbeginLeaf(); leaf; ++leaf) {
-    // Offsets that a damaged file has wrong would be read beyond the arrays.
+    // Invalid offsets in a damaged file would lead to reads beyond the arrays.
     const points::AttributeArray* places = leaf->attributeSet().getConst(kPosition);
     if (places == nullptr || places->type().first != "vec3s") throw Problem("expected positions P of vec3s");
     openvdb::Index32 before = 0;
@@ -168,7 +168,7 @@ int open(const char* path, const char* grid, std::uint64_t frame, isoextract_par
 
 void close(isoextract_particle_file* file) { delete static_cast<Opened*>(file->owner); }
 
-// Leaf by leaf in the tree's order, voxel by voxel within.
+// Writes positions leaf by leaf in the tree's order, voxel by voxel within a leaf.
 int positions(const isoextract_particle_file* file, double* values) {
   return guarded([&] {
     const points::PointDataGrid& grid = *opened_of(file).grid;
@@ -191,7 +191,7 @@ int quantity(const isoextract_particle_file* file, std::size_t number, float* va
     const std::uint64_t components = opened.quantities[number].components;
     for (auto leaf = opened.grid->tree().cbeginLeaf(); leaf; ++leaf) {
       const points::AttributeArray* array = leaf->attributeSet().getConst(name);
-      // Each array of a file has a size of its own, and no one looks whether places are within it.
+      // The file states a size for each array, and OpenVDB does not check indices against it.
       if (array != nullptr && array->size() != leaf->attributeSet().getConst(kPosition)->size()) {
         throw Problem("the file is damaged: expected a value of '" + name + "' for each point of a leaf");
       }

@@ -1,4 +1,4 @@
-// What the plug-ins of OpenVDB share: failures as texts, memory of the host, and trees as sparse samples.
+// Shared by the OpenVDB plug-ins: errors as texts, the host's memory, and trees as sparse samples.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 
 namespace isoextract_openvdb {
 
-inline thread_local std::string problem;  // of the last call
+inline thread_local std::string problem;  // of this thread's last call
 
 struct Problem : std::exception {
   explicit Problem(std::string words) : text(std::move(words)) {}
@@ -25,7 +25,7 @@ struct Problem : std::exception {
   std::string text;
 };
 
-// Calls work(); its exceptions become texts of one line.
+// Calls work(); turns its exceptions into one-line texts. Returns 0 on success.
 template <class F>
 int guarded(F&& work) {
   try {
@@ -45,7 +45,7 @@ int guarded(F&& work) {
   return 1;
 }
 
-// Memory of the host, given back in the end unless it is kept.
+// Memory reserved from the host; released on destruction unless it is kept.
 class Reserved {
  public:
   explicit Reserved(const isoextract_plugin_host& host) : host_(host) {}
@@ -57,20 +57,20 @@ class Reserved {
     if (host_.reserve(host_.self, bytes) != 0) throw Problem("not enough memory: it needs " + std::to_string(bytes));
     bytes_ += bytes;
   }
-  // What was taken in all becomes `bytes`.
+  // Changes the total to `bytes`.
   void set(std::uint64_t bytes) {
     if (bytes > bytes_) return take(bytes - bytes_);
     host_.release(host_.self, bytes_ - bytes);
     bytes_ = bytes;
   }
-  // Memory of the host's for samples that are given out; reserved by the host, not counted here.
+  // Allocates memory for output samples, which the host reserves and owns.
   [[nodiscard]] void* allocate(std::uint64_t bytes) const {
     if (bytes == 0) return nullptr;
     void* memory = host_.allocate(host_.self, bytes);
     if (memory == nullptr) throw Problem("not enough memory: the samples need " + std::to_string(bytes));
     return memory;
   }
-  // It belongs to what is given out.
+  // Leaves the reservation to the call's results.
   void keep() { bytes_ = 0; }
 
  private:
@@ -78,8 +78,8 @@ class Reserved {
   std::uint64_t bytes_ = 0;
 };
 
-// Ends OpenVDB's loops when the host wants it. Templates are to have the type of its base, as OpenVDB's library has
-// them.
+// Cancels OpenVDB's loops when the host asks for it. Pass it to OpenVDB as its base type, for which the library has
+// template instances.
 class Interrupter : public openvdb::util::NullInterrupter {
  public:
   explicit Interrupter(const isoextract_plugin_host& host) : host_(host) {}
@@ -93,10 +93,10 @@ class Interrupter : public openvdb::util::NullInterrupter {
 };
 
 constexpr std::size_t kLeafValues = 512;
-// Of a leaf of floats: its values lie beside it.
+// A float leaf with its values, which are allocated separately.
 constexpr std::uint64_t kLeafBytes = sizeof(openvdb::FloatTree::LeafNodeType) + kLeafValues * sizeof(float);
 
-// Rows of x, y, z of the world, from OpenVDB's matrix, which multiplies row vectors.
+// Writes rows of world x, y, z. OpenVDB's matrix is transposed, as it multiplies row vectors.
 inline void put_transform(const openvdb::math::Transform& transform, double* index_to_world) {
   const openvdb::Mat4d m = transform.baseMap()->getAffineMap()->getMat4();
   for (int row = 0; row < 3; ++row) {
@@ -104,7 +104,7 @@ inline void put_transform(const openvdb::math::Transform& transform, double* ind
   }
 }
 
-// Sparse samples; the values of the blocks lie in the host's memory.
+// Sparse samples; the blocks' values are in the host's memory.
 struct SparseStore {
   std::vector<isoextract_sparse_block> blocks;
   std::vector<isoextract_sparse_tile> tiles;
@@ -112,7 +112,7 @@ struct SparseStore {
   std::string note;
 };
 
-// Calls use(cube, value) for every tile of a tree, active or not.
+// Calls use(tile) for every tile of a tree, active or not.
 template <class Tree, class F>
 void visit_tiles(const Tree& tree, F&& use) {
   auto tile = tree.cbeginValueAll();
@@ -120,7 +120,7 @@ void visit_tiles(const Tree& tree, F&& use) {
   for (; tile; ++tile) use(tile);
 }
 
-// Puts a tree into `store`, its values as `convert` gives them: a sample of type T. Reserves what that takes.
+// Copies a tree into `store`, with convert(value) as samples of type T. Reserves the memory.
 template <class T, class Tree, class Convert>
 void store_tree(const Tree& tree, std::int32_t sample_type, Reserved& memory, SparseStore& store, Convert&& convert) {
   using Leaf = typename Tree::LeafNodeType;

@@ -1,11 +1,11 @@
-// Grids of OpenVDB that the built-in reader leaves: bool, mask and int64; vectors, by component or length; and those in
-// a frustum, resampled.
+// OpenVDB grids that the built-in reader does not read: bool, mask and int64 grids; vector grids, by component or
+// length; and grids in a frustum, resampled.
 //
-// A grid of vectors is listed as four: NAME[x], NAME[y], NAME[z] and NAME[length]. Masks and bools are 1 and 0. int64
-// is double, which holds whole numbers up to 2^53.
+// A vector grid is listed as four grids: NAME[x], NAME[y], NAME[z] and NAME[length]. Masks and bools become 1 and 0.
+// int64 becomes double, which is exact up to 2^53.
 //
-// A frustum's samples are taken, by trilinear interpolation, at those of a cubic grid along the world's axes. Its
-// spacing is the shortest edge of the voxel in the middle of the frustum; one of its samples is at the world's origin.
+// A frustum is resampled by trilinear interpolation to a cubic grid aligned with the world's axes. The spacing is the
+// shortest edge of the voxel at the frustum's center; one sample is at the world's origin.
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -34,7 +34,8 @@ enum class Part { all, x, y, z, length };
 constexpr std::array kVectorParts{std::pair{Part::x, "[x]"}, std::pair{Part::y, "[y]"}, std::pair{Part::z, "[z]"},
                                   std::pair{Part::length, "[length]"}};
 
-// Calls use(std::type_identity<Grid>{}, sample type of a scalar) with the type of a grid; false for those not read.
+// Calls use(std::type_identity<Grid>{}, sample type of a scalar) with the grid's type; returns false for unsupported
+// ones.
 template <class F>
 bool visit_grid_type(const openvdb::GridBase& grid, F&& use) {
   const auto is = [&]<class Grid>(std::type_identity<Grid> type, std::int32_t sample_type) {
@@ -54,7 +55,7 @@ bool visit_grid_type(const openvdb::GridBase& grid, F&& use) {
 template <class Grid>
 constexpr bool kIsVector = openvdb::VecTraits<typename Grid::ValueType>::IsVec;
 
-// The type of a grid's samples, but for lengths of integer vectors.
+// Sample type of a grid's values, except for lengths of integer vectors.
 template <class Value>
 struct SampleOf {
   using type = Value;
@@ -72,7 +73,7 @@ struct SampleOf<openvdb::math::Vec3<Number>> {
   using type = Number;
 };
 
-// One value of a grid as a sample. `rounded` is set where that is not exact.
+// Converts a value of a grid to a sample. Sets `rounded` if that is inexact.
 template <class T>
 struct Conversion {
   Part part = Part::all;
@@ -100,13 +101,13 @@ struct Conversion {
 };
 
 struct Entry {
-  std::string stored_name;  // what OpenVDB reads it by
+  std::string stored_name;  // unique name, by which OpenVDB reads it
   std::string name;
   std::string type;
   Part part = Part::all;
   std::int32_t sample_type = kNotScalar;
   bool in_frustum = false;
-  double spacing = 0;  // of the grid that a frustum is resampled to
+  double spacing = 0;  // of the grid that replaces a frustum
 };
 
 struct Listed {
@@ -114,7 +115,7 @@ struct Listed {
   std::vector<isoextract_volume_grid> grids;
 };
 
-// 0 where there is none.
+// Returns 0 if the transform is not a frustum.
 double frustum_spacing(const openvdb::math::Transform& transform) {
   const auto map = transform.constMap<openvdb::math::NonlinearFrustumMap>();
   if (map == nullptr) return 0;
@@ -128,7 +129,8 @@ void add_grid(Listed& listed, const std::string& stored_name, const openvdb::Gri
   const auto add = [&](Part part, const char* suffix, std::int32_t sample_type) {
     Entry entry;
     entry.stored_name = stored_name;
-    entry.name = (grid.getName().empty() ? stored_name : grid.getName()) + suffix;  // not all writers repeat it
+    entry.name = (grid.getName().empty() ? stored_name : grid.getName()) + suffix;  // not all writers repeat the name
+                                                                                    // in the grid
     entry.type = grid.valueType();
     entry.part = part;
     entry.in_frustum = !grid.transform().isLinear();
@@ -182,7 +184,7 @@ std::unique_ptr<Listed> list_file(openvdb::io::File& file) {
     try {
       add_grid(*listed, *name, *file.readGridMetadata(*name));
     } catch (const openvdb::Exception& unknown) {
-      // A type that OpenVDB does not know, which hides no other grid.
+      // A type unknown to OpenVDB; other grids stay readable.
       listed->entries.push_back({*name, *name, unknown.what(), Part::all, kNotScalar, false, 0});
       listed->grids.emplace_back();
     }
@@ -200,7 +202,7 @@ std::uint64_t size_of(const char* path) {
   return file ? static_cast<std::uint64_t>(file.tellg()) : 0;
 }
 
-// A grid of floats of the same topology and place.
+// Returns a float grid with the same topology and transform.
 template <class Grid>
 openvdb::FloatGrid::Ptr as_floats(const Grid& grid, const Conversion<float>& convert, Reserved& memory) {
   memory.take(grid.tree().leafCount() * kLeafBytes + (std::uint64_t{1} << 20));
@@ -216,12 +218,12 @@ openvdb::FloatGrid::Ptr as_floats(const Grid& grid, const Conversion<float>& con
     to->setValueMask(leaf->getValueMask());
   }
   floats->setTransform(grid.transform().copy());
-  floats->setGridClass(grid.getGridClass());  // says whether signs are to be spread
+  floats->setGridClass(grid.getGridClass());  // decides whether signs are flood filled
   return floats;
 }
 
-// A grid in a frustum, sampled where the samples of a cubic grid along the world's axes are. OpenVDB's own resampler
-// does not compile as C++20 with oneTBB.
+// Resamples a grid in a frustum to a cubic grid aligned with the world's axes. OpenVDB's own resampler does not compile
+// as C++20 with oneTBB.
 class Resampling {
  public:
   Resampling(const openvdb::FloatGrid& source, double spacing)
@@ -255,7 +257,7 @@ class Resampling {
  private:
   using Leaf = openvdb::FloatTree::LeafNodeType;
 
-  // Calls use(box) with what is not constant, and with active tiles.
+  // Calls use(box) for all leaves and active tiles.
   template <class F>
   void visit_source(F&& use) const {
     for (auto leaf = source_.tree().cbeginLeaf(); leaf; ++leaf) use(leaf->getNodeBoundingBox());
@@ -267,7 +269,8 @@ class Resampling {
     });
   }
 
-  // The box around a box's image, in leaves: a frustum keeps the edges of a box straight.
+  // Returns the bounds of a box's image, in leaves. A frustum maps straight edges to straight edges, so corners
+  // suffice.
   [[nodiscard]] openvdb::BBoxd image_of(const openvdb::CoordBBox& box) const {
     openvdb::BBoxd image;
     for (int corner = 0; corner < 8; ++corner) {
@@ -283,10 +286,10 @@ class Resampling {
     return {openvdb::Coord::floor(image.min()), openvdb::Coord::floor(image.max())};
   }
 
-  // The most that the target can take. Throws where it is too far from the world's origin.
+  // Returns an upper bound for the memory of the result. Throws if it is too far from the world's origin.
   [[nodiscard]] std::uint64_t bytes() const {
     const auto leaves_in = [&](const openvdb::CoordBBox& box) {
-      constexpr double kMostIndex = 1 << 26;  // of leaves
+      constexpr double kMostIndex = 1 << 26;  // in leaves
       const openvdb::BBoxd image = image_of(box);
       for (int axis = 0; axis < 3; ++axis) {
         if (!(image.min()[axis] > -kMostIndex && image.max()[axis] < kMostIndex)) {
@@ -303,7 +306,7 @@ class Resampling {
       all.expand(box);
     });
     if (!all.empty()) sum = std::min(sum, leaves_in(all));
-    // A quarter more for the nodes above the leaves, of which there is one at least.
+    // A quarter more for the nodes above the leaves, of which there is at least one.
     const double most = sum * static_cast<double>(kLeafBytes) * 1.25 + (1 << 20);
     constexpr double kMost = 1e18;
     return most < kMost ? static_cast<std::uint64_t>(most) : ~std::uint64_t{0};
@@ -314,7 +317,7 @@ class Resampling {
     for (openvdb::Index n = 0; n < kLeafValues; ++n) {
       const openvdb::Vec3d world = target_->indexToWorld(leaf.offsetToGlobalCoord(n));
       const openvdb::Vec3d at = source_.worldToIndex(world);
-      constexpr double kFar = 1e9;  // behind the frustum's apex there is no place
+      constexpr double kFar = 1e9;  // behind the frustum's apex positions are undefined
       if (!(std::abs(at.x()) < kFar && std::abs(at.y()) < kFar && std::abs(at.z()) < kFar)) continue;
       float value = 0;
       if (openvdb::tools::BoxSampler::sample(values, at, value)) leaf.setValueOn(n, value);
@@ -337,7 +340,7 @@ void read_grid(openvdb::io::File& file, const char* path, const Entry& entry, co
   Reserved for_grid(host);
   const auto told = file.readGridMetadata(entry.stored_name)
                         ->getMetadata<openvdb::Int64Metadata>(openvdb::GridBase::META_FILE_MEM_BYTES);
-  // A file that does not say so is taken to unpack to four times its size, until it shows.
+  // Without a stated size, assumes four times the file's size until the grid is read.
   for_grid.take(told && told->value() > 0 ? static_cast<std::uint64_t>(told->value()) : 4 * size_of(path));
   openvdb::GridBase::Ptr grid = file.readGrid(entry.stored_name);
   for_grid.set(grid->memUsage());

@@ -1,5 +1,5 @@
-// Particles as VTK's files hold them: the points of an unstructured grid or of poly data, legacy or XML, with the
-// arrays of its point data. Cells other than points make a grid of it, which is refused.
+// Particles in VTK files: the points of unstructured grids or poly data, legacy or XML, with their point data arrays.
+// Rejects files with cells other than points, which are meshes.
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -32,10 +32,10 @@
 
 namespace {
 
-thread_local std::string problem;     // of the last call
-thread_local std::string complaints;  // what VTK has said meanwhile
+thread_local std::string problem;     // of this thread's last call
+thread_local std::string complaints;  // VTK's messages during this call
 
-// Takes what VTK would print.
+// Captures VTK's messages.
 class SilentWindow : public vtkOutputWindow {
  public:
   static SilentWindow* New() {  // NOLINT(readability-identifier-naming): as VTK has it
@@ -62,7 +62,7 @@ struct Problem : std::exception {
   std::string text;
 };
 
-// The last sentence of VTK's complaint: "ERROR: In file.cxx, line 12\nvtkClass (0x55..): sentence\n\n".
+// Returns the sentence of VTK's message "ERROR: In file.cxx, line 12\nvtkClass (0x55..): sentence\n\n".
 std::string sentence_of(const std::string& complaint) {
   std::size_t at = complaint.find("): ");
   at = at == std::string::npos ? 0 : at + 3;
@@ -83,14 +83,14 @@ std::uint64_t size_of(const char* path) {
   return file ? static_cast<std::uint64_t>(file.tellg()) : 0;
 }
 
-// VTK takes the memory for as many points as a legacy header tells of before it looks for them.
+// VTK allocates memory for the number of points in a legacy header before it reads them.
 void check_point_count(std::string_view start, std::uint64_t bytes) {
   const std::size_t at = start.find("\nPOINTS ");
   if (at == std::string_view::npos) return;
   const std::string_view text = start.substr(at + std::strlen("\nPOINTS "));
   std::uint64_t count = 0;
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), count);
-  // A coordinate of a text is a digit and what ends it; of a binary file at least a byte.
+  // A coordinate has at least a digit and a separator in text, and at least a byte in a binary file.
   if (status != std::errc{} || count > bytes / 3) {
     throw Problem("expected as many points as the file has room for, found POINTS " +
                   std::string(text.substr(0, text.find('\n'))).substr(0, 40));
@@ -130,7 +130,7 @@ bool is_point(int cell_type) {
   return cell_type == VTK_EMPTY_CELL || cell_type == VTK_VERTEX || cell_type == VTK_POLY_VERTEX;
 }
 
-// Cells that are more than points.
+// Returns the number of cells that are not points.
 vtkIdType other_cells(vtkPointSet* points) {
   if (auto* poly = vtkPolyData::SafeDownCast(points)) {
     return poly->GetNumberOfLines() + poly->GetNumberOfPolys() + poly->GetNumberOfStrips();
@@ -140,14 +140,14 @@ vtkIdType other_cells(vtkPointSet* points) {
   return count;
 }
 
-// A file in memory, and what is told of it.
+// An open file and its description.
 struct Opened {
   vtkSmartPointer<vtkPointSet> points;
-  std::vector<std::string> names;  // of the quantities, and of their types
+  std::vector<std::string> names;  // names of the quantities and their types
   std::vector<isoextract_particle_quantity> quantities;
 };
 
-// The file marks one array as its vectors, and one as its normals.
+// The file can mark one array as vectors and one as normals.
 isoextract_attribute_kind kind_of(vtkPointData* data, vtkAbstractArray* array) {
   if (array == data->GetNormals()) return ISOEXTRACT_KIND_NORMAL;
   return array == data->GetVectors() ? ISOEXTRACT_KIND_VECTOR : ISOEXTRACT_KIND_NOT_SAID;
@@ -178,7 +178,7 @@ std::unique_ptr<Opened> open_points(const char* path) {
   return opened;
 }
 
-// Calls work(); its exceptions become texts.
+// Calls work(); turns its exceptions into texts. Returns 0 on success.
 template <class F>
 int guarded(F&& work) {
   try {
@@ -206,7 +206,7 @@ int open(const char* path, const char* /*grid*/, std::uint64_t frame, isoextract
     if (frame == 0) opened = open_points(path);
     if (opened->points != nullptr) {
       file->particles = static_cast<std::uint64_t>(opened->points->GetNumberOfPoints());
-      file->held_bytes = std::uint64_t{1024} * opened->points->GetActualMemorySize();  // told in KiB
+      file->held_bytes = std::uint64_t{1024} * opened->points->GetActualMemorySize();  // VTK reports KiB
     }
     file->quantities = opened->quantities.data();
     file->quantity_count = opened->quantities.size();
