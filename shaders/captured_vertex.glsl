@@ -1,8 +1,8 @@
-// The vertex on a crossed edge of the grid, as transform feedback captures it. The arithmetic is that of
+// Computes the vertex on a crossed grid edge for transform feedback. The arithmetic is that of
 // extract/edge_geometry.hpp, in the same order and in double.
 
 #ifdef COUNTING
-// The count pass needs to know how many vertices there are, not which.
+// The count pass needs only the number of vertices.
 void set_vertex(Site site, ivec3 low, int direction, uvec2 bits0, uvec2 bits1, uint decided_later) {}
 #else
 out vec3 position;       // in the mesh's local frame
@@ -28,7 +28,8 @@ bool is_nan(double value) {
 
 uint exponent_field(double value) { return unpackDouble2x32(value).y >> 20 & 0x7FFu; }
 
-// value * 2^600 for values below 2^-255, made of their bits: devices may take subnormal numbers for zero.
+// Returns value * 2^600 for values below 2^-255. Works on the bits, because devices may treat subnormal numbers as
+// zero.
 double enlarged(double value) {
   uvec2 words = unpackDouble2x32(value);
   uint exponent = words.y >> 20 & 0x7FFu;
@@ -38,8 +39,8 @@ double enlarged(double value) {
   return words.y >> 31 != 0u ? -magnitude : magnitude;
 }
 
-// The parameter of the crossing on an edge from value f0 to f1 (linear, as in Suravikin and Korobitsyn;
-// docs/papers.md), kept off both ends.
+// Returns the parameter of the crossing on an edge from value f0 to f1 (linear, as in Suravikin and Korobitsyn;
+// docs/papers.md), at least edge_margin away from both ends.
 double edge_crossing(double f0, double f1) {
   double t;
   bool finite0 = is_finite(f0);
@@ -47,7 +48,7 @@ double edge_crossing(double f0, double f1) {
   if (finite0 && finite1) {
     double iso = iso_value;
     uint largest = max(max(exponent_field(f0), exponent_field(f1)), exponent_field(iso));
-    if (largest >= 0x700u) {  // neither the difference nor its reciprocal may leave the range
+    if (largest >= 0x700u) {  // keeps the difference and its reciprocal in range
       double smaller = power_of_two(-600);
       f0 = f0 * smaller;
       f1 = f1 * smaller;
@@ -78,7 +79,7 @@ vec3 local_position(dvec3 p) {
 }
 
 #ifdef NORMALS_GRADIENT
-uniform dvec3 covector_x, covector_y, covector_z;  // columns of the map of gradients, which outward values included
+uniform dvec3 covector_x, covector_y, covector_z;  // columns of the map from gradients to outward normals
 #ifdef FIELD_DENSE
 uniform ivec3 last_sample;  // of the whole field
 #endif
@@ -87,8 +88,9 @@ double number_at(Site site, ivec3 p) { return stored_number(sample_bits(site, p)
 
 double infinity() { return packDouble2x32(uvec2(0u, 0x7FF00000u)); }
 
-// Central differences; at the border of dense data one-sided ones of the same order. NaN is left out, and differences of
-// infinities are infinite, as sample_derivative() and border_derivative() have it.
+// Returns the derivative along an axis, as sample_derivative() and border_derivative() do: central differences, or
+// one-sided ones of the same order at the data boundary. Skips NaN neighbors; a difference of equal infinities is
+// infinite.
 double derivative(Site site, ivec3 p, int axis) {
   ivec3 unit = ivec3(0);
   unit[axis] = 1;
@@ -131,8 +133,9 @@ dvec3 gradient(Site site, ivec3 p) {
 
 bool has_nan(dvec3 v) { return is_nan(v.x) || is_nan(v.y) || is_nan(v.z); }
 
-// `out_step` leads outside; it decides where the gradient is zero or not finite. Where NaN leaves no gradient, its
-// length of 2 tells the host to find a normal (OutputFrame::unknown_normal()).
+// Returns the outward unit normal. If the gradient is zero or not finite, it is the direction of `out_step`, which
+// leads outside. If NaN leaves no gradient, its length of 2 tells the CPU to find a normal
+// (OutputFrame::unknown_normal()).
 vec3 gradient_normal(Site site, ivec3 p, ivec3 step, double t, ivec3 out_step) {
   dvec3 along = local_x * double(out_step.x) + local_y * double(out_step.y) + local_z * double(out_step.z);
   vec3 outward = vec3(along / sqrt(dot(along, along)));
@@ -152,8 +155,8 @@ vec3 gradient_normal(Site site, ivec3 p, ivec3 step, double t, ivec3 out_step) {
 }
 #endif
 
-// Sets the captured varyings to the vertex on the edge from the site's sample `low` along `direction`; `bits0` and
-// `bits1` are the samples at its ends. The caller emits it.
+// Sets the captured varyings to the vertex on the edge from the site's sample `low` along `direction`. `bits0` and
+// `bits1` are the samples at its ends. The caller emits the vertex.
 void set_vertex(Site site, ivec3 low, int direction, uvec2 bits0, uvec2 bits1, uint decided_later) {
   ivec3 step = axis_bits(direction);
   ivec3 p = site.origin + low;
@@ -170,8 +173,8 @@ void set_vertex(Site site, ivec3 low, int direction, uvec2 bits0, uvec2 bits1, u
 #endif
 
 #ifdef NAN_HOLES
-// A cell with a corner that is not a number draws nothing. It is sent all the same, to be decided later: a cap may need
-// its vertices.
+// Returns whether a corner of the cell is NaN. Such a cell has no triangles, but is captured and marked for the CPU: a
+// cap may need its vertices.
 bool is_hole(Site site, ivec3 low) {
   for (int corner = 0; corner < 8; ++corner) {
     if (is_nan_sample(sample_bits(site, site.origin + low + axis_bits(corner)))) return true;

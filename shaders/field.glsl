@@ -1,8 +1,8 @@
-// Samples as bits, and what they stand for. All comparisons are made on integers and all arithmetic on doubles, so that
-// subnormal, huge and not-a-number samples mean the same on every device.
+// Reads samples as bits and converts them to values. All comparisons use integers and all arithmetic uses doubles, so
+// that subnormal, huge and NaN samples give the same result on every device.
 //
-// SAMPLE_U8 ... SAMPLE_F64: the type of a sample, stored as unsigned bits (f64: two words, the low one first).
-// FIELD_DENSE: a toroidal window over a dense array. FIELD_SPARSE: leaves of 8 x 8 x 8 in an atlas.
+// SAMPLE_U8 ... SAMPLE_F64: the sample type, stored as unsigned bits (f64: two words, low word first).
+// FIELD_DENSE: a toroidal window over a dense array. FIELD_SPARSE: leaves of 8x8x8 samples in an atlas.
 
 uniform isamplerBuffer sites;  // xyz of each site of the draw: its lowest sample
 
@@ -12,18 +12,19 @@ uniform ivec3 window_base;  // the sample that texel (0, 0, 0) would hold if the
 uniform ivec3 window_size;
 #else
 uniform usampler3D leaf_atlas;
-uniform isamplerBuffer neighbours;  // of each site 3 x 3 x 3 places, x fastest: a slot of the atlas, or ~constant
+uniform isamplerBuffer neighbours;  // 3x3x3 places for each site, x fastest: a slot of the atlas, or ~number of a
+                                    // constant
 uniform usamplerBuffer constants;   // values of places without a leaf
 #endif
 
 struct Site {
-  int number;  // in the draw
+  int number;  // number in the draw
   ivec3 origin;
 };
 
 Site site_of(int number) { return Site(number, texelFetch(sites, number).xyz); }
 
-// The bits of sample `p`, which a cell of the site touches or is next to one that does.
+// Returns the bits of sample `p`, which must be a corner of a cell of the site, or next to one.
 uvec2 sample_bits(Site site, ivec3 p) {
 #ifdef FIELD_DENSE
   return texelFetch(field_window, (p - window_base) % window_size, 0).xy;
@@ -43,7 +44,7 @@ uvec2 sample_bits(Site site, ivec3 p) {
 uniform uvec2 inside_from;  // ordered keys, both ends included; low word first
 uniform uvec2 inside_to;
 
-// Rises with the number that the bits stand for.
+// Returns a key that has the order of the numbers that the bits stand for.
 uvec2 ordered_key(uvec2 bits) {
 #if defined(SAMPLE_I8)
   return uvec2(bits.x ^ 0x80u, 0u);
@@ -64,7 +65,7 @@ uvec2 ordered_key(uvec2 bits) {
 
 bool at_least(uvec2 a, uvec2 b) { return a.y > b.y || (a.y == b.y && a.x >= b.x); }
 
-// NaN is on no side: its keys lie beyond those of the infinities.
+// NaN is never inside: its keys lie beyond those of the infinities.
 bool is_inside(uvec2 bits) {
   uvec2 key = ordered_key(bits);
   return at_least(key, inside_from) && at_least(inside_to, key);
@@ -87,7 +88,8 @@ bool is_nan_sample(uvec2 bits) {
 
 double power_of_two(int exponent) { return packDouble2x32(uvec2(0u, uint(exponent + 1023) << 20)); }
 
-// Of a float with `mantissa_bits` and an exponent biased by `bias`, all ones standing for infinities and NaN.
+// Converts a float with `mantissa_bits` and an exponent biased by `bias` to double. The exponent `all_ones` means
+// infinity or NaN.
 double widen(uint sign, uint exponent, uint all_ones, uint mantissa, int mantissa_bits, int bias) {
   if (exponent == 0u) {
     double magnitude = double(mantissa) * power_of_two(1 - bias - mantissa_bits);
@@ -133,13 +135,13 @@ double field_value(uvec2 bits) {
 
 // ---- cells of a site
 
-uniform ivec3 first_cell;  // of the region: leaves may begin before it
+uniform ivec3 first_cell;  // of the region; leaves may begin before it
 uniform ivec3 last_cell;
 
 bool in_region(ivec3 cell) { return all(greaterThanEqual(cell, first_cell)) && all(lessThanEqual(cell, last_cell)); }
 
-// Cell `number` of the 512 of a site. SWIZZLE: as groups of 2 x 2 x 2 (Suravikin and Korobitsyn; docs/papers.md),
-// otherwise row by row.
+// Returns the position of cell `number` of the 512 of a site. SWIZZLE: in groups of 2x2x2 (Suravikin and Korobitsyn;
+// docs/papers.md), otherwise row by row.
 ivec3 cell_position(int number) {
 #ifdef SWIZZLE
   ivec3 within = ivec3(number, number >> 1, number >> 2) & 1;

@@ -1,7 +1,6 @@
-// Marching cubes of one cell, whichever way its thread was made: the geometry stage of Timokhin and Mikhaylyuk (2020;
-// docs/papers.md); the cells' lists of triangles are an integer texture. An ambiguous cell sends its first variant as a
-// proxy, marked: it holds every crossed edge, and the host decides which triangles are drawn
-// (extract/asymptotic_decider.hpp).
+// Marching cubes of one cell, for every way to make its thread: the geometry stage of Timokhin and Mikhaylyuk (2020;
+// docs/papers.md). The triangle lists of the cases are an integer texture. An ambiguous cell emits its first variant,
+// marked: it contains every crossed edge, and the CPU chooses the triangles (extract/asymptotic_decider.hpp).
 
 layout(points) in;
 layout(triangle_strip, max_vertices = 15) out;

@@ -1,4 +1,4 @@
-// One thread a cell without any vertex data: cell 512 * site + cell by its number.
+// Makes one thread a cell without vertex data: vertex 512 * site + cell.
 
 flat out ivec2 cell_thread;
 

@@ -1,5 +1,6 @@
 // Timokhin, Mikhaylyuk: Method to extract isosurfaces on the GPU by means of programmable tessellation. Programming and
-// Computer Software 46 (3), 2020. Control stage: a patch is a site, and becomes a grid of 64 x 8 vertices, one a cell.
+// Computer Software 46 (3), 2020. Control stage: one patch is one site, and becomes a grid of 64x8 vertices, one for
+// each cell.
 
 layout(vertices = 1) out;
 

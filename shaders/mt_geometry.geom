@@ -1,5 +1,6 @@
 // Suravikin, Korobitsyn: Visualization of a scalar field by dynamic construction of an isosurface (in Russian;
-// docs/papers.md). One tetrahedron comes as four vertices with adjacency; a strip of up to two triangles goes.
+// docs/papers.md). The input is one tetrahedron as four vertices with adjacency, the output a strip of up to two
+// triangles.
 
 layout(lines_adjacency) in;
 #ifdef NORMALS_FLAT
@@ -16,7 +17,7 @@ void set_crossing(Site site, int ends, uint decided_later) {
   int a = ends >> 2;
   int b = ends & 3;
   ivec3 step = corner_low[b] - corner_low[a];
-  if (step.x + step.y + step.z < 0) {  // edges run up in every axis they run along
+  if (step.x + step.y + step.z < 0) {  // edges lead upward along each of their axes
     int lower = b;
     b = a;
     a = lower;
@@ -34,7 +35,7 @@ void main() {
   Site site = site_of(corner_site[0]);
   uint decided_later = 0u;
 #ifdef NAN_HOLES
-  // All tetrahedra have the cell's corners 0 and 7, first and last.
+  // The first and last corners of every tetrahedron are corners 0 and 7 of the cell.
   decided_later = uint(is_hole(site, min(corner_low[0], corner_low[3])));
 #endif
   int strip = tetrahedron_strips[index];
@@ -45,7 +46,7 @@ void main() {
     set_crossing(site, strip >> (4 * v) & 15, decided_later);
     corners[v] = position;
   }
-  // The whole quad has its two triangles' normals one after the other: a strip's vertex belongs to one of them only.
+  // A quad is emitted as two separate triangles, because each has its own normal.
   for (int first = 0; first + 2 < count; ++first) {
     vec3 turned = cross(corners[first + 1] - corners[first], corners[first + 2] - corners[first]);
     vec3 face = normalize(first == 0 ? turned : -turned);

@@ -1,9 +1,10 @@
 // Suravikin, Korobitsyn: Visualization of a scalar field by dynamic construction of an isosurface (in Russian;
-// docs/papers.md). Corners of tetrahedra by number alone: vertex 4 * (6 * (512 * site + cell) + tetrahedron) + corner.
+// docs/papers.md). Corners of tetrahedra by vertex number alone: vertex 4 * (6 * (512 * site + cell) + tetrahedron) +
+// corner.
 
-flat out ivec3 corner_low;   // of the site's samples
+flat out ivec3 corner_low;   // relative to the site's lowest sample
 flat out uvec2 corner_bits;
-flat out int corner_site;    // in the draw; -1 where the region has no such cell
+flat out int corner_site;    // number in the draw; -1 if the cell is outside the region
 
 void main() {
   int tetrahedron = (gl_VertexID >> 2) % 6;

@@ -1,11 +1,11 @@
-// One ray a pixel, through the volume and past the surfaces: steps 2 to 7 of the model (render/renderer.hpp). VOLUME and
-// SURFACES say which of them there are.
+// Casts one ray a pixel through the volume and past the surfaces: steps 2 to 7 of the model (render/renderer.hpp).
+// VOLUME and SURFACES tell which of them exist.
 layout(location = 0) out vec4 picture_colour;  // premultiplied
 layout(location = 1) out vec3 picture_normal;
 layout(location = 2) out float picture_depth;
 layout(location = 3) out uvec4 picture_counts;  // rays in the volume, samples taken, skipped, terminated
 
-// Drivers on the processor leave loops after so many rounds, whatever is left to be done: then the first count has this.
+// Software drivers stop loops after a fixed number of rounds. The first count then has this value.
 const uint kCutOff = 2u;
 
 uniform double near_depth;
@@ -13,8 +13,8 @@ uniform double far_depth;
 uniform double unit;
 uniform double world_step;
 uniform double unit_lengths;    // of the transfer function, in one of the world
-uniform float least_light;      // less than that ends a ray
-uniform vec4 background;        // straight
+uniform float least_light;      // a ray with less light left ends
+uniform vec4 background;        // straight alpha
 
 #ifdef SURFACES
 const uint kNone = 0xffffffffu;
@@ -27,7 +27,7 @@ layout(std430, binding = 1) buffer Fragments { uvec2 fragments[]; };
 
 bool is_before(uvec2 a, uvec2 b) { return a.x < b.x || (a.x == b.x && a.y < b.y); }  // depths are positive
 
-// Shell's method, with Knuth's gaps: lists are mostly short, and may be long. False where it was cut off.
+// Shell sort with Knuth's gaps: most lists are short, but some may be long. Returns false if the driver stopped it.
 bool sort(uint begin, uint count) {
   uint gap = 1u;
   while (gap < count / 3u) gap = 3u * gap + 1u;
@@ -46,9 +46,9 @@ bool sort(uint begin, uint count) {
 }
 #endif
 
-// What has come together.
+// The accumulated color and counts.
 vec3 colour = vec3(0.0);
-float light = 1.0;  // that is left
+float light = 1.0;  // light left
 bool settled = false;
 bool found_depth = false;
 double depth_found = 0.0lf;
@@ -67,7 +67,7 @@ void settle(double depth, vec3 normal) {
   normal_found = normal;
 }
 
-// 1 - exp(-x), also where that is small.
+// Returns 1 - exp(-x), accurately also for small x.
 float taken_by(float x) {
   return x < 0.125 ? x * (1.0 - x * (0.5 - x * (1.0 / 6.0 - x * (1.0 / 24.0 - x * (1.0 / 120.0))))) : 1.0 - exp(-x);
 }
@@ -104,7 +104,7 @@ void main() {
 #ifdef VOLUME
   dvec3 along = index_of_view * direction;  // index steps per depth
   dvec2 limits = depths_in_box(along, near_depth, far_depth);
-  double world_length = length(direction) * unit;  // of one depth
+  double world_length = length(direction) * unit;  // world length of one unit of depth
   double depth_step = world_step / world_length;
   float per_depth = float(world_length * unit_lengths);
   if (limits.y > limits.x) {
@@ -113,7 +113,8 @@ void main() {
   }
   Brick brick = Brick(ivec3(-2147483647), 3, -1, ivec3(0));
 #endif
-  // Each time: a part of a slab, up to its end or to a fragment, or a fragment outside of the volume, or a brick skipped.
+  // Each round handles one of: a part of a slab, up to its end or to a fragment; a fragment outside the volume; a
+  // skipped brick.
   for (;;) {
 #ifdef SURFACES
     if (fetch) {
@@ -182,7 +183,7 @@ void main() {
     }
 #endif
   }
-  // Not by a flag that is set where the loop is left: compilers take it for set behind the loop.
+  // Does not use a flag that the loop sets at its exits: compilers assume after the loop that it is set.
   is_whole = is_whole && (has_ended() || (k >= slabs && fragment_depth >= kNever));
   int reached = inside ? k + 1 : k;
   float left = has_ended() ? 0.0 : light;

@@ -1,10 +1,10 @@
-// The light of a place on a surface: ambient, Lambert and specular terms (render/scene.hpp, ShadingModel).
+// Computes the light of a surface point: ambient, Lambert and specular terms (render/scene.hpp, ShadingModel).
 struct Surface {
-  double offset_x, offset_y, offset_z;  // of stored positions in view space
+  double offset_x, offset_y, offset_z;  // offset of stored positions in view space
   uint first_triangle;
   int vertex_base;
-  int normal_base;  // -1: flat
-  int colour_base;  // -1: its own colour
+  int normal_base;  // -1: flat shading
+  int colour_base;  // -1: the color of the surface
   float red, green, blue, opacity;
 };
 
@@ -18,12 +18,12 @@ uniform int light_count;
 uniform vec3 light_towards[kMaxLights];  // in view space
 uniform vec3 light_colours[kMaxLights];
 uniform vec4 shading_terms;  // ambient, diffuse, specular, shininess
-uniform mat3 rotation;       // the world's directions to view space
+uniform mat3 rotation;       // maps world directions to view space
 
 struct Shade {
   vec3 colour;
   float opacity;
-  vec3 normal;  // in the world, towards the eye
+  vec3 normal;  // in world space, toward the eye
 };
 
 int surface_of(uint triangle) {
@@ -46,7 +46,8 @@ Shade shade(uint number, dvec3 direction) {
   Triangle triangle =
       triangle_of(corners, surface.vertex_base, dvec3(surface.offset_x, surface.offset_y, surface.offset_z));
 
-  // Weights of the corners at the place where the ray meets the plane; of pixels just beyond an edge those on it.
+  // Weights of the corners where the ray meets the plane. A pixel just beyond an edge gets the weights of a point on
+  // the edge.
   dvec3 plane = cross(triangle.b - triangle.a, triangle.c - triangle.a);
   double side = dot(plane, direction) < 0.0lf ? -1.0lf : 1.0lf;
   dvec3 weights = max(side * dvec3(dot(cross(triangle.b, triangle.c), direction),

@@ -1,5 +1,5 @@
-// Fragments of surfaces. OPAQUE: the nearest one of each pixel, its triangle and its depth. Else those of see-through
-// surfaces that are in front of it: counted, then listed.
+// Fragments of surfaces. OPAQUE: stores the nearest fragment of each pixel, its triangle and its depth. Otherwise:
+// handles the fragments of transparent surfaces in front of it. They are first counted, then listed.
 uniform int first_triangle;
 uniform int vertex_base;
 uniform dvec3 view_offset;
@@ -15,7 +15,7 @@ layout(location = 1) out float nearest_depth;
 uniform bool list_them;
 uniform usampler2D opaque_triangles;
 uniform sampler2D opaque_depths;
-layout(r32ui, binding = 0) uniform uimage2D places;  // how many there are; then where the next one goes
+layout(r32ui, binding = 0) uniform uimage2D places;  // fragment counts; then positions of the next fragment
 layout(std430, binding = 1) writeonly buffer Fragments { uvec2 fragments[]; };  // bits of the depth, triangle
 #endif
 
@@ -25,8 +25,9 @@ void main() {
   Triangle triangle = triangle_of(texelFetch(triangle_corners, int(number)).xyz, vertex_base, view_offset);
   dvec3 normal = cross(triangle.b - triangle.a, triangle.c - triangle.a);
   double towards = dot(normal, direction_of(pixel));
-  if (towards == 0.0lf) discard;  // seen from its edge
-  // Corners were moved to a raster before pixels were found: one beyond an edge has no depth beyond the corners'.
+  if (towards == 0.0lf) discard;  // the triangle is seen edge-on
+  // The rasterizer snaps corners to a subpixel grid, so a pixel may lie beyond an edge. The depth stays within that of
+  // the corners.
   dvec3 depths = -dvec3(triangle.a.z, triangle.b.z, triangle.c.z);
   double depth = clamp(dot(normal, triangle.a) / towards, min(depths.x, min(depths.y, depths.z)),
                        max(depths.x, max(depths.y, depths.z)));
@@ -38,7 +39,7 @@ void main() {
   gl_FragDepth = float(depth / far_depth);
 #else
   if (!list_them) atomicCounterIncrement(met);
-  // Where nothing is opaque the depth is infinite.
+  // Without an opaque fragment the depth is infinite.
   float nearest = texelFetch(opaque_depths, pixel, 0).r;
   if (float(depth) > nearest) discard;
   if (float(depth) == nearest && number > texelFetch(opaque_triangles, pixel, 0).r) discard;

@@ -1,4 +1,4 @@
-// Corners of triangles by gl_VertexID alone, placed in a tile of the picture whose rows run downwards.
+// Computes triangle corners from gl_VertexID alone, placed in a tile of the picture whose rows run downward.
 uniform int first_triangle;  // of this draw
 uniform int vertex_base;
 uniform dvec3 view_offset;
@@ -15,13 +15,13 @@ void main() {
     finite = finite && is_finite(texelFetch(vertex_positions, int(corners[c] + uint(vertex_base))).xyz);
   }
   if (!finite) {
-    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);  // seen by nobody
+    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);  // outside the clip volume
     return;
   }
   Triangle triangle = triangle_of(corners, vertex_base, view_offset);
   int corner = gl_VertexID % 3;
   dvec3 p = corner == 0 ? triangle.a : corner == 1 ? triangle.b : triangle.c;
   double depth = -p.z;
-  // z cuts off what is behind half of the near depth, and nothing else: fragments are held against both limits.
+  // z clips only the part behind half of the near depth; the fragments are tested against both depth limits.
   gl_Position = vec4(vec2(clip_scale * p.xy + clip_shift * depth), float(depth - near_depth), float(depth));
 }

@@ -1,7 +1,7 @@
-// Triangles of all surfaces, numbered in one row, as the camera sees them: in view space, in units of the distance from
-// eye to target. What decides or places is computed in double, as on the processor.
-uniform usamplerBuffer triangle_corners;  // the numbers of its vertices, in its own mesh
-uniform usamplerBuffer vertex_positions;  // as bits: which are no numbers is not for floats to tell
+// The triangles of all surfaces, numbered consecutively, as the camera sees them: in view space, in units of the
+// distance from eye to target. Decisions and positions are computed in double, as on the CPU.
+uniform usamplerBuffer triangle_corners;  // vertex numbers in the mesh of the surface
+uniform usamplerBuffer vertex_positions;  // as bits: comparing floats does not detect NaN reliably
 uniform dmat3 view_linear;                // of stored positions
 uniform dvec2 to_corner;                  // the view through the upper left corner of the picture
 uniform dvec2 per_pixel;
@@ -19,7 +19,7 @@ Triangle triangle_of(uvec3 corners, int vertex_base, dvec3 view_offset) {
   return Triangle(view_linear * a + view_offset, view_linear * b + view_offset, view_linear * c + view_offset);
 }
 
-// Where the view through the centre of the tile's pixel goes, z = -1: depth is the parameter along it.
+// Returns the view direction through the center of a pixel of the tile, with z = -1: depth is the parameter along it.
 dvec3 direction_of(ivec2 pixel) {
   dvec2 centre = dvec2(tile_first + pixel) + 0.5lf;
   return dvec3(to_corner.x + per_pixel.x * centre.x, to_corner.y - per_pixel.y * centre.y, -1.0lf);

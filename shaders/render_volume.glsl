@@ -1,7 +1,7 @@
-// A volume of bricks: 8 x 8 x 8 cells, 9 samples a side, as positions in the transfer function's table. Bricks in which
-// nothing can be seen are not there. Nodes have 16 bricks a side.
-uniform isampler3D nodes;          // the node's number; -1: nothing is seen in it; below: ~number of its one slot - 1
-uniform isamplerBuffer bricks;     // of nodes, z fastest: the slot in the atlas, or -1
+// A volume of bricks: 8x8x8 cells, 9 samples a side, as positions in the table of the transfer function. Invisible
+// bricks are not stored. Nodes have 16 bricks a side.
+uniform isampler3D nodes;          // node number; -1: invisible; below -1: ~slot - 1 if the node has only one slot
+uniform isamplerBuffer bricks;     // bricks of all nodes, z fastest: slot in the atlas, or -1
 uniform sampler3D atlas;
 uniform samplerBuffer transfer;    // red, green, blue, extinction
 uniform ivec3 first_node;
@@ -14,13 +14,13 @@ uniform dvec3 volume_eye;
 uniform dmat3 index_of_view;       // of directions
 
 const int kBrickSamples = 9;
-const float kNoNumber = 2e30;  // positions are nearer; what is not stands for NaN
+const float kNoNumber = 2e30;  // positions are smaller; larger values mean NaN
 
-// What the last sample was in.
+// The brick or node of the last sample.
 struct Brick {
   ivec3 at;     // in bricks
   int shift;    // of cell numbers to `at`: 3, or 7 for a whole node
-  int slot;     // -1: nothing is seen
+  int slot;     // -1: invisible
   ivec3 texel;  // of its first sample
 };
 
@@ -38,7 +38,7 @@ Brick find_brick(ivec3 cell) {
   return Brick(brick, 3, slot, kBrickSamples * place);
 }
 
-// Colour and extinction at a place in the cell.
+// Returns color and extinction at a point in the cell.
 vec4 entry_at(Brick brick, ivec3 cell, vec3 t) {
   ivec3 at = brick.texel + (cell & 7);
   vec4 low = vec4(texelFetch(atlas, at, 0).r, texelFetch(atlas, at + ivec3(0, 1, 0), 0).r,
@@ -55,7 +55,7 @@ vec4 entry_at(Brick brick, ivec3 cell, vec3 t) {
   return entry + (position - float(below)) * (texelFetch(transfer, min(below + 1, kEntries - 1)) - entry);
 }
 
-// Depths at which the ray is in the box, and between the two that are given. y <= x: at none.
+// Returns the depths between which the ray is in the box, within the given range. y <= x: nowhere.
 dvec2 depths_in_box(dvec3 along, double enter, double leave) {
   for (int axis = 0; axis < 3; ++axis) {
     double low = box_min[axis] - volume_eye[axis];
@@ -72,7 +72,7 @@ dvec2 depths_in_box(dvec3 along, double enter, double leave) {
   return dvec2(enter, leave);
 }
 
-// The first slab that may have its middle beyond the brick: one too early does no harm.
+// Returns the first slab whose middle may lie beyond the brick; one slab too early does no harm.
 int slab_beyond(Brick brick, dvec3 along, double enter, double depth_step, int k, int slabs) {
   double leave = 1e300lf;
   for (int axis = 0; axis < 3; ++axis) {

@@ -1,4 +1,4 @@
-// A thread that does nothing but be there: it makes a point only where it is told to, which the compiler cannot know.
+// A thread that does nothing: it emits a point only if a uniform says so, which the compiler cannot know in advance.
 
 layout(points) in;
 layout(points, max_vertices = 1) out;
@@ -6,7 +6,7 @@ layout(points, max_vertices = 1) out;
 flat in ivec3 cell[];
 
 uniform ivec3 grid;
-uniform ivec3 emit_below;  // (0, 0, 0): nowhere; the grid: in every cell
+uniform ivec3 emit_below;  // (0, 0, 0): in no cell; the grid: in every cell
 
 void main() {
   if (any(greaterThanEqual(cell[0], grid))) return;

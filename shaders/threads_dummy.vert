@@ -1,4 +1,4 @@
-// One thread a cell by a dummy vertex from a buffer: what Timokhin and Mikhaylyuk (2020; docs/papers.md) describe as
+// Makes one thread a cell from a buffer of dummy vertices, which Timokhin and Mikhaylyuk (2020; docs/papers.md) call
 // the usual way.
 
 layout(location = 0) in uint number;  // of the cell in this draw

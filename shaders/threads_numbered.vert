@@ -1,6 +1,6 @@
-// One thread a cell by its number alone.
+// Makes one thread a cell by vertex number alone.
 
-uniform int first_layer;  // of this draw: 32 bits number no grid of 2000^3
+uniform int first_layer;  // of this draw; 32 bits cannot number all cells of 2000^3
 uniform ivec3 grid;
 
 flat out ivec3 cell;

@@ -18,8 +18,8 @@ void main() {
   int layer = g / (patches.x * patches.y);
   int within = g - layer * patches.x * patches.y;
   ivec2 origin = patch_cells * ivec2(within % patches.x, within / patches.x);
-  // An inner level of 0 or 1 beside larger ones is taken for 2, so narrow patches make three vertices a row; those
-  // beyond the grid end at once.
+  // The tessellator treats an inner level of 0 or 1 next to larger ones as 2. So narrow patches get three vertices a
+  // row; those beyond the grid end at once.
   ivec2 size = max(min(ivec2(patch_cells), grid.xy - origin), 3);
   patch_origin[gl_InvocationID] = ivec3(origin, layer);
   patch_size[gl_InvocationID] = size;

@@ -1,6 +1,6 @@
 // Timokhin, Mikhaylyuk: Method to extract isosurfaces on the GPU by means of programmable tessellation. Programming and
-// Computer Software 46 (3), 2020. Evaluation stage: from the place in the patch to the cell; the half is the paper's
-// epsilon against rounding.
+// Computer Software 46 (3), 2020. Evaluation stage: converts the position in the patch to the cell. The 0.5 is the
+// epsilon of the paper against rounding.
 
 layout(quads, equal_spacing, point_mode) in;
 

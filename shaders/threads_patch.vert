@@ -1,4 +1,4 @@
-// A corner of a quad patch, from the buffer of patches (Timokhin and Mikhaylyuk 2020; docs/papers.md).
+// One corner of a quad patch, from the buffer of patches (Timokhin and Mikhaylyuk 2020; docs/papers.md).
 
 layout(location = 0) in uint number;
 

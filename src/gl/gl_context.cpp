@@ -2,7 +2,7 @@
 
 #include <dlfcn.h>
 #include <epoxy/gl.h>
-// epoxy's own EGL header: EGL/egl.h defines KHRONOS_FALSE otherwise than epoxy/gl.h.
+// The EGL header of epoxy, because EGL/egl.h defines KHRONOS_FALSE differently from epoxy/gl.h.
 #include <epoxy/egl.h>
 
 #include <algorithm>
@@ -47,8 +47,8 @@ std::string egl_reason() {
   return fmt::format("{} (EGL error 0x{:04X})", egl_error_words(code), code);
 }
 
-// epoxy ends the program where a library is missing or is not what it says: look first. Handles stay open for the life
-// of the process.
+// epoxy ends the program if a library is missing or unusable, so this checks first. The handles stay open until the
+// process ends.
 Result<void> load_libraries() {
   struct Library {
     std::array<const char*, 2> names;
@@ -78,8 +78,8 @@ Result<void> load_libraries() {
 
 bool has_client_extension(const char* name) { return epoxy_has_egl_extension(EGL_NO_DISPLAY, name); }
 
-// Drivers start threads of their own, those that draw on the processor one for each of its cores. Where the system
-// gives them none they wait for ever.
+// Fails unless as many threads can start as the machine has cores. Drivers start threads of their own (software drivers
+// one a core), and wait forever if they cannot.
 Result<void> check_threads() {
   const StartedThreads started = try_threads(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
   if (started.refusal.empty()) return {};
@@ -156,7 +156,7 @@ std::string_view reset_words(GLenum status) {
 
 void GLAPIENTRY on_debug_message(GLenum, GLenum type, GLuint, GLenum severity, GLsizei length, const GLchar* text,
                                  const void* list) {
-  // Hints about speed and memory placement come at every severity; they are no complaints.
+  // Performance and memory hints come at every severity; ignore them.
   const bool counts = type == GL_DEBUG_TYPE_ERROR || type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR ||
                       (severity == GL_DEBUG_SEVERITY_HIGH && type != GL_DEBUG_TYPE_PERFORMANCE);
   if (!counts) return;
@@ -181,10 +181,10 @@ class HeadlessContext {
       eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
       eglDestroyContext(display_, context_);
     }
-    // The display is shared by every context of the process on this device, so it is not terminated here.
+    // All contexts of the process on this device share the display, so it is not terminated here.
   }
 
-  // Makes the context of a device and makes it current.
+  // Creates a context on a device and makes it current.
   Result<void> open(EGLDeviceEXT device, bool debug) {
     display_ = eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, device, nullptr);
     if (display_ == EGL_NO_DISPLAY)
@@ -280,7 +280,7 @@ GpuDevice describe_current(int index, EGLDeviceEXT egl_device) {
   return device;
 }
 
-// A context on a device, with what it is; or why there is none.
+// A context on a device with its description, or the reason why there is none.
 struct OpenedDevice {
   GpuDevice device;
   std::unique_ptr<HeadlessContext> context;
@@ -311,7 +311,7 @@ Result<void> GlContext::make_current() const { return context_->make_current(); 
 
 Result<std::unique_ptr<GlContext>> GlContext::open(const ContextOptions& options) {
   const auto egl = TRY(egl_devices());
-  // Opening is slow on machines with many GPUs, so no device is opened after the first that will do.
+  // Opening is slow on machines with many GPUs, so the search stops at the first suitable device.
   const auto* index = std::get_if<int>(&options.device);
   std::vector<GpuDevice> seen;
   for (int d = 0; d < static_cast<int>(egl.size()); ++d) {
@@ -337,7 +337,7 @@ Result<void> GlContext::check(const std::string& doing) const {
     if (status != GL_NO_ERROR) return tl::unexpected(lost(reset_words(status), doing));
   }
   Result<void> result;
-  constexpr int kMost = 16;  // there are fewer kinds; a driver without a context may go on for ever
+  constexpr int kMost = 16;  // there are fewer kinds of errors; a driver without a context may report errors forever
   GLenum code = glGetError();
   for (int told = 0; code != GL_NO_ERROR && told < kMost; ++told, code = glGetError()) {
     if (code == GL_CONTEXT_LOST) return tl::unexpected(lost("for an unknown reason", doing));

@@ -1,6 +1,6 @@
-// A current OpenGL context without display and surface (EGL device platform), and what went wrong in it.
+// An OpenGL context without display and surface (EGL device platform), and its error reports.
 //
-// list_gpu_devices() (gpu_device.hpp) opens and closes contexts: it leaves none current.
+// list_gpu_devices() (gpu_device.hpp) opens and closes contexts, and leaves none current.
 #pragma once
 
 #include <memory>
@@ -16,14 +16,14 @@ class HeadlessContext;
 
 struct ContextOptions {
   DeviceChoice device;
-  bool debug = false;  // collect the driver's own messages (KHR_debug), for tests
+  bool debug = false;  // for tests: collect the messages of the driver (KHR_debug)
 };
 
-// Belongs to the thread that opened it: GL calls on that thread only, and none when it is gone. Current once opened. A
-// framebuffer without attachments is bound, because without one every draw fails.
+// An open context is current. It belongs to the thread that opened it: GL calls are allowed on that thread only, while
+// the object exists. A framebuffer without attachments is bound, because without one every draw fails.
 class GlContext {
  public:
-  // Core profile 4.3 or newer. Fails with ErrorCode::unavailable.
+  // Opens a context with core profile 4.3 or newer. Fails with ErrorCode::unavailable.
   [[nodiscard]] static Result<std::unique_ptr<GlContext>> open(const ContextOptions& options);
 
   GlContext(const GlContext&) = delete;
@@ -32,16 +32,16 @@ class GlContext {
 
   [[nodiscard]] const GpuDevice& device() const { return device_; }
 
-  // For threads with several contexts: GL calls go to the one that was made current last. Fails with
-  // ErrorCode::unavailable where the context was lost.
+  // Makes this context current, on threads that have several. Fails with ErrorCode::unavailable if the context was
+  // lost.
   Result<void> make_current() const;
 
-  // What GL has to say since the last call, as a sentence: out of memory and a lost context are
-  // ErrorCode::unavailable with the option that helps. `doing` completes "while ...".
+  // Fails if GL has reported an error since the last call. Out of memory and a lost context are ErrorCode::unavailable
+  // with a remedy. `doing` completes "while ..." in the message.
   [[nodiscard]] Result<void> check(const std::string& doing) const;
 
-  // Errors, undefined behaviour and what is severe, but no hints about speed, since the context was opened. Only with
-  // `debug`.
+  // Returns the driver's messages since the context was opened: errors, undefined behavior and severe ones, without
+  // performance hints. Empty without `debug`.
   [[nodiscard]] const std::vector<std::string>& debug_messages() const;
 
  private:

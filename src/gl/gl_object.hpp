@@ -1,4 +1,4 @@
-// Names of GL objects, owned. Made and dropped on the thread of the context, before it is gone.
+// Owned names of GL objects. Make and destroy them on the thread of the context, while the context exists.
 #pragma once
 
 #include <epoxy/gl.h>

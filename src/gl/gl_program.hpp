@@ -1,4 +1,4 @@
-// Linked programs: those whose output is captured by transform feedback, and those that draw pictures.
+// Linked shader programs: some capture their output by transform feedback, others draw pictures.
 #pragma once
 
 #include <array>
@@ -16,20 +16,20 @@ namespace isoextract::gl {
 
 struct ShaderStage {
   GLenum type;                          // GL_VERTEX_SHADER, ...
-  std::vector<std::string_view> parts;  // names of shaders, put together in this order
+  std::vector<std::string_view> parts;  // names of shader files, concatenated in this order
 };
 
 struct ProgramSource {
   std::vector<std::string> defines;  // "SAMPLE_F32"
-  std::string constants;             // GLSL before the first part
+  std::string constants;             // GLSL text before the first part
   std::vector<ShaderStage> stages;
-  std::vector<const char*> captured;  // varyings, interleaved; may be empty
+  std::vector<const char*> captured;  // captured varyings, interleaved; may be empty
 };
 
-// Uniforms that a variant of a program does not use are set without effect.
+// A linked program. Setting a uniform that it does not use has no effect.
 class CellProgram {
  public:
-  // Fails with ErrorCode::unavailable, the driver's log in the message.
+  // Compiles and links the stages. Fails with ErrorCode::unavailable; the message contains the log of the driver.
   [[nodiscard]] static Result<CellProgram> link(const GlContext& context, const ProgramSource& source);
 
   void use() const { glUseProgram(program_.name()); }
@@ -62,7 +62,7 @@ class CellProgram {
   void set(const char* name, const glm::mat3& m) const {
     glProgramUniformMatrix3fv(program_.name(), location(name), 1, GL_FALSE, &m[0][0]);
   }
-  // An array from its first element on.
+  // Sets an array from its first element on.
   void set(const char* name, std::span<const glm::vec3> values) const {
     glProgramUniform3fv(program_.name(), location(name), static_cast<GLsizei>(values.size()),
                         values.empty() ? nullptr : &values[0].x);
@@ -72,7 +72,7 @@ class CellProgram {
   GlProgram program_;
 };
 
-// The same cells, for the two passes over them.
+// The programs of the count pass and the capture pass over the same cells.
 struct CellPass {
   const CellProgram* count = nullptr;
   const CellProgram* capture = nullptr;

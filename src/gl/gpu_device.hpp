@@ -1,4 +1,4 @@
-// The devices that EGL can draw on without a display, and the choice of one.
+// The devices that EGL can draw on without a display, and the choice of one of them.
 #pragma once
 
 #include <cstdint>
@@ -13,42 +13,43 @@
 namespace isoextract::gl {
 
 struct GpuDevice {
-  int index = 0;  // in the order in which EGL lists devices
+  int index = 0;  // position in the list of EGL devices
   std::string vendor;
   std::string renderer;
-  std::string version;                        // of OpenGL, as the driver words it
-  bool software = false;                      // the processor draws: never faster than the CPU backend
-  std::optional<int> cuda_index;              // where the driver tells
-  std::optional<std::uint64_t> memory_bytes;  // likewise: all of it, or what is free where only that is told
-  std::optional<Error> problem;               // why it cannot be used; then only the index is sure
+  std::string version;                        // OpenGL version string of the driver
+  bool software = false;                      // drawn by the CPU: never faster than the CPU backend
+  std::optional<int> cuda_index;              // if the driver tells
+  std::optional<std::uint64_t> memory_bytes;  // if the driver tells: total memory, or free memory if only that is known
+  std::optional<Error> problem;               // reason if the device cannot be used; then only the index is valid
 };
 
-// Every device, usable or not; looking makes a context on each. Fails with ErrorCode::unavailable where EGL or OpenGL
-// is not installed, or lists no device.
+// Returns all devices, usable or not; opens a context on each. Fails with ErrorCode::unavailable if EGL or OpenGL is
+// not installed, or lists no device.
 [[nodiscard]] Result<std::vector<GpuDevice>> list_gpu_devices();
 
-// Which device is meant. CUDA_VISIBLE_DEVICES does not reorder EGL's devices, so CUDA's numbers are matched by what the
-// driver says of each.
+// A CUDA device number. CUDA_VISIBLE_DEVICES does not reorder EGL devices, so the number is matched with the CUDA index
+// that the driver reports for each device.
 struct CudaIndex {
   int number;
 
   friend bool operator==(const CudaIndex&, const CudaIndex&) = default;
 };
 struct DeviceName {
-  std::string part;  // of vendor and renderer, whatever the case
+  std::string part;  // part of vendor and renderer; case is ignored
 
   friend bool operator==(const DeviceName&, const DeviceName&) = default;
 };
-using DeviceChoice = std::variant<std::monostate, int, CudaIndex, DeviceName>;  // monostate: the first usable one that
-                                                                                // is not software, else the first
+using DeviceChoice = std::variant<std::monostate, int, CudaIndex, DeviceName>;  // monostate: the first usable device
+                                                                                // that is not software, else the first
+                                                                                // usable one
 
-// "1", "cuda:0", or a name. Fails with ErrorCode::usage.
+// Parses "1", "cuda:0", or a name. Fails with ErrorCode::usage.
 [[nodiscard]] Result<DeviceChoice> parse_device_choice(const std::string& text);
 
-// The device that is meant, or ErrorCode::unavailable with the list in the message.
+// Returns the chosen device. Fails with ErrorCode::unavailable and lists the devices in the message.
 [[nodiscard]] Result<GpuDevice> choose_device(std::span<const GpuDevice> devices, const DeviceChoice& choice);
 
-// "llvmpipe (LLVM 15.0.6, 256 bits)", with "cuda:0" where known.
+// Returns "llvmpipe (LLVM 15.0.6, 256 bits)", with "cuda:0" if known.
 [[nodiscard]] std::string describe(const GpuDevice& device);
 
 }  // namespace isoextract::gl

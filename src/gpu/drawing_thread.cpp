@@ -15,8 +15,8 @@
 
 namespace isoextract::gpu {
 
-// What passes between the threads is guarded by `mutex_`; who asks holds `turn_` as well, so there is one request at a
-// time. Requests lie on the stack of who asks: asking takes no memory.
+// `mutex_` guards the data that pass between the threads. A caller also holds `turn_`, so there is one request at a
+// time. Requests live on the stack of the caller, so asking allocates no memory.
 class DrawingThread::Owner {
  public:
   explicit Owner(const GpuOptions& options) : options_(options) {}
@@ -45,7 +45,7 @@ class DrawingThread::Owner {
     return *opened_;
   }
 
-  // Known once it was started, and the same from then on.
+  // Valid after start(); never changes.
   [[nodiscard]] const gl::GpuDevice& device() const { return device_; }
   [[nodiscard]] const extract::Extractor& extractor() const { return *extractor_; }
 
@@ -71,7 +71,7 @@ class DrawingThread::Owner {
     const Context& context;
   };
 
-  // The threads of oneTBB that somebody who waits here may use, and does not meanwhile.
+  // Counts the oneTBB threads that a waiting caller leaves idle.
   class WaitingThreads {
    public:
     WaitingThreads(Owner& owner, int threads) : owner_(owner), threads_(threads) {
@@ -96,7 +96,7 @@ class DrawingThread::Owner {
     for (;;) {
       changed_.wait(lock, [this] { return ending_ || request_ != nullptr; });
       if (request_ == nullptr) break;
-      const Request& request = *std::exchange(request_, nullptr);  // who asked waits as long
+      const Request& request = *std::exchange(request_, nullptr);  // valid: the caller waits
       const int threads = waiting_threads_;
       lock.unlock();
       std::optional<Result<extract::Extraction>> answer;
@@ -112,7 +112,7 @@ class DrawingThread::Owner {
       changed_.notify_all();
     }
     lock.unlock();
-    extractor_.reset();  // on its thread
+    extractor_.reset();  // destroy it on its own thread
   }
 
   void open() {

@@ -1,5 +1,5 @@
-// A thread that owns a GPU: its context, programs and buffers are made there and stay for whoever extracts next, on
-// whatever thread. GL calls belong to the thread that opened the context (gl/gl_context.hpp).
+// A thread that owns a GPU context. GL calls must come from the thread that opened the context (gl/gl_context.hpp).
+// This thread makes the context, programs and buffers, and keeps them for later extractions that any thread requests.
 #pragma once
 
 #include <memory>
@@ -10,21 +10,21 @@
 
 namespace isoextract::gpu {
 
-// A handle: copies and extractors share the thread, which ends with the last of them.
+// A handle. Copies and extractors share the thread, which ends with the last of them.
 class DrawingThread {
  public:
   // Starts the thread and opens the device on it. Fails as make_gpu_extractor() does, and with ErrorCode::unavailable
-  // where the thread cannot be started.
+  // if the thread cannot be started.
   [[nodiscard]] static Result<DrawingThread> start(const GpuOptions& options);
 
   [[nodiscard]] const gl::GpuDevice& device() const;
 
-  // One that may be used on any thread, by several side by side. Each extraction is done on the owning thread, one
-  // after another, in the caller's Context, while the caller waits; exceptions reach the caller. It may use as many of
-  // oneTBB's threads as those that wait leave idle. The mesh is that of make_gpu_extractor(), bit for bit.
+  // Returns an extractor that any thread may use, several at once. The owning thread does the extractions one after
+  // another in the caller's Context while the caller waits. Exceptions reach the caller. An extraction may use as many
+  // oneTBB threads as the waiting callers leave idle. The mesh equals that of make_gpu_extractor() bit for bit.
   [[nodiscard]] std::unique_ptr<extract::Extractor> extractor() const;
 
-  friend bool operator==(const DrawingThread&, const DrawingThread&) = default;  // the same thread
+  friend bool operator==(const DrawingThread&, const DrawingThread&) = default;  // true for handles of the same thread
 
  private:
   class Owner;

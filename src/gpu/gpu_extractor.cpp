@@ -18,7 +18,7 @@ namespace {
 constexpr std::uint64_t kMiB = 1 << 20;
 
 MemoryShares share_memory(const GpuOptions& options, const gl::GpuDevice& device) {
-  // Drivers limit one texture, some to a quarter of the memory.
+  // Drivers limit the size of one texture, some to a quarter of the memory.
   const std::uint64_t all = options.memory_bytes.value_or(device.memory_bytes ? *device.memory_bytes / 4 : 1024 * kMiB);
   const std::uint64_t feedback = std::min(all / 4, 256 * kMiB);
   return {all - feedback, feedback};
@@ -101,7 +101,7 @@ class SparseSurface final : public DrawnSurface {
       return threshold ? std::optional(inside_keys(*threshold)) : std::nullopt;
     });
     if (!keys) return false;
-    if (tools().resident != nullptr) tools().resident->drop();  // the atlas takes its share of memory
+    if (tools().resident != nullptr) tools().resident->drop();  // the atlas uses its share of memory
     auto source = TRY(SparseSource::make(*tools().gl, samples_, leaves_, source_options()));
     SurfacePlace place;
     place.origins = leaves_.origins();
@@ -145,7 +145,7 @@ class GpuExtractor final : public extract::Extractor {
 
   GpuExtractor(const GpuExtractor&) = delete;
   GpuExtractor& operator=(const GpuExtractor&) = delete;
-  ~GpuExtractor() override { gl_->make_current(); }  // for what members have on the device
+  ~GpuExtractor() override { gl_->make_current(); }  // members free device memory
 
   [[nodiscard]] std::string_view name() const override { return "gpu"; }
   [[nodiscard]] std::string device() const override { return gl::describe(gl_->device()); }
@@ -156,7 +156,7 @@ class GpuExtractor final : public extract::Extractor {
  private:
   [[nodiscard]] Result<extract::Extraction> run(const field::ScalarField& field, const extract::ExtractOptions& options,
                                                 const Context& context) override {
-    // Another extractor may have come since.
+    // Another extractor may have made its context current.
     TRY(gl_->make_current());
     return std::visit([&](const auto& samples) { return extract_from(field, samples, options, context); },
                       field.samples);
@@ -180,7 +180,7 @@ class GpuExtractor final : public extract::Extractor {
     return extract::extract_surface(field, options, surface, context);
   }
 
-  std::unique_ptr<gl::GlContext> gl_;  // first, so that it goes last
+  std::unique_ptr<gl::GlContext> gl_;  // first member, so that it is destroyed last
   CellPrograms programs_;
   CaptureBuffers buffers_;
   ResidentSamples resident_;

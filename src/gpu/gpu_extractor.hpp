@@ -1,10 +1,10 @@
-// The extractor that draws on a GPU and captures the triangles. Same triangles as the CPU extractor's, as a set;
-// positions within 2 units in the last place of the local coordinates.
+// The GPU backend: draws cells and captures the triangles. It gives the same set of triangles as the CPU extractor,
+// with positions within 2 units in the last place of the local coordinates.
 //
-// The host compares all samples with iso once, at memory speed, to find the bricks that the surface passes; only those
-// are uploaded and drawn. The device compares again, interpolates and writes triangles with the integer keys of their
-// edges. Ambiguous cells of marching cubes come back marked and are decided on the host with the CPU's own code: near
-// ties need more digits than a shader has. Then the soup is welded by key.
+// The CPU compares all samples with iso once, at memory speed, to find the bricks that the surface passes. Only these
+// are uploaded and drawn. The GPU compares again, interpolates, and writes triangles with the integer keys of their
+// edges. Ambiguous cells of marching cubes come back marked, and the CPU extractor's own code decides them: near ties
+// need more digits than a shader has. Then the vertices are welded by key.
 #pragma once
 
 #include <cstdint>
@@ -16,22 +16,22 @@
 
 namespace isoextract::gpu {
 
-// Which GPU, and how much of it.
+// The GPU to use and the limit of its memory.
 struct GpuChoice {
   gl::DeviceChoice device;
-  std::optional<std::uint64_t> memory_bytes;  // what samples and captured triangles may take on the device together;
-                                              // default: a quarter of what it has, 1 GiB where it does not tell
+  std::optional<std::uint64_t> memory_bytes;  // limit for samples and captured triangles on the device together;
+                                              // default: a quarter of its memory, 1 GiB if the driver does not tell
 
   friend bool operator==(const GpuChoice&, const GpuChoice&) = default;
 };
 
-// How it is used besides: the mesh is the same.
+// Options that do not change the mesh.
 struct GpuOptions : GpuChoice {
-  bool tessellation = true;   // threads of marching cubes are made by the tessellator, else by number alone
-  bool swizzle = true;        // cells in groups of 2 x 2 x 2
-  bool keep_samples = false;  // dense ones that fit stay on the device, and the next extraction uploads what is not
-                              // there as it is by then: for several surfaces of a field, and for its frames
-  bool debug = false;         // ErrorCode::unavailable for whatever the driver complains about; for tests
+  bool tessellation = true;   // marching cubes: the tessellator makes the threads; otherwise one point a cell
+  bool swizzle = true;        // visit cells in groups of 2x2x2
+  bool keep_samples = false;  // keep dense samples that fit on the device; the next extraction uploads only bricks that
+                              // are missing or changed. For several surfaces or frames of a field
+  bool debug = false;         // for tests: fail with ErrorCode::unavailable if the driver reports a problem
 };
 
 struct GpuExtractorAndDevice {
@@ -39,8 +39,8 @@ struct GpuExtractorAndDevice {
   gl::GpuDevice device;
 };
 
-// Opens the device. Fails with ErrorCode::unavailable where there is none, ErrorCode::usage for too little memory. The
-// extractor is used and dropped on this thread.
+// Opens the device. Fails with ErrorCode::unavailable if there is none, with ErrorCode::usage for too little memory.
+// Use and destroy the extractor on the calling thread.
 [[nodiscard]] Result<GpuExtractorAndDevice> make_gpu_extractor(const GpuOptions& options);
 
 }  // namespace isoextract::gpu

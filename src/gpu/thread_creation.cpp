@@ -11,7 +11,7 @@
 namespace isoextract::gpu {
 namespace {
 
-// One thread a cell of a grid, in draws that a device can take.
+// Starts one thread a cell of a grid, in draws of a size that the device can take.
 class ThreadPass {
  public:
   ThreadPass(const gl::GlContext& context, ThreadMaker maker, int size)
@@ -43,8 +43,8 @@ class ThreadPass {
     return fill_buffer();
   }
 
-  // How many points were made: by every thread one with `emit`, otherwise none. Asking makes sure that no driver leaves
-  // the threads out.
+  // Returns the number of points drawn: one a thread with `emit`, otherwise none. Counting makes sure that no driver
+  // skips the threads.
   [[nodiscard]] std::uint64_t count_points(bool emit) const {
     glBeginQuery(GL_PRIMITIVES_GENERATED, query_.name());
     draw(emit);
@@ -54,7 +54,7 @@ class ThreadPass {
     return points;
   }
 
-  // Whether every cell got its thread.
+  // Fails unless every cell gets its thread.
   [[nodiscard]] Result<void> check_count() const {
     const std::uint64_t threads = count_points(true);
     TRY(context_.check("making threads"));
@@ -89,7 +89,7 @@ class ThreadPass {
     return static_cast<int>(std::max<std::uint64_t>(kCells / layer_cells_, 1));
   }
 
-  // The buffer from that vertex on.
+  // Binds the buffer from that vertex on.
   void point_to(std::uint64_t vertex) const {
     const std::uint64_t bytes = vertex * sizeof(std::uint32_t);
     glBindBuffer(GL_ARRAY_BUFFER, buffer_.name());
@@ -100,7 +100,7 @@ class ThreadPass {
   void choose_patches() {
     GLint level = 64;
     glGetIntegerv(GL_MAX_TESS_GEN_LEVEL, &level);
-    // llvmpipe's draws are right up to 65,536 tessellated vertices: 16 patches of 64 x 64.
+    // llvmpipe draws correctly only up to 65,536 tessellated vertices: 16 patches of 64x64.
     const int side = context_.device().software ? 64 : level + 1;
     const int along = (size_ + side - 1) / side;
     patches_ = static_cast<std::uint64_t>(along) * along * static_cast<std::uint64_t>(size_);
@@ -109,7 +109,8 @@ class ThreadPass {
     program_.set("patch_cells", side);
   }
 
-  // A number for each vertex: of a cell, or of a patch for each of its four corners.
+  // Fills the buffer with a number for each vertex: one a cell, or the number of the patch for each of its four
+  // corners.
   Result<void> fill_buffer() {
     const bool patches = maker_ == ThreadMaker::tessellation;
     const std::uint64_t vertices = patches ? 4 * patches_ : cells();

@@ -1,6 +1,6 @@
-// What it costs to start one geometry shader a cell: by the tessellator, by a buffer of dummy vertices, and by number
-// alone. Timokhin and Mikhaylyuk (2020) compare the first two for grids up to 2000^3: creation 5 times faster, memory 8
-// times less.
+// Measures the cost of starting one geometry shader a cell in three ways: with the tessellator, with a buffer of dummy
+// vertices, and by vertex number alone. Timokhin and Mikhaylyuk (2020) compare the first two for grids up to 2000^3:
+// the tessellator is 5 times faster and takes 8 times less memory.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +16,12 @@ enum class ThreadMaker { tessellation, dummy_vertices, vertex_number };
 
 struct ThreadCreation {
   ThreadMaker maker = ThreadMaker::tessellation;
-  double median_seconds = 0;  // of a pass whose threads end at once
+  double median_seconds = 0;  // of a pass whose threads do nothing
   double min_seconds = 0;
   double max_seconds = 0;
-  std::uint64_t buffer_bytes = 0;             // of vertex data that exist only to make threads
-  std::optional<std::uint64_t> driver_bytes;  // by how much free memory fell, where the driver tells
-  std::optional<std::string> problem;         // why there are no figures
+  std::uint64_t buffer_bytes = 0;             // size of the vertex data that only serve to make threads
+  std::optional<std::uint64_t> driver_bytes;  // loss of free memory, if the driver tells
+  std::optional<std::string> problem;         // reason if there are no figures
 };
 
 struct ThreadCreationLevel {
@@ -31,12 +31,12 @@ struct ThreadCreationLevel {
 
 struct ThreadCreationResult {
   gl::GpuDevice device;
-  double copy_bytes_per_second = 0;  // of a large buffer on the device, reading and writing both counted
+  double copy_bytes_per_second = 0;  // of a large buffer on the device; counts reading and writing
   std::vector<ThreadCreationLevel> levels;
 };
 
-// Every maker is first checked to start exactly one thread a cell. Fails with ErrorCode::unavailable where there is no
-// such device; a grid that does not fit is a `problem` of its row.
+// Measures all makers for each grid size. First checks that each starts exactly one thread a cell. Fails with
+// ErrorCode::unavailable if there is no such device; a grid that does not fit sets `problem` in its row.
 [[nodiscard]] Result<ThreadCreationResult> measure_thread_creation(const gl::DeviceChoice& device,
                                                                    const std::vector<int>& sizes, int repeats);
 

@@ -1,11 +1,11 @@
-// The shaders of the folder shaders, embedded at build time.
+// The files of the folder shaders, embedded at build time.
 #pragma once
 
 #include <string_view>
 
 namespace isoextract::gl {
 
-// The text of "mc.geom"; empty if there is no such shader.
+// Returns the text of a shader file such as "mc.geom"; empty if there is none.
 [[nodiscard]] std::string_view shader_text(std::string_view name);
 
 }  // namespace isoextract::gl

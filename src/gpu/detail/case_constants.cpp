@@ -13,8 +13,8 @@ std::string tetrahedron_constants() {
     corners.insert(corners.end(), tetrahedron.begin(), tetrahedron.end());
   std::vector<int> strips;
   for (const extract::TetrahedronCase& drawn : extract::tetrahedron_cases()) {
-    // The paper's strips wind clockwise seen from outside: its second and third vertex change places, which turns a
-    // strip over (cell_tables.cpp turns its triangles).
+    // The strips of the paper wind clockwise seen from outside. Swapping the second and third vertex reverses a strip
+    // (cell_tables.cpp reverses its triangles).
     constexpr std::array<std::size_t, 4> kOrder{0, 2, 1, 3};
     int packed = (drawn.quad ? 4 : 3) << 16;
     for (std::size_t v = 0; v < kOrder.size(); ++v) {

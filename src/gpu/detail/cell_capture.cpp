@@ -8,8 +8,8 @@ namespace isoextract::gpu {
 namespace {
 
 constexpr int kCellsPerSite = 512;
-constexpr std::size_t kMaxSites = 65536;    // of a draw: a site has 16 bits in a key
-constexpr std::size_t kTexelsPerSite = 27;  // of the largest texture buffer, that of a leaf's neighbours
+constexpr std::size_t kMaxSites = 65536;    // limit of a draw: a key has 16 bits for the site
+constexpr std::size_t kTexelsPerSite = 27;  // of the largest texture buffer: the neighbors of leaves
 
 }  // namespace
 
@@ -84,7 +84,7 @@ Result<void> CellCapture::draw(const gl::CellPass& pass, std::span<const glm::iv
     const auto triangles = TRY(count(*pass.count, many));
     const std::uint64_t words = triangles * 3 * words_;
     const std::uint64_t bytes = words * sizeof(std::uint32_t);
-    // The next draw is sized by what this one needs a site.
+    // Sizes the next draw by the bytes a site that this draw needs.
     constexpr double kRoom = 0.8;
     const double fitting =
         kRoom * static_cast<double>(feedback_bytes_) / static_cast<double>(std::max<std::uint64_t>(bytes, 1));

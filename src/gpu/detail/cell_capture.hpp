@@ -1,4 +1,4 @@
-// Drawing the cells of sites, and capturing the triangles by transform feedback: a count pass first, then a buffer of
+// Draws the cells of sites and captures their triangles by transform feedback: a count pass first, then a buffer of
 // exactly that size. After Suravikin and Korobitsyn (extract/cell_tables.hpp), and P. Yu. Timokhin, M. V. Mikhaylyuk:
 // Method to extract isosurfaces on the GPU by means of programmable tessellation, 2020 (docs/papers.md).
 #pragma once
@@ -20,11 +20,11 @@ namespace isoextract::gpu {
 
 enum class GpuPipeline {
   mt_geometry,      // Suravikin and Korobitsyn: geometry shaders, tetrahedra as lines with adjacency
-  mc_tessellation,  // Timokhin and Mikhaylyuk: a patch a site, the tessellator makes a thread a cell
-  mc_points,        // one point a cell by its number alone: what that is compared with
+  mc_tessellation,  // Timokhin and Mikhaylyuk: one patch a site, of which the tessellator makes one thread a cell
+  mc_points,        // one point a cell by vertex number alone, to compare with mc_tessellation
 };
 
-// Captured vertices, three a triangle, as they lie in memory: position, key (captured_vertex.glsl), perhaps a normal.
+// Captured vertices, three a triangle, in memory order: position, key (captured_vertex.glsl), normal if requested.
 struct CapturedSoup {
   std::span<const std::uint32_t> words;
   std::size_t stride = 4;  // words a vertex; 7 with normals
@@ -47,13 +47,14 @@ struct CaptureTimes {
   StageTime read_back;
 };
 
-// Objects of the context that a capture needs, kept for the next one.
+// GL objects that a capture needs; kept for the next capture.
 struct CaptureBuffers {
   [[nodiscard]] static CaptureBuffers make();
 
   gl::GlBuffer feedback;
-  gl::GlBuffer staging;    // what is read from: reading the feedback buffer itself makes drivers move it to the host
-  std::uint64_t size = 0;  // of both
+  gl::GlBuffer staging;    // copy that the CPU reads: reading the feedback buffer itself makes drivers move it to the
+                           // host
+  std::uint64_t size = 0;  // bytes of each of the two buffers
   gl::GlBuffer sites;
   gl::GlTexture site_texture;
   gl::GlQuery generated;  // a query object has one target for life
@@ -62,21 +63,21 @@ struct CaptureBuffers {
 
 class CellCapture {
  public:
-  // Captures no more than `feedback_bytes` at a time, or what one site needs.
+  // Captures at most `feedback_bytes` at a time, or as many as one site needs.
   CellCapture(const gl::GlContext& context, CaptureBuffers& buffers, GpuPipeline pipeline, std::size_t words_per_vertex,
               std::uint64_t feedback_bytes);
 
-  // Draws the sites, whose lowest samples are given; `bind` is called before each draw with the range of sites that it
-  // draws, which the programs know by number from 0 on. `take` gets the triangles of each draw: by rising site, except
-  // where the driver chose otherwise, and those of one cell one after the other.
+  // Draws all sites, in several draws if needed; `origins` are their lowest samples. Calls `bind` before each draw with
+  // its range of sites, which the programs number from 0. Calls `take` with the triangles of each draw. They are sorted
+  // by site unless the driver reorders them; the triangles of a cell are consecutive.
   using Bind = std::function<void(std::size_t first, std::size_t count)>;
   using Take = std::function<void(std::size_t first, std::size_t count, const CapturedSoup& soup)>;
-  // Asked before triangles are captured, with the number of all so far and these; an error ends the drawing.
+  // Called before triangles are captured, with the total number including these; an error ends the drawing.
   using Allow = std::function<Result<void>(std::uint64_t triangles)>;
   [[nodiscard]] Result<void> draw(const gl::CellPass& pass, std::span<const glm::ivec3> origins, const Bind& bind,
                                   const Take& take, const Allow& allow);
 
-  // What was read back, once nobody looks at it any more.
+  // Frees the memory of the captured triangles.
   void free_soup() { soup_ = {}; }
 
   [[nodiscard]] const CaptureTimes& times() const { return times_; }
@@ -92,8 +93,8 @@ class CellCapture {
   std::size_t words_;
   std::uint64_t feedback_bytes_;
   std::size_t patches_per_draw_;
-  std::size_t max_sites_;   // of a draw
-  std::size_t next_sites_;  // of the next draw, by what the last one needed
+  std::size_t max_sites_;   // limit of a draw
+  std::size_t next_sites_;  // size of the next draw, estimated from the last one
   std::uint64_t triangles_ = 0;
   Buffer<std::uint32_t> soup_;
   CaptureTimes times_;

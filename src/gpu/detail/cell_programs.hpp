@@ -1,4 +1,4 @@
-// The programs of the pipelines, made for a kind of samples and what a mesh needs, and kept for the next extraction.
+// The shader programs of the pipelines, one for each kind of samples and mesh; kept for later extractions.
 #pragma once
 
 #include <map>
@@ -12,18 +12,18 @@ namespace isoextract::gpu {
 
 enum class CapturedNormals {
   none,
-  flat,      // of each triangle, by the cross product of two edges (Suravikin and Korobitsyn)
-  gradient,  // of the field, at the vertex (Suravikin and Korobitsyn)
+  flat,      // one a triangle, by the cross product of two edges (Suravikin and Korobitsyn)
+  gradient,  // from the gradient of the field at the vertex (Suravikin and Korobitsyn)
 };
 
 struct CellProgramKind {
   GpuPipeline pipeline = GpuPipeline::mt_geometry;
   std::string sample_define;  // "SAMPLE_F32"
   bool sparse = false;
-  bool scaled = false;  // values are not the stored numbers
+  bool scaled = false;  // values differ from the stored numbers
   bool holes = false;   // NanPolicy::hole
   bool swizzle = true;
-  bool counting = false;  // makes triangles without making their vertices: for the count pass
+  bool counting = false;  // for the count pass: emits triangles without computing their vertices
   CapturedNormals normals = CapturedNormals::none;
 
   friend bool operator<(const CellProgramKind& a, const CellProgramKind& b) {
@@ -37,7 +37,8 @@ struct CellProgramKind {
 
 class CellPrograms {
  public:
-  // The texture of triangle lists is bound to unit 2 whenever a program of marching cubes is asked for.
+  // Returns the program, linking it at first use. For marching cubes it also binds the texture of triangle lists to
+  // unit 2. Fails as CellProgram::link() does.
   [[nodiscard]] Result<const gl::CellProgram*> find(const gl::GlContext& context, const CellProgramKind& kind);
 
  private:

@@ -1,4 +1,4 @@
-// The bricks of dense samples that a surface may pass.
+// Finds the bricks of dense samples that a surface may pass.
 #pragma once
 
 #include <array>
@@ -12,31 +12,30 @@ namespace isoextract::gpu {
 
 constexpr int kBrickCells = 8;  // along each axis
 
-// A site is a brick of 8 x 8 x 8 cells, with samples on both sides. It owns the edges whose lower end is one of its
-// samples.
+// A site is a brick of 8x8x8 cells with samples on both sides. It owns the edges whose lower end is one of its samples.
 class DenseSites {
  public:
-  // `masks` are those of the samples from `low` on.
+  // `masks` are the inside bits of the samples from `low` on.
   DenseSites(const extract::DenseMasks& masks, const glm::ivec3& low);
 
-  // What it takes at most for masks of such dims.
+  // Returns the most bytes that an object needs for masks of these dims.
   [[nodiscard]] static std::uint64_t bytes(const glm::ivec3& dims) {
     const glm::u64vec3 bricks = (glm::u64vec3(dims) + std::uint64_t{kBrickCells - 1}) / std::uint64_t{kBrickCells};
     return bricks.x * bricks.y * bricks.z * (sizeof(std::int32_t) + sizeof(glm::ivec3));
   }
-  // The lowest sample of each site, in indices of the field; by rising z, then y, then x.
+  // The lowest sample of each site, in field indices; sorted by z, then y, then x.
   [[nodiscard]] const std::vector<glm::ivec3>& origins() const { return origins_; }
-  [[nodiscard]] std::uint64_t bricks() const { return numbers_.size(); }  // sites or not
+  [[nodiscard]] std::uint64_t bricks() const { return numbers_.size(); }  // all bricks, sites or not
 
-  // The site whose brick has sample `p` among its own, or -1.
+  // Returns the site that owns sample `p`, or -1.
   [[nodiscard]] std::int32_t site(const glm::ivec3& p) const;
-  // The sites that own the edges of this site's cells, itself first; -1 where there is none.
+  // Returns the sites that own the edges of the cells of `site`, itself first; -1 where there is none.
   [[nodiscard]] std::array<std::int32_t, 8> near(std::size_t site) const;
 
  private:
   glm::ivec3 low_;
   glm::ivec3 bricks_;
-  std::vector<std::int32_t> numbers_;  // by brick
+  std::vector<std::int32_t> numbers_;  // by brick; -1 if it is not a site
   std::vector<glm::ivec3> origins_;
 };
 

@@ -14,7 +14,7 @@ std::uint64_t volume(const glm::ivec3& size) {
   return wide.x * wide.y * wide.z;
 }
 
-// The samples that cells of the sites touch.
+// Returns the box of the samples that cells of the sites touch.
 field::IndexBox box_of(std::span<const glm::ivec3> sites, const field::IndexBox& region) {
   if (sites.empty()) return {};
   field::IndexBox box{sites.front(), sites.front()};
@@ -59,7 +59,7 @@ Result<DenseSource> DenseSource::make(const gl::GlContext& context, const field:
   return source;
 }
 
-// All that may be needed is in the window at a time, or nothing stays.
+// Uses resident samples only if all samples that may be needed fit at the same time.
 Result<void> DenseSource::use_resident() {
   if (options_.resident == nullptr) return {};
   const field::IndexBox bricks{(reach_.min - origin_) / kBrickSamples, (reach_.max - origin_) / kBrickSamples};
@@ -76,7 +76,8 @@ Result<void> DenseSource::use_resident() {
   return {};
 }
 
-// All that may be needed where it fits, else as many whole slices as do, else columns of bricks as wide as they may be.
+// Chooses the window: all samples that may be needed if they fit, else as many whole slices as fit, else the widest
+// columns of bricks that fit.
 Result<void> DenseSource::choose_window() {
   const glm::ivec3 all(reach_.dims());
   const glm::ivec3 cells = box_.max - box_.min;
@@ -88,7 +89,7 @@ Result<void> DenseSource::choose_window() {
   };
   column_cells_ = cells;
   glm::ivec3 window(all.x, all.y, least_slices);
-  // Halves the longer side, in whole bricks, until a slab of one brick's height fits.
+  // Halves the longer side, in whole bricks, until a slab one brick high fits.
   while (!fits(window)) {
     const int axis = column_cells_.x >= column_cells_.y ? 0 : 1;
     if (column_cells_[axis] <= kBrickCells) {
@@ -110,7 +111,7 @@ field::IndexBox DenseSource::needed_samples(const glm::ivec3& site) const {
 
 void DenseSource::begin_column() {
   const glm::ivec2 low = glm::ivec2(box_.min) + column_cells_ * glm::ivec2(column_ % columns_.x, column_ / columns_.x);
-  const glm::ivec2 high = low + column_cells_;  // of cells, one past the last
+  const glm::ivec2 high = low + column_cells_;  // one past the last cell
   column_sites_.clear();
   next_ = 0;
   for (std::size_t s = 0; s < sites_.size(); ++s) {
@@ -161,21 +162,21 @@ Result<std::span<const std::uint32_t>> DenseSource::advance() {
       upload({glm::max(entered.min + base_, column_reach_.min), glm::min(entered.max + base_, column_reach_.max)});
     }
   }
-  glFinish();  // uploads are made later than they are asked for
+  glFinish();  // GL may delay uploads until here
   uploads_.time += watch.elapsed();
   TRY(context_->check("uploading samples"));
-  // Of a file that was cut off meanwhile, others may have been uploaded than were hashed.
+  // If the mapped file was truncated meanwhile, the uploaded samples may differ from the hashed ones.
   if (options_.resident != nullptr && !samples_->lost()) options_.resident->give_back(std::move(hashes));
   return std::span<const std::uint32_t>(column_sites_).subspan(begin, next_ - begin);
 }
 
-// The part of a brick, given by its place in `needed_`, that the column holds.
+// Returns the part of a brick (numbered as in `needed_`) that lies in the column.
 field::IndexBox DenseSource::brick_box(const glm::ivec3& brick) const {
   const glm::ivec3 low = origin_ + kBrickSamples * (first_brick_ + brick);
   return {glm::max(low, column_reach_.min), glm::min(low + kBrickSamples - 1, column_reach_.max)};
 }
 
-// Needed bricks that are on the device as they are now need no upload; the hashes of the others become theirs.
+// Clears `needed_` for bricks whose current content is already on the device; stores the new hashes of the others.
 void DenseSource::leave_out_resident(std::vector<BrickHash>& hashes) {
   std::atomic<std::uint64_t> uploaded{0};
   std::atomic<std::uint64_t> kept{0};
@@ -205,7 +206,7 @@ void DenseSource::leave_out_resident(std::vector<BrickHash>& hashes) {
   uploads_.samples_kept += kept_samples;
 }
 
-// The needed bricks of a box, runs of them in one piece; rows that need the same runs together.
+// Uploads the needed bricks of a box. Runs of bricks are uploaded at once, and so are successive rows with equal runs.
 void DenseSource::upload(const field::IndexBox& entered) {
   if (entered.empty()) return;
   const glm::ivec3 first = (entered.min - origin_) / kBrickSamples - first_brick_;
@@ -234,7 +235,7 @@ void DenseSource::upload(const field::IndexBox& entered) {
 }
 
 void DenseSource::upload_pieces(const field::IndexBox& box) {
-  // Before anything of the context's is changed: finding them takes memory, and may fail.
+  // Splits first, before changing any GL state: it allocates memory and may fail.
   const auto pieces = window_.pieces({box.min - base_, box.max - base_});
   glBindTexture(GL_TEXTURE_3D, texture().name());
   glPixelStorei(GL_UNPACK_ROW_LENGTH, samples_->dims.x);

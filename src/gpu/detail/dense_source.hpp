@@ -1,7 +1,10 @@
-// Dense samples on the device: a toroidal window (toroidal_window.hpp) that slides through the field in z, over columns
-// of bricks where a whole slice is too large. Only bricks that the surface's sites need are uploaded; within a column
-// every sample at most once, and samples that two columns share once for each. Where samples stay on the device for the
-// next extraction (resident_samples.hpp) and all of them fit, only bricks that are not there as they are now.
+// Dense samples on the device, in a toroidal window (toroidal_window.hpp) that slides through the field in z. If a
+// whole slice is too large, it slides over one column of bricks after the other. Only bricks that the sites need are
+// uploaded. Within a column every sample is uploaded at most once; samples that two columns share are uploaded once for
+// each.
+//
+// If samples stay on the device for the next extraction (resident_samples.hpp) and all of them fit, only bricks that
+// are missing or changed are uploaded.
 #pragma once
 
 #include "extract/extractor.hpp"
@@ -13,10 +16,10 @@ namespace isoextract::gpu {
 
 class DenseSource final : public FieldSource {
  public:
-  // `region` holds the samples that cells may touch, and `sites` are the lowest samples of bricks of 8 x 8 x 8 of those
-  // cells, from region.min on; by rising z, then y, then x. Context, samples and sites must outlive the source. What is
-  // taken on the device reaches no farther than the sites do, but for what stays there. Fails with ErrorCode::usage
-  // where the bytes are too few.
+  // Makes a source. `region` is the box of samples that cells may touch. `sites` are the lowest samples of bricks of
+  // 8x8x8 cells, counted from region.min and sorted by z, then y, then x. Context, samples and sites must outlive the
+  // source. Allocates only as much on the device as the sites span, except for resident samples. Fails with
+  // ErrorCode::usage if options.bytes is too small.
   [[nodiscard]] static Result<DenseSource> make(const gl::GlContext& context, const field::DenseSamples& samples,
                                                 std::span<const glm::ivec3> sites, const field::IndexBox& region,
                                                 const SourceOptions& options);
@@ -46,23 +49,24 @@ class DenseSource final : public FieldSource {
   field::IndexBox region_;
   SourceOptions options_;
   SampleFormat format_;
-  int apron_;                // samples beyond a site's cells, on each side
-  field::IndexBox box_;      // samples that cells of sites touch
-  field::IndexBox reach_;    // with those around them
-  glm::ivec3 origin_;        // bricks of samples begin there, so that a site needs two along each axis at most
-  glm::ivec3 base_;          // window coordinates count from there
-  glm::ivec2 column_cells_;  // of a column, in x and y
+  int apron_;                // number of samples needed beyond a site's cells, on each side
+  field::IndexBox box_;      // box of the samples that cells of sites touch
+  field::IndexBox reach_;    // box_ with the apron
+  glm::ivec3 origin_;        // bricks of samples are counted from here, so that a site needs at most two along each
+                             // axis
+  glm::ivec3 base_;          // window coordinates are relative to this sample
+  glm::ivec2 column_cells_;  // size of a column in x and y
   ToroidalWindow window_;
-  gl::GlTexture texture_;  // where nothing stays on the device
+  gl::GlTexture texture_;  // used if no samples stay on the device
 
   glm::ivec2 columns_{0};
-  int column_ = -1;                          // in x, then y
-  std::vector<std::uint32_t> column_sites_;  // by rising z
-  std::size_t next_ = 0;                     // into column_sites_
-  field::IndexBox column_reach_;             // samples of the column
-  glm::ivec3 first_brick_{0};                // of `needed_`
-  glm::ivec3 bricks_{0};                     // of `needed_`, along each axis
-  std::vector<std::uint8_t> needed_;         // by brick of the column
+  int column_ = -1;                          // current column, counted along x, then y
+  std::vector<std::uint32_t> column_sites_;  // sites of the column, by rising z
+  std::size_t next_ = 0;                     // index into column_sites_
+  field::IndexBox column_reach_;             // samples that the column may need
+  glm::ivec3 first_brick_{0};                // the brick of needed_[0]
+  glm::ivec3 bricks_{0};                     // size of `needed_` along each axis
+  std::vector<std::uint8_t> needed_;         // for each brick of the column: 1 if a site needs it
   UploadFigures uploads_;
 };
 

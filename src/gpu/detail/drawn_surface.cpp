@@ -95,7 +95,7 @@ Result<extract::MeshSizes> DrawnSurface::count(extract::ExtractStats& stats) {
   device.bricks_uploaded = uploads.bricks;
   device.bricks_kept = uploads.bricks_kept;
   device.bytes_captured = capture.captured_bytes();
-  device.cells_decided = weld_->decided_cells() - stats.hole_cells;  // those came to be left out
+  device.cells_decided = weld_->decided_cells() - stats.hole_cells;  // decided cells that were left out count as holes
   device.upload = uploads.time;
   device.capture = capture.times().capture;
   device.read_back = capture.times().read_back;
@@ -140,7 +140,7 @@ Result<void> DrawnSurface::make_room(std::uint64_t triangles) {
     soup_memory_.release();
     soup_memory_ = TRY(context_.reserve(soup, what));
   }
-  // Welded vertices are shared, so the weld takes less than the soup; how much less is known when it is done.
+  // The weld shares vertices, so it takes less memory than the captured triangles; how much less is known afterwards.
   auto memory = TRY(context_.reserve(soup, what));
   weld_memory_.push_back(std::move(memory));
   return {};

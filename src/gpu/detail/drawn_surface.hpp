@@ -1,5 +1,5 @@
-// A surface that is drawn on the device and welded on the host: what a run of extraction (extract/surface_run.hpp) asks
-// of one, whatever holds the samples.
+// A surface that the GPU draws and the CPU welds: the SurfacePasses (extract/surface_run.hpp) that dense and sparse
+// fields share.
 #pragma once
 
 #include <atomic>
@@ -18,42 +18,42 @@
 
 namespace isoextract::gpu {
 
-// How a device's memory is shared out.
+// The parts of the device's memory, in bytes.
 struct MemoryShares {
   std::uint64_t samples;
   std::uint64_t feedback;
 };
 
-// What draws a method's surfaces; nothing for one that the device does not have.
+// Returns the pipeline that draws a method, or nullopt if the device does not have the method.
 [[nodiscard]] std::optional<GpuPipeline> pipeline_of(extract::Method method, const GpuOptions& options);
 
-// What surfaces are drawn with. All that is pointed to must outlive them.
+// The objects that surfaces are drawn with. The pointed-to objects must outlive the surfaces.
 struct DrawingTools {
   const gl::GlContext* gl;
   CellPrograms* programs;
   CaptureBuffers* buffers;
-  ResidentSamples* resident;  // null where no sample stays on the device
+  ResidentSamples* resident;  // null if no samples stay on the device
   GpuOptions options;
   MemoryShares memory;
   int max_texture_size;
 };
 
-// Where the surface is: what is known once its samples were compared with iso.
+// The location of the surface; known after classification.
 struct SurfacePlace {
-  std::span<const glm::ivec3> origins;  // of the sites
+  std::span<const glm::ivec3> origins;  // lowest samples of the sites
   KeyRange inside_keys;
   field::IndexBox region;
-  field::IndexBox stored;  // every sample of dense fields
+  field::IndexBox stored;  // for dense fields: all samples
   bool holes = false;
   bool sparse = false;
 };
 
-// Counting and capturing are done portion by portion, as samples and triangles fit on the device, and every portion is
-// welded before the next: so `count` draws all of it, and `emit` only puts together what is there.
+// Counts and captures portion by portion, as samples and triangles fit on the device, and welds each portion before the
+// next one. So count() draws the whole surface, and emit() only writes the result.
 class DrawnSurface {
  public:
-  // All arguments but the boxes must outlive it; `region` of the samples in `stored` is drawn. There is a pipeline for
-  // the method.
+  // All arguments except the boxes must outlive the object. Draws `region` of the samples in `stored`. The method must
+  // have a pipeline.
   DrawnSurface(const field::ScalarField& field, const extract::ExtractOptions& options, const DrawingTools& tools,
                const field::IndexBox& stored, const field::IndexBox& region, const Context& context);
   virtual ~DrawnSurface() = default;
@@ -73,10 +73,10 @@ class DrawnSurface {
   [[nodiscard]] std::uint32_t edge_vertex(const glm::ivec3& p, int direction) const;
 
  protected:
-  [[nodiscard]] virtual std::int32_t site(const glm::ivec3& p) const = 0;  // that owns a sample
+  [[nodiscard]] virtual std::int32_t site(const glm::ivec3& p) const = 0;  // the site that owns sample `p`
   [[nodiscard]] virtual std::array<std::int32_t, 8> near(std::size_t site) const = 0;
 
-  // The last step of classify().
+  // The last step of classify(): stores the result.
   void found(const SurfacePlace& place, std::unique_ptr<FieldSource> source);
 
   [[nodiscard]] const field::ScalarField& field() const { return field_; }
@@ -93,8 +93,8 @@ class DrawnSurface {
   [[nodiscard]] Result<void> draw(const gl::CellPass& pass, CellCapture& capture);
   [[nodiscard]] Result<void> draw_batch(const gl::CellPass& pass, std::span<const std::uint32_t> ready,
                                         CellCapture& capture);
-  // Before triangles are captured: for them, and for what they will be welded
-  // to, together with all before.
+  // Reserves memory before triangles are captured: for them, and for their welded form; `triangles` is the total so
+  // far.
   [[nodiscard]] Result<void> make_room(std::uint64_t triangles);
   void weld(std::span<const std::uint32_t> sites, const CapturedSoup& soup);
   [[nodiscard]] std::size_t words_a_vertex() const { return options_.smooth_normals ? 7 : 4; }
@@ -110,12 +110,12 @@ class DrawnSurface {
   extract::OutputFrame placement_;
   SurfacePlace place_;
   std::unique_ptr<FieldSource> source_;
-  std::uint64_t triangles_ = 0;           // captured so far
-  Reservation soup_memory_;               // for the triangles of a draw, while they are drawn
-  Reservation sites_memory_;              // for what the weld has of each site
-  std::vector<Reservation> weld_memory_;  // and of each draw
+  std::uint64_t triangles_ = 0;           // number of triangles captured so far
+  Reservation soup_memory_;               // for the captured triangles of the current draw
+  Reservation sites_memory_;              // for the data of the weld that grow with the sites
+  std::vector<Reservation> weld_memory_;  // for its data that grow with the triangles, one entry a draw
   std::optional<SiteWeld> weld_;
-  std::atomic<std::uint64_t> hole_cells_{0};  // that came to be decided
+  std::atomic<std::uint64_t> hole_cells_{0};  // cells left out among the decided ones
 };
 
 }  // namespace isoextract::gpu

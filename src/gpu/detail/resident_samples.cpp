@@ -5,7 +5,7 @@
 #include <cstring>
 #include <utility>
 
-// The hash is compiled into this file: the library is not needed when the program runs.
+// Compiles the hash into this file, so that the program does not need the library at run time.
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
@@ -25,7 +25,7 @@ constexpr std::uint64_t kSamplesOfBrick = std::uint64_t{kBrickSamples} * kBrickS
 
 BrickHash brick_hash(const field::DenseSamples& samples, const field::IndexBox& part) {
   const std::array<std::int32_t, 6> place{part.min.x, part.min.y, part.min.z, part.max.x, part.max.y, part.max.z};
-  // One piece: many short ones would cost the hash more than the copy does.
+  // Hashes one contiguous copy: hashing many short rows would cost more than copying them.
   alignas(64) std::array<std::byte, sizeof(place) + kSamplesOfBrick * sizeof(double)> piece;
   std::memcpy(piece.data(), place.data(), sizeof(place));
   std::size_t end = sizeof(place);
@@ -55,13 +55,13 @@ Result<bool> ResidentSamples::make_room(const gl::GlContext& context, const Bric
     return std::max({size.x, size.y, size.z}) <= limits.size &&
            count_of(places) * kSamplesOfBrick * field::sample_size(lattice.type) <= limits.bytes;
   };
-  // Of fields that move it grows a few times only.
+  // Growing to the maximum of both sizes makes reallocations rare for fields that move.
   const glm::ivec3 either = is_same ? glm::max(wanted, places_) : wanted;
   const glm::ivec3 places = fits(either) ? either : wanted;
   drop();
   if (!fits(places)) return false;
   auto memory = host.reserve(count_of(places) * sizeof(BrickHash), "the bricks on the device");
-  if (!memory) return false;  // it works without
+  if (!memory) return false;  // extraction works without resident samples
   auto texture = TRY(make_sample_texture(context, lattice.type, kBrickSamples * places));
   lattice_ = lattice;
   places_ = places;

@@ -1,6 +1,6 @@
-// Samples that stay on the device from one extraction to the next: Shustikov's window (toroidal_window.hpp) over steps
-// in time. What stays in the window is not copied again, wherever the window moves, unless the field has other samples
-// there by now: what each brick held when it was uploaded is known by a hash.
+// Samples that stay on the device from one extraction to the next: Shustikov's window (toroidal_window.hpp) applied to
+// time steps. Samples in the window are not copied again when the window moves, unless the field has changed there. A
+// hash of each brick's content at its upload tells whether it has changed.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace isoextract::gpu {
 
 constexpr int kBrickSamples = 8;  // along each axis
 
-// XXH3, 128 bits; zero where nothing is known.
+// XXH3, 128 bits; zero if unknown.
 struct BrickHash {
   std::uint64_t low = 0;
   std::uint64_t high = 0;
@@ -23,11 +23,11 @@ struct BrickHash {
   friend bool operator==(const BrickHash&, const BrickHash&) = default;
 };
 
-// Of the samples in a brick, or in the part of it that is there, and of where they are. Equal for others by chance
-// only.
+// Returns the hash of the samples in `part` (a brick or the part of it in the field) and of its position. Different
+// contents have the same hash only by chance.
 [[nodiscard]] BrickHash brick_hash(const field::DenseSamples& samples, const field::IndexBox& part);
 
-// Where bricks are: brick (i, j, k) begins at sample origin + 8 (i, j, k), and no number is negative.
+// The positions of bricks: brick (i, j, k) begins at sample origin + 8 (i, j, k); i, j and k are not negative.
 struct BrickLattice {
   field::SampleType type = field::SampleType::f32;
   glm::ivec3 origin{0};
@@ -35,31 +35,31 @@ struct BrickLattice {
   friend bool operator==(const BrickLattice&, const BrickLattice&) = default;
 };
 
-// What samples may take on the device.
+// Limits for samples on the device.
 struct TextureLimits {
   std::uint64_t bytes = 0;
   int size = 0;  // along each axis
 };
 
-// A texture with a place for one brick at each address, and what is in them. Belongs to a GL context.
+// A texture with room for one brick at each address, and the hashes of the bricks in it. Belongs to a GL context.
 class ResidentSamples {
  public:
-  // Makes room for a box of bricks, all at a time. What is there stays where the lattice is the same and it is large
-  // enough. False, and nothing is on the device, where the room is not there; the hashes are reserved in `host` for as
+  // Makes room for a box of bricks at once. Keeps the content if the lattice is unchanged and the texture is large
+  // enough. Returns false, and drops the content, if there is not enough memory. The hashes stay reserved in `host` as
   // long as they live. Fails as GlContext::check() does.
   [[nodiscard]] Result<bool> make_room(const gl::GlContext& context, const BrickLattice& lattice,
                                        const field::IndexBox& bricks, const TextureLimits& limits, const Context& host);
-  // Nothing is on the device any more, nor known of it.
+  // Drops the texture and the hashes.
   void drop();
 
   [[nodiscard]] const gl::GlTexture& texture() const { return texture_; }
-  // In samples. Sample p is at texel (p - lattice origin) % size().
+  // Returns the size in samples. Sample p is at texel (p - lattice origin) % size().
   [[nodiscard]] glm::ivec3 size() const { return kBrickSamples * places_; }
-  // The place of a brick among the hashes.
+  // Returns the index of a brick in the hashes.
   [[nodiscard]] std::size_t place(const glm::ivec3& brick) const;
 
-  // Who uploads takes them, and gives them back as they are by then once the samples are there: where that fails on the
-  // way, nothing is known.
+  // Take the hashes before an upload and give the new ones back after it. If the upload fails in between, the hashes
+  // are lost and all bricks count as unknown.
   [[nodiscard]] std::vector<BrickHash> take_hashes();
   void give_back(std::vector<BrickHash> hashes) { hashes_ = std::move(hashes); }
 
@@ -67,8 +67,8 @@ class ResidentSamples {
   BrickLattice lattice_;
   glm::ivec3 places_{0};
   gl::GlTexture texture_;
-  std::vector<BrickHash> hashes_;  // by place; none where nothing is known
-  Reservation memory_;             // for them
+  std::vector<BrickHash> hashes_;  // by place; empty if nothing is known
+  Reservation memory_;             // for the hashes
 };
 
 }  // namespace isoextract::gpu

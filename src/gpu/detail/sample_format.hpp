@@ -1,4 +1,4 @@
-// Samples as textures of unsigned bits.
+// Formats of samples as textures of unsigned integers.
 #pragma once
 
 #include <epoxy/gl.h>
@@ -19,7 +19,7 @@ struct SampleFormat {
 
 [[nodiscard]] SampleFormat sample_format(field::SampleType type);
 
-// The bits of a stored number, low word first.
+// Returns the bits of a stored number, low word first.
 template <class T>
 [[nodiscard]] glm::uvec2 sample_words(T sample) {
   if constexpr (std::is_same_v<T, field::Half>) return {sample.bits(), 0};
@@ -31,7 +31,7 @@ template <class T>
   if constexpr (std::is_integral_v<T>) return {static_cast<std::make_unsigned_t<T>>(sample), 0};
 }
 
-// The inside numbers as a range of ordered keys, both ends included, as ordered_key() of field.glsl makes them.
+// The inside numbers as a range of ordered keys, both ends included, as computed by ordered_key() of field.glsl.
 struct KeyRange {
   glm::uvec2 from;
   glm::uvec2 to;

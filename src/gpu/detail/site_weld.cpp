@@ -22,8 +22,8 @@ std::uint16_t local_key(const glm::ivec3& low, unsigned direction) {
   return static_cast<std::uint16_t>(direction << 12 | static_cast<unsigned>(low.z << 8 | low.y << 4 | low.x));
 }
 
-// Every method's triangles touch both sides of their cell along each axis (no triangle lies in a face), so the lowest
-// of their edges' lower ends is the cell.
+// Returns the cell of a triangle. No triangle lies in a cell face, so it touches both sides of its cell along each
+// axis. The cell is thus the minimum of the lower ends of its edges.
 glm::ivec3 cell_of(const CapturedSoup& soup, std::size_t triangle) {
   return glm::min(glm::min(low_of(soup.key(3 * triangle)), low_of(soup.key(3 * triangle + 1))),
                   low_of(soup.key(3 * triangle + 2)));
@@ -38,7 +38,7 @@ void for_each_site(std::size_t count, const F& f) {
 
 }  // namespace
 
-// The number of each vertex of a site by its local key.
+// Maps local keys to the vertex numbers of a site.
 class SiteWeld::LocalVertices {
  public:
   static constexpr std::uint16_t kNone = 0xFFFF;
@@ -64,7 +64,7 @@ void SiteWeld::add(std::span<const std::uint32_t> batch, const CapturedSoup& sou
   const auto site_of = [&](std::uint32_t triangle) { return soup.key(std::size_t{3} * triangle) >> 16; };
   std::vector<std::uint32_t> triangles(count);
   std::iota(triangles.begin(), triangles.end(), 0U);
-  // Drivers keep the order of patches and vertices; this holds even where one would not.
+  // Drivers keep the order of patches and vertices; the sort makes sure.
   if (!std::ranges::is_sorted(triangles, {}, site_of)) std::ranges::stable_sort(triangles, {}, site_of);
 
   strangers_ = strangers_ || (count > 0 && site_of(triangles.back()) >= batch.size());
@@ -116,7 +116,7 @@ void SiteWeld::weld_site(std::uint32_t site, const CapturedSoup& soup, std::span
     return number;
   };
 
-  // By cell; triangles of one cell keep their order.
+  // Sorted by cell; the triangles of a cell keep their order.
   std::vector<std::pair<int, std::uint32_t>> by_cell;
   by_cell.reserve(triangles.size());
   for (const std::uint32_t t : triangles) by_cell.emplace_back(cell_number(cell_of(soup, t)), t);
@@ -131,7 +131,7 @@ void SiteWeld::weld_site(std::uint32_t site, const CapturedSoup& soup, std::span
       ++at;
       continue;
     }
-    // A proxy: it brings the vertices, the values decide about the triangles.
+    // A marked cell brings only its vertices; the decider chooses the triangles.
     for (; at < by_cell.size() && by_cell[at].first == cell; ++at) {
       for (std::size_t v = 0; v < 3; ++v) vertex(std::size_t{3} * by_cell[at].second + v);
     }
@@ -178,7 +178,8 @@ Result<extract::MeshSizes> SiteWeld::number() {
   const auto known = [&](const EdgeOwner& owner) {
     return vertices_.is_crossed(static_cast<std::size_t>(owner.site), owner.direction, owner.offset);
   };
-  // First each site's own edges, in parallel; then those that only neighbours of their owner captured, in order.
+  // Marks the edges that their own site captured, in parallel; then, in order, the edges that only other sites
+  // captured.
   for_each_site(sites_.size(), [&](std::size_t site) {
     each_vertex(site, [&](std::uint32_t, const EdgeOwner& owner) {
       if (owner.site == static_cast<std::int32_t>(site)) mark(owner);

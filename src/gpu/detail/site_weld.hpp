@@ -1,8 +1,8 @@
-// From captured triangles to an indexed mesh, by the key of the grid edge that each vertex lies on.
+// Welds captured triangles to an indexed mesh, by the key of the grid edge of each vertex.
 //
-// The result depends on what was captured, not on the order or the portions in which it came: vertices are numbered by
-// site, direction and sample (extract/site_vertices.hpp), triangles by site and cell. A vertex that several sites
-// captured is taken from the site that owns its edge, else from the first that has it.
+// The result does not depend on the order or the portions in which triangles arrive. Vertices are numbered by site,
+// direction and sample (extract/site_vertices.hpp), triangles by site and cell. If several sites captured a vertex, the
+// mesh takes it from the site that owns its edge, else from the first site that has it.
 #pragma once
 
 #include <array>
@@ -18,49 +18,49 @@
 
 namespace isoextract::gpu {
 
-// For each site the sites at +0 or +1 places along x (bit 0), y (bit 1) and z (bit 2); -1 if that is no site.
+// Returns the sites at +0 or +1 along x (bit 0), y (bit 1) and z (bit 2) from a site; -1 if there is no such site.
 using NearSites = std::function<std::array<std::int32_t, 8>(std::size_t site)>;
-// What the ambiguous cell at a sample draws: a variant of CaseTable.
+// Returns the variant (CaseTable) of an ambiguous cell, given by its lowest sample.
 using DecideCell = std::function<unsigned(const glm::ivec3& cell)>;
 
 class SiteWeld {
  public:
   SiteWeld(const extract::CaseTable& table, std::span<const glm::ivec3> sites, NearSites near, DecideCell decide);
 
-  // Triangles of some sites; the site number k in their keys stands for sites[batch[k]]. Each site comes whole, once.
+  // Adds the triangles of some sites. Site number k in their keys means sites[batch[k]]. Each site must be added once,
+  // as a whole.
   void add(std::span<const std::uint32_t> batch, const CapturedSoup& soup);
 
-  // Once all were added. Fails with ErrorCode::unavailable if what was captured cannot be: an edge that no site
-  // owns, a site that was not drawn.
+  // Numbers vertices and triangles; call it once all sites are added. Fails with ErrorCode::unavailable if the captured
+  // data are invalid: an edge that no site owns, or a site that was not drawn.
   [[nodiscard]] Result<extract::MeshSizes> number();
 
-  // Into the first vertices and triangles of a mesh that was allocated by those sizes; mirrored frames turn triangles
-  // over.
+  // Writes the mesh to the start of arrays that have at least the sizes from number(). `mirrored` reverses the winding.
   void write(mesh::Mesh& mesh, bool mirrored) const;
 
-  // After number(): the vertex on the crossed edge from sample `offset` (block_offset()) of a site.
+  // Returns the vertex on the crossed edge from sample `offset` (block_offset()) of a site; valid after number().
   [[nodiscard]] std::uint32_t vertex_at(std::size_t site, int direction, int offset) const;
 
-  // What a weld of so many sites takes, but for what add() keeps of each
-  // triangle.
+  // Returns the bytes of a weld of so many sites, without the data that add() keeps of each triangle.
   [[nodiscard]] static std::uint64_t bytes(std::size_t sites, std::size_t directions) {
     return extract::SiteVertices::bytes(sites, directions) +
            std::uint64_t{sites} * (sizeof(SiteRange) + sizeof(std::uint64_t));
   }
-  [[nodiscard]] std::uint64_t piece_bytes() const { return piece_bytes_; }  // what it has kept so far
+  [[nodiscard]] std::uint64_t piece_bytes() const { return piece_bytes_; }  // bytes that add() has kept so far
 
   [[nodiscard]] std::uint64_t decided_cells() const { return decided_cells_; }
   [[nodiscard]] const StageTime& time() const { return time_; }
 
  private:
-  // What some sites draw: vertices by local key (direction << 12 | z << 8 | y << 4 | x), each once a site.
+  // Vertices and triangles of some sites. Vertices have local keys (direction << 12 | z << 8 | y << 4 | x), each once a
+  // site.
   struct Piece {
     std::vector<std::uint16_t> keys;
     std::vector<glm::vec3> positions;
     std::vector<glm::vec3> normals;
-    std::vector<std::array<std::uint16_t, 3>> triangles;  // of the site's vertices
+    std::vector<std::array<std::uint16_t, 3>> triangles;  // indices of the site's vertices
     std::uint64_t decided = 0;
-    bool incomplete = false;  // an ambiguous cell without all its vertices
+    bool incomplete = false;  // an ambiguous cell lacks some of its vertices
 
     [[nodiscard]] std::uint64_t bytes() const;
   };
@@ -76,7 +76,7 @@ class SiteWeld {
   };
   struct LateVertex {
     std::uint32_t site;
-    std::uint32_t vertex;  // of the piece
+    std::uint32_t vertex;  // index in the piece
     EdgeOwner owner;
   };
   class LocalVertices;
@@ -91,11 +91,11 @@ class SiteWeld {
   DecideCell decide_;
   std::vector<Piece> pieces_;
   std::uint64_t piece_bytes_ = 0;
-  bool strangers_ = false;         // triangles of a site that is not in their batch
+  bool strangers_ = false;         // some triangles name a site outside their batch
   std::vector<SiteRange> ranges_;  // by site
   extract::SiteVertices vertices_;
   std::vector<std::uint64_t> first_triangle_;  // by site
-  std::vector<LateVertex> late_;               // not captured by their owner
+  std::vector<LateVertex> late_;               // vertices that the owner of their edge did not capture
   std::uint64_t decided_cells_ = 0;
   StageTime time_;
 };

@@ -21,7 +21,7 @@ SparseSource::SparseSource(const gl::GlContext& context, const field::SparseSamp
       order_(sites.origins().size()),
       slot_of_(samples.blocks.size(), -1) {
   std::iota(order_.begin(), order_.end(), 0U);
-  // Sites without a leaf among the others, so that the leaves around them are needed only once.
+  // Sorts sites without a leaf in between the others, so that the leaves around them are needed only once.
   std::ranges::sort(order_, {}, [&](std::uint32_t s) {
     const glm::ivec3& p = sites.origins()[s];
     return std::tuple(p.x, p.y, p.z);
@@ -38,7 +38,7 @@ Result<SparseSource> SparseSource::make(const gl::GlContext& context, const fiel
   const std::uint64_t places = options.gradients ? extract::kNearPlaces : 8;
   const std::uint64_t wanted = std::clamp<std::uint64_t>(samples.blocks.size(), 1, places * sites.origins().size());
   const std::uint64_t slots = std::min(fitting, wanted);
-  // A box of slots that loses few to rounding: none where all leaves fit.
+  // Finds a box of slots that wastes few slots by rounding, and none if all leaves fit.
   const auto divided = [](std::uint64_t a, std::uint64_t b) { return std::max<std::uint64_t>((a + b - 1) / b, 1); };
   const std::uint64_t layers = divided(slots, along * along);
   const std::uint64_t rows = divided(slots, along * layers);
@@ -66,7 +66,7 @@ void SparseSource::for_each_place(std::uint32_t site, const F& f) const {
   extract::for_each_near_place(sites_->origins()[site], options_.gradients ? -1 : 0, f);
 }
 
-// A slot that this round does not need, or -1.
+// Returns a slot that this round does not need, or -1.
 std::int32_t SparseSource::take_slot() {
   for (std::size_t tried = 0; tried < by_age_.size(); ++tried) {
     const std::int32_t slot = by_age_.front();
@@ -83,13 +83,14 @@ std::int32_t SparseSource::take_slot() {
 
 void SparseSource::upload(std::int32_t block, std::int32_t slot) {
   const glm::ivec3 at = kSize * glm::ivec3(slot % slots_.x, slot / slots_.x % slots_.y, slot / (slots_.x * slots_.y));
-  // A block's z runs fastest: it becomes the texture's first axis.
+  // In a block z runs fastest, so it becomes the first axis of the texture.
   glTexSubImage3D(GL_TEXTURE_3D, 0, at.x, at.y, at.z, kSize, kSize, kSize, format_.format, format_.type,
                   samples_->blocks[static_cast<std::size_t>(block)].values);
   uploads_.samples += kBlockSamples;
 }
 
-// False if the atlas has no room for what the site needs beside the rest of this round.
+// Uploads the leaves that a site needs. Returns false if the atlas has no room for them next to the leaves of this
+// round.
 bool SparseSource::make_resident(std::uint32_t site) {
   bool fits = true;
   for_each_place(site, [&](std::size_t, const glm::ivec3& place) {
@@ -117,18 +118,18 @@ Result<std::span<const std::uint32_t>> SparseSource::advance() {
   ++round_;
   glBindTexture(GL_TEXTURE_3D, atlas_.name());
   while (next_ < order_.size() && make_resident(order_[next_])) ++next_;
-  glFinish();  // uploads are made later than they are asked for
+  glFinish();  // GL may delay uploads until here
   uploads_.time += watch.elapsed();
   TRY(context_->check("uploading samples"));
   return std::span<const std::uint32_t>(order_).subspan(begin, next_ - begin);
 }
 
-// The number of the constant that stands for all samples of a place without a block.
+// Returns the number of the constant that stands for all samples of a place without a block.
 std::int32_t SparseSource::constant_at(const glm::ivec3& place) {
   const double value = sites_->lookup().constant(place);
   const glm::uvec2 words = visit_sample_type(samples_->type, [&]<class T>(std::type_identity<T>) {
     using Wide = std::conditional_t<std::is_same_v<T, field::Half>, float, T>;
-    return sample_words(T(static_cast<Wide>(value)));  // exact: the place's samples are of this type
+    return sample_words(T(static_cast<Wide>(value)));  // exact: the constant was a sample of this type
   });
   const auto [found, fresh] =
       constants_.try_emplace(std::uint64_t{words.y} << 32 | words.x, static_cast<std::int32_t>(constant_words_.size()));
@@ -156,7 +157,7 @@ void SparseSource::bind(const gl::CellPass& pass, std::span<const std::uint32_t>
   };
   table(3, "neighbours", neighbour_buffer_, neighbour_texture_, GL_R32I, neighbours.size() * sizeof(std::int32_t),
         neighbours.data());
-  if (constant_words_.empty()) constant_words_.emplace_back(0);  // a buffer of no bytes is no texture
+  if (constant_words_.empty()) constant_words_.emplace_back(0);  // an empty buffer is not a valid texture
   table(4, "constants", constant_buffer_, constant_texture_, GL_RG32UI, constant_words_.size() * sizeof(glm::uvec2),
         constant_words_.data());
   glActiveTexture(GL_TEXTURE1);

@@ -1,6 +1,6 @@
-// Sparse samples on the device: an atlas of leaves. Leaves that the surface's sites need are uploaded, never the boxes
-// around them; each once where the atlas holds all that are in use at a time, which sites in their order of place need
-// little for. Places without a leaf are one constant each.
+// Sparse samples on the device, in an atlas of leaves (8x8x8 samples). Only leaves that the sites need are uploaded.
+// Each is uploaded once if the atlas holds all leaves that are in use at a time; sites sorted by position need few at a
+// time. A place without a leaf is stored as one constant.
 #pragma once
 
 #include <deque>
@@ -14,7 +14,7 @@ namespace isoextract::gpu {
 
 class SparseSource final : public FieldSource {
  public:
-  // All arguments must outlive the source. Fails with ErrorCode::usage where the bytes are too few.
+  // All arguments must outlive the source. Fails with ErrorCode::usage if options.bytes is too small.
   [[nodiscard]] static Result<SparseSource> make(const gl::GlContext& context, const field::SparseSamples& samples,
                                                  const extract::SparseSites& sites, const SourceOptions& options);
 
@@ -26,7 +26,8 @@ class SparseSource final : public FieldSource {
   SparseSource(const gl::GlContext& context, const field::SparseSamples& samples, const extract::SparseSites& sites,
                const SourceOptions& options);
 
-  // f(place's slot in the 3 x 3 x 3 around the site, its lowest sample) for all places that the site's cells need.
+  // Calls f(slot in the 3x3x3 places around the site, lowest sample of the place) for all places that the site's cells
+  // need.
   template <class F>
   void for_each_place(std::uint32_t site, const F& f) const;
   [[nodiscard]] bool make_resident(std::uint32_t site);
@@ -39,19 +40,19 @@ class SparseSource final : public FieldSource {
   const extract::SparseSites* sites_;
   SourceOptions options_;
   SampleFormat format_;
-  glm::ivec3 slots_{0};  // of the atlas along each axis of its texture
+  glm::ivec3 slots_{0};  // number of slots along each axis of the atlas texture
   gl::GlTexture atlas_;
   gl::GlBuffer neighbour_buffer_, constant_buffer_;
   gl::GlTexture neighbour_texture_, constant_texture_;
 
-  std::vector<std::uint32_t> order_;                 // all sites
-  std::size_t next_ = 0;                             // into order_
-  std::int32_t round_ = 0;                           // of advance()
+  std::vector<std::uint32_t> order_;                 // all sites in drawing order
+  std::size_t next_ = 0;                             // index into order_
+  std::int32_t round_ = 0;                           // number of calls of advance()
   std::vector<std::int32_t> slot_of_;                // by block; -1 if it is not resident
   std::vector<std::int32_t> block_in_;               // by slot
   std::vector<std::int32_t> used_in_;                // by slot: the last round that needed it
   std::deque<std::int32_t> by_age_;                  // slots, first uploaded first
-  std::map<std::uint64_t, std::int32_t> constants_;  // bits to their number
+  std::map<std::uint64_t, std::int32_t> constants_;  // bits of a constant to its number
   std::vector<glm::uvec2> constant_words_;
   UploadFigures uploads_;
 };

@@ -9,7 +9,7 @@ std::vector<field::IndexBox> ToroidalWindow::move_to(const glm::ivec3& low) {
     entered.push_back(rest);
   } else {
     const field::IndexBox old{*low_, *low_ + size_ - 1};
-    // Axis by axis: what lies beyond the old window, then the same of what lies beside it.
+    // Axis by axis: the part beyond the old window enters; the rest is split along the next axis.
     for (int axis = 0; axis < 3 && !rest.empty(); ++axis) {
       field::IndexBox fresh = rest;
       if (rest.min[axis] < old.min[axis]) {
@@ -31,7 +31,7 @@ std::vector<field::IndexBox> ToroidalWindow::pieces(const field::IndexBox& box) 
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<field::IndexBox> cut;
     for (field::IndexBox part : whole) {
-      const int seam = (part.min[axis] / size_[axis] + 1) * size_[axis];  // the first sample kept at address 0 again
+      const int seam = (part.min[axis] / size_[axis] + 1) * size_[axis];  // first sample whose address wraps to 0
       if (part.max[axis] >= seam) {
         field::IndexBox before = part;
         before.max[axis] = seam - 1;

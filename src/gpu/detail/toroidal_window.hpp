@@ -1,6 +1,6 @@
-// A window over data that does not fit, kept in an array whose addresses repeat: what stays in the window is never
-// moved or copied again. D. A. Shustikov: Use of toroidal copying for stepwise updates of a
-// texture (docs/papers.md), in three dimensions; a window of one sample in z is the paper's own case.
+// A window over data that do not fit in memory, kept in an array with wrapping addresses: samples that stay in the
+// window are never moved or copied again. D. A. Shustikov: Use of toroidal copying for stepwise updates of a texture
+// (docs/papers.md), extended to three dimensions. A window one sample thick in z is the case of the paper.
 #pragma once
 
 #include <optional>
@@ -12,18 +12,19 @@ namespace isoextract::gpu {
 
 class ToroidalWindow {
  public:
-  // Empty at first: whatever it is moved to is new.
+  // Starts empty: the first move makes all samples new.
   explicit ToroidalWindow(const glm::ivec3& size) : size_(size) {}
 
   [[nodiscard]] const glm::ivec3& size() const { return size_; }
 
-  // Where sample `p`, with no negative coordinate, is kept.
+  // Returns the texel of sample `p`, whose coordinates must not be negative.
   [[nodiscard]] glm::ivec3 texel(const glm::ivec3& p) const { return p % size_; }
 
-  // Lets the window begin at `low`. Returns what entered it: disjoint boxes, at most three after the first move.
+  // Moves the window so that it begins at `low`. Returns the boxes of samples that entered it: disjoint, at most three
+  // after the first move.
   [[nodiscard]] std::vector<field::IndexBox> move_to(const glm::ivec3& low);
 
-  // The parts of a box within the window that are kept in one piece.
+  // Splits a box in the window into boxes that are contiguous in the array.
   [[nodiscard]] std::vector<field::IndexBox> pieces(const field::IndexBox& box) const;
 
  private:
