@@ -25,7 +25,7 @@ void VertexStar::look_at(std::span<const Corner> corners, std::span<const glm::u
   number_fans();
 }
 
-// Disjoint sets of corners first, each known by its first corner.
+// First builds disjoint sets of corners, each identified by its first corner.
 void VertexStar::number_fans() {
   std::vector<std::uint32_t>& first = fan_of_;
   for (std::uint32_t i = 0; i < first.size(); ++i) first[i] = i;
@@ -39,7 +39,7 @@ void VertexStar::number_fans() {
     first[high] = low;
   }
   fans_ = 0;
-  // A set's first corner comes before all others and has its number by then.
+  // A set's first corner comes first, so it has its number already.
   for (std::uint32_t i = 0; i < first.size(); ++i) first[i] = first[i] == i ? fans_++ : first[first[i]];
 }
 

@@ -1,5 +1,5 @@
-// Which triangles meet at a vertex and in its edges, found from indices alone: compressed rows of corners, and the
-// edges and fans of one vertex made of its row.
+// Triangles at each vertex, found from indices alone: the corners at all vertices in compressed rows, and the edges and
+// fans of one vertex.
 #pragma once
 
 #include <cstdint>
@@ -22,10 +22,10 @@ using Corner = std::uint64_t;
 // The corners at each vertex. The same for any number of threads.
 class Adjacency {
  public:
-  // Indices below `vertices`. Takes bytes(), which is the caller's to reserve; throws std::bad_alloc.
+  // All indices must be below `vertices`. The caller reserves bytes(). Throws std::bad_alloc.
   Adjacency(std::span<const glm::uvec3> triangles, std::size_t vertices);
 
-  // In rising order, and so are their triangles. A triangle that repeats an index has several corners at its vertex.
+  // Returns the corners in ascending order. A triangle that repeats an index has several corners at one vertex.
   [[nodiscard]] std::span<const Corner> corners(std::size_t vertex) const { return corners_.at(vertex); }
 
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t triangles, std::uint64_t vertices) {
@@ -36,29 +36,29 @@ class Adjacency {
   Buckets<Corner> corners_;
 };
 
-// The edges at one vertex, each with its triangles, and the fans that the triangles form: those of one fan are joined
-// by edges at the vertex. Looks at one vertex after the other and keeps its memory; takes n log n time for n corners.
+// The edges at one vertex with their triangles, and the fans that these triangles form: edges at the vertex connect the
+// triangles of a fan. Reuses its memory for the next vertex. Takes O(n log n) time for n corners.
 class VertexStar {
  public:
-  // Where a triangle runs along an edge at the vertex.
+  // A triangle along one edge of the vertex.
   struct Side {
-    std::uint32_t end;     // the vertex at the edge's other end
-    std::uint32_t corner;  // the triangle's, as its place in what was looked at
-    bool outgoing;         // from the vertex to the end
+    std::uint32_t end;     // the other vertex of the edge
+    std::uint32_t corner;  // index of the triangle's corner in the argument of look_at()
+    bool outgoing;         // whether the triangle runs along the edge away from the vertex
   };
 
-  // `corners` are of one vertex of `triangles`, all of them or those that count. Throws std::bad_alloc.
+  // Examines one vertex of `triangles`. `corners` are all its corners, or a subset to consider. Throws std::bad_alloc.
   void look_at(std::span<const Corner> corners, std::span<const glm::uvec3> triangles);
 
-  // Two a corner: edge by edge, their ends rising; those of one edge by their corners.
+  // Two per corner, sorted by `end`, then by `corner`, so that the sides of one edge are adjacent.
   [[nodiscard]] std::span<const Side> sides() const { return sides_; }
 
   [[nodiscard]] std::uint32_t fans() const { return fans_; }
-  // Of each corner, in the order of the fans' first corners.
+  // The fan of each corner. Fans are numbered in the order of their first corners.
   [[nodiscard]] std::span<const std::uint32_t> fan_of() const { return fan_of_; }
 
-  // Whether the triangles go round the vertex once, two at each edge that run along it in opposite directions, and none
-  // of them has the vertex twice.
+  // Returns whether the triangles form one closed fan: two at each edge, which run along it in opposite directions, and
+  // none that contains the vertex twice.
   [[nodiscard]] bool is_closed_fan() const;
 
  private:

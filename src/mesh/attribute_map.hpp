@@ -1,4 +1,4 @@
-// Attributes of a mesh that is turned, scaled, mirrored or moved.
+// Transforms the attributes of a mesh that is rotated, scaled, mirrored or moved.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -8,11 +8,11 @@
 
 namespace isoextract::mesh {
 
-// Whether map_attribute() changes the values, whatever the map.
+// Returns whether map_attribute() changes the values of this attribute.
 [[nodiscard]] bool changes_with_mesh(const Attribute& attribute, AttributeKind kind);
 
-// Maps the values as positions are mapped that go from p to linear * p + offset: vectors by `linear`, points by all of
-// it, normals by the inverse of the transpose, and to the length 1. Integers become f32. Throws std::bad_alloc.
+// Transforms the values for the map p -> linear * p + offset of the positions: vectors by `linear`, points by the whole
+// map, normals by the inverse transpose, then normalized. Integers become f32. Throws std::bad_alloc.
 void map_attribute(Attribute& attribute, AttributeKind kind, const glm::dmat3& linear, const glm::dvec3& offset);
 
 }  // namespace isoextract::mesh

@@ -30,7 +30,7 @@ double component_of(const std::byte* place, bool normalised) {
   return normalised ? std::max(number / static_cast<double>(std::numeric_limits<T>::max()), -1.0) : number;
 }
 
-// New item i is old item old_of_new[i]; an item is `stride` values.
+// Copies old item old_of_new[i] to new item i; an item has `stride` values.
 template <class T>
 Buffer<T> gathered(const Buffer<T>& old, std::size_t stride, std::span<const std::uint32_t> old_of_new) {
   if (old.empty()) return {};

@@ -1,7 +1,7 @@
-// What vertices carry besides their place: named values, as files have them.
+// Vertex attributes: named values besides the positions, as files store them.
 //
-// Normals are not among them. The extractors write them from vectorised loops into a Buffer<glm::vec3>, every format
-// has a place of its own for them, and what reads them wants vectors; a list to search would cost all of that.
+// Normals are not among them. The extractors write normals in vectorized loops to a Buffer<glm::vec3>, every format has
+// a place of its own for them, and their users need vectors without a search by name.
 #pragma once
 
 #include <cstddef>
@@ -16,27 +16,27 @@ namespace isoextract::mesh {
 
 struct Mesh;
 
-// What PLY knows. glTF has no i32, u32 and f64 for what belongs to vertices.
+// The types of PLY. glTF allows neither i32, u32 nor f64 in vertex attributes.
 enum class ComponentType : std::uint8_t { i8, u8, i16, u16, i32, u32, f32, f64 };
 
 [[nodiscard]] std::size_t component_size(ComponentType type);
-// "u8"
+// Returns a name such as "u8".
 [[nodiscard]] std::string_view component_name(ComponentType type);
 
 enum class AttributeRole : std::uint8_t {
-  colour,  // red, green, blue and perhaps alpha: u8 or u16, normalised, or f32. At most one a mesh
-  other    // known by its name alone
+  colour,  // red, green, blue and optionally alpha: u8 or u16, normalized, or f32. At most one per mesh
+  other    // identified by its name only
 };
 
 constexpr std::size_t kMaxComponents = 4;
 
 struct Attribute {
-  std::string name;  // as it was given; writers make of it what their format can have
+  std::string name;  // the original name; writers adapt it to their format
   AttributeRole role = AttributeRole::other;
   ComponentType type = ComponentType::f32;
   std::size_t components = 1;  // at most kMaxComponents
-  bool normalised = false;     // integers that stand for 0 .. 1, or -1 .. 1 where they are signed
-  Buffer<std::byte> values;    // vertex after vertex, without gaps; numbers as the machine has them
+  bool normalised = false;     // integers represent 0 .. 1, or -1 .. 1 if they are signed
+  Buffer<std::byte> values;    // vertex by vertex, without gaps, in native byte order
 
   [[nodiscard]] std::size_t stride() const { return components * component_size(type); }
   [[nodiscard]] std::span<const std::byte> at(std::size_t vertex) const {
@@ -45,19 +45,19 @@ struct Attribute {
   [[nodiscard]] Attribute without_values() const { return {name, role, type, components, normalised, {}}; }
 };
 
-// What a component that is stored at `place` stands for: the number itself, or where `normalised` the fraction of the
-// greatest integer of its type, at least -1 (glTF 2.0, 3.6.2.2). For floats `normalised` says nothing.
+// Returns the value of the component stored at `place`. A normalized integer represents the fraction of the greatest
+// integer of its type, at least -1 (glTF 2.0, 3.6.2.2). The flag has no effect on floats.
 [[nodiscard]] double component_value(const std::byte* place, ComponentType type, bool normalised);
 
-// What one vertex takes in all arrays of the mesh.
+// Returns the bytes of one vertex in all arrays of the mesh.
 [[nodiscard]] std::size_t vertex_bytes(const Mesh& mesh);
 
-// Replaces the vertices: new vertex i has all that belonged to vertex old_of_new[i], which may be named several times,
-// or not at all. Triangles are left to the caller. Throws std::bad_alloc, and then leaves the mesh as it was; it takes
-// vertex_bytes(mesh) for each new vertex beside the old ones.
+// Replaces the vertices: new vertex i is a copy of old vertex old_of_new[i]. Old vertices may occur several times or
+// not at all. Does not change the triangles. If it throws std::bad_alloc, the mesh stays as it was. Needs
+// vertex_bytes(mesh) for each new vertex while the old ones exist.
 void gather_vertices(Mesh& mesh, std::span<const std::uint32_t> old_of_new);
 
-// Throws std::bad_alloc. What memory the copy takes is the caller's to reserve.
+// Returns a deep copy; the caller reserves its memory. Throws std::bad_alloc.
 [[nodiscard]] Mesh copy(const Mesh& mesh);
 
 }  // namespace isoextract::mesh

@@ -14,7 +14,7 @@ BoxTree::BoxTree(std::span<Item> items, std::span<const std::uint32_t> groups) :
   std::ranges::transform(items, slots_.begin(), &Item::number);
 }
 
-// Brings the items of a node into their order.
+// Sorts the items of a node into tree order.
 void BoxTree::order(std::span<Item> items, const Node& node, std::span<const std::uint32_t> groups) const {
   constexpr std::size_t kParallelItems = 1 << 12;
   if (node.level == depth_) return;
@@ -27,7 +27,7 @@ void BoxTree::order(std::span<Item> items, const Node& node, std::span<const std
   const bool is_mixed = !groups.empty() && std::ranges::adjacent_find(
                                                items, std::ranges::not_equal_to(),
                                                [&](const Item& item) { return groups[item.number]; }) != items.end();
-  // In halves: the extent itself may be beyond float.
+  // Computes with halves, because the extent itself could overflow.
   const glm::vec3 extent = high * 0.5F - low * 0.5F;
   const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
   const auto half = items.begin() + static_cast<std::ptrdiff_t>(first_slot(node.child(1)) - first_slot(node));

@@ -1,7 +1,7 @@
-// A bounding volume hierarchy over items that have a box: triangles, rays, components.
+// A bounding volume hierarchy over items with boxes: triangles, rays, components.
 //
-// A complete binary tree, split at the median of the items' centres along their longest axis. Its 2^d leaves share the
-// items evenly however they lie, so those of a node follow from its number, and a node stores nothing but its box.
+// A complete binary tree, split at the median of the items' centers along their longest axis. Its 2^d leaves share the
+// items evenly for any input. The items of a node therefore follow from its number, and a node stores its box only.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@ struct FloatBox {
   glm::vec3 min{std::numeric_limits<float>::infinity()};
   glm::vec3 max{-std::numeric_limits<float>::infinity()};
 
-  // Boxes that only touch meet.
+  // Returns whether the boxes overlap or touch.
   [[nodiscard]] bool meets(const FloatBox& other) const {
     return min.x <= other.max.x && other.min.x <= max.x && min.y <= other.max.y && other.min.y <= max.y &&
            min.z <= other.max.z && other.min.z <= max.z;
@@ -28,7 +28,7 @@ struct FloatBox {
   [[nodiscard]] FloatBox with(const FloatBox& other) const {
     return {glm::min(min, other.min), glm::max(max, other.max)};
   }
-  [[nodiscard]] glm::vec3 centre() const { return min * 0.5F + max * 0.5F; }  // a sum may leave the range of float
+  [[nodiscard]] glm::vec3 centre() const { return min * 0.5F + max * 0.5F; }  // a sum could overflow
 };
 
 [[nodiscard]] inline FloatBox box_around(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
@@ -45,19 +45,19 @@ class BoxTree {
   };
   struct Node {
     std::size_t level;
-    std::size_t number;  // on its level
+    std::size_t number;  // within its level
     [[nodiscard]] Node child(std::size_t which) const { return {level + 1, 2 * number + which}; }
     [[nodiscard]] std::size_t index() const { return (std::size_t{1} << level) - 1 + number; }
   };
 
-  // What making it takes, for a caller to reserve.
+  // Returns the bytes that construction needs; the caller reserves them.
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t items) {
     return items * (sizeof(Item) + sizeof(std::uint32_t)) + (items + 1) * sizeof(FloatBox);
   }
 
-  // At least one item, with finite centres, which are brought into the tree's order; box_of(number) is the box of one.
-  // Where there are groups, one for each number, items of one group lie side by side. The same for any number of
-  // threads. Throws std::bad_alloc.
+  // Needs at least one item, with finite centers; sorts `items` into tree order. box_of(number) returns the box of an
+  // item. If `groups` has an entry for each number, items of one group become adjacent. The tree is the same for any
+  // number of threads. Throws std::bad_alloc.
   template <class BoxOf>
   BoxTree(std::span<Item> items, const BoxOf& box_of, std::span<const std::uint32_t> groups = {})
       : BoxTree(items, groups) {
@@ -72,22 +72,22 @@ class BoxTree {
     while (end_slot(leaf(number)) <= slot) ++number;
     return number;
   }
-  // Numbers of items in the order of the tree: an item's place there is its slot.
+  // The numbers of the items in tree order. An item's position in it is its slot.
   [[nodiscard]] std::span<const std::uint32_t> numbers() const { return slots_.span(); }
   [[nodiscard]] std::size_t first_slot(const Node& node) const { return node.number * slots_.size() >> node.level; }
   [[nodiscard]] std::size_t end_slot(const Node& node) const { return first_slot({node.level, node.number + 1}); }
   [[nodiscard]] std::span<const std::uint32_t> numbers_of(const Node& node) const {
     return numbers().subspan(first_slot(node), end_slot(node) - first_slot(node));
   }
-  // By Node::index(): node k has children 2k + 1 and 2k + 2.
+  // Returns the box of the node with this Node::index(): node k has the children 2k + 1 and 2k + 2.
   [[nodiscard]] const FloatBox& box(std::size_t index) const { return boxes_[index]; }
   [[nodiscard]] std::size_t nodes() const { return boxes_.size(); }
 
-  // For each node `all`, made of those of its items by with(), the leaves first.
+  // Fills `all`, indexed by node, from the leaves up: the union, by with(), of box_of() of the node's items.
   template <class Box, class BoxOf>
   void fit(std::span<Box> all, const BoxOf& box_of) const;
 
-  // Calls visit(number) for each item in a leaf whose box meets `near`, those among them whose boxes do not as well.
+  // Calls visit(number) for each item in a leaf whose box meets `near`. The item's own box may not meet it.
   template <class Visit>
   void for_each_near(const FloatBox& near, const Visit& visit) const;
 

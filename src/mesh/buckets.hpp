@@ -1,5 +1,5 @@
-// Things put into buckets, in parallel and in linear time, in compressed rows: the corners at a vertex, or what two
-// meshes have at a place.
+// Parallel bucket sort into compressed rows, in linear time: the corners at each vertex, or the parts of two meshes in
+// one cell of space.
 #pragma once
 
 #include <algorithm>
@@ -14,16 +14,16 @@
 
 namespace isoextract::mesh {
 
-// Each bucket's things are sorted, so that nothing depends on which thread came first. T has a strict order.
+// Entries within a bucket are sorted, so that the order of threads does not matter. T needs a strict order.
 template <class T>
 class Buckets {
  public:
-  // place(i, put) calls put(bucket, thing) for each thing that i below `count` stands for; there may be none. It is
-  // called twice for each i. Takes bytes(), which is the caller's to reserve; throws std::bad_alloc.
+  // place(i, put) calls put(bucket, entry) any number of times for each i below `count`. It runs twice for each i and
+  // must do the same both times. The caller reserves bytes(). Throws std::bad_alloc.
   template <class Place>
   Buckets(std::size_t count, std::size_t buckets, const Place& place) : ends_(buckets) {
     std::fill(ends_.begin(), ends_.end(), std::uint64_t{0});
-    const bool alone = count <= kGrain;  // then one thread does all
+    const bool alone = count <= kGrain;  // small inputs need no atomics
     const auto next = [&](std::size_t bucket) {
       return alone ? ends_[bucket]++ : std::atomic_ref(ends_[bucket]).fetch_add(1, std::memory_order_relaxed);
     };
@@ -43,8 +43,8 @@ class Buckets {
     const std::uint64_t first = begin_of(bucket);
     return things_.span().subspan(first, ends_[bucket] - first);
   }
-  [[nodiscard]] std::size_t size() const { return ends_.size(); }     // how many buckets
-  [[nodiscard]] std::size_t total() const { return things_.size(); }  // how many things
+  [[nodiscard]] std::size_t size() const { return ends_.size(); }     // number of buckets
+  [[nodiscard]] std::size_t total() const { return things_.size(); }  // number of entries
 
   static std::uint64_t bytes(std::uint64_t things, std::uint64_t buckets) {
     return things * sizeof(T) + buckets * sizeof(std::uint64_t);
@@ -62,11 +62,11 @@ class Buckets {
 
   [[nodiscard]] std::uint64_t begin_of(std::size_t bucket) const { return bucket == 0 ? 0 : ends_[bucket - 1]; }
 
-  Buffer<std::uint64_t> ends_;  // a count at first, then where the next thing goes, which is the end when all are there
+  Buffer<std::uint64_t> ends_;  // counts, then the next free position, and at last the end of each bucket
   Buffer<T> things_;
 };
 
-// A bucket below `buckets` for a cell of space; buckets > 0.
+// Returns a bucket below `buckets` > 0 for a cell of space.
 [[nodiscard]] inline std::size_t bucket_of_cell(std::int64_t x, std::int64_t y, std::int64_t z, std::size_t buckets) {
   return hash_of_three(static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y), static_cast<std::uint64_t>(z)) %
          buckets;

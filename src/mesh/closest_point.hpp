@@ -1,4 +1,4 @@
-// The closest point of a triangle.
+// The closest point on a triangle.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace isoextract::mesh {
 
-// The point of the segment from a to b, which may be without length, that is closest to `p`.
+// Returns the point closest to `p` on the segment from a to b, which may have length 0.
 [[nodiscard]] inline glm::dvec3 closest_on_segment(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
   const glm::dvec3 ab = b - a;
   const double length_squared = glm::dot(ab, ab);
@@ -15,12 +15,12 @@ namespace isoextract::mesh {
   return a + std::clamp(glm::dot(p - a, ab) / length_squared, 0.0, 1.0) * ab;
 }
 
-// A triangle a, b, c, which may be without area, to which points are held.
+// A triangle a, b, c, possibly of area 0, to measure the distances of points to.
 //
-// In double: the foot of the perpendicular if that lies in the triangle, or the nearest point of the sides. By the
-// region of the triangle's plane that the point is over (C. Ericson, Real-Time Collision Detection, 2005, 5.1.5),
-// unless the triangle is a needle: these have their foot moved along them by rounding, therefore always the nearer of
-// both; below 1e-8 radians the plane is lost, and the sides are all there is.
+// Computes in double the foot of the perpendicular if it lies in the triangle, else the closest point on the sides. It
+// finds the region of the triangle's plane that the point is over (C. Ericson, Real-Time Collision Detection, 2005,
+// 5.1.5). Needles are different: rounding moves the foot along them, so it takes the closer of both. With an angle
+// below 1e-8 radians the plane is lost, and only the sides count.
 class TriangleTarget {
  public:
   TriangleTarget(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c)
@@ -41,7 +41,7 @@ class TriangleTarget {
   }
 
  private:
-  // Of a right angle at a.
+  // Returns the squared length that cross(ab, ac) would have with a right angle at a.
   [[nodiscard]] double full_squared() const { return b_squared_ * c_squared_; }
 
   [[nodiscard]] bool is_needle() const {

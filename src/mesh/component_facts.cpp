@@ -14,8 +14,8 @@
 namespace isoextract::mesh {
 namespace {
 
-// Chunks are summed one by one, and their sums in their order, so that nothing depends on the number of threads.
-// Triangles lie in the order of the grid, so those of a chunk are of few components.
+// Each chunk is summed by one thread, and the sums are added in order, so that nothing depends on the number of
+// threads. Triangles follow the order of the grid, so a chunk has few components.
 constexpr std::size_t kChunk = 1 << 14;
 
 struct PartialSum {
@@ -60,7 +60,7 @@ std::vector<ComponentFacts> measure(const Mesh& mesh, const Components& componen
                                     const std::vector<Topology>& topology) {
   std::vector<ComponentFacts> facts(components.count());
   if (facts.empty()) return facts;
-  // A map that mirrors turns no shell inside out.
+  // A mirroring map must not turn shells inside out.
   const double handedness = glm::determinant(to_metric) < 0 ? -1 : 1;
   std::vector<std::vector<PartialSum>> chunks((mesh.triangles.size() + kChunk - 1) / kChunk);
   for_each_index(chunks.size(), [&](std::size_t chunk) {

@@ -1,4 +1,4 @@
-// Sizes and connectivity of each component of a mesh.
+// Size and connectivity of each component of a mesh.
 #pragma once
 
 #include <cstdint>
@@ -18,18 +18,18 @@ namespace isoextract::mesh {
 struct ComponentFacts {
   std::uint64_t triangles = 0;
   double area = 0;
-  double volume = 0;  // enclosed, negative for the wall of a cavity; it means something for closed ones only
-  Bounds bounds;      // with the mesh's origin
+  double volume = 0;  // enclosed; negative for the shell of a cavity; meaningful for closed components only
+  Bounds bounds;      // including the mesh's origin
   Topology topology;
 
   [[nodiscard]] bool is_closed() const { return topology.is_closed_oriented_manifold(); }
-  // Its triangles face into a space that it closes off: the wall of a cavity.
+  // Returns whether the component is the shell of a cavity: its triangles face the space that it encloses.
   [[nodiscard]] bool is_cavity() const { return is_closed() && volume < 0; }
 };
 
-// Of each component, in their order; areas and volumes in the space that `to_metric` leads to. A triangle that repeats
-// an index is of none. The same for any number of threads. The list is the
-// caller's to reserve; fails where the memory for the work is not there.
+// Returns the facts of each component in order, with areas and volumes in the space that `to_metric` maps to. Triangles
+// that repeat an index belong to no component. The result is the same for any number of threads. The caller reserves
+// memory for the list. Fails with ErrorCode::out_of_memory.
 [[nodiscard]] Result<std::vector<ComponentFacts>> measure_components(const Mesh& mesh, const Components& components,
                                                                      const glm::dmat3& to_metric,
                                                                      const Context& context);

@@ -1,6 +1,6 @@
 // Disjoint sets that threads join without locks: R. J. Anderson, H. Woll: Wait-free parallel algorithms for the
-// union-find problem. STOC 1991. Roots are linked by their numbers, not by rank, so that the root of a component is
-// its first vertex whatever the threads did.
+// union-find problem. STOC 1991. Roots are linked by number, not by rank, so that the root of a component is its first
+// vertex for any order of the threads.
 #include "mesh/components.hpp"
 
 #include <atomic>
@@ -14,7 +14,7 @@ namespace {
 
 class DisjointSets {
  public:
-  // All kNone at first: elements come to be when they are joined.
+  // All elements are kNone at first; join() adds them.
   explicit DisjointSets(std::span<std::uint32_t> parent) : parent_(parent) {}
 
   void join(std::uint32_t a, std::uint32_t b) const {
@@ -25,16 +25,16 @@ class DisjointSets {
       b = root(b);
       if (a == b) return;
       if (a < b) std::swap(a, b);
-      if (replace(a, a, b)) return;  // a was a root still
+      if (replace(a, a, b)) return;  // a was still a root
     }
   }
 
-  // Of an element: the first of those that are known to hang together with it. Splits the way for those who come after.
+  // Returns the first element known to be connected to `v`. Shortens the path for later calls.
   [[nodiscard]] std::uint32_t root(std::uint32_t v) const {
     std::uint32_t up = load(v);
     while (up != v) {
       const std::uint32_t next = load(up);
-      // Another thread may have found a parent nearer to the root by now; an older one is right as well.
+      // Another thread may have stored a parent nearer to the root; an older one is correct as well.
       if (next != up) store(v, next);
       v = up;
       up = next;
@@ -83,7 +83,7 @@ Components::Components(std::span<const glm::uvec3> triangles, std::size_t vertic
     const auto v = static_cast<std::uint32_t>(i);
     if (sets.load(v) != kNone) sets.store(v, sets.root(v));
   });
-  // A root comes before all others of its component and has the number by then.
+  // A root comes first in its component, so it has its number already.
   for (std::size_t v = 0; v < vertices; ++v) {
     if (label_[v] != kNone) label_[v] = label_[v] == v ? count_++ : label_[label_[v]];
   }

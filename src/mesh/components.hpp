@@ -1,4 +1,4 @@
-// The parts of a surface that hang together, found from indices alone.
+// Connected components of a surface, found from indices alone.
 #pragma once
 
 #include <cstdint>
@@ -11,18 +11,18 @@
 
 namespace isoextract::mesh {
 
-// Two vertices are of one component where triangles lead from one to the other. Triangles that repeat an index lead
-// nowhere. The same for any number of threads.
+// Two vertices belong to the same component if triangles connect them. Triangles that repeat an index do not connect
+// vertices. The result is the same for any number of threads.
 class Components {
  public:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-  // Indices below `vertices`. Takes bytes(), which is the caller's to reserve; throws std::bad_alloc.
+  // All indices must be below `vertices`. The caller reserves bytes(). Throws std::bad_alloc.
   Components(std::span<const glm::uvec3> triangles, std::size_t vertices);
 
   [[nodiscard]] std::uint32_t count() const { return count_; }
-  // Numbered from 0 in the order of their first vertices; kNone for a vertex that no such triangle uses. A triangle is
-  // of the component of its vertices.
+  // Returns the component of a vertex, numbered from 0 in the order of their first vertices; kNone for a vertex that no
+  // connecting triangle uses. A triangle belongs to the component of its vertices.
   [[nodiscard]] std::uint32_t of_vertex(std::size_t vertex) const { return label_[vertex]; }
 
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t vertices) { return vertices * sizeof(std::uint32_t); }

@@ -11,8 +11,9 @@ namespace {
 
 // A convex polygon in space.
 struct Polygon {
-  static constexpr std::size_t kManyCorners = 8;  // from here on it is halved along a diagonal before it is cut
-  // Below that a cut adds one corner; where rounding bends sides of the polygon, one more a side at most.
+  // From this number of corners on, polygons are halved along a diagonal before they are cut.
+  static constexpr std::size_t kManyCorners = 8;
+  // A cut of a smaller polygon adds one corner, and at most one more per side where rounding bends the sides.
   static constexpr std::size_t kMostCorners = 2 * kManyCorners;
 
   std::array<glm::dvec3, kMostCorners> corners;
@@ -34,12 +35,12 @@ struct Plane {
   [[nodiscard]] double side(const glm::dvec3& p) const { return glm::dot(p - point, normal); }
 };
 
-// The cut through the polygon along a side of the triangle that reaches farthest beyond it; none where the polygon lies
-// on one side of each.
+// Returns the plane through a side of the triangle that the polygon reaches farthest beyond, or nothing if the polygon
+// is on one side of each.
 std::optional<Plane> side_to_cut(const Polygon& polygon, const TriangleTree::Corners& triangle) {
   const std::array<glm::dvec3, 3> corners{triangle.a, triangle.b, triangle.c};
   const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
-  // A polygon in the plane is no part thicker than what rounding makes of it, and cutting that would not end.
+  // Rounding gives a polygon within the plane some thickness; cutting that would not end.
   double coordinate = 0;
   for (const glm::dvec3& corner : polygon.points()) {
     coordinate = std::max({coordinate, std::abs(corner.x), std::abs(corner.y), std::abs(corner.z)});
@@ -59,7 +60,7 @@ std::optional<Plane> side_to_cut(const Polygon& polygon, const TriangleTree::Cor
       low = std::min(low, side);
       high = std::max(high, side);
     }
-    // A sliver would be cut off otherwise, and nothing be won.
+    // Cutting off a sliver gains nothing.
     constexpr double kSliver = 1e-3;
     if (std::min(high, -low) > kSliver * (high - low) && high - low > rounding && high > farthest) {
       farthest = high;
@@ -69,7 +70,7 @@ std::optional<Plane> side_to_cut(const Polygon& polygon, const TriangleTree::Cor
   return best;
 }
 
-// Across the longest edge, at right angles, through the centre of the polygon.
+// Returns the plane through the polygon's center perpendicular to its longest edge.
 Plane longest_edge_cut(const Polygon& polygon) {
   glm::dvec3 longest(0.0);
   for (std::size_t i = 0; i < polygon.count; ++i) {
@@ -97,7 +98,7 @@ std::array<Polygon, 2> cut(const Polygon& polygon, const Plane& plane) {
   return parts;
 }
 
-// Along a diagonal, so that no polygon gets too many corners.
+// Splits along a diagonal, so that no polygon gets too many corners.
 std::array<Polygon, 2> halve_corners(const Polygon& polygon) {
   std::array<Polygon, 2> parts;
   const std::size_t middle = polygon.count / 2;
@@ -121,7 +122,7 @@ TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const Tri
     const Polygon polygon = waiting.back();
     waiting.pop_back();
     double to_hint = std::numeric_limits<double>::infinity();
-    if (limits.enough > 0) {  // then what is under it need not be the nearest
+    if (limits.enough > 0) {  // then the triangle of the hint may be close enough already
       to_hint = std::sqrt(tree.farthest_squared_in(polygon.hint, polygon.points()));
       if (to_hint <= limits.enough) {
         if (parts == 0) bound.slot = polygon.hint;

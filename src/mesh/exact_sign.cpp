@@ -7,7 +7,7 @@
 namespace isoextract::mesh {
 namespace {
 
-// Sums of doubles that do not overlap, the smallest first, without zeros: Shewchuk, section 2. `kMost` terms at most.
+// A sum of at most `kMost` nonoverlapping doubles, in ascending order of magnitude, without zeros: Shewchuk, section 2.
 template <std::size_t kMost>
 struct Expansion {
   std::array<double, kMost> terms;
@@ -24,7 +24,7 @@ struct Rounded {
   double error;
 };
 
-// Knuth's sum: exactly a + b.
+// Knuth's two-sum: sum + error is exactly a + b.
 Rounded exact_sum(double a, double b) {
   const double sum = a + b;
   const double b_part = sum - a;
@@ -45,7 +45,7 @@ Expansion<2> difference(double a, double b) {
   return result;
 }
 
-// FAST-EXPANSION-SUM: the terms of both by size, then their sum from the smallest on.
+// FAST-EXPANSION-SUM: merges the terms by magnitude and sums them from the smallest up.
 template <std::size_t kA, std::size_t kB>
 Expansion<kA + kB> sum_of(const Expansion<kA>& a, const Expansion<kB>& b) {
   Expansion<kA + kB> result;
@@ -90,7 +90,7 @@ Expansion<kA> negated(Expansion<kA> a) {
   return a;
 }
 
-// a.x * b.y - a.y * b.x
+// Returns a.x * b.y - a.y * b.x.
 Expansion<16> cross_of(const Expansion<2>& ax, const Expansion<2>& ay, const Expansion<2>& bx, const Expansion<2>& by) {
   return sum_of(product_of(ax, by), negated(product_of(ay, bx)));
 }
@@ -118,7 +118,8 @@ constexpr double kHalfUlp = 0x1p-53;
 constexpr double kPlaneError = (7 + 56 * kHalfUlp) * kHalfUlp;
 constexpr double kTurnError = (3 + 16 * kHalfUlp) * kHalfUlp;
 
-// Of three rows, each rounded once at most; exact() is asked where that leaves the sign open.
+// Returns the sign of the determinant of three rows, each rounded at most once. Calls exact() if rounding leaves the
+// sign undecided.
 template <class Exact>
 int determinant_sign(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const Exact& exact) {
   const double bxcy = b.x * c.y;
@@ -148,7 +149,7 @@ int side_of_line(const glm::dvec3& way, const glm::dvec3& a, const glm::dvec3& b
   const auto exact_way = [&] { return difference(way, glm::dvec3(0)); };
   const int side = determinant_sign(
       way, a - p, b - p, [&] { return exact_determinant_sign(exact_way(), difference(a, p), difference(b, p)); });
-  // Where p moves by m, det(way, a - p, b - p) grows by det(way, m, a - b).
+  // If p moves by m, det(way, a - p, b - p) grows by det(way, m, a - b).
   for (int axis = 0; side == 0 && axis < 3; ++axis) {
     glm::dvec3 move(0);
     move[axis] = 1;

@@ -11,7 +11,7 @@
 namespace isoextract::mesh {
 namespace {
 
-// The ends of the ranges follow from the size alone, and with them every hint.
+// The ranges depend on the size only, and so do all hints.
 template <class Body>
 void for_distance_ranges(std::size_t size, const Context& context, const Body& body) {
   constexpr std::size_t kGrain = 512;
@@ -72,7 +72,7 @@ double GreatestDistanceSearch::distance_squared(std::uint32_t vertex, std::uint3
                                        : to_.nearest_in(slot, point(vertex)).distance_squared;
 }
 
-// What the triangles nearest to the corners say: no cut, no search.
+// Returns an upper bound from the triangles nearest to the corners, without cutting or searching.
 double GreatestDistanceSearch::quick_upper(const glm::uvec3& t) const {
   double least = std::numeric_limits<double>::infinity();
   for (int corner = 0; corner < 3; ++corner) {
@@ -106,7 +106,7 @@ GreatestDistance GreatestDistanceSearch::bound_triangles() {
   for (std::size_t first = 0; first < open.size() && !context_.cancelled();) {
     if (open[first].upper <= limits_.good_upper(found_.lower)) {
       found_.upper = std::max(found_.upper, open[first].upper);
-      break;  // it has the widest bound of those that are left
+      break;  // all following ones have smaller bounds
     }
     const std::size_t count = std::min(round, open.size() - first);
     bounds.assign(count, {});

@@ -1,9 +1,9 @@
-// The one-sided Hausdorff distance: that of the point of a mesh's triangles that is farthest from a surface, anywhere
-// on them, as an interval that holds it.
+// The one-sided Hausdorff distance of a mesh from a surface: an interval for the greatest distance of any point of its
+// triangles.
 //
-// Vertices say how far it is at least. Triangles that may be farther are then looked at (distance_bound.hpp), the
-// widest bounds first, in rounds: what a round finds spares the next ones work. Everything is computed in double, and
-// is the same for any number of threads.
+// Distances at vertices give a lower bound. Then triangles that may be farther are bounded (distance_bound.hpp), those
+// with the greatest upper bounds first, in rounds: the result of a round saves work in the next ones. All computations
+// are in double and give the same result for any number of threads.
 #pragma once
 
 #include <cstddef>
@@ -19,39 +19,39 @@
 
 namespace isoextract::mesh {
 
-// Triangles in the frame of a tree, into which `shift` takes them. The memory is the caller's.
+// Triangles whose positions plus `shift` are in the frame of a tree. Does not own its data.
 struct PlacedTriangles {
   std::span<const glm::vec3> positions;
   std::span<const glm::uvec3> triangles;
-  std::span<const char> left_out;  // of each triangle, whether it has no say; empty: all have
+  std::span<const char> left_out;  // nonzero for each triangle to ignore; empty: none
   glm::dvec3 shift{0.0};
 };
 
 struct GreatestDistance {
   double lower = 0;  // the distance of `place`
-  double upper = 0;  // no point is farther
+  double upper = 0;  // an upper bound for all points
   glm::dvec3 place{0.0};
   glm::dvec3 nearest{0.0};
 };
 
-// In three steps, between which a caller may tell distances that it knows of. Where the context is cancelled they end
-// early, and what they found means nothing.
+// A search in three steps; between them a caller may add distances that it knows. If the context is cancelled, the
+// steps end early and their results are meaningless.
 class GreatestDistanceSearch {
  public:
-  // What the references and spans lead to must outlive it.
+  // `from` needs at least one triangle. All references and spans must outlive the search.
   GreatestDistanceSearch(const PlacedTriangles& from, const TriangleTree& to, const DistanceLimits& limits,
                          const Context& context);
 
-  // What it takes at most.
+  // Returns the most bytes that the search needs.
   [[nodiscard]] static constexpr std::uint64_t bytes(std::uint64_t vertices, std::uint64_t triangles) {
     return vertices * (sizeof(Corner) + 1) + triangles * (sizeof(double) + sizeof(Open) + sizeof(TriangleBound));
   }
 
-  // Vertices of triangles that are left out have no say, unless others use them. If none has, the distance is 0.
+  // Step 1: measures the vertices of triangles that are not left out. Without any, the distance is 0.
   void measure_corners();
-  // A point of the triangles, in the frame of the tree.
+  // Step 2, optional: adds a point of the triangles, in the frame of the tree. `hint` is a slot of the tree.
   void take_nearest_of(const glm::dvec3& p, std::uint32_t hint);
-  // Last.
+  // Step 3: bounds the triangles and returns the result.
   GreatestDistance bound_triangles();
 
   [[nodiscard]] double lower() const { return found_.lower; }
@@ -80,7 +80,7 @@ class GreatestDistanceSearch {
   const TriangleTree& to_;
   DistanceLimits limits_;
   const Context& context_;
-  std::vector<Corner> corners_;  // of each vertex
+  std::vector<Corner> corners_;  // one per vertex
   bool has_place_ = false;
   GreatestDistance found_;
 };

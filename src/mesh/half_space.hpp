@@ -1,4 +1,4 @@
-// One side of a plane.
+// The half-space on one side of a plane.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -7,15 +7,16 @@ namespace isoextract::mesh {
 
 // The points p with dot(normal, p) >= offset.
 struct HalfSpace {
-  glm::dvec3 normal{0, 0, 1};  // of unit length; it points into the half-space
+  glm::dvec3 normal{0, 0, 1};  // unit length; points into the half-space
   double offset = 0;
 
-  // How far p is within; below 0 outside.
+  // Returns the distance of p from the plane; negative outside.
   [[nodiscard]] double depth(const glm::dvec3& p) const { return glm::dot(normal, p) - offset; }
 };
 
-// Vertices that are nearer to a plane than this count as on it where it cuts: a few roundings of float32 positions, of
-// whose coordinates `farthest` is the greatest. Where a later plane cut what lies in it, they may be twice as far.
+// Returns the distance below which a vertex counts as on a cutting plane: a few rounding errors of float32 positions
+// whose greatest absolute coordinate is `farthest`. Vertices of a plane that a later plane cuts may be twice as far
+// off.
 [[nodiscard]] inline double on_plane_distance(float farthest) {
   constexpr double kRoundings = 4;
   return kRoundings * 0x1p-23 * static_cast<double>(farthest);

@@ -1,4 +1,4 @@
-// Several meshes as one.
+// Joins several meshes into one.
 #pragma once
 
 #include <span>
@@ -9,9 +9,9 @@
 
 namespace isoextract::mesh {
 
-// Positions and triangles of all, one mesh after the other; nothing else of them. Their origins are the same, but for
-// those of meshes without vertices. Fails with ErrorCode::input where there is no memory for it, and for more vertices
-// than 32-bit numbers count.
+// Returns the positions and triangles of all meshes, one after the other, without normals and attributes. All meshes
+// with vertices must have the same origin. Fails with ErrorCode::out_of_memory, and with ErrorCode::input if the number
+// of vertices exceeds 32 bits.
 [[nodiscard]] Result<Mesh> join_meshes(std::span<const Mesh> meshes, const Context& context);
 
 }  // namespace isoextract::mesh

@@ -5,8 +5,8 @@
 
 namespace isoextract::mesh {
 
-// For coordinates between `min` and `max`: zero where float32 costs them at most two bits, on every axis, against
-// coordinates relative to the centre; the centre otherwise.
+// Returns the origin for coordinates between `min` and `max`: zero if float32 then loses at most two bits on every axis
+// compared with coordinates relative to the center; else the center.
 [[nodiscard]] inline glm::dvec3 choose_local_origin(const glm::dvec3& min, const glm::dvec3& max) {
   const glm::dvec3 farthest = glm::max(glm::abs(min), glm::abs(max));
   const glm::dvec3 half_extent = (max - min) / 2.0;

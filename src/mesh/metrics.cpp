@@ -8,7 +8,7 @@
 namespace isoextract::mesh {
 namespace {
 
-// Fixed-size chunks, so that no sum depends on the number of threads.
+// Chunks of fixed size, so that sums do not depend on the number of threads.
 constexpr std::size_t kTrianglesAtATime = 1 << 15;
 
 }  // namespace
@@ -51,7 +51,7 @@ float farthest_coordinate(std::span<const glm::vec3> positions) {
 
 MeshSize measure_size(const Mesh& mesh) {
   if (mesh.triangles.empty()) return {};
-  // Volume as a sum of tetrahedra to one vertex of the mesh: far from it in no direction, so little cancels.
+  // The volume is a sum of tetrahedra with a vertex of the mesh as apex: it is never far away, so little cancels.
   const glm::dvec3 apex(mesh.positions[0]);
   return reduce_ranges(
       mesh.triangles.size(), kTrianglesAtATime, MeshSize{},

@@ -24,7 +24,7 @@ namespace {
 constexpr std::size_t kVerticesAtATime = 1 << 12;
 constexpr std::uint32_t kUngrouped = std::numeric_limits<std::uint32_t>::max();
 
-// Across the triangle's plane, twice as long as its area; 0 where that is no number.
+// Returns a vector perpendicular to the triangle, of twice its area in length; 0 if the area is 0 or not finite.
 glm::dvec3 area_vector(std::span<const glm::vec3> positions, const glm::uvec3& t) {
   const glm::dvec3 a(positions[t.x]);
   const glm::dvec3 across = glm::cross(glm::dvec3(positions[t.y]) - a, glm::dvec3(positions[t.z]) - a);
@@ -39,10 +39,10 @@ glm::dvec3 unit(const glm::dvec3& v) {
   return length > 0 ? v / length : glm::dvec3(0);
 }
 
-// The triangles around one vertex after the other, in groups with a normal each. Keeps its memory.
+// Groups the triangles around one vertex at a time, and finds a normal for each group. Reuses its memory.
 class ShadedStar {
  public:
-  // `flat` has a byte a triangle, or none.
+  // `flat` has one byte per triangle, or is empty.
   ShadedStar(const Mesh& mesh, const ShadingOptions& options, const Adjacency& around,
              std::span<const std::uint8_t> flat)
       : mesh_(mesh),
@@ -51,7 +51,7 @@ class ShadedStar {
         flat_(flat),
         crease_cosine_(options.crease_degrees ? cosine(*options.crease_degrees) : -2) {}
 
-  // False: the vertex stays as it is.
+  // Returns false if the vertex keeps its normal.
   bool look_at(std::size_t vertex) {
     const auto corners = around_.corners(vertex);
     const bool has_normal = !mesh_.normals.empty();
@@ -78,17 +78,17 @@ class ShadedStar {
     return true;
   }
 
-  // Of the groups, all different. A vertex without triangles has none.
+  // One per group, all different; empty for a vertex without triangles.
   [[nodiscard]] const std::vector<glm::vec3>& normals() const { return normals_; }
-  // Of each corner of the vertex.
+  // The group of each corner of the vertex.
   [[nodiscard]] const std::vector<std::uint32_t>& group_of() const { return group_of_; }
 
  private:
   struct Face {
-    glm::dvec3 area;    // 0 where it has none; then it agrees with any normal
+    glm::dvec3 area;    // 0 for a degenerate triangle, which agrees with any normal
     glm::dvec3 normal;  // unit length, or 0
     std::uint8_t plane;
-    bool flat;  // it is of a flat part
+    bool flat;  // belongs to a flat part
   };
 
   static glm::vec3 stored(const glm::dvec3& normal) {
@@ -110,7 +110,7 @@ class ShadedStar {
     return face;
   }
 
-  // Makes group_of_ the first face of each group.
+  // Sets group_of_ to the first face of each group.
   void join_across_edges(std::span<const Corner> corners) {
     star_.look_at(corners, mesh_.triangles.span());
     std::iota(group_of_.begin(), group_of_.end(), 0U);
@@ -130,7 +130,7 @@ class ShadedStar {
     for (std::uint32_t face = 0; face < group_of_.size(); ++face) group_of_[face] = root_of(face);
   }
 
-  // Of the faces whose number in group_of_ is `group`.
+  // Returns the mean normal of the faces whose entry in group_of_ is `group`.
   [[nodiscard]] glm::dvec3 mean(std::uint32_t group) const {
     glm::dvec3 sum(0);
     for (std::size_t f = 0; f < faces_.size(); ++f) {
@@ -139,7 +139,7 @@ class ShadedStar {
     return unit(sum);
   }
 
-  // The least cosine between `normal` and the faces of a group; 1 where none has an area.
+  // Returns the smallest cosine between `normal` and the faces of a group; 1 if all are degenerate.
   [[nodiscard]] double least_cosine(std::uint32_t group, const glm::dvec3& normal) const {
     double least = 1;
     for (std::size_t f = 0; f < faces_.size(); ++f) {
@@ -150,17 +150,17 @@ class ShadedStar {
     return least;
   }
 
-  // Whether the vertex's own normal is as good for a group as its mean.
+  // Returns whether the vertex's own normal suits a group as well as its mean.
   [[nodiscard]] bool keeps_own(std::uint32_t group, bool in_plane, const glm::dvec3& mean, double least_of_mean) const {
     if (own_ == glm::dvec3(0) || !(least_cosine(group, own_) > 0)) return false;
-    if (in_plane) return glm::dot(own_, mean) > 1 - 1e-6;  // what the extractor gave a cap
+    if (in_plane) return glm::dot(own_, mean) > 1 - 1e-6;  // the extractor's normal of a cap
     if (!options_.crease_degrees) return true;
-    constexpr double kRounding = std::numbers::pi / 180;  // what is flat but for rounding is flat
+    constexpr double kRounding = std::numbers::pi / 180;  // treats faces that differ by rounding only as flat
     const double spread = std::acos(std::clamp(least_of_mean, -1.0, 1.0));
     return std::acos(std::clamp(glm::dot(own_, mean), -1.0, 1.0)) <= std::max(spread, kRounding);
   }
 
-  // Numbers the groups from 0 on, in the order of their first faces; those with the same normal are one.
+  // Numbers the groups from 0 in the order of their first faces; groups with equal normals become one.
   void give_normals() {
     numbers_.assign(faces_.size(), kUngrouped);
     for (std::uint32_t first = 0; first < faces_.size(); ++first) {
@@ -179,7 +179,7 @@ class ShadedStar {
     group_of_ = numbers_;
   }
 
-  // Faces of the group without a number get that of the normal.
+  // Gives the unnumbered faces of the group the number of the normal.
   void number(std::uint32_t group, const glm::vec3& normal) {
     const std::uint32_t at = number_of(normal);
     for (std::size_t f = 0; f < faces_.size(); ++f) {
@@ -194,11 +194,12 @@ class ShadedStar {
     return at;
   }
 
-  // A normal that points against none of `chosen`: their mean, turned to the worst of them until none is left (the
-  // perceptron of Rosenblatt, 1958, which finds one where there is one with some room).
+  // Returns a normal that points against none of the faces `chosen`, or nothing if it finds none. Turns their mean
+  // toward the worst face until all agree (the perceptron of Rosenblatt, 1958, which succeeds if there is a normal with
+  // some margin).
   [[nodiscard]] std::optional<glm::dvec3> agreeing_normal(std::span<const std::uint32_t> chosen) const {
     constexpr int kMostSteps = 32;
-    constexpr double kRoom = 0.25;  // of the cosine
+    constexpr double kRoom = 0.25;  // required cosine
     glm::dvec3 sum(0);
     for (const std::uint32_t f : chosen) sum += faces_[f].area;
     glm::dvec3 normal = unit(sum);
@@ -218,7 +219,7 @@ class ShadedStar {
     return std::nullopt;
   }
 
-  // One normal for as many faces as agree with one, the larger ones first; and again for those that are left.
+  // Gives one normal to as many faces as can agree on it, the larger ones first, and repeats that with the rest.
   void part(std::uint32_t group) {
     left_.clear();
     for (std::uint32_t f = 0; f < faces_.size(); ++f) {
@@ -255,8 +256,8 @@ class ShadedStar {
   double crease_cosine_;
   VertexStar star_;
   std::vector<Face> faces_;
-  glm::vec3 own_stored_{0.0F};  // the vertex's normal as it is; 0 where it has none
-  glm::dvec3 own_{0.0};         // the same, unit length
+  glm::vec3 own_stored_{0.0F};  // the vertex's original normal; 0 if there is none
+  glm::dvec3 own_{0.0};         // the same at unit length
   std::vector<std::uint32_t> group_of_;
   std::vector<std::uint32_t> numbers_;
   std::vector<std::uint32_t> left_;
@@ -280,7 +281,7 @@ class Shading {
     const bool had_normals = !mesh_.normals.empty();
     Buffer<glm::vec3> made(had_normals ? 0 : vertices_);
     std::vector<std::uint32_t> copies((vertices_ + kVerticesAtATime - 1) / kVerticesAtATime, 0);
-    // Of a range of vertices, by its number.
+    // Calls the body with the number of each range and its vertices.
     for_ranges([&](std::size_t range, std::size_t first, std::size_t last) {
       ShadedStar star(mesh_, options_, around, flat.span());
       for (std::size_t v = first; v < last; ++v) {
@@ -342,7 +343,7 @@ class Shading {
     return context_.reserve(bytes, fmt::format("{}: normals", source_));
   }
 
-  // Sets 1 for each triangle that lies in one plane with a neighbour.
+  // Sets 1 for each triangle that is coplanar with a neighbor.
   void find_flat_parts(const Adjacency& around, std::span<std::uint8_t> flat) const {
     std::ranges::fill(flat, std::uint8_t{0});
     const double least = cosine(kFlatDegrees);

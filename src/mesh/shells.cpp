@@ -19,25 +19,26 @@
 namespace isoextract::mesh {
 namespace {
 
-// Parallel to no line through two points of a grid that are near each other.
+// The direction of the rays: not parallel to any line through two nearby grid points.
 const glm::dvec3 kWay(8112, 4361, 3897);
 // Of length 0.5, so that projected coordinates stay finite in float.
 const glm::dvec3 kAlong = 0.5 * glm::normalize(kWay);
 const glm::dvec3 kAcross = 0.5 * glm::normalize(glm::cross(kWay, glm::dvec3(0, 0, 1)));
 const glm::dvec3 kUp = 2.0 * glm::cross(kAlong, kAcross);
 
-// A place seen along the rays: across them, and how far along. Boxes of such places only save work.
+// Returns p in ray coordinates: two across the rays, one along them. Boxes in these coordinates only save work;
+// rounding does not affect the result.
 glm::vec3 seen(const glm::dvec3& p) { return {glm::dot(p, kAcross), glm::dot(p, kUp), glm::dot(p, kAlong)}; }
 
 struct Ray {
-  std::uint32_t component = 0;  // that it starts from
+  std::uint32_t component = 0;  // where the ray starts
   glm::vec3 start{0.0F};
-  bool to_open = false;       // whether open components are looked for
-  bool touches = false;       // the start is on another closed component
-  bool is_undecided = false;  // it was so at the first start
-  // The closed component of each triangle that it passes; reduce() takes away pairs.
+  bool to_open = false;       // whether to look for open components
+  bool touches = false;       // the start lies on another closed component
+  bool is_undecided = false;  // the first start touched another component
+  // The closed component of each triangle that the ray passes; reduce() removes pairs.
   std::vector<std::uint32_t> passed{};
-  std::uint32_t open_triangle = 0;  // the first of an open component
+  std::uint32_t open_triangle = 0;  // the first triangle of an open component
   double open_along = std::numeric_limits<double>::infinity();
 
   void pass(std::uint32_t closed) {
@@ -47,7 +48,7 @@ struct Ray {
     }
     passed.push_back(closed);
   }
-  // Leaves each component that was passed an odd number of times, once.
+  // Keeps one entry of each component that was passed an odd number of times.
   void reduce() {
     std::ranges::sort(passed);
     std::size_t left = 0;
@@ -122,7 +123,7 @@ class ShellRays {
   }
 
  private:
-  // The box of each component, and its farthest vertex, the first of equals.
+  // Finds the box of each component and its farthest vertex along the rays, the first of equals.
   void look_at_vertices() {
     boxes_.resize(components_.count());
     farthest_.resize(components_.count(), Components::kNone);
@@ -142,10 +143,10 @@ class ShellRays {
                 8 * std::numeric_limits<float>::denorm_min();
   }
 
-  // Starts at the middle of a triangle at the farthest vertex that faces most along the rays; the wall of a cavity
-  // faces against them there. A little off it, on the side that it faces away from. A wall that is nearer than that, or
-  // a triangle that is as thin, may take the start to the other side of the wall: shells so near may be told either
-  // way.
+  // Starts each ray beside the middle of a triangle at the farthest vertex, on the side that it faces away from.
+  // Chooses the triangle that faces most along the rays, or against them for the shell of a cavity. If a wall is closer
+  // than that, or the triangle is as thin, the start may be on the wrong side: for shells so close either answer is
+  // possible.
   void start_beside(std::vector<Ray>& rays) const {
     std::vector<std::uint32_t> ray_of(components_.count(), Components::kNone);
     for (std::uint32_t i = 0; i < rays.size(); ++i) ray_of[rays[i].component] = i;
@@ -164,7 +165,7 @@ class ShellRays {
       most[ray] = score;
       const glm::dvec3 middle = (at.a + at.b + at.c) / 3.0;
       const glm::dvec3 inward = length > 0 ? normal / -std::sqrt(length) : glm::dvec3(0);
-      // Rounding may take it to the other side.
+      // Rounding may move the start to the other side.
       for (double depth = 1e-4; depth < 1; depth *= 2) {
         rays[ray].start = glm::vec3(middle + depth * inward);
         if (side_of_plane(at.a, at.b, at.c, glm::dvec3(rays[ray].start)) < 0) break;
@@ -172,8 +173,9 @@ class ShellRays {
     }
   }
 
-  // Returns the ray's box: from its start to the far end of every closed component's box that holds the start (marked
-  // in is_met), and of open ones if the ray looks for them. Empty where there are none.
+  // Returns the ray's box, empty if there is nothing to meet. It reaches from the start to the end of the boxes of all
+  // closed components that contain the start (marked in is_met). If the ray looks for open components, it reaches to
+  // their end too.
   [[nodiscard]] FloatBox box_of(const Ray& ray, std::vector<std::uint8_t>& is_met) const {
     const glm::vec3 at = seen(glm::dvec3(ray.start));
     FloatBox box{at - rounding_, at + rounding_};
@@ -188,7 +190,7 @@ class ShellRays {
     return box;
   }
 
-  // Has all rays meet all triangles.
+  // Intersects all rays with all triangles.
   void shoot(std::vector<Ray>& rays) const {
     std::vector<FloatBox> boxes(rays.size());
     std::vector<std::uint8_t> is_met(boxes_.size(), 0);
@@ -199,7 +201,7 @@ class ShellRays {
     Buffer<BoxTree::Item> items(rays.size());
     std::size_t count = 0;
     for (std::uint32_t i = 0; i < rays.size(); ++i) {
-      // By their places across the rays: along them the boxes overlap.
+      // Sorts by the position across the rays, because the boxes overlap along them.
       if (boxes[i].min.x <= boxes[i].max.x) items[count++] = {{boxes[i].min.x, boxes[i].min.y, 0}, i};
     }
     if (count == 0) return;
@@ -232,7 +234,7 @@ class ShellRays {
     const std::uint32_t component = components_.of_vertex(mesh_.triangles[triangle].x);
     const bool is_open = question_.facing[component] == Facing::open;
     if (component == ray.component || (is_open && !ray.to_open)) return;
-    // The ray may end within a component that is not around its start.
+    // The ray may end within a component that does not contain its start.
     start.max.z = start.min.z + 2 * rounding_;
     if (!is_open && !boxes_[component].meets(start)) return;
     const auto& [a, b, c] = at;
@@ -265,11 +267,11 @@ class ShellRays {
   const Components& components_;
   const ShellQuestion& question_;
   const Context& context_;
-  std::vector<FloatBox> boxes_;  // of components, as they are seen
+  std::vector<FloatBox> boxes_;  // of each component, in ray coordinates
   std::vector<std::uint32_t> farthest_;
-  float rounding_ = 0;                                        // more than that of what is seen
-  float open_end_ = -std::numeric_limits<float>::infinity();  // how far open components reach
-  std::optional<BoxTree> tree_;                               // of closed ones
+  float rounding_ = 0;  // an upper bound for the rounding error of ray coordinates
+  float open_end_ = -std::numeric_limits<float>::infinity();  // the end of all open components along the rays
+  std::optional<BoxTree> tree_;                               // of closed components
 };
 
 }  // namespace

@@ -19,9 +19,9 @@ namespace {
 
 constexpr std::size_t kVerticesTogether = 1 << 10;
 
-// The vertices in up to eight ranges, and the corners at those of one of them: at all vertices at once they would take
-// more than the mesh. Triangles are passed over by blocks, most of which use the vertices of few ranges: vertices and
-// triangles of a surface are numbered along the same way.
+// Splits the vertices into up to eight ranges and provides the corners of one range at a time: those of all vertices
+// would need more memory than the mesh. It skips whole blocks of triangles. Vertices and triangles of a surface are
+// numbered in the same order, so most blocks use the vertices of few ranges.
 class VertexRanges {
  public:
   VertexRanges(std::span<const glm::uvec3> triangles, std::size_t vertices)
@@ -50,8 +50,7 @@ class VertexRanges {
   [[nodiscard]] std::size_t first(std::size_t range) const { return range * size_; }
   [[nodiscard]] std::size_t end(std::size_t range) const { return std::min(vertices_, first(range) + size_); }
 
-  // What the corners at the vertices of a range take; buckets are numbered from its first vertex on. Throws
-  // std::bad_alloc.
+  // Returns the corners at the vertices of a range, in buckets numbered from its first vertex. Throws std::bad_alloc.
   [[nodiscard]] Buckets<Corner> corners(std::size_t range) const {
     const std::size_t from = first(range);
     const std::size_t to = end(range);
@@ -69,7 +68,7 @@ class VertexRanges {
             }};
   }
 
-  // Of the largest.
+  // Returns the bytes of the corners of the largest range.
   [[nodiscard]] std::uint64_t bytes() const {
     return Buckets<Corner>::bytes(*std::ranges::max_element(corners_), std::min(size_, vertices_)) +
            blocks_.size() * sizeof(std::size_t);
@@ -84,7 +83,7 @@ class VertexRanges {
     std::uint32_t most = 0;
   };
 
-  // All ranges but the last have it; it differs by little.
+  // The size of all ranges but the last, which is slightly smaller.
   static std::size_t range_size(std::size_t vertices) {
     const std::size_t count = std::clamp(vertices / kLeastSize, std::size_t{1}, kMost);
     return std::max<std::size_t>(1, (vertices + count - 1) / count);
@@ -97,8 +96,8 @@ class VertexRanges {
   std::array<std::uint64_t, kMost> corners_{};
 };
 
-// What one thread found out, at one vertex after the other, of each of some parts of the mesh. An edge counts at the
-// lower of its ends.
+// The facts that one thread finds, vertex by vertex, for each part of the mesh. An edge counts at the lower of its
+// ends.
 class Part {
  public:
   explicit Part(std::size_t parts) : facts_(parts) {}
@@ -127,17 +126,17 @@ class Part {
   [[nodiscard]] const std::vector<Topology>& facts() const { return facts_; }
 
  private:
-  // Through a triangle: along which edge it leaves the vertex, along which it comes back.
+  // A triangle's path around the vertex: the edges by which it leaves and returns.
   struct Way {
     std::uint32_t to;
     std::uint32_t from;
   };
 
-  // Whether each triangle is followed by the one that leaves along the edge by which it comes back, until the first
-  // comes again when all have been met. Then every edge has two triangles, which run along it in opposite directions.
-  // Almost every vertex is like this, and is told with few comparisons.
+  // Returns whether the triangles form one closed fan: each is followed by the one that leaves along the edge by which
+  // it returns, until all have been met. Every edge then has two triangles, which run along it in opposite directions.
+  // Almost every vertex is like this, and this test takes few comparisons.
   [[nodiscard]] bool goes_round_once() const {
-    constexpr std::size_t kMany = 32;  // others do better to sort
+    constexpr std::size_t kMany = 32;  // with more triangles sorting is faster
     if (ways_.size() > kMany) return false;
     std::size_t at = 0;
     for (std::size_t met = 1;; ++met) {
@@ -171,10 +170,10 @@ class Part {
   std::vector<Topology> facts_;
   VertexStar star_;
   std::vector<Corner> sound_;
-  std::vector<Way> ways_;  // of `sound_`
+  std::vector<Way> ways_;  // one per corner in `sound_`
 };
 
-// part_of(vertex) below `count`; what it gives for an unused vertex is told of none.
+// part_of(vertex) returns a number below `count`; the results leave unused vertices to the caller.
 template <class PartOf>
 std::vector<Topology> look_at_vertices(std::span<const glm::uvec3> triangles, const VertexRanges& ranges,
                                        std::size_t count, const PartOf& part_of) {

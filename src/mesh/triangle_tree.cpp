@@ -12,7 +12,7 @@ namespace isoextract::mesh {
 namespace {
 
 constexpr double kAxisOne = 32767;
-constexpr double kSlabRounding = 1e-12;  // of coordinates, more than that of double arithmetic
+constexpr double kSlabRounding = 1e-12;  // relative to the coordinates; more than double arithmetic causes
 
 double distance_squared(const FloatBox& box, const glm::dvec3& p) {
   const auto outside = [](double low, double at, double high) { return std::max(std::max(low - at, at - high), 0.0); };
@@ -26,7 +26,7 @@ BoxTree tree_of(std::span<const glm::vec3> positions, std::span<const glm::uvec3
   Buffer<BoxTree::Item> items(triangles.size());
   for_each_index(triangles.size(), [&](std::size_t t) {
     const glm::uvec3& corner = triangles[t];
-    // Thirds are taken first: sums of coordinates may leave the range of float.
+    // Takes thirds first, because the sum of coordinates could overflow.
     constexpr float kThird = 1.0F / 3;
     items[t] = {positions[corner.x] * kThird + positions[corner.y] * kThird + positions[corner.z] * kThird,
                 static_cast<std::uint32_t>(t)};
@@ -60,7 +60,8 @@ double TriangleTree::Slab::distance(const glm::dvec3& p) const {
   return std::max(outside - rounding, 0.0);
 }
 
-// By the surface of the leaves' boxes: those of a surface's patches have a few times its area.
+// Compares the surface of the leaves' boxes with that of the triangles: patches of a surface have boxes of a few times
+// their area.
 bool TriangleTree::boxes_are_loose() const {
   constexpr double kTight = 64;
   struct Sums {
@@ -98,7 +99,7 @@ void TriangleTree::make_slabs() {
   }
 }
 
-// Across the greatest triangle, and across the longest side in its plane.
+// Returns slabs perpendicular to the largest triangle, and to the longest side within its plane.
 std::array<TriangleTree::Slab, 2> TriangleTree::slabs_of(const BoxTree::Node& node) const {
   const std::size_t first = tree_.first_slot(node);
   const std::size_t last = tree_.end_slot(node);
@@ -119,7 +120,7 @@ std::array<TriangleTree::Slab, 2> TriangleTree::slabs_of(const BoxTree::Node& no
   for (std::size_t i = 0; i < slabs.size(); ++i) {
     Slab& slab = slabs[i];
     const double length = glm::length(axes[i]);
-    if (!(length > 0) || !std::isfinite(length)) continue;  // it holds all points then
+    if (!(length > 0) || !std::isfinite(length)) continue;  // then the slab contains all points
     for (int axis = 0; axis < 3; ++axis) {
       slab.axis[static_cast<std::size_t>(axis)] =
           static_cast<std::int16_t>(std::lround((kAxisOne - 1) * (axes[i][axis] / length)));
@@ -192,7 +193,7 @@ void TriangleTree::search(std::size_t leaf, const glm::dvec3& p, Nearest& best) 
   }
 }
 
-// Below a node whose box may hold something nearer, the nearer child first.
+// Searches below a node whose box may contain a closer point, the nearer child first.
 void TriangleTree::search_below(std::size_t node, double node_distance_squared, const glm::dvec3& p,
                                 double enough_squared, Nearest& best) const {
   struct Entry {
@@ -222,7 +223,7 @@ void TriangleTree::search_below(std::size_t node, double node_distance_squared, 
   }
 }
 
-// From the leaf of the hint upwards: what is beside each node on the way is mostly too far to be looked at.
+// Searches from the leaf of the hint upwards. Siblings on the way are mostly too far to be searched.
 TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& p, std::uint32_t hint, double enough_squared) const {
   Nearest best = nearest_in(hint, p);
   const std::size_t leaf = tree_.leaf_of(hint);

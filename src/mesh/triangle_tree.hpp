@@ -1,8 +1,8 @@
-// A bounding volume hierarchy over the triangles of a mesh: the closest point of a surface to a point.
+// A bounding volume hierarchy over the triangles of a mesh, to find the closest point of a surface.
 //
-// A BoxTree, split by the triangles' centroids. Where triangles are long and lie across the axes, as around a corner
-// that very many have in common, their boxes all meet: then nodes store two slabs as well, across which their triangles
-// are thin.
+// A BoxTree, split by the triangles' centroids. The boxes of long triangles that are not aligned with the axes overlap,
+// for example around a corner that very many share. Nodes then also store two slabs, directions in which their
+// triangles are thin.
 #pragma once
 
 #include <array>
@@ -24,46 +24,46 @@ class TriangleTree {
     glm::vec3 a, b, c;
   };
 
-  // What is nearest to a point. A slot is a triangle's number in the order of the tree.
+  // The closest point of the surface. A slot is a triangle's position in the order of the tree.
   struct Nearest {
     double distance_squared = std::numeric_limits<double>::infinity();
     std::uint32_t slot = 0;
     glm::dvec3 point{0.0};
   };
 
-  // What making the tree takes at most, for a caller to reserve; half of it, once it is made without slabs.
+  // Returns the most bytes that construction needs, for the caller to reserve.
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t triangles) {
     return triangles * sizeof(Corners) + BoxTree::bytes(triangles);
   }
 
-  // At least one triangle; finite positions; indices below positions.size(). The tree keeps copies. It is the same for
-  // any number of threads.
+  // Needs at least one triangle, finite positions, and indices below positions.size(). Keeps copies of the triangles.
+  // The tree is the same for any number of threads.
   TriangleTree(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles);
 
-  // The nearest point of all triangles, in the frame of the positions. The search starts from what is known of the
-  // triangle in slot `hint`: one that is near saves time, and wins where it is as near as another. What is as near as
-  // `enough_squared` ends it, though something else may be nearer.
+  // Returns the closest point of all triangles, in the frame of the positions. The search starts with the triangle in
+  // slot `hint`: a near one saves time and wins ties. The search ends at a distance of at most `enough_squared`, even
+  // if another point is closer.
   [[nodiscard]] Nearest nearest(const glm::dvec3& p, std::uint32_t hint, double enough_squared = 0) const;
 
-  // The nearest point of one triangle.
+  // Returns the closest point of one triangle.
   [[nodiscard]] Nearest nearest_in(std::uint32_t slot, const glm::dvec3& p) const;
 
-  // The greatest squared distance of the points to one triangle.
+  // Returns the greatest squared distance of the points to one triangle.
   [[nodiscard]] double farthest_squared_in(std::uint32_t slot, std::span<const glm::dvec3> points) const;
 
   [[nodiscard]] const Corners& corners(std::uint32_t slot) const { return corners_[slot]; }
-  // The triangle in a slot, by its number among those that the tree was made of.
+  // Returns the index in the constructor's `triangles` of the triangle in a slot.
   [[nodiscard]] std::uint32_t triangle(std::uint32_t slot) const { return tree_.numbers()[slot]; }
   [[nodiscard]] std::size_t size() const { return corners_.size(); }
   [[nodiscard]] bool has_slabs() const { return !slabs_.empty(); }
 
-  // How many leaves may hold something nearer than that: what the search for a point at this distance costs.
+  // Returns the number of leaves that may contain a closer point: the cost of searching at this squared distance.
   [[nodiscard]] std::size_t leaves_within(const glm::dvec3& p, double squared) const;
 
  private:
-  // The points p with low <= dot(axis, p) <= high, where no axis is longer than 1.
+  // The points p with low <= dot(axis, p) <= high; the axis is at most of length 1.
   struct Slab {
-    std::array<std::int16_t, 3> axis{};  // in parts of kAxisOne
+    std::array<std::int16_t, 3> axis{};  // in units of 1 / kAxisOne
     float low = 0;
     float high = 0;
     [[nodiscard]] double along(const glm::dvec3& p) const;
@@ -76,12 +76,12 @@ class TriangleTree {
   [[nodiscard]] bool boxes_are_loose() const;
   void make_slabs();
   [[nodiscard]] std::array<Slab, 2> slabs_of(const BoxTree::Node& node) const;
-  // No point of the node's triangles is nearer.
+  // Returns a lower bound for the squared distance of p to the node's triangles.
   [[nodiscard]] double bound_squared(std::size_t node, const glm::dvec3& p) const;
 
   BoxTree tree_;
-  Buffer<Corners> corners_;            // by slots
-  Buffer<std::array<Slab, 2>> slabs_;  // of nodes above the leaves; none where boxes are tight
+  Buffer<Corners> corners_;            // by slot
+  Buffer<std::array<Slab, 2>> slabs_;  // of the inner nodes; empty where boxes are tight
 };
 
 }  // namespace isoextract::mesh

@@ -18,8 +18,8 @@ Result<void> part_fans(Mesh& mesh, const std::string& source) {
   const auto vertices = static_cast<std::uint32_t>(mesh.positions.size());
   const auto old_triangles = std::as_const(mesh.triangles).span();
   const Adjacency adjacency(old_triangles, vertices);
-  Buffer<glm::uvec3> triangles(old_triangles.size());  // with the numbers of fans first, of new vertices then
-  Buffer<std::uint32_t> first(vertices);               // of fans how many, then the first new vertex
+  Buffer<glm::uvec3> triangles(old_triangles.size());  // holds the fan of each corner, then its new vertex
+  Buffer<std::uint32_t> first(vertices);               // holds the number of fans, then the first new vertex
   constexpr std::uint32_t kVerticesAtOnce = 1 << 10;
   const auto at_corner = [&](Corner corner) -> std::uint32_t& {
     return triangles[triangle_of(corner)][static_cast<int>(corner % 3)];

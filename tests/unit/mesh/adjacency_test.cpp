@@ -30,14 +30,14 @@ void expect_rows(const Triangles& triangles, std::uint32_t vertices) {
   }
 }
 
-TEST(Adjacency, RowsAreThoseOfAPlainLoop) {
+TEST(Adjacency, RowsEqualPlainLoop) {
   expect_rows({}, 3);
   expect_rows({{2, 0, 1}}, 5);
   for (unsigned seed = 0; seed < 20; ++seed) expect_rows(test::random_triangles(60, 40, seed), 40);
 }
 
-// More than one thread works on one row: all triangles use vertex 0.
-TEST(Adjacency, RowsAreTheSameForAnyNumberOfThreads) {
+// Several threads work on one row: many triangles use vertex 0.
+TEST(Adjacency, RowsDoNotDependOnThreads) {
   constexpr std::uint32_t kVertices = 9000;
   Triangles triangles = test::random_triangles(20000, kVertices, 1);
   for (std::size_t t = 0; t < triangles.size(); t += 2) triangles[t].y = 0;
@@ -53,7 +53,7 @@ std::set<std::uint32_t> others(const Triangles& triangles, Corner corner) {
   return {t[(c + 1) % 3], t[(c + 2) % 3]};
 }
 
-// Corners with a vertex in common are of one fan, until nothing changes.
+// Puts corners with a common vertex into one fan until nothing changes.
 std::vector<std::uint32_t> fans_by_plain_loops(const Triangles& triangles, const std::vector<Corner>& corners) {
   std::vector<std::size_t> first(corners.size());
   for (std::size_t i = 0; i < first.size(); ++i) first[i] = i;
@@ -78,7 +78,7 @@ std::vector<std::uint32_t> fans_by_plain_loops(const Triangles& triangles, const
   return number;
 }
 
-TEST(VertexStar, FansAreThoseOfPlainLoops) {
+TEST(VertexStar, FansEqualPlainLoops) {
   constexpr std::uint32_t kVertices = 40;
   std::uint32_t most = 0;
   VertexStar star;
@@ -96,8 +96,8 @@ TEST(VertexStar, FansAreThoseOfPlainLoops) {
   EXPECT_GE(most, 3U);
 }
 
-TEST(VertexStar, SidesAreTheEdgesOfAVertexWithTheirTriangles) {
-  // Around vertex 4: an edge of two triangles to 1, of one to 0, 2 and 3.
+TEST(VertexStar, SidesAreEdgesWithTheirTriangles) {
+  // Around vertex 4: an edge to 1 with two triangles, and edges to 0, 2 and 3.
   const Triangles triangles{{4, 0, 1}, {1, 2, 4}, {0, 1, 2}, {3, 4, 2}};
   VertexStar star;
   star.look_at(Adjacency(triangles, 5).corners(4), triangles);
@@ -117,10 +117,10 @@ bool is_closed_fan(const Triangles& triangles, std::uint32_t vertex) {
   return star.is_closed_fan();
 }
 
-TEST(VertexStar, KnowsAClosedFan) {
+TEST(VertexStar, RecognizesClosedFan) {
   const Triangles ring{{0, 1, 2}, {2, 3, 0}, {3, 1, 0}};
   EXPECT_TRUE(is_closed_fan(ring, 0));
-  EXPECT_FALSE(is_closed_fan(ring, 1));  // on the border
+  EXPECT_FALSE(is_closed_fan(ring, 1));  // on the boundary
   EXPECT_FALSE(is_closed_fan(ring, 8));  // unused
   EXPECT_FALSE(is_closed_fan({{0, 1, 2}, {0, 3, 2}, {3, 1, 0}}, 0)) << "one winds against the others";
   EXPECT_FALSE(is_closed_fan({{0, 1, 2}, {0, 2, 1}, {0, 1, 2}, {0, 2, 1}}, 0)) << "each edge has four";

@@ -18,11 +18,11 @@ Mesh mesh_with_vectors(ComponentType type) {
   return mesh;
 }
 
-// A turn by a right angle around z, a stretch and a mirror, and a move.
+// A right-angle rotation around z, a stretch, a mirror, and a translation.
 const glm::dmat3 kLinear{{0, 2, 0}, {-3, 0, 0}, {0, 0, -1}};
 const glm::dvec3 kOffset{10, 20, 30};
 
-TEST(AttributeMap, FollowsTheKind) {
+TEST(AttributeMap, TransformsByKind) {
   const Mesh before = mesh_with_vectors(ComponentType::f64);
   for (const AttributeKind kind : {AttributeKind::scalar, AttributeKind::color, AttributeKind::vector,
                                    AttributeKind::point, AttributeKind::normal}) {
@@ -42,7 +42,7 @@ TEST(AttributeMap, FollowsTheKind) {
   }
 }
 
-TEST(AttributeMap, OfIntegersBecomeFloatsWhereTheyAreMapped) {
+TEST(AttributeMap, MappedIntegersBecomeFloats) {
   Mesh mesh = mesh_with_vectors(ComponentType::i16);
   const std::int16_t before[3] = {1, -2, 3};
   std::memcpy(mesh.attributes.front().values.data(), before, sizeof before);
@@ -53,7 +53,7 @@ TEST(AttributeMap, OfIntegersBecomeFloatsWhereTheyAreMapped) {
   EXPECT_EQ(found, glm::vec3(6, 2, -3));
 }
 
-TEST(AttributeMap, OfOtherWidthsAndColoursAreNotMapped) {
+TEST(AttributeMap, KeepsColorsAndOtherComponentCounts) {
   Mesh mesh = test::unit_tetrahedron();
   test::add_colour(mesh, ComponentType::f32, 3);
   test::add_attribute(mesh, "pair", ComponentType::f32, 2);
@@ -64,7 +64,7 @@ TEST(AttributeMap, OfOtherWidthsAndColoursAreNotMapped) {
   }
 }
 
-TEST(AttributeMap, ANormalOfNoLengthStaysOne) {
+TEST(AttributeMap, ZeroNormalStaysZero) {
   Mesh mesh = mesh_with_vectors(ComponentType::f32);
   std::ranges::fill(mesh.attributes.front().values, std::byte{0});
   map_attribute(mesh.attributes.front(), AttributeKind::normal, kLinear, kOffset);

@@ -25,7 +25,7 @@ Mesh mesh_with_everything() {
   return mesh;
 }
 
-// Vertex v of `mesh` has all that vertex w of `other` has.
+// Returns whether vertex v of `mesh` has the same data as vertex w of `other`.
 bool same_vertex(const Mesh& mesh, std::size_t v, const Mesh& other, std::size_t w) {
   bool same = mesh.positions[v] == other.positions[w] && mesh.normals[v] == other.normals[w] &&
               mesh.edges[v] == other.edges[w] && mesh.attributes.size() == other.attributes.size();
@@ -35,7 +35,7 @@ bool same_vertex(const Mesh& mesh, std::size_t v, const Mesh& other, std::size_t
   return same;
 }
 
-TEST(Attributes, GatherTakesAllThatBelongsToVertices) {
+TEST(Attributes, GatherCopiesAllVertexData) {
   const Mesh before = mesh_with_everything();
   EXPECT_EQ(vertex_bytes(before), 2 * sizeof(glm::vec3) + sizeof(EdgeKey) + 3 + 8);
   Mesh mesh = copy(before);
@@ -47,7 +47,7 @@ TEST(Attributes, GatherTakesAllThatBelongsToVertices) {
   EXPECT_TRUE(mesh.positions.empty() && mesh.attributes[0].values.empty());
 }
 
-TEST(Attributes, FansGetCopiesOfThem) {
+TEST(Attributes, SplitFansCopyAttributes) {
   Mesh mesh = mesh_with_everything();
   constexpr std::array<glm::uvec3, 2> kTwoFans{{{0, 1, 2}, {3, 0, 3}}};
   mesh.triangles = Buffer<glm::uvec3>(2);
@@ -62,7 +62,7 @@ TEST(Attributes, FansGetCopiesOfThem) {
   EXPECT_NE(mesh.triangles[0].x, mesh.triangles[1].y);
 }
 
-TEST(Attributes, CopiesAreWhole) {
+TEST(Attributes, CopyIsComplete) {
   const Mesh mesh = mesh_with_everything();
   const Mesh same = copy(mesh);
   ASSERT_EQ(same.positions.size(), mesh.positions.size());

@@ -29,7 +29,7 @@ BoxTree tree_of(const std::vector<FloatBox>& boxes, std::span<const std::uint32_
   return {items.span(), [&](std::uint32_t i) { return boxes[i]; }, groups};
 }
 
-TEST(BoxTree, FindsAllThatComeNear) {
+TEST(BoxTree, FindsAllItemsNear) {
   for (const std::size_t count : {1, 4, 5, 9, 3000}) {
     const std::vector<FloatBox> boxes = random_boxes(count);
     const BoxTree tree = tree_of(boxes);
@@ -47,7 +47,7 @@ TEST(BoxTree, FindsAllThatComeNear) {
   }
 }
 
-TEST(BoxTree, SlotsAndLeavesGoTogether) {
+TEST(BoxTree, MapsSlotsToLeaves) {
   const BoxTree tree = tree_of(random_boxes(1001));
   EXPECT_EQ(std::set<std::uint32_t>(tree.numbers().begin(), tree.numbers().end()).size(), 1001U);
   for (std::size_t slot = 0; slot < 1001; ++slot) {
@@ -58,7 +58,7 @@ TEST(BoxTree, SlotsAndLeavesGoTogether) {
   }
 }
 
-TEST(BoxTree, ThoseOfOneGroupLieSideBySide) {
+TEST(BoxTree, KeepsGroupsTogether) {
   std::vector<std::uint32_t> groups;
   for (std::uint32_t i = 0; i < 2000; ++i) groups.push_back(i * 7919 % 5);
   const BoxTree tree = tree_of(random_boxes(groups.size()), groups);

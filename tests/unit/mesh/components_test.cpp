@@ -26,7 +26,7 @@ Labels found(const Triangles& triangles, std::size_t vertices) {
   return labels;
 }
 
-// Disjoint sets on one thread, as in every textbook.
+// Textbook disjoint sets on one thread.
 Labels expected(const Triangles& triangles, std::size_t vertices) {
   std::vector<std::uint32_t> parent(vertices);
   std::iota(parent.begin(), parent.end(), 0U);
@@ -59,7 +59,7 @@ void expect_same(const Triangles& triangles, std::size_t vertices) {
   EXPECT_EQ(is.of_vertex, should_be.of_vertex);
 }
 
-TEST(Components, AreThoseOfATextbook) {
+TEST(Components, EqualTextbookAlgorithm) {
   expect_same({}, 0);
   expect_same({}, 4);
   std::uint32_t most = 0;
@@ -71,7 +71,7 @@ TEST(Components, AreThoseOfATextbook) {
   EXPECT_GE(most, 4U);
 }
 
-TEST(Components, TrianglesThatRepeatAnIndexLeadNowhere) {
+TEST(Components, RepeatedIndexDoesNotConnect) {
   const Components components(Triangles{{3, 4, 5}, {0, 1, 2}, {2, 2, 3}, {6, 6, 6}}, 7);
   EXPECT_EQ(components.count(), 2U);
   EXPECT_EQ(components.of_vertex(2), 0U);
@@ -79,9 +79,9 @@ TEST(Components, TrianglesThatRepeatAnIndexLeadNowhere) {
   EXPECT_EQ(components.of_vertex(6), Components::kNone);
 }
 
-// Strips that run through the vertices in steps, so that threads join the same components at once; from the last vertex
-// down, too, which makes the longest ways to the roots.
-TEST(Components, AreTheSameForAnyNumberOfThreads) {
+// Strips through the vertices in steps, so that threads join the same components at once. They also run from the last
+// vertex down, which makes the longest paths to the roots.
+TEST(Components, DoNotDependOnThreads) {
   constexpr std::uint32_t kVertices = 60000;
   for (const std::uint32_t step : {1U, 7U, 20000U}) {
     Triangles triangles;

@@ -14,7 +14,7 @@ __extension__ using Whole = __int128;
 
 int sign_of(Whole value) { return value > 0 ? 1 : value < 0 ? -1 : 0; }
 
-// (b - a) x (c - a) . (d - a)
+// Returns the sign of (b - a) x (c - a) . (d - a).
 int whole_side(const std::array<glm::i64vec3, 4>& p) {
   const auto part = [&](int i, int axis) { return Whole{p[static_cast<std::size_t>(i)][axis] - p[0][axis]}; };
   const Whole x = part(1, 1) * part(2, 2) - part(1, 2) * part(2, 1);
@@ -29,7 +29,7 @@ int side(const std::array<glm::i64vec3, 4>& p, double scale) {
   return side_of_plane(d[0], d[1], d[2], d[3]);
 }
 
-TEST(ExactSign, SaysOnWhichSideOfAPlane) {
+TEST(ExactSign, DecidesSideOfPlane) {
   EXPECT_EQ(side_of_plane({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}), 1);
   EXPECT_EQ(side_of_plane({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, -1}), -1);
   EXPECT_EQ(side_of_plane({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 7, 0}), 0);
@@ -38,8 +38,8 @@ TEST(ExactSign, SaysOnWhichSideOfAPlane) {
   EXPECT_EQ(turn_of({0, 0}, {1, 1}, {3, 3}), 0);
 }
 
-// Points that are on a plane, or beside it by one part in 2^22: what the sum in double does not tell.
-TEST(ExactSign, IsRightNearThePlane) {
+// Points on a plane, or off it by one part in 2^22, which the sum in double cannot decide.
+TEST(ExactSign, IsExactNearPlane) {
   std::mt19937 random(1);
   std::uniform_int_distribution<std::int64_t> coordinate(-(1 << 11), 1 << 11);
   std::uniform_int_distribution<std::int64_t> factor(-500, 500);
@@ -52,14 +52,14 @@ TEST(ExactSign, IsRightNearThePlane) {
            glm::i64vec3(off(random), off(random), off(random));
     const int expected = whole_side(p);
     zeros += expected == 0 ? 1 : 0;
-    // Powers of two change nothing: down to subnormal numbers, and up to the greatest.
+    // Powers of two do not change the sign, from subnormal numbers up to the greatest.
     for (const double scale : {1.0, 0x1p-149, 0x1p100}) ASSERT_EQ(side(p, scale), expected) << i;
   }
   EXPECT_GT(zeros, 1000);
 }
 
-// Against a point that is moved by so little that it changes nothing else: (e, e^2, e^3) for e = 2^-7 of 2^21.
-TEST(ExactSign, LinesThatMeetPassBesideEachOther) {
+// Compares with a point moved by too little to change any other sign: (e, e^2, e^3) with e = 2^-7, in units of 2^-21.
+TEST(ExactSign, MovesLinesThatMeetApart) {
   std::mt19937 random(4);
   std::uniform_int_distribution<std::int64_t> coordinate(-4, 4);
   const glm::i64vec3 way(3, 2, 1);
@@ -85,7 +85,7 @@ TEST(ExactSign, LinesThatMeetPassBesideEachOther) {
   EXPECT_GT(zeros, 1000);
 }
 
-TEST(ExactSign, TurnIsRightNearTheLine) {
+TEST(ExactSign, TurnIsExactNearLine) {
   std::mt19937 random(2);
   std::uniform_int_distribution<std::int64_t> coordinate(-(1 << 12), 1 << 12);
   std::uniform_int_distribution<std::int64_t> factor(-1000, 1000);
@@ -100,8 +100,8 @@ TEST(ExactSign, TurnIsRightNearTheLine) {
   }
 }
 
-// Large and tiny coordinates in one determinant: the difference of two of them has more bits than double.
-TEST(ExactSign, LosesNoBitsOfFarApartNumbers) {
+// Large and tiny coordinates in one determinant: their difference has more bits than a double.
+TEST(ExactSign, KeepsAllBitsOfDistantMagnitudes) {
   const double large = std::numeric_limits<float>::max();
   const double tiny = std::numeric_limits<float>::denorm_min();
   EXPECT_EQ(side_of_plane({large, 0, 0}, {0, large, 0}, {-large, -large, 0}, {0, 0, tiny}), 1);

@@ -7,7 +7,7 @@
 namespace isoextract::mesh {
 namespace {
 
-// To a square in the plane z = 0.
+// Distances to a square in the plane z = 0.
 class GreatestDistanceTest : public ::testing::Test {
  protected:
   std::vector<glm::vec3> square_{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}};
@@ -22,7 +22,7 @@ class GreatestDistanceTest : public ::testing::Test {
   }
 };
 
-TEST_F(GreatestDistanceTest, OfACorner) {
+TEST_F(GreatestDistanceTest, IsReachedAtCorner) {
   const std::vector<glm::vec3> positions{{1, 1, 1}, {2, 1, 1}, {2, 2, 3}};
   const std::vector<glm::uvec3> triangle{{0, 1, 2}};
   const auto found = search({positions, triangle, {}});
@@ -33,8 +33,8 @@ TEST_F(GreatestDistanceTest, OfACorner) {
   EXPECT_EQ(found.nearest, glm::dvec3(2, 2, 0));
 }
 
-// Corners lie on the two sides of a gap, the farthest point is in the middle between them.
-TEST_F(GreatestDistanceTest, OfAPointWithinATriangle) {
+// The corners are at the two sides of a gap; the farthest point is in the middle of it.
+TEST_F(GreatestDistanceTest, IsReachedInsideTriangle) {
   const std::vector<glm::vec3> posts{{-3, 0, 0}, {-3, 4, 0}, {-4, 2, 0}, {3, 0, 0}, {3, 4, 0}, {4, 2, 0}};
   const std::vector<glm::uvec3> two{{0, 1, 2}, {3, 5, 4}};
   const TriangleTree tree(posts, two);
@@ -49,7 +49,7 @@ TEST_F(GreatestDistanceTest, OfAPointWithinATriangle) {
   EXPECT_LE(found.upper, 3 * (1 + 2e-3));
 }
 
-TEST_F(GreatestDistanceTest, ShiftAndWhatIsLeftOut) {
+TEST_F(GreatestDistanceTest, AppliesShiftAndLeavesTrianglesOut) {
   const std::vector<glm::vec3> positions{{1, 1, 1}, {2, 1, 1}, {2, 2, 3}, {1, 1, 50}};
   const std::vector<glm::uvec3> triangles{{0, 1, 2}, {0, 1, 3}};
   const std::vector<char> second{0, 1};

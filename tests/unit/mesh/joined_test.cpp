@@ -9,7 +9,7 @@
 namespace isoextract::mesh {
 namespace {
 
-TEST(Joined, OneMeshAfterTheOther) {
+TEST(Joined, ConcatenatesMeshes) {
   std::array<Mesh, 3> meshes{test::unit_tetrahedron(), Mesh{}, test::unit_tetrahedron()};
   for (Mesh& mesh : meshes) {
     if (!mesh.positions.empty()) mesh.origin = {1, 2, 3};

@@ -9,7 +9,7 @@
 namespace isoextract::mesh {
 namespace {
 
-TEST(Metrics, TetrahedronSize) {
+TEST(Metrics, MeasuresTetrahedron) {
   Mesh mesh = test::unit_tetrahedron();
   mesh.origin = {1e7, 0, -5};
   const MeshSize size = measure_size(mesh);
@@ -22,18 +22,18 @@ TEST(Metrics, TetrahedronSize) {
   EXPECT_EQ(measure_local_bounds(mesh).max, glm::vec3(1));
 }
 
-TEST(Metrics, TurnedOverIsNegative) {
+TEST(Metrics, InvertedMeshHasNegativeVolume) {
   Mesh mesh = test::unit_tetrahedron();
   for (glm::uvec3& t : mesh.triangles) std::swap(t.x, t.y);
   EXPECT_NEAR(measure_size(mesh).volume, -1.0 / 6, 1e-15);
 }
 
-TEST(Metrics, ZeroAreaIsCounted) {
+TEST(Metrics, CountsZeroAreaTriangles) {
   const Mesh mesh = test::make_mesh({{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {0, 1, 0}}, {{0, 1, 2}, {0, 1, 3}, {3, 3, 0}});
   EXPECT_EQ(measure_size(mesh).zero_area_triangles, 2U);
 }
 
-TEST(Metrics, EmptyMesh) {
+TEST(Metrics, EmptyMeshHasZeroSize) {
   EXPECT_EQ(measure_size(Mesh{}).area, 0);
   EXPECT_EQ(measure_bounds(Mesh{}).max, glm::dvec3(0));
 }

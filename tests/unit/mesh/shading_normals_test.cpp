@@ -14,7 +14,7 @@
 namespace isoextract::mesh {
 namespace {
 
-// Every normal points away from the middle, as a gradient does at a corner.
+// A cube whose normals point away from its center, like a gradient at the corners.
 Mesh cube() {
   Mesh mesh = test::box_mesh(glm::vec3(0), glm::vec3(1));
   mesh.normals = Buffer<glm::vec3>(8);
@@ -27,7 +27,7 @@ glm::vec3 face_normal(const Mesh& mesh, const glm::uvec3& t) {
       glm::cross(mesh.positions[t.y] - mesh.positions[t.x], mesh.positions[t.z] - mesh.positions[t.x]));
 }
 
-// A height field so rough that many gradients would point against triangles; its normals are all up.
+// A height field so rough that many gradients would point against triangles. All its normals point up.
 Mesh rough(std::uint32_t side, unsigned seed) {
   std::mt19937 engine(seed);
   std::vector<glm::vec3> positions;
@@ -51,7 +51,7 @@ Mesh rough(std::uint32_t side, unsigned seed) {
   return mesh;
 }
 
-TEST(ShadingNormals, TheFacesOfACubeAreFlat) {
+TEST(ShadingNormals, CubeFacesAreFlat) {
   Mesh mesh = cube();
   const auto copies = shade_by_triangles(mesh, {.planes = {}, .crease_degrees = 30}, "cube", Context());
   ASSERT_TRUE(copies);
@@ -61,7 +61,7 @@ TEST(ShadingNormals, TheFacesOfACubeAreFlat) {
   for (const glm::uvec3& t : mesh.triangles) {
     for (int c = 0; c < 3; ++c) EXPECT_EQ(mesh.normals[t[c]], face_normal(mesh, t));
   }
-  // The places are the same; copies stand behind all.
+  // The positions are the same; copies follow all original vertices.
   const Mesh before = cube();
   for (std::size_t v = 0; v < 8; ++v) EXPECT_EQ(mesh.positions[v], before.positions[v]);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -71,7 +71,7 @@ TEST(ShadingNormals, TheFacesOfACubeAreFlat) {
   }
 }
 
-TEST(ShadingNormals, PlanesAreCreasesAndTheRestStaysAsItIs) {
+TEST(ShadingNormals, PlanesAreCreasesAndOthersKeepNormals) {
   Mesh mesh = cube();
   const std::array<std::uint8_t, 12> planes{1, 1};  // the bottom, like a cap
   const auto copies = shade_by_triangles(mesh, {.planes = planes, .crease_degrees = {}}, "cube", Context());
@@ -86,7 +86,7 @@ TEST(ShadingNormals, PlanesAreCreasesAndTheRestStaysAsItIs) {
   }
 }
 
-TEST(ShadingNormals, MeansOfAllTrianglesCopyNothing) {
+TEST(ShadingNormals, MeansCopyNoVertex) {
   Mesh mesh = cube();
   mesh.normals = {};
   const auto copies =
@@ -101,7 +101,7 @@ TEST(ShadingNormals, MeansOfAllTrianglesCopyNothing) {
   EXPECT_EQ(measure_topology(mesh).open_edges, 0U);
 }
 
-TEST(ShadingNormals, NoneIsAgainstItsTriangles) {
+TEST(ShadingNormals, AgreeWithAllTriangles) {
   for (unsigned seed = 0; seed < 4; ++seed) {
     Mesh mesh = rough(24, seed);
     const NormalAgreement before = measure_normal_agreement(mesh);
@@ -116,8 +116,8 @@ TEST(ShadingNormals, NoneIsAgainstItsTriangles) {
   }
 }
 
-TEST(ShadingNormals, KeepsWhatAgreesWithTheTriangles) {
-  // A flat fan whose middle is lifted a little: its normal leans less than the triangles do.
+TEST(ShadingNormals, KeepsNormalsThatAgree) {
+  // A flat fan with a slightly raised center: its normal tilts less than the triangles do.
   Mesh mesh = test::make_mesh({{0, 0, 0.5F}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}},
                               {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}});
   mesh.normals = Buffer<glm::vec3>(5);
@@ -128,7 +128,7 @@ TEST(ShadingNormals, KeepsWhatAgreesWithTheTriangles) {
   EXPECT_EQ(mesh.normals[0], leaning);
 }
 
-TEST(ShadingNormals, CopiesHaveAllThatBelongsToTheirVertex) {
+TEST(ShadingNormals, CopiesHaveAllVertexAttributes) {
   Mesh mesh = cube();
   Attribute number;
   number.name = "number";
@@ -144,7 +144,7 @@ TEST(ShadingNormals, CopiesHaveAllThatBelongsToTheirVertex) {
   }
 }
 
-TEST(ShadingNormals, AreTheSameForAnyNumberOfThreads) {
+TEST(ShadingNormals, DoNotDependOnThreads) {
   const auto shaded = [](int threads) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
     Mesh mesh = rough(150, 7);
@@ -158,7 +158,7 @@ TEST(ShadingNormals, AreTheSameForAnyNumberOfThreads) {
   EXPECT_TRUE(std::ranges::equal(one.triangles, three.triangles));
 }
 
-TEST(ShadingNormals, TrianglesWithoutAreaAndRandomOnesAreNoHarm) {
+TEST(ShadingNormals, AcceptsDegenerateAndRandomTriangles) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     std::mt19937 engine(seed);
     std::vector<glm::vec3> positions;
@@ -171,7 +171,7 @@ TEST(ShadingNormals, TrianglesWithoutAreaAndRandomOnesAreNoHarm) {
   }
 }
 
-TEST(ShadingNormals, KeepsToTheMemoryLimit) {
+TEST(ShadingNormals, KeepsToMemoryLimit) {
   Mesh mesh = cube();
   const auto done = shade_by_triangles(mesh, {.planes = {}, .crease_degrees = 30}, "a.raw", Context(MemoryBudget(100)));
   ASSERT_FALSE(done);

@@ -1,4 +1,4 @@
-// Small meshes made by hand.
+// Small hand-made meshes.
 #pragma once
 
 #include <algorithm>
@@ -18,13 +18,13 @@ inline mesh::Mesh make_mesh(const std::vector<glm::vec3>& positions, const std::
   return mesh;
 }
 
-// Corners 0, x, y, z of size 1; wound outward; volume 1/6.
+// A tetrahedron with corners 0, x, y and z of size 1, wound outward; volume 1/6.
 inline mesh::Mesh unit_tetrahedron() {
   return make_mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}});
 }
 
-// Triangles between random vertices of a few neighbours: some repeat an index, some are there twice, edges have any
-// number of them in any direction, and vertices none.
+// Returns random triangles between nearby vertices. Some repeat an index, some occur twice, edges have any number of
+// triangles in any direction, and some vertices are unused.
 inline std::vector<glm::uvec3> random_triangles(std::size_t count, std::uint32_t vertices, unsigned seed) {
   std::mt19937 engine(seed);
   std::vector<glm::uvec3> triangles(count);

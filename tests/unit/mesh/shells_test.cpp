@@ -14,7 +14,7 @@
 namespace isoextract::mesh {
 namespace {
 
-// The rays' direction, and two across it.
+// The direction of the rays, and two directions across it.
 const glm::vec3 kWay(8112, 4361, 3897);
 const glm::vec3 kAcross(-4361, 8112, 0);
 const glm::vec3 kUp(0, -3897, 4361);
@@ -26,7 +26,7 @@ Mesh turned(Mesh mesh) {
   return mesh;
 }
 
-// With its farthest corner along the rays at `tip`.
+// A cube whose farthest corner along the rays is `tip`.
 Mesh cube_with_tip(const glm::vec3& tip) { return test::box_mesh(tip - 1.0F, tip); }
 
 std::vector<Surroundings> surroundings_of(std::vector<Mesh> shells, bool of_outward = true) {
@@ -61,7 +61,7 @@ Mesh octahedron(const glm::vec3& centre, float radius) {
 
 using Numbers = std::vector<std::uint32_t>;
 
-TEST(Shells, AreWithinThoseAroundThem) {
+TEST(Shells, FindsSurroundingShells) {
   const auto found = surroundings(cube(3), turned(cube(1)), cube(2), cube(1, {9, 0, 0}));
   EXPECT_EQ(found[0].around, Numbers());
   EXPECT_EQ(found[1].around, (Numbers{0, 2}));
@@ -76,8 +76,8 @@ TEST(Shells, AreWithinThoseAroundThem) {
   EXPECT_EQ(inward[2].around, Numbers()) << "not asked for";
 }
 
-// Facing inward, one behind the other: neither is around the other, whatever the ray meets first.
-TEST(Shells, BubblesInARowAreNotWithinEachOther) {
+// Shells that face inward, one behind the other: neither contains the other, whatever the ray meets first.
+TEST(Shells, BubblesInRowDoNotContainEachOther) {
   const auto found = surroundings(turned(cube(1)), turned(cube(1, kWay / 1000.0F)), cube(1, kWay / 500.0F));
   for (const Surroundings& one : found) {
     EXPECT_EQ(one.around, Numbers());
@@ -85,9 +85,9 @@ TEST(Shells, BubblesInARowAreNotWithinEachOther) {
   }
 }
 
-TEST(Shells, OpenOnesAreMetBehindBubbles) {
+TEST(Shells, FindsOpenComponentBehindBubbles) {
   Mesh open = cube(20);
-  Buffer<glm::uvec3> left(11);  // without a triangle on the near side
+  Buffer<glm::uvec3> left(11);  // all triangles but one on the near side
   std::copy(open.triangles.begin() + 1, open.triangles.end(), left.begin());
   open.triangles = std::move(left);
   const auto found = surroundings(turned(cube(1)), turned(cube(1, kWay / 1000.0F)), cube(1, -kWay / 1000.0F),
@@ -99,8 +99,8 @@ TEST(Shells, OpenOnesAreMetBehindBubbles) {
   EXPECT_EQ(found[4].open, Components::kNone) << "behind it";
 }
 
-// Tetrahedra whose corners, edges and sides lie on the ray.
-TEST(Shells, RaysThroughCornersAndAlongEdges) {
+// Tetrahedra with corners, edges and sides on the ray.
+TEST(Shells, DecidesRaysThroughCornersAndEdges) {
   std::mt19937 random(3);
   std::uniform_int_distribution<int> part(-2, 2);
   const glm::vec3 tip(7, -3, 11);
@@ -119,7 +119,7 @@ TEST(Shells, RaysThroughCornersAndAlongEdges) {
     };
     if (side({0, 1, 2}, at[3]) == 0) continue;
     if (side({0, 1, 2}, at[3]) < 0) std::swap(at[0], at[1]);
-    int most = -1;  // sides of the point
+    int most = -1;  // the greatest side_of_plane() of the tip
     for (const glm::uvec3& t : triangles) most = std::max(most, side(t, tip));
     (most < 0 ? inside : most > 0 ? outside : touching) += 1;
     if (most == 0) continue;
@@ -131,9 +131,9 @@ TEST(Shells, RaysThroughCornersAndAlongEdges) {
   EXPECT_GT(touching, 1000);
 }
 
-// The vertex that the ray would start from is a corner, or on an edge or a side, of the other.
-TEST(Shells, ThatTouchAreDecidedBesideTheirVertex) {
-  // Its farthest vertex is that along x.
+// The start vertex of the ray is a corner of the other shell, or lies on one of its edges or sides.
+TEST(Shells, DecidesTouchingShellsBesideTheirVertex) {
+  // Its farthest vertex is the one along x.
   for (const glm::vec3& tip : {glm::vec3(0), glm::vec3(0, 4, 0), glm::vec3(0, 4, 4), glm::vec3(0, 1, 3)}) {
     const auto within =
         surroundings(octahedron(tip - glm::vec3(0.5F, 0, 0), 0.5F), test::box_mesh({-8, -4, -4}, {0, 4, 4}));
@@ -148,9 +148,9 @@ TEST(Shells, ThatTouchAreDecidedBesideTheirVertex) {
   }
 }
 
-// The cube is in the box of the octahedron, so its ray goes on to the end of that; there it is in another cube, or in
-// none, or behind it.
-TEST(Shells, ThoseThatTheRayEndsInAreNotAround) {
+// The cube lies in the box of the octahedron, so its ray continues to the end of that box. There it is inside another
+// cube, outside all, or behind it.
+TEST(Shells, IgnoresShellsWhereRayEnds) {
   const glm::vec3 tip(0, 5, 5);
   for (float far = 0; far < 12; far += 0.125F) {
     const glm::vec3 centre = tip + (2.0F + far) * glm::normalize(kWay);
@@ -161,8 +161,8 @@ TEST(Shells, ThoseThatTheRayEndsInAreNotAround) {
   }
 }
 
-// Neither rays nor triangles are looked at two by two.
-TEST(Shells, ManyInARowAlongTheRays) {
+// Many rays and triangles must not be compared pair by pair.
+TEST(Shells, HandlesLongRowsAlongRays) {
   constexpr std::uint32_t kCount = 30'000;
   std::vector<Mesh> row;
   for (std::uint32_t i = 0; i < kCount; ++i) row.push_back(cube(0.5F, static_cast<float>(i) / 2048 * kWay));
@@ -172,7 +172,7 @@ TEST(Shells, ManyInARowAlongTheRays) {
   EXPECT_EQ(found[kCount].around, (Numbers{0}));
 }
 
-TEST(Shells, SameForAnyNumberOfThreadsAndWithinTheMemory) {
+TEST(Shells, DoesNotDependOnThreadsAndKeepsToMemory) {
   std::vector<Mesh> list;
   std::mt19937 random(8);
   for (unsigned i = 0; i < 400; ++i) {

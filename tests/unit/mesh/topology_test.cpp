@@ -14,7 +14,7 @@ namespace {
 
 using test::make_mesh;
 
-TEST(Topology, TetrahedronIsASphere) {
+TEST(Topology, RecognizesTetrahedronAsSphere) {
   const Topology t = measure_topology(test::unit_tetrahedron());
   EXPECT_TRUE(t.is_closed_oriented_manifold());
   EXPECT_EQ(t.edges, 6U);
@@ -23,8 +23,8 @@ TEST(Topology, TetrahedronIsASphere) {
   EXPECT_EQ(t.genus(), 0);
 }
 
-TEST(Topology, SevenVertexTorus) {
-  // Moebius and Csaszar: every two of the seven vertices are joined.
+TEST(Topology, RecognizesSevenVertexTorus) {
+  // Moebius and Csaszar: every two of the seven vertices share an edge.
   std::vector<glm::uvec3> triangles;
   for (unsigned i = 0; i < 7; ++i) {
     triangles.push_back({i, (i + 1) % 7, (i + 3) % 7});
@@ -36,25 +36,25 @@ TEST(Topology, SevenVertexTorus) {
   EXPECT_EQ(t.genus(), 1);
 }
 
-TEST(Topology, OpenEdges) {
+TEST(Topology, CountsOpenEdges) {
   const Topology t = measure_topology(make_mesh(std::vector<glm::vec3>(4), {{0, 1, 2}, {0, 2, 3}}));
   EXPECT_EQ(t.open_edges, 4U);
   EXPECT_EQ(t.edges, 5U);
   EXPECT_EQ(t.nonmanifold_vertices, 0U);
 }
 
-TEST(Topology, MisorientedEdge) {
+TEST(Topology, CountsMisorientedEdges) {
   EXPECT_EQ(measure_topology(make_mesh(std::vector<glm::vec3>(4), {{0, 1, 2}, {0, 2, 3}})).misoriented_edges, 0U);
   EXPECT_EQ(measure_topology(make_mesh(std::vector<glm::vec3>(4), {{0, 1, 2}, {2, 0, 3}})).misoriented_edges, 1U);
 }
 
-TEST(Topology, ThreeTrianglesAtAnEdge) {
+TEST(Topology, CountsNonmanifoldEdges) {
   const Topology t = measure_topology(make_mesh(std::vector<glm::vec3>(5), {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}));
   EXPECT_EQ(t.nonmanifold_edges, 1U);
 }
 
-TEST(Topology, TwoFansAtAVertex) {
-  // Two tetrahedra that share vertex 0 only.
+TEST(Topology, CountsNonmanifoldVertices) {
+  // Two tetrahedra that share only vertex 0.
   const Topology t = measure_topology(
       make_mesh(std::vector<glm::vec3>(7),
                 {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}, {0, 5, 4}, {0, 4, 6}, {0, 6, 5}, {4, 5, 6}}));
@@ -63,13 +63,13 @@ TEST(Topology, TwoFansAtAVertex) {
   EXPECT_EQ(t.components, 1U);
 }
 
-TEST(Topology, RepeatedIndicesAndUnusedVertices) {
+TEST(Topology, CountsRepeatedIndicesAndUnusedVertices) {
   const Topology t = measure_topology(make_mesh(std::vector<glm::vec3>(5), {{0, 1, 2}, {2, 2, 1}}));
   EXPECT_EQ(t.repeated_index_triangles, 1U);
   EXPECT_EQ(t.unused_vertices, 2U);
 }
 
-// Edge by edge, with a map.
+// Counts edge by edge with a map.
 Topology edges_by_plain_loops(const std::vector<glm::uvec3>& triangles, std::uint32_t vertices) {
   Topology facts;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<bool>> edges;
@@ -96,7 +96,7 @@ Topology edges_by_plain_loops(const std::vector<glm::uvec3>& triangles, std::uin
   return facts;
 }
 
-TEST(Topology, CountsEdgesAsPlainLoopsDoForAnyNumberOfThreads) {
+TEST(Topology, EqualsPlainLoopForAnyThreads) {
   constexpr std::uint32_t kVertices = 5000;
   for (const std::size_t triangles : {1500U, 6000U}) {
     const auto random = test::random_triangles(triangles, kVertices, 3);
@@ -116,7 +116,7 @@ TEST(Topology, CountsEdgesAsPlainLoopsDoForAnyNumberOfThreads) {
   }
 }
 
-// A square of `side` x `side` vertices, numbered along the rows, or far from their neighbours.
+// A square of `side` x `side` vertices, numbered along the rows or, if not `near`, scattered.
 Mesh square(std::uint32_t side, bool near) {
   const std::uint32_t vertices = side * side;
   const auto name = [&](std::uint32_t v) {
@@ -134,7 +134,7 @@ Mesh square(std::uint32_t side, bool near) {
   return make_mesh(std::vector<glm::vec3>(vertices), triangles);
 }
 
-TEST(Topology, OfALargeMeshTakesLessMemoryThanTheMesh) {
+TEST(Topology, NeedsLessMemoryThanLargeMesh) {
   constexpr std::uint32_t kSide = 700;
   for (const bool near : {true, false}) {
     const Mesh mesh = square(kSide, near);
@@ -161,7 +161,7 @@ TEST(Topology, ReservesItsMemory) {
   EXPECT_FALSE(measure_topology(mesh, Context(MemoryBudget(100))));
 }
 
-TEST(Topology, EmptyMesh) {
+TEST(Topology, EmptyMeshIsNotClosed) {
   const Topology t = measure_topology(Mesh{});
   EXPECT_EQ(t.components, 0U);
   EXPECT_FALSE(t.is_closed_oriented_manifold());

@@ -12,7 +12,7 @@
 namespace isoextract::mesh {
 namespace {
 
-// Thin triangles around one vertex, in a plane that no axis lies in.
+// Thin triangles around one vertex, in a plane that is not parallel to any axis.
 struct Fan {
   std::vector<glm::vec3> positions{{0.1F, 0.2F, 0.3F}};
   std::vector<glm::uvec3> triangles;
@@ -42,7 +42,7 @@ std::vector<glm::dvec3> points_near(const Fan& fan, std::size_t count) {
   return points;
 }
 
-TEST(TriangleTreeTest, FindsTheNearestPointOfAFan) {
+TEST(TriangleTreeTest, FindsNearestPointOfFan) {
   const Fan fan(3000);
   const TriangleTree tree(fan.positions, fan.triangles);
   EXPECT_TRUE(tree.has_slabs());
@@ -55,7 +55,7 @@ TEST(TriangleTreeTest, FindsTheNearestPointOfAFan) {
   }
 }
 
-TEST(TriangleTreeTest, WorkDoesNotGrowWithTheTrianglesAroundOneVertex) {
+TEST(TriangleTreeTest, WorkDoesNotGrowWithFanSize) {
   std::array<double, 2> leaves{};
   for (const unsigned doubled : {0U, 1U}) {
     const Fan fan(8000U << doubled);
@@ -69,7 +69,7 @@ TEST(TriangleTreeTest, WorkDoesNotGrowWithTheTrianglesAroundOneVertex) {
   EXPECT_LT(leaves[1], leaves[0] * 5 / 2);
 }
 
-TEST(TriangleTreeTest, BoxesAreEnoughForASurfaceOfSquares) {
+TEST(TriangleTreeTest, RegularSurfaceNeedsNoSlabs) {
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;
   constexpr unsigned kSide = 60;

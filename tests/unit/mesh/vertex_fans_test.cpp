@@ -10,8 +10,8 @@ namespace {
 
 using test::make_mesh;
 
-TEST(VertexFans, PartsSurfacesThatMeetInAPointAndDropsUnusedVertices) {
-  // Two triangles that share vertex 2 only, and vertices 0 and 4 that nobody uses.
+TEST(VertexFans, SplitsFansAndRemovesUnusedVertices) {
+  // Two triangles that share only vertex 2, and the unused vertices 0 and 4.
   Mesh mesh =
       make_mesh({{9, 9, 9}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {9, 9, 9}, {5, 0, 0}, {6, 0, 0}}, {{1, 2, 3}, {2, 5, 6}});
   mesh.normals = Buffer<glm::vec3>(7);
@@ -35,7 +35,7 @@ TEST(VertexFans, PartsSurfacesThatMeetInAPointAndDropsUnusedVertices) {
   EXPECT_EQ(topology.components, 2U);
 }
 
-TEST(VertexFans, LeavesAManifoldAsItIs) {
+TEST(VertexFans, KeepsManifoldUnchanged) {
   const Mesh before = test::unit_tetrahedron();
   Mesh mesh = test::unit_tetrahedron();
   ASSERT_TRUE(make_one_vertex_a_fan(mesh, "test", Context()));
@@ -43,7 +43,7 @@ TEST(VertexFans, LeavesAManifoldAsItIs) {
   EXPECT_TRUE(std::ranges::equal(mesh.triangles, before.triangles));
 }
 
-TEST(VertexFans, KeepsToTheMemoryLimit) {
+TEST(VertexFans, KeepsToMemoryLimit) {
   Mesh mesh = test::unit_tetrahedron();
   const auto done = make_one_vertex_a_fan(mesh, "a.raw", Context(MemoryBudget(100)));
   ASSERT_FALSE(done);
