@@ -21,22 +21,22 @@
 namespace isoextract::accuracy {
 namespace {
 
-// The nearest point of the surface, and the gradient there.
+// The nearest point of the surface and the gradient there.
 struct Foot {
   glm::dvec3 point{0.0};
   glm::dvec3 gradient{0.0};
   bool found = false;
 };
 
-// Of the samples of a formula, in its units.
+// Returns the spacing of a formula's samples, in the formula's units.
 double formula_spacing(const field::ScalarField& field) {
   return 2.0 / (std::get<field::DenseSamples>(field.samples).dims.x - 1);
 }
 
-// The surface of a formula, in the cube [-1, 1]^3, as triangles.
+// The surface of a formula in the cube [-1, 1]^3, as triangles.
 class FormulaMesh {
  public:
-  // Of the samples of the formula, or of more where these are few.
+  // Extracts it from the field's samples, or from more samples if these are few.
   static Result<FormulaMesh> make(const field::AnalyticField& formula, const field::ScalarField& field, double iso,
                                   const Context& context) {
     constexpr int kCells = 128;
@@ -82,11 +82,11 @@ class FormulaMesh {
 
 class ClosestPoint {
  public:
-  // `mesh` is null where distances are known in closed form.
+  // `mesh` is null if distances are known in closed form.
   ClosestPoint(const field::AnalyticField& field, double iso, const FormulaMesh* mesh)
       : field_(field), iso_(iso), mesh_(mesh) {}
 
-  // `hint` is what the last call left there, of a point that is near if possible.
+  // `hint` is left by the last call, if possible for a near point.
   [[nodiscard]] Foot operator()(const glm::dvec3& p, std::uint32_t& hint) const {
     const auto near = mesh_ != nullptr ? mesh_->nearest(p, hint) : std::nullopt;
     if (!near) return iterate(p, p);
@@ -109,8 +109,8 @@ class ClosestPoint {
     if (other.found && (!foot.found || glm::length(other.point - p) < glm::length(foot.point - p))) foot = other;
   }
 
-  // From a guess q to the foot of p on the plane tangent to the level set through q: fixed where q is on the surface
-  // and p - q is normal to it. Converges by the factor |p - q| / radius of curvature a step.
+  // Iterates from a guess q to the foot of p on the plane tangent to the level set through q. Fixed point: q is on the
+  // surface and p - q is normal to it. Converges by the factor |p - q| / radius of curvature a step.
   [[nodiscard]] Foot iterate(const glm::dvec3& p, glm::dvec3 q) const {
     constexpr int kMaxSteps = 50;
     constexpr double kTolerance = 1e-10;
@@ -175,7 +175,7 @@ struct FormulaSums {
   }
 };
 
-// Turn, scale and shift, to rounding.
+// Returns whether the map is a rotation or reflection times a scale, up to rounding.
 bool is_similarity(const glm::dmat3& linear) {
   const glm::dmat3 product = glm::transpose(linear) * linear;
   const double square = (product[0][0] + product[1][1] + product[2][2]) / 3;
@@ -190,7 +190,7 @@ bool is_similarity(const glm::dmat3& linear) {
 
 class AnalyticMeasurement {
  public:
-  // `placed` is `mesh`, in the index space of `field`.
+  // `placed` is `mesh` in the index space of `field`.
   AnalyticMeasurement(const mesh::Mesh& mesh, const IndexMesh& placed, const field::ScalarField& field,
                       const extract::ExtractOptions& extracted, const field::AnalyticField& formula,
                       const FormulaMesh* formula_mesh, const Context& context)
@@ -202,7 +202,7 @@ class AnalyticMeasurement {
         closed_form_(formula_mesh == nullptr),
         step_(formula_spacing(field)),
         unit_(placed_.voxel() / step_),
-        // Gradients are covectors; of a similarity the inverse transpose is the map itself, but for its scale.
+        // Gradients are covectors; for a similarity the inverse transpose is the map itself up to scale.
         normal_map_((field.kind == field::FieldKind::density ? -1.0 : 1.0) / placed_.voxel() *
                     placed_.output_from_index().linear) {}
 
@@ -235,8 +235,7 @@ class AnalyticMeasurement {
   }
 
  private:
-  // Adds the distance of a point in index space, and returns the true outward normal at its foot; zero if there is
-  // none.
+  // Adds the distance of a point in index space. Returns the true outward normal at its foot, zero if there is none.
   glm::dvec3 measure_point(const glm::dvec3& index, double weight, std::uint32_t& hint, ErrorAccumulator& sums) const {
     if (placed_.is_outside(index)) {
       ++sums.counts.outside;
@@ -284,7 +283,7 @@ class AnalyticMeasurement {
   const IndexMesh& placed_;
   ClosestPoint closest_;
   bool closed_form_;
-  double step_;  // of the samples, in the formula's units
+  double step_;  // spacing of the samples, in the formula's units
   double unit_;
   glm::dmat3 normal_map_;
 };

@@ -1,4 +1,4 @@
-// How far a mesh of a demo field is from the true surface of its formula.
+// Measures how far a mesh of a demo field is from the exact surface of its formula.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@
 
 namespace isoextract::accuracy {
 
-// Of angles between normals, weighted by area.
+// Angles between normals, weighted by area.
 struct AngleStatistics {
   std::uint64_t points = 0;
   double rms_degrees = 0;
@@ -21,27 +21,27 @@ struct AngleStatistics {
 };
 
 struct AnalyticError {
-  // Distances and normals: in closed form (sphere, torus), or of the point that iterations come to from the nearest one
-  // of a mesh of the formula, which is as fine as the samples or finer.
+  // True: distances and normals are known in closed form (sphere, torus). False: iterations start at the nearest point
+  // of a mesh of the formula, which is at least as fine as the samples.
   bool closed_form = false;
-  ErrorStatistics interior;  // true distance at seven points inside each triangle, or each part of a large one, by
-                             // area; the maximum is that of the vertices, too; `unreached`: no iteration ended
+  // True distance at seven points inside each triangle, or each part of a large one, weighted by area. The maximum
+  // includes the vertices. `unreached` counts points where no iteration converged.
+  ErrorStatistics interior;
   ErrorStatistics vertices;
-  AngleStatistics
-      smooth_normals;  // interpolated across the triangle, as a renderer does; without points if there are none
-  AngleStatistics flat_normals;  // the triangles' own
+  // Normals interpolated across the triangle, as a renderer does; no points if the mesh has no normals.
+  AngleStatistics smooth_normals;
+  AngleStatistics flat_normals;  // normals of the triangles themselves
 
-  double area = 0;               // of the triangles that are no cap, in the mesh's units
-  std::optional<double> volume;  // only of a mesh that the cap or the formula makes closed
-  double unit = 1;               // what the formula's unit of length is in the mesh's
+  double area = 0;               // without caps, in the mesh's units
+  std::optional<double> volume;  // only if a cap or the formula closes the mesh
+  double unit = 1;               // the formula's unit of length, in the mesh's units
 
-  std::uint64_t cap_triangles = 0;  // in the volume only
+  std::uint64_t cap_triangles = 0;  // counted in the volume only
 };
 
-// `extracted` is how `mesh` was extracted from `field`, which must be a demo field, or from `grid` if there is one,
-// which resample() made of it. Nothing where there is no formula, or where the placement is more than a turn, a scale
-// and a shift, so that it stretches distances. Memory is reserved; fails where it runs out. The same answer for any
-// number of threads.
+// Measures `mesh`, extracted with options `extracted` from the demo field `field`, or from `grid`, which resample()
+// made of it. Returns nothing if there is no formula, or if the placement is no similarity and so distorts distances.
+// Fails if memory is short. The result does not depend on the number of threads.
 [[nodiscard]] Result<std::optional<AnalyticError>> measure_analytic_error(
     const mesh::Mesh& mesh, const field::ScalarField& field, const extract::ExtractOptions& extracted,
     const field::ScalarField* grid, const CapPlaces& caps, const Context& context);

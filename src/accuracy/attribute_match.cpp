@@ -13,7 +13,7 @@ using mesh::AttributeRole;
 double component_of(const mesh::Attribute& attribute, std::size_t vertex, std::size_t component) {
   const std::byte* at =
       attribute.values.data() + vertex * attribute.stride() + component * mesh::component_size(attribute.type);
-  // PLY does not say of its colours what glTF says.
+  // Colors count as normalized: PLY does not store that flag as glTF does.
   return component_value(at, attribute.type, attribute.normalised || attribute.role == AttributeRole::colour);
 }
 

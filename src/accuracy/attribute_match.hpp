@@ -1,4 +1,4 @@
-// The attributes of two meshes side by side.
+// Compares the attributes of two meshes.
 #pragma once
 
 #include <array>
@@ -12,16 +12,16 @@
 
 namespace isoextract::accuracy {
 
-// Of an attribute that both meshes have, by its name, or of their colours.
+// An attribute of the same name in both meshes, or the colors of both.
 struct AttributeMatch {
   std::string name;
   std::array<std::size_t, 2> components{};
-  // Where vertices correspond and the components are as many: how far values of one vertex differ, the most and on the
-  // average of all components. Normalised integers count as the fractions that they stand for. Values that are the same
-  // number, the same infinity or both NaN do not differ; others that are not finite are counted and left out.
+  // How far the values of the same vertex differ: largest and mean over all components. Normalized integers count as
+  // fractions. Equal numbers, equal infinities and two NaN do not differ; other non-finite values are counted and left
+  // out. Absent if vertices do not correspond or the numbers of components differ.
   struct Difference {
     double largest = 0;
-    std::size_t vertex = 0;  // where that is: the first of them
+    std::size_t vertex = 0;  // the first vertex with the largest difference
     double mean = 0;
     std::uint64_t not_finite = 0;
   };
@@ -29,17 +29,17 @@ struct AttributeMatch {
 };
 
 struct AttributeMatches {
-  bool same_vertices = false;  // as many at the same places in the same order
+  bool same_vertices = false;  // equal count, places and order
   std::vector<AttributeMatch> both;
   std::array<std::vector<std::string>, 2> only;
 };
 
-// Returns how far float32 may have put the vertices of a mesh that was read from their places, along each axis.
-// Coordinates that are all float32 were rounded as they are, others relative to the origin of the mesh.
+// Returns the largest error, along each axis, that float32 may have caused in the vertices of a mesh read from a file.
+// It is relative to world coordinates if these are all float32 numbers, else to local coordinates.
 [[nodiscard]] double coordinate_rounding(const mesh::Mesh& mesh);
 
-// `colours` says whether numbers of colours mean the same in both; if not their difference is left out. Vertices are at
-// the same place where no coordinate differs by more than `tolerance`.
+// Compares all attributes. `colours` says whether color values mean the same in both meshes; if not, they are not
+// compared. Vertices correspond if no coordinate differs by more than `tolerance`.
 [[nodiscard]] AttributeMatches match_attributes(const mesh::Mesh& a, const mesh::Mesh& b, bool colours,
                                                 double tolerance = 0);
 

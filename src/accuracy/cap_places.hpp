@@ -1,4 +1,4 @@
-// Where a mesh may have caps besides those in the data boundary or a region's faces.
+// The planes that caps of a mesh may lie in, besides the data boundary and the faces of a region.
 #pragma once
 
 #include <span>
@@ -8,8 +8,10 @@
 namespace isoextract::accuracy {
 
 struct CapPlaces {
-  std::span<const mesh::HalfSpace> cuts = {};  // that are capped: triangles in their planes are caps, too
-  double moved = 0;  // voxels: how far caps may be from their planes since; such triangles face as these do
+  std::span<const mesh::HalfSpace> cuts = {};  // capped clip planes: triangles in them are caps, too
+  // In voxels: how far caps may have moved from their planes since. Moved triangles count as caps only if they still
+  // face along the plane's normal.
+  double moved = 0;
 };
 
 }  // namespace isoextract::accuracy

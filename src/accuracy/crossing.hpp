@@ -1,4 +1,4 @@
-// Where a function of one variable passes zero.
+// Finds a zero of a function of one variable.
 #pragma once
 
 #include <algorithm>
@@ -6,9 +6,9 @@
 
 namespace isoextract::accuracy {
 
-// The zero between a and b, where `at` has the values value_a and value_b of different sign: regula falsi with the
-// Illinois rule (Dowell and Jarratt, "A modified regula falsi method", BIT 11, 1971), until a value is at most `enough`
-// or the bracket is 1e-9 of b. Values that are not finite end the search where they are.
+// Returns the zero between a and b, where `at` has the values value_a and value_b of different sign. Uses regula falsi
+// with the Illinois rule (Dowell and Jarratt, "A modified regula falsi method", BIT 11, 1971). Stops at a value of at
+// most `enough`, at a bracket of 1e-9 of b, or at a non-finite value.
 template <class F>
 [[nodiscard]] double find_crossing(const F& at, double a, double value_a, double b, double value_b, double enough) {
   for (int round = 0; round < 100; ++round) {

@@ -7,7 +7,7 @@
 namespace isoextract::accuracy {
 namespace {
 
-// A bin is a binary exponent and the first bits after it: 64 bins an octave, from 2^-60 to 2^20 voxels.
+// A bin is a binary exponent and its next 6 bits: 64 bins an octave, from 2^-60 to 2^20 voxels.
 constexpr int kBitsABin = 6;
 constexpr std::uint64_t kFirst = std::bit_cast<std::uint64_t>(0x1p-60) >> (52 - kBitsABin);
 constexpr std::uint64_t kBins = 80 << kBitsABin;

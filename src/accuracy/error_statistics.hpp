@@ -1,4 +1,4 @@
-// What many distances come to: rms, 99 %, maximum and where.
+// Statistics of many distances: rms, 99th percentile, maximum and its place.
 #pragma once
 
 #include <cstdint>
@@ -8,44 +8,44 @@
 
 namespace isoextract::accuracy {
 
-// The same step, measured in index space and in the mesh's own coordinates.
+// One distance, in voxels (index space) and in the mesh's coordinates.
 struct Length {
   double voxels = 0;
   double world = 0;
 };
 
 struct ErrorStatistics {
-  std::uint64_t points = 0;  // that a distance was found for
+  std::uint64_t points = 0;  // points with a distance
   Length rms;
-  Length percentile99;  // of the weight; rounded up by at most 1/64
+  Length percentile99;  // by weight; rounded up by at most 1/64
   Length max;
-  glm::dvec3 worst{0.0};  // where max.world is, in the mesh's coordinates
+  glm::dvec3 worst{0.0};  // the point with max.world, in the mesh's coordinates
 
-  // What is in none of the figures above, because there is no distance to tell.
-  std::uint64_t not_finite = 0;  // beside samples that are NaN or infinite
-  std::uint64_t outside = 0;     // beyond the outermost samples, where always closed methods put triangles
-  std::uint64_t unreached = 0;   // no surface at all, or none that an iteration came to
+  // Points without a distance, which no figure above includes.
+  std::uint64_t not_finite = 0;  // next to a NaN or infinite sample
+  std::uint64_t outside = 0;     // beyond the outermost samples, where always-closed methods put triangles
+  std::uint64_t unreached = 0;   // no surface, or no iteration reached it
 
-  // Of `points`: where |f - iso| / |grad f| alone is off by more than half.
+  // Those of `points` where |f - iso| / |grad f| alone is wrong by more than half.
   std::uint64_t corrected = 0;
 
-  // Takes over the maximum of other points of the same mesh where it is greater; no other figure changes.
+  // Raises the maximum to that of other points of the same mesh; changes no other figure.
   void raise_max(const ErrorStatistics& other);
   [[nodiscard]] std::uint64_t unmeasured() const { return not_finite + outside + unreached; }
 };
 
-// Takes distances one by one. The answer depends on the order of merging only in the last digits of rms; merged in a
-// fixed order (base/parallel.hpp) it is the same for any number of threads.
+// Accumulates distances one by one. Merging in a fixed order (base/parallel.hpp) makes the result independent of the
+// number of threads; another order changes the last digits of rms only.
 class ErrorAccumulator {
  public:
-  // `world_voxel` is about how long a voxel is in the world.
+  // `world_voxel` is the approximate length of a voxel in the mesh's coordinates.
   explicit ErrorAccumulator(double world_voxel) : world_voxel_(world_voxel) {}
 
   void add(const Length& length, double weight, const glm::dvec3& position);
   void merge(const ErrorAccumulator& other);
   [[nodiscard]] ErrorStatistics result() const;
 
-  ErrorStatistics counts;  // whoever adds counts here what is not a distance
+  ErrorStatistics counts;  // the caller counts points without a distance here
 
  private:
   [[nodiscard]] double percentile(const std::vector<double>& bins, double largest, double fraction) const;
@@ -55,7 +55,7 @@ class ErrorAccumulator {
   Length squares_;  // weighted
   Length max_;
   glm::dvec3 worst_{0.0};
-  std::vector<double> voxel_bins_;  // weight by size, on a scale that is logarithmic between powers of two
+  std::vector<double> voxel_bins_;  // weight by size, in bins with 64 steps an octave
   std::vector<double> world_bins_;
 };
 

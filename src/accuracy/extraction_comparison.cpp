@@ -26,7 +26,7 @@ struct KeyedVertex {
   }
 };
 
-// About this many vertices share a bucket: those of a block of the grid, which meshes have near each other.
+// About this many vertices share a bucket: those of a grid block, which are close together in a mesh as well.
 constexpr std::size_t kVerticesABucket = 16;
 constexpr int kBlockBits = 2;
 
@@ -88,7 +88,7 @@ struct MatchedVertices {
   }
 };
 
-// Finds the vertices that both meshes have. A vertex is named by the first mesh's first vertex of the same key.
+// Finds the vertices that both meshes have; their name is the first mesh's first vertex with that key.
 class VertexMatcher {
  public:
   VertexMatcher(const mesh::Mesh& a, const mesh::Mesh& b)
@@ -124,7 +124,7 @@ class VertexMatcher {
     return std::max(a.edges.size(), b.edges.size()) / kVerticesABucket + 1;
   }
 
-  // The first vertices, all with the key `key`; taken off `sorted`.
+  // Takes the leading vertices with this key off `sorted`.
   static Run take_run(Run& sorted, const mesh::EdgeKey& key) {
     std::size_t size = 0;
     while (size < sorted.size() && sorted[size].key == key) ++size;

@@ -1,12 +1,11 @@
-// Two meshes of the same field and options, each from a backend of its own, vertex by vertex and triangle by triangle.
-// Both carry edge keys (ExtractOptions::edge_keys), which only vertices on edges have (MethodTraits); in which order
-// their vertices and triangles stand is no matter.
+// Compares two meshes of the same field and options from two backends, vertex by vertex and triangle by triangle. Both
+// need edge keys (ExtractOptions::edge_keys), so all vertices must lie on edges (MethodTraits). The order of vertices
+// and triangles does not matter.
 //
-// Positions are compared in units in the last place (ulps) of the local coordinates: the greatest difference of a
-// coordinate, divided by the spacing of float32 at the largest coordinate, without sign, that the vertex has in either
-// mesh. Not at the coordinate itself: a position is the image of its edge by an affine map, whose terms are rounded at
-// the size of the whole position. A coordinate near 0 is what is left of them, and its own spacing can be any number of
-// times finer than what the map can hold.
+// Positions are compared in units in the last place (ulps) of the local coordinates: the largest difference of a
+// coordinate, divided by the float32 spacing at the vertex's largest absolute coordinate in either mesh. The spacing at
+// the coordinate itself would be wrong. A position is an affine image of its edge, whose terms are rounded at the size
+// of the whole position; a coordinate near 0 is a small difference of large terms.
 #pragma once
 
 #include <array>
@@ -22,43 +21,43 @@
 
 namespace isoextract::accuracy {
 
-// What positions of two backends may differ by, in units of the last place: more than rounding once costs.
+// Allowed difference of positions of two backends, in ulps: a bit more than one rounding.
 inline constexpr double kStabilityUlps = 2;
 
-// What the normals of two backends may differ by: many times the rounding of a unit vector in float32, and far below
-// what shading shows.
+// Allowed angle between normals of two backends: well above float32 rounding, far below what shading shows.
 inline constexpr double kNormalDegrees = 0.01;
 
 struct ExtractionComparison {
   template <class T>
-  using Both = std::array<T, 2>;  // of the first and of the second mesh
+  using Both = std::array<T, 2>;  // for the first and the second mesh
 
   Both<std::uint64_t> vertices{};
   TriangleDifference triangles;
-  Both<std::uint64_t> vertices_only{};                  // on edges, or as often on an edge, as only this mesh has
-  Both<std::optional<mesh::EdgeKey>> vertex_example{};  // one of them
+  // Vertices on edges that only this mesh has, or has more often.
+  Both<std::uint64_t> vertices_only{};
+  Both<std::optional<mesh::EdgeKey>> vertex_example{};  // the lowest of their edges
   bool origins_differ = false;
   bool normals_in_one_only = false;
   bool normals_compared = false;
-  // Of the vertices that both have; the edge is there unless all are 0.
+  // Largest differences of the vertices that both meshes have, and their edges; no edge if all differences are 0.
   double ulps = 0;
   std::optional<mesh::EdgeKey> farthest;
-  double degrees = 0;  // between normals
+  double degrees = 0;  // largest angle between normals
   std::optional<mesh::EdgeKey> most_turned;
 };
 
-// Where a hole parts a vertex, its copies share a key: how many there are is compared, not which triangles each has.
-// Fails with ErrorCode::verification if a mesh lacks edge keys, with ErrorCode::input if the comparison needs more
-// memory than there is. Indices of vertices that are not there are a difference like any other.
+// Compares the meshes. Vertices that a hole duplicates share a key; their number is compared, not which triangles use
+// which copy. An index without a vertex counts as a difference. Fails with ErrorCode::verification if a mesh lacks edge
+// keys, with ErrorCode::out_of_memory if memory is short.
 [[nodiscard]] Result<ExtractionComparison> compare_extractions(const mesh::Mesh& a, const mesh::Mesh& b,
                                                                const Context& context);
 
-// What differs by more than it may, a sentence without its full stop each; none if the meshes are the same: the same
-// triangles and vertices, the same origin, positions within kStabilityUlps, normals within kNormalDegrees. `names` are
-// what the meshes are called.
+// Returns one sentence (without full stop) for each difference beyond the limits, none if the meshes are equal: equal
+// triangles, vertices and origins, positions within kStabilityUlps, normals within kNormalDegrees. `names` are the
+// names of the meshes.
 [[nodiscard]] std::vector<std::string> differences(const ExtractionComparison& comparison, const MeshNames& names);
 
-// "(3, 4, 5) along xz", or of a vertex of a cap "(3, 4, 5)".
+// Formats an edge as "(3, 4, 5) along xz", a cap vertex as "(3, 4, 5)".
 [[nodiscard]] std::string edge_text(const mesh::EdgeKey& edge);
 
 }  // namespace isoextract::accuracy

@@ -25,10 +25,10 @@ namespace isoextract::accuracy {
 namespace {
 
 constexpr int kBrick = 16;            // cells along an axis
-constexpr int kMargin = 2;            // cells around a brick in which the surface is looked for as well
-constexpr double kNearEnough = 1e-5;  // voxels; what is found that near needs no further search
+constexpr int kMargin = 2;            // cells around a brick that are searched, too
+constexpr double kNearEnough = 1e-5;  // voxels; a point this near ends the search
 
-// The samples of `field` in the region of `grid`: whole cells within it, or all that it touches.
+// Maps the region of `grid` to samples of `field`: whole cells within it, or all cells that it touches.
 field::IndexBox region_in_field(const field::IndexBox& region, const field::ScalarField& field,
                                 const field::ScalarField& grid, bool whole_cells) {
   const field::Affine field_from_grid = field.index_to_file.inverse().after(grid.index_to_file);
@@ -38,9 +38,9 @@ field::IndexBox region_in_field(const field::IndexBox& region, const field::Scal
   return {glm::ivec3(glm::ceil(box.min - kRounding)), glm::ivec3(glm::floor(box.max + kRounding))};
 }
 
-// The least length of a step of one voxel in index space.
+// Returns the least length of a one-voxel step in the mesh's coordinates.
 double shortest_step(const glm::dmat3& linear) {
-  // The greatest length that the inverse gives a unit vector, by power iteration.
+  // Power iteration finds the largest length that the inverse gives a unit vector.
   const glm::dmat3 inverse = glm::inverse(linear);
   const glm::dmat3 squared = glm::transpose(inverse) * inverse;
   glm::dvec3 v(0.6, 0.64, 0.48);
@@ -48,7 +48,7 @@ double shortest_step(const glm::dmat3& linear) {
   return 1 / glm::length(inverse * v);
 }
 
-// Few cells are cut finer: what that costs is little, and what it gives is not.
+// Small surfaces get finer parts: little cost, much accuracy.
 int parts_for(std::size_t triangles) {
   if (triangles <= 10'000) return 4;
   return triangles <= 100'000 ? 3 : 2;
@@ -70,7 +70,7 @@ struct FieldSums {
   }
 };
 
-// What is held at a time beside both meshes and the bricks.
+// Returns the memory in use at a time, without both meshes and the bricks.
 std::uint64_t working_bytes(std::uint64_t mesh_triangles, std::uint64_t mesh_vertices, std::uint64_t surface_triangles,
                             std::uint64_t surface_vertices) {
   return (mesh_triangles + mesh_vertices) * sizeof(BrickMember) + mesh_vertices +
@@ -130,28 +130,28 @@ class FieldMeasurement {
   }
 
  private:
-  // One brick, what was made of it, and what looks for the surface there.
+  // One brick, its surface, and the searches in it.
   struct Brick {
     SubdividedSurface surface;
-    field::IndexBox box;  // of samples: those of the surface's cells
+    field::IndexBox box;  // the samples of the surface's cells
     FieldFoot foot;
     GradientSearch search;
-    std::uint32_t near = 0;        // the slot that was nearest last
-    std::uint32_t near_whole = 0;  // likewise, of the surface in whole cells
+    std::uint32_t near = 0;        // slot of the last nearest triangle
+    std::uint32_t near_whole = 0;  // the same for the surface in whole cells
   };
 
-  // Of the bricks that are looked at at a time.
+  // Returns the memory of all bricks measured at a time.
   [[nodiscard]] std::uint64_t bricks_bytes() const {
     std::uint64_t most = 0;
     for (const BrickCount& brick : bricks_) most = std::max(most, brick.triangles);
     int cells = kBrick + 2 * kMargin;
     if (last_cell_) cells = std::min(cells, std::max({last_cell_->x, last_cell_->y, last_cell_->z}) + 1);
-    // With the margins around it a brick has at most twice its cells; where bricks are all alike, their triangles, too.
+    // With its margins a brick has at most twice its cells, and about twice its triangles.
     return bricks_.size() * sizeof(BrickCount) + static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency()) *
                                                      SubdividedSurface::bytes(cells, parts_, 2 * most);
   }
 
-  // Of all samples in whole cells, or those that the region has.
+  // Extracts the isosurface of all samples, or of the region, in whole cells.
   Result<void> extract_surface() {
     extract::ExtractOptions options = extracted_;
     options.method = extract::Method::mc;
@@ -203,7 +203,7 @@ class FieldMeasurement {
     for (const auto* members : {&triangles_, &vertices_}) {
       for (const BrickMember& member : *members) add(member.brick, 0);
     }
-    // A tricubic interpolant also passes iso beside the cells that have samples on both sides.
+    // A tricubic interpolant may cross iso also next to cells with samples on both sides.
     const int around = options_.interpolation == field::Interpolation::tricubic ? 1 : 0;
     const IndexMesh surface(surface_, field_, extracted_, options_.grid);
     for (std::size_t t = 0; counted_ && t < surface_.triangles.size(); ++t) {
@@ -235,7 +235,7 @@ class FieldMeasurement {
     }
     FieldFoot foot(field::Interpolant::Cursor(chosen_), 0, linear_, low, high);
     const Subdivision how{field_.kind, linear_, parts_};
-    // Another brick must not start on this thread while this one waits for its own loops: each holds memory.
+    // Keeps this thread from starting another brick while it waits for its own loops: each brick holds memory.
     auto made = tbb::this_task_arena::isolate([&] { return SubdividedSurface::make(foot.function(), cells, how); });
     if (!made) {
       const std::scoped_lock lock(error_mutex_);
@@ -254,7 +254,7 @@ class FieldMeasurement {
     return {interpolant, field_, linear_, shortest_};
   }
 
-  // From `index` to the nearest point of the isosurface in the brick's cells, and all others where it may be beyond.
+  // Measures from `index` to the nearest isosurface point in the brick, and in all data if that may be nearer.
   void measure_point(const glm::dvec3& index, double weight, Brick& brick, ErrorAccumulator& into) const {
     if (placed_.is_outside(index)) {
       ++into.counts.outside;
@@ -278,7 +278,7 @@ class FieldMeasurement {
     into.add({voxels, brick.foot.length(*step)}, weight, placed_.output_from_index()(index));
   }
 
-  // How far a point within a box of samples is from its faces, but for those that are the data boundary.
+  // Returns the distance of a point from the faces of its box of samples, without those on the data boundary.
   [[nodiscard]] double distance_inside(const glm::dvec3& index, const field::IndexBox& box) const {
     double nearest = std::numeric_limits<double>::infinity();
     for (int axis = 0; axis < 3; ++axis) {
@@ -306,7 +306,7 @@ class FieldMeasurement {
     take_foot(index, index_from_step_ * (found.point - p) + index, diagonal_, brick.foot, step);
   }
 
-  // `near` is near the isosurface. Takes the way to the foot of `index` from there where that is shorter.
+  // Replaces `step` by the way to the foot of `index` found from `near`, if that is shorter.
   static void take_foot(const glm::dvec3& index, const glm::dvec3& near, double reach, FieldFoot& foot,
                         std::optional<glm::dvec3>& step) {
     glm::dvec3 point = near;
@@ -383,15 +383,15 @@ class FieldMeasurement {
   IndexMesh placed_;
   glm::dmat3 linear_;
   glm::dmat3 index_from_step_;
-  std::optional<glm::ivec3> last_cell_;  // of dense data
-  glm::dvec3 width_{0.0};                // of a cell between two opposite faces, in the mesh's units
-  double shortest_ = 0;                  // the least length of a step of one voxel, in the mesh's units
-  double diagonal_ = 0;                  // no two points of a cell are farther apart
+  std::optional<glm::ivec3> last_cell_;  // dense data only
+  glm::dvec3 width_{0.0};                // of a cell between opposite faces, in the mesh's units
+  double shortest_ = 0;                  // least length of a one-voxel step, in the mesh's units
+  double diagonal_ = 0;                  // upper bound of the distance of two points of a cell
   int parts_ = 0;
 
   mesh::Mesh surface_;                     // the isosurface in whole cells
-  std::optional<field::IndexBox> region_;  // that it was extracted from
-  bool counted_ = true;                    // whether that region counts for what the mesh has lost
+  std::optional<field::IndexBox> region_;  // the region it was extracted from
+  bool counted_ = true;                    // whether coverage is measured in that region
   std::optional<mesh::TriangleTree> surface_tree_;
   std::optional<mesh::TriangleTree> mesh_tree_;
   std::vector<BrickMember> triangles_;

@@ -1,10 +1,10 @@
-// How far a mesh is from the isosurface of the data it came from, and that from the mesh.
+// Measures how far a mesh is from the isosurface of its data, and the isosurface from the mesh.
 //
-// Distances are those to the nearest point. The isosurface is that of an interpolant, which is extracted anew, brick by
-// brick and in parts of cells (detail/subdivided_surface.hpp). From points of the mesh the nearest point of those
-// triangles is looked for, and from there the nearest one of the isosurface itself; a point whose surface may be
-// beyond the bricks around it is measured from that of all data, in whole cells. The other way, points on the
-// isosurface, several in each cell, are measured to the nearest triangle of the mesh.
+// Distances go to the nearest point. The isosurface of an interpolant is extracted again, brick by brick and in parts
+// of cells (detail/subdivided_surface.hpp). From a point of the mesh, the search finds the nearest of those triangles
+// and then the nearest point of the isosurface itself. If the surface may be nearer outside the brick and its margin,
+// the search uses the isosurface of all data, in whole cells. In the other direction, several isosurface points in each
+// cell are measured to the nearest triangle of the mesh.
 #pragma once
 
 #include <cstdint>
@@ -23,43 +23,45 @@
 namespace isoextract::accuracy {
 
 struct FieldErrorOptions {
-  field::Interpolation interpolation = field::Interpolation::trilinear;  // whose isosurface is the truth
-  const field::ScalarField* grid = nullptr;  // that the mesh was extracted from, if resample() made it of the field
-  bool vertices_on_edges = true;             // MethodTraits::vertices_on_edges: else there is no `storage` error
+  field::Interpolation interpolation = field::Interpolation::trilinear;  // its isosurface is the truth
+  // set if the mesh was extracted from a grid that resample() made of the field
+  const field::ScalarField* grid = nullptr;
+  bool vertices_on_edges = true;  // MethodTraits::vertices_on_edges; false: no `storage` error
   CapPlaces caps = {};
-  std::span<const mesh::HalfSpace> clipped = {};  // what was kept of the mesh: no other part of the isosurface counts
+  // half-spaces that the mesh was clipped to; isosurface outside them does not count
+  std::span<const mesh::HalfSpace> clipped = {};
 };
 
 struct FieldError {
   field::Interpolation interpolation = field::Interpolation::trilinear;
-  // From the mesh to the isosurface: at seven points inside each triangle, or each part of a large one
-  // (quadrature.hpp), weighted by area. The maximum is that of the vertices, too.
+  // From the mesh to the isosurface, at seven points inside each triangle, or each part of a large one
+  // (quadrature.hpp), weighted by area. The maximum includes the vertices.
   ErrorStatistics interior;
-  ErrorStatistics vertices;  // at the vertices, each alike
+  ErrorStatistics vertices;  // at the vertices, equally weighted
 
-  // At vertices on edges along the samples' axes, against the trilinear interpolant, whose crossing there is exact:
-  // what float32 positions and the margin at the ends of edges (extract/edge_geometry.hpp) cost. Marching tetrahedra
-  // have vertices on diagonals besides, where the interpolant is not linear; those are in `vertices` only. Without
-  // points where the mesh is from another grid, whose edges are not the field's, and where the method's vertices are
-  // not on edges.
+  // At vertices on axis-aligned grid edges, against the trilinear interpolant, whose crossing there is exact. This is
+  // the cost of float32 positions and of the margin at edge ends (extract/edge_geometry.hpp). Vertices of marching
+  // tetrahedra on diagonals are in `vertices` only. Has no points if the mesh comes from another grid, or if the method
+  // puts vertices off the edges.
   ErrorStatistics storage;
 
-  // Not measured: they lie in the data boundary or a cut, or beyond the outermost samples, not on the isosurface.
+  // Triangles that were not measured: on the data boundary, in a cut, or beyond the outermost samples.
   std::uint64_t cap_triangles = 0;
 
-  int parts = 0;  // into which cells were divided along each axis
-  // From the isosurface to the mesh. Nothing where a region holds no whole cell of the field.
+  int parts = 0;  // parts of a cell along each axis
+  // From the isosurface to the mesh. Absent if the region contains no whole cell of the field.
   std::optional<SurfaceCoverage> coverage;
 };
 
-// `extracted` is how `mesh` was extracted, from `field` or from the grid in `options`: iso value, placement, region and
-// cap are taken from it. The mesh may have been changed since. Voxels are those of `field`. Memory is reserved. Fails
-// as an extraction of the field does. The same answer for any number of threads.
+// Measures `mesh`, which may have been edited after it was extracted with options `extracted` from `field`, or from the
+// grid in `options`. Takes iso value, placement, region and cap from `extracted`; voxels are those of `field`. Fails as
+// an extraction of the field does, or if memory is short. The result does not depend on the number of threads.
 [[nodiscard]] Result<FieldError> measure_field_error(const mesh::Mesh& mesh, const field::ScalarField& field,
                                                      const extract::ExtractOptions& extracted,
                                                      const FieldErrorOptions& options, const Context& context);
 
-// What that takes at least beside the mesh, with so many triangles of it and of the isosurface in whole cells.
+// Returns the least memory that measure_field_error() needs beside the mesh, for a mesh and an isosurface (in whole
+// cells) of these sizes.
 [[nodiscard]] std::uint64_t field_error_bytes(std::uint64_t mesh_triangles, std::uint64_t surface_triangles);
 
 }  // namespace isoextract::accuracy

@@ -1,4 +1,4 @@
-// How far apart float32 numbers are, and by which coordinate that goes at a point.
+// The spacing of float32 numbers, and the coordinate that sets it for a point.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace isoextract::accuracy {
 
-// From the float32 number `size` (not negative, finite) to the next larger one.
+// Returns the distance from the float32 number `size` (finite, not negative) to the next larger one.
 [[nodiscard]] inline double float_spacing(double size) {
   constexpr int kDigits = std::numeric_limits<float>::digits;
   constexpr int kLowest = std::numeric_limits<float>::min_exponent - 1;  // subnormal numbers keep this spacing
@@ -17,7 +17,7 @@ namespace isoextract::accuracy {
   return std::ldexp(1.0, std::max(exponent, kLowest) - (kDigits - 1));
 }
 
-// Of the three without their signs: what the spacing at a point goes by.
+// Returns the largest absolute coordinate, which sets the spacing at a point.
 [[nodiscard]] inline double largest_coordinate(const glm::dvec3& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }

@@ -23,12 +23,12 @@ IndexMesh::IndexMesh(const mesh::Mesh& mesh, const field::ScalarField& field, co
   }
   extract::ExtractOptions placed = extracted;
   placed.output_from_index = output_from_index_;
-  // Half of what keeps vertices off the ends of their edges: closer than that only rounding brings them.
+  // Half the margin that keeps vertices off edge ends: closer ones come from rounding only.
   tolerance_ = extract::output_frame(field, placed, samples, region).margin() / 2;
   const bool always_closed = extract::method_info(extracted.method).traits.always_closed;
   if (!extracted.cap && !always_closed) return;
   std::optional<field::IndexBox> cap = extracted.region;
-  // Unbounded samples have no other border.
+  // Only dense samples have a boundary besides the region.
   if (std::holds_alternative<field::DenseSamples>(from.samples)) {
     const field::IndexBox all = from.extents();
     cap = cap ? field::IndexBox{glm::max(all.min, cap->min), glm::min(all.max, cap->max)} : all;

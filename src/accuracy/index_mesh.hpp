@@ -1,4 +1,4 @@
-// A mesh seen in the index space of the field it came from.
+// A mesh seen in the index space of its field.
 #pragma once
 
 #include <algorithm>
@@ -18,15 +18,15 @@ namespace isoextract::accuracy {
 
 class IndexMesh {
  public:
-  // `extracted` is how `mesh` was extracted from `field`, or from `grid` if there is one, which resample() made of
-  // `field`. The mesh must outlive this.
+  // `mesh` was extracted with options `extracted` from `field`, or from `grid`, which resample() made of `field`. The
+  // mesh must outlive this object.
   IndexMesh(const mesh::Mesh& mesh, const field::ScalarField& field, const extract::ExtractOptions& extracted,
             const field::ScalarField* grid = nullptr);
 
-  // What places the mesh, from the indices of `field`.
+  // The map from indices of `field` to the mesh's coordinates.
   [[nodiscard]] const field::Affine& output_from_index() const { return output_from_index_; }
 
-  // The two large numbers of a far-away frame are subtracted first.
+  // Returns a vertex in index space. Subtracts the two large offsets of a far-away frame first, to keep precision.
   [[nodiscard]] glm::dvec3 vertex(std::size_t v) const {
     return index_from_local_ * (glm::dvec3(mesh_.positions[v]) + local_offset_);
   }
@@ -35,22 +35,22 @@ class IndexMesh {
     return {vertex(t.x), vertex(t.y), vertex(t.z)};
   }
 
-  // Twice the triangle's area in the mesh's own coordinates, along its normal.
+  // Returns the triangle's normal in the mesh's coordinates, with twice its area as length.
   [[nodiscard]] glm::dvec3 area_vector(const std::array<glm::dvec3, 3>& corners) const {
     const glm::dmat3& linear = output_from_index_.linear;
     return glm::cross(linear * (corners[1] - corners[0]), linear * (corners[2] - corners[0]));
   }
 
-  // Caps lie in the planes of these as well, which are in the mesh's coordinates. They must outlive this.
+  // Also treats triangles in these planes (mesh coordinates) as caps. The planes must outlive this object.
   void add_caps(const CapPlaces& caps) { caps_ = caps; }
 
-  // Beyond the outermost samples that the mesh is of, where a method that always closes the surface puts some of it.
+  // Returns whether a point is beyond the outermost samples, where always-closed methods put triangles.
   [[nodiscard]] bool is_outside(const glm::dvec3& index) const {
     return closed_around_ && (glm::any(glm::lessThan(index, closed_around_->min - tolerance_)) ||
                               glm::any(glm::greaterThan(index, closed_around_->max + tolerance_)));
   }
 
-  // All corners in one face of the box that was capped, in the plane of a capped cut, or beyond one face of the
+  // Returns whether all corners lie in one face of the capped box, in one capped cut plane, or beyond one face of the
   // outermost samples.
   [[nodiscard]] bool is_cap(const std::array<glm::dvec3, 3>& corners) const {
     if (is_in_cut(corners)) return true;
@@ -67,10 +67,10 @@ class IndexMesh {
     return false;
   }
 
-  // For each vertex whether a triangle that is no cap uses it. The others stand on samples.
+  // Returns 1 for each vertex of a triangle that is no cap. Vertices of caps alone lie on samples.
   [[nodiscard]] std::vector<std::uint8_t> surface_vertices() const;
 
-  // At least two of the three indices are those of samples.
+  // Returns whether at least two of the three indices are integers, as on an axis-aligned grid edge.
   [[nodiscard]] bool on_axis_edge(const glm::dvec3& index) const {
     int on_samples = 0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -79,16 +79,15 @@ class IndexMesh {
     return on_samples >= 2;
   }
 
-  // How far the margin at the ends of edges and float32 rounding together move a vertex at most, in the mesh's
-  // coordinates.
+  // Returns how far the margin at edge ends and float32 rounding together can move a vertex, in the mesh's coordinates.
   [[nodiscard]] double rounding() const {
-    constexpr double kMarginAndRounding = 9.0 / 8;  // of the margin, which is eight times the rounding
+    constexpr double kMarginAndRounding = 9.0 / 8;  // relative to the margin, which is eight times the rounding
     const glm::dmat3& linear = output_from_index_.linear;
     const double longest = std::max({glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])});
     return kMarginAndRounding * 2 * tolerance_ * longest;
   }
 
-  // About how long a voxel is in the mesh's coordinates: the side of a cube of its volume.
+  // Returns the approximate length of a voxel in the mesh's coordinates: the side of a cube of its volume.
   [[nodiscard]] double voxel() const { return std::cbrt(std::abs(output_from_index_.determinant())); }
 
  private:
@@ -107,7 +106,7 @@ class IndexMesh {
       return std::ranges::all_of(placed, in_plane) && (caps_.moved == 0 || is_along(placed, cut.normal));
     });
   }
-  // Whether the triangle faces along the unit vector, or against it, but for 25 degrees.
+  // Returns whether the normal is within 25 degrees of the unit vector or its opposite.
   [[nodiscard]] static bool is_along(const std::array<glm::dvec3, 3>& corners, const glm::dvec3& direction) {
     const glm::dvec3 vector = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
     return std::abs(glm::dot(vector, direction)) >= 0.9 * glm::length(vector);
@@ -117,9 +116,9 @@ class IndexMesh {
   field::Affine output_from_index_;
   glm::dmat3 index_from_local_;
   glm::dvec3 local_offset_;
-  double tolerance_;  // how far from its place rounding may bring a vertex, in voxels
+  double tolerance_;  // how far rounding may move a vertex, in voxels
   std::optional<field::Box> cap_;
-  std::optional<field::Box> closed_around_;  // of methods that always close the surface: the outermost samples
+  std::optional<field::Box> closed_around_;  // outermost samples, for always-closed methods
   CapPlaces caps_;
 };
 

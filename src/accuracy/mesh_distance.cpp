@@ -16,11 +16,11 @@
 namespace isoextract::accuracy {
 namespace {
 
-// The ends of the ranges follow from the size alone, and with them every hint.
+// Range ends depend on the size alone, and so do all search hints.
 constexpr std::size_t kGrain = 512;
 
-// Two coordinates in the unit square for the n-th sample, spread evenly: the sequence R2 of M. Roberts, The
-// unreasonable effectiveness of quasirandom sequences (2018).
+// Returns the n-th of evenly spread points in the unit square: the sequence R2 of M. Roberts, The unreasonable
+// effectiveness of quasirandom sequences (2018).
 glm::dvec2 spread(std::uint64_t n) {
   constexpr double kPlastic = 1.32471795724474602596;
   const double k = static_cast<double>(n + 1);
@@ -28,8 +28,8 @@ glm::dvec2 spread(std::uint64_t n) {
   return {fraction(k / kPlastic), fraction(k / (kPlastic * kPlastic))};
 }
 
-// For one triangle of so many: what all of them may take together, and enough for one to come to an end where its own
-// surroundings alone matter.
+// Returns the limit of tree leaves for one triangle of so many: a share of the total, but enough for a triangle that
+// depends only on its surroundings.
 std::size_t most_leaves(std::size_t triangles) {
   constexpr std::size_t kTogether = std::size_t{1} << 26;
   constexpr std::size_t kLeast = std::size_t{1} << 16;
@@ -37,7 +37,7 @@ std::size_t most_leaves(std::size_t triangles) {
   return std::clamp(kTogether / std::max<std::size_t>(triangles, 1), kLeast, kMost);
 }
 
-// A's side of the comparison: its points in the frame of B's tree.
+// One direction of the comparison: the points of A in the frame of B's tree.
 class Direction {
  public:
   Direction(const mesh::Mesh& a, const mesh::Mesh& b, const mesh::TriangleTree& tree, const DistanceOptions& options,
@@ -55,7 +55,7 @@ class Direction {
                  .most_leaves = most_leaves(a.triangles.size())},
                 context) {}
 
-  // What it takes at most, with the tree of B, and the samples that outlive it.
+  // Returns the peak memory, with the tree of B and with the samples, which outlive this object.
   [[nodiscard]] static std::uint64_t bytes(const mesh::Mesh& a, const mesh::Mesh& b, const DistanceOptions& options) {
     return mesh::TriangleTree::bytes(b.triangles.size()) + triangles_in_both_bytes(a, b) +
            mesh::GreatestDistanceSearch::bytes(a.positions.size(), a.triangles.size()) +
@@ -79,7 +79,7 @@ class Direction {
  private:
   [[nodiscard]] glm::dvec3 point(std::uint32_t vertex) const { return glm::dvec3(a_.positions[vertex]) + shift_; }
 
-  // Sample k stands for the k-th of equal shares of the area, so the samples have equal weights.
+  // Sample k represents the k-th of equal shares of the area, so all samples have equal weight.
   void measure_samples() {
     if (options_.samples == 0) return;
     std::vector<double> area_up_to(a_.triangles.size() + 1, 0.0);
@@ -120,7 +120,7 @@ class Direction {
   const mesh::TriangleTree& tree_;
   const DistanceOptions& options_;
   glm::dvec3 shift_;
-  std::vector<char> in_both_;  // of A's triangles: B has it as well
+  std::vector<char> in_both_;  // 1: B has the triangle of A, too
   std::vector<double> samples_;
   mesh::GreatestDistanceSearch search_;
 };

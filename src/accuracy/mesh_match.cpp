@@ -18,7 +18,7 @@
 namespace isoextract::accuracy {
 namespace {
 
-// The largest local and the largest world coordinates of a mesh, without sign.
+// The largest absolute local and world coordinates of a mesh.
 struct Reach {
   double local = 0;
   glm::dvec3 world{0.0};
@@ -48,7 +48,7 @@ glm::dvec3 near_enough(const mesh::Mesh& written, const mesh::Mesh& extracted, b
   return allowed;
 }
 
-// The greatest power of two that all world coordinates of a mesh are multiples of; 0 where all are 0.
+// Returns the largest power of two of which all world coordinates are multiples; 0 if all are 0.
 double step_of(const mesh::Mesh& mesh) {
   int least = std::numeric_limits<int>::max();
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
@@ -65,19 +65,19 @@ double step_of(const mesh::Mesh& mesh) {
   return least == std::numeric_limits<int>::max() ? 0 : std::ldexp(1.0, least);
 }
 
-// Space as boxes, sixteen times as wide as what is near enough: few vertices are near to another box than their own.
+// Divides space into boxes sixteen times as wide as the limit, so few vertices are near a neighboring box.
 class Cells {
  public:
   Cells(const glm::dvec3& allowed, const glm::dvec3& centre, double reach, std::size_t vertices)
       : size_(16.0 * allowed), centre_(centre) {
-    // A bucket holds a block of 2^shift cells a side: then meshes, which have neighbours near each other, find them in
-    // the cache. It is about as wide as four edges of a surface of so many vertices.
+    // A bucket holds a block of 2^shift cells a side, about four edges of such a surface wide: neighbors in the mesh
+    // are then neighbors in the cache.
     const double edges = 4 * reach / std::sqrt(static_cast<double>(vertices) + 1);
     while (shift_ < kMaxShift && std::ldexp(largest_coordinate(size_), shift_ + 1) <= edges) ++shift_;
     buckets_ = vertices / 16 + 1;
   }
 
-  // All that is far beyond the extracted mesh, which reaches through about 2^20 cells, is one cell.
+  // The extracted mesh spans about 2^20 cells; everything far beyond it falls into one cell.
   [[nodiscard]] glm::ivec3 of(const glm::dvec3& place) const {
     constexpr double kFarthest = 0x1p30;
     return glm::ivec3(glm::clamp(glm::floor((place - centre_) / size_), -kFarthest, kFarthest));
@@ -96,15 +96,15 @@ class Cells {
   std::size_t buckets_ = 1;
 };
 
-// Vertices by the float32 numbers that their file has, or would have.
+// Vertices by the float32 numbers that their file has or would have.
 class Places {
  public:
-  // With a step, rounded to its multiples.
+  // Rounds to multiples of `step`, if that is not 0.
   Places(const mesh::Mesh& mesh, bool float32_world, double step)
       : stored_(mesh.positions.span()), origin_(mesh.origin) {
     if (!float32_world && step == 0) return;
-    // Rounded in a pass of its own: where they become double again in the same expression, GCC 12 may leave the
-    // rounding out (-ftree-slp-vectorize).
+    // A separate pass: if the value becomes double again in the same expression, GCC 12 may drop the rounding
+    // (-ftree-slp-vectorize).
     rounded_ = Buffer<glm::vec3>(mesh.positions.size());
     const auto on_lattice = [&](const glm::dvec3& place) { return step * glm::floor(place / step + 0.5); };
     origin_ = step == 0 ? glm::dvec3(0) : on_lattice(mesh.origin);
@@ -138,13 +138,13 @@ mesh::Buckets<PlacedVertex> by_cell(const Places& places, const Cells& cells) {
   return {places.size(), cells.buckets(), [&](std::size_t v, const auto& put) {
             const glm::vec3& stored = places.stored(v);
             const glm::dvec3 place = places.place(stored);
-            if (!std::isfinite(place.x + place.y + place.z)) return;  // is nowhere, and matches nothing
+            if (!std::isfinite(place.x + place.y + place.z)) return;  // NaN and infinity match nothing
             const glm::ivec3 cell = cells.of(place);
             put(cells.bucket_of(cell), PlacedVertex{cell, stored, static_cast<std::uint32_t>(v)});
           }};
 }
 
-// For each vertex the first one at the very same place; kNoName where that is nowhere.
+// Returns for each vertex the first one at exactly the same place; kNoName if not finite.
 Buffer<std::uint32_t> first_at_place(const mesh::Buckets<PlacedVertex>& buckets, std::size_t vertices) {
   Buffer<std::uint32_t> first(vertices);
   std::fill(first.begin(), first.end(), kNoName);
@@ -160,10 +160,10 @@ Buffer<std::uint32_t> first_at_place(const mesh::Buckets<PlacedVertex>& buckets,
 
 struct Nearest {
   std::uint32_t vertex = kNoName;
-  double share = std::numeric_limits<double>::infinity();  // of what is allowed, along the axis where that is largest
+  double share = std::numeric_limits<double>::infinity();  // of the limit, along the axis where it is largest
 };
 
-// The nearest vertex within `allowed` along each axis; of two as near the first.
+// Returns the nearest vertex within `allowed` along each axis; the first of equally near ones.
 Nearest nearest_to(const glm::dvec3& place, const glm::dvec3& allowed, const Places& places, const Cells& cells,
                    const mesh::Buckets<PlacedVertex>& buckets) {
   Nearest nearest;
@@ -219,7 +219,7 @@ Result<MeshMatch> match_meshes(const mesh::Mesh& written, const mesh::Mesh& extr
     nearest[v] =
         their_names[v] == v ? nearest_to(written.position(v), result.allowed, ours, cells, our_buckets) : Nearest{};
   });
-  // One to one: of those that want the same vertex the nearest has it, and the others none.
+  // One to one: the nearest of several candidates gets the vertex, the others get none.
   Buffer<std::uint32_t> taken_by(extracted.positions.size());
   std::fill(taken_by.begin(), taken_by.end(), kNoName);
   for (std::uint32_t v = 0; v < nearest.size(); ++v) {

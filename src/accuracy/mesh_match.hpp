@@ -1,24 +1,23 @@
-// A mesh that was written to a file against the mesh that its field gives: the same triangles, or not.
+// Compares a mesh read from a file with the mesh extracted from its field: are the triangles the same?
 //
-// The file has no edge keys, and its vertices may stand in any order: they are matched by their place. On each side
-// vertices at the very same place count as one, for a format without connectivity cannot tell them apart. Every vertex
-// of the file is matched with the nearest one of the extraction, if that is near enough along each axis, and no two
-// with the same one.
+// The file has no edge keys and its vertices may be in any order, so vertices are matched by place. In each mesh,
+// vertices at exactly the same place count as one, because formats without connectivity cannot tell them apart. Each
+// file vertex is matched with the nearest extracted vertex within a limit along each axis; the match is one to one.
 //
-// Near enough is the sum of what the way through a file may cost a coordinate:
-// - kStabilityUlps of the local coordinates, for another backend may have written the file;
-// - where the format has float32 world coordinates only (STL), and the mesh an origin of its own: the coordinates are
-//   rounded here as they were when they were written, so that they are the same again, but a coordinate of another
-//   backend may have gone to the next float32 number: one spacing of the world coordinates;
-// - the reader makes float32 numbers of coordinates in double, relative to an origin that it chooses: half a spacing of
-//   those, unless the origin is the extraction's own (then the file had the very numbers);
-// - sums in double: a few roundings of the world coordinates;
-// - where positions were quantised, to multiples of a power of two (mesh_io/mesh_packing.hpp): the extraction's are
-//   rounded here to the same, and those of another backend may have gone to the next one: one step.
-// The extractors keep vertices of different edges at least four ulps of the local coordinates apart (OutputFrame), so
-// that the nearest one is the right one; only STL far from the origin of the world may hold less than that. Nothing
-// keeps vertices apart that are not on edges (MethodTraits): of two that are nearer than that, one may count as
-// missing.
+// The limit is the sum of what writing and reading can cost a coordinate:
+// - kStabilityUlps of the local coordinates, as another backend may have written the file.
+// - One float32 spacing of the world coordinates, if the format stores only float32 world coordinates (STL) and the
+//   mesh has its own origin. The extracted coordinates are rounded likewise here, but another backend's may have
+//   rounded to a neighbor.
+// - Half a float32 spacing of the reader's local coordinates: the reader converts doubles to float32 relative to its
+//   own origin. Not if the origins are equal, as then the file has the exact numbers.
+// - A few roundings of the world coordinates, for sums in double.
+// - One step, if positions were quantized to multiples of a power of two (mesh_io/mesh_packing.hpp). The extracted ones
+//   are quantized likewise here, but another backend's may have gone to the next step.
+//
+// Extractors keep vertices of different edges at least four ulps of the local coordinates apart (OutputFrame), so the
+// nearest vertex is the right one; only STL far from the world origin may resolve less. Vertices that are not on edges
+// (MethodTraits) can be closer: one of two such vertices may then count as missing.
 #pragma once
 
 #include <array>
@@ -35,25 +34,25 @@
 namespace isoextract::accuracy {
 
 struct MeshMatch {
-  // Of the written and of the extracted mesh.
+  // For the written and for the extracted mesh.
   std::array<std::uint64_t, 2> vertices{};
-  std::uint64_t matched = 0;                     // places that both have a vertex at
-  std::array<std::uint64_t, 2> vertices_only{};  // places that only this mesh has a vertex at
+  std::uint64_t matched = 0;                     // places where both meshes have a vertex
+  std::array<std::uint64_t, 2> vertices_only{};  // places where only this mesh has a vertex
   std::array<std::optional<glm::dvec3>, 2> vertex_example{};
   TriangleDifference triangles;
-  // Of matched vertices, along each axis, in the unit of the mesh.
-  glm::dvec3 allowed{0.0};   // what is near enough
-  glm::dvec3 distance{0.0};  // of the pair that uses the largest share of it along one of the axes
-  glm::dvec3 farthest{0.0};  // where that is
+  // For matched vertices, along each axis, in the mesh's unit.
+  glm::dvec3 allowed{0.0};   // the limit
+  glm::dvec3 distance{0.0};  // of the pair that uses most of the limit along an axis
+  glm::dvec3 farthest{0.0};  // place of that pair
 };
 
-// `float32_world`: the file's format has float32 world coordinates only. `quantised`: its positions were quantised.
-// Fails with ErrorCode::input if matching needs more memory than there is.
+// Matches the meshes. `float32_world`: the file's format has float32 world coordinates only. `quantised`: its positions
+// were quantized. Fails with ErrorCode::out_of_memory if memory is short.
 [[nodiscard]] Result<MeshMatch> match_meshes(const mesh::Mesh& written, const mesh::Mesh& extracted, bool float32_world,
                                              const Context& context, bool quantised = false);
 
-// What differs, a sentence without its full stop each; none if they are the same. `names` are what the meshes are
-// called.
+// Returns one sentence (without full stop) for each difference, none if the meshes are equal. `names` are the names of
+// the meshes.
 [[nodiscard]] std::vector<std::string> differences(const MeshMatch& match, const MeshNames& names);
 
 }  // namespace isoextract::accuracy

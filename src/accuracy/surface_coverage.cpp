@@ -10,7 +10,7 @@
 namespace isoextract::accuracy {
 namespace {
 
-// 1 for each that has a vertex where the mesh was kept.
+// Returns 1 for each component with a vertex inside `clipped`.
 std::vector<std::uint8_t> components_kept(const mesh::Mesh& surface, const mesh::Components& components,
                                           std::span<const mesh::HalfSpace> clipped) {
   std::vector<std::uint8_t> counts(components.count(), clipped.empty() ? 1 : 0);
@@ -21,7 +21,7 @@ std::vector<std::uint8_t> components_kept(const mesh::Mesh& surface, const mesh:
   return counts;
 }
 
-// Those that a vertex of `mesh` is nearest to.
+// Counts the components that are nearest to a vertex of `mesh`.
 std::uint64_t count_found(const mesh::Mesh& mesh, const mesh::Mesh& surface, const mesh::TriangleTree& tree,
                           const mesh::Components& components, std::span<const std::uint8_t> counts,
                           const Context& context) {

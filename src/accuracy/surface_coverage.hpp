@@ -1,9 +1,8 @@
-// What a mesh has lost of the isosurface of its data, and how far that is from the mesh. A mesh may be near to the
-// isosurface everywhere and lack half of it: the distances from the mesh say nothing of a part that has no triangle.
+// Measures which parts of the isosurface a mesh lacks, and how far the isosurface is from the mesh. A mesh may be close
+// to the isosurface everywhere and still lack half of it: distances from the mesh do not show a part without triangles.
 //
-// A component of the isosurface counts as lost where no vertex of the mesh is nearer to it than to every other
-// component: that needs no distance to be chosen, and a small component beside a large one is not taken for there
-// because the large one is near.
+// A component of the isosurface counts as lost if no vertex of the mesh is nearer to it than to all other components.
+// This needs no distance limit, and a small component beside a large one is not mistaken for found.
 #pragma once
 
 #include <cstdint>
@@ -18,21 +17,23 @@
 namespace isoextract::accuracy {
 
 struct SurfaceCoverage {
-  ErrorStatistics distances;     // from points on the isosurface to the mesh, by area; without points where it has none
-  Length max_at_most;            // no point of the isosurface is farther: distances.max is that of points alone
-  std::uint64_t components = 0;  // of the isosurface
-  std::uint64_t lost = 0;        // of these
+  // From points on the isosurface to the mesh, weighted by area; no points if the isosurface or the mesh is empty.
+  ErrorStatistics distances;
+  // Upper bound for all points of the isosurface; distances.max covers the measured points only
+  Length max_at_most;
+  std::uint64_t components = 0;  // components of the isosurface
+  std::uint64_t lost = 0;        // those that the mesh lacks
 };
 
-// Sets the counts. `surface` is the isosurface in whole cells, and `tree` is made of it where it has triangles. Of a
-// mesh that was cut, `clipped` says what was kept, and nothing else counts. Takes coverage_bytes(), the caller's to
-// reserve.
+// Sets the counts of `coverage`. `surface` is the isosurface in whole cells; `tree` contains its triangles, null if
+// there are none. Only components with a vertex inside `clipped` count, if the mesh was clipped. Uses coverage_bytes()
+// of memory, which the caller reserves.
 void count_components(const mesh::Mesh& mesh, const mesh::Mesh& surface, const mesh::TriangleTree* tree,
                       std::span<const mesh::HalfSpace> clipped, const Context& context, SurfaceCoverage& coverage);
 
 [[nodiscard]] std::uint64_t coverage_bytes(std::uint64_t vertices, std::uint64_t triangles);
 
-// Whether a point of the mesh's coordinates is in what was kept.
+// Returns whether a point in the mesh's coordinates is inside all half-spaces.
 [[nodiscard]] bool is_kept(const glm::dvec3& p, std::span<const mesh::HalfSpace> clipped);
 
 }  // namespace isoextract::accuracy

@@ -14,7 +14,7 @@ namespace {
 
 std::tuple<std::uint32_t, std::uint32_t, std::uint32_t> ordered(const glm::uvec3& t) { return {t.x, t.y, t.z}; }
 
-// A triangle by names; of its three rotations the first in order.
+// Returns the names of a triangle, starting with the rotation that sorts first.
 std::optional<glm::uvec3> named(const NamedMesh& mesh, std::size_t triangle) {
   glm::uvec3 names;
   for (int corner = 0; corner < 3; ++corner) {
@@ -26,7 +26,7 @@ std::optional<glm::uvec3> named(const NamedMesh& mesh, std::size_t triangle) {
   return *std::ranges::min_element(rotations, {}, ordered);
 }
 
-// What is left of a triangle in the bucket of its first name.
+// The other two names of a triangle; its bucket is the first name.
 struct Rest {
   glm::uvec2 names;
   std::uint64_t triangle;
@@ -76,7 +76,7 @@ void add_difference(std::span<const Rest> a, std::span<const Rest> b, Sums& sums
   }
 }
 
-// Corners that are not there have no place.
+// Nonexistent corners become NaN.
 std::array<glm::dvec3, 3> corners_of(const mesh::Mesh& mesh, std::uint64_t triangle) {
   std::array<glm::dvec3, 3> corners;
   for (int c = 0; c < 3; ++c) {

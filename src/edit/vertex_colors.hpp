@@ -30,12 +30,12 @@ struct ValueColors {
 };
 
 // Adds colors by a float32 attribute that the mesh must have; of several components, by their length. Without `range`
-// uses the range of the finite values. Fails with ErrorCode::input if memory is short.
+// uses the range of the finite values. Fails with ErrorCode::out_of_memory if memory is short.
 [[nodiscard]] Result<ValueColors> color_by_values(mesh::Mesh& mesh, const std::string& attribute, Colormap map,
                                                   const std::optional<ValueRange>& range, ColorStorage storage,
                                                   const Context& context);
 
-// Gives all vertices one color, in sRGB, as u8. Fails with ErrorCode::input if memory is short.
+// Gives all vertices one color, in sRGB, as u8. Fails with ErrorCode::out_of_memory if memory is short.
 [[nodiscard]] Result<void> color_all(mesh::Mesh& mesh, const glm::dvec3& color, const Context& context);
 
 }  // namespace isoextract::edit

@@ -1,4 +1,4 @@
-// From points on the isosurface to a mesh.
+// Measures distances from points on the isosurface to a mesh.
 #pragma once
 
 #include <functional>
@@ -18,7 +18,7 @@ using FieldFoot = SurfaceFoot<field::Interpolant::Cursor>;
 
 struct BackSums {
   ErrorAccumulator distances;
-  double at_most = 0;  // no point of the isosurface is farther, in the mesh's units
+  double at_most = 0;  // upper bound for all points of the isosurface, in the mesh's units
 
   void merge(const BackSums& other) {
     distances.merge(other.distances);
@@ -28,13 +28,13 @@ struct BackSums {
 
 class BackMeasurement {
  public:
-  // `tree` is made of `mesh`, which `placed` sees in index space; `clipped` says what was kept of it.
+  // `tree` contains `mesh`, which `placed` shows in index space; `clipped` are the half-spaces it was clipped to.
   BackMeasurement(const mesh::Mesh& mesh, const mesh::TriangleTree& tree, const IndexMesh& placed,
                   std::span<const mesh::HalfSpace> clipped);
 
-  // Adds the distances of vertices and centers of the triangles of `surface` whose centers `counts` takes, by area. The
-  // centers are moved onto the isosurface. What is between these points is bounded by distances of whole triangles to
-  // one triangle of the mesh, which are greatest at a corner, and by the distance from the nearest corner.
+  // Adds the distances of the triangles of `surface` whose centers `counts` accepts: at their vertices and at their
+  // centers, moved onto the isosurface, weighted by area. Between these points, at_most bounds the distance of the
+  // whole triangle: to one triangle of the mesh, where it is greatest at a corner, or through the nearest corner.
   void measure(const SubdividedSurface& surface, FieldFoot& foot, double reach,
                const std::function<bool(const glm::dvec3& index)>& counts, BackSums& sums) const;
 

@@ -1,4 +1,4 @@
-// What lies in each brick of cells, for work that goes over a mesh and the field around it brick by brick.
+// Groups members of a mesh by bricks of cells, for work that visits mesh and field brick by brick.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ struct BrickMember {
   [[nodiscard]] auto order() const { return std::tuple(brick.z, brick.y, brick.x, id); }
 };
 
-// The members 0 to count - 1 in the order of their bricks, which `brick_of` names.
+// Returns the members 0 to count - 1, sorted by brick; brick_of(i) gives the brick of member i.
 template <class BrickOf>
 [[nodiscard]] std::vector<BrickMember> members_by_brick(std::size_t count, const BrickOf& brick_of) {
   std::vector<BrickMember> members(count);
@@ -37,7 +37,7 @@ template <class BrickOf>
   return members;
 }
 
-// The members of one brick.
+// Returns the members of one brick.
 [[nodiscard]] inline std::span<const BrickMember> members_of(const std::vector<BrickMember>& members,
                                                              const glm::ivec3& brick) {
   const auto key = [](const BrickMember& member) { return std::tuple(member.brick.z, member.brick.y, member.brick.x); };
@@ -45,13 +45,13 @@ template <class BrickOf>
   return {std::ranges::lower_bound(members, wanted, {}, key), std::ranges::upper_bound(members, wanted, {}, key)};
 }
 
-// A brick, and how many triangles of the isosurface are in it.
+// A brick, and the number of isosurface triangles in it.
 struct BrickCount {
   glm::ivec3 brick{0};
   std::uint64_t triangles = 0;
 };
 
-// Sorts bricks, and leaves each once, with the sum of its counts.
+// Sorts the bricks and merges duplicates, adding their counts.
 inline void join_bricks(std::vector<BrickCount>& bricks) {
   const auto key = [](const BrickCount& one) { return std::tuple(one.brick.z, one.brick.y, one.brick.x); };
   tbb::parallel_sort(bricks.begin(), bricks.end(),

@@ -1,11 +1,10 @@
-// A point of the surface where an interpolant is 0, near a position, found along the gradient.
+// Finds a point near a position where an interpolant is 0, along the gradient.
 //
-// At a point with the value r the first-order distance is |r| / |grad f|, with the gradient taken in the
-// mesh's coordinates: a covector, mapped by the inverse transpose of the transform. It is the first guess of a search
-// for the crossing itself along the gradient's line, no further than a voxel, and where that line leaves dense data,
-// along the data boundary from there. Where that finds nothing, or a point twice as far, the search goes also towards
-// those corners of the cell that are on the other side. What it finds is on the surface within the data, but need not
-// be the nearest point.
+// At a point with value r, the first-order distance is |r| / |grad f|. The gradient is taken in the mesh's coordinates:
+// it is a covector, mapped by the inverse transpose of the transform. This distance is the first guess of a search
+// along the gradient's line, up to one voxel; where the line leaves dense data, the search follows the data boundary.
+// If it finds nothing, or a point twice as far as the guess, the search also goes towards the cell corners of opposite
+// sign. The point found is on the surface and in the data, but need not be the nearest.
 #pragma once
 
 #include <algorithm>
@@ -22,12 +21,12 @@ namespace isoextract::accuracy {
 class GradientSearch {
  public:
   struct Found {
-    std::optional<glm::dvec3> step;  // to the surface
-    double guess = 0;                // the first-order distance, in voxels; infinite where the gradient is zero
-    bool is_nearest = false;         // no point of the surface is nearer by more than a fiftieth; not always known
+    std::optional<glm::dvec3> step;  // from the position to the surface
+    double guess = 0;                // first-order distance in voxels; infinite if the gradient is zero
+    bool is_nearest = false;         // true only if certain: no point of the surface is nearer by more than 2 %
   };
 
-  // `shortest`: the least length of a step of one voxel in the mesh's coordinates.
+  // `shortest` is the least length of a one-voxel step, in the mesh's coordinates.
   GradientSearch(const field::Interpolant& interpolant, const field::ScalarField& field, const glm::dmat3& linear,
                  double shortest)
       : interpolant_(interpolant), field_(interpolant), linear_(linear), shortest_(shortest) {
@@ -41,7 +40,8 @@ class GradientSearch {
     for (int axis = 0; axis < 3; ++axis) width_[axis] = 1 / std::sqrt(metric_[axis][axis]);
   }
 
-  // The surface ends with the data; the position may be beyond. Nothing where a sample beside it is not finite.
+  // Searches from `position`, which may be outside the data; the surface ends with the data. Returns nothing if a
+  // sample beside it is not finite.
   std::optional<Found> operator()(const glm::dvec3& position) {
     const glm::dvec3 index = glm::clamp(position, low_, high_);
     const glm::dvec3 shift = index - position;
@@ -58,14 +58,14 @@ class GradientSearch {
   static constexpr double kReach = 1;  // voxels
 
   struct FirstOrder {
-    glm::dvec3 direction{0.0};    // the unit step in index space along the world's gradient, towards the surface
-    double distance = kInfinity;  // in voxels; infinite where the gradient is zero
+    glm::dvec3 direction{0.0};    // unit step in index space along the world's gradient, towards the surface
+    double distance = kInfinity;  // in voxels; infinite if the gradient is zero
   };
 
   [[nodiscard]] FirstOrder first_order(const field::Interpolated& here) const {
     const double largest = largest_component(here.gradient);
     if (!(largest > 0)) return {};
-    // The gradient is scaled first: squares of very large or very small ones leave the range of double.
+    // Scales the gradient first: its square may leave the range of double.
     const glm::dvec3 gradient = here.gradient / largest;
     const double residual = here.value;
     const glm::dvec3 direction = glm::normalize(metric_ * gradient) * (residual > 0 ? -1.0 : 1.0);
@@ -87,8 +87,8 @@ class GradientSearch {
     return Found{found, first.distance, nearest};
   }
 
-  // No point of the surface within `reach` is nearer than that: the residual over the greatest slope there, which is
-  // that here and what second derivatives add. 0 where the other cells within that reach have their say.
+  // Returns a lower bound of the distance to the surface within `reach`: the residual divided by the largest slope,
+  // which is the slope here plus the effect of second derivatives. Returns 0 if `reach` extends into other cells.
   [[nodiscard]] double least_distance(const glm::dvec3& index, const field::Interpolated& here, double reach) {
     const glm::ivec3 cell = interpolant_.cell_of(index);
     const glm::dvec3 t = index - glm::dvec3(cell);
@@ -103,7 +103,7 @@ class GradientSearch {
     return std::abs(here.value) / (slope + *bend * reach / (shortest_ * shortest_));
   }
 
-  // How far along `step` the faces of the data are, the nearest of those that it leads to.
+  // Returns how far along `step` the data end.
   [[nodiscard]] double way_out(const glm::dvec3& index, const glm::dvec3& step) const {
     double nearest = kInfinity;
     for (int axis = 0; axis < 3; ++axis) {
@@ -113,7 +113,7 @@ class GradientSearch {
     return std::max(nearest, 0.0);
   }
 
-  // Along `step`, and where that leaves the data before the surface, along the face from there.
+  // Searches along `step`; if that leaves the data before it meets the surface, along the face from there.
   std::optional<glm::dvec3> search_in_data(const glm::dvec3& index, const glm::dvec3& step, double residual,
                                            double guess) {
     const double out = way_out(index, step);
@@ -136,7 +136,7 @@ class GradientSearch {
     return distance ? std::optional(border + *distance * slide - index) : std::nullopt;
   }
 
-  // On the way to a corner of the cell that is not on this side there is a crossing. Keeps the nearest.
+  // Searches towards the cell corners on the other side, where a crossing must lie. Keeps the nearest.
   void look_at_corners(const glm::dvec3& index, double residual, std::optional<glm::dvec3>& nearest) {
     glm::dvec3 cell = glm::floor(index);
     if (last_cell_) cell = glm::clamp(cell, glm::dvec3(0), glm::dvec3(*last_cell_));
@@ -151,8 +151,9 @@ class GradientSearch {
     }
   }
 
-  // The distance to the first change of sign from `index` along the unit vector `step`: just beyond the guess, or else
-  // an eighth of the reach further, and so on. Nothing if there is none within `limit`, or a sample is not finite.
+  // Returns the distance to the first change of sign from `index` along the unit vector `step`: first tried just beyond
+  // the guess, then in steps of an eighth of `reach`. Returns nothing if there is none within `limit`, or a sample is
+  // not finite.
   std::optional<double> search(const glm::dvec3& index, const glm::dvec3& step, double residual, double guess,
                                double reach, double limit) {
     const auto at = [&](double s) { return field_(index + s * step).value; };
@@ -176,8 +177,8 @@ class GradientSearch {
   field::Interpolant::Cursor field_;
   glm::dmat3 linear_;
   double shortest_;
-  glm::dvec3 width_{0.0};  // of a cell between two opposite faces, in the mesh's coordinates
-  glm::dmat3 metric_;      // from gradients in index space to index-space steps along the world's gradient
+  glm::dvec3 width_{0.0};  // of a cell between opposite faces, in the mesh's coordinates
+  glm::dmat3 metric_;      // maps gradients in index space to index-space steps along the world's gradient
   std::optional<glm::ivec3> last_cell_;  // dense data only; sparse data have no border
   glm::dvec3 low_{-kInfinity};
   glm::dvec3 high_{kInfinity};

@@ -1,4 +1,4 @@
-// The size of gradients before they are scaled: their squares may leave the range of double.
+// The size of a gradient before it is scaled; its square may leave the range of double.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace isoextract::accuracy {
 
-// Of the absolute components.
+// Returns the largest absolute component.
 [[nodiscard]] inline double largest_component(const glm::dvec3& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }

@@ -1,4 +1,4 @@
-// Points inside triangles, to integrate over them.
+// Integration points inside triangles.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 namespace isoextract::accuracy {
 
 struct TrianglePoint {
-  glm::dvec3 weights;  // barycentric: of the three corners
+  glm::dvec3 weights;  // barycentric
   double share;        // of the triangle's area
 
   [[nodiscard]] glm::dvec3 in(const std::array<glm::dvec3, 3>& corners) const {
@@ -17,7 +17,7 @@ struct TrianglePoint {
 };
 
 // Radon's rule, exact to degree five: "Zur mechanischen Kubatur", Monatshefte fuer Mathematik 52, 1948. All points are
-// inside, and one is the centroid, where a flat triangle on a curved surface is most wrong.
+// inside; one is the centroid, where a flat triangle on a curved surface has its largest error.
 inline constexpr std::array<TrianglePoint, 7> kTrianglePoints = [] {
   constexpr double kRoot15 = 3.87298334620741688517926539978;
   std::array<TrianglePoint, 7> points{};
@@ -34,17 +34,18 @@ inline constexpr std::array<TrianglePoint, 7> kTrianglePoints = [] {
   return points;
 }();
 
-// What one triangle is measured in without being divided has no longer side, in voxels: all that marching cubes makes.
+// Triangles with longer sides, in voxels, are divided. Those of marching cubes are not.
 inline constexpr double kLongestSide = 1.75;
 
 // A part of a triangle.
 struct TrianglePart {
-  std::array<glm::dvec3, 3> weights{glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)};  // of its corners
+  // barycentric, of the part's corners
+  std::array<glm::dvec3, 3> weights{glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)};
   double share = 1;
 };
 
-// Calls take(point) for points inside a triangle: kTrianglePoints of each part, halved across their longest sides until
-// no side is longer than `longest`. Shares and weights are those of the whole triangle.
+// Calls take(point) for kTrianglePoints of each part of a triangle. Parts are halved across their longest side until no
+// side is longer than `longest`. Shares and weights refer to the whole triangle.
 template <class Take>
 void for_each_point(const std::array<glm::dvec3, 3>& corners, double longest, const Take& take,
                     const TrianglePart& part = {}) {

@@ -14,10 +14,10 @@ namespace {
 
 using Corners = std::array<glm::dvec3, 3>;
 
-// In an order of their own, so that the same corners are the same array.
+// Sorts the corners, so that equal triangles give equal arrays.
 Corners corners_of(const mesh::Mesh& mesh, std::size_t triangle, const glm::dvec3& shift) {
   Corners corners;
-  // The second sum makes 0 of -0.
+  // The second sum turns -0 into 0.
   for (int c = 0; c < 3; ++c) {
     corners[static_cast<std::size_t>(c)] =
         glm::dvec3(mesh.positions[mesh.triangles[triangle][c]]) + shift + glm::dvec3(0.0);

@@ -1,4 +1,4 @@
-// The triangles that two meshes have in common, by places.
+// Finds the triangles that two meshes have in common, by position.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,12 @@
 
 namespace isoextract::accuracy {
 
-// One entry a triangle of `a`, moved by `shift`: 1 where `b` has a triangle with the very same corners, in any order
-// and with any winding; else 0. No point of such a triangle is away from `b`, and no rounding of distances says
-// otherwise. Positions are finite. The same for any number of threads.
+// Returns for each triangle of `a`, moved by `shift`, 1 if `b` has a triangle with exactly the same corners in any
+// order and winding, else 0. Such a triangle is at distance 0 from `b`, whatever rounding says. Positions must be
+// finite. Does not depend on the number of threads.
 [[nodiscard]] std::vector<char> triangles_in_both(const mesh::Mesh& a, const mesh::Mesh& b, const glm::dvec3& shift);
 
-// What that takes in memory.
+// Returns the memory that triangles_in_both() uses.
 [[nodiscard]] std::uint64_t triangles_in_both_bytes(const mesh::Mesh& a, const mesh::Mesh& b);
 
 }  // namespace isoextract::accuracy

@@ -9,7 +9,8 @@
 namespace isoextract::accuracy {
 namespace {
 
-// The values at the corners of the parts, x fastest; NaN where the surface does not pass. Empty if that is everywhere.
+// Returns the values at the corners of the parts, x fastest; NaN in cells without surface. Empty if no cell has
+// surface.
 std::vector<double> sample_parts(field::Interpolant::Cursor& field, const field::IndexBox& cells,
                                  const Subdivision& how, const glm::ivec3& dims) {
   std::vector<double> values;

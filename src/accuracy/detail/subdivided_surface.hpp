@@ -1,8 +1,8 @@
-// The surface where an interpolant is 0, within a box of cells, as triangles that are small beside the cells.
+// The zero surface of an interpolant in a box of cells, as triangles much smaller than the cells.
 //
-// Each cell that the surface may cross is divided into equal parts, and marching cubes on the interpolant's values at
-// their corners gives the triangles. A trilinear interpolant is linear along the axes, so their vertices are on its
-// surface; in between they are nearer to it than those of whole cells by the square of the number of parts.
+// Each cell that the surface may cross is divided into equal parts. Marching cubes on the interpolant's values at their
+// corners gives the triangles. A trilinear interpolant is linear along the axes, so vertices lie on its surface;
+// between them, the error falls with the square of the number of parts.
 #pragma once
 
 #include <cstdint>
@@ -19,26 +19,26 @@ namespace isoextract::accuracy {
 
 struct Subdivision {
   field::FieldKind kind = field::FieldKind::density;
-  glm::dmat3 linear{1.0};  // index steps to steps in the mesh's coordinates
+  glm::dmat3 linear{1.0};  // maps index steps to steps in the mesh's coordinates
   int parts = 2;           // of a cell along an axis; at least 2
 };
 
 class SubdividedSurface {
  public:
-  // `cells` holds the lowest samples of the cells; all of their samples are in the data. A cell whose polynomial
-  // depends on a sample that is not finite has no surface. Fails as an extraction does.
+  // Builds the surface in `cells`, given by their lowest samples; all samples of the cells must be in the data. Skips
+  // cells whose polynomial uses a non-finite sample. Fails as an extraction does.
   [[nodiscard]] static Result<SubdividedSurface> make(field::Interpolant::Cursor& field, const field::IndexBox& cells,
                                                       const Subdivision& how);
 
-  // About what making one of so many cells along an axis takes, with its tree, where the cells have `triangles` as a
-  // whole; the caller's to reserve.
+  // Returns about the memory of a surface with this many cells along an axis, its tree included. `triangles` is the
+  // number for whole cells. The caller reserves it.
   [[nodiscard]] static std::uint64_t bytes(int cells, int parts, std::uint64_t triangles);
 
   [[nodiscard]] const mesh::Mesh& mesh() const { return mesh_; }
-  // Made on first use; only where there are triangles.
+  // Builds the tree on first use. Requires triangles.
   [[nodiscard]] const mesh::TriangleTree& tree();
 
-  // From index space into the frame of the positions and of the tree, and back.
+  // Map between index space and the frame of the positions and of the tree.
   [[nodiscard]] glm::dvec3 local(const glm::dvec3& index) const { return linear_ * (index - anchor_) - mesh_.origin; }
   [[nodiscard]] glm::dvec3 index(const glm::dvec3& local) const {
     return index_from_local_ * (local + mesh_.origin) + anchor_;

@@ -1,4 +1,4 @@
-// From near the surface of a function onto it, and along it to the foot of a point.
+// Finds surface points: from a point near the surface onto it, and along it to the foot of a point.
 #pragma once
 
 #include <algorithm>
@@ -13,19 +13,18 @@
 
 namespace isoextract::accuracy {
 
-// `Function` gives `value` and `gradient` at a point in its own coordinates, and may keep what it looked at last.
+// `Function` returns `value` and `gradient` at a point in its own coordinates; it may cache.
 template <class Function>
 class SurfaceFoot {
  public:
-  // `linear` takes steps to the coordinates in which distances are measured. There is no surface outside the box.
+  // `linear` maps steps to the coordinates in which distances are measured. Outside the box there is no surface.
   SurfaceFoot(Function function, double iso, const glm::dmat3& linear, const glm::dvec3& low, const glm::dvec3& high)
       : function_(std::move(function)), iso_(iso), linear_(linear), low_(low), high_(high) {
     const glm::dmat3 inverse = glm::inverse(linear);
     metric_ = inverse * glm::transpose(inverse);
   }
 
-  // A point of the surface, no farther from `start` than `reach`: Newton's method along the gradient. Nothing where
-  // that finds none.
+  // Returns a point of the surface within `reach` of `start`, by Newton's method along the gradient, or nothing.
   [[nodiscard]] std::optional<glm::dvec3> land(const glm::dvec3& start, double reach) {
     constexpr int kMaxSteps = 12;
     constexpr double kEnough = 1e-9;
@@ -38,11 +37,11 @@ class SurfaceFoot {
       if (residual == 0) return point;
       const double largest = largest_component(here.gradient);
       if (!std::isfinite(residual) || !(largest > 0)) return std::nullopt;
-      // Scaled first: squares of very large or very small gradients leave the range of double.
+      // Scales the gradient first: its square may leave the range of double.
       const glm::dvec3 gradient = here.gradient / largest;
       const glm::dvec3 along = metric_ * gradient;
       const glm::dvec3 next = glm::clamp(point - along * (residual / largest / glm::dot(gradient, along)), low_, high_);
-      // Where the box stops a step, what is left of it counts.
+      // If the box shortens a step, the remaining distance counts, too.
       moved = std::max(length(next - point), std::abs(residual / largest) / std::sqrt(glm::dot(gradient, along)));
       point = next;
       if (!(length(point - start) <= reach)) return std::nullopt;
@@ -50,11 +49,11 @@ class SurfaceFoot {
     return moved <= kAcceptable * reach ? std::optional(point) : std::nullopt;
   }
 
-  // From a point of the surface to another one that is nearer to `p`, as far as that leads; no part of the way is
-  // longer than `reach`.
+  // Slides from `start` along the surface towards the point nearest to `p`; each step is at most `reach` long. Returns
+  // the last point, which is never farther from `p` than `start`.
   [[nodiscard]] glm::dvec3 approach(const glm::dvec3& p, const glm::dvec3& start, double reach) {
     constexpr int kMaxSteps = 8;
-    constexpr double kEnough = 0.02;  // of the distance: what is left is of its square
+    constexpr double kEnough = 0.02;  // of the distance; the remaining error is of its square
     glm::dvec3 point = start;
     double distance = length(p - point);
     for (int step = 0; step < kMaxSteps; ++step) {
@@ -88,7 +87,7 @@ class SurfaceFoot {
   Function function_;
   double iso_;
   glm::dmat3 linear_;
-  glm::dmat3 metric_;  // from gradients to steps along the gradient in the coordinates of distances
+  glm::dmat3 metric_;  // maps gradients to steps along the gradient in the coordinates of distances
   glm::dvec3 low_;
   glm::dvec3 high_;
 };

@@ -20,8 +20,8 @@ struct CutCap {
 // both its ends lie within `on_plane` of the plane. Splits a vertex where loops meet, one copy for each fan of
 // triangles. Adds vertices only at midpoints of edges that would occur twice. New triangles come last.
 //
-// Fails with ErrorCode::input if the edges form no closed loops (the mesh was open before the cut), or if memory is
-// short.
+// Fails with ErrorCode::input if the edges form no closed loops (the mesh was open before the cut), with
+// ErrorCode::out_of_memory if memory is short.
 [[nodiscard]] Result<CutCap> close_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, double on_plane,
                                        const Context& context);
 

@@ -35,7 +35,8 @@ struct LoopTriangles {
 // the following point along each loop, a permutation without cycles shorter than three. No inner edge joins a pair in
 // `taken` (smaller point first). `rounding` is how far a point may be from its exact position.
 //
-// Fails with ErrorCode::input if a loop has no inside, if memory is short, or if the context is cancelled.
+// Fails with ErrorCode::input if a loop has no inside, with ErrorCode::out_of_memory if memory is short, or with
+// ErrorCode::cancelled.
 [[nodiscard]] Result<LoopTriangles> triangulate_loops(std::span<const glm::dvec2> points,
                                                       std::span<const std::uint32_t> next,
                                                       std::span<const std::pair<std::uint32_t, std::uint32_t>> taken,

@@ -29,8 +29,8 @@ Extracted extract_demo(const std::string& spec, double iso, const field::Affine&
   return result;
 }
 
-// The gradients of all formulas against differences.
-TEST(AnalyticField, GradientsAreThoseOfTheValues) {
+// Compares the gradients of all formulas with finite differences.
+TEST(AnalyticField, GradientsMatchFiniteDifferences) {
   for (const char* name : {"sphere", "torus", "gyroid", "marschner-lobb", "metaballs"}) {
     const field::AnalyticField* field = field::find_analytic_field(name);
     ASSERT_NE(field, nullptr) << name;
@@ -48,7 +48,7 @@ TEST(AnalyticField, GradientsAreThoseOfTheValues) {
   EXPECT_EQ(field::find_analytic_field("random"), nullptr);
 }
 
-TEST(AnalyticError, FollowsTurnAndScale) {
+TEST(AnalyticError, ScalesWithRotatedPlacement) {
   const Extracted plain = extract_demo("demo:torus?size=48", 0);
   const field::Affine turned{1000.0 * glm::dmat3(1, 0, 0, 0, 0, -1, 0, 1, 0), glm::dvec3(5e6, 0, -7)};
   const Extracted placed = extract_demo("demo:torus?size=48", 0, turned);
@@ -69,8 +69,8 @@ TEST(AnalyticError, FollowsTurnAndScale) {
       measure_analytic_error(stretched.mesh, stretched.field, stretched.options, nullptr, {}, Context()).value());
 }
 
-// A vertex moved outward by a known distance is off by that.
-TEST(AnalyticError, OfAnInflatedSphereIsTheInflation) {
+// Vertices moved outward by a known distance have that error.
+TEST(AnalyticError, MeasuresInflationOfSphere) {
   Extracted sphere = extract_demo("demo:sphere?size=64", 0.1);
   for (std::size_t v = 0; v < sphere.mesh.positions.size(); ++v) {
     sphere.mesh.positions[v] += 0.01F * glm::normalize(sphere.mesh.positions[v]);
@@ -81,7 +81,7 @@ TEST(AnalyticError, OfAnInflatedSphereIsTheInflation) {
   EXPECT_NEAR(error.vertices.rms.voxels, 0.01 * 63 / 2, 2e-2);
 }
 
-TEST(AnalyticError, OfFieldsWithoutClosedFormConverges) {
+TEST(AnalyticError, ConvergesWithoutClosedForm) {
   for (const char* spec : {"demo:gyroid?size=64", "demo:metaballs?size=64"}) {
     const Extracted open = extract_demo(spec, 0.1);
     const auto error =

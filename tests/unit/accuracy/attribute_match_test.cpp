@@ -23,7 +23,7 @@ void set(mesh::Attribute& attribute, std::size_t value, float number) {
   std::memcpy(attribute.values.data() + value * sizeof number, &number, sizeof number);
 }
 
-TEST(AttributeMatch, DifferencesOfWhatBothHave) {
+TEST(AttributeMatch, MeasuresDifferencesOfCommonAttributes) {
   mesh::Mesh a = three_vertices();
   test::add_attribute(a, "heat", mesh::ComponentType::f32, 2);
   test::add_attribute(a, "mine", mesh::ComponentType::f32, 1);
@@ -42,7 +42,7 @@ TEST(AttributeMatch, DifferencesOfWhatBothHave) {
   EXPECT_EQ(found.both[0].difference->mean, 0.5);
 }
 
-TEST(AttributeMatch, NumbersThatAreNone) {
+TEST(AttributeMatch, CountsNonFiniteValues) {
   mesh::Mesh a = three_vertices();
   test::add_attribute(a, "heat", mesh::ComponentType::f32, 1);
   mesh::Mesh b = mesh::copy(a);
@@ -55,7 +55,7 @@ TEST(AttributeMatch, NumbersThatAreNone) {
   EXPECT_EQ(difference->not_finite, 1U);
 }
 
-TEST(AttributeMatch, ColoursAreOneWhateverTheyAreCalledAndFractions) {
+TEST(AttributeMatch, MatchesColorsByRoleAsFractions) {
   mesh::Mesh a = three_vertices();
   mesh::Mesh b = three_vertices();
   test::add_attribute(a, "red", mesh::ComponentType::u8, 3, true, mesh::AttributeRole::colour);
@@ -68,7 +68,7 @@ TEST(AttributeMatch, ColoursAreOneWhateverTheyAreCalledAndFractions) {
   EXPECT_FALSE(match_attributes(a, b, false).both.at(0).difference);
 }
 
-TEST(AttributeMatch, OtherVerticesHaveNamesOnly) {
+TEST(AttributeMatch, ComparesOnlyNamesIfVerticesDiffer) {
   mesh::Mesh a = three_vertices();
   test::add_attribute(a, "heat", mesh::ComponentType::f32, 1);
   mesh::Mesh b = mesh::copy(a);
@@ -79,7 +79,7 @@ TEST(AttributeMatch, OtherVerticesHaveNamesOnly) {
   EXPECT_FALSE(moved.both[0].difference);
 }
 
-TEST(AttributeMatch, PlacesMayDifferByTheToleranceThatIsGiven) {
+TEST(AttributeMatch, AllowsPositionTolerance) {
   mesh::Mesh a = three_vertices();
   mesh::Mesh b = mesh::copy(a);
   b.positions[2].x += 0.25F;
@@ -89,12 +89,12 @@ TEST(AttributeMatch, PlacesMayDifferByTheToleranceThatIsGiven) {
   EXPECT_FALSE(match_attributes(a, b, true, 0.25).same_vertices);
 }
 
-TEST(AttributeMatch, RoundingIsThatOfTheNumbersInTheFile) {
+TEST(AttributeMatch, DerivesRoundingFromStoredCoordinates) {
   constexpr double kEpsilon = std::numeric_limits<float>::epsilon();
   mesh::Mesh mesh = three_vertices();
   mesh.positions[1] = {0.5F, -3, 0};
-  mesh.origin = {0, 0, 1024};                             // every place is one of float32
-  EXPECT_EQ(coordinate_rounding(mesh), 1025 * kEpsilon);  // of the vertices at z = 1
+  mesh.origin = {0, 0, 1024};                             // every place is a float32 number
+  EXPECT_EQ(coordinate_rounding(mesh), 1025 * kEpsilon);  // from the vertices at z = 1
   mesh.origin.z += 0x1p-40;
   EXPECT_EQ(coordinate_rounding(mesh), 3 * kEpsilon);
 }

@@ -23,7 +23,7 @@ ExtractionComparison compare(const mesh::Mesh& a, const mesh::Mesh& b) {
 
 bool same(const ExtractionComparison& comparison) { return differences(comparison, {"a", "b"}).empty(); }
 
-// Everything there is, in one string.
+// Returns all differences in one string.
 std::string told(const ExtractionComparison& comparison) {
   std::string text;
   for (const std::string& sentence : differences(comparison, {"cpu", "gpu"})) text += sentence + "\n";
@@ -46,7 +46,7 @@ class ExtractionComparisonTest : public testing::TestWithParam<extract::Method> 
 INSTANTIATE_TEST_SUITE_P(Methods, ExtractionComparisonTest, testing::Values(extract::Method::mc, extract::Method::mt),
                          test::method_name);
 
-TEST_P(ExtractionComparisonTest, AnotherOrderIsTheSame) {
+TEST_P(ExtractionComparisonTest, IgnoresOrder) {
   const mesh::Mesh mesh = torus();
   for (const unsigned seed : {1U, 2U, 3U}) {
     const ExtractionComparison result = compare(mesh, test::shuffled(mesh, seed));
@@ -59,8 +59,8 @@ TEST_P(ExtractionComparisonTest, AnotherOrderIsTheSame) {
   }
 }
 
-// Dense against sparse is the one pair of backends that there is already.
-TEST_P(ExtractionComparisonTest, DenseAndSparseAreTheSameWithCapsAndHoles) {
+// Dense and sparse samples are two backends that need no GPU.
+TEST_P(ExtractionComparisonTest, FindsNoDifferenceBetweenDenseAndSparse) {
   std::mt19937 engine(3);
   std::uniform_int_distribution<int> value(0, 99);
   const field::ScalarField dense = test::dense_field<float>({24, 16, 16}, [&](int, int, int) {
@@ -71,7 +71,7 @@ TEST_P(ExtractionComparisonTest, DenseAndSparseAreTheSameWithCapsAndHoles) {
   extract::ExtractOptions o = options();
   o.iso = 60;
   o.region = field::IndexBox{{1, 2, 1}, {20, 13, 14}};
-  o.smooth_normals = false;  // they look over the border of the data, where dense has none
+  o.smooth_normals = false;  // they would use samples outside the data, which dense data lack
   o.cap = true;
   for (const extract::NanPolicy nan : {extract::NanPolicy::outside, extract::NanPolicy::hole}) {
     o.nan = nan;
@@ -82,7 +82,7 @@ TEST_P(ExtractionComparisonTest, DenseAndSparseAreTheSameWithCapsAndHoles) {
   }
 }
 
-TEST_P(ExtractionComparisonTest, ADroppedTriangle) {
+TEST_P(ExtractionComparisonTest, FindsDroppedTriangle) {
   const mesh::Mesh mesh = torus();
   const ExtractionComparison result = compare(mesh, test::without_triangle(mesh, 17));
   EXPECT_EQ(result.triangles.only[0], 1U);
@@ -94,7 +94,7 @@ TEST_P(ExtractionComparisonTest, ADroppedTriangle) {
   EXPECT_EQ(compare(test::without_triangle(mesh, 17), mesh).triangles.only[1], 1U);
 }
 
-TEST_P(ExtractionComparisonTest, ATriangleTwice) {
+TEST_P(ExtractionComparisonTest, FindsDuplicateTriangle) {
   const mesh::Mesh mesh = torus();
   mesh::Mesh twice = test::copy_of(mesh);
   twice.triangles[5] = twice.triangles[6];
@@ -103,7 +103,7 @@ TEST_P(ExtractionComparisonTest, ATriangleTwice) {
   EXPECT_EQ(result.triangles.only[1], 1U);
 }
 
-TEST_P(ExtractionComparisonTest, AFlippedTriangle) {
+TEST_P(ExtractionComparisonTest, FindsFlippedTriangle) {
   const mesh::Mesh mesh = torus();
   mesh::Mesh flipped = test::shuffled(mesh, 9);
   std::swap(flipped.triangles[3].x, flipped.triangles[3].y);
@@ -114,9 +114,9 @@ TEST_P(ExtractionComparisonTest, AFlippedTriangle) {
   EXPECT_FALSE(same(result));
 }
 
-TEST_P(ExtractionComparisonTest, AMovedVertex) {
+TEST_P(ExtractionComparisonTest, FindsMovedVertex) {
   const mesh::Mesh mesh = torus();
-  std::uint32_t vertex = 0;  // one with a small coordinate: its own spacing is not what counts
+  std::uint32_t vertex = 0;  // with a small coordinate, whose own spacing must not count
   const auto smallness = [&](std::uint32_t v) { return mesh.positions[v].x / std::max(mesh.positions[v].y, 1e-3F); };
   for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
     if (smallness(v) < smallness(vertex)) vertex = v;
@@ -134,7 +134,7 @@ TEST_P(ExtractionComparisonTest, AMovedVertex) {
   }
 }
 
-TEST_P(ExtractionComparisonTest, ASwappedKey) {
+TEST_P(ExtractionComparisonTest, FindsSwappedKeys) {
   const mesh::Mesh mesh = torus();
   mesh::Mesh swapped = test::copy_of(mesh);
   std::swap(swapped.edges[10], swapped.edges[200]);
@@ -145,7 +145,7 @@ TEST_P(ExtractionComparisonTest, ASwappedKey) {
   EXPECT_EQ(result.vertices_only[0], 0U);
 }
 
-TEST_P(ExtractionComparisonTest, AnotherKey) {
+TEST_P(ExtractionComparisonTest, FindsChangedKey) {
   const mesh::Mesh mesh = torus();
   mesh::Mesh other = test::copy_of(mesh);
   other.edges[10].low.x += 100;
@@ -155,12 +155,12 @@ TEST_P(ExtractionComparisonTest, AnotherKey) {
   EXPECT_EQ(result.vertex_example[0], mesh.edges[10]);
   EXPECT_EQ(result.vertex_example[1], other.edges[10]);
   EXPECT_GT(result.triangles.only[0], 2U) << "all around it";
-  // A key that is there already: as if the vertex were parted.
+  // A key that exists already: as if the vertex were split.
   other.edges[10] = other.edges[11];
   EXPECT_EQ(compare(mesh, other).vertices_only[1], 1U);
 }
 
-TEST_P(ExtractionComparisonTest, Normals) {
+TEST_P(ExtractionComparisonTest, FindsTurnedNormal) {
   const mesh::Mesh mesh = torus();
   mesh::Mesh turned = test::copy_of(mesh);
   const glm::vec3 n = mesh.normals[7];
@@ -174,7 +174,7 @@ TEST_P(ExtractionComparisonTest, Normals) {
   EXPECT_NE(told(compare(mesh, turned)).find("only one of the meshes has normals"), std::string::npos);
 }
 
-TEST_P(ExtractionComparisonTest, OriginsAndNumbersThatAreNone) {
+TEST_P(ExtractionComparisonTest, FindsMovedOriginAndNan) {
   const mesh::Mesh mesh = torus();
   mesh::Mesh other = test::copy_of(mesh);
   other.origin.x += 1;
@@ -188,7 +188,7 @@ TEST_P(ExtractionComparisonTest, OriginsAndNumbersThatAreNone) {
   EXPECT_FALSE(same(compare(other, other))) << "not a number is no place, on both sides";
 }
 
-TEST_P(ExtractionComparisonTest, IndicesOfNoVertexAreADifference) {
+TEST_P(ExtractionComparisonTest, ReportsInvalidIndexAsDifference) {
   const mesh::Mesh mesh = torus();
   mesh::Mesh broken = test::copy_of(mesh);
   broken.triangles[2].y = 1U << 31;
@@ -198,7 +198,7 @@ TEST_P(ExtractionComparisonTest, IndicesOfNoVertexAreADifference) {
   EXPECT_NE(told(result).find("nan"), std::string::npos);
 }
 
-TEST_P(ExtractionComparisonTest, NothingAgainstNothingAndAgainstSomething) {
+TEST_P(ExtractionComparisonTest, ComparesEmptyMeshes) {
   const mesh::Mesh mesh = torus();
   EXPECT_TRUE(same(compare(mesh::Mesh{}, mesh::Mesh{})));
   const ExtractionComparison result = compare(mesh::Mesh{}, mesh);
@@ -207,7 +207,7 @@ TEST_P(ExtractionComparisonTest, NothingAgainstNothingAndAgainstSomething) {
   EXPECT_EQ(compare(mesh, mesh::Mesh{}).triangles.only[0], mesh.triangles.size());
 }
 
-TEST_P(ExtractionComparisonTest, NeedsKeysAndMemory) {
+TEST_P(ExtractionComparisonTest, FailsWithoutKeysOrMemory) {
   const mesh::Mesh mesh = torus();
   mesh::Mesh keyless = test::copy_of(mesh);
   keyless.edges = {};
@@ -219,7 +219,7 @@ TEST_P(ExtractionComparisonTest, NeedsKeysAndMemory) {
   EXPECT_EQ(small.error().code, ErrorCode::out_of_memory);
 }
 
-TEST_P(ExtractionComparisonTest, IsTheSameForAnyNumberOfThreads) {
+TEST_P(ExtractionComparisonTest, IsIndependentOfThreads) {
   const mesh::Mesh mesh = torus();
   mesh::Mesh other = test::shuffled(mesh, 2);
   for (std::size_t v = 0; v < other.positions.size(); v += 7) other.positions[v].z += 1e-4F;
@@ -230,7 +230,7 @@ TEST_P(ExtractionComparisonTest, IsTheSameForAnyNumberOfThreads) {
   EXPECT_NE(all, "");
 }
 
-TEST(FloatSpacing, IsThatOfTheNumber) {
+TEST(FloatSpacing, MatchesNextAfter) {
   for (const float size : {1.0F, 1.5F, 0.999F, 3e38F, 1e-37F, 7.0F, 16777216.0F}) {
     const float next = std::nextafter(size, std::numeric_limits<float>::infinity());
     EXPECT_EQ(float_spacing(static_cast<double>(size)), static_cast<double>(next) - static_cast<double>(size)) << size;

@@ -35,9 +35,9 @@ FieldError error_of(const mesh::Mesh& mesh, const field::ScalarField& field, con
   return measure_field_error(mesh, field, options, how, Context()).value();
 }
 
-// A flat field with a plane through it, in a sheared, mirrored, unevenly spaced frame: a mesh that is moved along the
-// plane's normal is off by exactly that. Only the inverse transpose gives the right distance here.
-TEST(FieldError, OfAMovedPlaneIsTheMove) {
+// A plane in a sheared, mirrored, anisotropic frame: a mesh moved along the plane's normal has exactly that error. Only
+// the inverse transpose gives this distance.
+TEST(FieldError, MeasuresMoveOfPlane) {
   const field::Affine frame{glm::dmat3(-2, 0.3, 0, 0.5, 1, 0.2, 0, -0.4, 0.1), glm::dvec3(5, -3, 2)};
   const glm::dvec3 normal = glm::normalize(glm::dvec3(1, 2, -0.5));
   field::ScalarField field = test::dense_field<double>({9, 8, 7}, [&](int i, int j, int k) {
@@ -61,10 +61,10 @@ TEST(FieldError, OfAMovedPlaneIsTheMove) {
   }
 }
 
-// A sample at a corner of the data is iso but for rounding, on the side of its neighbours: marching tetrahedra place a
-// vertex there, and the surface is beyond the data. Within them it passes the diagonal of the cell at its root, found
+// A sample at a corner of the data equals iso up to rounding, with the sign of its neighbors. Marching tetrahedra put a
+// vertex there, but the surface lies outside the data. Inside the data it crosses the cell's diagonal at a root found
 // by bisection.
-TEST(FieldError, DoesNotTakeASurfaceBeyondTheDataForOneWithin) {
+TEST(FieldError, IgnoresSurfaceOutsideData) {
   const double beside = 0.75574958324432373;
   const double across = 0.26083886623382568;
   const std::array<double, 4> of_corners{1.4695761172230830e-15, beside, across, -1.4847321510314941};
@@ -81,8 +81,8 @@ TEST(FieldError, DoesNotTakeASurfaceBeyondTheDataForOneWithin) {
   EXPECT_NEAR(error.interior.max.voxels, std::sqrt(3.0) * low, 0.005);
 }
 
-// Values with a large offset that leaves them their digits, and ones so small that their squares are none.
-TEST(FieldError, KeepsItsDigitsWhereValuesAreLargeOrSmall) {
+// Values with a large offset that keeps their digits, and values whose squares would underflow.
+TEST(FieldError, KeepsPrecisionForLargeAndSmallValues) {
   constexpr double kOffset = 1e15;
   const auto ball = [](int i, int j, int k) {
     return (8 - glm::distance(glm::dvec3(i, j, k), glm::dvec3(11.3, 11.7, 11.1)) + kOffset) - kOffset;
@@ -102,8 +102,8 @@ TEST(FieldError, KeepsItsDigitsWhereValuesAreLargeOrSmall) {
   }
 }
 
-// The greatest distance between a trilinear sphere and its triangles is where and what geometry says.
-TEST(FieldError, OfASphereIsTheSagittaOfItsTriangles) {
+// The largest distance between a trilinear sphere and its triangles has the expected size and place.
+TEST(FieldError, MeasuresSagittaOfSphere) {
   const field::ScalarField field = field::make_demo_field("demo:sphere?size=65", Context()).value();
   const OfField sphere = extract_at(field, 0);
   const FieldError error = error_of(sphere.mesh, field, sphere.options, {field::Interpolation::tricubic});
@@ -117,7 +117,7 @@ TEST(FieldError, OfASphereIsTheSagittaOfItsTriangles) {
   EXPECT_LE(error.interior.percentile99.world, error.interior.max.world);
 }
 
-TEST(FieldError, OfVerticesIsWhatStorageCosts) {
+TEST(FieldError, MeasuresStorageErrorOfVertices) {
   for (const double offset : {0.0, 1e7}) {
     field::ScalarField field = field::make_demo_field("demo:torus?size=40", Context()).value();
     field.index_to_world.offset += offset;
@@ -139,8 +139,8 @@ TEST(FieldError, OfVerticesIsWhatStorageCosts) {
   }
 }
 
-// Where the field is nearly flat, |f - iso| / |grad f| alone would be 500 voxels; the surface is 0.75 away.
-TEST(FieldError, CorrectsTheFirstOrderEstimateAndSaysSo) {
+// In a nearly flat field, |f - iso| / |grad f| alone would give 500 voxels; the surface is 0.75 voxels away.
+TEST(FieldError, CorrectsAndCountsFirstOrderEstimates) {
   const field::ScalarField field = test::dense_field<double>({3, 3, 3}, [](int i, int, int) {
     return i == 0 ? 0 : i == 1 ? 0.001 : 1;
   });
@@ -154,9 +154,9 @@ TEST(FieldError, CorrectsTheFirstOrderEstimateAndSaysSo) {
   EXPECT_NEAR(error.interior.max.voxels, 0.75, 1e-6);
 }
 
-// A sample with the very iso value between higher ones is all there is of the surface. No gradient leads to it, but the
+// The surface only touches one sample with exactly the iso value between higher ones. No gradient leads there, but the
 // vertices around it are only the margin away.
-TEST(FieldError, FindsTheSurfaceThatOnlyTouchesASample) {
+TEST(FieldError, FindsSurfaceTouchingOneSample) {
   const field::ScalarField field = test::dense_field<std::uint8_t>({5, 5, 5}, [](int i, int j, int k) {
     return glm::ivec3(i, j, k) == glm::ivec3(2) ? 60 : 70 + i + 3 * j + 7 * k;
   });
@@ -168,8 +168,8 @@ TEST(FieldError, FindsTheSurfaceThatOnlyTouchesASample) {
   EXPECT_LT(error.interior.max.voxels, 1e-5);
 }
 
-// The border cell's polynomial goes on beyond the data, and crosses iso there; that is no surface.
-TEST(FieldError, EndsAtTheBorderOfTheData) {
+// Outside the data, the polynomial of the outermost cell crosses iso; that is no surface.
+TEST(FieldError, EndsAtDataBoundary) {
   const mesh::Mesh near_border =
       test::make_mesh("t", {{0.1F, 1, 1}, {0.1F, 1.5F, 1}, {0.1F, 1, 1.5F}, {3.9F, 1, 1}}, {{0, 1, 2}});
   extract::ExtractOptions options;
@@ -183,8 +183,8 @@ TEST(FieldError, EndsAtTheBorderOfTheData) {
     EXPECT_EQ(error_of(near_border, before, options, {interpolation}).vertices.unreached, 4U);
   }
 
-  // The plane x + z / 2 = 1 meets the border x = 0 at z = 2. The foot of these points on it is outside, so that edge is
-  // the nearest of it.
+  // The plane x + z / 2 = 1 meets the data boundary x = 0 at z = 2. The feet of these points lie outside, so that line
+  // is nearest.
   const field::ScalarField plane =
       test::dense_field<double>({5, 5, 5}, [](int i, int, int k) { return i + k / 2.0 - 1; });
   const mesh::Mesh mesh =
@@ -195,7 +195,7 @@ TEST(FieldError, EndsAtTheBorderOfTheData) {
   EXPECT_NEAR(error.vertices.rms.voxels, error.vertices.max.voxels, 1e-5);
 }
 
-TEST(FieldError, CountsWhatItCannotMeasure) {
+TEST(FieldError, CountsUnmeasurablePoints) {
   const mesh::Mesh mesh =
       test::make_mesh("t", {{0.5F, 0.25F, 0.25F}, {0.5F, 0.75F, 0.25F}, {0.5F, 0.25F, 0.75F}}, {{0, 1, 2}});
   extract::ExtractOptions options;
@@ -213,15 +213,14 @@ TEST(FieldError, CountsWhatItCannotMeasure) {
   EXPECT_EQ(beside_nan.interior.unmeasured(), 7U);
 }
 
-// Along the gradient these points are 0.35 voxels from a saddle's surface, and the nearest point of it is in the next
-// cell.
-TEST(FieldError, IsTheDistanceToTheNearestPointAndNotAlongTheGradient) {
+// Along the gradient, these points are 0.35 voxels from a saddle's surface; its nearest point is in the next cell.
+TEST(FieldError, MeasuresToNearestPoint) {
   const field::ScalarField field =
       test::dense_field<double>({9, 9, 9}, [](int i, int j, int) { return (i - 4) * (j - 4) - 0.25; });
   extract::ExtractOptions options;
   const mesh::Mesh mesh = test::make_mesh("t", {{4.05F, 4.1F, 2}, {4.05F, 4.1F, 3}, {4.1F, 4.05F, 2.5F}}, {{0, 1, 2}});
   const FieldError error = error_of(mesh, field, options, {});
-  // Of the hyperbola x y = 1/4 to (0.05, 0.1), by a fine search over its points.
+  // The distance from (0.05, 0.1) to the hyperbola x y = 1/4, by a fine search.
   double nearest = 1;
   for (int k = 1; k < 100000; ++k) {
     const double x = k * 2e-5;
@@ -230,8 +229,8 @@ TEST(FieldError, IsTheDistanceToTheNearestPointAndNotAlongTheGradient) {
   EXPECT_NEAR(error.vertices.max.voxels, nearest, 1e-4);
 }
 
-// Nothing is dropped for being far: a mesh nine voxels from the isosurface is nine voxels from it.
-TEST(FieldError, OfPointsFarOffIsTheirDistance) {
+// Far points count: a mesh nine voxels from the isosurface has an error of nine voxels.
+TEST(FieldError, MeasuresFarPoints) {
   const field::ScalarField field = test::dense_field<float>(
       {40, 40, 40}, [](int i, int j, int k) { return 8 - std::hypot(i - 20, j - 20, k - 20); });
   OfField ball = extract_at(field, 0);
@@ -242,8 +241,8 @@ TEST(FieldError, OfPointsFarOffIsTheirDistance) {
   EXPECT_NEAR(error.vertices.max.voxels, 9, 0.2);
 }
 
-// Vertices are off the surface as well as triangles where a method does not put them there: a voxel's corners are.
-TEST(FieldError, OfMethodsThatCloseTheSurfaceEndsAtTheOutermostSamples) {
+// The voxels method puts vertices off the surface, too, at corners of voxels.
+TEST(FieldError, EndsAtOutermostSamplesForClosedMethods) {
   const field::ScalarField plane = test::dense_field<float>({9, 9, 9}, [](int, int, int k) { return 4.25 - k; });
   OfField boxes = extract_at(plane, 0, extract::Method::voxels);
   const FieldError error = error_of(boxes.mesh, plane, boxes.options, {});
@@ -254,8 +253,8 @@ TEST(FieldError, OfMethodsThatCloseTheSurfaceEndsAtTheOutermostSamples) {
   EXPECT_NEAR(error.coverage->distances.rms.voxels, 0.25, 1e-6);
 }
 
-// The seven points of a triangle of 20 voxels say little of it: it is measured in parts.
-TEST(FieldError, OfLargeTrianglesIsMeasuredInParts) {
+// Seven points are too few for a triangle of 20 voxels, so it is measured in parts.
+TEST(FieldError, DividesLargeTriangles) {
   const field::ScalarField field =
       test::dense_field<double>({24, 24, 24}, [](int i, int, int k) { return k - 12 - (i == 13 ? 2 : 0); });
   extract::ExtractOptions options;
@@ -265,7 +264,7 @@ TEST(FieldError, OfLargeTrianglesIsMeasuredInParts) {
   EXPECT_NEAR(error.interior.max.voxels, 2 / std::sqrt(5.0), 0.1) << "to the flank of the ridge";
 }
 
-TEST(FieldError, LeavesCapsOut) {
+TEST(FieldError, SkipsCaps) {
   const field::ScalarField field = field::make_demo_field("demo:gyroid?size=40", Context()).value();
   const OfField open = extract_at(field, 0.1);
   extract::ExtractOptions capped = open.options;
@@ -279,7 +278,7 @@ TEST(FieldError, LeavesCapsOut) {
   EXPECT_EQ(error.vertices.points, of_open.vertices.points);
 }
 
-TEST(FieldError, IsTheSameForSparseSamplesAndForAnyNumberOfThreads) {
+TEST(FieldError, IsIndependentOfThreadsAndLayout) {
   const field::ScalarField dense = test::dense_field<float>(
       {64, 64, 64}, [](int i, int j, int k) { return std::max(-0.2, 20 - std::hypot(i - 31.3, j - 32.1, k - 30.7)); });
   const field::ScalarField sparse = test::sparse_copy<float>(dense, static_cast<double>(-0.2F));

@@ -33,7 +33,7 @@ MeshDistance distance(const mesh::Mesh& a, const mesh::Mesh& b, const DistanceOp
   return *result;
 }
 
-// n x n squares of the unit square at height z, each cut along the diagonal that `turned` says.
+// n x n squares of the unit square at height z, each cut along the diagonal that `turned` selects.
 mesh::Mesh plane(unsigned n, float z, bool turned = false) {
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;
@@ -92,7 +92,7 @@ mesh::Mesh random_soup(std::mt19937& random, unsigned triangles, float size) {
   return make_mesh("soup", positions, corners);
 }
 
-// The least distance to any triangle, looked up one by one.
+// Returns the least distance to any triangle, by brute force.
 double brute_distance(const glm::dvec3& p, const mesh::Mesh& mesh) {
   double least = std::numeric_limits<double>::infinity();
   for (const glm::uvec3& t : mesh.triangles) {
@@ -108,7 +108,7 @@ void expect_interval(const MeshDistance& d, double wanted, double slack) {
   EXPECT_LE(d.hausdorff_upper, d.hausdorff_lower * 1.0100001 + d.resolution);
 }
 
-TEST(ClosestOnTriangle, AgreesWithSamplesAlsoWithoutArea) {
+TEST(ClosestOnTriangle, MatchesSamplesIncludingZeroArea) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> place(-1, 1);
   const auto point = [&] { return glm::dvec3(place(random), place(random), place(random)); };
@@ -137,8 +137,8 @@ TEST(ClosestOnTriangle, AgreesWithSamplesAlsoWithoutArea) {
   }
 }
 
-// Corners on one line in a random direction, or a float32 rounding beside it, and points near that line.
-TEST(ClosestOnTriangle, IsRightForNeedles) {
+// Triangles whose corners are collinear up to float32 rounding, and points near that line.
+TEST(ClosestOnTriangle, HandlesNeedles) {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> place(-5, 5);
   const auto point = [&] {
@@ -168,7 +168,7 @@ TEST(ClosestOnTriangle, IsRightForNeedles) {
   }
 }
 
-TEST(TriangleTree, NearestAgreesWithBruteForce) {
+TEST(TriangleTree, NearestMatchesBruteForce) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> place(-2, 2);
   for (const unsigned triangles : {1U, 2U, 4U, 5U, 9U, 100U, 1000U}) {
@@ -184,7 +184,7 @@ TEST(TriangleTree, NearestAgreesWithBruteForce) {
   }
 }
 
-TEST(MeshDistance, ParallelPlanes) {
+TEST(MeshDistance, MeasuresParallelPlanes) {
   const MeshDistance d = distance(plane(7, 0), plane(5, 0.25F, true));
   expect_interval(d, 0.25, 0);
   for (const double figure : {d.rms, d.mean, d.percentile99, d.a_to_b.rms, d.b_to_a.mean, d.a_to_b.max_lower}) {
@@ -192,11 +192,11 @@ TEST(MeshDistance, ParallelPlanes) {
   }
 }
 
-TEST(MeshDistance, ConcentricSpheres) {
+TEST(MeshDistance, MeasuresConcentricSpheres) {
   const mesh::Mesh inner = test::sphere(60, false);
   const mesh::Mesh outer = scaled(test::sphere(45, false), 1.25F);
   const MeshDistance d = distance(inner, outer);
-  // The facets of 45 rings are less than 1.25 * (1 - cos(pi / 92)) = 0.0008 within their sphere.
+  // The facets of 45 rings are less than 1.25 * (1 - cos(pi / 92)) = 0.0008 inside their sphere.
   expect_interval(d, 0.25, 1e-3);
   EXPECT_NEAR(d.mean, 0.25, 2e-3);
   EXPECT_NEAR(d.rms, 0.25, 2e-3);
@@ -204,16 +204,16 @@ TEST(MeshDistance, ConcentricSpheres) {
   EXPECT_NEAR(glm::length(d.b_to_a.place - d.b_to_a.nearest), d.b_to_a.max_lower, 1e-12);
 }
 
-// From near the centre all of a sphere is as far, and every search looks at all of it: what that may take has an end,
-// and the interval holds.
-TEST(MeshDistance, OfACentreEnds) {
+// Near the center all of a sphere is equally far and every search visits all of it. The limit ends the search, and the
+// interval still holds.
+TEST(MeshDistance, LimitsSearchFromCenterOfSphere) {
   const mesh::Mesh speck = make_mesh("speck", {{0, 0, 0}, {0.1F, 0, 0}, {0, 0.1F, 0}}, {{0, 1, 2}});
   const MeshDistance d = distance(speck, test::sphere(60, false));
-  // The farthest point of the sphere is opposite to the speck, the nearest facets are less than 0.0004 within it.
+  // The farthest point of the sphere is opposite the speck; the nearest facets are less than 0.0004 inside the sphere.
   expect_interval(d, 1, 2e-3);
 }
 
-TEST(MeshDistance, OneSurfaceInTwoTessellations) {
+TEST(MeshDistance, IsZeroForOtherTessellation) {
   for (const unsigned n : {1U, 2U, 3U, 10U, 33U}) {
     const MeshDistance d = distance(cube(1), cube(n));
     EXPECT_LE(d.hausdorff_upper, d.resolution) << n;
@@ -223,8 +223,8 @@ TEST(MeshDistance, OneSurfaceInTwoTessellations) {
   EXPECT_LE(distance(ball, ball).hausdorff_upper, 1e-15);
 }
 
-// Whatever the order of triangles and corners, the winding, the vertices, and the sign of zeros.
-TEST(MeshDistance, MeshesOfTheSameTrianglesAreNotApart) {
+// Equal triangles in another order, winding and vertex order, with another sign of zeros.
+TEST(MeshDistance, IsZeroForEqualTriangles) {
   std::mt19937 random(5);
   for (const glm::dvec3& origin : {glm::dvec3(0), glm::dvec3(1e7, -3.25, 0.1)}) {
     const mesh::Mesh a = test::sphere(33, false, "a", origin);
@@ -251,7 +251,7 @@ TEST(MeshDistance, MeshesOfTheSameTrianglesAreNotApart) {
       EXPECT_NEAR(glm::length(d.a_to_b.place - origin), 1, 1e-6) << "a point of the surface";
       EXPECT_EQ(d.a_to_b.place, d.a_to_b.nearest);
     }
-    // One triangle more: it alone is looked at.
+    // Only the additional triangle is measured.
     triangles.emplace_back(0, 4, 8);
     const mesh::Mesh more = make_mesh("more", positions, triangles, {}, origin);
     EXPECT_EQ(distance(a, more).a_to_b.max_upper, 0);
@@ -259,7 +259,7 @@ TEST(MeshDistance, MeshesOfTheSameTrianglesAreNotApart) {
   }
 }
 
-TEST(MeshDistance, OneMovedVertex) {
+TEST(MeshDistance, FindsMovedVertex) {
   const mesh::Mesh flat = plane(10, 0);
   mesh::Mesh raised = plane(10, 0);
   constexpr std::size_t kMoved = 5 * 11 + 4;
@@ -268,15 +268,15 @@ TEST(MeshDistance, OneMovedVertex) {
   EXPECT_FLOAT_EQ(static_cast<float>(d.a_to_b.max_lower), 0.01F);
   EXPECT_EQ(d.a_to_b.place, glm::dvec3(raised.positions[kMoved]));
   EXPECT_GE(d.a_to_b.max_upper, d.a_to_b.max_lower);
-  // The flat point below sees the slopes from the side.
+  // The flat point below is nearer to the slopes than to the raised vertex.
   EXPECT_LT(d.b_to_a.max_upper, 0.01);
   EXPECT_GT(d.b_to_a.max_lower, 0.009);
   EXPECT_LT(d.a_to_b.mean, 0.001);
 }
 
-TEST(MeshDistance, FarthestPointIsInsideATriangle) {
-  // A right triangle against its own three sides, which are triangles without area: the centre of the inscribed circle
-  // is farthest, at its radius.
+TEST(MeshDistance, FindsFarthestPointInsideTriangle) {
+  // A right triangle and its own three sides as zero-area triangles: the center of the inscribed circle is farthest, at
+  // its radius.
   const mesh::Mesh full = make_mesh("full", {{0, 0, 0}, {3, 0, 0}, {0, 4, 0}}, {{0, 1, 2}});
   const mesh::Mesh frame = make_mesh("frame", {{0, 0, 0}, {3, 0, 0}, {0, 4, 0}}, {{0, 1, 1}, {1, 2, 2}, {2, 0, 0}});
   DistanceOptions options;
@@ -288,7 +288,7 @@ TEST(MeshDistance, FarthestPointIsInsideATriangle) {
   EXPECT_EQ(d.rms, 0);
 }
 
-TEST(MeshDistance, RandomMeshesAgainstBruteForce) {
+TEST(MeshDistance, MatchesBruteForceOnRandomMeshes) {
   std::mt19937 random(3);
   for (int round = 0; round < 30; ++round) {
     const mesh::Mesh a = random_soup(random, 1 + static_cast<unsigned>(round), 0.7F);
@@ -318,7 +318,7 @@ TEST(MeshDistance, RandomMeshesAgainstBruteForce) {
   }
 }
 
-TEST(MeshDistance, OrderAndWindingDoNotMatter) {
+TEST(MeshDistance, IgnoresOrderAndWinding) {
   std::mt19937 random(4);
   const mesh::Mesh a = random_soup(random, 30, 0.5F);
   const mesh::Mesh b = random_soup(random, 50, 0.3F);
@@ -336,7 +336,7 @@ TEST(MeshDistance, OrderAndWindingDoNotMatter) {
     turned.triangles[t] = {a.triangles[t].x, a.triangles[t].z, a.triangles[t].y};
   EXPECT_LE(distance(a, turned).hausdorff_upper, ab.resolution);
 
-  // Mirrored through the plane x = 0, both of them: the same distances.
+  // Both meshes mirrored at x = 0 have the same distances.
   const auto mirrored = [](const mesh::Mesh& mesh) {
     mesh::Mesh image = make_mesh("image", {mesh.positions.begin(), mesh.positions.end()},
                                  {mesh.triangles.begin(), mesh.triangles.end()});
@@ -348,7 +348,7 @@ TEST(MeshDistance, OrderAndWindingDoNotMatter) {
   EXPECT_NEAR(images.rms, ab.rms, 1e-9);
 }
 
-TEST(MeshDistance, FarOriginsKeepTheirAccuracy) {
+TEST(MeshDistance, KeepsAccuracyAtFarOrigins) {
   const mesh::Mesh near = test::sphere(20, false);
   const mesh::Mesh far = test::sphere(20, false, "far", {1e7, -1e7, 1e7});
   const mesh::Mesh moved = test::sphere(20, false, "moved", {1e7 + 0x1p-10, -1e7, 1e7});
@@ -360,7 +360,7 @@ TEST(MeshDistance, FarOriginsKeepTheirAccuracy) {
   EXPECT_NEAR(distance(near, far).hausdorff_lower, std::sqrt(3.0) * 1e7, 2);
 }
 
-TEST(MeshDistance, SameForAnyNumberOfThreads) {
+TEST(MeshDistance, IsIndependentOfThreads) {
   const mesh::Mesh a = test::sphere(40, false);
   mesh::Mesh b = test::sphere(33, false);
   for (glm::vec3& p : b.positions) p.z += 0.1F * std::sin(5 * p.x);
@@ -373,7 +373,7 @@ TEST(MeshDistance, SameForAnyNumberOfThreads) {
   EXPECT_EQ(std::memcmp(&one, &four, sizeof one), 0);
 }
 
-TEST(MeshDistance, EnoughSparesWork) {
+TEST(MeshDistance, StopsAtEnough) {
   const mesh::Mesh a = test::sphere(40, false);
   const mesh::Mesh b = test::sphere(12, false);
   DistanceOptions options;
@@ -385,7 +385,7 @@ TEST(MeshDistance, EnoughSparesWork) {
   EXPECT_LE(rough.hausdorff_upper, options.enough);
 }
 
-TEST(MeshDistance, EmptyMeshesHaveNoDistance) {
+TEST(MeshDistance, RejectsEmptyMeshes) {
   const mesh::Mesh some = test::tetrahedron();
   mesh::Mesh none = make_mesh("nothing", {{0, 0, 0}}, {});
   for (const auto& result :
@@ -397,8 +397,8 @@ TEST(MeshDistance, EmptyMeshesHaveNoDistance) {
   }
 }
 
-// Squared distances would be infinite, and no interval would hold the greatest.
-TEST(MeshDistance, MeshesTooFarApart) {
+// Squared distances would overflow, and no interval would contain the largest.
+TEST(MeshDistance, RejectsMeshesTooFarApart) {
   const mesh::Mesh here = test::tetrahedron();
   for (const double place : {1e151, 1e308, std::numeric_limits<double>::infinity()}) {
     mesh::Mesh there = test::tetrahedron();
@@ -415,8 +415,8 @@ TEST(MeshDistance, MeshesTooFarApart) {
   EXPECT_NEAR(distance(here, there).hausdorff_upper / 1e149, 1, 1e-6);
 }
 
-// Vertices that no triangle uses are no part of the surface.
-TEST(MeshDistance, UnusedVerticesDoNotCount) {
+// Vertices without a triangle do not belong to the surface.
+TEST(MeshDistance, IgnoresUnusedVertices) {
   const mesh::Mesh a = make_mesh("a", {{9, 9, 9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-9, 0, 0}}, {{1, 2, 3}});
   const mesh::Mesh b = make_mesh("b", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
   EXPECT_EQ(distance(a, b).hausdorff_upper, 0);

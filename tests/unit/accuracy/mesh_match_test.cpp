@@ -26,7 +26,7 @@ std::string told(const MeshMatch& found) {
   return text;
 }
 
-// What the reader makes of the coordinates that a file has: float32 relative to an origin of its own choice.
+// Returns what the reader makes of a file's coordinates: float32 relative to an origin that it chooses.
 mesh::Mesh reread(const mesh::Mesh& mesh, bool float32_world) {
   std::vector<glm::vec3> rounded;
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) rounded.emplace_back(mesh.position(v));
@@ -43,7 +43,7 @@ mesh::Mesh reread(const mesh::Mesh& mesh, bool float32_world) {
   return result;
 }
 
-// One vertex for all at the same place, as the reader does with formats without connectivity.
+// Merges vertices at the same place, as the reader does for formats without connectivity.
 mesh::Mesh welded(const mesh::Mesh& mesh) {
   std::map<test::Point, std::uint32_t> numbers;
   std::vector<glm::vec3> positions;
@@ -73,7 +73,7 @@ class MeshMatchTest : public testing::TestWithParam<extract::Method> {
     o.output_from_index = place;
     return test::extract(field::make_demo_field("demo:torus?size=24", Context()).value(), o).mesh;
   }
-  // Few distinct values, the iso value among them: many pairs of vertices are as near as they ever are.
+  // Few distinct values, among them the iso value: many pairs of vertices are as close as possible.
   [[nodiscard]] mesh::Mesh ties(const field::Affine& place = {}) const {
     extract::ExtractOptions o = options();
     o.iso = 2;
@@ -84,7 +84,7 @@ class MeshMatchTest : public testing::TestWithParam<extract::Method> {
 INSTANTIATE_TEST_SUITE_P(Methods, MeshMatchTest, testing::Values(extract::Method::mc, extract::Method::mt),
                          test::method_name);
 
-TEST_P(MeshMatchTest, AnotherOrderIsTheSame) {
+TEST_P(MeshMatchTest, IgnoresOrder) {
   for (const mesh::Mesh& mesh : {torus(), ties()}) {
     const MeshMatch found = match(test::shuffled(mesh, 1), mesh);
     EXPECT_EQ(told(found), "");
@@ -94,7 +94,7 @@ TEST_P(MeshMatchTest, AnotherOrderIsTheSame) {
   }
 }
 
-TEST_P(MeshMatchTest, FarAwayFramesAsPlyObjAndStlHoldThem) {
+TEST_P(MeshMatchTest, MatchesFarFramesAsStoredByPlyObjAndStl) {
   for (const double far : {1e3, 1e6, 1e9}) {
     SCOPED_TRACE(far);
     const field::Affine place{glm::dmat3(0.1), glm::dvec3(far, -far / 3, 7)};
@@ -103,7 +103,7 @@ TEST_P(MeshMatchTest, FarAwayFramesAsPlyObjAndStlHoldThem) {
       const MeshMatch in_double = match(test::shuffled(reread(mesh, false), 2), mesh);
       EXPECT_EQ(told(in_double), "");
       EXPECT_TRUE(glm::all(glm::lessThanEqual(in_double.distance, in_double.allowed)));
-      // Where float32 merges vertices, it merges them on both sides.
+      // Float32 merges the same vertices on both sides.
       const mesh::Mesh as_stl = welded(reread(mesh, true));
       if (far == 1e9) {
         EXPECT_LT(as_stl.positions.size(), mesh.positions.size());
@@ -113,7 +113,7 @@ TEST_P(MeshMatchTest, FarAwayFramesAsPlyObjAndStlHoldThem) {
   }
 }
 
-TEST_P(MeshMatchTest, HolesPartVerticesThatSomeFormatsMerge) {
+TEST_P(MeshMatchTest, MatchesSplitVerticesThatFormatsMerge) {
   std::mt19937 engine(3);
   const field::ScalarField field = test::dense_field<float>({16, 16, 16}, [&](int, int, int) {
     const auto random = static_cast<float>(engine() % 100);
@@ -128,7 +128,7 @@ TEST_P(MeshMatchTest, HolesPartVerticesThatSomeFormatsMerge) {
   EXPECT_EQ(told(match(test::shuffled(mesh, 3), mesh)), "");
 }
 
-TEST_P(MeshMatchTest, ADroppedAndAFlippedTriangle) {
+TEST_P(MeshMatchTest, FindsDroppedAndFlippedTriangles) {
   const mesh::Mesh mesh = torus();
   const MeshMatch dropped = match(test::without_triangle(mesh, 8), mesh);
   EXPECT_EQ(dropped.triangles.only[0], 0U);
@@ -142,7 +142,7 @@ TEST_P(MeshMatchTest, ADroppedAndAFlippedTriangle) {
   EXPECT_EQ(found.vertices_only[0], 0U);
 }
 
-TEST_P(MeshMatchTest, AMovedVertex) {
+TEST_P(MeshMatchTest, FindsMovedVertex) {
   const mesh::Mesh mesh = torus();
   const double ulp = float_spacing(23);
   for (const int ulps : {1, 2, 5, 1000}) {
@@ -162,8 +162,8 @@ TEST_P(MeshMatchTest, AMovedVertex) {
   }
 }
 
-// Both would be near enough to the same vertex, but only one of them can be it.
-TEST_P(MeshMatchTest, IsOneToOne) {
+// Two vertices are within the limit of the same vertex, but only one may match it.
+TEST_P(MeshMatchTest, MatchesOneToOne) {
   const mesh::Mesh mesh = torus();
   mesh::Mesh other = test::copy_of(mesh);
   other.positions[3] = mesh.positions[40];
@@ -175,19 +175,19 @@ TEST_P(MeshMatchTest, IsOneToOne) {
   EXPECT_EQ(found.vertex_example[1], mesh.position(3));
 }
 
-TEST_P(MeshMatchTest, AnotherSurfaceSharesNothing) {
+TEST_P(MeshMatchTest, FindsNothingInCommonWithOtherSurface) {
   const mesh::Mesh mesh = torus();
   const MeshMatch found = match(torus(field::Affine{glm::dmat3(1.0), glm::dvec3(1e-3)}), mesh);
   EXPECT_EQ(found.vertices_only[0], mesh.positions.size());
   EXPECT_EQ(found.triangles.only[0], mesh.triangles.size());
   EXPECT_EQ(found.triangles.only[1], mesh.triangles.size());
-  // Beyond all that can be numbered.
+  // Farther away than cells can be numbered.
   mesh::Mesh far = test::copy_of(mesh);
   far.origin = glm::dvec3(1e200);
   EXPECT_EQ(match(far, mesh).vertices_only[1], mesh.positions.size());
 }
 
-TEST_P(MeshMatchTest, NothingAndMemory) {
+TEST_P(MeshMatchTest, HandlesEmptyMeshesAndMemoryLimit) {
   const mesh::Mesh mesh = torus();
   EXPECT_EQ(told(match(mesh::Mesh{}, mesh::Mesh{})), "");
   EXPECT_EQ(match(mesh, mesh::Mesh{}).triangles.only[0], mesh.triangles.size());

@@ -1,4 +1,4 @@
-// Meshes from a grid of another resolution than the data's, measured against the data.
+// Meshes from a grid with another resolution than the data, measured against the data.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -41,9 +41,9 @@ Measured measure(const field::ScalarField& data, double iso, const glm::ivec3& r
   return result;
 }
 
-// The surface of a coarse data set's interpolant is curved within its cells. A finer grid comes nearer to it, with the
-// square of its step; the frame, turned, uneven and mirrored, is that of the data.
-TEST(Resolution, FinerGridsConvergeToTheInterpolant) {
+// The interpolant of coarse data has a curved surface inside its cells. Finer grids approach it with the square of
+// their step. The frame is rotated, anisotropic and mirrored.
+TEST(Resolution, ConvergesToInterpolant) {
   const double c = std::cos(0.5);
   const double s = std::sin(0.5);
   field::ScalarField sphere = field::make_demo_field("demo:sphere?size=9", Context()).value();
@@ -60,13 +60,13 @@ TEST(Resolution, FinerGridsConvergeToTheInterpolant) {
   }
 }
 
-TEST(Resolution, VoxelsAreThoseOfTheDataAndNoVertexIsOnTheirEdges) {
+TEST(Resolution, MeasuresInVoxelsOfData) {
   const field::ScalarField data = field::make_demo_field("demo:torus?size=33", Context()).value();
   const Measured finer = measure(data, 0, {60, 71, 40});
   EXPECT_EQ(finer.error.storage.points, 0U);
   EXPECT_EQ(finer.error.interior.unmeasured(), 0U);
   EXPECT_NEAR(finer.error.interior.rms.world / finer.error.interior.rms.voxels, 2.0 / 32, 1e-9);
-  // The grid's voxels are uneven, the data's are not: the formula can be measured against.
+  // The grid's voxels are anisotropic, the data's are not, so the formula can be compared.
   const auto truth =
       measure_analytic_error(finer.mesh, data, finer.options, &finer.grid, {}, Context()).value().value();
   EXPECT_LT(truth.interior.max.voxels, 0.2);
@@ -74,8 +74,8 @@ TEST(Resolution, VoxelsAreThoseOfTheDataAndNoVertexIsOnTheirEdges) {
   EXPECT_GT(truth.volume.value(), 0);
 }
 
-// The mesh's vertices are exact on edges that lie within one cell of the data.
-TEST(Resolution, VerticesOnFractionsOfTheDataAreExact) {
+// Vertices are exact on edges inside one cell of the data.
+TEST(Resolution, PlacesVerticesExactlyOnFractionalGrids) {
   field::ScalarField data = field::make_demo_field("demo:gyroid?size=17", Context()).value();
   data.index_to_world.offset += 1000.0;
   const Measured finer = measure(data, 0.1, {65, 65, 65});
@@ -83,9 +83,9 @@ TEST(Resolution, VerticesOnFractionsOfTheDataAreExact) {
   EXPECT_LT(finer.error.vertices.max.voxels, 1e-3) << "float32 at 1000 units";
 }
 
-// Caps lie in the border of the grid: with a region that is between samples of the data, and around sparse data whose
-// background is inside, which have no border of their own.
-TEST(Resolution, CapsAreKnown) {
+// Caps lie on the boundary of the grid: with a region between samples of the data, and around sparse data with an
+// inside background, which have no boundary of their own.
+TEST(Resolution, RecognizesCaps) {
   const field::ScalarField data = field::make_demo_field("demo:gyroid?size=20", Context()).value();
   const Measured closed = measure(data, 0.1, {30, 44, 27}, extract::Method::mc, true);
   const Measured open = measure(data, 0.1, {30, 44, 27});

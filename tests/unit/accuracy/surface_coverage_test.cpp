@@ -42,7 +42,7 @@ SurfaceCoverage coverage_of(const mesh::Mesh& mesh, const field::ScalarField& fi
   return measure_field_error(mesh, field, options, how, Context()).value().coverage.value();
 }
 
-TEST(SurfaceCoverage, OfTheSurfaceItselfNothingIsLost) {
+TEST(SurfaceCoverage, LosesNothingOfSameSurface) {
   field::ScalarField field = three_balls();
   field.index_to_world = {glm::dmat3(2, 0, 0, 0, 0, 3, 0, -1, 0), glm::dvec3(5e4, 0, -3)};
   const SurfaceCoverage coverage = coverage_of(test::extract(field, options_of(field)).mesh, field);
@@ -53,8 +53,9 @@ TEST(SurfaceCoverage, OfTheSurfaceItselfNothingIsLost) {
   EXPECT_LT(coverage.distances.max.voxels, 0.2);
 }
 
-// What the error from the mesh does not see: the small ball is gone, and the large one, which is near, is not it.
-TEST(SurfaceCoverage, PartsThatTheMeshHasNotAreCountedAndAsFarAsTheyAre) {
+// The small ball is missing, which the error from the mesh does not show; the large ball near it must not count
+// instead.
+TEST(SurfaceCoverage, CountsAndMeasuresMissingComponents) {
   const field::ScalarField field = three_balls();
   const field::ScalarField grid =
       field::resample(field, {17, 9, 9}, field::ResampleKernel::linear, field::NanSamples::left_out, Context()).value();
@@ -70,23 +71,23 @@ TEST(SurfaceCoverage, PartsThatTheMeshHasNotAreCountedAndAsFarAsTheyAre) {
   EXPECT_GE(coverage.max_at_most.voxels, coverage.distances.max.voxels);
 }
 
-TEST(SurfaceCoverage, IsInVoxelsAndInTheUnitsOfTheMesh) {
+TEST(SurfaceCoverage, ReportsVoxelsAndMeshUnits) {
   field::ScalarField field = three_balls();
   field.index_to_world = field::scaling({10, 10, 10});
   mesh::Mesh mesh = test::extract(field, options_of(field)).mesh;
-  for (glm::vec3& p : mesh.positions) p += glm::vec3(0, 0, 100);  // all of it is ten voxels off
+  for (glm::vec3& p : mesh.positions) p += glm::vec3(0, 0, 100);  // moves everything by ten voxels
   const SurfaceCoverage coverage = coverage_of(mesh, field);
   EXPECT_NEAR(coverage.distances.max.world / coverage.distances.max.voxels, 10, 1e-9);
   EXPECT_GT(coverage.distances.max.voxels, 4);
 }
 
-// Between the crossings of edges, where the vertices of the mesh are, the surface bulges out of the triangles.
-TEST(SurfaceCoverage, IsMeasuredInsideCells) {
+// Between its vertices on grid edges, the surface bulges out of the triangles.
+TEST(SurfaceCoverage, MeasuresInsideCells) {
   const field::ScalarField field = test::dense_field<double>(
       {9, 9, 9}, [](int i, int j, int k) { return (i - 4) * (j - 4) * (k - 4) * 0.5 + (i + j + k - 12) * 0.4 + 0.55; });
   const mesh::Mesh mesh = test::extract(field, options_of(field)).mesh;
   const SurfaceCoverage coverage = coverage_of(mesh, field);
-  // By another way: points of the trilinear polynomial in one cell, found along z, to the triangles of the mesh.
+  // An independent measurement: points of the trilinear polynomial along z, to the triangles of the mesh.
   const mesh::TriangleTree tree(mesh.positions.span(), mesh.triangles.span());
   const field::Interpolant interpolant(field, field::Interpolation::trilinear);
   field::Interpolant::Cursor at(interpolant);
@@ -109,8 +110,8 @@ TEST(SurfaceCoverage, IsMeasuredInsideCells) {
   EXPECT_GE(coverage.max_at_most.voxels, 0.999 * farthest);
 }
 
-// A gap of two voxels, whose middle is no point that is measured: as far as it may be is not less than it is.
-TEST(SurfaceCoverage, TheBoundHoldsBetweenThePointsThatAreMeasured) {
+// The middle of a gap of two voxels is not measured; the bound must still cover it.
+TEST(SurfaceCoverage, BoundsDistanceBetweenPoints) {
   const field::ScalarField field = test::dense_field<double>({9, 9, 9}, [](int, int, int k) { return 4.75 - k; });
   const float left = 3.04F;
   const float right = 5.04F;
@@ -124,7 +125,7 @@ TEST(SurfaceCoverage, TheBoundHoldsBetweenThePointsThatAreMeasured) {
   EXPECT_LT(coverage.max_at_most.voxels, 1.3);
 }
 
-TEST(SurfaceCoverage, OfNoMeshAllIsLostAndThereIsNoDistance) {
+TEST(SurfaceCoverage, LosesEverythingWithoutMesh) {
   const field::ScalarField field = three_balls();
   const SurfaceCoverage coverage = coverage_of(mesh::Mesh(), field);
   EXPECT_EQ(coverage.components, 3U);
@@ -132,10 +133,10 @@ TEST(SurfaceCoverage, OfNoMeshAllIsLostAndThereIsNoDistance) {
   EXPECT_EQ(coverage.distances.points, 0U);
 }
 
-TEST(SurfaceCoverage, WhatWasCutOffIsNotMissed) {
+TEST(SurfaceCoverage, IgnoresClippedParts) {
   const field::ScalarField field = three_balls();
   mesh::Mesh mesh = test::extract(field, options_of(field)).mesh;
-  // Without the far ball, which nobody asked for.
+  // Removes the far ball, as a clip would.
   std::size_t kept = 0;
   for (const glm::uvec3& t : mesh.triangles) {
     if (mesh.positions[t.x].x < 30) mesh.triangles[kept++] = t;
@@ -150,7 +151,7 @@ TEST(SurfaceCoverage, WhatWasCutOffIsNotMissed) {
   EXPECT_GT(coverage_of(mesh, field).distances.max.voxels, 10);
 }
 
-TEST(SurfaceCoverage, IsTheSameForAnyNumberOfThreads) {
+TEST(SurfaceCoverage, IsIndependentOfThreads) {
   const field::ScalarField field = test::random_field<std::uint8_t>({30, 31, 32}, 4, 256);
   const field::ScalarField grid =
       field::resample(field, {20, 20, 20}, field::ResampleKernel::linear, field::NanSamples::left_out, Context())
@@ -173,7 +174,7 @@ TEST(SurfaceCoverage, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(found[0].max_at_most.world, found[1].max_at_most.world);
 }
 
-TEST(SurfaceCoverage, MemoryIsReserved) {
+TEST(SurfaceCoverage, ReservesMemory) {
   const field::ScalarField field = three_balls();
   const mesh::Mesh mesh = test::extract(field, options_of(field)).mesh;
   EXPECT_FALSE(measure_field_error(mesh, field, options_of(field), {}, Context(MemoryBudget(20000))));
