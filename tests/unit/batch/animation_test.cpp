@@ -33,7 +33,7 @@ class AnimationTest : public testing::Test {
 
   [[nodiscard]] std::filesystem::path input(int i) const { return folder_ / ("in" + std::to_string(i) + ".raw"); }
 
-  // All frames into a file of at most so many bytes, and from there into the next.
+  // Writes all frames into files of at most `largest` bytes each.
   mesh_io::MeshWriteResult write(std::uint64_t largest = mesh_io::kLargestGlb) {
     const Context context;
     Animation animation(batch_, context, largest);
@@ -67,14 +67,14 @@ class AnimationTest : public testing::Test {
     return std::move(*opened);
   }
 
-  // As a later run sees it.
+  // Returns whether a later run would keep the animation.
   [[nodiscard]] bool is_kept() const { return kept_animation(manifest(true), batch_).has_value(); }
 
   TempFolder folder_;
   BatchJob batch_;
 };
 
-TEST_F(AnimationTest, AllPartsAreKeptOrNone) {
+TEST_F(AnimationTest, KeepsAllFilesOrNone) {
   const auto whole = write();
   ASSERT_EQ(whole.files.size(), 1U);
   const auto written = write(whole.files.front().bytes * 3 / 4);
@@ -107,15 +107,15 @@ TEST_F(AnimationTest, AllPartsAreKeptOrNone) {
   EXPECT_FALSE(is_kept());
 }
 
-// Frames of an animation are no outputs of their own: a later run that writes one is not taken for it.
-TEST_F(AnimationTest, ItsRecordsAreNoneOfJobs) {
+// The frames of an animation have no files, so a later run that writes one must not find a record for it.
+TEST_F(AnimationTest, SeparatesRecordsFromJobRecords) {
   const auto written = write();
   Manifest manifest_of_it = manifest(false);
   ASSERT_TRUE(keep_animation(manifest_of_it, batch_, records(), written));
   for (const FrameJob& frame : batch_.frames) EXPECT_EQ(manifest_of_it.find(convert::hash_of(frame.job)), nullptr);
 }
 
-TEST_F(AnimationTest, ARecordThatIsTornStandsForNothing) {
+TEST_F(AnimationTest, IgnoresTruncatedRecord) {
   {
     Manifest begun = manifest(false);
     ASSERT_TRUE(keep_animation(begun, batch_, records(), write()));
@@ -129,7 +129,7 @@ TEST_F(AnimationTest, ARecordThatIsTornStandsForNothing) {
   EXPECT_TRUE(is_kept());
 }
 
-TEST_F(AnimationTest, WithoutAnySurfaceThereIsNoFile) {
+TEST_F(AnimationTest, WritesNoFileWithoutSurfaces) {
   for (FrameJob& frame : batch_.frames) {
     frame.job.outputs.front().isos = {200};
     frame.job.empty = convert::EmptyPolicy::skip;

@@ -29,7 +29,7 @@ BatchJob sphere_frames(const TempFolder& folder, int count = 3) {
   return batch;
 }
 
-// Notes what it is told; can lack the report of a frame, or fail to write it.
+// Records its events; can lack the report of a frame, or fail to write it.
 class Listener final : public RunEvents {
  public:
   convert::Events* started(std::size_t frame, const Context& /*context*/) override {
@@ -72,7 +72,7 @@ std::vector<FrameStatus> statuses(const RunResult& result) {
   return all;
 }
 
-TEST(BatchRun, ALaterRunConvertsWhatIsNotWhatItWas) {
+TEST(BatchRun, ReconvertsChangedFrames) {
   const TempFolder folder;
   const BatchJob batch = sphere_frames(folder);
   Listener first;
@@ -96,7 +96,7 @@ TEST(BatchRun, ALaterRunConvertsWhatIsNotWhatItWas) {
   EXPECT_EQ(fourth.converted.size(), 3U);
 }
 
-TEST(BatchRun, AFrameWithoutItsReportIsConvertedAgain) {
+TEST(BatchRun, ReconvertsFramesWithoutReport) {
   const TempFolder folder;
   const BatchJob batch = sphere_frames(folder);
   Listener first;
@@ -110,14 +110,14 @@ TEST(BatchRun, AFrameWithoutItsReportIsConvertedAgain) {
             (std::vector{Status::done, Status::kept, Status::done}));
 }
 
-TEST(BatchRun, WithoutRecordsThereAreOnlyTheMeshes) {
+TEST(BatchRun, WritesNoManifestWithoutRecords) {
   const TempFolder folder;
   Listener listener;
   EXPECT_EQ(must_run(sphere_frames(folder, 1), {.keeps_records = false}, listener).count(Status::done), 1U);
   EXPECT_EQ(folder.names(), (std::set<std::string>{"1.ply"}));
 }
 
-TEST(BatchRun, OldMeshesOfFramesThatFailGetOtherNames) {
+TEST(BatchRun, RenamesOldMeshesOfFailedFrames) {
   const TempFolder folder;
   BatchJob batch = sphere_frames(folder);
   Listener first;
@@ -136,7 +136,7 @@ TEST(BatchRun, OldMeshesOfFramesThatFailGetOtherNames) {
   EXPECT_FALSE(std::filesystem::exists(folder / "3.ply"));
 }
 
-TEST(BatchRun, NoInputIsOverwritten) {
+TEST(BatchRun, NeverOverwritesInputs) {
   const TempFolder folder;
   BatchJob batch = sphere_frames(folder);
   test::write_bytes(folder / "2.ply", "a mesh");
@@ -146,7 +146,7 @@ TEST(BatchRun, NoInputIsOverwritten) {
   EXPECT_EQ(read.error().code, ErrorCode::usage);
 }
 
-TEST(BatchRun, FiguresAreKeptForWhoAsks) {
+TEST(BatchRun, KeepsFiguresOnRequest) {
   const TempFolder folder;
   const BatchJob batch = sphere_frames(folder, 1);
   Listener listener;
@@ -158,7 +158,7 @@ TEST(BatchRun, FiguresAreKeptForWhoAsks) {
   EXPECT_EQ(bare.rows[0].input, "demo:sphere?size=9");
 }
 
-TEST(BatchRun, AManifestThatIsInUseIsNotOpenedAgain) {
+TEST(BatchRun, RefusesLockedManifest) {
   const TempFolder folder;
   const BatchJob batch = sphere_frames(folder, 1);
   const Context context;

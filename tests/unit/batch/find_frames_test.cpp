@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A folder to which the names in messages are relative.
+// Works in a temporary folder, to which the names in messages are relative.
 class FindFrames : public testing::Test {
  protected:
   FindFrames() { fs::current_path(folder_.path()); }
@@ -32,7 +32,7 @@ class FindFrames : public testing::Test {
     return find_frames(inputs, wanted);
   }
 
-  // "1=a_1.vdb 3=a_3.vdb | gaps 2", or the error.
+  // Returns "1=a_1.vdb 3=a_3.vdb | gaps 2", or the error.
   static std::string found(const std::vector<std::string>& inputs, const std::string& range = {}) {
     const auto frames = find(inputs, range);
     if (!frames) return fmt::format("{}: {}", exit_code_of(frames.error().code), frames.error().message);
@@ -49,7 +49,7 @@ class FindFrames : public testing::Test {
   test::TempFolder folder_;
 };
 
-TEST_F(FindFrames, APatternTakesWhatMatches) {
+TEST_F(FindFrames, MatchesPattern) {
   make({"a_0010.vdb", "a_0002.vdb", "a_0001.vdb", "a_003.vdb", "a_0004.vdb.tmp", "b_0005.vdb", "a_.vdb",
         "s/a_0006.vdb"});
   fs::create_directory("a_0009.vdb");
@@ -59,7 +59,7 @@ TEST_F(FindFrames, APatternTakesWhatMatches) {
   EXPECT_EQ(found({"a_{}.vdb"}), "1=a_0001.vdb 2=a_0002.vdb 3=a_003.vdb 10=a_0010.vdb | gaps 4-9");
 }
 
-TEST_F(FindFrames, ARangeChoosesAndTellsWhatIsMissing) {
+TEST_F(FindFrames, SelectsRangeAndListsGaps) {
   make({"a_1.vdb", "a_2.vdb", "a_3.vdb", "a_5.vdb", "a_12.vdb", "a_-1.vdb"});
   EXPECT_EQ(found({"a_{}.vdb"}, "1-10x2"), "1=a_1.vdb 3=a_3.vdb 5=a_5.vdb | gaps 7,9");
   EXPECT_EQ(found({"a_{}.vdb"}, "-3-1"), "-1=a_-1.vdb 1=a_1.vdb | gaps -3--2,0");
@@ -70,7 +70,7 @@ TEST_F(FindFrames, ARangeChoosesAndTellsWhatIsMissing) {
   EXPECT_EQ(found({"."}, "2-4"), "2=./a_2.vdb 3=./a_3.vdb | gaps 4");
 }
 
-TEST_F(FindFrames, GapsKnowTheStep) {
+TEST_F(FindFrames, FindsGapsByStep) {
   make({"a_0.vdb", "a_10.vdb", "a_40.vdb", "a_50.vdb", "a_70.vdb", "b_1.vdb", "b_999999999999999999.vdb", "b_2.vdb"});
   EXPECT_EQ(found({"a_{}.vdb"}), "0=a_0.vdb 10=a_10.vdb 40=a_40.vdb 50=a_50.vdb 70=a_70.vdb | gaps 20-30x10,60");
   const auto far = find({"b_{}.vdb"});
@@ -78,7 +78,7 @@ TEST_F(FindFrames, GapsKnowTheStep) {
   EXPECT_EQ(text_of(far->gaps), "3-999999999999999998");
 }
 
-TEST_F(FindFrames, APatternMayNumberFolders) {
+TEST_F(FindFrames, NumbersFoldersByPattern) {
   make({"shot_001/density.vdb", "shot_002/other.vdb", "shot_003/density.vdb", "shot_007/density.vdb",
         "shot_010/density.vdb", "shot_4/density.vdb", "shot_005"});
   fs::create_directories("shot_006/density.vdb");
@@ -88,7 +88,7 @@ TEST_F(FindFrames, APatternMayNumberFolders) {
   EXPECT_EQ(found({"shot_{:03}/density.vdb"}, "2-3"), "3=shot_003/density.vdb | gaps 2");
 }
 
-TEST_F(FindFrames, AFileOfThatNameIsNoPattern) {
+TEST_F(FindFrames, PrefersFileOverPattern) {
   make({"a####.vdb", "a0001.vdb", "x%04d.raw", "y{}{}.raw"});
   EXPECT_EQ(found({"a####.vdb"}), "1=a####.vdb");
   EXPECT_EQ(found({"x%04d.raw"}), "4=x%04d.raw");
@@ -96,7 +96,7 @@ TEST_F(FindFrames, AFileOfThatNameIsNoPattern) {
   EXPECT_EQ(found({"a%04d.vdb"}), "1=a0001.vdb");
 }
 
-TEST_F(FindFrames, NothingThatMatchesIsAnError) {
+TEST_F(FindFrames, FailsWithoutMatches) {
   make({"a_001.vdb", "a_002.vdb"});
   EXPECT_EQ(found({"b_{:04}.vdb"}), "2: b_{:04}.vdb: no file has such a name");
   EXPECT_EQ(found({"no/b_{:04}.vdb"}), "2: no/: cannot read the folder: No such file or directory");
@@ -107,7 +107,7 @@ TEST_F(FindFrames, NothingThatMatchesIsAnError) {
   EXPECT_EQ(near.error().hint.text, "{} would match a_001.vdb");
 }
 
-TEST_F(FindFrames, TwoFilesOfOneNumberAreAnError) {
+TEST_F(FindFrames, FailsForRepeatedNumber) {
   make({"f_1.vdb", "f_01.vdb", "f_2.vdb"});
   const std::string both = "2: expected one file for frame 1, found f_01.vdb and f_1.vdb";
   EXPECT_EQ(found({"f_{}.vdb"}), both);
@@ -116,13 +116,13 @@ TEST_F(FindFrames, TwoFilesOfOneNumberAreAnError) {
   EXPECT_EQ(found({"."}), "2: expected one file for frame 1, found ./f_01.vdb and ./f_1.vdb");
 }
 
-TEST_F(FindFrames, ListedFilesAreNumberedByTheirNames) {
+TEST_F(FindFrames, NumbersListedFilesByName) {
   make({"v2_10.vdb", "v2_9.vdb", "v2_7.vdb"});
   EXPECT_EQ(found({"v2_10.vdb", "v2_7.vdb", "v2_9.vdb"}), "7=v2_7.vdb 9=v2_9.vdb 10=v2_10.vdb | gaps 8");
   EXPECT_EQ(found({"gone_1.vdb", "gone_2.vdb"}), "1=gone_1.vdb 2=gone_2.vdb");
 }
 
-TEST_F(FindFrames, OtherListedFilesAreNumberedByPosition) {
+TEST_F(FindFrames, NumbersOtherListedFilesByPosition) {
   make({"b.vdb", "a.vdb", "c1_1.vdb", "c2_2.vdb"});
   EXPECT_EQ(found({"b.vdb", "a.vdb"}), "1=b.vdb 2=a.vdb");
   EXPECT_EQ(found({"c2_2.vdb", "c1_1.vdb"}), "1=c2_2.vdb 2=c1_1.vdb");
@@ -135,7 +135,7 @@ TEST_F(FindFrames, OtherListedFilesAreNumberedByPosition) {
   EXPECT_TRUE(find({"c1_1.vdb", "c1_2.vdb"})->notes.empty());
 }
 
-TEST_F(FindFrames, DecimalNumbersOrderFramesByTheirValue) {
+TEST_F(FindFrames, OrdersByDecimalValue) {
   EXPECT_EQ(found({"t_0.25.npy", "t_0.5.npy", "t_0.75.npy"}), "1=t_0.25.npy 2=t_0.5.npy 3=t_0.75.npy");
   EXPECT_EQ(found({"t_1e-1.npy", "t_1e-2.npy", "t_1e+0.npy", "t_2.5e-02.npy"}),
             "1=t_1e-2.npy 2=t_2.5e-02.npy 3=t_1e-1.npy 4=t_1e+0.npy");
@@ -152,7 +152,7 @@ TEST_F(FindFrames, DecimalNumbersOrderFramesByTheirValue) {
   EXPECT_EQ(found({"d"}), "1=d/t_0.25.npy 2=d/t_0.5.npy 3=d/t_0.75.npy 4=d/t_1.npy");
 }
 
-TEST_F(FindFrames, ADecimalPointMayBeACommaOrAPAndNeedsNoDigitBeforeIt) {
+TEST_F(FindFrames, AcceptsOtherDecimalMarks) {
   EXPECT_EQ(found({"t_.25.npy", "t_.5.npy", "t_.75.npy"}), "1=t_.25.npy 2=t_.5.npy 3=t_.75.npy");
   EXPECT_EQ(found({"t_.5.npy", "t_.25.npy", "t_1.npy", "t_-.5.npy"}), "1=t_-.5.npy 2=t_.25.npy 3=t_.5.npy 4=t_1.npy");
   EXPECT_EQ(found({"t_0p25.npy", "t_0p5.npy", "t_0p75.npy"}), "1=t_0p25.npy 2=t_0p5.npy 3=t_0p75.npy");
@@ -168,7 +168,7 @@ TEST_F(FindFrames, ADecimalPointMayBeACommaOrAPAndNeedsNoDigitBeforeIt) {
             "t_.75.npy");
 }
 
-TEST_F(FindFrames, TellsThatDigitsInEqualStepsMayBeFractions) {
+TEST_F(FindFrames, NotesDigitsThatMayBeFractions) {
   const auto note = [&](std::vector<std::string> names) {
     const auto frames = find(std::move(names));
     return frames && !frames->notes.empty() ? frames->notes.front() : "none";
@@ -180,7 +180,7 @@ TEST_F(FindFrames, TellsThatDigitsInEqualStepsMayBeFractions) {
   EXPECT_EQ(note({"t_0.8.npy", "t_0.9.npy", "t_0.10.npy"}), "none");
 }
 
-TEST_F(FindFrames, DigitsBehindAVersionAreFrames) {
+TEST_F(FindFrames, NumbersByDigitsAfterVersion) {
   EXPECT_EQ(found({"f_v2.8.vdb", "f_v2.9.vdb", "f_v2.10.vdb"}), "8=f_v2.8.vdb 9=f_v2.9.vdb 10=f_v2.10.vdb");
   EXPECT_EQ(found({"f_v2.7.vdb", "f_v2.9.vdb", "f_v2.11.vdb"}), "7=f_v2.7.vdb 9=f_v2.9.vdb 11=f_v2.11.vdb");
   EXPECT_EQ(found({"t_0.10.npy", "t_0.25.npy"}), "10=t_0.10.npy 25=t_0.25.npy");
@@ -189,7 +189,7 @@ TEST_F(FindFrames, DigitsBehindAVersionAreFrames) {
   EXPECT_EQ(find({"f_v2.5.vdb", "f_v2.9.vdb", "f_v2.10.vdb"})->notes,
             std::vector<std::string>{
                 "f_v2.{}.vdb: the digits after the point are taken as whole numbers, in which 10 follows 9"});
-  make({"s_v2.97.vdb", "s_v2.98.vdb", "s_v2.99.vdb", "s_v2.101.vdb"});  // 100 is lost, or not yet written
+  make({"s_v2.97.vdb", "s_v2.98.vdb", "s_v2.99.vdb", "s_v2.101.vdb"});  // 100 is lost or not yet written
   EXPECT_EQ(found({"s_v2.{}.vdb"}, "97-101"),
             "97=s_v2.97.vdb 98=s_v2.98.vdb 99=s_v2.99.vdb 101=s_v2.101.vdb | gaps 100");
   EXPECT_EQ(found({"s_v2.97.vdb", "s_v2.98.vdb", "s_v2.99.vdb", "s_v2.101.vdb"}),
@@ -203,7 +203,7 @@ TEST_F(FindFrames, DigitsBehindAVersionAreFrames) {
   EXPECT_EQ(found({"v_2.{}.vdb"}, "9-11"), "9=v_2.9.vdb 10=v_2.10.vdb 11=v_2.11.vdb");
 }
 
-TEST_F(FindFrames, APatternDoesNotTakePartsOfDecimalNumbers) {
+TEST_F(FindFrames, RefusesPatternInsideDecimals) {
   make({"t_0.25.npy", "t_0.5.npy", "t_0.75.npy", "t_1e-1.npy", "t_1e-2.npy"});
   EXPECT_EQ(found({"t_0.{}.npy"}),
             "1: t_0.{}.npy: expected whole numbers of frames, found parts of decimal numbers: t_0.25.npy and "
@@ -216,7 +216,7 @@ TEST_F(FindFrames, APatternDoesNotTakePartsOfDecimalNumbers) {
   EXPECT_EQ(found({"t_0.{:02}.npy"}), "25=t_0.25.npy 75=t_0.75.npy");
 }
 
-TEST_F(FindFrames, ListsAreOfFiles) {
+TEST_F(FindFrames, RefusesPatternsAndFoldersInLists) {
   make({"a.vdb", "b####.vdb", "s/a.vdb"});
   EXPECT_EQ(found({"a.vdb", "b####.vdb"}), "1=a.vdb 2=b####.vdb");
   EXPECT_EQ(found({"a.vdb", "c####.vdb"}), "1: c####.vdb: expected files, found a pattern as one of 2 inputs");
@@ -227,7 +227,7 @@ TEST_F(FindFrames, ListsAreOfFiles) {
   EXPECT_EQ(found({}), "1: expected an input, found none");
 }
 
-TEST_F(FindFrames, AFolderIsItsSequence) {
+TEST_F(FindFrames, FindsSequenceInFolder) {
   make({"d/f_10.vdb", "d/f_9.VDB", "d/f_8.vdb", "d/.f_7.vdb", "d/notes.txt", "d/s/f_6.vdb", "d/log.json"});
   EXPECT_EQ(found({"d"}), "1: d: expected one sequence in the folder, found 2: f_{}.vdb (2 files), f_9.VDB");
   fs::rename("d/f_9.VDB", "d/f_9.vdb");
@@ -237,7 +237,7 @@ TEST_F(FindFrames, AFolderIsItsSequence) {
   EXPECT_EQ(found({"d"}, "1-9x8"), "9=d/f_9.vdb | gaps 1");
 }
 
-TEST_F(FindFrames, AFolderOfUnnumberedFilesIsInNaturalOrder) {
+TEST_F(FindFrames, OrdersUnnumberedFilesNaturally) {
   make({"d/skull.nrrd", "d/head10.nii.gz", "d/head.nii.gz", "d/arm.vdb"});
   EXPECT_EQ(found({"d"}), "1=d/arm.vdb 2=d/head.nii.gz 3=d/head10.nii.gz 4=d/skull.nrrd");
   EXPECT_EQ(find({"d"})->notes.size(), 1U);
@@ -245,7 +245,7 @@ TEST_F(FindFrames, AFolderOfUnnumberedFilesIsInNaturalOrder) {
   EXPECT_EQ(found({"one"}), "42=one/f_0042.vdb");
 }
 
-TEST_F(FindFrames, SeveralSequencesInAFolderAreListed) {
+TEST_F(FindFrames, ListsSeveralSequencesInFolder) {
   make({"d/smoke_0001.vdb", "d/smoke_0002.vdb", "d/fire_1.vdb", "d/fire_2.vdb", "d/fire_3.vdb", "d/cache\x1b.npy"});
   EXPECT_EQ(found({"d"}),
             "1: d: expected one sequence in the folder, found 3: cache\\x1b.npy, fire_{}.vdb (3 files), "
@@ -254,7 +254,7 @@ TEST_F(FindFrames, SeveralSequencesInAFolderAreListed) {
   EXPECT_LT(found({"d"}).size(), 400U);
 }
 
-TEST_F(FindFrames, AFolderWithoutVolumesIsOfParticles) {
+TEST_F(FindFrames, FindsParticlesInFolderWithoutVolumes) {
   make({"d/drops_1.ply", "d/drops_2.ply", "d/readme.txt"});
   EXPECT_EQ(found({"d"}), "1=d/drops_1.ply 2=d/drops_2.ply");
   EXPECT_EQ(find({"d"})->notes, std::vector<std::string>{"d: 1 other file is not named like particles"});
@@ -265,12 +265,12 @@ TEST_F(FindFrames, AFolderWithoutVolumesIsOfParticles) {
   EXPECT_EQ(find({"d"})->notes, std::vector<std::string>{"d: 3 other files are not named like a volume"});
 }
 
-TEST_F(FindFrames, AFolderOfOtherFilesIsAnError) {
+TEST_F(FindFrames, FailsForFolderOfOtherFiles) {
   make({"d/readme.txt"});
   EXPECT_EQ(found({"d"}), "2: d: no file in the folder is named like a volume or particles");
 }
 
-TEST_F(FindFrames, ASingleInputIsAFrame) {
+TEST_F(FindFrames, TreatsSingleInputAsFrame) {
   make({"f_0042.vdb"});
   EXPECT_EQ(found({"f_0042.vdb"}), "42=f_0042.vdb");
   EXPECT_EQ(found({"gone.vdb"}), "1=gone.vdb");
@@ -281,7 +281,7 @@ TEST_F(FindFrames, ASingleInputIsAFrame) {
   EXPECT_EQ(found({"a{}_{}.vdb"}), "1: a{}_{}.vdb: expected one numbering, found '{}' and '{}'");
 }
 
-TEST_F(FindFrames, ADemoFieldIsNumberedByTheRange) {
+TEST_F(FindFrames, NumbersDemoFieldByRange) {
   EXPECT_EQ(found({"demo:sphere?size={}"}, "16-48x16"),
             "16=demo:sphere?size=16 32=demo:sphere?size=32 48=demo:sphere?size=48");
   const auto frames = find({"demo:sphere?size={}"});
@@ -290,17 +290,18 @@ TEST_F(FindFrames, ADemoFieldIsNumberedByTheRange) {
   EXPECT_EQ(frames.error().hint.remedy, Remedy::name_frames);
 }
 
-TEST_F(FindFrames, LinksToFilesAreFiles) {
+TEST_F(FindFrames, FollowsLinks) {
   make({"real/x.vdb"});
   fs::create_directory("d");
   fs::create_symlink("../real/x.vdb", "d/f_1.vdb");
   fs::create_symlink("../real/gone.vdb", "d/f_2.vdb");
   fs::create_symlink("../real", "d/f_3.vdb");
-  EXPECT_EQ(found({"d/f_{}.vdb"}), "1=d/f_1.vdb 2=d/f_2.vdb");  // the second fails when it is read
+  // F_2 links to a missing file, and fails when it is read.
+  EXPECT_EQ(found({"d/f_{}.vdb"}), "1=d/f_1.vdb 2=d/f_2.vdb");
   EXPECT_EQ(found({"d"}), "1=d/f_1.vdb 2=d/f_2.vdb");
 }
 
-TEST_F(FindFrames, ManyFilesAreFoundOnce) {
+TEST_F(FindFrames, FindsManyFilesOnce) {
   constexpr int kFiles = 3000;
   fs::create_directory("d");
   for (int i = kFiles; i > 0; --i) test::write_bytes(fmt::format("d/f.{:04}.vdb", i), "");

@@ -24,7 +24,7 @@ std::string pattern_refusal(const std::string& name) {
   return parsed.error().message;
 }
 
-TEST(FramePattern, EveryWayOfNumberingIsRead) {
+TEST(FramePattern, ParsesEveryNumbering) {
   const FramePattern four{"sim_", 4, ".vdb"};
   for (const char* name : {"sim_{:04}.vdb", "sim_{:4}.vdb", "sim_{frame:04}.vdb", "sim_%04d.vdb", "sim_%4d.vdb",
                            "sim_####.vdb", "sim_@@@@.vdb", "sim_$F4.vdb", "sim_${F4}.vdb"}) {
@@ -41,7 +41,7 @@ TEST(FramePattern, EveryWayOfNumberingIsRead) {
   EXPECT_EQ(parsed_pattern("#/a.vdb"), FramePattern("", 0, "/a.vdb"));
 }
 
-TEST(FramePattern, OtherNamesAreNone) {
+TEST(FramePattern, FindsNoPatternInOtherNames) {
   for (const char* name :
        {"",         "sim.vdb", "sim_0001.vdb", "50%.vdb",   "50%",    "%4",         "%x",          "%-4d",
         "a{",       "a}",      "}{",           "{iso}.vdb", "{a b}",  "cube#1.vdb", "{{}}",        "{{:04}}",
@@ -53,13 +53,13 @@ TEST(FramePattern, OtherNamesAreNone) {
   }
 }
 
-TEST(FramePattern, EscapesAreTheCharacters) {
+TEST(FramePattern, ParsesEscapes) {
   const FramePattern escaped = parsed_pattern("100%%_{{x}}_{#}{#}_{iso}_{}.vdb");
   EXPECT_EQ(escaped.prefix(), "100%_{x}_##_{iso}_");
   EXPECT_EQ(escaped.expand(3), "100%_{x}_##_{iso}_3.vdb");
 }
 
-TEST(FramePattern, ComesBackFromItsText) {
+TEST(FramePattern, ParsesItsOwnText) {
   for (const FramePattern& one :
        {FramePattern("a%d{x}###", 5, "}{#%%.vdb"), FramePattern("", 0, ""), FramePattern("#", 2, "#"),
         FramePattern("$F4_@@@.", 1, ".#._${F}@"), FramePattern("a.#.@.", 0, "$FF")}) {
@@ -67,13 +67,13 @@ TEST(FramePattern, ComesBackFromItsText) {
   }
 }
 
-TEST(FramePattern, MoreThanOneNumberingIsRefused) {
+TEST(FramePattern, RefusesSeveralNumberings) {
   EXPECT_EQ(pattern_refusal("a{}_%04d.vdb"), "a{}_%04d.vdb: expected one numbering, found '{}' and '%04d'");
   EXPECT_EQ(pattern_refusal("##_##"), "##_##: expected one numbering, found '##' and '##'");
   EXPECT_EQ(pattern_refusal("\x1b[2J{}{}"), "\\x1b[2J{}{}: expected one numbering, found '{}' and '{}'");
 }
 
-TEST(FramePattern, ImpossibleWidthsAreRefused) {
+TEST(FramePattern, RefusesImpossibleWidths) {
   EXPECT_EQ(parsed_pattern("{:018}").width(), 18);
   EXPECT_EQ(pattern_refusal("{:019}"), "{:019}: expected at most 18 digits for a frame, found '{:019}'");
   EXPECT_NE(pattern_refusal("{:99999999999999999999}"), "accepted");
@@ -84,7 +84,7 @@ TEST(FramePattern, ImpossibleWidthsAreRefused) {
   EXPECT_NE(pattern_refusal("{frame:04d}"), "accepted");
 }
 
-TEST(FramePattern, NumbersAreFilledWithZerosAndMayBeLonger) {
+TEST(FramePattern, PadsNumbersWithZeros) {
   const FramePattern four = parsed_pattern("f{:04}");
   EXPECT_EQ(four.expand(7), "f0007");
   EXPECT_EQ(four.expand(12345), "f12345");
@@ -94,7 +94,7 @@ TEST(FramePattern, NumbersAreFilledWithZerosAndMayBeLonger) {
   EXPECT_EQ(four.expand(-kMaxFrameNumber), "f-999999999999999999");
 }
 
-TEST(FramePattern, MatchIsTheWayBack) {
+TEST(FramePattern, MatchInvertsExpand) {
   for (const char* name : {"f{:04}.vdb", "f{}.vdb", "{:01}", "-{:03}", "s_{:02}/x.vdb", "1{:02}2"}) {
     const FramePattern one = parsed_pattern(name);
     for (const std::int64_t number : {std::int64_t{0}, std::int64_t{7}, std::int64_t{-1}, std::int64_t{99999},
@@ -104,7 +104,7 @@ TEST(FramePattern, MatchIsTheWayBack) {
   }
 }
 
-TEST(FramePattern, AWidthMatchesOnlyItsOwnNames) {
+TEST(FramePattern, MatchesOnlyItsWidth) {
   const FramePattern four = parsed_pattern("f{:04}.vdb");
   EXPECT_EQ(four.match("f0007.vdb"), 7);
   EXPECT_EQ(four.match("f12345.vdb"), 12345);
@@ -116,7 +116,7 @@ TEST(FramePattern, AWidthMatchesOnlyItsOwnNames) {
   }
 }
 
-TEST(FramePattern, AnyWidthTakesZerosBeforeTheNumber) {
+TEST(FramePattern, MatchesLeadingZerosWithoutWidth) {
   const FramePattern any = parsed_pattern("f{}");
   EXPECT_EQ(any.match("f007"), 7);
   EXPECT_EQ(any.match("f-007"), -7);
@@ -127,14 +127,14 @@ TEST(FramePattern, AnyWidthTakesZerosBeforeTheNumber) {
   EXPECT_FALSE(any.match(std::string("f7\0", 3)));
 }
 
-TEST(FramePattern, PrefixAndSuffixDoNotShareCharacters) {
+TEST(FramePattern, KeepsPrefixAndSuffixApart) {
   const FramePattern one{"a1", 0, "1a"};
   EXPECT_FALSE(one.match("a1a"));
   EXPECT_FALSE(one.match("a11a"));
   EXPECT_EQ(one.match("a151a"), 5);
 }
 
-TEST(FramePattern, AMinusSignOfThePrefixIsNoSign) {
+TEST(FramePattern, ReadsMinusOfPrefixAsText) {
   EXPECT_EQ(parsed_pattern("sim-{:04}").match("sim-0001"), 1);
   EXPECT_EQ(parsed_pattern("sim-{:04}").match("sim--0001"), -1);
   EXPECT_EQ(parsed_pattern("sim{:04}").match("sim-0001"), -1);

@@ -16,7 +16,7 @@ void start(FrameQueue& queue, std::size_t place) {
   queue.start(place);
 }
 
-TEST(FrameQueue, InAnyOrderThoseThatAreRunAgainComeAtTheEndAlone) {
+TEST(FrameQueue, RepeatsAloneAtEndWithoutOrder) {
   FrameQueue queue(4, false);
   start(queue, 0);
   start(queue, 1);
@@ -24,7 +24,7 @@ TEST(FrameQueue, InAnyOrderThoseThatAreRunAgainComeAtTheEndAlone) {
   EXPECT_EQ(queue.left(), 3U);
   start(queue, 2);
   start(queue, 3);
-  EXPECT_EQ(queue.next(), std::nullopt);  // others run
+  EXPECT_EQ(queue.next(), std::nullopt);  // others are running
   queue.end(1);
   queue.run_again_alone(3);
   EXPECT_EQ(queue.next(), std::nullopt);
@@ -39,19 +39,19 @@ TEST(FrameQueue, InAnyOrderThoseThatAreRunAgainComeAtTheEndAlone) {
   EXPECT_EQ(queue.left(), 0U);
 }
 
-TEST(FrameQueue, InOrderEachWaitsForThoseBeforeIt) {
+TEST(FrameQueue, WaitsForEarlierFramesInOrder) {
   FrameQueue queue(3, true);
   for (const std::size_t place : {0U, 1U, 2U}) start(queue, place);
   EXPECT_EQ(queue.turn(2), Turn::later);
   EXPECT_EQ(queue.turn(1), Turn::later);
   EXPECT_EQ(queue.turn(0), Turn::now);
-  queue.end(1);  // it failed, and gives up its turn
+  queue.end(1);  // failed, so it needs no turn
   EXPECT_EQ(queue.turn(2), Turn::later);
   queue.end(0);
   EXPECT_EQ(queue.turn(2), Turn::now);
 }
 
-TEST(FrameQueue, InOrderAFrameThatIsRunAgainAloneTurnsAwayThoseAfterIt) {
+TEST(FrameQueue, TurnsAwayLaterFramesInOrder) {
   FrameQueue queue(6, true);
   for (const std::size_t place : {0U, 1U, 2U, 3U}) start(queue, place);
   queue.run_again_alone(1);
@@ -59,9 +59,9 @@ TEST(FrameQueue, InOrderAFrameThatIsRunAgainAloneTurnsAwayThoseAfterIt) {
   EXPECT_EQ(queue.turn(2), Turn::turned_away);
   EXPECT_EQ(queue.turn(3), Turn::turned_away);
   EXPECT_EQ(queue.next(), std::nullopt);
-  queue.end(3);  // it has failed on its own: it is over all the same
+  queue.end(3);  // failed while turned away: it ends all the same
   queue.run_again(2);
-  EXPECT_EQ(queue.next(), std::nullopt);  // the first still runs
+  EXPECT_EQ(queue.next(), std::nullopt);  // frame 0 still runs
   queue.end(0);
   start(queue, 1);
   EXPECT_TRUE(queue.is_alone(1));
@@ -74,8 +74,8 @@ TEST(FrameQueue, InOrderAFrameThatIsRunAgainAloneTurnsAwayThoseAfterIt) {
   EXPECT_EQ(queue.left(), 0U);
 }
 
-// Whatever happens, some frame can go on, and frames are taken in their order, each once.
-TEST(FrameQueue, InOrderItNeverStandsStill) {
+// Some frame can always go on, and each frame is handed over once, in order.
+TEST(FrameQueue, NeverStallsInOrder) {
   std::mt19937 chance(7);
   for (int round = 0; round < 300; ++round) {
     const std::size_t count = 1 + chance() % 12;
@@ -94,15 +94,15 @@ TEST(FrameQueue, InOrderItNeverStandsStill) {
         running.push_back(*place);
         continue;
       }
-      // One that is not told to wait has to be among those that run.
+      // At least one running frame is not told to wait.
       const auto can_go = [&](std::size_t place) { return queue.turn(place) != Turn::later; };
       ASSERT_TRUE(std::ranges::any_of(running, can_go));
       const std::size_t at = chance() % running.size();
       const std::size_t place = running[at];
       const bool beside_others = running.size() > 1;
-      if (beside_others && chance() % 8 == 0) {  // for want of memory
+      if (beside_others && chance() % 8 == 0) {  // out of memory
         queue.run_again_alone(place);
-      } else if (chance() % 8 == 0) {  // it fails
+      } else if (chance() % 8 == 0) {  // another failure
         queue.end(place);
         over[place] = true;
       } else if (queue.turn(place) == Turn::turned_away) {

@@ -24,7 +24,7 @@ std::string range_refusal(const std::string& text) {
   return parsed.error().message;
 }
 
-TEST(FrameRange, BothEndsBelongToIt) {
+TEST(FrameRange, IncludesBothEnds) {
   EXPECT_EQ(parsed_range("1-5").numbers(), (Numbers{1, 2, 3, 4, 5}));
   EXPECT_EQ(parsed_range("7").numbers(), Numbers{7});
   EXPECT_EQ(parsed_range("7-7x5").numbers(), Numbers{7});
@@ -34,14 +34,14 @@ TEST(FrameRange, BothEndsBelongToIt) {
   EXPECT_EQ(parsed_range("1-8x100").numbers(), Numbers{1});
 }
 
-TEST(FrameRange, NegativeNumbers) {
+TEST(FrameRange, ParsesNegativeNumbers) {
   EXPECT_EQ(parsed_range("-2-2").numbers(), (Numbers{-2, -1, 0, 1, 2}));
   EXPECT_EQ(parsed_range("-10--5x5").numbers(), (Numbers{-10, -5}));
   EXPECT_EQ(parsed_range("-3").numbers(), Numbers{-3});
   EXPECT_EQ(parsed_range("-5-5x4").numbers(), (Numbers{-5, -1, 3}));
 }
 
-TEST(FrameRange, ListsAreSets) {
+TEST(FrameRange, TreatsListsAsSets) {
   EXPECT_EQ(parsed_range("20, 1-3 ,30-40x5").numbers(), (Numbers{1, 2, 3, 20, 30, 35, 40}));
   EXPECT_EQ(parsed_range("1-9x2,2-10x2"), parsed_range("1-10"));
   EXPECT_EQ(parsed_range("5,5,1-5,4-6"), parsed_range("1-6"));
@@ -49,7 +49,7 @@ TEST(FrameRange, ListsAreSets) {
   EXPECT_EQ(parsed_range("1-10x3,1-10x2").numbers(), (Numbers{1, 3, 4, 5, 7, 9, 10}));
 }
 
-TEST(FrameRange, ContainsWhatItLists) {
+TEST(FrameRange, ContainsItsNumbers) {
   const FrameRange some = parsed_range("-7--3,0,4-30x5,29,100-1000x7");
   const Numbers numbers = some.numbers();
   EXPECT_EQ(some.count(), numbers.size());
@@ -59,7 +59,7 @@ TEST(FrameRange, ContainsWhatItLists) {
   }
 }
 
-TEST(FrameRange, WhatIsNoRangeIsRefused) {
+TEST(FrameRange, RefusesInvalidText) {
   EXPECT_EQ(range_refusal("5-1"), "frames 5-1: expected the smaller number first, found 5 before 1");
   EXPECT_EQ(range_refusal("1-5x0"), "frames 1-5x0: expected a step of at least 1, found 0");
   EXPECT_EQ(range_refusal("1-5x-1"), "frames 1-5x-1: expected a step of at least 1, found -1");
@@ -97,7 +97,7 @@ TEST(FrameRange, WhatIsNoRangeIsRefused) {
   EXPECT_NE(range_refusal(std::string("1\0", 2)), "accepted");
 }
 
-TEST(FrameRange, TooManyFramesAreRefusedBeforeMemoryIsTaken) {
+TEST(FrameRange, RefusesTooManyFramesBeforeTakingMemory) {
   EXPECT_EQ(parsed_range("1-1000000").count(), kMaxFrames);
   EXPECT_EQ(range_refusal("1-1000001"), "frames 1-1000001: expected at most 1000000 frames, found more");
   EXPECT_NE(range_refusal("1-2000000000"), "accepted");
@@ -107,7 +107,7 @@ TEST(FrameRange, TooManyFramesAreRefusedBeforeMemoryIsTaken) {
             (Numbers{-kMaxFrameNumber, 0, kMaxFrameNumber}));
 }
 
-TEST(FrameRuns, ComeBackFromTheirText) {
+TEST(FrameRuns, ParseTheirOwnText) {
   for (const char* text : {"1-10,20,30-40x5", "-5-5", "-10--5,-3,7", "1,3", "1-5x2,6,7-27x10"}) {
     const FrameRange one = parsed_range(text);
     EXPECT_EQ(parsed_range(text_of(one.runs())), one) << text;
@@ -117,7 +117,7 @@ TEST(FrameRuns, ComeBackFromTheirText) {
   EXPECT_EQ(text_of({}), "");
 }
 
-TEST(FrameRuns, AreTheNumbersTheyWereMadeOf) {
+TEST(FrameRuns, CoverTheirNumbers) {
   const Numbers numbers{-9, -7, -5, 0, 1, 2, 4, 9, 10, 20, 30, 31};
   std::vector<FrameRun> runs = runs_of(numbers);
   EXPECT_EQ(text_of(runs), "-9--5x2,0-2,4,9-10,20,30-31");

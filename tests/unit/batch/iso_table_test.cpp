@@ -30,15 +30,15 @@ std::string table_refusal(const std::string& text) {
   return parsed.error().message;
 }
 
-TEST(IsoTable, GivesEachFrameItsValues) {
+TEST(IsoTable, ReturnsValuesOfEachFrame) {
   const IsoTable some = parsed_table("frame,iso\n1,0.15\n-2,1e-3\n3,-4\n1,0.1\n");
-  EXPECT_EQ(isos_of_frame(some, 1), (Isos{0.15, 0.1}));  // as the rows come
+  EXPECT_EQ(isos_of_frame(some, 1), (Isos{0.15, 0.1}));  // in the order of the rows
   EXPECT_EQ(isos_of_frame(some, -2), Isos{0.001});
   EXPECT_EQ(isos_of_frame(some, 3), Isos{-4});
   EXPECT_TRUE(isos_of_frame(some, 2).empty());
 }
 
-TEST(IsoTable, TakesTheWordsOfIsoValues) {
+TEST(IsoTable, ParsesIsoValueWords) {
   const IsoTable some = parsed_table("frame,iso\n1,auto\n2,p99.9\n1,p50\n2,0.5\n");
   EXPECT_EQ(isos_of_frame(some, 1), (Isos{IsoChoice::suggested(), IsoChoice::percentile(field::Percent(50))}));
   EXPECT_EQ(isos_of_frame(some, 2), (Isos{*convert::iso_choice_of("p99.9"), 0.5}));
@@ -49,7 +49,7 @@ TEST(IsoTable, TakesTheWordsOfIsoValues) {
   }
 }
 
-TEST(IsoTable, OtherColumnsAndSeparators) {
+TEST(IsoTable, AcceptsOtherColumnsAndSeparators) {
   for (const char separator : {',', ';', '\t'}) {
     std::string text = "note,ISO,volume,Frame\nwater,0.5,,7\n,0.25,x y,8\n";
     std::ranges::replace(text, ',', separator);
@@ -60,7 +60,7 @@ TEST(IsoTable, OtherColumnsAndSeparators) {
   EXPECT_EQ(isos_of_frame(parsed_table("frame;iso;a,b\n1;2;3,4\n"), 1), Isos{2});
 }
 
-TEST(IsoTable, WhatEditorsAndSpreadsheetsWrite) {
+TEST(IsoTable, AcceptsSpreadsheetFiles) {
   const IsoTable some = parsed_table(
       "\xef\xbb\xbf# by hand\r\n\r\n  # and more\r\n \"frame\" , \"iso\",\"say \"\"no\"\"\"\r\n 1 , \"0.5\" "
       ",\"a,b\"\r\n\r\n#end\r\n2,0.75,");
@@ -68,7 +68,7 @@ TEST(IsoTable, WhatEditorsAndSpreadsheetsWrite) {
   EXPECT_EQ(isos_of_frame(some, 2), Isos{0.75});
 }
 
-TEST(IsoTable, TheHeaderHasBothColumnsOnce) {
+TEST(IsoTable, RequiresBothColumnsOnce) {
   EXPECT_EQ(table_refusal("1,0.5\n2,0.6\n"),
             "iso.csv:1: expected a header with one column 'frame' and one 'iso', found '1,0.5'");
   EXPECT_EQ(table_refusal("# x\nframe,value\n"),
@@ -84,7 +84,7 @@ TEST(IsoTable, TheHeaderHasBothColumnsOnce) {
   }
 }
 
-TEST(IsoTable, WhatIsNoNumberIsRefusedWithItsLine) {
+TEST(IsoTable, RefusesInvalidValuesWithLine) {
   const std::string header = "frame,iso\n1,0.5\n";
   EXPECT_EQ(table_refusal(header + "2,abc\n"),
             "iso.csv:3: expected a finite iso value, auto or a percentile such as p99, found 'abc'");
@@ -99,14 +99,14 @@ TEST(IsoTable, WhatIsNoNumberIsRefusedWithItsLine) {
   EXPECT_LT(table_refusal(header + "2," + std::string(1 << 20, 'x')).size(), 130U);
 }
 
-TEST(IsoTable, DecimalCommasAreNoSeparators) {
+TEST(IsoTable, TellsDecimalCommasFromSeparators) {
   EXPECT_EQ(table_refusal("frame,iso\n1,0,15\n"), "iso.csv:2: expected 2 fields as in the header, found 3");
   EXPECT_EQ(table_refusal("frame;iso\n1;0,15\n2;0.15\n"),
             "iso.csv:3: expected a finite iso value, auto or a percentile such as p99, found '0.15'");
   EXPECT_EQ(table_refusal("frame,iso,x\n1,2\n"), "iso.csv:2: expected 3 fields as in the header, found 2");
 }
 
-TEST(IsoTable, QuotesThatAreNotClosedAreRefused) {
+TEST(IsoTable, RefusesUnclosedQuotes) {
   const std::string message = "iso.csv:2: expected quotes around whole fields, found ";
   EXPECT_EQ(table_refusal("frame,iso,x\n1,2,\"a\nb\"\n"), message + "'1,2,\"a'");
   EXPECT_EQ(table_refusal("frame,iso,x\n1,\"2\"3,\n"), message + "'1,\"2\"3,'");
@@ -114,13 +114,13 @@ TEST(IsoTable, QuotesThatAreNotClosedAreRefused) {
   EXPECT_EQ(table_refusal("frame,iso,x\n1,2,\"\"\""), message + "'1,2,\"\"\"'");
 }
 
-TEST(IsoTable, ARowTwiceIsRefused) {
+TEST(IsoTable, RefusesRepeatedRow) {
   EXPECT_EQ(table_refusal("frame,iso\n1,0.5\n2,0.5\n1,0.50\n"),
             "iso.csv:4: expected iso 0.5 of frame 1 once, found it in line 2 as well");
   EXPECT_NE(table_refusal("frame,iso\n1,0\n1,-0.0\n"), "accepted");
 }
 
-TEST(IsoTable, EveryFrameNeedsARow) {
+TEST(IsoTable, RequiresRowForEveryFrame) {
   const IsoTable some = parsed_table("frame,iso\n1,0.5\n2,0.5\n3,0.5\n9,1\n");
   EXPECT_TRUE(some.check_covers(std::vector<std::int64_t>{1, 3}));
   const auto covers = some.check_covers(std::vector<std::int64_t>{7, 1, 5, 4, 6, 2, 20});
@@ -129,7 +129,7 @@ TEST(IsoTable, EveryFrameNeedsARow) {
   EXPECT_EQ(covers.error().code, ErrorCode::input);
 }
 
-TEST(IsoTable, IsReadFromAFile) {
+TEST(IsoTable, ReadsFile) {
   const test::TempFolder folder;
   test::write_bytes(folder / "a\n.csv", "frame,iso\n1,0.5\n2,x\n");
   const auto damaged = IsoTable::read(folder / "a\n.csv", Context());
@@ -143,7 +143,7 @@ TEST(IsoTable, IsReadFromAFile) {
   EXPECT_FALSE(IsoTable::read(folder.path(), Context()));
 }
 
-TEST(IsoTable, ManyRows) {
+TEST(IsoTable, ParsesManyRows) {
   std::string text = "frame,iso\n";
   for (int i = 200000; i > 0; --i) text += std::to_string(i) + ",0." + std::to_string(i) + "\n";
   const IsoTable some = parsed_table(text);

@@ -62,7 +62,7 @@ Manifest must_open(const TempFolder& folder, const BatchJob& batch, bool resume,
   return std::move(*manifest);
 }
 
-TEST(Manifest, ARecordComesBackAsItWas) {
+TEST(Manifest, RestoresRecord) {
   const TempFolder folder;
   const BatchJob batch = three_frames(folder);
   const FrameRecord record = convert_frame(batch.frames[0]);
@@ -76,7 +76,7 @@ TEST(Manifest, ARecordComesBackAsItWas) {
       "fl\xff"
       "ame";
   EXPECT_EQ(record_of(json_of(of_grids)), of_grids);
-  // Manifests written before conversions had several grids name none.
+  // Manifests written before conversions could have several grids name no grid.
   EXPECT_FALSE(json_of(record)["figures"]["surfaces"][0].contains("grid"));
   {
     Manifest manifest = must_open(folder, batch, false);
@@ -89,7 +89,7 @@ TEST(Manifest, ARecordComesBackAsItWas) {
   EXPECT_EQ(why_again(record, batch.frames[0]), "");
 }
 
-TEST(Manifest, ARecordHoldsUntilItsFrameIsBegunAnew) {
+TEST(Manifest, KeepsRecordUntilFrameBeginsAgain) {
   const TempFolder folder;
   const BatchJob batch = three_frames(folder);
   const FrameRecord first = convert_frame(batch.frames[0]);
@@ -115,14 +115,14 @@ TEST(Manifest, ARecordHoldsUntilItsFrameIsBegunAnew) {
   EXPECT_EQ(*must_open(folder, batch, true).find(second.job), second);
 }
 
-TEST(Manifest, NamesWhateverBytesTheyHaveComeBack) {
+TEST(Manifest, RestoresNamesOfAnyBytes) {
   FrameRecord record;
   record.inputs = {{"a\xff\n\"b", {1, 2, "x"}}};
   EXPECT_EQ(record_of(json_of(record)), record);
 }
 
-// At every length that a crash can leave.
-TEST(Manifest, ATornLineIsNotBelievedAndTheNextOnesFollowWhatIs) {
+// Truncates the file at lengths that a crash can leave.
+TEST(Manifest, IgnoresTruncatedLines) {
   const TempFolder folder;
   const BatchJob batch = three_frames(folder);
   const FrameRecord first = convert_frame(batch.frames[0]);
@@ -147,17 +147,17 @@ TEST(Manifest, ATornLineIsNotBelievedAndTheNextOnesFollowWhatIs) {
     }
     EXPECT_EQ(read_bytes(path), whole);
   }
-  for (std::size_t at = sound; at < whole.size(); at += 13) {  // or a byte of it was lost
+  for (std::size_t at = sound; at < whole.size(); at += 13) {  // a byte is damaged
     std::string damaged = whole;
     damaged[at] = static_cast<char>(damaged[at] ^ 1);
     write_bytes(path, damaged);
     EXPECT_EQ(must_open(folder, batch, true).find(second.job), nullptr) << at;
   }
-  write_bytes(path, whole.substr(0, 20));  // not even its header
+  write_bytes(path, whole.substr(0, 20));  // truncated within the header
   EXPECT_EQ(must_open(folder, batch, true).find(first.job), nullptr);
 }
 
-TEST(Manifest, OnlyWhatIsByteByByteAsItWasIsTrusted) {
+TEST(Manifest, TrustsOnlyUnchangedFiles) {
   const TempFolder folder;
   const BatchJob batch = three_frames(folder);
   const FrameRecord record = convert_frame(batch.frames[0]);
@@ -177,15 +177,15 @@ TEST(Manifest, OnlyWhatIsByteByByteAsItWasIsTrusted) {
   const auto time = std::filesystem::last_write_time(in);
   samples[22] = 1;
   write_bytes(in, samples);
-  std::filesystem::last_write_time(in, time);  // of the same size and time, but not the same
+  std::filesystem::last_write_time(in, time);  // same size and time, but another content
   EXPECT_NE(why_again(record, batch.frames[0]).find("in1.raw has changed"), std::string::npos);
   EXPECT_EQ(why_again(record, three_frames(folder, 1).frames[0]), "its options have changed");
   FrameRecord without_inputs = convert_frame(batch.frames[0]);
-  without_inputs.inputs.clear();  // of a file that came to be readable after the frame was begun
+  without_inputs.inputs.clear();  // the file became readable only after the frame had begun
   EXPECT_EQ(why_again(without_inputs, batch.frames[0]), "its inputs are not known");
 }
 
-TEST(Manifest, AnotherProgramsRecordsAreNotTrustedAndOtherFilesAreNotOverwritten) {
+TEST(Manifest, IgnoresOtherVersionsAndKeepsOtherFiles) {
   const TempFolder folder;
   const BatchJob batch = three_frames(folder);
   const FrameRecord record = convert_frame(batch.frames[0]);
@@ -204,7 +204,7 @@ TEST(Manifest, AnotherProgramsRecordsAreNotTrustedAndOtherFilesAreNotOverwritten
   EXPECT_EQ(read_bytes(folder / "isoextract.manifest"), "my notes");
 }
 
-TEST(Manifest, FramesThatTwoBatchesShareAreKept) {
+TEST(Manifest, KeepsFramesSharedByBatches) {
   const TempFolder folder;
   BatchJob batch = three_frames(folder);
   const FrameRecord record = convert_frame(batch.frames[0]);
@@ -218,7 +218,7 @@ TEST(Manifest, FramesThatTwoBatchesShareAreKept) {
   EXPECT_EQ(content->records, std::vector{record});
 }
 
-TEST(Manifest, AnotherBatchDoneAnewLeavesTheRecordsOfTheFirst) {
+TEST(Manifest, KeepsRecordsOfOtherBatch) {
   const TempFolder folder;
   const BatchJob batch = three_frames(folder);
   const BatchJob other = three_frames(folder, 1);
@@ -233,7 +233,7 @@ TEST(Manifest, AnotherBatchDoneAnewLeavesTheRecordsOfTheFirst) {
   EXPECT_NE(must_open(folder, other, true).find(convert::hash_of(other.frames[1].job)), nullptr);
 }
 
-TEST(Manifest, AShardsIsOfOneBatch) {
+TEST(Manifest, BelongsToOneBatchIfOfShard) {
   const TempFolder folder;
   const Shard shard{1, 2};
   BatchJob batch = three_frames(folder);
@@ -250,10 +250,10 @@ TEST(Manifest, AShardsIsOfOneBatch) {
   EXPECT_EQ(read_manifest(manifest.path()).value().records, std::vector{first});
 }
 
-TEST(Manifest, TwoRunsInOneFolderDoNotMixButShardsDo) {
+TEST(Manifest, LocksOutOtherRunsButNotShards) {
   const TempFolder folder;
   const BatchJob batch = three_frames(folder);
-  const auto opens_elsewhere = [&](const Shard& shard) {  // locks are a process's
+  const auto opens_elsewhere = [&](const Shard& shard) {  // locks belong to a process
     const pid_t child = ::fork();
     if (child == 0) ::_exit(Manifest::open(folder.path(), header_of(batch, shard, {}), true, {}) ? 0 : 1);
     int status = 0;

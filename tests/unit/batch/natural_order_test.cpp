@@ -9,13 +9,13 @@
 namespace isoextract::batch {
 namespace {
 
-TEST(NaturalOrder, NumbersCountAsNumbers) {
+TEST(NaturalOrder, ComparesNumbersByValue) {
   std::vector<std::string> names{"f10", "f2", "f1", "f", "g1", "f2b1", "f2a10", "f2a9", "f010", "F3"};
   std::ranges::sort(names, NaturalLess());
   EXPECT_EQ(names, (std::vector<std::string>{"F3", "f", "f1", "f2", "f2a9", "f2a10", "f2b1", "f010", "f10", "g1"}));
 }
 
-TEST(NaturalOrder, NumbersOfAnyLength) {
+TEST(NaturalOrder, ComparesNumbersOfAnyLength) {
   const std::string nines = "f" + std::string(400, '9');
   const std::string larger = "f1" + std::string(400, '0');
   EXPECT_TRUE(NaturalLess()(nines, larger));
@@ -24,8 +24,8 @@ TEST(NaturalOrder, NumbersOfAnyLength) {
   EXPECT_TRUE(NaturalLess()("f00a", "f0b"));
 }
 
-// Equal only where the bytes are, and never round in a circle.
-TEST(NaturalOrder, IsATotalOrder) {
+// Only names with equal bytes compare equal, and the order has no cycles.
+TEST(NaturalOrder, IsTotalOrder) {
   const std::vector<std::string> pieces{"", "0", "00", "1", "01", "a", "-", "/", ":", "\xff", std::string(1, '\0')};
   std::vector<std::string> names;
   for (const auto& a : pieces) {

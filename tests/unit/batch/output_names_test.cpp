@@ -25,7 +25,7 @@ std::string expanded_name(const std::string& name, const OutputWords& words) {
   return parsed ? parsed->expand(words) : parsed.error().message;
 }
 
-TEST(OutputTemplate, WordsAndNumbers) {
+TEST(OutputTemplate, ExpandsWordsAndNumbers) {
   const OutputWords words{"sim", 7, "density", "0.1"};
   EXPECT_EQ(expanded_name("o/{stem}_{frame:04}_{grid}_{iso}.glb", words), "o/sim_0007_density_0.1.glb");
   EXPECT_EQ(expanded_name("{:03}/m_####_%02d_{}_{frame}.ply", words), "007/m_0007_07_7_7.ply");
@@ -35,7 +35,7 @@ TEST(OutputTemplate, WordsAndNumbers) {
   EXPECT_EQ(expanded_name("{stem", words), "{stem");
 }
 
-TEST(OutputTemplate, OtherWordsAreRefused) {
+TEST(OutputTemplate, RefusesUnknownWords) {
   EXPECT_EQ(expanded_name("{name}.glb", {}),
             "{name}.glb: expected {stem}, {frame}, {frame:04}, {grid}, {iso} or {piece}, found '{name}'");
   for (const char* name :
@@ -46,7 +46,7 @@ TEST(OutputTemplate, OtherWordsAreRefused) {
   }
 }
 
-TEST(OutputTemplate, KnowsWhatItUses) {
+TEST(OutputTemplate, KnowsItsWords) {
   const auto names = OutputTemplate::parse("{iso}{{grid}}####");
   ASSERT_TRUE(names);
   EXPECT_TRUE(names->uses(OutputWord::iso));
@@ -55,7 +55,7 @@ TEST(OutputTemplate, KnowsWhatItUses) {
   EXPECT_FALSE(names->uses(OutputWord::stem));
 }
 
-TEST(SafeInFileNames, IsOneVisibleName) {
+TEST(SafeInFileNames, ReturnsOneVisibleName) {
   EXPECT_EQ(safe_in_file_names("density"), "density");
   EXPECT_EQ(safe_in_file_names("Dichte \xc3\xa4\xe2\x82\xac\xf0\x9f\x92\xa7 v1.0"),
             "Dichte \xc3\xa4\xe2\x82\xac\xf0\x9f\x92\xa7 v1.0");
@@ -65,17 +65,17 @@ TEST(SafeInFileNames, IsOneVisibleName) {
   EXPECT_EQ(safe_in_file_names("a\\b:c*d?e\"f<g>h|i"), "a_b_c_d_e_f_g_h_i");
   EXPECT_EQ(safe_in_file_names("a\nb\x1b[2J\x7f"), "a_b_[2J_");
   EXPECT_EQ(safe_in_file_names(std::string("a\0b", 3)), "a_b");
-  EXPECT_EQ(safe_in_file_names("\xe9t\xe9"), "_t_");  // Latin-1
+  EXPECT_EQ(safe_in_file_names("\xe9t\xe9"), "_t_");  // Latin-1, no valid UTF-8
   EXPECT_EQ(safe_in_file_names("x\xe2\x80\xae"
                                "y"),
-            "x___y");  // turns the direction of writing
+            "x___y");  // changes the writing direction
   EXPECT_EQ(safe_in_file_names("a\xc3"), "a_");
   EXPECT_EQ(safe_in_file_names("\xc3/b"), "__b");
   EXPECT_EQ(safe_in_file_names("\xf0\x9f/\x80"), "____");
   EXPECT_EQ(safe_in_file_names("\x80\x80/"), "___");
 }
 
-TEST(StemOf, IsTheNameAlone) {
+TEST(StemOf, RemovesFolderAndExtension) {
   EXPECT_EQ(stem_of("dir.x/a.b.vdb"), "a.b");
   EXPECT_EQ(stem_of("a.nii.gz"), "a");
   EXPECT_EQ(stem_of("demo:sphere?size=9"), "sphere");
@@ -111,14 +111,14 @@ class OutputNames : public testing::Test {
   test::TempFolder folder_;
 };
 
-TEST_F(OutputNames, ATemplateNamesEveryFrame) {
+TEST_F(OutputNames, NamesEveryFrameByTemplate) {
   EXPECT_EQ(named({output_source(1, "a_1.vdb"), output_source(12, "a_12.vdb")}, "out/m_{:04}.glb"),
             (Lines{"out/m_0001.glb: 0.5", "out/m_0012.glb: 0.5"}));
   EXPECT_EQ(named({output_source(1, "x/a.vdb"), output_source(2, "x/b.vdb")}, "{stem}.glb"),
             (Lines{"a.glb: 0.5", "b.glb: 0.5"}));
 }
 
-TEST_F(OutputNames, IsoInTheNameMakesAFileEach) {
+TEST_F(OutputNames, NamesFileForEachIso) {
   EXPECT_EQ(named({output_source(1, "a.vdb", "", {0.1, 0.2}), output_source(2, "b.vdb", "", {3})}, "{frame}_{iso}.ply",
                   MeshFormat::ply),
             (Lines{"1_0.1.ply: 0.1", "1_0.2.ply: 0.2", "2_3.ply: 3"}));
@@ -128,7 +128,7 @@ TEST_F(OutputNames, IsoInTheNameMakesAFileEach) {
   EXPECT_EQ(refused.error().hint.remedy, Remedy::one_file_per_surface);
 }
 
-TEST_F(OutputNames, TheGridInTheNameMakesAFileEach) {
+TEST_F(OutputNames, NamesFileForEachGrid) {
   OutputSource source = output_source(1, "a.vdb", "density", {0.5, 1});
   source.more_grids = {"flame"};
   EXPECT_EQ(named({source}, "{grid}_{iso}.ply", MeshFormat::ply),
@@ -141,7 +141,7 @@ TEST_F(OutputNames, TheGridInTheNameMakesAFileEach) {
   EXPECT_EQ(refused.error().message, "frame 1 (a.vdb, grid density): one ply file holds one surface, found 2 grids");
 }
 
-TEST_F(OutputNames, AFolderTakesTheNamesOfTheInputs) {
+TEST_F(OutputNames, NamesFilesInFolderAfterInputs) {
   const std::vector<OutputSource> two{output_source(1, "x/a_1.vdb"), output_source(2, "x/a_2.vdb")};
   EXPECT_EQ(named(two, "out/"), (Lines{"out/a_1.glb: 0.5", "out/a_2.glb: 0.5"}));
   EXPECT_EQ(named(two, std::nullopt, MeshFormat::ply), (Lines{"a_1.ply: 0.5", "a_2.ply: 0.5"}));
@@ -152,7 +152,7 @@ TEST_F(OutputNames, AFolderTakesTheNamesOfTheInputs) {
   EXPECT_EQ(named(two, "new_{iso}/"), (Lines{"new_0.5/a_1.glb: 0.5", "new_0.5/a_2.glb: 0.5"}));
 }
 
-TEST_F(OutputNames, InAFolderNumbersTellEqualStemsApart) {
+TEST_F(OutputNames, NumbersEqualStemsInFolder) {
   EXPECT_EQ(named({output_source(1, "demo:sphere?size=1"), output_source(2, "demo:sphere?size=2")}, "o/"),
             (Lines{"o/sphere_0001.glb: 0.5", "o/sphere_0002.glb: 0.5"}));
   EXPECT_EQ(named({output_source(-3, "s1/d.vdb"), output_source(123456, "s2/d.vdb")}, std::nullopt),
@@ -163,7 +163,7 @@ TEST_F(OutputNames, InAFolderNumbersTellEqualStemsApart) {
             (Lines{"o/a.glb: 0.5", "o/b.glb: 0.5"}));
 }
 
-TEST_F(OutputNames, TwoWritersOfOneFileAreRefused) {
+TEST_F(OutputNames, RefusesTwoWritersOfFile) {
   const std::vector<OutputSource> two{output_source(1, "a\x1b.vdb"), output_source(2, "b.vdb", "fuel")};
   EXPECT_EQ(named(two, "m.glb"),
             Lines{"m.glb: frame 1 (a\\x1b.vdb) and frame 2 (b.vdb, grid fuel) would both write it"});
@@ -172,12 +172,12 @@ TEST_F(OutputNames, TwoWritersOfOneFileAreRefused) {
   const auto refused = name_outputs(two, "m.glb", MeshFormat::glb);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().hint.remedy, Remedy::number_outputs);
-  // Made equal by what is safe in a name.
+  // Two names that safe_in_file_names() makes equal.
   EXPECT_EQ(named({output_source(1, "a.vdb", "x/y"), output_source(1, "a.vdb", "x:y")}, "{grid}.glb"),
             Lines{"x_y.glb: frame 1 (a.vdb, grid x/y) and frame 1 (a.vdb, grid x:y) would both write it"});
 }
 
-TEST_F(OutputNames, TheBinOfGltfCounts) {
+TEST_F(OutputNames, CountsBinOfGltf) {
   EXPECT_EQ(named({output_source(1, "a.vdb", "", {0.1, 0.2})}, "m_{iso}", MeshFormat::gltf),
             Lines{"m_0.bin: two outputs of frame 1 (a.vdb) would be this file"});
   EXPECT_EQ(named({output_source(1, "a.vdb", "", {0.1, 0.2})}, "m_{iso}.gltf", MeshFormat::gltf),
@@ -186,7 +186,7 @@ TEST_F(OutputNames, TheBinOfGltfCounts) {
   EXPECT_EQ(named({output_source(1, "m.bin")}, "m.gltf", MeshFormat::gltf).front().substr(0, 7), "m.bin: ");
 }
 
-// Two outputs, each with a path of its own.
+// Checks two outputs with these paths; returns "fine" or the error message.
 std::string output_verdict(const std::string& one, const std::string& other, const std::string& input = "in.vdb") {
   const std::vector<OutputSource> sources{output_source(1, input), output_source(2, "other.vdb")};
   const std::vector<OutputFiles> outputs{{{one, {0.5}}}, {{other, {0.5}}}};
@@ -194,7 +194,7 @@ std::string output_verdict(const std::string& one, const std::string& other, con
   return checked ? "fine" : checked.error().message;
 }
 
-TEST_F(OutputNames, PlacesAreComparedAndNotTexts) {
+TEST_F(OutputNames, ComparesPlacesNotTexts) {
   fs::create_directories("real/sub");
   fs::create_directory_symlink("real", "link");
   const std::string absolute = (fs::current_path() / "m.glb").string();
@@ -215,7 +215,7 @@ TEST_F(OutputNames, PlacesAreComparedAndNotTexts) {
   EXPECT_NE(output_verdict("m.glb", "l.glb"), "fine");
 }
 
-TEST_F(OutputNames, NoInputIsOverwritten) {
+TEST_F(OutputNames, RefusesToOverwriteInputs) {
   fs::create_directory("d");
   test::write_bytes("d/in.vdb", "");
   fs::create_symlink("d/in.vdb", "l.glb");
@@ -223,19 +223,19 @@ TEST_F(OutputNames, NoInputIsOverwritten) {
             "d/./in.vdb: frame 2 (other.vdb) would write it, and it is the input of frame 1 (d/in.vdb); it is not "
             "overwritten");
   EXPECT_NE(output_verdict("l.glb", "m.glb", "d/in.vdb"), "fine");
-  EXPECT_NE(output_verdict("other.vdb", "m.glb"), "fine");  // not there yet, but it would be read
+  EXPECT_NE(output_verdict("other.vdb", "m.glb"), "fine");  // the input does not exist yet, but the run reads it
   EXPECT_EQ(output_verdict("demo:sphere", "m.glb", "demo:sphere"), "fine");
   EXPECT_EQ(output_verdict("-", "m.glb", "-"), "fine");
 }
 
-TEST_F(OutputNames, TheGridHasToBeChosen) {
+TEST_F(OutputNames, RequiresChosenGrid) {
   EXPECT_EQ(named({output_source(1, "a.vdb")}, "{grid}.glb"),
             Lines{"frame 1 (a.vdb): expected a grid to name the output after, found none chosen"});
   EXPECT_EQ(named({output_source(1, "a.vdb", "../x")}, "o/{grid}/m.glb"), Lines{"o/___x/m.glb: 0.5"});
   EXPECT_EQ(named({output_source(1, "a.vdb")}, ""), Lines{"expected the name of an output, found an empty one"});
 }
 
-TEST_F(OutputNames, ManyNamesAreCheckedInTime) {
+TEST_F(OutputNames, ChecksManyNamesQuickly) {
   std::vector<OutputSource> sources;
   for (int i = 0; i < 50000; ++i) sources.push_back(output_source(i, fmt::format("in/f_{}.vdb", i), "", {0.1, 0.2}));
   const auto names = name_outputs(sources, "out/{stem}_{iso}.gltf", MeshFormat::gltf);

@@ -1,4 +1,4 @@
-"""samples/resumed_batch makes the meshes that the program makes, and goes on where it was ended."""
+"""samples/resumed_batch writes the same meshes as the program, and resumes a run that was ended."""
 
 import pathlib
 import subprocess
@@ -15,7 +15,7 @@ def run(*arguments):
 
 
 class ResumedBatch(unittest.TestCase):
-    def test_a_second_run_does_what_is_not_done_yet(self):
+    def test_second_run_converts_missing_frames(self):
         with tempfile.TemporaryDirectory() as folder:
             out = pathlib.Path(folder, "meshes")
             first = run(EXAMPLE, out, "0", *FRAMES)
@@ -31,7 +31,7 @@ class ResumedBatch(unittest.TestCase):
             self.assertEqual(sorted(second.stdout.splitlines()),
                              ["frame 1: kept", "frame 2: done", "frame 3: kept"])
 
-    def test_a_frame_that_fails_is_told_with_its_reason(self):
+    def test_failed_frame_is_printed_with_reason(self):
         with tempfile.TemporaryDirectory() as folder:
             made = run(EXAMPLE, pathlib.Path(folder, "meshes"), "0", FRAMES[0], pathlib.Path(folder, "none.vdb"))
             self.assertEqual(made.returncode, 5)

@@ -41,7 +41,7 @@ std::vector<std::size_t> every_frame(const BatchJob& batch) {
   return all;
 }
 
-// Counts how many run at a time.
+// Counts how many frames run at a time.
 class Watcher final : public FrameEvents {
  public:
   convert::Events* started(std::size_t frame, const Context& /*context*/) override {
@@ -71,7 +71,7 @@ class Watcher final : public FrameEvents {
   int running_ = 0;
 };
 
-TEST(Scheduler, EveryFrameIsDoneOnceWithTheSameBytesForAnyNumberOfJobs) {
+TEST(Scheduler, WritesSameBytesForAnyNumberOfJobs) {
   std::map<int, std::vector<std::string>> files;
   for (const int jobs : {1, 2, 5}) {
     const TempFolder folder;
@@ -88,7 +88,7 @@ TEST(Scheduler, EveryFrameIsDoneOnceWithTheSameBytesForAnyNumberOfJobs) {
   EXPECT_EQ(files[1], files[5]);
 }
 
-TEST(Scheduler, FramesStartInTheirOrder) {
+TEST(Scheduler, StartsFramesInOrder) {
   const TempFolder folder;
   const BatchJob batch = spheres(folder, 6);
   Watcher watcher;
@@ -97,7 +97,7 @@ TEST(Scheduler, FramesStartInTheirOrder) {
   EXPECT_EQ(watcher.order, which);
 }
 
-TEST(Scheduler, ABadFrameStopsNoOtherUnlessToldTo) {
+TEST(Scheduler, StopsAfterFailureOnlyWithFailFast) {
   const TempFolder folder;
   BatchJob batch = spheres(folder, 6);
   batch.frames[2].job.source.input = (folder / "none.vdb").string();
@@ -120,8 +120,8 @@ TEST(Scheduler, ABadFrameStopsNoOtherUnlessToldTo) {
   EXPECT_EQ(counts.not_started, 5U);
 }
 
-// Each needs most of the budget: side by side they cannot be done, one after another they can.
-TEST(Scheduler, FramesThatDoNotFitSideBySideAreDoneAllTheSame) {
+// Each frame needs most of the budget, so frames cannot be converted side by side, but can one after another.
+TEST(Scheduler, RepeatsFramesThatLackMemoryTogether) {
   const TempFolder folder;
   const BatchJob batch = spheres(folder, 6, "demo:gyroid?size=64");
   Watcher alone;
@@ -134,14 +134,14 @@ TEST(Scheduler, FramesThatDoNotFitSideBySideAreDoneAllTheSame) {
   EXPECT_EQ(counts.done, 6U) << watcher.errors.front();
   EXPECT_EQ(counts.failed, 0U);
   EXPECT_LE(tight.memory().peak(), one + one / 4);
-  // One that is known to be too large for two at a time never starts beside another.
+  // With the memory of one frame known, no frame starts beside another.
   Watcher told;
   const Context again{MemoryBudget(one + one / 4)};
   EXPECT_EQ(run(batch, every_frame(batch), {.jobs = 3, .threads = 2, .memory_of_one = one}, again, told).repeated, 0U);
   EXPECT_EQ(told.most, 1);
 }
 
-TEST(Scheduler, AFrameThatDoesNotFitAtAllFailsAndTheOthersAreDone) {
+TEST(Scheduler, FailsFrameTooLargeForBudget) {
   const TempFolder folder;
   BatchJob batch = spheres(folder, 4);
   batch.frames[1].job.source.input = "demo:gyroid?size=256";
@@ -153,7 +153,7 @@ TEST(Scheduler, AFrameThatDoesNotFitAtAllFailsAndTheOthersAreDone) {
   EXPECT_FALSE(watcher.ended.at(1));
 }
 
-// Notes what it gets, and can refuse a frame.
+// Records the frames that it receives, and can refuse one.
 class Basket final : public FrameReceiver {
  public:
   explicit Basket(const Context& context) : context_(context) {}
@@ -169,17 +169,17 @@ class Basket final : public FrameReceiver {
   }
 
   std::size_t refused = std::string::npos;
-  std::optional<Error> first_error;  // when it gets frame 1 for the first time
+  std::optional<Error> first_error;  // returned when it first receives frame 1
   std::size_t cancels_at = std::string::npos;
   std::vector<std::size_t> frames;
   std::vector<std::size_t> triangles;
-  std::vector<std::uint64_t> held;  // by all frames together, whenever one is taken
+  std::vector<std::uint64_t> held;  // reserved by all frames together, at each frame received
 
  private:
   const Context& context_;
 };
 
-// Frames of very different sizes, large ones first, so that the order in which they are made is another one.
+// Returns frames of very different sizes, large ones first, so that they finish in another order than they start.
 BatchJob uneven(const TempFolder& folder, int count) {
   BatchJob batch;
   for (int i = 0; i < count; ++i) {
@@ -188,7 +188,7 @@ BatchJob uneven(const TempFolder& folder, int count) {
   return batch;
 }
 
-TEST(Scheduler, AReceiverGetsFramesInTheirOrderAndNoFileIsWritten) {
+TEST(Scheduler, HandsFramesToReceiverInOrder) {
   const TempFolder folder;
   BatchJob batch = uneven(folder, 12);
   batch.frames[4].job.source.input = (folder / "none.vdb").string();
@@ -214,7 +214,7 @@ TEST(Scheduler, AReceiverGetsFramesInTheirOrderAndNoFileIsWritten) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
-TEST(Scheduler, FramesThatWaitForTheirTurnHoldNoMoreThanOneAJob) {
+TEST(Scheduler, HoldsOneWaitingFramePerJob) {
   const TempFolder folder;
   const BatchJob batch = spheres(folder, 40, "demo:gyroid?size=32");
   Watcher watcher;
@@ -233,7 +233,7 @@ TEST(Scheduler, FramesThatWaitForTheirTurnHoldNoMoreThanOneAJob) {
   EXPECT_EQ(std::ranges::min(again.held), std::ranges::max(again.held));
 }
 
-TEST(Scheduler, AReceiverThatHasNoMemoryBesideOthersIsAskedAgainAlone) {
+TEST(Scheduler, RepeatsAloneIfReceiverLacksMemory) {
   const TempFolder folder;
   const BatchJob batch = spheres(folder, 6, "demo:gyroid?size=48");
   const Context context;
@@ -246,7 +246,7 @@ TEST(Scheduler, AReceiverThatHasNoMemoryBesideOthersIsAskedAgainAlone) {
   EXPECT_EQ(basket.frames, every_frame(batch));
 }
 
-TEST(Scheduler, OnlyAFrameThatLackedMemoryIsDoneAgain) {
+TEST(Scheduler, RepeatsOnlyFramesThatLackedMemory) {
   const TempFolder folder;
   const BatchJob batch = spheres(folder, 6, "demo:gyroid?size=48");
   const Context context;
@@ -259,7 +259,7 @@ TEST(Scheduler, OnlyAFrameThatLackedMemoryIsDoneAgain) {
   EXPECT_FALSE(watcher.ended.at(1));
 }
 
-TEST(Scheduler, AReceiverGetsTheSameWhereMemoryIsShort) {
+TEST(Scheduler, HandsOverSameFramesIfMemoryIsShort) {
   const TempFolder folder;
   const BatchJob batch = spheres(folder, 8, "demo:gyroid?size=64");
   Watcher alone;
@@ -281,7 +281,7 @@ TEST(Scheduler, AReceiverGetsTheSameWhereMemoryIsShort) {
   EXPECT_GT(repeated, 0U);
 }
 
-TEST(Scheduler, WhoWaitsForItsTurnIsWokenWhereTheBatchEnds) {
+TEST(Scheduler, WakesWaitingFramesWhenBatchEnds) {
   const TempFolder folder;
   BatchJob batch = uneven(folder, 9);
   Watcher watcher;
@@ -304,22 +304,22 @@ TEST(Scheduler, WhoWaitsForItsTurnIsWokenWhereTheBatchEnds) {
   EXPECT_EQ(counts.failed + counts.not_started, 6U);
 }
 
-// The next frame is made while the caller hears of the failure: its turn must not come.
-TEST(Scheduler, NothingIsTakenAfterAFailureThatEndsTheBatch) {
+// The next frame is converted while the listener hears of the failure, but must not be handed over.
+TEST(Scheduler, HandsNothingOverAfterFinalFailure) {
   const TempFolder folder;
   const BatchJob batch = uneven(folder, 9);
   Watcher watcher;
   watcher.pause_after_a_failure = std::chrono::milliseconds(200);
   const Context context;
   Basket basket(context);
-  basket.refused = 2;  // a small one, before a large one
+  basket.refused = 2;  // a small frame before a large one
   const BatchCounts counts =
       run(batch, every_frame(batch), {.jobs = 4, .threads = 2, .fail_fast = true}, context, watcher, &basket);
   EXPECT_EQ(basket.frames, (std::vector<std::size_t>{0, 1}));
   EXPECT_EQ(counts.done, 2U);
 }
 
-TEST(Scheduler, NothingStartsOnceTheEndIsAskedFor) {
+TEST(Scheduler, StartsNothingAfterCancel) {
   const TempFolder folder;
   const BatchJob batch = spheres(folder, 3);
   const Context context;

@@ -14,7 +14,7 @@ namespace {
 using test::TempFolder;
 using test::write_bytes;
 
-TEST(Shard, IsReadAsItIsWritten) {
+TEST(Shard, ParsesText) {
   EXPECT_EQ(parse_shard("2/3").value(), ShardChoice{(Shard{2, 3})});
   EXPECT_EQ(parse_shard("1/1").value(), ShardChoice{Shard()});
   EXPECT_EQ(parse_shard("auto").value(), ShardChoice());
@@ -32,7 +32,7 @@ Result<std::optional<Shard>> shard_told_by(const std::map<std::string, std::stri
   });
 }
 
-TEST(Shard, IsTakenFromJobSchedulers) {
+TEST(Shard, ReadsJobSchedulerVariables) {
   EXPECT_EQ(shard_told_by({}).value(), std::nullopt);
   EXPECT_EQ(shard_told_by({{"SLURM_ARRAY_TASK_ID", "3"},
                            {"SLURM_ARRAY_TASK_MIN", "1"},
@@ -59,7 +59,7 @@ TEST(Shard, IsTakenFromJobSchedulers) {
                               {"SLURM_ARRAY_TASK_STEP", "5"}}));
 }
 
-TEST(Shard, AllTogetherHaveEveryFrameOnce) {
+TEST(Shard, CoversEveryFrameOnce) {
   BatchJob batch;
   batch.frames.resize(10);
   for (const int count : {1, 3, 10, 12}) {
@@ -71,7 +71,7 @@ TEST(Shard, AllTogetherHaveEveryFrameOnce) {
   }
 }
 
-// Manifests of three shards of six frames, whose outputs are texts.
+// Manifests of three shards with six frames, whose outputs are text files.
 class Merge : public testing::Test {
  protected:
   Merge() {
@@ -111,7 +111,7 @@ class Merge : public testing::Test {
   BatchJob batch_;
 };
 
-TEST_F(Merge, OfAllShardsIsOneRun) {
+TEST_F(Merge, JoinsAllShards) {
   for (int number = 1; number <= 3; ++number) write_shard({number, 3});
   const auto merged = merge_shards(folder_.path());
   ASSERT_TRUE(merged) << merged.error().message;
@@ -123,7 +123,7 @@ TEST_F(Merge, OfAllShardsIsOneRun) {
   for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(content->records.at(i).frame, static_cast<std::int64_t>(i));
 }
 
-TEST_F(Merge, WhatIsMissingOrThereTwiceOrAnotherIsRefused) {
+TEST_F(Merge, RefusesMissingRepeatedOrForeignShards) {
   expect_refused("no manifest of a shard");
   write_shard({1, 3});
   write_shard({3, 3});

@@ -12,7 +12,7 @@
 namespace isoextract::convert {
 namespace {
 
-// A grid of vectors (1, 2, 3), whose voxels are 2, 4 and 8 long.
+// Returns a grid of vectors (1, 2, 3) with voxels of 2 x 4 x 8 world units.
 AttributeSource source_of_vectors(AttributeKind kind, bool in_voxels) {
   VolumeAttribute attribute;
   attribute.choice.name = "a";
@@ -34,13 +34,13 @@ glm::vec3 first_value(const mesh::Mesh& mesh) {
   return value;
 }
 
-TEST(AttributeSource, BringsVectorsOfVoxelsIntoTheWorldAndThenIntoTheMesh) {
+TEST(AttributeSource, TransformsVectorsFromIndexToOutputSpace) {
   struct Case {
     AttributeKind kind;
     bool in_voxels;
     glm::vec3 wanted;
   };
-  // The mesh is ten times as large as the world, and moved.
+  // The mesh is the world scaled by 10 and moved by 1 along each axis.
   for (const auto& [kind, in_voxels, wanted] :
        {Case{AttributeKind::vector, false, {10, 20, 30}}, Case{AttributeKind::vector, true, {20, 80, 240}},
         Case{AttributeKind::point, true, {21, 81, 241}}, Case{AttributeKind::scalar, true, {1, 2, 3}},

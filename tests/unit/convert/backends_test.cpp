@@ -1,4 +1,4 @@
-// Backends that are kept between runs.
+// Backends kept from one run to the next.
 #include "convert/backends.hpp"
 
 #include <thread>
@@ -17,7 +17,7 @@ extract::ExtractOptions half() {
   return options;
 }
 
-TEST(KeptBackends, OpenTheDeviceOnceForAll) {
+TEST(KeptBackends, OpensDeviceOnce) {
   KeptBackends kept;
   EXPECT_EQ(kept.devices_opened(), 0) << "not before it is asked for";
   EXPECT_EQ(kept.open(Backend::cpu, {}).value().extractor->name(), "cpu");
@@ -40,7 +40,7 @@ TEST(KeptBackends, OpenTheDeviceOnceForAll) {
   EXPECT_EQ(kept.devices_opened(), 1);
 }
 
-TEST(KeptBackends, ADeviceThatFailedIsOpenedAnew) {
+TEST(KeptBackends, ReopensDeviceAfterFailure) {
   KeptBackends kept;
   const field::ScalarField sound = test::random_field<float>({18, 17, 20}, 5, 1000);
   const field::ScalarField bad = test::dense_field<float>({8, 8, 8}, [](int, int, int) { return test::kNaN; });
@@ -58,7 +58,7 @@ TEST(KeptBackends, ADeviceThatFailedIsOpenedAnew) {
   EXPECT_GT(made->stats.device->samples_uploaded, 0U) << "nothing stayed of the one before";
 }
 
-TEST(KeptBackends, AutomaticTakesNoSoftware) {
+TEST(KeptBackends, AutomaticRefusesSoftwareGpu) {
   KeptBackends kept;
   for (int again = 0; again < 2; ++again) {
     const auto opened = kept.open(Backend::automatic, {});
@@ -70,7 +70,7 @@ TEST(KeptBackends, AutomaticTakesNoSoftware) {
   EXPECT_EQ(kept.devices_opened(), 1) << "it is not looked for again";
 }
 
-TEST(KeptBackends, ADeviceThatIsNotThereIsAnErrorEachTime) {
+TEST(KeptBackends, FailsEachTimeForMissingDevice) {
   KeptBackends kept;
   for (int again = 0; again < 2; ++again) {
     const auto opened = kept.open(Backend::gpu, {.device = 99, .memory_bytes = {}});

@@ -10,7 +10,7 @@
 namespace isoextract::convert {
 namespace {
 
-// A job in which no member has its default; it writes meshes.
+// Returns a job that writes meshes and in which every member differs from its default.
 ConversionJob full_job() {
   ConversionJob job;
   job.source.input = "dir/in \xc3\xa4.raw";
@@ -75,13 +75,13 @@ ConversionJob full_job() {
   return job;
 }
 
-// No member of full_job() has its default, so one that is left out of the JSON, or named twice, shows.
-TEST(ConversionJob, EveryMemberIsInItsJson) {
+// Every member of full_job() differs from its default, so the comparison finds a member that the JSON omits or repeats.
+TEST(ConversionJob, ListsEveryMemberInJson) {
   const Json full = json_of(full_job());
   const Json plain = json_of(ConversionJob{});
   EXPECT_EQ(full.size(), 59U);
   for (const auto& [name, value] : full.items()) {
-    const bool is_of_another_kind = name == "field_file" || name == "picture_file";  // EveryKindOfFileHasItsMembers
+    const bool is_of_another_kind = name == "field_file" || name == "picture_file";  // ListsMembersOfEveryFileKind
     EXPECT_EQ(value == plain[name], is_of_another_kind) << name;
   }
   EXPECT_EQ(full["particles"].dump(),
@@ -106,8 +106,8 @@ TEST(ConversionJob, EveryMemberIsInItsJson) {
   EXPECT_TRUE(plain["smooth"].is_null());
 }
 
-// Of the kind of file that is written; the members of the others have their defaults.
-TEST(ConversionJob, EveryKindOfFileHasItsMembers) {
+// The members of the job's kind of file are set; those of other kinds have their defaults.
+TEST(ConversionJob, ListsMembersOfEveryFileKind) {
   ConversionJob job;
   std::set<std::string> hashes{hash_of(job)};
   const PictureFileOptions picture{320, 200, {12.5, -40, 3.0}};
@@ -122,7 +122,7 @@ TEST(ConversionJob, EveryKindOfFileHasItsMembers) {
   EXPECT_EQ(json_of(job)["field_file"], nullptr);
 }
 
-TEST(ConversionJob, IsoValuesAreNumbersOrWords) {
+TEST(ConversionJob, WritesIsoValuesAsNumbersOrWords) {
   EXPECT_EQ(json_of(full_job())["outputs"][1]["iso"].dump(),
             R"([0.3333333333333333,-5.0,"auto","p99.9","label -7","all labels"])");
   std::set<std::string> hashes;
@@ -135,7 +135,7 @@ TEST(ConversionJob, IsoValuesAreNumbersOrWords) {
   }
 }
 
-TEST(ConversionJob, HashesAreTheSameEverywhere) {
+TEST(ConversionJob, HashesEqualJobsAlike) {
   EXPECT_EQ(hash_of(full_job()), hash_of(full_job()));
   EXPECT_EQ(hash_of(full_job()).size(), 32U);
   ConversionJob not_utf8;

@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What was told, in order.
+// Records the events, in order.
 class Log final : public Events {
  public:
   void note(const std::string& text) override { lines.push_back("note " + text); }
@@ -45,7 +45,7 @@ class Log final : public Events {
   std::vector<std::string> lines;
   const Context* cancel_at_read = nullptr;
   bool no_memory_after_read = false;
-  const MemoryBudget* memory = nullptr;  // to look at after each extraction
+  const MemoryBudget* memory = nullptr;  // read after each extraction
   std::vector<std::uint64_t> reserved;
 };
 
@@ -67,7 +67,7 @@ class ConversionTest : public testing::Test {
     return one;
   }
 
-  // The same surface four times, and what is reserved when each has been extracted.
+  // Writes the same surface four times, and returns the reserved memory after each extraction.
   std::vector<std::uint64_t> reserved_by_four(mesh_io::MeshFormat format) {
     const Context context;
     log_.memory = &context.memory();
@@ -98,7 +98,7 @@ class ConversionTest : public testing::Test {
   Log log_;
 };
 
-TEST_F(ConversionTest, TellsItsStagesInOrderAndRecordsThem) {
+TEST_F(ConversionTest, ReportsStagesInOrder) {
   const Outcome outcome = run(job("demo:sphere?size=16", 0, "a.ply"));
   ASSERT_TRUE(outcome.done()) << outcome.error->message;
   const std::vector<std::uint64_t> extracted = triangles_of(outcome, StageName::extract);
@@ -112,7 +112,7 @@ TEST_F(ConversionTest, TellsItsStagesInOrderAndRecordsThem) {
   EXPECT_EQ(outcome.backend, "cpu");
 }
 
-TEST_F(ConversionTest, ACollectorGetsTheSourceOfOneReadingWithAllItsSamples) {
+TEST_F(ConversionTest, CollectsSourceWithAllSamples) {
   {
     std::ofstream file(folder_ / "block.xyz");
     file << "216\nblock\n";
@@ -130,7 +130,7 @@ TEST_F(ConversionTest, ACollectorGetsTheSourceOfOneReadingWithAllItsSamples) {
   EXPECT_EQ(std::ranges::count_if(log_.lines, [](const std::string& line) { return line.starts_with("read "); }), 1);
   ASSERT_TRUE(collected.source.has_value());
   EXPECT_TRUE(collected.source->of_particles);
-  // In the middle, where the surface alone needs none.
+  // Block in the middle, which the surface alone does not need.
   const auto& samples = std::get<field::SparseSamples>(collected.source->field.samples);
   const field::SparseLookup lookup(samples);
   const glm::dvec3 middle = collected.source->field.index_to_world.inverse()(glm::dvec3(2.5));
@@ -142,7 +142,7 @@ TEST_F(ConversionTest, ACollectorGetsTheSourceOfOneReadingWithAllItsSamples) {
   EXPECT_FALSE(none.source.has_value());
 }
 
-TEST_F(ConversionTest, ACollectorGetsTheMeshesInPlaceOfFiles) {
+TEST_F(ConversionTest, CollectsMeshesInsteadOfWriting) {
   const ConversionJob wanted = several(mesh_io::MeshFormat::glb, {0.1, 9, 0.3});
   ConversionJob skipping = wanted;
   skipping.empty = EmptyPolicy::skip;
@@ -163,7 +163,7 @@ TEST_F(ConversionTest, ACollectorGetsTheMeshesInPlaceOfFiles) {
   EXPECT_TRUE(outcome.files.empty());
   EXPECT_EQ(test::read_bytes(folder_ / "several"), "old");
 
-  skipping.outputs[0].isos = {9};  // nothing to hand over, and the file of that name is not this conversion's
+  skipping.outputs[0].isos = {9};  // no mesh to collect; a collecting conversion must not remove the old file
   collected = {};
   outcome = convert::run(skipping, Context(), log_, {}, nullptr, &collected);
   EXPECT_TRUE(outcome.done());
@@ -179,7 +179,7 @@ TEST_F(ConversionTest, ACollectorGetsTheMeshesInPlaceOfFiles) {
   EXPECT_EQ(convert::run(skipping, Context(), log_, {}, nullptr, &collected).error->code, ErrorCode::no_surface);
 }
 
-TEST_F(ConversionTest, AnErrorIsAValueAndLeavesNoFile) {
+TEST_F(ConversionTest, ReturnsErrorAndLeavesNoFile) {
   for (const char* input : {"demo:nothing", "no-such-file.vdb", "demo:sphere?size=16"}) {
     const Outcome outcome = run(job(input, 9, "a.ply"));
     ASSERT_FALSE(outcome.done());
@@ -188,8 +188,8 @@ TEST_F(ConversionTest, AnErrorIsAValueAndLeavesNoFile) {
   }
 }
 
-// The one thing that rooms throw.
-TEST_F(ConversionTest, MemoryThatIsNotThereIsAnError) {
+// std::bad_alloc is the only exception that rooms throw.
+TEST_F(ConversionTest, ReturnsErrorOnBadAlloc) {
   log_.no_memory_after_read = true;
   const Outcome outcome = run(job("demo:sphere?size=16", 0, "a.ply"));
   ASSERT_FALSE(outcome.done());
@@ -199,7 +199,7 @@ TEST_F(ConversionTest, MemoryThatIsNotThereIsAnError) {
   EXPECT_TRUE(folder_.names().empty());
 }
 
-TEST_F(ConversionTest, SkippedSurfacesAreTold) {
+TEST_F(ConversionTest, NotesSkippedSurfaces) {
   ConversionJob two = job("demo:sphere?size=16", 0, "a.glb");
   two.file = MeshFileOptions{mesh_io::MeshFormat::glb};
   two.empty = EmptyPolicy::skip;
@@ -214,7 +214,7 @@ TEST_F(ConversionTest, SkippedSurfacesAreTold) {
   EXPECT_NE(outcome.notes.at(0).find("was not written"), std::string::npos);
 }
 
-TEST_F(ConversionTest, ASkippedOutputLeavesNoOldFile) {
+TEST_F(ConversionTest, RemovesOldFileOfSkippedOutput) {
   ConversionJob one = job("demo:sphere?size=16", 0, "a.gltf");
   one.file = MeshFileOptions{mesh_io::MeshFormat::gltf};
   one.empty = EmptyPolicy::skip;
@@ -227,7 +227,7 @@ TEST_F(ConversionTest, ASkippedOutputLeavesNoOldFile) {
   EXPECT_NE(outcome.notes.at(0).find("a.bin was removed"), std::string::npos) << outcome.notes.at(0);
 }
 
-TEST_F(ConversionTest, CapsAreLeftOutWhereThereIsSomethingToCap) {
+TEST_F(ConversionTest, ReportsMissingCapsOnlyAtOpenBoundary) {
   const auto tells_of_caps = [&](const std::string& input, bool cap) {
     ConversionJob one = job(input, 0, "a.ply");
     one.surface.cap = cap;
@@ -240,7 +240,7 @@ TEST_F(ConversionTest, CapsAreLeftOutWhereThereIsSomethingToCap) {
   EXPECT_FALSE(tells_of_caps("demo:gyroid?size=16", true));
 }
 
-// Where the format allows, the next surface is made when the one before is written and gone.
+// If the format allows it, a surface is written and freed before the next is extracted.
 TEST_F(ConversionTest, HoldsOneMeshAtATime) {
   for (const mesh_io::MeshFormat format : {mesh_io::MeshFormat::obj, mesh_io::MeshFormat::gltf}) {
     const std::vector<std::uint64_t> reserved = reserved_by_four(format);
@@ -253,7 +253,7 @@ TEST_F(ConversionTest, HoldsOneMeshAtATime) {
   EXPECT_GT(held.at(1), held.at(0)) << "a GLB begins with where everything is";
 }
 
-TEST_F(ConversionTest, ALaterSurfaceThatFailsLeavesNoFile) {
+TEST_F(ConversionTest, LeavesNoFileIfLaterSurfaceFails) {
   for (const mesh_io::MeshFormat format :
        {mesh_io::MeshFormat::glb, mesh_io::MeshFormat::gltf, mesh_io::MeshFormat::obj}) {
     EXPECT_FALSE(run(several(format, {0, 9})).done());
@@ -261,7 +261,7 @@ TEST_F(ConversionTest, ALaterSurfaceThatFailsLeavesNoFile) {
   }
 }
 
-TEST_F(ConversionTest, RecordsEverySurfaceOfAFile) {
+TEST_F(ConversionTest, RecordsEverySurfaceOfFile) {
   const Outcome outcome = run(several(mesh_io::MeshFormat::obj, {0, 0.5}));
   ASSERT_EQ(test::entries(outcome, StageName::mesh_facts).size(), 2U);
   std::vector<std::string> stages;
@@ -278,7 +278,7 @@ TEST_F(ConversionTest, RecordsEverySurfaceOfAFile) {
   EXPECT_EQ(log_.lines.back(), "written 2");
 }
 
-TEST_F(ConversionTest, EndsWhereItIsCancelled) {
+TEST_F(ConversionTest, EndsWhenCancelled) {
   const Context context;
   log_.cancel_at_read = &context;
   const Outcome outcome = convert::run(job("demo:sphere?size=16", 0, "a.ply"), context, log_);
@@ -287,8 +287,8 @@ TEST_F(ConversionTest, EndsWhereItIsCancelled) {
   EXPECT_TRUE(folder_.names().empty());
 }
 
-// Side by side they give what they give one after the other, and keep their records apart.
-TEST_F(ConversionTest, TwoAtOnceDoNotMix) {
+// Conversions side by side write the same bytes as one after the other, and keep their records apart.
+TEST_F(ConversionTest, RunsTwoAtOnceIndependently) {
   const std::vector<std::string> inputs{"demo:gyroid?size=40", "demo:torus?size=50"};
   std::vector<std::string> alone;
   for (const std::string& input : inputs) {

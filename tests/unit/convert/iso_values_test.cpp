@@ -21,7 +21,7 @@ IsoChoice choice(const std::string& word) {
   return found.value_or(IsoChoice());
 }
 
-// 0, 1, ..., 9 and far from them 90, 91, ..., 99.
+// Returns a field with the values 0, 1, ..., 9 and 90, 91, ..., 99.
 field::ScalarField two_heaps(const std::string& name = "heaps") {
   auto owner = std::make_shared<std::vector<float>>();
   for (int i = 0; i < 20; ++i) owner->push_back(static_cast<float>(i < 10 ? i : 80 + i));
@@ -39,7 +39,7 @@ field::ScalarField constant_field() {
   return field;
 }
 
-TEST(IsoChoice, WordsComeBack) {
+TEST(IsoChoice, ParsesItsOwnText) {
   for (const char* word : {"auto", "p0", "p99", "p99.9", "p0.000001", "p100"}) EXPECT_EQ(text_of(choice(word)), word);
   EXPECT_EQ(text_of(choice("p050.50")), "p50.5");
   for (const char* word : {"", "p", "Auto", "AUTO", "auto ", "p-1", "p101", "p1e1", "99", "P99", "p99%", "pnan"}) {
@@ -50,7 +50,7 @@ TEST(IsoChoice, WordsComeBack) {
   EXPECT_NE(IsoChoice(50), IsoChoice::percentile(field::Percent(50)));
 }
 
-TEST(SurfaceId, IsAnIsoValueOrALabel) {
+TEST(SurfaceId, HoldsIsoValueOrLabel) {
   const SurfaceId iso = 5;
   const SurfaceId label = Label{5};
   EXPECT_NE(iso, label);
@@ -59,10 +59,11 @@ TEST(SurfaceId, IsAnIsoValueOrALabel) {
   EXPECT_EQ(iso.figure(), label.figure());
   EXPECT_THROW(static_cast<void>(iso.label()), std::bad_variant_access);
   EXPECT_THROW(static_cast<void>(label.iso()), std::bad_variant_access);
-  EXPECT_EQ(text_of(IsoChoice::label(9007199254740993)), "label 9007199254740993");  // a double has no such number
+  // A double cannot represent this number.
+  EXPECT_EQ(text_of(IsoChoice::label(9007199254740993)), "label 9007199254740993");
 }
 
-TEST(ResolveIsos, EachInItsPlace) {
+TEST(ResolveIsos, KeepsOrderOfChoices) {
   const std::vector<IsoChoice> asked{choice("p50"), -3, choice("auto"), choice("p100"), choice("p5.1")};
   const field::ScalarField field = two_heaps();
   const auto found = resolve_isos(asked, field, false, Context());
@@ -82,7 +83,7 @@ TEST(ResolveIsos, EachInItsPlace) {
   EXPECT_EQ(text_of((*found)[1]), "-3");
 }
 
-TEST(ResolveIsos, ALevelSetHasItsZeroWhateverItsSamples) {
+TEST(ResolveIsos, SuggestsZeroForLevelSet) {
   field::ScalarField field = constant_field();
   field.kind = field::FieldKind::level_set;
   const auto found = resolve_isos(std::vector{choice("auto")}, field, false, Context());
@@ -91,7 +92,7 @@ TEST(ResolveIsos, ALevelSetHasItsZeroWhateverItsSamples) {
   EXPECT_EQ(found->front().found_by, "the zero of the level set");
 }
 
-TEST(ResolveIsos, NothingIsGuessedWhereNothingSeparates) {
+TEST(ResolveIsos, RefusesSuggestionForConstantField) {
   const std::vector<IsoChoice> asked{choice("auto")};
   const auto refused = resolve_isos(asked, constant_field(), false, Context());
   ASSERT_FALSE(refused);
@@ -100,12 +101,12 @@ TEST(ResolveIsos, NothingIsGuessedWhereNothingSeparates) {
             "flat.raw: expected samples of two kinds, to take an iso value between them; found 5 everywhere");
   const auto fine = resolve_isos(asked, constant_field(), true, Context());
   ASSERT_TRUE(fine);
-  EXPECT_EQ(fine->front().id, 5);  // equal is outside, so there is no surface
-  // Percentiles are there.
+  EXPECT_EQ(fine->front().id, 5);  // samples equal to the iso value are outside, so there is no surface
+  // Percentiles exist in a constant field.
   EXPECT_EQ(resolve_isos(std::vector{choice("p50")}, constant_field(), false, Context())->front().id, 5);
 }
 
-TEST(ResolveIsos, MemoryIsReservedFirst) {
+TEST(ResolveIsos, ReservesMemoryFirst) {
   const Context small{MemoryBudget(1000)};
   const auto refused = resolve_isos(std::vector{choice("p50")}, two_heaps(), false, small);
   ASSERT_FALSE(refused);
@@ -113,7 +114,7 @@ TEST(ResolveIsos, MemoryIsReservedFirst) {
   EXPECT_TRUE(resolve_isos(std::vector<IsoChoice>{0.5}, two_heaps(), false, small));
 }
 
-TEST(ResolveIsos, ParticlesHaveTheValueOfTheirMethod) {
+TEST(ResolveIsos, UsesMethodValueForParticles) {
   const auto found = resolve_isos(std::vector<IsoChoice>{choice("auto"), 0.2}, points::Method::weight, "a.csv");
   ASSERT_TRUE(found);
   EXPECT_EQ(found->at(0).id, 0.15);
@@ -126,17 +127,17 @@ TEST(ResolveIsos, ParticlesHaveTheValueOfTheirMethod) {
   EXPECT_NE(refused.error().message.find("found 'p99'"), std::string::npos);
 }
 
-TEST(EachOnce, DropsValuesThatWereFoundTwice) {
+TEST(EachOnce, DropsRepeatedFoundValues) {
   const std::vector<ResolvedIso> isos{
       {choice("p50"), 3, {}}, {3, 3, {}}, {choice("p60"), 3, {}}, {4, 4, {}}, {4, 4, {}}, {choice("auto"), 4, {}}};
   const std::vector<ResolvedIso> once = each_once(isos);
-  ASSERT_EQ(once.size(), 3U);  // numbers are as they were asked for
+  ASSERT_EQ(once.size(), 3U);  // values given as numbers stay, even repeated
   EXPECT_EQ(text_of(once[0].asked), "p50");
   EXPECT_EQ(text_of(once[1].asked), "4");
   EXPECT_EQ(text_of(once[2].asked), "4");
 }
 
-// A conversion asks the whole input, whatever of it is extracted, and tells what it took.
+// A conversion finds iso values in the whole input, whatever part it extracts, and reports them.
 class IsoConversionTest : public testing::Test {
  protected:
   Outcome run(const std::vector<IsoChoice>& isos) {
@@ -156,7 +157,7 @@ class IsoConversionTest : public testing::Test {
   ConversionJob job_;
 };
 
-TEST_F(IsoConversionTest, TheValueDoesNotDependOnRegionAndResolution) {
+TEST_F(IsoConversionTest, IgnoresRegionAndResolution) {
   const Outcome whole = run({choice("p80")});
   ASSERT_TRUE(whole.done()) << whole.error->message;
   const std::vector<double> iso = found(whole);
@@ -169,7 +170,7 @@ TEST_F(IsoConversionTest, TheValueDoesNotDependOnRegionAndResolution) {
   EXPECT_EQ(found(run({choice("p80")})), iso);
 }
 
-TEST_F(IsoConversionTest, OneSurfaceWhereTwoAreTheSame) {
+TEST_F(IsoConversionTest, ExtractsEqualValuesOnce) {
   const Outcome outcome = run({0, choice("auto"), choice("p50")});
   ASSERT_TRUE(outcome.done()) << outcome.error->message;
   ASSERT_EQ(found(outcome).size(), 3U);
@@ -181,7 +182,7 @@ TEST_F(IsoConversionTest, OneSurfaceWhereTwoAreTheSame) {
   EXPECT_TRUE(std::ranges::any_of(outcome.notes, tells));
 }
 
-TEST_F(IsoConversionTest, NumbersAskNothing) {
+TEST_F(IsoConversionTest, MeasuresNothingForNumbers) {
   const Outcome outcome = run({0, 0.5});
   ASSERT_TRUE(outcome.done());
   for (const StageReport& report : outcome.reports) EXPECT_NE(report.stage, StageName::statistics);

@@ -10,7 +10,7 @@
 namespace isoextract::convert {
 namespace {
 
-TEST(LabelLooks, AFileThatChangedIsNotTaken) {
+TEST(LabelLooks, RefusesChangedTable) {
   const test::TempFolder folder;
   const auto path = (folder.path() / "lut.txt").string();
   const auto write = [&](std::string_view text) { std::ofstream(path) << text; };

@@ -1,4 +1,4 @@
-// The schemas in docs list the words of the code's enums: all of them, and no others.
+// The schemas in docs list exactly the words of the code's enums.
 #include <algorithm>
 #include <fstream>
 #include <map>
@@ -27,7 +27,7 @@ Words words(std::initializer_list<Json> others = {}) {
 
 Words kinds_of_errors() {
   Words all;
-  // A frame's own report never says that frames failed.
+  // A report is about one frame, so it never has ErrorCode::frames.
   for (const ErrorCode code : {ErrorCode::usage, ErrorCode::input, ErrorCode::unavailable, ErrorCode::output,
                                ErrorCode::verification, ErrorCode::cancelled}) {
     all.insert(json_of(Error{code, "", {}})["kind"]);
@@ -149,7 +149,7 @@ void find_enums(const Json& schema, const std::string& at, std::map<std::string,
 
 std::string text_of(const Words& all) { return Json(std::vector<Json>(all.begin(), all.end())).dump(); }
 
-// Without the place in the schema where an input is described.
+// Removes the prefix of the schema's path to the description of an input.
 std::string within_input(const std::string& at) { return at.substr(std::min(at.find("/properties"), at.size())); }
 
 void expect_words(const std::string& schema, const std::map<std::string, Words>& of_code) {
@@ -170,7 +170,7 @@ void expect_words(const std::string& schema, const std::map<std::string, Words>&
   for (const auto& [at, expected] : of_code) EXPECT_TRUE(listed.contains(at)) << schema << " lists no words at " << at;
 }
 
-TEST(Schemas, ListTheWordsOfTheCode) {
+TEST(Schemas, ListWordsOfEnums) {
   expect_words("report.schema.json", words_of_report());
   expect_words("info.schema.json", words_of_info());
   expect_words("check.schema.json", words_of_check());

@@ -12,7 +12,7 @@ const Figures kFigures{{Key::method, "taubin"},
                        Figure::of_tables(Key::time_step, "7"),
                        {Key::genus, Value()}};
 
-TEST(StageReport, FindsFiguresByTheirNames) {
+TEST(StageReport, FindsFiguresByKey) {
   EXPECT_EQ(value_at<std::string>(kFigures, {Key::method}), "taubin");
   EXPECT_EQ(value_at<double>(kFigures, {Key::greatest_move, Key::world}), 2.0);
   EXPECT_EQ(value_at<std::string>(kFigures, {Key::time_step}), "7");
@@ -21,7 +21,7 @@ TEST(StageReport, FindsFiguresByTheirNames) {
   EXPECT_EQ(find(kFigures, {Key::greatest_move, Key::volume}), nullptr);
 }
 
-TEST(StageReport, TellsFiguresInTheirOrder) {
+TEST(StageReport, ListsFiguresInOrder) {
   StageReport report = report_on(StageName::smooth, "fire.vdb");
   report.id = 0.5;
   report.grid = "heat";
@@ -35,8 +35,8 @@ TEST(StageReport, TellsFiguresInTheirOrder) {
   EXPECT_EQ(times_of(report)[0].stage, StageName::smooth);
 }
 
-// What is a part of another stage has no time of its own, and parts stand in place of the whole.
-TEST(StageReport, TellsTimesOnce) {
+// A stage that is part of another reports no time of its own, and parts replace the whole time.
+TEST(StageReport, ReportsEachTimeOnce) {
   StageReport report = report_on(StageName::pack, "a.glb");
   report.time = StageTime{1, 1};
   EXPECT_TRUE(times_of(report).empty());
@@ -44,7 +44,7 @@ TEST(StageReport, TellsTimesOnce) {
   EXPECT_EQ(times_of(report).size(), 1U);
 }
 
-TEST(Stages, StandInTheTableByTheirNumbers) {
+TEST(Stages, AreIndexedByStageName) {
   for (const StageInfo& stage : kStages) EXPECT_EQ(&stage_info(stage.name), &stage) << stage.word;
 }
 

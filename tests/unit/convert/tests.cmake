@@ -1,4 +1,4 @@
-# The example of how to use the program's rooms without its command line: it must build, and write two meshes at once.
+# Builds samples/convert_two and checks that it writes two meshes at once.
 add_executable(convert_two ${PROJECT_SOURCE_DIR}/samples/convert_two.cpp)
 target_link_libraries(convert_two PRIVATE isoextract_convert isoextract_options)
 add_test(NAME convert.example_of_two_at_once

@@ -9,7 +9,7 @@
 namespace isoextract::convert {
 namespace {
 
-// Fails the test if it is asked to work.
+// Fails the test if it is asked to extract.
 class Idle final : public extract::Extractor {
  public:
   explicit Idle(bool has_it) : has_it_(has_it) {}
@@ -50,7 +50,7 @@ class Verification : public testing::Test {
   std::unique_ptr<extract::Extractor> cpu_ = extract::make_cpu_extractor();
 };
 
-TEST_F(Verification, ComparesWhatHasEdgeKeys) {
+TEST_F(Verification, ComparesMeshesWithEdgeKeys) {
   const auto record = compare(extract::method_info(extract::Method::mt), *extract::make_cpu_extractor());
   ASSERT_TRUE(record);
   EXPECT_EQ(record->not_applicable, "");
@@ -60,7 +60,7 @@ TEST_F(Verification, ComparesWhatHasEdgeKeys) {
   EXPECT_EQ(find(figures, {Key::not_applicable}), nullptr);
 }
 
-TEST_F(Verification, DoesNotApplyToVerticesThatAreNotOnEdges) {
+TEST_F(Verification, SkipsMethodsWithVerticesOffEdges) {
   extract::MethodInfo nets = extract::method_info(extract::Method::mc);
   nets.title = "made-up nets";
   nets.traits.vertices_on_edges = false;
@@ -70,7 +70,7 @@ TEST_F(Verification, DoesNotApplyToVerticesThatAreNotOnEdges) {
   expect_not_applicable(*record, "made-up nets: the vertices are not on edges of the grid");
 }
 
-TEST_F(Verification, DoesNotApplyToABackendWithoutTheMethod) {
+TEST_F(Verification, SkipsBackendWithoutMethod) {
   Idle idle(false);
   const auto record = compare(extract::method_info(extract::Method::mc), idle);
   ASSERT_TRUE(record) << record.error().message;

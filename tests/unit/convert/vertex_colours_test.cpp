@@ -12,7 +12,7 @@
 namespace isoextract::convert {
 namespace {
 
-TEST(Materials, OuterSurfacesLetInnerOnesBeSeen) {
+TEST(Materials, MakeOuterSurfacesTranslucent) {
   ConversionJob job;
   std::vector<SurfaceId> isos{1, 3, 2};
   EXPECT_FALSE(material_of(job, isos, 1, field::FieldKind::density));
@@ -31,7 +31,7 @@ TEST(Materials, OuterSurfacesLetInnerOnesBeSeen) {
   const auto plain = material_of(job, isos, 1, field::FieldKind::density);
   ASSERT_TRUE(plain);
   EXPECT_EQ(*plain, (mesh::Material{{}, 0.5}));
-  isos = {1, 3, 2, 3};  // a value that was found can be one that was given: it has one surface
+  isos = {1, 3, 2, 3};  // a found value may equal a given one; both have one surface
   job.opacity = {0.1, 0.2, 0.3, 0.4};
   EXPECT_EQ(opacity(3, field::FieldKind::density), 0.2);
   job.opacity.clear();
@@ -43,7 +43,7 @@ TEST(Materials, OuterSurfacesLetInnerOnesBeSeen) {
   EXPECT_EQ(opacity(1, field::FieldKind::density), 1);
 }
 
-TEST(AttributePlace, FilesAreToldFromGrids) {
+TEST(AttributePlace, TellsFilesFromGrids) {
   const auto place = [](std::string from, std::string name = "n") {
     const AttributePlace found = attribute_place({std::move(name), std::move(from), true});
     return found.file + "|" + found.grid.value_or("-");
@@ -58,7 +58,7 @@ TEST(AttributePlace, FilesAreToldFromGrids) {
   EXPECT_EQ(place(file), "|" + file);
   std::ofstream(file) << "is there";
   EXPECT_EQ(place(file), file + "|-");
-  EXPECT_EQ(place(file, file), "|" + file);  // the attribute's own name is a grid's
+  EXPECT_EQ(place(file, file), "|" + file);  // the attribute's own name means a grid
   EXPECT_EQ(place((folder / "").string()), (folder / "").string() + "|-");
 }
 
