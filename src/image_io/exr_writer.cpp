@@ -22,7 +22,7 @@
 namespace isoextract::image_io {
 namespace {
 
-// The library goes back to fill in where each part begins, so the file is made here first.
+// Collects the file in memory, because OpenEXR seeks back to fill in offsets.
 class MemoryStream : public Imf::OStream {
  public:
   MemoryStream(const char* name, std::size_t expected) : Imf::OStream(name) { bytes_.reserve(expected); }
@@ -43,7 +43,8 @@ class MemoryStream : public Imf::OStream {
   std::size_t at_ = 0;
 };
 
-// Beside the pixels: header, table of lines, and what blocks that cannot be packed grow by.
+// Returns an upper bound of the file's bytes: the pixels, the header, the line table, and the overhead of
+// incompressible blocks.
 std::uint64_t most_bytes(std::uint64_t pixel_bytes, int height) {
   return pixel_bytes + pixel_bytes / 64 + 16 * static_cast<std::uint64_t>(height) + (std::uint64_t{1} << 16U);
 }
@@ -54,7 +55,7 @@ void encode(MemoryStream& stream, const LightImage& image, std::span<Imath::half
   header.compression() = Imf::ZIP_COMPRESSION;
   Imf::FrameBuffer frame;
   const auto width = static_cast<std::size_t>(image.width);
-  // Each channel is a plane of its own in `halves`.
+  // Each channel has its own plane in `halves`.
   const auto add = [&](const char* name, const std::function<float(std::size_t)>& value) {
     const std::span<Imath::half> plane = halves.first(pixels);
     halves = halves.subspan(pixels);

@@ -1,4 +1,4 @@
-// Pictures as OpenEXR.
+// Writes pictures as OpenEXR.
 #pragma once
 
 #include "base/context.hpp"
@@ -8,10 +8,11 @@
 
 namespace isoextract::image_io {
 
-// Scan lines with ZIP compression, premultiplied linear light as it is: R, G, B, A as half floats (beyond 65504 they
-// are infinite); where there are depths, Z as float; where there are normals, N.X, N.Y, N.Z as half floats. Reserves
-// what encoding takes; `file` is left to be committed. Fails with ErrorCode::input where memory is missing, and
-// ErrorCode::output.
+// Writes scan lines with ZIP compression and does not commit `file`. Channels: R, G, B, A as half floats, premultiplied
+// linear light without clamping (values beyond 65504 become infinite); Z as float if there are depths; N.X, N.Y, N.Z as
+// half floats if there are normals.
+// Reserves the memory for encoding. Fails with ErrorCode::input if memory is short, and with ErrorCode::output if
+// encoding or writing fails.
 [[nodiscard]] Result<void> write_exr(files::OutputFile& file, const LightImage& image, const Context& context);
 
 }  // namespace isoextract::image_io

@@ -14,7 +14,7 @@
 namespace isoextract::image_io {
 namespace {
 
-// NaN is 0.
+// Clamps to [0, 1]; NaN becomes 0.
 double cut_off(double v) { return v > 0 ? std::min(v, 1.0) : 0; }
 
 std::uint8_t byte_of(double v) { return static_cast<std::uint8_t>(std::lround(255 * cut_off(v))); }

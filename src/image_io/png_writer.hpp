@@ -1,4 +1,4 @@
-// Pictures as PNG.
+// Writes pictures as PNG.
 #pragma once
 
 #include <cstddef>
@@ -16,18 +16,20 @@ namespace isoextract::image_io {
 
 // An image file in memory.
 struct EncodedImage {
-  std::shared_ptr<ReservedBuffer<std::byte>> buffer;  // longer than the file
+  std::shared_ptr<ReservedBuffer<std::byte>> buffer;  // can be longer than the file
   std::size_t size = 0;
 
   [[nodiscard]] std::span<const std::byte> bytes() const { return buffer->values.span().first(size); }
 };
 
-// 8 bits a channel, sRGB: light is divided by alpha, cut off at 0 and 1, encoded and rounded to the nearest; alpha is
-// straight and linear, and left out where every pixel's rounds to 1. NaN counts as 0. Depth and normals have no place
-// in a PNG. Reserves what encoding takes; `name` starts messages. Fails with ErrorCode::input where memory is missing.
+// Encodes a picture with 8 bits per channel in sRGB. Divides the light by alpha, clamps it to [0, 1], encodes it and
+// rounds to nearest; NaN becomes 0. Alpha is straight and linear, and is omitted if it rounds to 255 everywhere. PNG
+// cannot store depth and normals.
+// Reserves the memory for encoding. `name` starts messages. Fails with ErrorCode::input if memory is short, and with
+// ErrorCode::output if encoding fails.
 [[nodiscard]] Result<EncodedImage> encode_png(const LightImage& image, const std::string& name, const Context& context);
 
-// The same into a file, which is left to be committed. Fails with ErrorCode::output as well.
+// Writes the PNG to `file` and does not commit it. Fails as encode_png() does, or if writing fails.
 [[nodiscard]] Result<void> write_png(files::OutputFile& file, const LightImage& image, const Context& context);
 
 }  // namespace isoextract::image_io

@@ -18,14 +18,14 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-// Beside the sphere around what is seen, so that its rim is not cut.
+// Enlarges the sphere around the box so that its rim is not cut off.
 constexpr double kMargin = 1.02;
-// Of the distance; what is nearer than that share of it is lost.
+// The near plane is at least this fraction of the distance away.
 constexpr double kNearest = 1e-3;
 
 double aspect_of(const PictureSize& size) { return double(size.width) / double(size.height); }
 
-// Upwards, azimuth 0 and azimuth 90: side = up x front.
+// Returns the directions up, azimuth 0 (front) and azimuth 90 (side = up x front).
 std::array<glm::dvec3, 3> axes_of(UpAxis up) {
   switch (up) {
     case UpAxis::x: return {glm::dvec3(1, 0, 0), {0, 0, 1}, {0, -1, 0}};
@@ -106,7 +106,7 @@ PixelBox pixels_of(const Camera& camera, const PictureSize& size, const field::A
   }
   if (behind == 8) return {};
   if (behind > 0) return {{0, 0}, {size.width, size.height}};
-  // Centres within the box, and one pixel more for what is rounded.
+  // Pixels whose centers are within the bounds, and one more on each side for rounding.
   const auto clamped = [&](const glm::dvec2& p) { return glm::ivec2(glm::clamp(p, glm::dvec2(0), whole)); };
   const PixelBox found{clamped(glm::floor(low - 1.5)), clamped(glm::ceil(high + 1.5))};
   return found.empty() ? PixelBox{} : found;
@@ -154,10 +154,11 @@ Camera framing(const field::Box& box, const ViewAngles& angles, UpAxis up, const
 
   Camera camera;
   camera.target = middle;
-  // Where the world is far from 0, a step of this length may be lost in rounding: check() tells.
+  // Far from the world's origin, adding this distance may be lost to rounding; check() then fails.
   const double distance = angles.distance.value_or(fitting);
   camera.eye = middle + distance * away;
-  // From above or below, `around` is what is up in the picture; elsewhere it gives the same as the axis.
+  // Seen straight from above or below, the up axis is parallel to the view, so `around` defines up in the picture.
+  // Elsewhere the result equals that of the up axis.
   camera.up = std::cos(elevation) * upwards - std::sin(elevation) * around;
   camera.fovy = fovy;
   const double seen = radius > 0 ? kMargin * radius : distance / 2;

@@ -1,11 +1,11 @@
-// A perspective camera in the world, in double, and where its pixels look.
+// A perspective camera in world space, in double, and the view directions of its pixels.
 //
 // View space has the eye at 0 and the axes of OpenGL: x to the right, y up, z backwards. Depth is the distance along
-// the view axis, -z. A point of the view of pixel (x, y) at depth d is d * direction(x, y), so that depth is the
-// parameter along every ray; the way between two depths is length(direction) times as long.
+// the view axis, -z. The point that pixel (x, y) sees at depth d is d * direction(x, y), so depth is the parameter of
+// every ray. The distance between two depths on a ray is their difference times length(direction).
 //
-// Scenes may be of any size: view coordinates are divided by `unit()`, the distance from eye to target, wherever a
-// renderer computes with them (view_of(), clip_of_view(), direction()); depths of pictures are in world units again.
+// Scenes may have any size, so renderers compute in view coordinates divided by unit(), the distance from eye to target
+// (view_of_world(), clip_of_view(), direction_through()). Depths of pictures are in world units.
 #pragma once
 
 #include <array>
@@ -30,39 +30,40 @@ struct PictureSize {
 };
 
 struct Camera {
-  static constexpr double kDefaultFovy = 0.785;  // radians, as in the paper on moving water as voxels (docs/papers.md)
+  static constexpr double kDefaultFovy = 0.785;  // radians; from the paper on moving water as voxels (docs/papers.md)
 
   glm::dvec3 eye{0.0, -1.0, 0.0};
   glm::dvec3 target{0.0};
-  glm::dvec3 up{0.0, 0.0, 1.0};  // not along the view axis; need not be perpendicular to it
+  glm::dvec3 up{0.0, 0.0, 1.0};  // not parallel to the view axis; need not be perpendicular to it
   double fovy = kDefaultFovy;    // vertical field of view, radians, in (0, pi)
-  double near_depth = 0.01;      // in world units; what is nearer is not drawn
-  double far_depth = 100;        // what is farther is not drawn
+  double near_depth = 0.01;      // in world units; nearer objects are not drawn
+  double far_depth = 100;        // in world units; farther objects are not drawn
 
-  // Finite, eye and target apart, up not along the axis, 0 < near < far, fovy in range. ErrorCode::usage tells which
-  // not.
+  // Checks that values are finite, eye and target differ, up is not parallel to the axis, 0 < near < far, and fovy is
+  // in range. Otherwise fails with ErrorCode::usage and names the reason.
   [[nodiscard]] Result<void> check() const;
 
-  // World units that one unit of view space stands for.
+  // Returns the length of one unit of view space in world units.
   [[nodiscard]] double unit() const { return glm::length(target - eye); }
 
-  // Rows: right, up and backwards, unit vectors of the world. direction in view space = rotation() * that of the world.
+  // Returns the rotation from world to view space. Its rows are the unit vectors right, up and backwards in the world.
   [[nodiscard]] glm::dmat3 rotation() const;
-  // World -> view space in units of unit(). For meshes far away: apply it to their origin in double, and
-  // rotation() / unit() to their float positions.
+  // Returns the map from world space to view space in units of unit(). For a mesh far from the world's origin, apply it
+  // to mesh.origin in double, and rotation() / unit() to the float positions.
   [[nodiscard]] field::Affine view_of_world() const;
   [[nodiscard]] field::Affine world_of_view() const;
-  // View space in units -> clip space of OpenGL (z / w from -1 at near to 1 at far). w is the depth in units.
+  // Returns the map from view space in units to OpenGL's clip space (z / w is -1 at near and 1 at far; w is the depth
+  // in units).
   [[nodiscard]] glm::dmat4 clip_of_view(const PictureSize& size) const;
-  // Clip space of the whole way from the world, as glm::perspective and glm::lookAt give it together.
+  // Returns the map from world to clip space: the product of glm::perspective and glm::lookAt.
   [[nodiscard]] glm::dmat4 clip_of_world(const PictureSize& size) const;
 };
 
-// The direction in view space of the view through position (x, y) of the picture, in pixels from the upper left corner,
-// z always -1: pixel (0, 0), the upper left one, looks through (0.5, 0.5).
+// Returns the direction in view space through picture position (x, y), with z = -1. Positions are in pixels from the
+// upper left corner; the center of pixel (0, 0) is (0.5, 0.5).
 [[nodiscard]] glm::dvec3 direction_through(const Camera& camera, const PictureSize& size, double x, double y);
 
-// Pixels [min, max) of a picture.
+// The pixels [min, max) of a picture.
 struct PixelBox {
   glm::ivec2 min{0};
   glm::ivec2 max{0};
@@ -71,27 +72,27 @@ struct PixelBox {
   friend bool operator==(const PixelBox&, const PixelBox&) = default;
 };
 
-// The pixels whose views may meet the image of `box` by `map`, from its 8 corners (docs/papers.md, hybrid ray casting,
-// equation 2): all of the picture where a corner is not in front of the near plane but another one is, none where all
-// are behind it.
+// Returns a bounding rectangle of the pixels that may see `box` transformed by `map`, from the box's 8 corners
+// (docs/papers.md, hybrid ray casting, equation 2). It is the whole picture if only some corners are in front of the
+// near plane, and empty if none is.
 [[nodiscard]] PixelBox pixels_of(const Camera& camera, const PictureSize& size, const field::Affine& map,
                                  const field::Box& box);
 
-// Where to look from: azimuth around the up axis and elevation above the plane across it, in degrees, and perhaps the
-// distance from the target in world units.
+// The view direction in degrees: azimuth around the up axis and elevation above the plane perpendicular to it. Distance
+// and target, in world units, are optional.
 struct ViewAngles {
   double azimuth = 35;
   double elevation = 20;                // from -90 to 90
-  std::optional<double> distance{};     // nothing: so far that all of the box is seen
-  std::optional<glm::dvec3> look_at{};  // the target, in the world; nothing: the middle of the box
+  std::optional<double> distance{};     // if unset, far enough to see the whole box
+  std::optional<glm::dvec3> look_at{};  // the target in the world; if unset, the center of the box
 
-  // Whether the camera is the same for every box.
+  // Returns whether the camera does not depend on the box.
   [[nodiscard]] bool is_fixed() const { return distance && look_at; }
 
   friend bool operator==(const ViewAngles&, const ViewAngles&) = default;
 };
 
-// "AZ,EL[,DISTANCE]". ErrorCode::usage, with what was expected, for anything else.
+// Parses "AZ,EL[,DISTANCE]". Fails with ErrorCode::usage.
 [[nodiscard]] Result<ViewAngles> parse_view_angles(std::string_view words);
 
 enum class UpAxis { x, y, z };
@@ -99,11 +100,12 @@ constexpr auto words_of(UpAxis /*type*/) {
   return std::array{Word{UpAxis::x, "x"}, Word{UpAxis::y, "y"}, Word{UpAxis::z, "z"}};
 }
 
-// A camera that looks at `angles.look_at`, or else at the middle of `box`. Azimuth 0 is in front: at -y where z is up,
-// at +z where x or y is; it grows counter-clockwise as seen from above, so that 90 is at +x where y or z is up and at
-// -y where x is. Without a distance the sphere around the box, with the target as its middle, fits into the narrower
-// side of the picture. Near and far contain that sphere wherever it is in front of the eye. A box of one point is
-// looked at from a distance of 1.
+// Returns a camera that looks at `angles.look_at` or, if unset, at the center of `box`.
+// Azimuth 0 looks from the front: from -y if z is up, from +z if x or y is up. It grows counter-clockwise as seen from
+// above: azimuth 90 is at +x if y or z is up, and at -y if x is up.
+// Without a distance, the sphere around the target that contains the box fits into the narrower side of the picture. A
+// box of one point is seen from a distance of 1.
+// Near and far enclose that sphere, as far as it is in front of the eye.
 [[nodiscard]] Camera framing(const field::Box& box, const ViewAngles& angles, UpAxis up, const PictureSize& size,
                              double fovy = Camera::kDefaultFovy);
 

@@ -12,8 +12,8 @@
 namespace isoextract::render {
 namespace {
 
-constexpr int kGap = 4;          // pixels between pictures, and around them
-constexpr double kAspect = 1.6;  // of the sheet, about
+constexpr int kGap = 4;          // pixels between pictures and around them
+constexpr double kAspect = 1.6;  // approximate width / height of the sheet
 constexpr glm::vec3 kPaper{1.0F};
 
 int dot_of(const PictureSize& cell) { return std::max(1, cell.height / 160); }

@@ -1,4 +1,4 @@
-// Many small pictures on one sheet, row by row, each with a label below it.
+// Arranges many small pictures on one sheet, row by row, each with a label below it.
 #pragma once
 
 #include <cstddef>
@@ -13,11 +13,12 @@ namespace isoextract::render {
 
 class ContactSheet {
  public:
-  // For `count` pictures of one size, at least one. Fails with ErrorCode::usage where the sheet would be larger than a
-  // picture may be, and with ErrorCode::input where memory is missing.
+  // Makes a white sheet for `count` pictures of size `cell`; `count` is at least 1. Fails with ErrorCode::usage if the
+  // sheet would exceed PictureSize::kMaxSide, and with ErrorCode::input if memory is short.
   [[nodiscard]] static Result<ContactSheet> create(const PictureSize& cell, std::size_t count, const Context& context);
 
-  // The n-th from the upper left; `picture` has the size of a cell. Words that do not fit below it are cut off.
+  // Places picture n, counted from 0 at the upper left; `picture` has the size of a cell. Truncates a label that is
+  // wider than the cell.
   void place(std::size_t n, const Picture& picture, std::string_view label);
 
   [[nodiscard]] const Picture& picture() const { return picture_; }

@@ -21,7 +21,7 @@ void add(RenderStatistics& sum, const RenderStatistics& part) {
   sum.fragments += part.fragments;
 }
 
-// The first failure of several threads.
+// Keeps the first error of several threads.
 class FirstError {
  public:
   void keep(Error error) {
@@ -38,7 +38,7 @@ class FirstError {
   std::optional<Error> error_;
 };
 
-// What is made of a volume before a ray is followed.
+// Data that is prepared from a volume before rays are cast.
 struct PreparedVolume {
   explicit PreparedVolume(detail::VolumeSamples opened) : samples(std::move(opened)) {}
 
@@ -54,7 +54,7 @@ struct PreparedVolume {
   }
 
   detail::VolumeSamples samples;
-  std::optional<detail::VolumeBricks> bricks;  // of `samples`; none where nothing is skipped
+  std::optional<detail::VolumeBricks> bricks;  // of `samples`; unset if nothing is skipped
 };
 
 class CpuRenderer : public Renderer {
@@ -69,7 +69,7 @@ class CpuRenderer : public Renderer {
     const auto tiles = TRY(detail::SurfaceTiles::sort(surfaces, camera, options.size, context));
 
     detail::VolumeView volume;
-    std::unique_ptr<PreparedVolume> own;  // of this picture alone
+    std::unique_ptr<PreparedVolume> own;  // used for this picture only
     PixelBox within;
     if (scene.volume != nullptr) {
       const bool keeps = scene.volume == to_keep_;
@@ -167,7 +167,7 @@ class CpuRenderer : public Renderer {
   }
 
   const Volume* to_keep_ = nullptr;
-  std::unique_ptr<PreparedVolume> kept_;  // of that volume
+  std::unique_ptr<PreparedVolume> kept_;  // prepared from that volume
 };
 
 }  // namespace

@@ -18,12 +18,12 @@ class GpuRenderer final : public Renderer {
 
   GpuRenderer(const GpuRenderer&) = delete;
   GpuRenderer& operator=(const GpuRenderer&) = delete;
-  ~GpuRenderer() override { gl_->make_current(); }  // for the programs
+  ~GpuRenderer() override { gl_->make_current(); }  // so that the programs are deleted in their context
 
   Result<Rendered> draw(const Scene& scene, const Camera& camera, const RenderOptions& options,
                         const Context& context) override {
     TRY(check(scene, camera, options));
-    // Another context may have come since.
+    // Another context may have become current.
     TRY(gl_->make_current());
     const std::size_t known_messages = gl_->debug_messages().size();
     auto rendered = draw_current(scene, camera, options, context);
@@ -36,7 +36,7 @@ class GpuRenderer final : public Renderer {
   }
 
   void keep(const Volume* volume) override {
-    gl_->make_current();  // for what goes
+    gl_->make_current();  // so that the kept volume is deleted in its context
     kept_.reset();
     to_keep_ = volume;
   }
@@ -45,7 +45,7 @@ class GpuRenderer final : public Renderer {
 
  private:
   struct PreparedVolume {
-    RenderOptions options;  // that it was made for
+    RenderOptions options;  // the options it was prepared for
     RenderStatistics statistics;
     detail::GpuMemory memory;
     std::optional<detail::GpuVolume> volume;
@@ -76,7 +76,7 @@ class GpuRenderer final : public Renderer {
     Rendered rendered;
     rendered.picture = TRY(make_picture(options.size.width, options.size.height, context));
 
-    std::unique_ptr<PreparedVolume> own;  // of this picture alone
+    std::unique_ptr<PreparedVolume> own;  // used for this picture only
     const detail::GpuVolume* volume = nullptr;
     if (scene.volume != nullptr) {
       std::unique_ptr<PreparedVolume>& prepared = scene.volume == to_keep_ ? kept_ : own;
@@ -97,11 +97,11 @@ class GpuRenderer final : public Renderer {
     return rendered;
   }
 
-  std::unique_ptr<gl::GlContext> gl_;  // first, so that it goes last
+  std::unique_ptr<gl::GlContext> gl_;  // first member, so that it is destroyed last
   GpuRenderOptions options_;
   detail::GpuPrograms programs_;
   const Volume* to_keep_ = nullptr;
-  std::unique_ptr<PreparedVolume> kept_;  // of that volume
+  std::unique_ptr<PreparedVolume> kept_;  // prepared from that volume
 };
 
 }  // namespace

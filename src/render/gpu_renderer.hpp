@@ -1,13 +1,14 @@
-// Draws on a GPU, through EGL without a display: the picture of the model (renderer.hpp) within the bound told there.
+// Draws scenes on a GPU, through EGL without a display, by the model and within the tolerance of renderer.hpp.
 //
-// First pass: opaque surfaces into a framebuffer object, the nearest triangle of each pixel and its depth; then what is
-// see-through in front of it, counted and listed for each pixel. Second pass: one ray a pixel of GLSL, which samples
-// the volume, sorts the pixel's list, shades what it meets and composites all of it front to back (hybrid ray casting,
-// docs/papers.md). Pixels outside of the screen bounds of the volume's corners take a shorter program.
+// The first pass draws opaque surfaces into a framebuffer object, which keeps the nearest triangle of each pixel and
+// its depth. Then it counts and lists, per pixel, the transparent fragments in front of that.
+// The second pass casts one ray per pixel in GLSL (hybrid ray casting, docs/papers.md). It samples the volume, sorts
+// the pixel's list, shades the fragments and composites everything front to back. Pixels outside of the screen bounds
+// of the volume use a shorter program.
 //
-// Dense and sparse volumes alike lie on the device as bricks of 8 x 8 x 8 cells in an atlas, as table positions in
-// float: only bricks in which something can be seen are there, so no side of a volume is too long for a texture, and
-// sparse ones are never made dense. Rays are followed in double, as on the processor.
+// Dense and sparse volumes are stored alike: bricks of 8 x 8 x 8 cells in an atlas, as table positions in float. Only
+// bricks with visible samples are uploaded, so no volume is too long for a texture, and sparse volumes never become
+// dense. Rays are computed in double, as on the CPU.
 #pragma once
 
 #include <cstdint>
@@ -21,11 +22,13 @@ namespace isoextract::render {
 
 struct GpuRenderOptions {
   gl::DeviceChoice device;
-  std::optional<std::uint64_t> memory_bytes;  // what volume, surfaces and picture may take on the device together;
-                                              // default: three quarters of what it has; no limit where it does not tell
-  std::uint64_t list_bytes = 256 << 20;  // of these, what fragments of see-through surfaces may take, 8 bytes each: a
-                                         // part of the picture that has more is drawn in smaller ones
-  bool debug = false;                    // ErrorCode::unavailable for whatever the driver complains about; for tests
+  // Limit of the device memory for volume, surfaces and picture together; by default three quarters of the device's
+  // memory, or no limit if the device does not report its memory.
+  std::optional<std::uint64_t> memory_bytes;
+  // Part of this limit for lists of transparent fragments, 8 bytes each; tiles that need more are drawn in smaller
+  // tiles.
+  std::uint64_t list_bytes = 256 << 20;
+  bool debug = false;  // for tests: fails with ErrorCode::unavailable if the driver reports a problem
 
   friend bool operator==(const GpuRenderOptions&, const GpuRenderOptions&) = default;
 };
@@ -35,9 +38,10 @@ struct GpuRendererAndDevice {
   gl::GpuDevice device;
 };
 
-// Opens the device. Fails with ErrorCode::unavailable where there is none. The renderer is used and dropped on this
-// thread. It refuses, with ErrorCode::unavailable, what does not fit onto the device: bricks that are seen, triangles,
-// or one pixel's see-through fragments. Memory of devices that draw on the processor is the context's as well.
+// Opens the device. Fails with ErrorCode::unavailable if there is none. Use and destroy the renderer on the calling
+// thread.
+// Renderer::draw() fails with ErrorCode::unavailable if visible bricks, triangles or one pixel's transparent fragments
+// do not fit onto the device. If the device renders in software, its memory is also reserved from the context.
 [[nodiscard]] Result<GpuRendererAndDevice> make_gpu_renderer(const GpuRenderOptions& options);
 
 }  // namespace isoextract::render

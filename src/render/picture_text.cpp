@@ -12,7 +12,7 @@ namespace {
 constexpr glm::ivec2 kDots{5, 7};
 constexpr glm::ivec2 kCell{6, 9};
 
-// Rows from above, of each the lowest 5 bits from the left.
+// Rows from top to bottom; of each row, bit 4 is the left dot and bit 0 the right one.
 using Glyph = std::array<std::uint8_t, 7>;
 
 struct NamedGlyph {

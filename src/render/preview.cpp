@@ -14,14 +14,15 @@ namespace {
 
 constexpr glm::dvec4 kGround{0.82, 0.84, 0.87, 1.0};
 
-// From the upper left, and a weaker one from the right, so that no side is black.
+// A light from the upper left, and a weaker one from the right, so that no side is black.
 const std::vector<Light>& preview_lights() {
   static const std::vector<Light> lights{Light{{-0.4, 0.6, 0.7}, true, glm::dvec3(0.9)},
                                          Light{{0.8, 0.1, 0.4}, true, glm::dvec3(0.25)}};
   return lights;
 }
 
-// Half as wide and high: colours are means, which premultiplied light allows.
+// Returns the picture at half the width and height. Colors are means of four pixels, which is right for premultiplied
+// light.
 Result<Picture> halved(const Picture& fine, const Context& context) {
   auto made = make_picture(fine.width / 2, fine.height / 2, context);
   if (!made) return made;
@@ -58,7 +59,7 @@ void draw_scale_bar(Picture& picture, const ScaleBar& bar) {
   draw_text(picture, {low.x + (bar.pixels - words.x) / 2, low.y - 7 * dot - words.y}, bar.text, dot, kInk);
 }
 
-// So near that the corners of the box just fit into the picture, with a margin.
+// Returns a camera so close that the corners of the box just fit into the picture, with a margin.
 Camera close_framing(const field::Box& box, ViewAngles angles, UpAxis up, const PictureSize& size) {
   constexpr double kFilled = 0.9;
   const Camera far = framing(box, angles, up, size);

@@ -1,4 +1,4 @@
-// A first look at meshes: framed, lit, on a light ground, with a scale bar.
+// Draws a preview of meshes: framed and lit, on a light background, with a scale bar.
 #pragma once
 
 #include <optional>
@@ -18,25 +18,26 @@ struct PreviewOptions {
   PictureSize size{960, 720};
   ViewAngles angles;
   UpAxis up = UpAxis::z;
-  std::optional<field::Box> box;  // what is framed, so that frames have one camera; nothing: the meshes' own box
+  // The box to frame, so that all frames share a camera; if unset, the box of the meshes.
+  std::optional<field::Box> box;
   bool scale_bar = true;
-  std::string unit;  // of lengths in the world, for the scale bar; may be empty
+  std::string unit;  // unit of world lengths, for the scale bar; may be empty
 };
 
-// Drawn with four views a pixel where the picture is at most half as large as the largest. Depth and normals are those
-// of the nearest of the four. Without a surface, or where the surfaces are empty, there is the ground alone. Fails as
+// Draws the surfaces with 2 x 2 samples per pixel, or with one if the doubled size would exceed PictureSize::kMaxSide.
+// Depth and normals are those of the nearest sample. Without a triangle the picture is the background alone. Fails as
 // Renderer::draw() does.
 [[nodiscard]] Result<Rendered> draw_preview(std::span<const Surface> surfaces, const PreviewOptions& options,
                                             Renderer& renderer, const Context& context);
 
-// A length that is 1, 2 or 5 times a power of ten, and how it is written.
+// A length of 1, 2 or 5 times a power of ten, and its text.
 struct ScaleBar {
   double length = 0;  // in the world
   int pixels = 0;     // at the distance of the camera's target
   std::string text;   // "20 mm"
 };
 
-// The longest that is at most a quarter of the picture wide.
+// Returns the longest scale bar that is at most a quarter of the picture wide.
 [[nodiscard]] ScaleBar scale_bar(const Camera& camera, const PictureSize& size, const std::string& unit);
 
 }  // namespace isoextract::render

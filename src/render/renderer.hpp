@@ -1,30 +1,30 @@
-// What draws a scene, on whatever device. Backends give the same picture within 2/255 of each channel in linear light,
-// at pixels where they see the same fragments (Surface).
+// The interface of renderers, and the model that every backend draws by. Backends agree within 2/255 per channel in
+// linear light, at pixels where they see the same fragments (Surface).
 //
-// The model (hybrid ray casting, docs/papers.md; Max, "Optical models for direct volume rendering", 1995, absorption
-// plus emission):
+// The model is hybrid ray casting (docs/papers.md) with absorption plus emission (Max, "Optical models for direct
+// volume rendering", 1995):
 //
-// 1. Surfaces give fragments: depth, straight colour, opacity (Surface, ShadingModel). A ray's fragments are sorted by
-//    depth, those of equal depth by the surface's number in the scene and then by the triangle's.
-// 2. The ray enters the volume's box at depth d0 and leaves at d1, both cut to [near, far]; for d1 <= d0 it misses.
-//    With L = length of direction_through() the way through the box in world units is (d1 - d0) * L. It is cut into
-//    slabs of length `step` (step_of()) from d0 on: slab k has depths [d0 + k * step / L, d0 + (k + 1) * step / L], and
-//    the last one ends at d1. There are ceil(way / step) of them, at least one, and none for what is only rounding.
-// 3. Every slab has one sample, at the middle of it (of the shorter last one, its own middle): the trilinear
-//    interpolant of table positions there, looked up (TransferFunction), gives a colour c and an extinction sigma. A
-//    part of length l of the slab, in unit lengths of the volume, has opacity 1 - exp(-sigma * l).
-// 4. Front to back, transmittance T = 1 at first: each part of a slab and each fragment adds T * opacity * colour and
+// 1. Surfaces produce fragments: depth, straight color, opacity (Surface, ShadingModel). A ray's fragments are sorted
+//    by depth, at equal depth by the surface's number in the scene, then by the triangle's.
+// 2. The ray enters the volume's box at depth d0 and leaves at d1, both clamped to [near, far]; if d1 <= d0 it misses.
+//    With L = length of direction_through(), its length in the box is (d1 - d0) * L world units. It is cut into slabs
+//    of length `step` (step_of()) from d0 on. Slab k has depths [d0 + k * step / L, d0 + (k + 1) * step / L]; the last
+//    one ends at d1. There are ceil(length / step) slabs, at least one; a remainder that is only rounding adds none.
+// 3. Every slab, also the shorter last one, has one sample at its middle: the trilinear interpolant of table positions
+//    there. Its lookup (TransferFunction) gives a color c and an extinction sigma. A part of length l of the slab, in
+//    unit lengths of the volume, has opacity 1 - exp(-sigma * l).
+// 4. Front to back, transmittance T = 1 at first: each part of a slab and each fragment adds T * opacity * color and
 //    multiplies T by 1 - opacity. A fragment within a slab divides it in two parts, before and behind, which share the
-//    slab's sample; one at a border between slabs lies between them. What lies beyond d1 or before d0 needs no sample.
+//    slab's sample; one on the border of two slabs lies between them. Fragments beyond d1 or before d0 need no sample.
 // 5. Alpha is 1 - T; the background comes last, with T.
-// 6. Early termination: once T < termination nothing more is added, fragments and background neither; the ray counts
-//    as opaque. Without it only T = 0 ends a ray. So no channel differs by more than termination times the largest
-//    colour there is.
-// 7. Empty-space skipping leaves out samples only where every lookup between the least and the greatest of the
-//    samples around has sigma 0 exactly: no bit of the picture changes.
+// 6. Early termination: once T < termination the ray adds no further samples, fragments or background, and counts as
+//    opaque. Without it only T = 0 ends a ray. No channel differs by more than termination times the largest color of
+//    the scene.
+// 7. Empty-space skipping skips samples only where every lookup between the least and the greatest of the surrounding
+//    samples has exactly sigma 0, so no bit of the picture changes.
 //
-// The six cases of that paper are all of these: ray misses both; surface only; volume only; surface in front; volume in
-// front; surface inside.
+// This covers the six cases of the hybrid ray casting paper: the ray misses both; surface only; volume only; surface in
+// front; volume in front; surface inside.
 #pragma once
 
 #include <array>
@@ -45,7 +45,7 @@ struct RenderOptions {
   static constexpr double kTermination = 1.0 / 512;
 
   PictureSize size{960, 540};    // each side from 1 to PictureSize::kMaxSide
-  double samples_per_voxel = 1;  // along the shortest edge of a voxel; from 1/64 to 64
+  double samples_per_voxel = 1;  // per shortest voxel edge; from 1/64 to 64
   bool early_termination = true;
   double termination = kTermination;  // in (0, 1)
   bool empty_space_skipping = true;
@@ -53,19 +53,19 @@ struct RenderOptions {
   friend bool operator==(const RenderOptions&, const RenderOptions&) = default;
 };
 
-// The length of a whole step in the world: the shortest edge of a voxel over samples_per_voxel.
+// Returns the length of a slab in world units: the shortest voxel edge divided by samples_per_voxel.
 [[nodiscard]] double step_of(const Volume& volume, const RenderOptions& options);
 
-// Of the volume, except fragments. Backends may count each in their own way where early termination is on and brick
-// borders matter; without both, `samples` is the number of slabs of all rays.
+// Counts for the volume and, last, for surface fragments. With early termination or empty-space skipping, backends may
+// count differently. Without both, `samples` is the number of slabs of all rays.
 struct RenderStatistics {
-  std::uint64_t rays = 0;                // that meet the volume's box
-  std::uint64_t samples = 0;             // that were taken
-  std::uint64_t samples_skipped = 0;     // left out in empty bricks
-  std::uint64_t samples_terminated = 0;  // left out behind what lets no light through
-  std::uint64_t bricks = 0;              // of 8 x 8 x 8 cells
-  std::uint64_t bricks_skipped = 0;      // in which nothing can be seen
-  std::uint64_t fragments = 0;           // of surfaces, that reached the picture or were behind another
+  std::uint64_t rays = 0;                // rays that hit the volume's box
+  std::uint64_t samples = 0;             // samples taken
+  std::uint64_t samples_skipped = 0;     // samples skipped in empty bricks
+  std::uint64_t samples_terminated = 0;  // samples skipped by early termination
+  std::uint64_t bricks = 0;              // bricks of 8 x 8 x 8 cells
+  std::uint64_t bricks_skipped = 0;      // bricks without visible samples
+  std::uint64_t fragments = 0;           // surface fragments, whether visible or hidden by others
 
   friend bool operator==(const RenderStatistics&, const RenderStatistics&) = default;
 };
@@ -73,7 +73,7 @@ struct RenderStatistics {
 struct Rendered {
   Picture picture;
   RenderStatistics statistics;
-  bool volume_kept = false;  // what the volume needs was made for an earlier picture (Renderer::keep())
+  bool volume_kept = false;  // the volume was prepared for an earlier picture (Renderer::keep())
 };
 
 class Renderer {
@@ -83,26 +83,28 @@ class Renderer {
   Renderer& operator=(const Renderer&) = delete;
   virtual ~Renderer() = default;
 
-  // Reserves the memory of the picture and all else from the context. Fails as check() does, with ErrorCode::input
-  // where memory is missing, ErrorCode::unavailable where a device gives up, and as Context::check(). Whether a file
-  // lost samples meanwhile is the caller's to ask, afterwards (DenseSamples::lost()).
+  // Draws a picture; reserves all memory from the context. Fails as check() does, with ErrorCode::input if memory is
+  // short, with ErrorCode::unavailable if the device fails, and as Context::check().
+  // Afterwards the caller checks whether reading samples from a file failed meanwhile (DenseSamples::lost()).
   [[nodiscard]] virtual Result<Rendered> draw(const Scene& scene, const Camera& camera, const RenderOptions& options,
                                               const Context& context) = 0;
 
-  // Names the volume that pictures from now on share; null: none. What the first of them makes of it, ranges of bricks
-  // or an upload, is kept with the memory reserved for it, and made anew only where options ask for something else,
-  // until the next call. So long the volume and its field live and stay as they are, and so does the context that is
-  // drawn with. Pictures are the same without.
+  // Sets the volume that the following pictures share; null for none. The renderer keeps the data that it prepares for
+  // the first picture, brick ranges or an upload, with its reserved memory until the next call. It prepares the data
+  // again only if the options require it.
+  // Until then the volume, its field and the drawing context must live and stay unchanged. Pictures do not change by
+  // this.
   virtual void keep(const Volume* volume) = 0;
 
-  // "CPU", or what the device is called.
+  // Returns "CPU" or the name of the device.
   [[nodiscard]] virtual std::string device() const = 0;
 };
 
-// The reference: on all threads that oneTBB has, the same bits for any number of them.
+// Makes the reference renderer. It uses all threads of oneTBB; the picture is the same, bit for bit, for any number of
+// threads.
 [[nodiscard]] std::unique_ptr<Renderer> make_cpu_renderer();
 
-// Options, camera and scene at once, as draw() asks for them.
+// Checks options, camera and scene as draw() requires them.
 [[nodiscard]] Result<void> check(const Scene& scene, const Camera& camera, const RenderOptions& options);
 
 }  // namespace isoextract::render

@@ -1,4 +1,4 @@
-// What a picture shows: a volume, surfaces, lights.
+// The contents of a picture: a volume, surfaces, lights.
 #pragma once
 
 #include <array>
@@ -16,19 +16,20 @@
 
 namespace isoextract::render {
 
-// A field that takes and gives light (emission and absorption; no shading, no shadows).
+// A field drawn by emission and absorption of light, without shading and shadows.
 //
-// It fills box_of_volume() and nothing beyond: of dense samples the box of the sample centres, at least two a side; of
-// sparse ones that of the active voxels, one voxel larger on every side. In there a point has the trilinear interpolant
-// of the eight samples around it, their values by ScalarField::scale.
+// It fills box_of_volume() only. For dense samples this is the box of the sample centers, at least two per axis. For
+// sparse samples it is the box of the active voxels, enlarged by one voxel on every side. Inside, values are the
+// trilinear interpolant of the eight surrounding samples, scaled by ScalarField::scale.
 struct Volume {
   const field::ScalarField* field = nullptr;  // not null; outlives the drawing
-  field::Affine index_to_world;               // regular; the field's own unless the picture wants it elsewhere
+  field::Affine index_to_world;               // invertible; usually the field's own transform
   TransferFunction transfer;
-  double unit_length = 1;  // the unit of the transfer function's opacities, in the world; finite, above 0
+  double unit_length = 1;  // world length to which the transfer function's opacities refer; finite, above 0
 };
 
-// In index space. ErrorCode::input names the field where it has fewer than two samples along an axis, or no voxels.
+// Returns the volume's box in index space. Fails with ErrorCode::input if the field has fewer than two samples along an
+// axis, or no active voxels.
 [[nodiscard]] Result<field::Box> box_of_volume(const field::ScalarField& field);
 
 enum class Shading { smooth, flat };
@@ -36,37 +37,38 @@ constexpr auto words_of(Shading /*type*/) {
   return std::array{Word{Shading::smooth, "smooth"}, Word{Shading::flat, "flat"}};
 }
 
-// Both sides are seen: a normal, interpolated or flat, that is on the other side of the triangle's plane than the eye
-// is turned around.
+// A triangle mesh to draw. Both sides are visible: a normal that points away from the eye's side of the triangle's
+// plane is flipped.
 //
-// Coverage: a pixel has a fragment of a triangle where the ray through its centre meets it between near and far. On an
-// edge that two triangles share exactly one of them has it, unless the ray only touches both. A GPU moves corners to
-// 1/256 of a pixel first, so pixels whose centres are that near to an edge may differ between backends.
+// Coverage: a pixel has a fragment of a triangle if the ray through its center hits the triangle between near and far.
+// On an edge shared by two triangles exactly one of them has the fragment, unless the ray only touches both. A GPU
+// first rounds corners to 1/256 of a pixel, so backends may differ at pixels whose centers are that close to an edge.
 struct Surface {
-  const mesh::Mesh* mesh = nullptr;   // not null; outlives the drawing; indices in range
-  glm::dvec3 colour{0.8, 0.8, 0.8};   // linear light
-  double opacity = 1;                 // above 0, at most 1
-  Shading shading = Shading::smooth;  // smooth needs the mesh's normals, interpolated and made unit; else flat: those
-                                      // of the triangles' own planes
-  bool vertex_colours = false;        // those of the mesh, in place of `colour`; an alpha there multiplies `opacity`.
-                                      // The mesh must have an attribute of role colour: u8 is sRGB, u16 and f32 are
-                                      // linear light; alpha is linear always
+  const mesh::Mesh* mesh = nullptr;  // not null; outlives the drawing; indices in range
+  glm::dvec3 colour{0.8, 0.8, 0.8};  // linear light
+  double opacity = 1;                // in (0, 1]
+  // Smooth interpolates the mesh's normals and normalizes them; flat uses the triangles' planes, and so does smooth if
+  // the mesh has no normals.
+  Shading shading = Shading::smooth;
+  // Uses the mesh's vertex colors instead of `colour`; their alpha multiplies `opacity`. The mesh must have an
+  // attribute of role colour: u8 is sRGB, u16 and f32 are linear light; alpha is always linear.
+  bool vertex_colours = false;
 };
 
-// From infinitely far away.
+// A directional light.
 struct Light {
-  glm::dvec3 towards{0.0, 0.0, 1.0};  // the light; any length but 0
-  bool with_camera = true;            // `towards` is in view space (x right, y up, z to the viewer); else in the world
-  glm::dvec3 colour{1.0};             // linear, at least 0
+  glm::dvec3 towards{0.0, 0.0, 1.0};  // direction to the light; of any length except 0
+  bool with_camera = true;  // `towards` is in view space (x right, y up, z to the viewer); otherwise in the world
+  glm::dvec3 colour{1.0};   // linear, at least 0
 
   friend bool operator==(const Light&, const Light&) = default;
 };
 
-// Ambient, Lambert and specular terms (moving water as voxels, docs/papers.md); the specular one by the half vector
+// Ambient, Lambert and specular terms (moving water as voxels, docs/papers.md); the specular term uses the half vector
 // (Blinn, "Models of light reflection for computer synthesized pictures", 1977). With unit vectors n (normal), l (to a
-// light), v (to the eye) and h = normalize(l + v), a fragment of base colour b has
-//   b * ambient + sum over lights of light colour * (b * diffuse * max(n.l, 0) + specular * s),
-// s = max(n.h, 0)^shininess where n.l > 0, else 0.
+// light), v (to the eye) and h = normalize(l + v), a fragment of base color b has the color
+//   b * ambient + sum over lights of light color * (b * diffuse * max(n.l, 0) + specular * s),
+// where s = max(n.h, 0)^shininess if n.l > 0, else 0.
 struct ShadingModel {
   double ambient = 0.2;
   double diffuse = 0.7;
@@ -76,22 +78,22 @@ struct ShadingModel {
   friend bool operator==(const ShadingModel&, const ShadingModel&) = default;
 };
 
-// All parts are lent.
+// Does not own the volume and the meshes.
 struct Scene {
   static constexpr std::size_t kMaxLights = 8;
 
-  const Volume* volume = nullptr;  // null: none
+  const Volume* volume = nullptr;  // may be null
   std::vector<Surface> surfaces;
   std::vector<Light> lights{Light{{-0.4, 0.6, 0.7}}};
   ShadingModel shading;
-  glm::dvec4 background{0.0};  // linear, straight alpha: behind everything; (0, 0, 0, 0) leaves the picture transparent
+  glm::dvec4 background{0.0};  // linear, straight alpha; (0, 0, 0, 0) keeps the picture transparent
 };
 
-// Everything that can be seen, in the world. ErrorCode::input where that is nothing, or not finite.
+// Returns the box of everything visible, in the world. Fails with ErrorCode::input if it is empty or not finite.
 [[nodiscard]] Result<field::Box> box_of(const Scene& scene);
 
-// What renderers ask first: everything that the contracts above ask for. ErrorCode::usage, or ErrorCode::input where a
-// field or a mesh does not have it.
+// Checks all requirements stated above. Fails with ErrorCode::usage, or with ErrorCode::input if a field or a mesh does
+// not meet them.
 [[nodiscard]] Result<void> check(const Scene& scene);
 
 }  // namespace isoextract::render

@@ -8,7 +8,8 @@
 namespace isoextract::render {
 namespace {
 
-// The plane's normal, as long as the angle at corner `c` is wide; 0 for a triangle without area.
+// Returns the triangle's normal; its length is the angle at corner `c` in radians. Returns 0 for a triangle without
+// area.
 glm::dvec3 weighted_normal(const mesh::Mesh& mesh, const glm::uvec3& triangle, int c) {
   const glm::dvec3 at(mesh.positions[triangle[c]]);
   const glm::dvec3 next = glm::dvec3(mesh.positions[triangle[(c + 1) % 3]]) - at;

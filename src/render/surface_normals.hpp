@@ -1,4 +1,4 @@
-// Normals for smooth shading of meshes whose files have none.
+// Computes vertex normals for smooth shading of meshes without normals.
 #pragma once
 
 #include <string>
@@ -9,10 +9,10 @@
 
 namespace isoextract::render {
 
-// Gives a mesh without normals those of its vertices: the sum over the triangles around of their planes' normals,
-// weighted by the angle at the vertex (Thuermer and Wuethrich, "Computing vertex normals from polygonal facets", 1998).
-// A vertex without a triangle, or whose triangles cancel out, has (0, 0, 1). One that has normals is left alone. Fails
-// with ErrorCode::input where the memory is not there; `source` starts the message.
+// Adds vertex normals to a mesh without normals: the sum of the normals of the adjacent triangles, weighted by the
+// angle at the vertex (Thuermer and Wuethrich, "Computing vertex normals from polygonal facets", 1998). A vertex
+// without triangles, or whose sum is zero, gets (0, 0, 1).
+// Does nothing if the mesh has normals. Fails with ErrorCode::input if memory is short; `source` starts the message.
 [[nodiscard]] Result<void> add_normals(mesh::Mesh& mesh, const std::string& source, const Context& context);
 
 }  // namespace isoextract::render

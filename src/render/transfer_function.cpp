@@ -22,7 +22,8 @@ struct Stop {
   double opacity;
 };
 
-// Opacities are of a layer of a hundredth of the volume's side, or so: 0.05 hides what is behind half of it.
+// Opacities are for a layer of about 1/100 of the volume's side: at 0.05, half of the side hides over 90 % of the light
+// behind it.
 std::span<const Stop> stops_of(BuiltInTransfer name) {
   static constexpr std::array kGrey{Stop{0, {0, 0, 0}, 0}, Stop{1, {1, 1, 1}, 0.08}};
   static constexpr std::array kSmoke{Stop{0, {0.75, 0.77, 0.8}, 0}, Stop{0.05, {0.75, 0.77, 0.8}, 0.004},
@@ -73,7 +74,7 @@ Result<TransferFunction> TransferFunction::create(std::span<const ControlPoint> 
     return refuse(
         fmt::format("expected a first and a last value that are apart, found {:g} and {:g}", made.min_, made.max_));
   }
-  std::size_t next = 1;  // the control point above
+  std::size_t next = 1;  // the control point above the value
   for (int i = 0; i < kEntries; ++i) {
     const double share = double(i) / (kEntries - 1);
     const double value = (1 - share) * made.min_ + share * made.max_;
@@ -101,7 +102,7 @@ glm::vec4 TransferFunction::lookup(float position) const {
 }
 
 bool TransferFunction::seen_between(float low, float high) const {
-  // Three roundings of interpolation along each axis, and one more.
+  // Interpolation rounds three times per axis; this allows for one more.
   constexpr float kRounding = 0x1p-20F;
   const float slack = low < high ? kRounding * std::max(std::abs(low), std::abs(high)) : 0;
   const auto entry = [](float position) {
@@ -109,7 +110,7 @@ bool TransferFunction::seen_between(float low, float high) const {
   };
   const float last = high + slack;
   const std::size_t first_entry = entry(low - slack);
-  // One on an entry has nothing of the next.
+  // A position exactly on an entry does not use the next one.
   const std::size_t last_entry = std::min(entry(std::ceil(last)), std::size_t{kEntries - 1});
   return seen_before_[last_entry + 1] > seen_before_[first_entry];
 }

@@ -45,8 +45,8 @@ struct FileAttribute {
 // Normals as stored in the file: STL has one per triangle, OBJ one per corner, other formats one per vertex.
 struct FileSurfaceNormals {
   std::vector<glm::vec3> values;
-  std::vector<glm::uvec3>
-      numbers;  // per triangle: the index into `values` of each corner; if empty, the normals belong to the vertices
+  // Per triangle: the index into `values` of each corner; if empty, the normals belong to the vertices.
+  std::vector<glm::uvec3> numbers;
 };
 
 // Where one of several meshes of a file begins.

@@ -1,4 +1,4 @@
-// Stored numbers at the corners of a batch of cells, of dense and of sparse fields.
+// Reads the stored values at the corners of a batch of cells, from dense and sparse fields.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace isoextract::render::detail {
 
-// One a thread, as it remembers the blocks it looked at last.
+// Use one per thread: it caches the blocks that it read last.
 template <class T>
 class CornerReader {
  public:
@@ -23,7 +23,7 @@ class CornerReader {
     scale_ = {!scale.is_identity(), scale.slope, scale.intercept, transfer.min(), transfer.per_value()};
   }
 
-  // Reads what the batch's cells need, and lets them be shaded.
+  // Reads the corners of the batch's cells and shades the batch.
   void shade(const SlabRay& ray, SlabBatch& batch) {
     if (dense_ != nullptr) {
       read_dense(batch);
@@ -35,7 +35,7 @@ class CornerReader {
   }
 
  private:
-  // What holds every number of T, and takes no more than it needs to become a double.
+  // The smallest type that holds every value of T and converts to double in vector code.
   using Raw = std::conditional_t<std::is_integral_v<T> && !std::is_same_v<T, std::uint32_t>, std::int32_t,
                                  std::conditional_t<sizeof(T) <= 4 && field::is_floating_sample<T>, float, double>>;
 
@@ -74,7 +74,7 @@ class CornerReader {
     }
   }
 
-  // Those that cells of the place at `origin` have samples of.
+  // Finds the eight blocks that contain corners of cells in the block at `origin`.
   void find_blocks(const glm::ivec3& origin) {
     origin_ = origin;
     const field::SparseLookup::Group places = samples_.lookup().group(origin);
@@ -91,7 +91,7 @@ class CornerReader {
   PositionScale scale_;
   CornerSamples<Raw> dense_corners_;
   CornerSamples<double> sparse_corners_;
-  glm::ivec3 origin_{std::numeric_limits<int>::max()};  // of no block
+  glm::ivec3 origin_{std::numeric_limits<int>::max()};  // no block has this origin
   std::array<const T*, 8> blocks_{};
   std::array<double, 8> constants_{};
 };

@@ -17,7 +17,8 @@ Result<GpuArray> GpuArray::make(const gl::GlContext& context, GLenum format, std
   }
   GpuArray array;
   array.element_bytes_ = element_bytes;
-  const std::uint64_t bytes = std::max<std::uint64_t>(count, 1) * element_bytes;  // none at all is no texture
+  const std::uint64_t bytes =
+      std::max<std::uint64_t>(count, 1) * element_bytes;  // a texture needs at least one element
   TRY(memory.take(bytes, what));
   array.buffer_ = gl::GlBuffer::make();
   array.texture_ = gl::GlTexture::make();

@@ -1,4 +1,4 @@
-// Arrays that shaders read by number.
+// Arrays that shaders read by index.
 #pragma once
 
 #include <epoxy/gl.h>
@@ -13,7 +13,7 @@
 
 namespace isoextract::render::detail {
 
-// The units of textures, the same for all programs of pictures.
+// Texture units, the same in all programs of the renderer.
 enum class TextureUnit {
   triangle_corners,
   vertex_positions,
@@ -36,11 +36,12 @@ inline void bind_texture(const gl::CellProgram& program, const char* name, Textu
   program.set(name, static_cast<int>(unit));
 }
 
-// A buffer texture.
+// An array in a buffer texture.
 class GpuArray {
  public:
   GpuArray() = default;
-  // `what`, of elements, is for messages. Fails with ErrorCode::unavailable where a texture cannot have as many.
+  // Makes an array of `count` elements; `what` names the elements in messages. Fails with ErrorCode::unavailable if a
+  // texture cannot have that many.
   [[nodiscard]] static Result<GpuArray> make(const gl::GlContext& context, GLenum format, std::uint64_t count,
                                              std::uint64_t element_bytes, const std::string& what, GpuMemory& memory);
 

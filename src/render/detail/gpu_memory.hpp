@@ -1,4 +1,4 @@
-// What a picture takes on the device.
+// Counts the device memory of a picture.
 #pragma once
 
 #include <cstdint>
@@ -11,26 +11,26 @@
 
 namespace isoextract::render::detail {
 
-// Counts up while a picture is drawn or a volume uploaded, and gives all back when it goes.
+// Counts allocations while a picture is drawn or a volume uploaded. Its destructor releases the reservations.
 class GpuMemory {
  public:
-  // `limit`: as GpuRenderOptions::memory_bytes. `besides`: what others of these have taken. Device and context outlive
-  // this.
+  // `limit` is GpuRenderOptions::memory_bytes. `besides` is the memory that other counters have taken. `device` and
+  // `context` must outlive this object.
   GpuMemory(const gl::GpuDevice& device, std::optional<std::uint64_t> limit, std::uint64_t besides,
             const Context& context);
 
-  // Before it is taken on the device; `what` completes "... for". Fails with ErrorCode::unavailable beyond the limit,
-  // and as Context::reserve() where the device's memory is the program's own.
+  // Call before allocating on the device; `what` completes "... for" in messages. Fails with ErrorCode::unavailable
+  // beyond the limit, and as Context::reserve() if the device uses the memory of the host.
   [[nodiscard]] Result<void> take(std::uint64_t bytes, const std::string& what);
 
-  // With what was there besides.
+  // Returns the bytes taken, including `besides`.
   [[nodiscard]] std::uint64_t taken() const { return taken_; }
 
  private:
   const gl::GpuDevice& device_;
   const Context& context_;
   std::optional<std::uint64_t> limit_;
-  bool is_told_;  // the limit was asked for
+  bool is_told_;  // the user set the limit
   std::uint64_t taken_;
   Reservation memory_;
 };

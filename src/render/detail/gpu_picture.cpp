@@ -9,7 +9,7 @@
 namespace isoextract::render::detail {
 namespace {
 
-constexpr int kStripPixels = 1 << 17;  // of rays at a time; between them somebody may ask for the end
+constexpr int kStripPixels = 1 << 17;  // rays per draw call; cancellation is checked in between
 constexpr std::uint64_t kFragmentBytes = 8;
 
 std::size_t pixels_in(const PixelBox& box) {
@@ -22,7 +22,7 @@ PixelBox common_of(const PixelBox& a, const PixelBox& b) {
   return both.empty() ? PixelBox{} : both;
 }
 
-// What is left of `box` without `inner`, which lies in it: above, below, left and right; some may be empty.
+// Returns `box` without `inner`, which lies in it: the parts above, below, left and right, which may be empty.
 std::array<PixelBox, 4> around(const PixelBox& box, const PixelBox& inner) {
   if (inner.empty()) return {box, PixelBox{}, PixelBox{}, PixelBox{}};
   return {PixelBox{box.min, {box.max.x, inner.min.y}}, PixelBox{{box.min.x, inner.max.y}, box.max},
@@ -30,7 +30,7 @@ std::array<PixelBox, 4> around(const PixelBox& box, const PixelBox& inner) {
           PixelBox{{inner.max.x, inner.min.y}, {box.max.x, inner.max.y}}};
 }
 
-// The longer side in two.
+// Splits the box along its longer side.
 std::array<PixelBox, 2> halves(const PixelBox& box) {
   const glm::ivec2 size = box.max - box.min;
   PixelBox a = box;
@@ -202,14 +202,14 @@ Result<std::uint64_t> GpuPicture::count_fragments(const PixelBox& tile) {
   std::uint64_t count = 0;
   const std::size_t pixels = pixels_in(tile);
   for (std::size_t p = 0; p < pixels; ++p) {
-    // Beyond the limit nothing is listed, so that a number cut off does no harm.
+    // Truncation to 32 bits is harmless: with so many fragments the tile is split instead of listed.
     count += std::exchange(places_[p], static_cast<std::uint32_t>(count));
   }
   return count;
 }
 
 Result<void> GpuPicture::list_fragments(const PixelBox& tile, std::uint64_t count) {
-  // A buffer of no bytes is none.
+  // A buffer needs at least one byte.
   if (const std::uint64_t wanted = std::max<std::uint64_t>(count, 1); wanted > fragments_taken_) {
     if (auto taken = memory_.take((wanted - fragments_taken_) * kFragmentBytes, "surfaces behind each other"); !taken) {
       return taken;
@@ -267,7 +267,7 @@ void GpuPicture::set_view(const gl::CellProgram& program, const PixelBox& tile) 
 void GpuPicture::set_clip(const gl::CellProgram& program, const PixelBox& tile) const {
   const glm::dvec2 size(tile.max - tile.min);
   const glm::dvec2 first(tile.min);
-  // Pixels of a place in view space are (x / depth - corner.x) / per_pixel.x, and (corner.y - y / depth) / per_pixel.y.
+  // The pixel of a point in view space is (x / depth - corner.x) / per_pixel.x, (corner.y - y / depth) / per_pixel.y.
   const glm::dvec2 per_pixel = task_.view.per_pixel() * glm::dvec2(1, -1);
   program.set("clip_scale", 2.0 / (per_pixel * size));
   program.set("clip_shift", 2.0 * (-task_.view.to_corner() / per_pixel - first) / size - 1.0);

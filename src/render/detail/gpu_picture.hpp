@@ -1,4 +1,4 @@
-// One picture, drawn part by part on a device.
+// Draws one picture tile by tile on a device.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace isoextract::render::detail {
 
-// Linked when they are first asked for, and kept for the next picture.
+// Links each program when it is first used, and keeps it for the next picture.
 class GpuPrograms {
  public:
   enum class Name { opaque, see_through, rays, rays_volume, rays_surfaces, rays_both };
@@ -27,7 +27,7 @@ class GpuPrograms {
   std::array<std::optional<gl::CellProgram>, kCount> programs_;
 };
 
-// What is to be drawn; outlives the drawing.
+// The input of a drawing; all references must outlive it.
 struct GpuTask {
   const gl::GlContext& gl;
   GpuPrograms& programs;
@@ -37,18 +37,18 @@ struct GpuTask {
   const SurfaceView& view;
   const GpuSurfaces& surfaces;
   const GpuVolume* volume;   // may be null
-  std::uint64_t list_bytes;  // as GpuRenderOptions has it
+  std::uint64_t list_bytes;  // GpuRenderOptions::list_bytes
   const Context& context;
 };
 
 class GpuPicture {
  public:
-  // Of at most this many pixels a part is drawn at a time.
+  // The largest number of pixels drawn at a time.
   static constexpr int kTilePixels = 1 << 20;
 
   [[nodiscard]] static Result<GpuPicture> make(const GpuTask& task, GpuMemory& memory);
 
-  // All pixels of `rendered.picture`, and the statistics but for the bricks.
+  // Fills all pixels of `rendered.picture`, and the statistics except the brick counts.
   [[nodiscard]] Result<void> draw(Rendered& rendered);
 
  private:
@@ -56,7 +56,7 @@ class GpuPicture {
 
   [[nodiscard]] Result<void> draw_tile(const PixelBox& tile, Rendered& rendered);
   [[nodiscard]] Result<void> draw_opaque(const PixelBox& tile);
-  // How many there are in all; `places_` has each pixel's.
+  // Returns the number of transparent fragments in the tile; sets `places_` to where each pixel's list begins.
   [[nodiscard]] Result<std::uint64_t> count_fragments(const PixelBox& tile);
   [[nodiscard]] Result<void> list_fragments(const PixelBox& tile, std::uint64_t count);
   [[nodiscard]] Result<void> draw_lists(const PixelBox& tile, bool counting);
@@ -68,9 +68,9 @@ class GpuPicture {
   GpuMemory& memory_;
   Reservation host_memory_;
   glm::ivec2 tile_size_{1};
-  PixelBox within_;                    // that may see the volume
-  std::uint64_t most_fragments_ = 0;   // of a part's lists
-  std::uint64_t fragments_taken_ = 0;  // what the buffer has room for
+  PixelBox within_;                    // pixels that may see the volume
+  std::uint64_t most_fragments_ = 0;   // limit for the lists of one tile
+  std::uint64_t fragments_taken_ = 0;  // capacity of the buffer
   std::optional<GpuTile> targets_;
   gl::GlBuffer met_;
   gl::GlBuffer fragments_;

@@ -10,7 +10,7 @@
 namespace isoextract::render::detail {
 namespace {
 
-constexpr std::uint64_t kDrawTriangles = 1 << 20;  // at a time; between them somebody may ask for the end
+constexpr std::uint64_t kDrawTriangles = 1 << 20;  // per draw call; cancellation is checked in between
 constexpr std::size_t kColourBatch = 1 << 16;      // vertices
 
 }  // namespace
@@ -31,7 +31,7 @@ Result<GpuSurfaces> GpuSurfaces::upload(const gl::GlContext& gl, const Scene& sc
     Record record{};
     const glm::dvec3& offset = view.view(s).offset;
     std::copy_n(&offset.x, 3, record.offset);
-    // Beyond what these hold the arrays are refused.
+    // Values too large for these types do not occur: take_arrays() refuses such large arrays.
     record.first_triangle = static_cast<std::uint32_t>(triangles);
     record.vertex_base = static_cast<std::int32_t>(vertices);
     record.normal_base = view.is_smooth(s) ? static_cast<std::int32_t>(normals) : -1;
@@ -103,7 +103,7 @@ void GpuSurfaces::write_colours(const mesh::Attribute& attribute, std::uint64_t 
 void GpuSurfaces::bind_triangles(const gl::CellProgram& program) const {
   corners_.bind(program, "triangle_corners", TextureUnit::triangle_corners);
   positions_.bind(program, "vertex_positions", TextureUnit::vertex_positions);
-  program.set("view_linear", view_->view(0).linear);  // the same of all surfaces
+  program.set("view_linear", view_->view(0).linear);  // equal for all surfaces
 }
 
 void GpuSurfaces::bind_shading(const gl::CellProgram& program) const {

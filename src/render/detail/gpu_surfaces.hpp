@@ -1,4 +1,4 @@
-// The meshes of a scene on the device, and drawing them (shaders/render_surfaces.glsl, render_shading.glsl).
+// Uploads the meshes of a scene to the device and draws them (shaders/render_surfaces.glsl, render_shading.glsl).
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,8 @@ namespace isoextract::render::detail {
 
 class GpuSurfaces {
  public:
-  // Scene and view outlive this. Fails with ErrorCode::unavailable where the meshes do not fit onto the device.
+  // `scene` and `view` must outlive this object. Fails with ErrorCode::unavailable if the meshes do not fit onto the
+  // device.
   [[nodiscard]] static Result<GpuSurfaces> upload(const gl::GlContext& gl, const Scene& scene, const SurfaceView& view,
                                                   GpuMemory& memory, const Context& context);
 
@@ -20,16 +21,16 @@ class GpuSurfaces {
   [[nodiscard]] bool have_opaque() const { return has_opaque_; }
   [[nodiscard]] bool have_see_through() const { return has_see_through_; }
 
-  // For programs that find places of triangles: where they are.
+  // Binds the positions of triangles, for programs that compute where triangles are.
   void bind_triangles(const gl::CellProgram& program) const;
-  // Likewise those that shade: what else there is at their corners, and the lights.
+  // Binds normals, colors and lights, for programs that shade.
   void bind_shading(const gl::CellProgram& program) const;
-  // Draws the surfaces that hide what is behind them, or the others.
+  // Draws the opaque surfaces if `hiding`, otherwise the transparent ones.
   [[nodiscard]] Result<void> draw(const gl::GlContext& gl, const gl::CellProgram& program, bool hiding,
                                   const Context& context) const;
 
  private:
-  // As the shader has it (std430).
+  // Layout as in the shader (std430).
   struct Record {
     double offset[3];
     std::uint32_t first_triangle;

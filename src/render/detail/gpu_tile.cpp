@@ -7,7 +7,7 @@
 namespace isoextract::render::detail {
 namespace {
 
-constexpr std::uint32_t kCutOff = 2;  // as shaders/render_rays.frag has it
+constexpr std::uint32_t kCutOff = 2;  // same value as in shaders/render_rays.frag
 
 gl::GlTexture make_image(GLenum format, const glm::ivec2& size) {
   gl::GlTexture texture = gl::GlTexture::make();
@@ -90,7 +90,7 @@ void GpuTile::begin_opaque(const PixelBox& box) const {
   glClearBufferfv(GL_COLOR, 1, kNever.data());
   glClearBufferfv(GL_DEPTH, 0, &kFar);
   glEnable(GL_DEPTH_TEST);
-  // Of two at the same depth the first one stays: it has the lower number.
+  // At equal depth the first triangle stays, which has the lower number.
   glDepthFunc(GL_LESS);
 }
 

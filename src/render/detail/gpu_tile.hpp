@@ -1,4 +1,4 @@
-// A part of a picture on the device: what surfaces leave behind for the rays, and what rays find.
+// The device's buffers for one tile of a picture: the surface buffers that rays read, and the results of rays.
 #pragma once
 
 #include <cstdint>
@@ -13,28 +13,30 @@ namespace isoextract::render::detail {
 
 class GpuTile {
  public:
-  // For parts of at most `size` pixels. Without surfaces, or see-through ones, there is no room for them.
+  // Makes buffers for tiles of at most `size` pixels. Omits the buffers for surfaces, or for transparent ones, if there
+  // are none.
   [[nodiscard]] static Result<GpuTile> make(const gl::GlContext& gl, const glm::ivec2& size, bool surfaces,
                                             bool see_through, GpuMemory& memory);
 
-  // What is drawn next are opaque surfaces: depth and triangle are cleared, and the depth test is on.
+  // Prepares for drawing opaque surfaces: clears depths and triangles, and turns the depth test on.
   void begin_opaque(const PixelBox& box) const;
-  // See-through surfaces, which leave no more than their numbers and lists. `at`: where lists begin, or 0 each to count
-  // them; `lists` is where list_them() will look.
+  // Prepares for drawing transparent surfaces, which only write counts and lists. `at` holds the start of each pixel's
+  // list, or zeros if `counting`.
   void begin_lists(const PixelBox& box, bool counting, const std::vector<std::uint32_t>& at) const;
-  // How many fragments each pixel has, once they were counted.
+  // Reads the number of fragments of each pixel after a counting pass.
   void read_counts(const PixelBox& box, std::vector<std::uint32_t>& counts) const;
   void begin_rays(const PixelBox& box) const;
 
   void bind_opaque(const gl::CellProgram& program) const;
-  // Also where there is no room for lists: a sampler of a program has a unit of its own, looked at or not.
+  // Call this even without lists, because every sampler of a program needs its own texture unit.
   void bind_lists(const gl::CellProgram& program) const;
 
-  // Into the pixels of `box`. `counts` has room for four numbers a pixel. False where the driver cut rays off.
+  // Reads the results into the pixels of `box` of the picture. `counts` has one element per pixel. Returns false if the
+  // driver cut rays off.
   [[nodiscard]] bool read(const PixelBox& box, Picture& picture, std::vector<glm::uvec4>& counts,
                           RenderStatistics& statistics) const;
 
-  // A pixel of it has on the device and in `counts`.
+  // Bytes per pixel, on the device and in `counts`.
   static constexpr std::uint64_t kPictureBytes = 16 + 16 + 4 + 16;
   static constexpr std::uint64_t kSurfaceBytes = 4 + 4 + 4;
   static constexpr std::uint64_t kListBytes = 4 + 4;
@@ -50,8 +52,8 @@ class GpuTile {
   gl::GlTexture depths_;
   gl::GlTexture counts_;
   gl::GlFramebuffer surfaces_;
-  gl::GlFramebuffer lists_;      // nothing is attached
-  gl::GlFramebuffer list_read_;  // the counts, to be read
+  gl::GlFramebuffer lists_;      // without attachments
+  gl::GlFramebuffer list_read_;  // for reading the counts
   gl::GlFramebuffer picture_;
 };
 

@@ -18,11 +18,11 @@
 namespace isoextract::render::detail {
 namespace {
 
-constexpr int kBrickSide = VolumeBricks::kCells + 1;  // samples
+constexpr int kBrickSide = VolumeBricks::kCells + 1;  // in samples
 constexpr std::uint64_t kBrickSamples = std::uint64_t{kBrickSide} * kBrickSide * kBrickSide;
-constexpr float kNoNumber = 3e38F;              // what the shader takes for NaN, which GLSL need not have
-constexpr std::uint64_t kBatchSlots = 1 << 12;  // 12 MB at a time
-constexpr double kMostSlabs = 1e9;              // of a ray: they are numbered by int
+constexpr float kNoNumber = 3e38F;              // stands for NaN in the shader, since GLSL need not support NaN
+constexpr std::uint64_t kBatchSlots = 1 << 12;  // uploads about 12 MB at a time
+constexpr double kMostSlabs = 1e9;              // per ray: the shader numbers slabs by int
 
 gl::GlTexture make_texture(GLenum format, const glm::ivec3& size) {
   gl::GlTexture texture = gl::GlTexture::make();
@@ -34,7 +34,7 @@ gl::GlTexture make_texture(GLenum format, const glm::ivec3& size) {
   return texture;
 }
 
-// The samples of bricks, as the rows of the atlas have them.
+// Writes the samples of bricks in the order of the atlas rows.
 template <class T>
 class BrickWriter {
  public:
@@ -44,7 +44,7 @@ class BrickWriter {
         row_(static_cast<std::size_t>(slots.x)),
         last_(samples.dense() != nullptr ? samples.dense()->dims - 1 : glm::ivec3(field::kMaxSparseIndex)) {}
 
-  // Row `number` of slots, from its beginning at `values` on: kBrickSide^2 lines of all its bricks.
+  // Writes row `number` of slots to `values`: kBrickSide^2 lines through all bricks of the row.
   void write(std::size_t number, float* values) const {
     SampleReader<T> reader(samples_);
     const std::size_t width = row_ * kBrickSide;
@@ -53,7 +53,7 @@ class BrickWriter {
       float* to = values + n * kBrickSide;
       for (int k = 0; k < kBrickSide; ++k) {
         for (int j = 0; j < kBrickSide; ++j, to += width) {
-          // Beyond the last sample no cell is looked at.
+          // Samples beyond the last one belong to cells that no ray visits, so any value will do.
           for (int i = 0; i < kBrickSide; ++i) {
             const float position = reader(glm::min(origin + glm::ivec3(i, j, k), last_));
             to[i] = std::isnan(position) ? kNoNumber : position;
@@ -106,7 +106,7 @@ Result<void> GpuVolume::make_atlas(const gl::GlContext& gl, const std::string& s
   glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &most);
   const auto along = static_cast<std::uint64_t>(most / kBrickSide);
   const auto divided = [](std::uint64_t a, std::uint64_t b) { return std::max<std::uint64_t>((a + b - 1) / b, 1); };
-  // As few slots too many as can be.
+  // Chooses dimensions with few unused slots.
   const std::uint64_t layers = divided(slots, along * along);
   const std::uint64_t rows = divided(slots, along * layers);
   const std::uint64_t row = divided(slots, rows * layers);

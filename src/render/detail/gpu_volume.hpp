@@ -1,4 +1,4 @@
-// A volume on the device: its bricks in an atlas (shaders/render_volume.glsl).
+// Uploads a volume to the device as bricks in an atlas (shaders/render_volume.glsl).
 #pragma once
 
 #include <glm/glm.hpp>
@@ -12,13 +12,13 @@ namespace isoextract::render::detail {
 
 class GpuVolume {
  public:
-  // Reads the samples of all bricks that can be seen, and puts what there is of them into `statistics`. Fails with
-  // ErrorCode::unavailable where they do not fit onto the device.
+  // Reads and uploads all visible bricks, and sets the brick counts of `statistics`. Fails with ErrorCode::unavailable
+  // if they do not fit onto the device.
   [[nodiscard]] static Result<GpuVolume> upload(const gl::GlContext& gl, const Volume& volume,
                                                 const RenderOptions& options, RenderStatistics& statistics,
                                                 GpuMemory& memory, const Context& context);
 
-  // All that the shader asks of the volume itself, and of how the camera sees it.
+  // Sets all uniforms and textures that the shader needs for the volume as `camera` sees it.
   void bind(const gl::CellProgram& program, const Camera& camera) const;
 
  private:
@@ -29,7 +29,7 @@ class GpuVolume {
   field::Box box_;
   double step_ = 1;
   glm::ivec3 first_node_{0};
-  glm::ivec3 slots_{1};  // of the atlas along each axis
+  glm::ivec3 slots_{1};  // number of slots along each axis of the atlas
   gl::GlTexture nodes_;
   GpuArray bricks_;
   gl::GlTexture atlas_;

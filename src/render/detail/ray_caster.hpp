@@ -1,4 +1,4 @@
-// One ray after the other through the volume and past the surfaces: steps 2 to 7 of the model (renderer.hpp).
+// Casts rays through the volume and the surfaces: steps 2 to 7 of the model (renderer.hpp).
 #pragma once
 
 #include <algorithm>
@@ -21,16 +21,16 @@
 
 namespace isoextract::render::detail {
 
-// The volume as the camera's rays meet it. Depths are in units of Camera::unit().
+// The volume relative to the camera. Depths are in units of Camera::unit().
 struct VolumeView {
   const VolumeSamples* samples = nullptr;
-  const VolumeBricks* bricks = nullptr;  // null: nothing is skipped
+  const VolumeBricks* bricks = nullptr;  // null: skips nothing
   field::Box box;                        // in index space
-  glm::dvec3 eye{0.0};                   // likewise
-  glm::dmat3 index_of_view{1.0};         // of directions
+  glm::dvec3 eye{0.0};                   // in index space
+  glm::dmat3 index_of_view{1.0};         // maps directions
   double unit = 1;
-  double step = 1;        // in the world
-  double per_length = 1;  // unit lengths of the transfer function in one of the world
+  double step = 1;        // in world units
+  double per_length = 1;  // transfer function lengths per world unit
 };
 
 struct Pixel {
@@ -39,13 +39,13 @@ struct Pixel {
   glm::vec3 normal{0.0F};
 };
 
-// What has come together on the way of one ray.
+// Composites one ray front to back.
 class Ray {
  public:
   Ray(const RenderOptions& options, double unit)
       : end_(options.early_termination ? options.termination : 0), unit_(unit) {}
 
-  // A part of the slab from `first` to `last`: `taken` is 1 - exp(-sigma l).
+  // Adds a part of the slab from `first` to `last`. `taken` is the opacity of the part, 1 - exp(-sigma l).
   void pass(const glm::vec4& entry, double taken, double first, double last) {
     add(glm::dvec3(entry), taken);
     if (!settled_ && light_ <= 0.5) settle(first + (last - first) / 2, glm::vec3(0));
@@ -56,7 +56,7 @@ class Ray {
     if (light_ <= 0.5) {
       settle(depth, shade.normal);
     } else if (!std::isfinite(pixel_.depth)) {
-      // The nearest one's, unless something hides more.
+      // Takes the nearest surface for now; settle() replaces it if a later one hides half of the light.
       pixel_.depth = static_cast<float>(depth * unit_);
       pixel_.normal = shade.normal;
     }
@@ -84,16 +84,16 @@ class Ray {
   double end_;
   double unit_;
   glm::dvec3 colour_{0.0};
-  double light_ = 1;  // that is left
+  double light_ = 1;  // transmittance so far
   bool settled_ = false;
   Pixel pixel_;
 };
 
-// Of samples stored as T: one a thread.
+// Casts rays through samples stored as T. Use one per thread.
 template <class T>
 class RayCaster {
  public:
-  // `volume` may have no samples: then there are surfaces only.
+  // If volume.samples is null, draws surfaces only.
   RayCaster(const VolumeView& volume, const SurfaceView& surfaces, const Scene& scene, const Camera& camera,
             const RenderOptions& options)
       : volume_(volume),
@@ -106,7 +106,7 @@ class RayCaster {
     if (volume.samples != nullptr) corners_.emplace(*volume.samples);
   }
 
-  // `within`: whether the pixel may see the volume.
+  // `within` tells whether the pixel may see the volume.
   [[nodiscard]] Pixel cast(const glm::dvec3& direction, std::span<const Fragment> fragments, bool within,
                            RenderStatistics& statistics) {
     Ray ray(options_, unit_);
@@ -122,8 +122,8 @@ class RayCaster {
   }
 
  private:
-  // Goes from brick to brick; slabs of those that are seen are collected, and composited when they are enough. Returns
-  // the fragments that are left.
+  // Goes from brick to brick, collects the slabs of visible bricks, and composites them in full batches. Returns the
+  // fragments that remain.
   template <class Meet>
   std::span<const Fragment> pass_volume(Ray& ray, const glm::dvec3& direction, std::span<const Fragment> fragments,
                                         RenderStatistics& statistics, const Meet& meet) {
@@ -133,7 +133,7 @@ class RayCaster {
     ++statistics.rays;
     const double length = glm::length(direction) * volume_.unit;  // world units per depth
     const double step = volume_.step / length;
-    // No further slab for what is only rounding.
+    // A remainder that is only rounding adds no slab.
     const auto slabs = std::max(std::int64_t{1}, static_cast<std::int64_t>(std::ceil((leave - enter) / step - 1e-9)));
     const SlabRay way{enter,
                       leave,
@@ -176,16 +176,16 @@ class RayCaster {
     return state.fragments;
   }
 
-  // How far a ray has come.
+  // The progress of a ray.
   struct Way {
-    std::span<const Fragment> fragments;  // that are left
-    std::int64_t passed;                  // slabs, all of them unless the ray ended
-    std::int64_t samples = 0;             // that were taken
+    std::span<const Fragment> fragments;  // that remain
+    std::int64_t passed;                  // slabs passed; all of them unless the ray ended early
+    std::int64_t samples = 0;             // samples taken
 
     [[nodiscard]] double next_fragment() const {
       return fragments.empty() ? std::numeric_limits<double>::infinity() : fragments.front().depth;
     }
-    // Whether the ray goes on.
+    // Adds the fragments up to `depth`. Returns whether the ray goes on.
     template <class Meet>
     bool meet_until(double depth, const Ray& ray, const Meet& meet) {
       while (!ray.ended() && next_fragment() <= depth) {
@@ -196,7 +196,8 @@ class RayCaster {
     }
   };
 
-  // The slabs of the batch, with the fragments among them, and begins another. Whether the ray goes on.
+  // Composites the slabs of the batch with the fragments among them, and empties the batch. Returns whether the ray
+  // goes on.
   template <class Meet>
   bool composite(Ray& ray, const SlabRay& way, Way& state, const Meet& meet) {
     if (batch_.size == 0) return true;
@@ -225,7 +226,7 @@ class RayCaster {
     return true;
   }
 
-  // A slab with fragments in it.
+  // Composites a slab that contains fragments.
   template <class Meet>
   void divide(Ray& ray, const SlabRay& way, std::size_t slab, Way& state, const Meet& meet) {
     const double first = batch_.first[slab];
@@ -244,7 +245,7 @@ class RayCaster {
     if (!ray.ended()) ray.pass(entry, 1 - std::exp(-per_depth * (last - from)), first, last);
   }
 
-  // That has the slab's sample. A place on the upper border belongs to the last cell.
+  // Returns the cell of the slab's sample. A position on the upper border belongs to the last cell.
   [[nodiscard]] static glm::ivec3 cell_at(const SlabRay& way, std::int64_t k) {
     const double first = way.enter + double(k) * way.step;
     const double last = double(k + 1) < way.slabs ? way.enter + double(k + 1) * way.step : way.leave;
@@ -258,7 +259,7 @@ class RayCaster {
     return cell;
   }
 
-  // Depths at which the ray is in the box, and between near and far.
+  // Returns the depths between which the ray is in the box and between near and far.
   [[nodiscard]] std::pair<double, double> limits(const glm::dvec3& along) const {
     double enter = near_;
     double leave = far_;
@@ -277,7 +278,7 @@ class RayCaster {
     return {enter, leave};
   }
 
-  // The first slab that may have its middle beyond the brick: one too early does no harm.
+  // Returns the first slab whose middle may lie beyond the brick; a slab too early is harmless.
   [[nodiscard]] std::int64_t next_slab(const glm::ivec3& brick, const glm::dvec3& along, double enter, double step,
                                        std::int64_t k, std::int64_t slabs) const {
     double leave = std::numeric_limits<double>::infinity();
@@ -290,7 +291,7 @@ class RayCaster {
     const double number = (leave - enter) / step;
     const double next = std::ceil(number - 0.5 - kRounding * (1 + std::abs(number)));
     if (!(next > double(k + 1))) return k + 1;
-    // The last slab is shorter, so its middle is nearer.
+    // The last slab is shorter, so its middle is closer.
     return next < double(slabs - 1) ? static_cast<std::int64_t>(next) : std::max(k + 1, slabs - 1);
   }
 
@@ -301,7 +302,7 @@ class RayCaster {
   double near_;
   double far_;
   double unit_;
-  std::optional<CornerReader<T>> corners_;  // none without a volume
+  std::optional<CornerReader<T>> corners_;  // unset without a volume
   SlabBatch batch_;
 };
 

@@ -18,7 +18,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr std::size_t kSlabs = SlabBatch::kSlabs;
 
-// Batches come in eights.
+// Batches are padded to multiples of eight.
 using Doubles = hn::CappedTag<double, 8>;
 using Floats = hn::CappedTag<float, 8>;
 using HalfFloats = hn::Rebind<float, Doubles>;
@@ -26,7 +26,7 @@ using HalfInts = hn::Rebind<std::int32_t, Doubles>;
 using Channels = hn::CappedTag<float, 4>;
 using DoubleVec = hn::Vec<Doubles>;
 
-// The slabs that are worked on: what is beyond the last one is worked on as that.
+// Returns the padded number of slabs; padding repeats the last slab.
 HWY_INLINE std::size_t pad(SlabBatch& batch) {
   const std::size_t padded = (batch.size + 7) / 8 * 8;
   for (std::size_t i = batch.size; i < padded; ++i) batch.number[i] = batch.number[batch.size - 1];
@@ -61,7 +61,7 @@ void place_slabs(const SlabRay& ray, SlabBatch& batch) {
   }
 }
 
-// Table positions of stored numbers; NaN stays what it is.
+// Computes table positions of stored values; NaN stays NaN.
 template <class Raw>
 HWY_INLINE void positions_of(const PositionScale& scale, const CornerSamples<Raw>& corners, std::size_t count,
                              std::array<std::array<float, kSlabs>, 8>& positions) {
@@ -94,7 +94,7 @@ HWY_INLINE hn::Vec<Floats> between(hn::Vec<Floats> a, hn::Vec<Floats> b, hn::Vec
   return hn::Add(a, hn::Mul(share, hn::Sub(b, a)));
 }
 
-// TransferFunction::lookup() of the trilinear interpolant.
+// Computes TransferFunction::lookup() of the trilinear interpolant.
 HWY_INLINE void look_up(const std::array<std::array<float, kSlabs>, 8>& positions, const TransferFunction& transfer,
                         std::size_t count, SlabBatch& batch) {
   constexpr int kLast = TransferFunction::kEntries - 1;
@@ -102,7 +102,7 @@ HWY_INLINE void look_up(const std::array<std::array<float, kSlabs>, 8>& position
   const hn::Rebind<std::int32_t, Floats> ints;
   alignas(64) std::array<std::int32_t, kSlabs> below;
   alignas(64) std::array<float, kSlabs> rest;
-  alignas(64) std::array<float, kSlabs> known;  // 1 where there is a number
+  alignas(64) std::array<float, kSlabs> known;  // 1, or 0 for NaN
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
     const auto at = [&](std::size_t n) { return hn::Load(d, positions[n].data() + i); };
     const auto x = hn::Load(d, batch.share[0].data() + i);
@@ -133,12 +133,12 @@ HWY_INLINE void look_up(const std::array<std::array<float, kSlabs>, 8>& position
   }
 }
 
-// exp(-x) of x from 0 to 60: 2^n times the exponential series of what is left, within +-ln(2)/2.
+// Returns exp(-x) for x from 0 to 60: 2^n times the exponential series of the remainder, which is within +-ln(2)/2.
 HWY_INLINE DoubleVec falling_exponential(Doubles d, DoubleVec x) {
   constexpr double kPerOctave = 1.4426950408889634;
-  constexpr double kOctaveHigh = 0x1.62e42feep-1;  // ln 2 in two parts, the first one short
+  constexpr double kOctaveHigh = 0x1.62e42feep-1;  // ln 2 as a sum of two numbers, the first with few digits
   constexpr double kOctaveLow = 0x1.a39ef35793c76p-33;
-  constexpr double kRound = 0x1.8p52;  // to a whole number, in the lowest bits
+  constexpr double kRound = 0x1.8p52;  // adding it rounds to a whole number, held in the lowest bits
   constexpr std::array kSeries{
       1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040, 1.0 / 720,
       1.0 / 120,       1.0 / 24,       1.0 / 6,       0.5,          1.0,         1.0};
@@ -155,7 +155,7 @@ HWY_INLINE DoubleVec falling_exponential(Doubles d, DoubleVec x) {
 HWY_INLINE void dim(const SlabRay& ray, std::size_t count, SlabBatch& batch) {
   const Doubles d;
   const DoubleVec one = hn::Set(d, 1.0);
-  const DoubleVec most = hn::Set(d, 60.0);  // beyond it no bit of 1 changes
+  const DoubleVec most = hn::Set(d, 60.0);  // exp(-60) no longer changes a bit of 1
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
     const DoubleVec sigma = hn::PromoteTo(d, hn::Load(HalfFloats(), batch.sigma.data() + i));
     const DoubleVec per_depth = hn::Mul(hn::Mul(sigma, hn::Set(d, ray.length)), hn::Set(d, ray.per_length));

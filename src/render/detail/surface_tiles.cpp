@@ -17,8 +17,8 @@ bool is_before(double depth_a, std::uint32_t triangle_a, double depth_b, std::ui
   return std::tie(depth_a, triangle_a) < std::tie(depth_b, triangle_b);
 }
 
-// Which rays pass an edge on its inner side. A plane through the eye and the edge: of two triangles that share it, one
-// has it with the opposite sign, bit for bit, so that a ray on it belongs to one of them.
+// The plane through the eye and an edge; tells which rays pass the edge on the triangle's side. Two triangles that
+// share the edge have planes that are opposite, bit for bit, so a ray on the plane belongs to exactly one of them.
 class EdgePlane {
  public:
   EdgePlane(const glm::dvec3& from, const glm::dvec3& to, double facing)
@@ -73,7 +73,7 @@ PixelBox SurfaceTiles::pixels_of(const Corners& corners, const PixelBox& within)
   const glm::dvec2 p = view_->pixel_of(a);
   const glm::dvec2 q = view_->pixel_of(b);
   const glm::dvec2 r = view_->pixel_of(c);
-  // Centres are in the middle of pixels; a pixel more for what is rounded.
+  // Pixel centers are at half pixels; adds one pixel for rounding.
   const glm::dvec2 low = glm::floor(glm::min(p, glm::min(q, r)) - 0.5);
   const glm::dvec2 high = glm::ceil(glm::max(p, glm::max(q, r)) + 0.5);
   const auto clamped = [&](const glm::dvec2& v) {
@@ -122,7 +122,7 @@ Result<void> SurfaceTiles::draw(std::size_t number, TileFragments& fragments) co
     const Corners corners = view_->corners(surface, triangle);
     const auto& [a, b, c] = corners;
     const double volume = glm::dot(a, glm::cross(b, c));
-    if (!(std::abs(volume) > 0)) return {};  // seen from its edge
+    if (!(std::abs(volume) > 0)) return {};  // edge-on
     const double facing = volume > 0 ? 1 : -1;
     const EdgePlane opposite_a(b, c, facing);
     const EdgePlane opposite_b(c, a, facing);
@@ -135,7 +135,7 @@ Result<void> SurfaceTiles::draw(std::size_t number, TileFragments& fragments) co
         const double at_b = opposite_b.side(direction);
         const double at_c = opposite_c.side(direction);
         if (!opposite_a.has(at_a) || !opposite_b.has(at_b) || !opposite_c.has(at_c)) continue;
-        // The sums of the corners, weighted by these, is `volume` times the direction.
+        // The sum of the corners with these weights is `volume` times the direction.
         const double depth = std::abs(volume) / (at_a + at_b + at_c);
         if (!(depth >= near_ && depth <= far_)) continue;
         const auto pixel = static_cast<std::uint32_t>(x - tile.min.x + Tile::kSide * (y - tile.min.y));

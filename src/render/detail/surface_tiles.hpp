@@ -1,5 +1,6 @@
-// Which triangles each pixel sees, tile by tile: opaque ones by a z-buffer, and of see-through ones all that are in
-// front of it, as lists (Carpenter, "The A-buffer, an antialiased hidden surface method", 1984, without its masks).
+// Finds the triangles that each pixel sees, tile by tile: the nearest opaque one by a z-buffer, and a list of all
+// transparent ones in front of it (Carpenter, "The A-buffer, an antialiased hidden surface method", 1984, without its
+// masks).
 #pragma once
 
 #include <array>
@@ -18,20 +19,20 @@
 namespace isoextract::render::detail {
 
 struct Fragment {
-  std::uint32_t pixel;  // of the tile
+  std::uint32_t pixel;  // number within the tile
   std::uint32_t triangle;
-  double depth;  // in units
+  double depth;  // in units of Camera::unit()
 };
 
-// A square of pixels, cut off at the picture's border.
+// A square of pixels, clipped to the picture.
 struct Tile {
   static constexpr int kSide = 32;
 
   glm::ivec2 min;
-  glm::ivec2 max;  // beyond the last
+  glm::ivec2 max;  // exclusive
 };
 
-// The picture's tiles, row after row.
+// The picture's tiles, numbered row by row.
 class TileGrid {
  public:
   explicit TileGrid(const PictureSize& size)
@@ -47,7 +48,7 @@ class TileGrid {
     const glm::ivec2 min = Tile::kSide * glm::ivec2(n % across_, n / across_);
     return {min, glm::min(min + Tile::kSide, glm::ivec2(size_.width, size_.height))};
   }
-  // Calls f(tile number) for the tiles that have one of these pixels.
+  // Calls f(tile number) for every tile that overlaps the box.
   template <class F>
   void each_in(const PixelBox& box, const F& f) const {
     for (int y = box.min.y / Tile::kSide; y * Tile::kSide < box.max.y; ++y) {
@@ -63,12 +64,12 @@ class TileGrid {
   int down_;
 };
 
-// The fragments of one tile; keeps its memory for the next.
+// The fragments of one tile; reuses its memory for the next tile.
 class TileFragments {
  public:
   explicit TileFragments(const Context& context) : context_(context) {}
 
-  // Those of a pixel of the tile, x + Tile::kSide * y, sorted by depth, then by triangle.
+  // Returns the fragments of pixel x + Tile::kSide * y of the tile, sorted by depth, then by triangle.
   [[nodiscard]] std::span<const Fragment> of(std::size_t pixel) const {
     return std::span(fragments_).subspan(begin_[pixel], begin_[pixel + 1] - begin_[pixel]);
   }
@@ -97,25 +98,25 @@ class TileFragments {
 
 class SurfaceTiles {
  public:
-  // Finds the triangles of each tile. `view` outlives this; memory is reserved for as long as this lives.
+  // Sorts the triangles into tiles. `view` must outlive the result, which holds the memory reservation.
   [[nodiscard]] static Result<SurfaceTiles> sort(const SurfaceView& view, const Camera& camera, const PictureSize& size,
                                                  const Context& context);
 
-  // Of the tile by number, in place of what was there.
+  // Replaces `fragments` by those of the tile.
   [[nodiscard]] Result<void> draw(std::size_t tile, TileFragments& fragments) const;
 
  private:
   SurfaceTiles(const SurfaceView& view, const Camera& camera, const PictureSize& size)
       : view_(&view), grid_(size), near_(camera.near_depth / camera.unit()), far_(camera.far_depth / camera.unit()) {}
 
-  // The pixels that may see it.
+  // Returns the pixels of `within` that may see the triangle.
   [[nodiscard]] PixelBox pixels_of(const Corners& corners, const PixelBox& within) const;
 
   const SurfaceView* view_;
   TileGrid grid_;
   double near_;
   double far_;
-  std::optional<mesh::Buckets<std::uint32_t>> triangles_;  // by tile; nothing where there are no triangles
+  std::optional<mesh::Buckets<std::uint32_t>> triangles_;  // by tile; unset if there are no triangles
   Reservation memory_;
 };
 

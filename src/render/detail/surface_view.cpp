@@ -87,7 +87,7 @@ Shade SurfaceView::shade(std::uint64_t triangle, const glm::dvec3& direction) co
   const glm::uvec3& t = mesh.triangles[triangle - first_[number]];
   const auto [p0, p1, p2] = corners(number, triangle);
 
-  // Of the corners, at the place where the ray meets the plane.
+  // Barycentric weights of the point where the ray hits the plane.
   glm::dvec3 weights(glm::dot(glm::cross(p1, p2), direction), glm::dot(glm::cross(p2, p0), direction),
                      glm::dot(glm::cross(p0, p1), direction));
   weights /= weights.x + weights.y + weights.z;

@@ -1,6 +1,6 @@
-// The surfaces of a scene as a camera sees them: corners in view space, and the light that comes from a triangle.
+// The surfaces of a scene as a camera sees them: triangle corners in view space, and shading.
 //
-// View space is in units of Camera::unit(). Triangles of all surfaces are numbered in one row, surface after surface.
+// View space is in units of Camera::unit(). Triangles are numbered consecutively across all surfaces.
 #pragma once
 
 #include <array>
@@ -16,56 +16,57 @@ namespace isoextract::render::detail {
 
 using Corners = std::array<glm::dvec3, 3>;
 
-// Light from a place on a surface.
+// The result of shading a point of a surface.
 struct Shade {
-  glm::vec3 colour;  // straight
+  glm::vec3 colour;  // straight alpha
   float opacity;
   glm::vec3 normal;  // in the world, towards the eye
 };
 
-// Linear, with alpha; of vertices, as Surface::vertex_colours tells.
+// Returns the linear color and alpha of a vertex, converted as Surface::vertex_colours says.
 [[nodiscard]] glm::dvec4 vertex_colour(const mesh::Attribute& attribute, std::size_t vertex);
 
 class SurfaceView {
  public:
-  // Scene and camera are sound, and outlive this.
+  // `scene` and `camera` have passed check(). `scene` must outlive this object.
   SurfaceView(const Scene& scene, const Camera& camera, const PictureSize& size);
 
   [[nodiscard]] std::uint64_t triangles() const { return first_.back(); }
   [[nodiscard]] std::size_t surface_of(std::uint64_t triangle) const;
   [[nodiscard]] Corners corners(std::uint64_t triangle) const { return corners(surface_of(triangle), triangle); }
   [[nodiscard]] Corners corners(std::size_t surface, std::uint64_t triangle) const;
-  // Whether all that it covers is hidden.
+  // Returns whether the surface is opaque everywhere.
   [[nodiscard]] bool hides(std::size_t surface) const { return looks_[surface].hides; }
   [[nodiscard]] bool is_smooth(std::size_t surface) const { return looks_[surface].smooth; }
-  // Of its vertices, or null: then it has one of its own.
+  // Returns the vertex colors, or null if the surface has one color.
   [[nodiscard]] const mesh::Attribute* colours(std::size_t surface) const { return looks_[surface].colours; }
-  // Of stored positions.
+  // Returns the map from stored positions to view space.
   [[nodiscard]] const field::Affine& view(std::size_t surface) const { return looks_[surface].view; }
-  // Of directions of the world.
+  // Returns the map from world directions to view space.
   [[nodiscard]] const glm::dmat3& rotation() const { return rotation_; }
-  // A light, as a unit vector in view space.
+  // Returns the unit vector to a light, in view space.
   [[nodiscard]] const glm::dvec3& towards(std::size_t light) const { return towards_[light]; }
 
-  // The view through the picture's upper left corner, and what a pixel changes of it to the right and downwards.
+  // The direction through the picture's upper left corner (x and y at z = -1), and its change per pixel to the right
+  // and downwards.
   [[nodiscard]] glm::dvec2 to_corner() const { return {to_left_, to_top_}; }
   [[nodiscard]] const glm::dvec2& per_pixel() const { return per_pixel_; }
-  // As direction_through().
+  // Returns the same as direction_through().
   [[nodiscard]] glm::dvec3 direction(double x, double y) const {
     return {to_left_ + per_pixel_.x * x, to_top_ - per_pixel_.y * y, -1};
   }
-  // Where a point in front of the eye is, in pixels from the upper left corner.
+  // Returns the picture position of a point in front of the eye, in pixels from the upper left corner.
   [[nodiscard]] glm::dvec2 pixel_of(const glm::dvec3& p) const {
     return {(p.x / -p.z - to_left_) / per_pixel_.x, (to_top_ - p.y / -p.z) / per_pixel_.y};
   }
 
-  // Where the ray of `direction` meets the triangle's plane.
+  // Shades the point where the ray of `direction` hits the triangle's plane.
   [[nodiscard]] Shade shade(std::uint64_t triangle, const glm::dvec3& direction) const;
 
  private:
   struct Look {
-    field::Affine view;                        // of stored positions
-    const mesh::Attribute* colours = nullptr;  // of vertices
+    field::Affine view;                        // from stored positions
+    const mesh::Attribute* colours = nullptr;  // vertex colors, or null
     bool smooth = false;
     bool hides = true;
   };

@@ -13,7 +13,7 @@ namespace {
 class PositionRange {
  public:
   void add(float position) {
-    // NaN passes neither.
+    // NaN fails both comparisons.
     if (position < low_) low_ = position;
     if (position > high_) high_ = position;
   }
@@ -26,7 +26,7 @@ class PositionRange {
   float high_ = -low_;
 };
 
-// The bricks that have a sample of a stored block.
+// Returns the bricks that contain a sample of a stored block.
 std::vector<glm::ivec3> brick_origins(const field::SparseSamples& sparse) {
   constexpr int kSize = field::SparseBlock::kSize;
   std::vector<glm::ivec3> origins;
@@ -52,7 +52,7 @@ Result<VolumeBricks> VolumeBricks::measure(const VolumeSamples& samples, const C
     bricks.dims_ = (glm::i64vec3(dense->dims) - std::int64_t{1} + std::int64_t{kCells - 1}) / std::int64_t{kCells};
     bytes = static_cast<std::uint64_t>(bricks.dims_.x * bricks.dims_.y * bricks.dims_.z);
   } else {
-    // Eight candidates a block before repeated ones go, and the table of those that are left.
+    // Eight candidates per block before duplicates are removed, and the index of the remaining ones.
     bytes = samples.sparse().blocks.size() * 8 * (sizeof(glm::ivec3) + 2 * (sizeof(glm::ivec3) + sizeof(std::int32_t)));
   }
   bricks.memory_ = TRY(context.reserve(bytes, samples.field().source + ": bricks"));
@@ -72,7 +72,7 @@ Result<VolumeBricks> VolumeBricks::measure(const VolumeSamples& samples, const C
       SampleReader<T> reader(samples);
       for (std::size_t n = first; n != last; ++n) {
         glm::ivec3 origin;
-        glm::ivec3 end;  // the samples' last
+        glm::ivec3 end;  // the brick's last sample
         if (dense != nullptr) {
           const auto at = static_cast<std::int64_t>(n);
           const glm::i64vec3 dims = bricks.dims_;

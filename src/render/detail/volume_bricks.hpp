@@ -1,4 +1,4 @@
-// Which bricks of cells have anything to be seen.
+// Finds the bricks of cells that have visible samples.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,16 @@
 
 namespace isoextract::render::detail {
 
-// Brick b has the cells from 8 b on, 8 a side; the samples at its far side are its neighbours' too. A brick is not
-// seen where no lookup between its least and its greatest sample has a sigma. NaN has none itself.
+// Brick b holds the cells from 8 b on, 8 per axis; it shares the samples of its far side with its neighbors. A brick is
+// invisible if every lookup between its least and its greatest sample has sigma 0. NaN samples have sigma 0 themselves.
 //
-// Sparse fields have bricks of their own around stored blocks; elsewhere a brick has as many
-// values as the places at its corners, and those are looked up when it is asked for.
+// For sparse fields only bricks around stored blocks are listed. Any other brick has the constant values of tiles or
+// background at its corners, and seen() looks these up on demand.
 class VolumeBricks {
  public:
   static constexpr int kCells = 8;
 
-  // Reads every sample once. Memory is reserved for as long as this lives; `samples` outlives it.
+  // Reads every sample once. The result holds its memory reservation. `samples` must outlive it.
   [[nodiscard]] static Result<VolumeBricks> measure(const VolumeSamples& samples, const Context& context);
 
   [[nodiscard]] bool seen(const glm::ivec3& brick) const;
@@ -32,9 +32,9 @@ class VolumeBricks {
   explicit VolumeBricks(const VolumeSamples& samples) : samples_(&samples) {}
 
   const VolumeSamples* samples_;
-  glm::i64vec3 dims_{0};             // in bricks, of dense fields
-  field::OriginIndex index_;         // of sparse ones, by origin
-  std::vector<glm::ivec3> origins_;  // likewise
+  glm::i64vec3 dims_{0};             // dense fields: number of bricks
+  field::OriginIndex index_;         // sparse fields: brick number by origin
+  std::vector<glm::ivec3> origins_;  // sparse fields
   std::vector<std::uint8_t> seen_;
   Reservation memory_;
 };

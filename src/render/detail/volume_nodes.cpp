@@ -29,7 +29,7 @@ class VolumeNodes::Lister {
 
   Result<VolumeNodes> list() {
     const glm::u64vec3 dims(list_.dims_);
-    // Each axis has at most 2^23 nodes, and as many of all three as a list can have are more than memory holds.
+    // Each axis has at most 2^23 nodes. If their product may overflow, uses a number that no memory budget allows.
     const std::uint64_t nodes = dims.x * dims.y > std::numeric_limits<std::int32_t>::max()
                                     ? std::numeric_limits<std::uint64_t>::max() / 64
                                     : dims.x * dims.y * dims.z;
@@ -39,7 +39,7 @@ class VolumeNodes::Lister {
     std::int32_t count = 0;
     for (std::int32_t& node : list_.nodes_) {
       if (node == kOwn) node = count++;
-      // A number for now, which no node has.
+      // A temporary number that no node has.
       else if (node == kConstant)
         node = kConstantNode;
     }
@@ -75,8 +75,8 @@ class VolumeNodes::Lister {
   }
   [[nodiscard]] static glm::ivec3 brick_in_node(std::size_t b) { return glm::ivec3(b >> 8, b >> 4 & 15, b & 15); }
 
-  // Whether there is anything to be seen in the cube of cells of this side, all of whose samples are in places around
-  // its corners that have one value each. Which: kConstant where it is the same one.
+  // Classifies a cube of cells whose samples all have the constant values of the places around its corners: kUnseen,
+  // kConstant if there is one value, otherwise kOwn.
   template <class Place>
   [[nodiscard]] std::int32_t kind_of_constants(const Place& place) const {
     float low = std::numeric_limits<float>::infinity();
@@ -93,15 +93,15 @@ class VolumeNodes::Lister {
     return same ? kConstant : kOwn;
   }
 
-  // kOwn where bricks are to be looked at one by one.
+  // Classifies each node; kOwn means that its bricks need to be classified one by one.
   void find_nodes() {
     if (samples_.dense() != nullptr) {
       std::ranges::fill(list_.nodes_, kOwn);
       return;
     }
     for_each_index(list_.nodes_.size(), [&](std::size_t n) {
-      // Blocks and small tiles are in nodes of the lookup, which are as large as these; the last samples are the next
-      // one's.
+      // Blocks and small tiles are in nodes of the lookup, which have the same size. The last samples of a node belong
+      // to the next one.
       const glm::ivec3 origin = kCells * node_at(n);
       list_.nodes_[n] = kUnseen;
       std::int32_t places[8];

@@ -1,4 +1,4 @@
-// Which bricks of a volume a device needs, and where they are in its atlas.
+// Selects the bricks of a volume that a device needs, and assigns their slots in its atlas.
 #pragma once
 
 #include <cstdint>
@@ -13,33 +13,33 @@
 
 namespace isoextract::render::detail {
 
-// Bricks of 8 x 8 x 8 cells in nodes of 16 x 16 x 16 bricks. A brick has 9 samples a side: neighbours share those at
-// their borders. Those that have one value, because nothing but tiles or background is around, share a slot with all
-// others of it, and so do whole nodes.
+// A two-level table: nodes of 16 x 16 x 16 bricks of 8 x 8 x 8 cells. A brick has 9 samples per axis; neighbors share
+// those at their borders. All bricks of one constant value, which have only tiles or background around, share a slot;
+// so do whole nodes.
 class VolumeNodes {
  public:
-  static constexpr int kSide = 16;  // of a node, in bricks
+  static constexpr int kSide = 16;  // bricks per axis of a node
   static constexpr int kCells = kSide * VolumeBricks::kCells;
   static constexpr std::int32_t kUnseen = -1;
 
-  // Of the cells from `first` to `last`. `bricks` may be null: then all are needed. Memory is reserved for as long as
-  // this lives.
+  // Lists the bricks of the cells from `first` to `last`; all of them if `bricks` is null. The result holds its memory
+  // reservation.
   [[nodiscard]] static Result<VolumeNodes> list(const VolumeSamples& samples, const VolumeBricks* bricks,
                                                 const glm::ivec3& first, const glm::ivec3& last,
                                                 const Context& context);
 
   [[nodiscard]] const glm::ivec3& first() const { return first_; }  // in nodes
   [[nodiscard]] const glm::ivec3& dims() const { return dims_; }
-  // x fastest: the node's number, kUnseen, or ~(slot + 1) of a slot for all of it.
+  // Per node, x fastest: its number in bricks(), kUnseen, or ~(slot + 1) if the whole node uses one slot.
   [[nodiscard]] const std::vector<std::int32_t>& nodes() const { return nodes_; }
-  // Of each node, z fastest: the brick's slot, or kUnseen.
+  // Per brick of each listed node, z fastest: its slot, or kUnseen.
   [[nodiscard]] const std::vector<std::int32_t>& bricks() const { return bricks_; }
-  // The least sample of a brick with the slot's values.
+  // Per slot: the first sample of a brick with the slot's values.
   [[nodiscard]] const std::vector<glm::ivec3>& slots() const { return slots_; }
 
  private:
-  static constexpr std::int32_t kOwn = 0;       // while they are listed: has a slot of its own
-  static constexpr std::int32_t kConstant = 1;  // likewise: shares one
+  static constexpr std::int32_t kOwn = 0;       // while listing: has its own slot
+  static constexpr std::int32_t kConstant = 1;  // while listing: shares a slot
   static constexpr std::size_t kBricks = std::size_t{kSide} * kSide * kSide;
 
   class Lister;

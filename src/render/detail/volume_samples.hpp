@@ -1,4 +1,4 @@
-// Table positions (TransferFunction) of a field's samples.
+// Reads the samples of a field as table positions (TransferFunction).
 #pragma once
 
 #include <cstdint>
@@ -14,10 +14,10 @@
 
 namespace isoextract::render::detail {
 
-// Shared by all threads; what reads it is SampleReader or CornerReader.
+// Shared by all threads; each thread reads it through its own SampleReader or CornerReader.
 class VolumeSamples {
  public:
-  // Reserves what finding blocks takes. `volume` outlives this.
+  // Reserves memory for finding blocks. `volume` must outlive the result.
   [[nodiscard]] static Result<VolumeSamples> open(const Volume& volume, const Context& context) {
     VolumeSamples opened(volume);
     if (const auto* sparse = std::get_if<field::SparseSamples>(&volume.field->samples)) {
@@ -45,14 +45,14 @@ class VolumeSamples {
   Reservation memory_;
 };
 
-// Reads samples stored as T: one a thread, as it remembers the block it looked at last.
+// Reads samples stored as T. Use one per thread: it caches the block that it read last.
 template <class T>
 class SampleReader {
  public:
   explicit SampleReader(const VolumeSamples& samples)
       : samples_(samples), dense_(samples.dense()), dims_(dense_ != nullptr ? dense_->dims : glm::ivec3(0)) {}
 
-  // The table position of sample p, which a dense field has.
+  // Returns the table position of sample p, which must lie within a dense field.
   [[nodiscard]] float operator()(const glm::ivec3& p) {
     if (dense_ != nullptr) {
       return stored(static_cast<const T*>(dense_->data), p.x + dims_.x * (p.y + dims_.y * p.z));
