@@ -1,6 +1,6 @@
 // Finds the triangles that each pixel sees, tile by tile: the nearest opaque one by a z-buffer, and a list of all
-// transparent ones in front of it (Carpenter, "The A-buffer, an antialiased hidden surface method", 1984, without its
-// masks).
+// transparent ones in front of it. This is an A-buffer without masks (Carpenter, "The A-buffer, an antialiased hidden
+// surface method", 1984).
 #pragma once
 
 #include <array>

@@ -51,7 +51,7 @@ std::vector<float> channel(Imf::InputFile& file, const char* name) {
   return values;
 }
 
-TEST(ExrWriter, EveryChannelComesBackAsItWas) {
+TEST(ExrWriter, ReadsBackEveryChannel) {
   const test::TempFolder folder;
   const auto path = folder.path() / "a.exr";
   const Light light;
@@ -76,7 +76,7 @@ TEST(ExrWriter, EveryChannelComesBackAsItWas) {
   EXPECT_EQ(channel(read, "Z"), light.depths);
 }
 
-TEST(ExrWriter, DepthAndNormalsAreLeftOutWhereThereAreNone) {
+TEST(ExrWriter, OmitsMissingDepthAndNormals) {
   const test::TempFolder folder;
   const auto path = folder.path() / "a.exr";
   const Light light;
@@ -86,7 +86,7 @@ TEST(ExrWriter, DepthAndNormalsAreLeftOutWhereThereAreNone) {
   EXPECT_EQ(names_of(Imf::InputFile(path.c_str())), (std::vector<std::string>{"A", "B", "G", "R"}));
 }
 
-TEST(ExrWriter, MemoryIsReserved) {
+TEST(ExrWriter, ReservesMemory) {
   const test::TempFolder folder;
   auto file = files::OutputFile::create(folder.path() / "a.exr").value();
   const Light light;

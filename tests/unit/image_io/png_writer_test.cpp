@@ -40,31 +40,31 @@ class PngWriter : public testing::Test {
   test::TempFolder folder_;
 };
 
-TEST_F(PngWriter, LightIsEncodedAndAlphaIsStraight) {
+TEST_F(PngWriter, EncodesLightWithStraightAlpha) {
   const Decoded decoded =
       decode(write(2, 2, {{0.25F, 0.125F, 0, 0.5F}, {1, 1, 1, 1}, {0, 0, 0, 0}, {0.214F, 0.0031308F, 0.5F, 1}}));
   EXPECT_EQ(decoded.header.width, 2U);
   EXPECT_EQ(decoded.header.height, 2U);
   EXPECT_EQ(decoded.header.format, static_cast<unsigned>(PNG_FORMAT_RGBA));
-  // 0.5 of light is 188 of sRGB, 0.25 is 137, 0.214 is 127.
+  // Linear light 0.5 is 188 in sRGB, 0.25 is 137, 0.214 is 127.
   EXPECT_EQ(decoded.bytes,
             (std::vector<std::uint8_t>{188, 137, 0, 128, 255, 255, 255, 255, 0, 0, 0, 0, 127, 10, 188, 255}));
 }
 
-TEST_F(PngWriter, WhereAllIsOpaqueThereIsNoAlpha) {
+TEST_F(PngWriter, OmitsAlphaOfOpaquePictures) {
   const Decoded decoded = decode(write(3, 1, {{1, 0, 0, 1}, {0, 1, 0, 0.9999F}, {0, 0, 1, 1}}));
   EXPECT_EQ(decoded.header.format, static_cast<unsigned>(PNG_FORMAT_RGB));
   EXPECT_EQ(decoded.bytes, (std::vector<std::uint8_t>{255, 0, 0, 0, 255, 0, 0, 0, 255}));
 }
 
-TEST_F(PngWriter, LightThatIsTooMuchOrNoNumberIsCutOff) {
+TEST_F(PngWriter, ClampsLightAndNan) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float infinite = std::numeric_limits<float>::infinity();
   const Decoded decoded = decode(write(3, 1, {{7, -2, nan, 1}, {infinite, -infinite, 0, 1}, {1, 1, 1, nan}}));
   EXPECT_EQ(decoded.bytes, (std::vector<std::uint8_t>{255, 0, 0, 255, 255, 0, 0, 255, 0, 0, 0, 0}));
 }
 
-TEST_F(PngWriter, MemoryIsReserved) {
+TEST_F(PngWriter, ReservesMemory) {
   auto file = files::OutputFile::create(folder_.path() / "a.png").value();
   const std::vector<glm::vec4> colours(10000);
   const Context small{MemoryBudget(40000)};

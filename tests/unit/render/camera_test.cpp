@@ -12,7 +12,7 @@ constexpr PictureSize kSize{64, 48};
 
 Camera tilted() { return framing({{-1, -2, -3}, {5, 4, 3}}, {33, 21}, UpAxis::z, kSize); }
 
-TEST(Camera, DirectionsGoThroughThePixelsOfTheMatrix) {
+TEST(Camera, DirectionsMatchClipMatrix) {
   const Camera camera = tilted();
   const field::Affine world = camera.world_of_view();
   for (const auto& [x, y] : {std::pair{0, 0}, std::pair{63, 0}, std::pair{0, 47}, std::pair{30, 17}}) {
@@ -24,14 +24,14 @@ TEST(Camera, DirectionsGoThroughThePixelsOfTheMatrix) {
   }
 }
 
-TEST(Camera, ViewAndWorldAreInverses) {
+TEST(Camera, ViewAndWorldMapsAreInverses) {
   const Camera camera = tilted();
   const glm::dvec3 p(0.3, -7, 2);
   EXPECT_NEAR(glm::length(camera.world_of_view()(camera.view_of_world()(p)) - p), 0, 1e-12);
   EXPECT_NEAR(glm::length(camera.view_of_world()(camera.target) - glm::dvec3(0, 0, -1)), 0, 1e-12);
 }
 
-TEST(Camera, FramedBoxesAreSeenWholeFromEverywhere) {
+TEST(Camera, FramesWholeBoxFromEveryAngle) {
   const field::Box box{{10, -4, 3}, {13, -3, 11}};
   for (const UpAxis up : {UpAxis::x, UpAxis::y, UpAxis::z}) {
     for (const double azimuth : {0.0, 50.0, 200.0}) {
@@ -51,7 +51,7 @@ TEST(Camera, FramedBoxesAreSeenWholeFromEverywhere) {
   }
 }
 
-TEST(Camera, AzimuthAndElevationAreWhereTheContractSays) {
+TEST(Camera, PlacesEyeByAzimuthAndElevation) {
   const field::Box box{{-1, -1, -1}, {1, 1, 1}};
   const auto eye = [&](double azimuth, double elevation, UpAxis up) {
     return framing(box, {azimuth, elevation, 5}, up, kSize).eye;
@@ -66,7 +66,7 @@ TEST(Camera, AzimuthAndElevationAreWhereTheContractSays) {
   EXPECT_TRUE(near(eye(0, -90, UpAxis::x), {-5, 0, 0}));
 }
 
-TEST(Camera, BoundsOnTheScreenHoldAllThatIsSeenAndLittleElse) {
+TEST(Camera, BoundsVisiblePixelsTightly) {
   const Camera camera = tilted();
   const field::Box box{{0, 0, 0}, {2, 1, 1}};
   const PixelBox found = pixels_of(camera, kSize, {}, box);
@@ -87,7 +87,7 @@ TEST(Camera, BoundsOnTheScreenHoldAllThatIsSeenAndLittleElse) {
   EXPECT_GE(found.max.y, high.y);
   EXPECT_GE(found.min.x, low.x - 4);
   EXPECT_LE(found.max.y, high.y + 4);
-  // The eye within the box, and the box behind the eye.
+  // The eye inside the box, and the box behind the eye.
   Camera within = camera;
   within.eye = {1, 0.5, 0.5};
   within.near_depth = 0.01;
@@ -97,7 +97,7 @@ TEST(Camera, BoundsOnTheScreenHoldAllThatIsSeenAndLittleElse) {
   EXPECT_TRUE(pixels_of(within, kSize, {}, box).empty());
 }
 
-TEST(Camera, WordsAreReadOrRefused) {
+TEST(Camera, ParsesViewAngles) {
   EXPECT_EQ(parse_view_angles("30,-15").value(), (ViewAngles{30, -15, std::nullopt}));
   EXPECT_EQ(parse_view_angles("-720.5,90,1e3").value(), (ViewAngles{-720.5, 90, 1000}));
   for (const char* wrong :
@@ -108,7 +108,7 @@ TEST(Camera, WordsAreReadOrRefused) {
   }
 }
 
-TEST(Camera, WhatCannotBeLookedThroughIsRefused) {
+TEST(Camera, RefusesInvalidCameras) {
   const auto refused = [](auto change) {
     Camera camera;
     EXPECT_TRUE(camera.check());

@@ -1,4 +1,4 @@
-// A box of even density and a plane against closed forms.
+// Compares a box of uniform density and a plane with closed forms.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,11 +10,11 @@
 namespace isoextract::render {
 namespace {
 
-TEST(Compositing, SixCasesAreWhatTheClosedFormSays) {
+TEST(Compositing, MatchesClosedFormInSixCases) {
   expect_six_cases([](const auto&... parts) { return test::draw(parts...); }, 1e-5);
 }
 
-TEST(Compositing, HowManySamplesThereAreMakesNoDifferenceToEvenDensity) {
+TEST(Compositing, UniformDensityIsIndependentOfSampleCount) {
   const PlaneInFog setup(3.37, 0.4);
   for (const double samples : {0.3, 1.7, 9.0}) {
     RenderOptions options{PlaneInFog::size()};
@@ -25,8 +25,8 @@ TEST(Compositing, HowManySamplesThereAreMakesNoDifferenceToEvenDensity) {
   }
 }
 
-TEST(Compositing, OpacityIsOfAUnitOfLengthWhateverTheStep) {
-  // A layer as thick as the unit has the opacity that was asked for.
+TEST(Compositing, OpacityIsIndependentOfStep) {
+  // A layer one unit thick has the opacity of the transfer function.
   const auto field = test::dense_field<float>(glm::ivec3(5), [](int, int, int) { return 1; });
   Volume volume{&field, field::scaling(glm::dvec3(0.5)), test::constant_transfer({1, 1, 1}, 0.3), 2};
   Scene scene;
@@ -43,8 +43,8 @@ TEST(Compositing, OpacityIsOfAUnitOfLengthWhateverTheStep) {
   }
 }
 
-TEST(Compositing, DepthIsWhereHalfOfTheLightIsGone) {
-  // The plane of opacity 0.4 within the fog hides too little by itself.
+TEST(Compositing, SetsDepthWhereHalfOfLightIsLeft) {
+  // The plane of opacity 0.4 in the fog does not hide half of the light by itself.
   const PlaneInFog setup(3.37, 0.4);
   RenderOptions options{PlaneInFog::size()};
   options.samples_per_voxel = 16;
@@ -79,7 +79,7 @@ TEST(Compositing, DepthIsWhereHalfOfTheLightIsGone) {
   EXPECT_GT(nothing, 50);
 }
 
-TEST(Compositing, SeveralSeeThroughSurfacesAreSortedByDepthWhateverTheirOrder) {
+TEST(Compositing, SortsTransparentSurfacesByDepth) {
   const mesh::Mesh near = test::rectangle(0, -5, 5, -5, 5);
   const mesh::Mesh middle = test::rectangle(1, -5, 5, -5, 5);
   const mesh::Mesh far = test::rectangle(2, -5, 5, -5, 5);
@@ -99,7 +99,7 @@ TEST(Compositing, SeveralSeeThroughSurfacesAreSortedByDepthWhateverTheirOrder) {
       EXPECT_NEAR(glm::length(pixel - glm::vec4(0.5, 0.125, 0.375, 1)), 0, 1e-6);
     }
   }
-  // Of equal depth the first in the scene is in front.
+  // At equal depth, the surface that comes first in the scene is in front.
   scene.surfaces = {{&near, {1, 0, 0}, 1}, {&near, {0, 1, 0}, 1}};
   EXPECT_EQ(test::draw(scene, camera, {{1, 1}}).picture.colour[0], glm::vec4(1, 0, 0, 1));
 }

@@ -1,4 +1,4 @@
-// What the tests of the renderer share: scenes of few parts, and rays that are found without it.
+// Shared by the tests of the renderers: simple scenes, and rays computed without the renderer's code.
 #pragma once
 
 #include <algorithm>
@@ -33,23 +33,24 @@ inline mesh::Mesh rectangle(double y, double x0, double x1, double z0, double z1
   return make_mesh("rectangle", {at(x0, z0), at(x1, z0), at(x1, z1), at(x0, z1)}, {{0, 1, 2}, {0, 2, 3}});
 }
 
-// The same colour and opacity for each value.
+// One color and opacity for all values.
 inline render::TransferFunction constant_transfer(const glm::dvec3& colour, double opacity) {
   const std::array points{render::ControlPoint{0, colour, opacity}, render::ControlPoint{2, colour, opacity}};
   return render::TransferFunction::create(points).value();
 }
 
-// Opacity 0 up to `clear`, then rising.
+// Opacity 0 up to the value `clear`, rising above it.
 inline render::TransferFunction rising_transfer(double clear, double opacity) {
   const std::array points{render::ControlPoint{0, {0.1, 0.2, 0.9}, 0}, render::ControlPoint{clear, {0.1, 0.2, 0.9}, 0},
                           render::ControlPoint{1, {1, 0.5, 0.1}, opacity}};
   return render::TransferFunction::create(points).value();
 }
 
-// Only what is ambient: surfaces have their own colour, wherever they look.
+// Only ambient light, so surfaces have their own color in every direction.
 inline render::ShadingModel unlit() { return {1, 0, 0, 1}; }
 
-// Through the middle of a pixel, by the inverse of the matrix: eye + depth * along, with depth along the view axis.
+// The ray eye + depth * along through the center of a pixel, from the inverse clip matrix. Depth is along the view
+// axis.
 struct WorldRay {
   glm::dvec3 eye;
   glm::dvec3 along;
@@ -85,7 +86,7 @@ inline float largest_difference(const render::Picture& a, const render::Picture&
   return largest;
 }
 
-// A ball of density 1 in the middle, soft at its rim, 0 elsewhere.
+// A ball of density 1 in the center, with a soft rim; density 0 elsewhere.
 inline field::ScalarField ball(int side) {
   const double middle = (side - 1) / 2.0;
   return dense_field<float>(glm::ivec3(side), [&](int i, int j, int k) {

@@ -1,6 +1,6 @@
-// Small pictures of known scenes beside those that are kept: what changes them is looked at by somebody. Where one
-// differs, what was drawn and the difference are left in the build's folder. With ISOEXTRACT_KEEP_PICTURES set, what is
-// drawn becomes what is kept.
+// Compares small pictures of known scenes with stored ones, so that a person looks at every change. If one differs, the
+// new picture and the difference stay in the build folder. With ISOEXTRACT_KEEP_PICTURES set, new pictures replace the
+// stored ones.
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kTolerance = 2;  // of 255: another processor's last digits
+constexpr int kTolerance = 2;  // of 255, for rounding differences between processors
 
 struct Bytes {
   int width = 0;
@@ -73,7 +73,7 @@ void expect_as_kept(const Picture& picture, const std::string& name) {
 
 constexpr PictureSize kSmall{64, 48};
 
-TEST(Golden, AVolumeWithSurfacesInIt) {
+TEST(Golden, MatchesVolumeWithSurfaces) {
   const field::ScalarField field = test::ball(32);
   const mesh::Mesh rectangle = test::rectangle(15, 8, 40, -4, 24);
   mesh::Mesh sphere = test::sphere(16, false, "sphere", {15, 15, 15});
@@ -89,7 +89,7 @@ TEST(Golden, AVolumeWithSurfacesInIt) {
   expect_as_kept(test::draw(scene, camera, {kSmall}).picture, "volume_with_surfaces");
 }
 
-TEST(Golden, FlatAndSeeThrough) {
+TEST(Golden, MatchesFlatTransparentSurfaces) {
   const mesh::Mesh inner = test::sphere(6, false);
   mesh::Mesh outer = test::sphere(9, false);
   for (glm::vec3& p : outer.positions) p *= 1.6F;

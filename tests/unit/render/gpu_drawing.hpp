@@ -1,4 +1,4 @@
-// A renderer on a GPU for tests: the driver's own messages are errors.
+// A GPU renderer for tests; every message of the driver is an error.
 #pragma once
 
 #include <memory>
@@ -8,7 +8,7 @@
 
 namespace isoextract::test {
 
-// Opened when it is first asked for, and dropped before the program ends.
+// Opens the renderer on first use and destroys it before the program ends.
 class GpuRenderers final : public testing::Environment {
  public:
   render::Renderer* find() {
@@ -31,7 +31,7 @@ class GpuRenderers final : public testing::Environment {
 };
 
 inline auto* const kGpuRenderers =
-    static_cast<GpuRenderers*>(testing::AddGlobalTestEnvironment(new GpuRenderers));  // gtest owns it
+    static_cast<GpuRenderers*>(testing::AddGlobalTestEnvironment(new GpuRenderers));  // owned by gtest
 
 inline render::Rendered draw_on_gpu(const render::Scene& scene, const render::Camera& camera,
                                     const render::RenderOptions& options, const Context& context = Context()) {
@@ -42,7 +42,7 @@ inline render::Rendered draw_on_gpu(const render::Scene& scene, const render::Ca
   return rendered ? std::move(*rendered) : render::Rendered();
 }
 
-// Which pixels of two pictures are not the same within the bound of the model.
+// Counts the pixels in which two pictures differ by more than the model allows.
 inline std::size_t pixels_off(const render::Picture& a, const render::Picture& b, float bound = 2.0F / 255) {
   EXPECT_EQ(a.pixels(), b.pixels());
   std::size_t off = 0;

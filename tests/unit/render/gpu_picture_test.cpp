@@ -1,4 +1,4 @@
-// What a GPU draws: closed forms, and the reference renderer's pictures of many scenes.
+// Compares GPU pictures with closed forms, and with pictures of the reference renderer.
 #include <array>
 #include <cmath>
 #include <map>
@@ -24,14 +24,14 @@ Compared compare(const Scene& scene, const Camera& camera, const RenderOptions& 
   return {test::pixels_off(cpu.picture, gpu.picture), cpu.statistics, gpu.statistics};
 }
 
-// Anisotropic and far away, sheared, and mirrored.
+// Transforms: anisotropic and far from the origin, sheared, mirrored.
 std::vector<field::Affine> transforms() {
   return {field::Affine{glm::dmat3(0.5, 0, 0, 0, 1, 0, 0, 0, 2), {1e6, -2e5, 3e4}},
           field::Affine{glm::dmat3(1, 0.3, 0, -0.4, 1, 0.2, 0, 0.5, 1), {-3, 2, 1}},
           field::Affine{glm::dmat3(0, 1.5, 0, 1, 0, 0, 0, 0, 1), {0, 0, 5}}};
 }
 
-// From the outside, and from within on a place that is no sample.
+// Cameras outside, and inside between samples.
 std::vector<Camera> cameras(const Scene& scene, const PictureSize& size, unsigned seed) {
   std::mt19937 engine(seed);
   std::uniform_real_distribution<double> angle(-180, 180);
@@ -44,7 +44,7 @@ std::vector<Camera> cameras(const Scene& scene, const PictureSize& size, unsigne
   return all;
 }
 
-TEST(GpuPicture, SixCasesAreWhatTheClosedFormSays) {
+TEST(GpuPicture, MatchesClosedFormInSixCases) {
   expect_six_cases([](const auto&... parts) { return test::draw_on_gpu(parts...); }, 1e-4);
 }
 
@@ -53,7 +53,7 @@ class GpuPictureOfSamples : public testing::Test {};
 using SampleTypes = testing::Types<std::uint8_t, std::int16_t, std::uint32_t, field::Half, float, double>;
 TYPED_TEST_SUITE(GpuPictureOfSamples, SampleTypes);
 
-// Random samples, with more than a node of bricks along one axis, and a transfer function with a step in it.
+// Random samples that span more than one node of bricks along one axis, and a transfer function with a step.
 TYPED_TEST(GpuPictureOfSamples, VolumesLookAsOnTheProcessorWhateverTheirPlace) {
   const auto dense = test::random_field<TypeParam>({168, 24, 16}, 5, 100);
   const auto sparse = test::sparse_copy<TypeParam>(dense, 0);
@@ -80,7 +80,7 @@ TYPED_TEST(GpuPictureOfSamples, VolumesLookAsOnTheProcessorWhateverTheirPlace) {
   }
 }
 
-TEST(GpuPicture, EmptySpaceIsLeftOutAndChangesNothing) {
+TEST(GpuPicture, SkipsEmptySpaceWithoutChange) {
   const auto dense = test::ball(64);
   const auto sparse = test::sparse_copy<float>(dense, 0);
   for (const field::ScalarField* field : {&dense, &sparse}) {
@@ -108,8 +108,8 @@ TEST(GpuPicture, EmptySpaceIsLeftOutAndChangesNothing) {
   }
 }
 
-TEST(GpuPicture, TilesAndBackgroundThatAreSeenHaveTheirValue) {
-  // One leaf, a tile as large as two nodes, and a background that is seen all around.
+TEST(GpuPicture, DrawsVisibleTilesAndBackground) {
+  // One leaf, a tile as large as two nodes, and a visible background.
   field::ScalarField field;
   field.source = "test field";
   const auto values = std::make_shared<std::vector<float>>(512, 0.9F);
@@ -129,7 +129,7 @@ TEST(GpuPicture, TilesAndBackgroundThatAreSeenHaveTheirValue) {
   for (const Camera& camera : cameras(scene, options.size, 3)) EXPECT_EQ(compare(scene, camera, options).off, 0U);
 }
 
-TEST(GpuPicture, WhatIsNoNumberIsNotSeen) {
+TEST(GpuPicture, HidesNan) {
   auto field = test::dense_field<float>({17, 9, 9}, [](int i, int j, int k) {
     return i % 5 == 2 && j % 4 == 1 ? test::kNaN : k == 3 ? std::numeric_limits<double>::infinity() : i / 16.0;
   });
@@ -144,7 +144,7 @@ TEST(GpuPicture, WhatIsNoNumberIsNotSeen) {
   }
 }
 
-// Smooth and flat, of one colour and of many, opaque and see-through, in each other.
+// Intersecting surfaces: smooth and flat, of one and of many colors, opaque and transparent.
 class Spheres {
  public:
   explicit Spheres(double opacity) {
@@ -177,14 +177,14 @@ class Spheres {
   Scene scene_;
 };
 
-TEST(GpuPicture, SurfacesLookAsOnTheProcessor) {
+TEST(GpuPicture, DrawsSurfacesLikeCpu) {
   for (const double opacity : {1.0, 0.35}) {
     Spheres spheres(opacity);
     const RenderOptions options{{160, 120}};
     for (const Camera& camera : cameras(spheres.scene(), options.size, 4)) {
       const Rendered cpu = test::draw(spheres.scene(), camera, options);
       const Rendered gpu = test::draw_on_gpu(spheres.scene(), camera, options);
-      // Pixels whose centres are on an edge may see another triangle.
+      // Pixels whose centers are on an edge may see a neighboring triangle.
       EXPECT_LE(test::pixels_off(cpu.picture, gpu.picture), gpu.picture.pixels() / 400) << opacity;
       EXPECT_NEAR(double(gpu.statistics.fragments), double(cpu.statistics.fragments),
                   0.01 * double(cpu.statistics.fragments));
@@ -202,7 +202,7 @@ TEST(GpuPicture, SurfacesLookAsOnTheProcessor) {
   }
 }
 
-TEST(GpuPicture, SurfacesWithinAVolumeLookAsOnTheProcessor) {
+TEST(GpuPicture, DrawsSurfacesInVolumeLikeCpu) {
   auto field = test::ball(24);
   for (const double opacity : {1.0, 0.35}) {
     Spheres spheres(opacity);
@@ -218,7 +218,7 @@ TEST(GpuPicture, SurfacesWithinAVolumeLookAsOnTheProcessor) {
   }
 }
 
-TEST(GpuPicture, ManySeeThroughSurfacesAreSortedWhateverTheirOrder) {
+TEST(GpuPicture, SortsManyTransparentSurfaces) {
   std::mt19937 engine(3);
   std::uniform_real_distribution<double> part(0, 1);
   std::vector<double> places;
@@ -230,11 +230,11 @@ TEST(GpuPicture, ManySeeThroughSurfacesAreSortedWhateverTheirOrder) {
   for (const mesh::Mesh& layer : layers) {
     scene.surfaces.push_back({&layer, {part(engine), part(engine), part(engine)}, 0.02 + 0.1 * part(engine)});
   }
-  // Two that lie in each other: the one that comes first is in front.
+  // Of two coincident surfaces the first in the scene is in front.
   layers.push_back(test::rectangle(-0.5, -1, 1, -1, 1));
   scene.surfaces.push_back({&layers.back(), {1, 0, 0}, 0.5});
   scene.surfaces.push_back({&layers.back(), {0, 1, 0}, 0.5});
-  // Where the first were is not where they are.
+  // push_back() may have moved the earlier layers, so sets the pointers again.
   for (std::size_t n = 0; n < layers.size(); ++n) scene.surfaces[n].mesh = &layers[n];
   scene.surfaces.back().mesh = &layers.back();
   scene.shading = test::unlit();

@@ -1,4 +1,4 @@
-// A renderer's life on a GPU: sizes, limits, what it refuses, what it leaves behind.
+// Tests a GPU renderer's picture sizes, limits, refusals and cleanup.
 #include <algorithm>
 #include <array>
 #include <string>
@@ -10,7 +10,7 @@
 namespace isoextract::render {
 namespace {
 
-// A ball within layers, two of which are see-through.
+// A ball inside layers, two of which are transparent.
 class BallInLayers {
  public:
   BallInLayers() {
@@ -39,9 +39,9 @@ Result<Rendered> draw_with(const GpuRenderOptions& how, const PictureSize& size,
   return made.renderer->draw(setup.scene(), setup.camera(size), {size}, context);
 }
 
-TEST(GpuRenderer, DrawsPicturesOfAnySizeOneAfterAnother) {
+TEST(GpuRenderer, DrawsPicturesOfDifferentSizes) {
   const BallInLayers setup;
-  // The third is drawn in two parts.
+  // The third picture is drawn in two tiles.
   for (const PictureSize& size : {PictureSize{64, 48}, {1, 1}, {1200, 900}, {7, 300}, {64, 48}}) {
     const RenderOptions options{size};
     const Camera camera = setup.camera(size);
@@ -53,7 +53,7 @@ TEST(GpuRenderer, DrawsPicturesOfAnySizeOneAfterAnother) {
   }
 }
 
-TEST(GpuRenderer, ListsThatAreTooLongAreDrawnInParts) {
+TEST(GpuRenderer, SplitsTilesWithLongLists) {
   const PictureSize size{61, 47};
   const auto whole = draw_with({}, size);
   ASSERT_TRUE(whole) << whole.error().message;
@@ -61,7 +61,7 @@ TEST(GpuRenderer, ListsThatAreTooLongAreDrawnInParts) {
   how.list_bytes = 8 * 100;
   const auto parts = draw_with(how, size);
   ASSERT_TRUE(parts) << parts.error().message;
-  // Parts move corners to another raster: pixels on an edge may differ.
+  // Tiles round corners to different rasters, so pixels on an edge may differ.
   EXPECT_LE(test::pixels_off(whole->picture, parts->picture, 1e-4F), parts->picture.pixels() / 200);
 
   how.list_bytes = 8;
@@ -73,7 +73,7 @@ TEST(GpuRenderer, ListsThatAreTooLongAreDrawnInParts) {
       << refused.error().message;
 }
 
-TEST(GpuRenderer, RefusesWhatTakesMoreMemoryThanItMay) {
+TEST(GpuRenderer, KeepsMemoryLimit) {
   GpuRenderOptions how;
   how.memory_bytes = 1 << 16;
   const auto refused = draw_with(how, {64, 48});
@@ -84,14 +84,14 @@ TEST(GpuRenderer, RefusesWhatTakesMoreMemoryThanItMay) {
       << refused.error().message;
 }
 
-TEST(GpuRenderer, CountsItsMemoryWhereTheDeviceIsTheProcessor) {
+TEST(GpuRenderer, ReservesHostMemoryOnSoftwareDevice) {
   const auto refused = draw_with({}, {64, 48}, Context(MemoryBudget(1 << 18)));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::out_of_memory);
   EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
 }
 
-TEST(GpuRenderer, EndsWhereSomebodyAsksForIt) {
+TEST(GpuRenderer, StopsWhenCancelled) {
   const Context context;
   context.cancel();
   const auto ended = draw_with({}, {64, 48}, context);
@@ -99,8 +99,8 @@ TEST(GpuRenderer, EndsWhereSomebodyAsksForIt) {
   EXPECT_EQ(ended.error().code, ErrorCode::cancelled);
 }
 
-// llvmpipe leaves loops after 65,535 rounds; other devices draw it.
-TEST(GpuRenderer, RaysThatTheDriverCutsOffAreNoPicture) {
+// llvmpipe stops loops after 65,535 iterations; other devices draw the picture.
+TEST(GpuRenderer, FailsIfDriverCutsRaysOff) {
   const auto field = test::dense_field<std::uint8_t>({1100, 2, 2}, [](int, int, int) { return 1; });
   const Volume volume{&field, field::scaling({1e-3, 1, 1}), test::constant_transfer({1, 1, 1}, 0.5), 1};
   Scene scene;
@@ -120,7 +120,7 @@ TEST(GpuRenderer, RaysThatTheDriverCutsOffAreNoPicture) {
   }
 }
 
-TEST(GpuRenderer, RefusesADeviceThatIsNotThere) {
+TEST(GpuRenderer, RefusesMissingDevice) {
   GpuRenderOptions how;
   how.device = 99;
   const auto made = make_gpu_renderer(how);
@@ -128,10 +128,10 @@ TEST(GpuRenderer, RefusesADeviceThatIsNotThere) {
   EXPECT_EQ(made.error().code, ErrorCode::unavailable);
 }
 
-TEST(GpuRenderer, LeavesNoObjectsOnTheDevice) {
+TEST(GpuRenderer, DeletesAllDeviceObjects) {
   const BallInLayers setup;
   const PictureSize size{40, 30};
-  // Drivers need not give names out again: what counts is how many of them stand for anything.
+  // Counts the names that refer to objects, since drivers need not reuse names.
   const auto objects = [&] {
     test::draw_on_gpu(setup.scene(), setup.camera(size), {size});
     const GLuint names =
@@ -148,7 +148,7 @@ TEST(GpuRenderer, LeavesNoObjectsOnTheDevice) {
   EXPECT_EQ(objects(), first);
 }
 
-TEST(GpuRenderer, WorksBesideAnotherContext) {
+TEST(GpuRenderer, WorksWithAnotherContext) {
   const BallInLayers setup;
   const PictureSize size{40, 30};
   const Rendered alone = test::draw_on_gpu(setup.scene(), setup.camera(size), {size});

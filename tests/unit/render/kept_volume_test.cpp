@@ -1,4 +1,4 @@
-// What a renderer keeps of a volume between pictures: no bit changes, nothing is done twice, nothing stays too long.
+// Tests that keeping a volume between pictures changes no bit, repeats no work, and releases data in time.
 #include "unit/render/gpu_drawing.hpp"
 
 namespace isoextract::render {
@@ -45,7 +45,7 @@ class KeptVolume : public testing::TestWithParam<bool> {
   Renderer* renderer_ = nullptr;
 };
 
-TEST_P(KeptVolume, PicturesOfATurnAreTheSameAndReadItOnce) {
+TEST_P(KeptVolume, ReadsVolumeOnceForSeveralViews) {
   ASSERT_NE(renderer_, nullptr);
   for (const field::ScalarField* field : {&dense_, &sparse_}) {
     volume_.field = field;
@@ -66,8 +66,9 @@ TEST_P(KeptVolume, PicturesOfATurnAreTheSameAndReadItOnce) {
   }
 }
 
-TEST_P(KeptVolume, SamplesAreNotReadAgain) {
-  // Against the contract, to see what is read: ranges that were measured before the ball was there hide it.
+TEST_P(KeptVolume, DoesNotReadSamplesAgain) {
+  // Violates the contract on purpose to see whether samples are read: brick ranges from before the ball was added hide
+  // it.
   ASSERT_NE(renderer_, nullptr);
   auto* samples = std::get<field::DenseSamples>(dense_.samples).data;
   auto* values = static_cast<float*>(const_cast<void*>(static_cast<const void*>(samples)));
@@ -87,7 +88,7 @@ TEST_P(KeptVolume, SamplesAreNotReadAgain) {
   EXPECT_GT(most(draw(0)), 0.5F);
 }
 
-TEST_P(KeptVolume, ServesOnlyTheSameVolumeAndOptions) {
+TEST_P(KeptVolume, ServesOnlySameVolumeAndOptions) {
   ASSERT_NE(renderer_, nullptr);
   renderer_->keep(&volume_);
   EXPECT_FALSE(draw(0).volume_kept);
@@ -112,7 +113,7 @@ TEST_P(KeptVolume, ServesOnlyTheSameVolumeAndOptions) {
   EXPECT_TRUE(draw(0).volume_kept);
 }
 
-TEST_P(KeptVolume, ItsMemoryIsReservedForAsLongAsItIsKept) {
+TEST_P(KeptVolume, HoldsItsMemoryReservation) {
   ASSERT_NE(renderer_, nullptr);
   draw(0);
   EXPECT_EQ(context_.memory().reserved(), 0U);

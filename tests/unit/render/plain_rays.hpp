@@ -1,4 +1,4 @@
-// The volume one sample after the other, in plain C++: what the vectorised rays are held against.
+// Casts rays sample by sample in plain C++, as the reference for the vectorized rays.
 #pragma once
 
 #include <algorithm>
@@ -15,11 +15,11 @@
 
 namespace isoextract::render::detail {
 
-// The trilinear interpolant, looked at in an order in which neighbours mostly share a cell.
+// The trilinear interpolant; caches the last cell, since consecutive samples mostly share it.
 template <class T>
 class PlainInterpolant {
  public:
-  // `last` is the greatest cell of the volume's box.
+  // `last` is the last cell of the volume's box.
   PlainInterpolant(const VolumeSamples& samples, const glm::ivec3& first, const glm::ivec3& last)
       : reader_(samples), first_(first), last_(last) {}
 
@@ -37,7 +37,7 @@ class PlainInterpolant {
     return between(low, high, t.z);
   }
 
-  // A place on the upper border belongs to the last cell.
+  // A position on the upper border belongs to the last cell.
   [[nodiscard]] glm::ivec3 cell_of(const glm::dvec3& index) const {
     return glm::clamp(glm::ivec3(glm::floor(index)), first_, last_);
   }
@@ -51,7 +51,7 @@ class PlainInterpolant {
   std::array<float, 8> at_{};
 };
 
-// Of samples stored as T.
+// Casts rays through samples stored as T.
 template <class T>
 class PlainRays {
  public:
@@ -81,7 +81,7 @@ class PlainRays {
   }
 
  private:
-  // Returns the fragments that are left.
+  // Returns the fragments that remain.
   template <class Meet>
   std::span<const Fragment> pass_volume(Ray& ray, const glm::dvec3& direction, std::span<const Fragment> fragments,
                                         RenderStatistics& statistics, const Meet& meet) {
@@ -91,7 +91,7 @@ class PlainRays {
     ++statistics.rays;
     const double length = glm::length(direction) * volume_.unit;  // world units per depth
     const double step = volume_.step / length;
-    // No further slab for what is only rounding.
+    // A remainder that is only rounding adds no slab.
     const auto slabs = std::max(std::int64_t{1}, static_cast<std::int64_t>(std::ceil((leave - enter) / step - 1e-9)));
     const TransferFunction& transfer = volume_.samples->transfer();
     glm::ivec3 seen_brick(std::numeric_limits<int>::min());
@@ -143,7 +143,7 @@ class PlainRays {
     return fragments;
   }
 
-  // Depths at which the ray is in the box, and between near and far.
+  // Returns the depths between which the ray is in the box and between near and far.
   [[nodiscard]] std::pair<double, double> limits(const glm::dvec3& along) const {
     double enter = near_;
     double leave = far_;
@@ -162,7 +162,7 @@ class PlainRays {
     return {enter, leave};
   }
 
-  // The first slab that may have its middle beyond the brick: one too early does no harm.
+  // Returns the first slab whose middle may lie beyond the brick; a slab too early is harmless.
   [[nodiscard]] std::int64_t next_slab(const glm::ivec3& brick, const glm::dvec3& along, double enter, double step,
                                        std::int64_t k, std::int64_t slabs) const {
     double leave = std::numeric_limits<double>::infinity();
@@ -175,7 +175,7 @@ class PlainRays {
     const double number = (leave - enter) / step;
     const double next = std::ceil(number - 0.5 - kRounding * (1 + std::abs(number)));
     if (!(next > double(k + 1))) return k + 1;
-    // The last slab is shorter, so its middle is nearer.
+    // The last slab is shorter, so its middle is closer.
     return next < double(slabs - 1) ? static_cast<std::int64_t>(next) : std::max(k + 1, slabs - 1);
   }
 
@@ -193,7 +193,7 @@ class PlainRays {
 
 namespace isoextract::test {
 
-// Of a scene with a volume.
+// Draws a scene with a volume.
 template <class T>
 render::Rendered draw_plainly(const render::Scene& scene, const render::Camera& camera,
                               const render::RenderOptions& options) {

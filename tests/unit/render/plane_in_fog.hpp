@@ -1,4 +1,4 @@
-// A box of even density and a plane: all ways in which a ray can meet them, and what is seen then in closed form.
+// A box of uniform density and a plane: every way in which a ray can hit them, and the closed form of the result.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +27,7 @@ class PlaneInFog {
  public:
   PlaneInFog(double plane, double opacity, bool with_volume = true)
       : field_(test::dense_field<float>(glm::ivec3(9), [](int, int, int) { return 1; })),
-        // It covers a half of the box, and what is beside it.
+        // It covers half of the box, and the space beside it.
         rectangle_(test::rectangle(plane, 4.13, 13, -3.5, 7.2)),
         plane_(plane),
         opacity_(opacity) {
@@ -97,7 +97,7 @@ class PlaneInFog {
   Camera camera_;
 };
 
-// Of a picture and what it should be; counts the cases.
+// Returns the largest difference of a channel from the closed form, and counts the cases.
 inline double difference(const PlaneInFog& setup, const Picture& picture, std::map<Case, int>& met) {
   double largest = 0;
   for (int y = 0; y < picture.height; ++y) {
@@ -111,8 +111,8 @@ inline double difference(const PlaneInFog& setup, const Picture& picture, std::m
   return largest;
 }
 
-// That `draw` gives pictures as the closed form says: within `allowed` without early termination, and within kAllowed
-// with it; and that all six cases were met.
+// Checks that `draw` matches the closed form: within `allowed` without early termination, within kAllowed with it.
+// Checks that all six cases occur.
 template <class Draw>
 void expect_six_cases(const Draw& draw, double allowed) {
   std::map<Case, int> met;

@@ -1,4 +1,4 @@
-// Previews, their scale bars, words in pictures, contact sheets.
+// Previews, scale bars, text in pictures, contact sheets.
 #include "render/preview.hpp"
 
 #include <algorithm>
@@ -26,7 +26,7 @@ Picture preview_of(const mesh::Mesh& mesh, const PreviewOptions& options) {
   return std::move(drawn->picture);
 }
 
-TEST(Preview, AllOfTheMeshIsSeenAndFillsThePicture) {
+TEST(Preview, FitsMeshIntoPicture) {
   for (const glm::vec3 half :
        {glm::vec3(1, 1, 1), glm::vec3(20, 1, 1), glm::vec3(1, 1, 30), glm::vec3(1e-6F, 2e-6F, 1e-6F)}) {
     const mesh::Mesh mesh = test::box_mesh(-half, half);
@@ -50,7 +50,7 @@ TEST(Preview, AllOfTheMeshIsSeenAndFillsThePicture) {
   }
 }
 
-TEST(Preview, WithoutASurfaceThereIsTheGroundAlone) {
+TEST(Preview, DrawsBackgroundWithoutSurface) {
   PreviewOptions options;
   options.size = {8, 6};
   const Picture picture = preview_of(mesh::Mesh(), options);
@@ -58,7 +58,7 @@ TEST(Preview, WithoutASurfaceThereIsTheGroundAlone) {
   EXPECT_EQ(picture.colour[0].a, 1.0F);
 }
 
-// A box of a colour of its own, `right`, `up` and `near` of the middle as the camera sees it.
+// Adds a box of its own color, offset from the center by `right`, `up` and `near` as the camera sees it.
 class BoxesInView {
  public:
   explicit BoxesInView(const ViewAngles& angles) {
@@ -89,12 +89,12 @@ class BoxesInView {
   std::vector<Surface> surfaces_;
 };
 
-TEST(Preview, RightIsRightUpIsUpAndTheNearerHides) {
+TEST(Preview, OrientsPictureAndHidesFartherBoxes) {
   for (const ViewAngles angles : {ViewAngles{0, 0}, ViewAngles{35, 20}, ViewAngles{-110, -40}}) {
     BoxesInView boxes(angles);
     boxes.add(0, 0, 0, 0.5, {1, 0, 0});
     boxes.add(2, 1, 0, 0.5, {0, 1, 0});
-    boxes.add(0, 0, 2, 0.3, {0, 0, 1});  // before the red one
+    boxes.add(0, 0, 2, 0.3, {0, 0, 1});  // in front of the red one
     const Picture picture = boxes.draw();
     std::array<glm::dvec2, 3> middle{};
     std::array<int, 3> count{};
@@ -124,7 +124,7 @@ TEST(Preview, RightIsRightUpIsUpAndTheNearerHides) {
   }
 }
 
-TEST(Preview, ItsScaleBarIsDrawnAsLongAsItSays) {
+TEST(Preview, DrawsScaleBarOfStatedLength) {
   for (const PictureSize size : {PictureSize{160, 120}, PictureSize{640, 720}}) {
     BoxesInView boxes({35, 20, 17.0});
     boxes.add(0, 0, 0, 0.5, {1, 0, 0});
@@ -134,7 +134,7 @@ TEST(Preview, ItsScaleBarIsDrawnAsLongAsItSays) {
     const Picture with = boxes.draw();
     const Camera camera = framing(*boxes.options().box, boxes.options().angles, UpAxis::z, size);
     const ScaleBar bar = scale_bar(camera, size, "");
-    // The lowest row that is another has all of the bar and nothing else.
+    // The lowest row that differs from the background has the whole bar and nothing else.
     int first = -1;
     int count = 0;
     for (int y = size.height - 1; y >= 0 && count == 0; --y) {
@@ -151,7 +151,7 @@ TEST(Preview, ItsScaleBarIsDrawnAsLongAsItSays) {
   }
 }
 
-TEST(ScaleBar, IsRoundAndAsLongAsItSays) {
+TEST(ScaleBar, HasRoundLengthOfMatchingPixels) {
   for (const double size : {1e-9, 0.3, 1.0, 7.0, 42.0, 3e7}) {
     const PictureSize pixels{800, 600};
     const Camera camera = framing({glm::dvec3(-size), glm::dvec3(size)}, {}, UpAxis::z, pixels);
@@ -161,7 +161,7 @@ TEST(ScaleBar, IsRoundAndAsLongAsItSays) {
     EXPECT_GT(bar.pixels, 800 / 4 / 2.6);
     EXPECT_LE(bar.pixels, 800 / 4 + 1);
     EXPECT_TRUE(bar.text.ends_with(" mm"));
-    // Two points of the middle plane that far apart are that many pixels apart.
+    // Projects two points that far apart, at the target's distance, and compares their distance in pixels.
     const glm::dmat4 clip = camera.clip_of_world(pixels);
     const glm::dvec3 right = glm::transpose(camera.rotation()) * glm::dvec3(bar.length, 0, 0);
     const glm::dvec4 a = clip * glm::dvec4(camera.target, 1);
@@ -170,7 +170,7 @@ TEST(ScaleBar, IsRoundAndAsLongAsItSays) {
   }
 }
 
-TEST(PictureText, DrawsWhatItSaysAndIsCutOff) {
+TEST(PictureText, DrawsTextClippedToPicture) {
   auto picture = make_picture(20, 12, Context());
   ASSERT_TRUE(picture.has_value());
   fill_box(*picture, {0, 0}, {20, 12}, glm::vec3(1));
@@ -180,10 +180,10 @@ TEST(PictureText, DrawsWhatItSaysAndIsCutOff) {
   EXPECT_TRUE(dark(2, 8) && dark(3, 8) && dark(4, 8) && !dark(5, 8));
   EXPECT_TRUE(dark(3, 5) && !dark(2, 5) && !dark(4, 5));
   EXPECT_EQ(text_size("1l", 2), glm::ivec2(24, 18));
-  draw_text(*picture, {18, -3}, "888", 3, glm::vec3(0));  // beyond the picture: nothing but a part of it is drawn
+  draw_text(*picture, {18, -3}, "888", 3, glm::vec3(0));  // partly outside of the picture
 }
 
-TEST(ContactSheet, HasEveryPictureOnceInOrder) {
+TEST(ContactSheet, PlacesPicturesInOrder) {
   auto sheet = ContactSheet::create({30, 20}, 5, Context());
   ASSERT_TRUE(sheet.has_value());
   for (std::size_t n = 0; n < 5; ++n) {

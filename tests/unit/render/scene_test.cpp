@@ -7,7 +7,7 @@
 namespace isoextract::render {
 namespace {
 
-TEST(Scene, BoxesHoldAllThatIsSeen) {
+TEST(Scene, BoundsEverythingVisible) {
   const auto dense = test::dense_field<float>({4, 5, 6}, [](int, int, int) { return 1; });
   EXPECT_EQ(box_of_volume(dense).value(), (field::Box{{0, 0, 0}, {3, 4, 5}}));
   const auto sparse = test::sparse_copy<float>(test::ball(40), 0);
@@ -24,7 +24,7 @@ TEST(Scene, BoxesHoldAllThatIsSeen) {
   EXPECT_EQ(nothing.error().code, ErrorCode::input);
 }
 
-TEST(Scene, FlatAndEmptyVolumesAreRefused) {
+TEST(Scene, RefusesFlatAndEmptyVolumes) {
   const auto flat = test::dense_field<float>({4, 1, 6}, [](int, int, int) { return 1; });
   const auto refused = box_of_volume(flat);
   ASSERT_FALSE(refused);
@@ -34,7 +34,7 @@ TEST(Scene, FlatAndEmptyVolumesAreRefused) {
   EXPECT_EQ(box_of_volume(empty).error().code, ErrorCode::empty_grid);
 }
 
-TEST(Scene, WhatCannotBeDrawnIsRefused) {
+TEST(Scene, RefusesInvalidScenes) {
   const mesh::Mesh rectangle = test::rectangle(7, -3, 1, -2, 2);
   const auto dense = test::dense_field<float>({4, 5, 6}, [](int, int, int) { return 1; });
   Volume volume{&dense, {}, {}, 1};
@@ -66,7 +66,7 @@ TEST(Scene, WhatCannotBeDrawnIsRefused) {
   EXPECT_EQ(kind_of([](Scene&, RenderOptions& o) { o.termination = 1; }), usage);
 }
 
-TEST(Scene, StepsAreOfTheShortestEdge) {
+TEST(Scene, StepsByShortestVoxelEdge) {
   const auto dense = test::dense_field<float>({4, 5, 6}, [](int, int, int) { return 1; });
   Volume volume{&dense, field::scaling({3, 0.5, 7}), {}, 1};
   RenderOptions options;

@@ -1,4 +1,4 @@
-// Surfaces by themselves: shading against closed forms, and which pixels a triangle has.
+// Surfaces without a volume: compares shading with closed forms, and tests which pixels a triangle covers.
 #include <cmath>
 #include <random>
 
@@ -19,7 +19,7 @@ Camera straight_at(const glm::dvec3& target, double distance) {
   return camera;
 }
 
-// By the formula of the contract.
+// Computes the color by the formula of ShadingModel.
 double blinn_of(const glm::dvec3& normal, const glm::dvec3& light, const glm::dvec3& to_eye, double base,
                 const ShadingModel& model) {
   const glm::dvec3 l = glm::normalize(light);
@@ -29,7 +29,7 @@ double blinn_of(const glm::dvec3& normal, const glm::dvec3& light, const glm::dv
   return base * (model.ambient + model.diffuse * lambert) + model.specular * std::pow(gloss, model.shininess);
 }
 
-TEST(Shading, AFlatRectangleIsLitAsTheFormulaSays) {
+TEST(Shading, LightsRectangleByFormula) {
   const mesh::Mesh rectangle = test::rectangle(0, -3, 3, -3, 3);
   const Camera camera = straight_at({0, 0, 0}, 4);
   Scene scene;
@@ -40,7 +40,7 @@ TEST(Shading, AFlatRectangleIsLitAsTheFormulaSays) {
     for (int x = 0; x < 32; ++x) {
       const test::WorldRay ray = test::ray_of(camera, {32, 24}, x, y);
       const std::size_t i = test::pixel_of(rendered.picture, x, y);
-      // The rectangle winds the other way round: its normal is turned to the eye.
+      // With reversed winding the normal is flipped towards the eye.
       const glm::dvec3 normal(0, -1, 0);
       for (int c = 0; c < 3; ++c) {
         const double base = scene.surfaces[0].colour[c];
@@ -53,7 +53,7 @@ TEST(Shading, AFlatRectangleIsLitAsTheFormulaSays) {
   EXPECT_EQ(rendered.statistics.fragments, 32U * 24);
 }
 
-TEST(Shading, ASphereIsLambertsWithoutGloss) {
+TEST(Shading, LightsSphereByLambert) {
   const mesh::Mesh sphere = test::sphere(60, true);
   const Camera camera = straight_at({0, 0, 0}, 5);
   constexpr PictureSize kSquare{64, 64};
@@ -61,7 +61,7 @@ TEST(Shading, ASphereIsLambertsWithoutGloss) {
   scene.surfaces.push_back({&sphere, {1, 1, 1}});
   scene.lights = {{{0.5, 0.6, 0.9}, true, {1, 1, 1}}};
   scene.shading = {0.1, 0.8, 0, 1};
-  // In the world: right is x, up is z, to the viewer is -y.
+  // In the world, right is x, up is z, and -y points to the viewer.
   const glm::dvec3 light(0.5, -0.9, 0.6);
   for (const Shading shading : {Shading::smooth, Shading::flat}) {
     scene.surfaces[0].shading = shading;
@@ -78,7 +78,7 @@ TEST(Shading, ASphereIsLambertsWithoutGloss) {
         if (inside < -0.5) {
           EXPECT_EQ(pixel, glm::vec4(0));
         }
-        if (inside < 0.2) continue;  // the rim
+        if (inside < 0.2) continue;  // skips the rim
         const double depth = (-b - std::sqrt(inside)) / a;
         const glm::dvec3 normal = ray.eye + depth * ray.along;
         const double expected = blinn_of(normal, light, -glm::normalize(ray.along), 1, scene.shading);
@@ -93,7 +93,7 @@ TEST(Shading, ASphereIsLambertsWithoutGloss) {
   }
 }
 
-TEST(Shading, NormalsOfVerticesAreMadeWhereThereAreNone) {
+TEST(Shading, ComputesMissingVertexNormals) {
   mesh::Mesh made = test::sphere(40, false);
   ASSERT_TRUE(add_normals(made, "sphere", Context()));
   ASSERT_EQ(made.normals.size(), made.positions.size());
@@ -107,11 +107,11 @@ TEST(Shading, NormalsOfVerticesAreMadeWhereThereAreNone) {
   EXPECT_EQ(added.error().code, ErrorCode::out_of_memory);
 }
 
-TEST(Shading, ColoursOfVerticesAreInterpolatedAsLight) {
+TEST(Shading, InterpolatesVertexColorsInLinearLight) {
   mesh::Mesh rectangle = test::rectangle(0, -1, 1, -1, 1);
   mesh::Attribute colours{"COLOR", mesh::AttributeRole::colour, mesh::ComponentType::f32, 4,
                           false,   Buffer<std::byte>(64)};
-  // Red on the left, blue on the right and half see-through there.
+  // Red on the left, blue and half transparent on the right.
   const std::array<glm::vec4, 4> values{glm::vec4(1, 0, 0, 1), {0, 0, 1, 0.5}, {0, 0, 1, 0.5}, {1, 0, 0, 1}};
   std::memcpy(colours.values.data(), values.data(), 64);
   rectangle.attributes.push_back(std::move(colours));
@@ -135,8 +135,8 @@ TEST(Shading, ColoursOfVerticesAreInterpolatedAsLight) {
   EXPECT_GT(seen, 10);
 }
 
-// Vertices of a grid at the very middles of pixels: of the triangles that meet there one has the pixel.
-TEST(Shading, TrianglesThatShareEdgesLeaveNoHoleAndOverlapNowhere) {
+// The vertices of the grid are at pixel centers: exactly one of the triangles that meet there covers the pixel.
+TEST(Shading, CoversSharedEdgesExactlyOnce) {
   constexpr int kSide = 16;
   std::mt19937 engine(3);
   for (const double jitter : {0.0, 0.03}) {
@@ -145,7 +145,7 @@ TEST(Shading, TrianglesThatShareEdgesLeaveNoHoleAndOverlapNowhere) {
     std::vector<glm::uvec3> triangles;
     for (int j = 0; j <= kSide; ++j) {
       for (int i = 0; i <= kSide; ++i) {
-        // At the depth of 1 the picture is 2 wide.
+        // At depth 1 the picture is 2 wide.
         positions.emplace_back(
             glm::dvec3((2 * i + 1.0) / kSide - 1 + off(engine), 0, (2 * j + 1.0) / kSide - 1 + off(engine)));
         if (i == kSide || j == kSide) continue;
@@ -164,7 +164,7 @@ TEST(Shading, TrianglesThatShareEdgesLeaveNoHoleAndOverlapNowhere) {
     Camera camera = straight_at({0, 0, 0}, 1);
     camera.fovy = std::acos(0.0);
     const Picture picture = test::draw(scene, camera, {{kSide, kSide}}).picture;
-    // All but the border, which a vertex that is moved may leave.
+    // Skips the border, which moved vertices may leave uncovered.
     for (int y = 1; y + 1 < kSide; ++y) {
       for (int x = 1; x + 1 < kSide; ++x) {
         EXPECT_EQ(picture.colour[test::pixel_of(picture, x, y)].a, 0.5F) << x << " " << y << " " << jitter;
@@ -173,8 +173,8 @@ TEST(Shading, TrianglesThatShareEdgesLeaveNoHoleAndOverlapNowhere) {
   }
 }
 
-TEST(Shading, TrianglesBehindAndAroundTheEyeAreDrawnWhereTheyAreSeen) {
-  // A floor that goes on behind the eye, and a wall behind it.
+TEST(Shading, DrawsTrianglesAroundEye) {
+  // A floor that continues behind the eye, and a wall behind the eye.
   const mesh::Mesh floor =
       test::make_mesh("floor", {{-50, -50, -1}, {50, -50, -1}, {0, 80, -1}, {-50, -9, -50}, {50, -9, -50}, {0, -9, 90}},
                       {{0, 1, 2}, {3, 4, 5}});
@@ -194,7 +194,7 @@ TEST(Shading, TrianglesBehindAndAroundTheEyeAreDrawnWhereTheyAreSeen) {
   }
 }
 
-TEST(Shading, WhatIsFarAwayIsDrawnAsIfItWereHere) {
+TEST(Shading, DrawsMeshFarFromOrigin) {
   const mesh::Mesh here = test::sphere(20, true);
   const glm::dvec3 away(1e7, -3e7, 2e7);
   const mesh::Mesh there = test::sphere(20, true, "far", away);

@@ -1,4 +1,4 @@
-// What is left out, and that it is not missed: threads, empty bricks, rays that end early, sizes of any magnitude.
+// Tests that shortcuts do not change pictures: empty bricks, early termination, threads, scenes of any size.
 #include <cmath>
 #include <limits>
 
@@ -11,7 +11,7 @@ namespace {
 
 constexpr PictureSize kFrame{70, 50};
 
-// A ball with a plane through it, seen from the side.
+// A ball with a plane through it, from the side.
 class BallScene {
  public:
   explicit BallScene(field::ScalarField field, double scale = 1, double opacity = 0.2)
@@ -45,7 +45,7 @@ std::uint64_t all_samples(const RenderStatistics& statistics) {
   return statistics.samples + statistics.samples_skipped + statistics.samples_terminated;
 }
 
-TEST(Skipping, EmptyBricksAreLeftOutAndNoBitChanges) {
+TEST(Skipping, SkipsEmptyBricksWithoutChange) {
   const field::ScalarField dense = test::ball(40);
   for (const bool sparse : {false, true}) {
     const BallScene ball(sparse ? test::sparse_copy<float>(dense, 0) : test::ball(40));
@@ -62,8 +62,8 @@ TEST(Skipping, EmptyBricksAreLeftOutAndNoBitChanges) {
   }
 }
 
-TEST(Skipping, ABrickWithASpeckIsSeen) {
-  // One sample at the corner of eight bricks.
+TEST(Skipping, SeesBrickWithOneVisibleSample) {
+  // One visible sample at the corner of eight bricks.
   const auto field = test::dense_field<float>(
       glm::ivec3(33), [](int i, int j, int k) { return i == 16 && j == 16 && k == 16 ? 1 : 0; });
   Volume volume{&field, {}, test::rising_transfer(0.01, 0.5), 1};
@@ -83,16 +83,16 @@ TEST(Skipping, ABrickWithASpeckIsSeen) {
   EXPECT_GT(most, 0.1F);
 }
 
-TEST(Skipping, SparseSamplesGiveThePictureOfDenseOnes) {
+TEST(Skipping, DrawsSparseLikeDense) {
   const BallScene dense(test::ball(40));
   const BallScene sparse(test::sparse_copy<float>(test::ball(40), 0));
   RenderOptions options{kFrame};
   options.samples_per_voxel = 4;
-  // The box of the sparse one is a voxel larger, so that samples are elsewhere along the ray.
+  // The sparse volume's box is a voxel larger, so samples are at other positions along the ray.
   EXPECT_LT(test::largest_difference(dense.draw(options).picture, sparse.draw(options).picture), 0.02F);
 }
 
-TEST(Skipping, RaysEndWhereNoLightIsLeftWithinTheBound) {
+TEST(Skipping, TerminatesRaysWithinBound) {
   const BallScene ball(test::ball(40), 1, 0.7);
   RenderOptions options = without_shortcuts();
   const Rendered all = ball.draw(options);
@@ -108,7 +108,7 @@ TEST(Skipping, RaysEndWhereNoLightIsLeftWithinTheBound) {
   }
 }
 
-TEST(Skipping, ThePictureIsTheSameForAnyNumberOfThreads) {
+TEST(Skipping, DrawsSamePictureForAnyThreadCount) {
   const BallScene ball(test::ball(40));
   const Rendered all = ball.draw({kFrame});
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
@@ -117,7 +117,7 @@ TEST(Skipping, ThePictureIsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(all.statistics, alone.statistics);
 }
 
-TEST(Skipping, HugeAndTinyScenesAreDrawnAlike) {
+TEST(Skipping, DrawsHugeAndTinyScenesAlike) {
   const Picture usual = BallScene(test::ball(40)).draw({kFrame}).picture;
   for (const double scale : {1e-30, 1e-6, 1e9, 1e30}) {
     const Picture picture = BallScene(test::ball(40), scale).draw({kFrame}).picture;
@@ -125,7 +125,7 @@ TEST(Skipping, HugeAndTinyScenesAreDrawnAlike) {
   }
 }
 
-TEST(Skipping, ValuesThatAreNoNumbersAreNotSeen) {
+TEST(Skipping, HidesNan) {
   const double kHuge = std::numeric_limits<double>::infinity();
   for (const double strange : {test::kNaN, kHuge, -kHuge, 3e38}) {
     auto field = test::dense_field<float>(
@@ -148,7 +148,7 @@ TEST(Skipping, ValuesThatAreNoNumbersAreNotSeen) {
   }
 }
 
-TEST(Skipping, EveryTypeOfSampleIsReadByItsScale) {
+TEST(Skipping, ReadsEverySampleTypeByItsScale) {
   const auto picture_of = [](field::ScalarField field) {
     field.scale = {0.01, 0};
     return BallScene(std::move(field)).draw({kFrame}).picture;
@@ -170,7 +170,7 @@ TEST(Skipping, EveryTypeOfSampleIsReadByItsScale) {
   EXPECT_TRUE(same(float{}));
 }
 
-TEST(Skipping, WorkThatIsCancelledOrHasNoMemoryEnds) {
+TEST(Skipping, StopsWhenCancelledOrOutOfMemory) {
   const BallScene ball(test::ball(40));
   const auto renderer = make_cpu_renderer();
   const Context cancelled;
@@ -185,8 +185,8 @@ TEST(Skipping, WorkThatIsCancelledOrHasNoMemoryEnds) {
   EXPECT_EQ(small.memory().reserved(), 0U);
 }
 
-TEST(Skipping, ListsOfFragmentsAreReserved) {
-  // 300 layers of see-through rectangles in every pixel.
+TEST(Skipping, ReservesFragmentLists) {
+  // 300 layers of transparent rectangles in every pixel.
   std::vector<mesh::Mesh> layers;
   for (int i = 0; i < 300; ++i) layers.push_back(test::rectangle(i * 0.01, -9, 9, -9, 9));
   Scene scene;

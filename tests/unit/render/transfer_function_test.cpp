@@ -14,7 +14,7 @@ TransferFunction of(const std::vector<ControlPoint>& points) { return TransferFu
 
 glm::vec4 at(const TransferFunction& transfer, double value) { return transfer.lookup(transfer.position(value)); }
 
-TEST(TransferFunction, OpacitiesBecomeExtinctionsBetweenThePoints) {
+TEST(TransferFunction, ConvertsOpacitiesToExtinctions) {
   const TransferFunction transfer = of({{-10, {0, 0.5, 1}, 0}, {0, {1, 0.5, 0}, 0.4}, {30, {1, 1, 1}, 1}});
   EXPECT_EQ(at(transfer, -10), glm::vec4(0, 0.5, 1, 0));
   EXPECT_EQ(at(transfer, -99), glm::vec4(0, 0.5, 1, 0));
@@ -22,7 +22,7 @@ TEST(TransferFunction, OpacitiesBecomeExtinctionsBetweenThePoints) {
   EXPECT_NEAR(at(transfer, -5).a, -std::log(0.8), 1e-3);
   EXPECT_NEAR(at(transfer, -5).r, 0.5, 1e-3);
   EXPECT_NEAR(at(transfer, 15).g, 0.75, 1e-3);
-  // Opaque is as near to it as a float can tell.
+  // Opacity 1 is clamped to kMaxOpacity.
   EXPECT_NEAR(at(transfer, 30).a, -std::log(0x1p-24), 1e-5);
   EXPECT_EQ(at(transfer, 1e300), at(transfer, 30));
   EXPECT_EQ(at(transfer, test::kNaN), glm::vec4(0));
@@ -30,20 +30,20 @@ TEST(TransferFunction, OpacitiesBecomeExtinctionsBetweenThePoints) {
   EXPECT_EQ(transfer.table().back(), at(transfer, 30));
 }
 
-TEST(TransferFunction, PositionsKeepWhatFloatsOfTheValuesWouldLose) {
+TEST(TransferFunction, KeepsPrecisionOfLargeValues) {
   const TransferFunction transfer = of({{1e7, {0, 0, 0}, 0}, {1e7 + 1e-3, {1, 1, 1}, 0.5}});
   EXPECT_NEAR(at(transfer, 1e7 + 0.5e-3).r, 0.5, 1e-3);
 }
 
-TEST(TransferFunction, EqualValuesMakeAStep) {
+TEST(TransferFunction, MakesStepOfEqualValues) {
   const TransferFunction transfer =
       of({{0, {1, 1, 1}, 0}, {0.5, {1, 1, 1}, 0}, {0.5, {1, 0, 0}, 0.9}, {1, {1, 0, 0}, 0.9}});
   EXPECT_EQ(at(transfer, 0.499).a, 0);
   EXPECT_NEAR(at(transfer, 0.501).a, -std::log(0.1), 1e-6);
 }
 
-TEST(TransferFunction, WhatIsSeenBetweenTwoPositionsIsFound) {
-  // Entries 0 to 511 are clear, and from 900 on.
+TEST(TransferFunction, FindsVisiblePositionsInRange) {
+  // Entries 0 to 511, and from 900 on, are transparent.
   const TransferFunction transfer =
       of({{0, {}, 0}, {511, {}, 0}, {512, {}, 0.1}, {899, {}, 0.1}, {900, {}, 0}, {1023, {}, 0}});
   EXPECT_FALSE(transfer.seen_between(0, 510.9F));
@@ -55,10 +55,10 @@ TEST(TransferFunction, WhatIsSeenBetweenTwoPositionsIsFound) {
   EXPECT_TRUE(transfer.seen_between(700, 710));
   EXPECT_TRUE(transfer.seen_between(899.5F, 899.5F));
   EXPECT_FALSE(transfer.seen_between(902, 1e6F));
-  // Between such extremes rounding may come to anything.
+  // Between such extremes rounding may give any position.
   EXPECT_TRUE(transfer.seen_between(-1e30F, 500));
   EXPECT_FALSE(TransferFunction().seen_between(-1e30F, 1e30F));
-  // Never what a lookup shows.
+  // Must never miss a position that lookup() finds visible.
   for (float low = -3; low < 1030; low += 17.3F) {
     for (float high = low; high < 1030; high += 31.7F) {
       for (float p = low; p <= high; p += 0.9F) {
@@ -70,7 +70,7 @@ TEST(TransferFunction, WhatIsSeenBetweenTwoPositionsIsFound) {
   }
 }
 
-TEST(TransferFunction, PointsThatMakeNoneAreRefused) {
+TEST(TransferFunction, RefusesInvalidPoints) {
   const auto refused = [](const std::vector<ControlPoint>& points) {
     const auto made = TransferFunction::create(points);
     return !made && made.error().code == ErrorCode::usage;
@@ -85,7 +85,7 @@ TEST(TransferFunction, PointsThatMakeNoneAreRefused) {
   EXPECT_TRUE(refused({{-1e308, {}, 0}, {1.7e308, {}, 1}}));
 }
 
-TEST(TransferFunction, TextIsReadOrRefusedByItsLine) {
+TEST(TransferFunction, ParsesTextAndNamesBadLine) {
   const auto points =
       parse_transfer_function("# comment\n\n 0 0 0 0 0\n12.5\t1 0.5 0.25 0.75 # end\r\n", "a.tf").value();
   ASSERT_EQ(points.size(), 2U);
@@ -100,7 +100,7 @@ TEST(TransferFunction, TextIsReadOrRefusedByItsLine) {
   }
 }
 
-TEST(TransferFunction, BuiltInOnesBeginClearAndCoverTheRange) {
+TEST(TransferFunction, BuiltInFunctionsBeginTransparent) {
   for (const auto& word : words_of(BuiltInTransfer{})) {
     const TransferFunction transfer = of(built_in(word.value, -3, 5));
     EXPECT_EQ(transfer.min(), -3);

@@ -1,4 +1,4 @@
-// The vectorised rays against plain ones, with every instruction set of the machine.
+// Compares vectorized rays with plain ones, for every instruction set of the machine.
 #include <cmath>
 #include <string>
 
@@ -9,10 +9,10 @@
 namespace isoextract::render {
 namespace {
 
-// Of a float: exponentials may differ in the last places of a double, which moves few floats by one.
+// Tolerance in float: exponentials may differ in the last bits of a double, which changes few floats by one unit.
 constexpr float kTolerance = 0x1p-22F;
 
-// A soft ball with ripples, a plane that shows through it and one that hides what is behind it.
+// A soft ball with ripples, a transparent plane and an opaque one.
 class RippledBall {
  public:
   explicit RippledBall(field::ScalarField field, double scale = 1)
@@ -56,7 +56,7 @@ void expect_same(const Rendered& plain, const Rendered& vectorised, const std::s
 
 std::string target_name(std::int64_t target) { return hwy::TargetName(target); }
 
-// Calls f(name) for each instruction set that there is.
+// Calls f(name) for each instruction set of the machine.
 template <class F>
 void with_every_target(const F& f) {
   for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
@@ -67,7 +67,7 @@ void with_every_target(const F& f) {
   hwy::SetSupportedTargetsForTest(0);
 }
 
-TEST(Vectorised, RaysArePlainOnesForEveryInstructionSet) {
+TEST(Vectorised, MatchesPlainRaysForEveryInstructionSet) {
   for (const bool sparse : {false, true}) {
     const auto dense = test::dense_field<float>(glm::ivec3(40), &RippledBall::value);
     const RippledBall ball(sparse ? test::sparse_copy<float>(dense, 0)
@@ -114,8 +114,8 @@ TYPED_TEST(VectorisedSamples, OfEveryTypeArePlainOnes) {
       [&](const std::string& target) { expect_same(plain, test::draw(ball.scene(), ball.camera(), options), target); });
 }
 
-TEST(Vectorised, NumbersAtTheEndsOfTheirTypesArePlainOnes) {
-  // Beyond the table, infinite, no numbers; whole ones whose signs or lowest bits would get lost.
+TEST(Vectorised, MatchesPlainRaysForExtremeValues) {
+  // Values beyond the table, infinite ones and NaN; integers whose signs or lowest bits a wrong conversion would lose.
   const auto strange = [](int i, int j, int k) {
     const std::array values{0.0, 0.7, test::kNaN, double{INFINITY}, -double{INFINITY}, 3e38, -3e38, 1e-40};
     return (i + j + k) % 5 == 0 ? values[static_cast<std::size_t>(i + 3 * j + 5 * k) % values.size()] : 0.5;
@@ -136,7 +136,7 @@ TEST(Vectorised, NumbersAtTheEndsOfTheirTypesArePlainOnes) {
   });
 }
 
-TEST(Vectorised, RaysFromFarAwayAndFromWithinArePlainOnes) {
+TEST(Vectorised, MatchesPlainRaysFromFarAndInside) {
   const auto dense = test::dense_field<float>(glm::ivec3(40), &RippledBall::value);
   const RippledBall ball(test::sparse_copy<float>(dense, 0));
   for (const double distance : {3.0, 1e4, 1e9}) {

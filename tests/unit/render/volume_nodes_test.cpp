@@ -1,4 +1,4 @@
-// Where bricks are in an atlas: every cell's samples are found there, and nothing that nobody sees.
+// Tests that the atlas holds the samples of every visible cell and no invisible brick.
 #include <limits>
 #include <memory>
 #include <optional>
@@ -33,7 +33,7 @@ Listed list(const Volume& volume, bool skipping) {
   return listed;
 }
 
-// As the shader finds it.
+// Finds a brick's slot as the shader does.
 std::int32_t slot_of(const VolumeNodes& nodes, const glm::ivec3& brick) {
   const glm::ivec3 at = (brick >> 4) - nodes.first();
   const glm::ivec3& dims = nodes.dims();
@@ -44,8 +44,8 @@ std::int32_t slot_of(const VolumeNodes& nodes, const glm::ivec3& brick) {
   return nodes.bricks()[static_cast<std::size_t>(node << 12 | b.x << 8 | b.y << 4 | b.z)];
 }
 
-// Every brick of the cells: not there only where it is not seen, and else with the samples that it has. Returns how
-// many are there.
+// Checks every brick of the cells: only invisible ones may be missing, the others have the right samples. Returns the
+// number of bricks present.
 std::size_t expect_samples(const Listed& listed) {
   std::size_t there = 0;
   SampleReader<float> here(*listed.samples);
@@ -77,7 +77,7 @@ std::size_t expect_samples(const Listed& listed) {
   return there;
 }
 
-TEST(VolumeNodes, OfDenseFieldsHaveASlotForEachBrickThatIsSeen) {
+TEST(VolumeNodes, AssignsSlotToEachVisibleDenseBrick) {
   const auto field = test::ball(140);  // more than a node along each axis
   const Volume volume{&field, field.index_to_world, test::rising_transfer(0.2, 0.3), 1};
   const Listed listed = list(volume, true);
@@ -88,8 +88,8 @@ TEST(VolumeNodes, OfDenseFieldsHaveASlotForEachBrickThatIsSeen) {
   EXPECT_EQ(list(volume, false).nodes.slots().size(), 18U * 18 * 18);
 }
 
-TEST(VolumeNodes, OfSparseFieldsShareWhatHasOneValue) {
-  // A leaf, a tile of eight nodes beside it, and background.
+TEST(VolumeNodes, SharesSlotsOfConstantSparseBricks) {
+  // A leaf, a tile of eight nodes next to it, and background.
   field::ScalarField field;
   field.source = "test field";
   const auto values = std::make_shared<std::vector<float>>();
@@ -105,14 +105,14 @@ TEST(VolumeNodes, OfSparseFieldsShareWhatHasOneValue) {
   const Listed all = list({&field, field.index_to_world, seen, 1}, true);
   const std::size_t there = expect_samples(all);
   EXPECT_GT(there, 30000U);
-  // Inside of the large tile, and of background far from it; else where values of two meet.
+  // Inside the large tile and in the far background values are constant; in between two values meet.
   const std::set<std::int32_t> inside{slot_of(all.nodes, {3, 3, 3}), slot_of(all.nodes, {20, 20, 20}),
                                       slot_of(all.nodes, {20, 3, 11})};
   EXPECT_EQ(inside.size(), 1U);
   EXPECT_EQ(slot_of(all.nodes, {-4, 20, 20}), slot_of(all.nodes, {-5, 30, 3}));
   EXPECT_LT(all.nodes.slots().size(), there / 4);
 
-  // Neither the tile's value nor the background's is seen alone.
+  // Neither the tile's value nor the background is visible on its own.
   const std::array points{ControlPoint{0, {1, 1, 1}, 0}, ControlPoint{0.8, {1, 1, 1}, 0},
                           ControlPoint{1, {1, 1, 1}, 0.5}};
   const Listed leaf = list({&field, field.index_to_world, TransferFunction::create(points).value(), 1}, true);
@@ -121,7 +121,7 @@ TEST(VolumeNodes, OfSparseFieldsShareWhatHasOneValue) {
   EXPECT_LE(leaf.nodes.slots().size(), 8U);
 }
 
-TEST(VolumeNodes, AreRefusedWhereMemoryIsMissing) {
+TEST(VolumeNodes, FailsIfMemoryIsShort) {
   const auto field = test::ball(40);
   const Volume volume{&field, field.index_to_world, test::rising_transfer(0.2, 0.3), 1};
   const Context small(MemoryBudget(1000));
