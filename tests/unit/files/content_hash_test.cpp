@@ -1,4 +1,4 @@
-// Hashes of files: what they follow, and what is read for them.
+// Tests hashes of files: when they change, and how much is read for them.
 #include <chrono>
 #include <fstream>
 #include <string>
@@ -12,7 +12,7 @@
 namespace isoextract::files {
 namespace {
 
-// Bytes that this process has read from files so far.
+// Returns the number of bytes that this process has read from files.
 std::uint64_t bytes_read() {
   std::ifstream io("/proc/self/io");
   std::string name;
@@ -25,7 +25,7 @@ std::uint64_t bytes_read() {
 
 void settle() { std::this_thread::sleep_for(std::chrono::milliseconds(200)); }
 
-TEST(ContentHash, OfAFileThatStaysAsItIsIsComputedOnce) {
+TEST(ContentHash, HashesAnUnchangedFileOnce) {
   const test::TempFolder folder;
   const std::string path = folder / "a.xyz";
   constexpr std::size_t kBytes = 3'000'000;
@@ -40,14 +40,14 @@ TEST(ContentHash, OfAFileThatStaysAsItIsIsComputedOnce) {
   EXPECT_LT(bytes_read() - before, once + kBytes);
 }
 
-TEST(ContentHash, FollowsTheFile) {
+TEST(ContentHash, DetectsChanges) {
   const test::TempFolder folder;
   const std::string path = folder / "a.xyz";
   test::write_bytes(path, std::string(1000, 'a'));
   settle();
   const FileState first = state_of_file(path, Context()).value();
   const auto time = std::filesystem::last_write_time(path);
-  // As many bytes, and the time of before: the time of the entry tells.
+  // The size and modification time stay the same; the ctime reveals the change.
   test::write_bytes(path, std::string(1000, 'b'));
   std::filesystem::last_write_time(path, time);
   const FileState second = state_of_file(path, Context()).value();

@@ -13,7 +13,7 @@ namespace {
 
 using test::TempFolder;
 
-// Stored, so that the packed size is known; a name of any length goes into the header.
+// Stored without compression, so that the size is known; the header contains a name of any length.
 std::string member(const std::string& content, const std::string& name = {}) {
   z_stream stream{};
   EXPECT_EQ(::deflateInit2(&stream, 0, Z_DEFLATED, 16 + MAX_WBITS, 8, Z_DEFAULT_STRATEGY), Z_OK);
@@ -55,8 +55,8 @@ Result<std::string> inflated(const std::string& packed, std::size_t offset = 0, 
   }
 }
 
-TEST(GzipStream, MembersFollowEachOtherWhereverABlockEnds) {
-  // Blocks of 256 KiB are read: the second member begins before, at and behind the end of one.
+TEST(GzipStream, ReadsMembersAcrossBlockBoundaries) {
+  // Blocks of 256 KiB are read: the second member starts before, at and after the end of a block.
   constexpr std::size_t kBlock = std::size_t{1} << 18;
   const std::size_t overhead = member(text(kBlock)).size() - kBlock;
   for (const int shift : {-3, -2, -1, 0, 1}) {
@@ -66,7 +66,7 @@ TEST(GzipStream, MembersFollowEachOtherWhereverABlockEnds) {
   }
 }
 
-TEST(GzipStream, StartsWhereItIsToldAndEndsBeforeOtherBytes) {
+TEST(GzipStream, StartsAtOffsetAndIgnoresTrailingBytes) {
   const std::string content = text(100'000);
   EXPECT_EQ(inflated("a header\n" + member(content), 9).value(), content);
   EXPECT_EQ(inflated(member(content) + std::string(600, '\0')).value(), content);
@@ -74,7 +74,7 @@ TEST(GzipStream, StartsWhereItIsToldAndEndsBeforeOtherBytes) {
   EXPECT_EQ(inflated(member(content, "a name.raw")).value(), content);
 }
 
-TEST(GzipStream, DamageAndWhatIsNoGzipAreErrors) {
+TEST(GzipStream, RejectsDamagedAndOtherData) {
   const std::string content = text(100'000);
   const std::string packed = member(content);
   const auto why = [](const std::string& bytes) {

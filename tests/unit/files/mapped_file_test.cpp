@@ -1,4 +1,4 @@
-// Mapped files that are cut off while somebody looks at them.
+// Tests mapped files that are truncated while they are in use.
 #include <csignal>
 #include <filesystem>
 #include <string>
@@ -24,7 +24,7 @@ files::MappedFile must_map(const std::filesystem::path& path, std::uint64_t offs
   return std::move(*mapped);
 }
 
-TEST(MappedFile, WhatIsCutOffIsZeroAndToldOfThatFileAlone) {
+TEST(MappedFile, ReadsZerosAndReportsLossOfATruncatedFile) {
   const TempFolder folder;
   write_bytes(folder / "cut", std::string(8 * kPage, 'a'));
   write_bytes(folder / "whole", std::string(8 * kPage, 'b'));
@@ -35,14 +35,14 @@ TEST(MappedFile, WhatIsCutOffIsZeroAndToldOfThatFileAlone) {
   EXPECT_FALSE(cut.lost());
   EXPECT_EQ(cut.data()[4 * kPage], std::byte{0});
   EXPECT_TRUE(cut.lost());
-  // Everything that comes after it as well, and nothing that comes before.
+  // Everything after the cut is zero as well, and nothing before it.
   EXPECT_EQ(cut.data()[7 * kPage - 2], std::byte{0});
   EXPECT_EQ(cut.data()[3 * kPage - 2], std::byte{'a'});
   EXPECT_EQ(whole.data()[8 * kPage - 1], std::byte{'b'});
   EXPECT_FALSE(whole.lost());
 }
 
-TEST(MappedFile, ALaterMappingStartsAnew) {
+TEST(MappedFile, StartsANewMappingWithoutLoss) {
   const TempFolder folder;
   for (int i = 0; i < 3; ++i) {
     write_bytes(folder / "v", std::string(4 * kPage, 'a'));
@@ -54,7 +54,7 @@ TEST(MappedFile, ALaterMappingStartsAnew) {
   }
 }
 
-TEST(MappedFile, ManyThreadsMayRunIntoIt) {
+TEST(MappedFile, HandlesLossInManyThreads) {
   const TempFolder folder;
   write_bytes(folder / "v", std::string(64 * kPage, 'a'));
   const files::MappedFile mapped = must_map(folder / "v", 0, 64 * kPage);
@@ -71,10 +71,10 @@ TEST(MappedFile, ManyThreadsMayRunIntoIt) {
   EXPECT_TRUE(mapped.lost());
 }
 
-TEST(MappedFileDeathTest, BusErrorsElsewhereEndTheProcessAsAlways) {
+TEST(MappedFileDeathTest, EndsTheProcessOnOtherBusErrors) {
   const TempFolder folder;
   write_bytes(folder / "v", std::string(kPage, 'a'));
-  // A sanitizer has a handler of its own, which would be asked.
+  // A sanitizer's own handler would be called.
   const auto map_and_raise = [&] {
     std::signal(SIGBUS, SIG_DFL);
     const files::MappedFile mapped = must_map(folder / "v", 0, kPage);
@@ -83,7 +83,7 @@ TEST(MappedFileDeathTest, BusErrorsElsewhereEndTheProcessAsAlways) {
   EXPECT_EXIT(map_and_raise(), testing::KilledBySignal(SIGBUS), "");
 }
 
-TEST(InputFile, CountsWhatIsReadInItsContext) {
+TEST(InputFile, CountsBytesInItsContext) {
   const TempFolder folder;
   write_bytes(folder / "v", std::string(100, 'a'));
   const Context context;

@@ -31,7 +31,7 @@ std::string content(const InputFile& file) {
 
 bool is_open(int descriptor) { return ::fcntl(descriptor, F_GETFD) != -1; }
 
-TEST(OpenedFiles, AFileIsOpenedOnceInAContextAndStaysOpenAsLongAsThat) {
+TEST(OpenedFiles, OpensAFileOncePerContext) {
   const TempFolder folder;
   write_bytes(folder / "a", "first");
   int descriptor = -1;
@@ -46,7 +46,7 @@ TEST(OpenedFiles, AFileIsOpenedOnceInAContextAndStaysOpenAsLongAsThat) {
   EXPECT_FALSE(is_open(descriptor));
 }
 
-TEST(OpenedFiles, AnotherFileOfTheNameIsOpened) {
+TEST(OpenedFiles, OpensAReplacedFile) {
   const TempFolder folder;
   const Context context;
   write_bytes(folder / "a", "first");
@@ -57,7 +57,7 @@ TEST(OpenedFiles, AnotherFileOfTheNameIsOpened) {
   EXPECT_EQ(content(first), "first");
 }
 
-TEST(OpenedFiles, AFileThatWasWrittenToIsOpenedAnew) {
+TEST(OpenedFiles, ReopensAModifiedFile) {
   const TempFolder folder;
   const Context context;
   write_bytes(folder / "a", "first");
@@ -66,7 +66,7 @@ TEST(OpenedFiles, AFileThatWasWrittenToIsOpenedAnew) {
   EXPECT_EQ(content(must_open(folder / "a", context)), "second, and longer");
 }
 
-TEST(OpenedFiles, APartTakesOverWhatIsOpenAndClosesItsOwn) {
+TEST(OpenedFiles, SharesOpenFilesWithASubcontext) {
   const TempFolder folder;
   write_bytes(folder / "a", "a");
   write_bytes(folder / "b", "b");
@@ -83,7 +83,7 @@ TEST(OpenedFiles, APartTakesOverWhatIsOpenAndClosesItsOwn) {
   EXPECT_FALSE(is_open(b));
 }
 
-TEST(OpenedFiles, WhatIsReadBesideCountsApart) {
+TEST(OpenedFiles, CountsBytesPerContext) {
   const TempFolder folder;
   write_bytes(folder / "a", "12345");
   const Context context;
@@ -95,7 +95,7 @@ TEST(OpenedFiles, WhatIsReadBesideCountsApart) {
   EXPECT_EQ(context.counters().bytes_read, 0U);
 }
 
-TEST(OpenedFiles, FewStayOpen) {
+TEST(OpenedFiles, LimitsOpenFiles) {
   const TempFolder folder;
   const Context context;
   std::vector<int> descriptors;
@@ -104,7 +104,7 @@ TEST(OpenedFiles, FewStayOpen) {
     write_bytes(path, std::to_string(i));
     descriptors.push_back(must_open(path, context).descriptor());
   }
-  // A descriptor's number is taken again once it is free.
+  // The system reuses a descriptor's number once it is closed.
   EXPECT_EQ(content(must_open(folder / "0", context)), "0");
   EXPECT_TRUE(is_open(descriptors.back()));
   EXPECT_EQ(must_open(folder / std::to_string(OpenedFiles::kMost), context).descriptor(), descriptors.back());

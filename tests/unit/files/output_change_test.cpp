@@ -1,4 +1,4 @@
-// Unfinished files that are changed in the middle, and files that get their names together.
+// Tests changes in the middle of unfinished files, and files that are committed together.
 #include <filesystem>
 
 #include <gtest/gtest.h>
@@ -23,12 +23,12 @@ std::string pattern(std::size_t size) {
   return text;
 }
 
-TEST(OutputFileChange, BytesAreReplacedWhereverTheyAre) {
+TEST(OutputFileChange, OverwritesBytesInBufferAndFile) {
   const TempFolder folder;
   auto file = must_create(folder / "out");
-  const std::string large = pattern(3 << 20);  // more than the buffer
+  const std::string large = pattern(3 << 20);  // larger than the buffer
   ASSERT_TRUE(file.write("0123456789"));
-  ASSERT_TRUE(file.overwrite(2, bytes_of("ab")));  // they are in the buffer yet
+  ASSERT_TRUE(file.overwrite(2, bytes_of("ab")));  // still in the buffer
   ASSERT_TRUE(file.write(large));
   ASSERT_TRUE(file.write("end"));
   ASSERT_TRUE(file.overwrite(0, bytes_of("-")));
@@ -38,8 +38,8 @@ TEST(OutputFileChange, BytesAreReplacedWhereverTheyAre) {
   EXPECT_EQ(read_bytes(folder / "out"), "-1ab456789" + large + "end!");
 }
 
-// Forwards and backwards, over less and more than what is moved, and than a block.
-TEST(OutputFileChange, TheEndIsMoved) {
+// Moves forward and backward, by more and less than the moved size, and than a block.
+TEST(OutputFileChange, MovesTheEnd) {
   const TempFolder folder;
   for (const std::size_t size : {std::size_t{0}, std::size_t{100}, std::size_t{5} << 20}) {
     for (const std::size_t step : {0, 1, 99, 1 << 20, (2 << 20) + 3}) {
@@ -74,7 +74,7 @@ TEST(OutputFileChange, WorksWithoutUnnamedFiles) {
   EXPECT_EQ(read_bytes(folder / "out"), "HEADtail");
 }
 
-TEST(OutputFileChange, StreamsCannotTakeBack) {
+TEST(OutputFileChange, FailsForStreams) {
   auto file = must_create("/dev/null");
   ASSERT_TRUE(file.write("gone"));
   const auto changed = file.overwrite(0, bytes_of("x"));
@@ -105,21 +105,21 @@ class OutputFiles : public testing::Test {
   TempFolder folder_;
 };
 
-TEST_F(OutputFiles, AllGetTheirNames) {
+TEST_F(OutputFiles, CommitsAll) {
   write_bytes(folder_ / "b", "old b");
   ASSERT_TRUE(commit_all());
   for (const std::string name : {"a", "b", "c"}) EXPECT_EQ(read_bytes(folder_ / name), "new " + name);
   EXPECT_EQ(folder_.names().size(), 3U);
 }
 
-TEST_F(OutputFiles, IfOneFailsThoseBeforeItAreAsTheyWere) {
+TEST_F(OutputFiles, RestoresEarlierFilesOnFailure) {
   write_bytes(folder_ / "c", "old c");
   ASSERT_FALSE(commit_all([&] { fs::create_directories(folder_ / "a" / "in the way"); }));
   EXPECT_EQ(folder_.names(), (std::set<std::string>{"a", "c"}));
   EXPECT_EQ(read_bytes(folder_ / "c"), "old c");
 }
 
-TEST_F(OutputFiles, IfOneFailsThoseAfterItAreUntouched) {
+TEST_F(OutputFiles, KeepsLaterFilesOnFailure) {
   write_bytes(folder_ / "a", "old a");
   ASSERT_FALSE(commit_all([&] { fs::create_directories(folder_ / "b" / "in the way"); }));
   EXPECT_EQ(folder_.names(), (std::set<std::string>{"a", "b"}));

@@ -31,10 +31,10 @@ mode_t permissions(const fs::path& path) {
   return found.st_mode & 07777;
 }
 
-TEST(OutputFile, CommitGivesTheFileItsNameAndItsBytes) {
+TEST(OutputFile, CommitsNameAndBytes) {
   const TempFolder folder;
   auto file = must_create(folder / "out.bin");
-  const std::string large(300000, 'x');  // is not copied into the buffer; order must hold all the same
+  const std::string large(300000, 'x');  // not copied into the buffer; the order must still be right
   ASSERT_TRUE(file.write("start\n"));
   ASSERT_TRUE(file.write(large));
   ASSERT_TRUE(file.write("end"));
@@ -44,11 +44,11 @@ TEST(OutputFile, CommitGivesTheFileItsNameAndItsBytes) {
   EXPECT_EQ(folder.names(), Names{"out.bin"});
 }
 
-TEST(OutputFile, ManySmallWritesKeepTheirOrder) {
+TEST(OutputFile, KeepsOrderOfSmallWrites) {
   const TempFolder folder;
   auto file = must_create(folder / "out.txt");
   std::string expected;
-  for (int i = 0; i < 400000; ++i) {  // several buffers full
+  for (int i = 0; i < 400000; ++i) {  // fills several buffers
     const std::string text = std::to_string(i) + ' ';
     expected += text;
     ASSERT_TRUE(file.write(text));
@@ -57,17 +57,17 @@ TEST(OutputFile, ManySmallWritesKeepTheirOrder) {
   EXPECT_EQ(read_bytes(folder / "out.txt"), expected);
 }
 
-TEST(OutputFile, NothingIsLeftWithoutCommit) {
+TEST(OutputFile, LeavesNothingWithoutCommit) {
   const TempFolder folder;
   {
     auto file = must_create(folder / "out.bin");
     ASSERT_TRUE(file.write(std::string(1 << 21, 'x')));
-    EXPECT_EQ(folder.names(), Names{});  // while it is written there is no name either
+    EXPECT_EQ(folder.names(), Names{});  // the file has no name while it is written
   }
   EXPECT_EQ(folder.names(), Names{});
 }
 
-TEST(OutputFile, AnExistingFileStaysUntilCommit) {
+TEST(OutputFile, KeepsTheOldFileUntilCommit) {
   const TempFolder folder;
   write_bytes(folder / "out.bin", "old");
   {
@@ -83,7 +83,7 @@ TEST(OutputFile, AnExistingFileStaysUntilCommit) {
   EXPECT_EQ(folder.names(), Names{"out.bin"});
 }
 
-TEST(OutputFile, AKilledProcessLeavesNothing) {
+TEST(OutputFile, LeavesNothingWhenKilled) {
   const TempFolder folder;
   write_bytes(folder / "out.bin", "old");
   in_child([&] {
@@ -95,12 +95,12 @@ TEST(OutputFile, AKilledProcessLeavesNothing) {
   EXPECT_EQ(folder.names(), Names{"out.bin"});
 }
 
-TEST(OutputFile, ReplacesWhatASymbolicLinkPointsTo) {
+TEST(OutputFile, ReplacesTheTargetOfASymbolicLink) {
   const TempFolder folder;
   fs::create_directory(folder / "real");
   fs::create_symlink("real/out.bin", folder / "second");
   fs::create_symlink("second", folder / "first");
-  for (const std::string content : {"made", "replaced"}) {  // the link points nowhere at first
+  for (const std::string content : {"made", "replaced"}) {  // the link is dangling at first
     auto file = must_create(folder / "first");
     ASSERT_TRUE(file.write(content));
     ASSERT_TRUE(file.commit());
@@ -109,7 +109,7 @@ TEST(OutputFile, ReplacesWhatASymbolicLinkPointsTo) {
   }
 }
 
-TEST(OutputFile, NewFilesGetWhatTheUmaskLeaves) {
+TEST(OutputFile, AppliesTheUmaskToNewFiles) {
   const TempFolder folder;
   const mode_t old = ::umask(027);
   auto file = must_create(folder / "out.bin");
@@ -118,7 +118,7 @@ TEST(OutputFile, NewFilesGetWhatTheUmaskLeaves) {
   EXPECT_EQ(permissions(folder / "out.bin"), 0640U);
 }
 
-TEST(OutputFile, AReplacedFileKeepsItsPermissions) {
+TEST(OutputFile, KeepsPermissionsOfAReplacedFile) {
   const TempFolder folder;
   write_bytes(folder / "out.bin", "old");
   fs::permissions(folder / "out.bin", fs::perms(0606));
@@ -138,7 +138,7 @@ TEST(OutputFile, WorksWithoutUnnamedFiles) {
     ::umask(027);
     {
       auto dropped = must_create(folder / "dropped.bin");
-      if (folder.names().size() != 2) return 1;  // else the other way was taken
+      if (folder.names().size() != 2) return 1;  // otherwise unnamed files were used
     }
     auto made = must_create(folder / "made.bin");
     auto kept = must_create(folder / "kept.bin");
@@ -154,18 +154,18 @@ TEST(OutputFile, WorksWithoutUnnamedFiles) {
   EXPECT_EQ(permissions(folder / "kept.bin"), 0604U);
 }
 
-TEST(OutputFile, DevicesAreWrittenDirectly) {
+TEST(OutputFile, WritesDevicesDirectly) {
   auto file = must_create("/dev/null");
   ASSERT_TRUE(file.write("gone"));
   ASSERT_TRUE(file.commit());
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
 
-TEST(OutputFile, PipesAreWrittenDirectly) {
+TEST(OutputFile, WritesPipesDirectly) {
   const TempFolder folder;
   const fs::path pipe = folder / "pipe";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  const std::string sent(1 << 20, 'p');  // more than a pipe holds: writes are short
+  const std::string sent(1 << 20, 'p');  // larger than a pipe's buffer, so that writes are short
   std::string received;
   std::thread reader([&] { received = read_bytes(pipe); });
   {
@@ -178,7 +178,7 @@ TEST(OutputFile, PipesAreWrittenDirectly) {
   EXPECT_TRUE(fs::is_fifo(pipe));
 }
 
-TEST(OutputFile, AFullDeviceIsAnErrorThatStays) {
+TEST(OutputFile, RepeatsTheErrorOfAFullDevice) {
   auto file = must_create("/dev/full");
   const auto first = file.write(std::string(1 << 20, 'x'));
   ASSERT_FALSE(first);
@@ -191,7 +191,7 @@ TEST(OutputFile, AFullDeviceIsAnErrorThatStays) {
   EXPECT_FALSE(file.commit());
 }
 
-TEST(OutputFile, AFullDeviceIsFoundAtCommitAtTheLatest) {
+TEST(OutputFile, FailsAtCommitOnAFullDevice) {
   auto file = must_create("/dev/full");
   ASSERT_TRUE(file.write("in the buffer"));
   const auto committed = file.commit();
@@ -199,7 +199,7 @@ TEST(OutputFile, AFullDeviceIsFoundAtCommitAtTheLatest) {
   EXPECT_EQ(committed.error().code, ErrorCode::output);
 }
 
-TEST(OutputFile, AFailedWriteLeavesTheOldFile) {
+TEST(OutputFile, KeepsTheOldFileOnFailedWrite) {
   const TempFolder folder;
   write_bytes(folder / "out.bin", "old");
   const int code = in_child([&] {
@@ -216,7 +216,7 @@ TEST(OutputFile, AFailedWriteLeavesTheOldFile) {
   EXPECT_EQ(folder.names(), Names{"out.bin"});
 }
 
-TEST(OutputFile, AClosedReaderIsAnError) {
+TEST(OutputFile, FailsForAClosedReader) {
   const int code = in_child([] {
     int ends[2];
     if (::pipe(ends) != 0 || ::dup2(ends[1], STDOUT_FILENO) < 0) return 1;
@@ -230,7 +230,7 @@ TEST(OutputFile, AClosedReaderIsAnError) {
   EXPECT_EQ(code, 0);
 }
 
-TEST(OutputFile, StandardOutputGetsTheBytesAndStaysOpen) {
+TEST(OutputFile, WritesStandardOutputAndKeepsItOpen) {
   const TempFolder folder;
   const fs::path captured = folder / "stdout";
   const int code = in_child([&] {
@@ -251,7 +251,7 @@ struct BadPath {
   std::string expected;
 };
 
-TEST(OutputFile, PathsThatCannotBeWrittenAreToldApart) {
+TEST(OutputFile, ExplainsInvalidPaths) {
   const TempFolder folder;
   write_bytes(folder / "file", "");
   fs::create_directory(folder / "inner");
@@ -275,7 +275,7 @@ TEST(OutputFile, PathsThatCannotBeWrittenAreToldApart) {
   EXPECT_EQ(folder.names(), (Names{"file", "inner", "loop"}));
 }
 
-TEST(OutputFile, MissingPermissionIsAnError) {
+TEST(OutputFile, FailsWithoutPermission) {
   constexpr uid_t kNobody = 65534;
   const TempFolder folder;
   fs::create_directory(folder / "closed");
@@ -291,7 +291,7 @@ TEST(OutputFile, MissingPermissionIsAnError) {
     const auto in_closed = OutputFile::create(folder / "closed/out.bin");
     if (in_closed || in_closed.error().code != ErrorCode::output) return 1;
     if (in_closed.error().message.find("no permission") == std::string::npos) return 2;
-    // A rename could replace it, as the folder is open; the file's own bits say that it should not.
+    // The folder permits a rename, but the file's permissions protect it.
     const auto replaced = OutputFile::create(folder / "open/protected.bin");
     if (replaced || replaced.error().message.find("no permission") == std::string::npos) return 3;
     return 0;
@@ -315,12 +315,12 @@ class OutputFilePair : public Test {
     return OutputFile::commit_pair(first, last);
   }
 
-  // Makes the last rename fail after everything before it went well.
+  // Makes the last rename fail after all earlier steps have succeeded.
   void block_last() { fs::create_directories(last_ / "in the way"); }
 };
 
-TEST_F(OutputFilePair, BothGetTheirNames) {
-  for (int round = 0; round < 2; ++round) {  // new at first, then replaced
+TEST_F(OutputFilePair, CommitsBoth) {
+  for (int round = 0; round < 2; ++round) {  // a new file, then a replaced one
     ASSERT_TRUE(commit_pair());
     EXPECT_EQ(read_bytes(first_), "new data");
     EXPECT_EQ(read_bytes(last_), "new model");
@@ -329,28 +329,28 @@ TEST_F(OutputFilePair, BothGetTheirNames) {
   }
 }
 
-TEST_F(OutputFilePair, IfTheLastFailsTheFirstIsNotThere) {
+TEST_F(OutputFilePair, RemovesANewFirstIfTheLastFails) {
   const auto committed = commit_pair([this] { block_last(); });
   ASSERT_FALSE(committed);
   EXPECT_EQ(committed.error().code, ErrorCode::output);
   EXPECT_EQ(folder_.names(), Names{"a.gltf"});
 }
 
-TEST_F(OutputFilePair, IfTheLastFailsTheOldFirstIsBack) {
+TEST_F(OutputFilePair, RestoresAnOldFirstIfTheLastFails) {
   write_bytes(first_, "old data");
   ASSERT_FALSE(commit_pair([this] { block_last(); }));
   EXPECT_EQ(read_bytes(first_), "old data");
   EXPECT_EQ(folder_.names(), (Names{"a.bin", "a.gltf"}));
 }
 
-TEST_F(OutputFilePair, IfTheFirstFailsTheLastIsUntouched) {
+TEST_F(OutputFilePair, KeepsTheLastIfTheFirstFails) {
   write_bytes(last_, "old model");
   ASSERT_FALSE(commit_pair([this] { fs::create_directories(first_ / "in the way"); }));
   EXPECT_EQ(read_bytes(last_), "old model");
   EXPECT_EQ(folder_.names(), (Names{"a.bin", "a.gltf"}));
 }
 
-TEST(RemoveOldFile, TakesAwayWhatWouldBeReplaced) {
+TEST(RemoveOldFile, RemovesTheFileToBeReplaced) {
   const TempFolder folder;
   write_bytes(folder / "old", "old");
   fs::create_symlink("old", folder / "link");
@@ -362,7 +362,7 @@ TEST(RemoveOldFile, TakesAwayWhatWouldBeReplaced) {
   EXPECT_FALSE(remove_old_file(folder / "old").value());
 }
 
-TEST(RemoveOldFile, LeavesEverythingElse) {
+TEST(RemoveOldFile, KeepsEverythingElse) {
   const TempFolder folder;
   fs::create_directory(folder / "folder");
   ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
@@ -375,7 +375,7 @@ TEST(RemoveOldFile, LeavesEverythingElse) {
   EXPECT_EQ(folder.names(), (Names{"folder", "pipe"}));
 }
 
-TEST(SamePlace, IsToldByWhatIsThere) {
+TEST(SamePlace, ComparesFilesNotNames) {
   const TempFolder folder;
   write_bytes(folder / "a", "");
   write_bytes(folder / "b", "");

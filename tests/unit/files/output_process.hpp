@@ -1,4 +1,4 @@
-// Output in processes of their own: for what changes or ends the whole process.
+// Runs output tests in a child process if they change or end the whole process.
 #pragma once
 
 #include <fcntl.h>
@@ -25,7 +25,7 @@ inline OutputFile must_create(const std::filesystem::path& path) {
   return std::move(*file);
 }
 
-// Runs `body` in a process of its own and returns its exit code: for what changes the whole process.
+// Runs `body` in a child process and returns its exit code.
 inline int in_child(const std::function<int()>& body) {
   const pid_t child = ::fork();
   if (child == 0) {
@@ -42,7 +42,7 @@ inline int in_child(const std::function<int()>& body) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-// From now on this process finds no file system with unnamed files.
+// Makes every file system appear to lack unnamed files, for the rest of this process.
 inline bool forbid_unnamed_files() {
   constexpr unsigned kTmpfileBit = static_cast<unsigned>(O_TMPFILE) & ~static_cast<unsigned>(O_DIRECTORY);
   constexpr unsigned kAllow = SECCOMP_RET_ALLOW;

@@ -36,7 +36,7 @@ class Descriptor {
   int number_;
 };
 
-// A pipe into which a thread writes `text`, `step` bytes at a time, and waits between.
+// A pipe into which a thread writes `text`, `step` bytes at a time, with pauses.
 class WrittenPipe {
  public:
   explicit WrittenPipe(std::string text, std::size_t step = std::size_t{1} << 20, int wait_ms = 0) {
@@ -81,7 +81,7 @@ std::string all_of(const KeptInput& input) {
   return text;
 }
 
-TEST(StandardInput, KeepsAPipeAsAFileThatIsOpenedAgainAndAgain) {
+TEST(StandardInput, KeepsAPipeForRepeatedReading) {
   const std::string text = random_text((std::size_t{3} << 20) + 17);
   const WrittenPipe pipe(text);
   const Context context;
@@ -109,7 +109,7 @@ TEST(StandardInput, WaitsForASlowPipe) {
   }
 }
 
-TEST(StandardInput, TakesNoMoreMemoryThanThereIs) {
+TEST(StandardInput, RespectsTheMemoryLimit) {
   const std::string text = random_text((std::size_t{2} << 20) + 1);
   const Context enough(MemoryBudget(text.size()));
   {
@@ -138,7 +138,7 @@ TEST(StandardInput, TakesNoMoreMemoryThanThereIs) {
   EXPECT_EQ(little.memory().reserved(), 0U);
 }
 
-TEST(StandardInput, AFileIsOpenedAndNotCopied) {
+TEST(StandardInput, OpensAFileWithoutCopying) {
   const test::TempFolder folder;
   const std::string text = random_text(1000);
   test::write_bytes(folder / "v", text);
@@ -156,7 +156,7 @@ TEST(StandardInput, AFileIsOpenedAndNotCopied) {
   EXPECT_EQ(first.st_ino, second.st_ino);
 }
 
-TEST(StandardInput, OfAFileThatWasReadInPartTheRest) {
+TEST(StandardInput, ReadsTheRestOfAPartlyReadFile) {
   const test::TempFolder folder;
   test::write_bytes(folder / "v", "headertext");
   const Descriptor file(::open((folder / "v").c_str(), O_RDONLY | O_CLOEXEC));
@@ -166,7 +166,7 @@ TEST(StandardInput, OfAFileThatWasReadInPartTheRest) {
   EXPECT_EQ(all_of(*input), "text");
 }
 
-TEST(StandardInput, RefusesWhatIsNoData) {
+TEST(StandardInput, RejectsFoldersAndTerminals) {
   const test::TempFolder folder;
   const Descriptor directory(::open(folder.path().c_str(), O_RDONLY | O_CLOEXEC));
   const auto of_folder = KeptInput::take(directory.get(), Context());
@@ -184,7 +184,7 @@ TEST(StandardInput, RefusesWhatIsNoData) {
   EXPECT_NE(typed.error().message.find("terminal"), std::string::npos);
 }
 
-TEST(StandardInput, EndsWhereThatIsAskedFor) {
+TEST(StandardInput, CanBeCancelled) {
   const WrittenPipe pipe("text");
   const Context context;
   context.cancel();
@@ -193,7 +193,7 @@ TEST(StandardInput, EndsWhereThatIsAskedFor) {
   EXPECT_EQ(input.error().code, ErrorCode::cancelled);
 }
 
-// `body` in a process whose standard input is a pipe with `text` in it.
+// Runs `body` in a process whose standard input is a pipe that contains `text`.
 int with_input(const std::string& text, const std::function<int()>& body) {
   return in_child([&] {
     std::array<int, 2> ends{};
@@ -205,7 +205,7 @@ int with_input(const std::string& text, const std::function<int()>& body) {
   });
 }
 
-TEST(StandardInput, IsAnInputFile) {
+TEST(StandardInput, OpensAsAnInputFile) {
   EXPECT_EQ(with_input("sixteen bytes .!",
                        [] {
                          for (int again = 0; again < 2; ++again) {
@@ -227,8 +227,8 @@ TEST(StandardInput, IsAnInputFile) {
             0);
 }
 
-// What was read before the failure is gone: the second time must not find a shorter file.
-TEST(StandardInput, AFailureIsKept) {
+// Bytes read before the failure are gone: a second attempt must not return a shorter file.
+TEST(StandardInput, KeepsAFailure) {
   EXPECT_EQ(with_input(std::string(1000, 'x'),
                        [] {
                          if (InputFile::open("-", Context(MemoryBudget(10)))) return 1;
@@ -238,7 +238,7 @@ TEST(StandardInput, AFailureIsKept) {
             0);
 }
 
-TEST(StandardInput, NamesNoOtherFiles) {
+TEST(StandardInput, RejectsDataFilesOfItsHeader) {
   const auto beside = resolve_beside("-", "CMakeLists.txt");
   ASSERT_FALSE(beside);
   EXPECT_NE(beside.error().message.find("standard input"), std::string::npos);

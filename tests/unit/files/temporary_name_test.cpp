@@ -16,7 +16,7 @@ using test::write_bytes;
 
 using Names = std::set<std::string>;
 
-// Writes out.bin in a process that finds no unnamed files; `before_commit` may end it.
+// Writes out.bin in a process that cannot create unnamed files; `before_commit` may end the process.
 int write_without_unnamed_files(const fs::path& folder, const std::function<void()>& before_commit) {
   return in_child([&] {
     if (!forbid_unnamed_files()) return 77;
@@ -27,7 +27,8 @@ int write_without_unnamed_files(const fs::path& folder, const std::function<void
   });
 }
 
-// What a process of this machine that is gone has left behind. Nothing where system calls cannot be filtered.
+// Returns the name of a file left by a process of this machine that has ended. Returns "" if system calls cannot be
+// filtered.
 std::string leave_one_behind(const TempFolder& folder) {
   if (write_without_unnamed_files(folder.path(), [] { ::raise(SIGKILL); }) == 77) return {};
   const Names names = folder.names();
@@ -35,7 +36,7 @@ std::string leave_one_behind(const TempFolder& folder) {
   return names.empty() ? "none" : *names.begin();
 }
 
-TEST(TemporaryName, WithoutUnnamedFilesTheNextProcessRemovesWhatAKilledOneLeft) {
+TEST(TemporaryName, RemovesFilesOfAKilledProcessWithoutUnnamedFiles) {
   const TempFolder folder;
   const std::string left = leave_one_behind(folder);
   if (left.empty()) GTEST_SKIP() << "this system does not let a process filter its system calls";
@@ -44,8 +45,8 @@ TEST(TemporaryName, WithoutUnnamedFilesTheNextProcessRemovesWhatAKilledOneLeft) 
   EXPECT_EQ(folder.names(), Names{"out.bin"});
 }
 
-// With unnamed files a file has such a name only while it is put into the place of an old one.
-TEST(TemporaryName, WithUnnamedFilesTheNextProcessRemovesItToo) {
+// With unnamed files, a file has such a name only while it replaces an old one.
+TEST(TemporaryName, RemovesFilesOfAKilledProcessWithUnnamedFiles) {
   const TempFolder folder;
   const std::string left = leave_one_behind(folder);
   if (left.empty()) GTEST_SKIP() << "this system does not let a process filter its system calls";
@@ -55,18 +56,18 @@ TEST(TemporaryName, WithUnnamedFilesTheNextProcessRemovesItToo) {
   EXPECT_EQ(folder.names(), Names{"out.bin"});
 }
 
-TEST(TemporaryName, WhatHasAnOwnerOrIsOfAnotherMachineStays) {
+TEST(TemporaryName, KeepsFilesOfLiveProcessesAndOtherMachines) {
   const TempFolder folder;
   const std::string left = leave_one_behind(folder);
   if (left.empty()) GTEST_SKIP() << "this system does not let a process filter its system calls";
-  // Another process has the lock: it may be one whose number is not seen from here.
+  // Another process has the lock: it may be invisible from here.
   const int owner = ::open((folder / left).c_str(), O_RDWR | O_CLOEXEC);
   ASSERT_EQ(::flock(owner, LOCK_EX | LOCK_NB), 0);
   std::string elsewhere = left;
   elsewhere.insert(elsewhere.find('-') + 1, "elsewhere.");
   write_bytes(folder / elsewhere, "of another machine");
   write_bytes(folder / ".isoextract-notes", "of somebody else");
-  const std::string notes = left + "-notes";  // the same: no name that is made here goes on behind its number
+  const std::string notes = left + "-notes";  // not removed either: names made here end after the number
   write_bytes(folder / notes, "of somebody else");
   const Names kept{left, elsewhere, ".isoextract-notes", notes};
 
@@ -74,8 +75,7 @@ TEST(TemporaryName, WhatHasAnOwnerOrIsOfAnotherMachineStays) {
   with_output.insert("out.bin");
   EXPECT_EQ(write_without_unnamed_files(folder.path(),
                                         [&] {
-                                          // A process beside the owner of an unfinished file; what the first one writes
-                                          // is still there to be named.
+                                          // Runs beside the owner of an unfinished file, whose name is still on disk.
                                           if (write_without_unnamed_files(folder.path(), [] {}) != 0) ::_exit(5);
                                         }),
             0);
@@ -83,16 +83,16 @@ TEST(TemporaryName, WhatHasAnOwnerOrIsOfAnotherMachineStays) {
   ::close(owner);
 }
 
-TEST(TemporaryName, WithoutUnnamedFilesASignalsHandlerRemovesWhatIsUnfinished) {
+TEST(TemporaryName, RemovesUnfinishedFilesInSignalHandler) {
   const TempFolder folder;
   const int code = write_without_unnamed_files(folder.path(), [&] {
     if (folder.names().size() != 1) ::_exit(5);
     OutputFile::remove_unfinished();
     if (!folder.names().empty()) ::_exit(6);
-    if (OutputFile::create(folder / "late.bin")) ::_exit(7);  // nothing new while the process ends
+    if (OutputFile::create(folder / "late.bin")) ::_exit(7);  // no new files while the process ends
   });
   if (code == 77) GTEST_SKIP() << "this system does not let a process filter its system calls";
-  EXPECT_EQ(code, 3);  // there is nothing left to be committed
+  EXPECT_EQ(code, 3);  // nothing is left to commit
   EXPECT_EQ(folder.names(), Names{});
 }
 

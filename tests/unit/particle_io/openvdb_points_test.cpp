@@ -1,4 +1,4 @@
-// Points by the plug-in around OpenVDB, where it was built, and what is said where it is missing.
+// Tests points read by the OpenVDB plug-in if it was built, and the messages without it.
 #include <array>
 #include <cstring>
 #include <random>
@@ -34,7 +34,7 @@ Result<particle_io::ParticleFile> try_points(const std::filesystem::path& path,
   }
 }
 
-// Points at `places` with attributes of several types.
+// Returns points at `places` with attributes of several types.
 openvdb::points::PointDataGrid::Ptr point_grid(const std::string& name, const std::vector<openvdb::Vec3d>& places,
                                                double voxel) {
   namespace points = openvdb::points;
@@ -69,7 +69,7 @@ std::vector<openvdb::Vec3d> some_places() {
   return places;
 }
 
-TEST(OpenVdbPoints, PositionsAndAttributes) {
+TEST(OpenVdbPoints, ReadsPositionsAndAttributes) {
   NEEDS_OPENVDB_PLUGIN();
   const TempFolder folder;
   const auto places = some_places();
@@ -93,7 +93,7 @@ TEST(OpenVdbPoints, PositionsAndAttributes) {
   EXPECT_EQ(seen.size(), places.size());
 }
 
-TEST(OpenVdbPoints, ThePositionIsAnAttributeToo) {
+TEST(OpenVdbPoints, OffersThePositionAsAttribute) {
   NEEDS_OPENVDB_PLUGIN();
   const TempFolder folder;
   write_vdb(folder / "p.vdb", {point_grid("drops", some_places(), 0.5)});
@@ -112,7 +112,7 @@ TEST(OpenVdbPoints, ThePositionIsAnAttributeToo) {
   EXPECT_EQ(attribute_named(read->particles, "heat").components, 1U);
 }
 
-TEST(OpenVdbPoints, AnAttributeOfFewerPointsIsDamage) {
+TEST(OpenVdbPoints, RejectsAttributesWithFewerPoints) {
   NEEDS_OPENVDB_PLUGIN();
   namespace points = openvdb::points;
   const TempFolder folder;
@@ -133,8 +133,8 @@ TEST(OpenVdbPoints, AnAttributeOfFewerPointsIsDamage) {
   EXPECT_TRUE(try_points(folder / "p.vdb"));
 }
 
-// Where the file tells of an array of `bytes_per_point` for each of some points of a leaf: the places of the numbers of
-// bytes, which count six more.
+// Finds the arrays with `bytes_per_point` bytes for each point of a leaf: returns the positions of their size fields,
+// which are 6 larger.
 std::vector<std::size_t> places_of_arrays(const std::string& file, std::uint64_t bytes_per_point) {
   std::vector<std::size_t> places;
   for (std::size_t at = 0; at + 14 <= file.size(); ++at) {
@@ -147,14 +147,14 @@ std::vector<std::size_t> places_of_arrays(const std::string& file, std::uint64_t
   return places;
 }
 
-TEST(OpenVdbPoints, AnArrayOfFewerBytesThanItsPointsNeedIsDamage) {
+TEST(OpenVdbPoints, RejectsArraysWithTooFewBytes) {
   NEEDS_OPENVDB_PLUGIN();
   const TempFolder folder;
   write_vdb(folder / "p.vdb", {point_grid("drops", some_places(), 0.5)});
   std::string file = read_bytes(folder / "p.vdb");
   const auto arrays = places_of_arrays(file, 12);  // positions and velocities
   ASSERT_GE(arrays.size(), 2U);
-  // What one array lacks the next one has, so that all of them together are as large as they were.
+  // Moves bytes from one array to the next, so that their total size stays the same.
   const auto add = [&](std::size_t at, std::int64_t more) {
     std::int64_t bytes = 0;
     std::memcpy(&bytes, &file[at], sizeof(bytes));
@@ -170,7 +170,7 @@ TEST(OpenVdbPoints, AnArrayOfFewerBytesThanItsPointsNeedIsDamage) {
   expect_in(read.error().message, "the file is damaged: expected ");
 }
 
-TEST(OpenVdbPoints, DamagedFilesEndNothing) {
+TEST(OpenVdbPoints, SurvivesDamagedFiles) {
   NEEDS_OPENVDB_PLUGIN();
   const TempFolder folder;
   write_vdb(folder / "p.vdb", {point_grid("drops", some_places(), 0.5)});
@@ -192,13 +192,13 @@ TEST(OpenVdbPoints, DamagedFilesEndNothing) {
     const auto read = try_points(folder / "d.vdb", with_all());
     if (read) continue;
     ++refused;
-    // A count that is damaged may ask for more memory than there is.
+    // A damaged count may request more memory than exists.
     EXPECT_EQ(exit_code_of(read.error().code), exit_code_of(ErrorCode::input)) << i << ": " << read.error().message;
   }
   EXPECT_GT(refused, 10);
 }
 
-TEST(OpenVdbPoints, FilesOfPointsAloneAreParticles) {
+TEST(OpenVdbPoints, DetectsFilesWithOnlyPoints) {
   const TempFolder folder;
   const auto drops = point_grid("drops", some_places(), 0.5);
   write_vdb(folder / "points.vdb", {drops});
@@ -222,7 +222,7 @@ TEST(OpenVdbPoints, FilesOfPointsAloneAreParticles) {
   expect_in(missing.error().message, "isoextract-particles-openvdb.so");
 }
 
-TEST(OpenVdbPoints, OneOfSeveralGridsIsNamed) {
+TEST(OpenVdbPoints, SelectsAGridByName) {
   NEEDS_OPENVDB_PLUGIN();
   const TempFolder folder;
   auto few = some_places();
@@ -241,7 +241,7 @@ TEST(OpenVdbPoints, OneOfSeveralGridsIsNamed) {
   expect_in(try_points(folder / "p.vdb", options).error().message, "there is no grid of points 'density'");
 }
 
-TEST(OpenVdbPoints, CutFilesAreRefused) {
+TEST(OpenVdbPoints, RejectsTruncatedFiles) {
   NEEDS_OPENVDB_PLUGIN();
   const TempFolder folder;
   write_vdb(folder / "p.vdb", {point_grid("drops", some_places(), 0.5)});

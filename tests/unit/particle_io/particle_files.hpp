@@ -1,4 +1,4 @@
-// Shared by the tests of particles: bytes of files made by hand, and what a reader made of them.
+// Shared by the tests of particles: files made by hand, and comparisons of what a reader returns.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace isoextract::test {
 
-// Like volume files, they are written into a folder of their own and read by their name there.
+// A file's name and bytes; written to a temporary folder and read under its name there.
 struct ParticleInput {
   std::string name;
   std::string bytes;
@@ -92,7 +92,7 @@ inline void expect_attribute(const points::ParticleSet& set, std::string_view na
   EXPECT_EQ(std::vector<float>(attribute.values.begin(), attribute.values.end()), expected) << name;
 }
 
-// "name:components type [unit]", those that are no numbers in brackets.
+// Returns "name:components type [unit]" for each quantity; in brackets if not numeric.
 inline std::vector<std::string> quantities_of(const particle_io::ParticleInfo& info) {
   std::vector<std::string> lines;
   for (const particle_io::ParticleQuantity& q : info.quantities) {
@@ -103,7 +103,7 @@ inline std::vector<std::string> quantities_of(const particle_io::ParticleInfo& i
   return lines;
 }
 
-// Three particles at (1,2,3), (4,5,6) and (7,8,9.5) with what formats have besides; all files of particles here.
+// All particle files here have three particles at (1,2,3), (4,5,6) and (7,8,9.5), with additional data of their format.
 inline std::string ply_header(std::string_view format, std::string_view more = {}, std::size_t count = 3) {
   return fmt::format(
       "ply\nformat {} 1.0\ncomment made by hand\nelement vertex {}\nproperty float x\nproperty float y\n"
@@ -122,7 +122,7 @@ inline std::string ply_body(std::endian endian) {
   return body;
 }
 
-// BGEO as it was until Houdini 11: big-endian.
+// BGEO of Houdini up to version 11: big-endian.
 inline std::string bgeo_classic(std::size_t count = 3) {
   constexpr auto kBig = std::endian::big;
   const auto whole = [&](std::size_t value) { return pack(static_cast<std::int32_t>(value), kBig); };
@@ -157,7 +157,7 @@ class HoudiniBytes {
     bytes_ += value;
     return *this;
   }
-  // Defines a text once and refers to it after that.
+  // Defines a text once and refers to it afterward.
   HoudiniBytes& name(char id, const std::string& value) {
     bytes_ += '\x2b';
     bytes_ += id;
@@ -197,7 +197,7 @@ class HoudiniBytes {
   std::string bytes_;
 };
 
-// Pages of two elements; P is packed as x and y, then z, and z is the same in the second page, which has one element.
+// Pages have two elements. P is packed as x and y, then z; z is constant on the second page, which has one element.
 inline std::string houdini_geometry(std::endian endian = std::endian::little, std::int32_t count = 3) {
   HoudiniBytes h(endian);
   h.begin().text("fileversion").text("18.5").text("hasindex").raw("0").name(1, "pointcount").whole(count);
@@ -226,12 +226,12 @@ inline std::string houdini_geometry(std::endian endian = std::endian::little, st
     h.numbers<float>('\x19', {-f, 0.5F, f + 0.25F});
   }
   h.end().end().end().end();
-  // A number that is the same in all of the first page.
+  // A number that is constant on the first page.
   h.begin().begin().ref(2).ref(3).ref(4).text("heat").end().begin().ref(5).whole(1).ref(6).ref(7);
   h.ref(8).begin().ref(5).whole(1).ref(6).ref(7).text("pagesize").whole(2);
   h.text("constantpageflags").begin().begin().raw("10").end().end().text("rawpagedata");
   h.numbers<float>('\x19', {5, 6}).end().end().end();
-  // id, in one array; a text, and something of a later version
+  // id, in one array; a text, and a member of a later version
   h.begin().begin().ref(2).ref(3).ref(4).text("id").end().begin().ref(5).whole(1).ref(6).text("int32");
   h.ref(8).begin().ref(5).whole(1).ref(6).text("int32").text("arrays").begin();
   h.numbers<std::int32_t>('\x13', {70, 71, 72}).end().end().end().end();

@@ -1,4 +1,4 @@
-// What is written of particles is what is read again.
+// Tests that reading returns what was written.
 #include "particle_io/particle_writer.hpp"
 
 #include <cstring>
@@ -51,7 +51,7 @@ class ParticleWriter : public testing::TestWithParam<ParticleFileFormat> {
   TempFolder folder_;
 };
 
-TEST_P(ParticleWriter, WritesWhatIsReadAgain) {
+TEST_P(ParticleWriter, RoundTrips) {
   for (const std::size_t count : {1U, 2U, 40000U}) {
     const points::ParticleSet set = some_particles(count);
     const auto bytes = write_particles(path(), set, GetParam());
@@ -87,7 +87,7 @@ TEST_P(ParticleWriter, WritesTheSameBytesForAnyNumberOfThreads) {
   EXPECT_TRUE(files[0] == files[1]);
 }
 
-TEST_P(ParticleWriter, WritesNoParticles) {
+TEST_P(ParticleWriter, WritesEmptySets) {
   ASSERT_TRUE(write_particles(path(), some_particles(0), GetParam()));
   const std::string bytes = test::read_bytes(path());
   EXPECT_FALSE(bytes.empty());
@@ -95,7 +95,7 @@ TEST_P(ParticleWriter, WritesNoParticles) {
   EXPECT_EQ(bytes.find("element vertex 0\n") != std::string::npos, is_ply);
 }
 
-TEST_P(ParticleWriter, RefusesNamesThatAFormatCouldTakeForSomethingElse) {
+TEST_P(ParticleWriter, RejectsAmbiguousNames) {
   for (const char* name : {"", "two words", "x", "Position", "age", "AGE", "it's", "a:b",
                            "a_name_that_is_longer_than_all_that_are_real"}) {
     points::ParticleSet set = some_particles(3);
@@ -107,7 +107,7 @@ TEST_P(ParticleWriter, RefusesNamesThatAFormatCouldTakeForSomethingElse) {
   }
 }
 
-TEST_P(ParticleWriter, SaysWhyAFileCannotBeWritten) {
+TEST_P(ParticleWriter, ReportsWriteErrors) {
   const auto written = write_particles(folder_ / "none/some.ply", some_particles(3), GetParam());
   ASSERT_FALSE(written);
   EXPECT_EQ(written.error().code, ErrorCode::output);
@@ -118,7 +118,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, ParticleWriter,
                          testing::Values(ParticleFileFormat::ply, ParticleFileFormat::npy, ParticleFileFormat::xyz),
                          [](const auto& tested) { return extension_of(tested.param); });
 
-TEST(ParticleFileFormats, AreChosenByExtensions) {
+TEST(ParticleFileFormats, AreChosenByExtension) {
   EXPECT_EQ(particle_file_format_by_path("a/b_0001.ply"), ParticleFileFormat::ply);
   EXPECT_EQ(particle_file_format_by_path("B.NPY"), ParticleFileFormat::npy);
   EXPECT_EQ(particle_file_format_by_path("c.xyz"), ParticleFileFormat::xyz);

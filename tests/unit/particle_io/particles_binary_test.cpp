@@ -1,4 +1,4 @@
-// PLY, BGEO and NPY: records, and arrays of numbers.
+// Tests PLY, BGEO and NPY: records, and arrays of numbers.
 #include <chrono>
 #include <filesystem>
 
@@ -11,7 +11,7 @@ namespace {
 const std::vector<glm::dvec3> kThree{{1, 2, 3}, {4, 5, 6}, {7, 8, 9.5}};
 const std::vector<float> kVelocities{-0.0F, 0.5F, 0.25F, -3, 0.5F, 3.25F, -6, 0.5F, 6.25F};
 
-// What the file says of an attribute.
+// Returns the kind of an attribute that the file states.
 std::optional<AttributeKind> stated_kind(const points::ParticleSet& particles, const std::string& name) {
   for (const points::ParticleAttribute& attribute : particles.attributes) {
     if (attribute.name == name) return attribute.kind;
@@ -20,7 +20,7 @@ std::optional<AttributeKind> stated_kind(const points::ParticleSet& particles, c
   return std::nullopt;
 }
 
-TEST(ParticlesPly, BinaryAndText) {
+TEST(ParticlesPly, ReadsBinaryAndText) {
   const std::string text_body = "1 2 3 200 0 0.5 0.25\n4 5 6 201 -3 0.5 3.25\n7 8 9.5 202 -6 0.5 6.25\n";
   const ParticleInput little{"a.ply", ply_header("binary_little_endian") + ply_body(std::endian::little)};
   const ParticleInput big{"a.ply", ply_header("binary_big_endian") + ply_body(std::endian::big)};
@@ -38,7 +38,7 @@ TEST(ParticlesPly, BinaryAndText) {
   }
 }
 
-TEST(ParticlesPly, OtherElementsAndListsArePassedOver) {
+TEST(ParticlesPly, SkipsOtherElementsAndLists) {
   for (const std::endian endian : {std::endian::little, std::endian::big}) {
     const std::string header = fmt::format(
         "ply\nformat binary_{}_endian 1.0\nelement cell 2\nproperty list uchar int ids\nproperty short s\n"
@@ -62,14 +62,14 @@ TEST(ParticlesPly, OtherElementsAndListsArePassedOver) {
   expect_positions(must_read_particles({"a.ply", text}).particles, {{1, 2, 3}, {4, 5, 6}});
 }
 
-TEST(ParticlesPly, AMeshIsToldApart) {
+TEST(ParticlesPly, DistinguishesMeshes) {
   const std::string mesh = ply_header("ascii", "element face 1\nproperty list uchar int vertex_index\n") + "1 2 3\n";
   const Error error = particle_refusal({"a.ply", mesh});
   expect_in(error.message, "expected particles, found a mesh: a PLY file with 1 faces");
   EXPECT_FALSE(error.hint.empty());
 }
 
-TEST(ParticlesPly, WrongFilesAreRefused) {
+TEST(ParticlesPly, RejectsInvalidFiles) {
   const std::string body = ply_body(std::endian::little);
   const auto without = [](std::string text, const std::string& part) {
     return text.erase(text.find(part), part.size());
@@ -101,7 +101,7 @@ TEST(ParticlesPly, WrongFilesAreRefused) {
   }
 }
 
-TEST(ParticlesBgeo, OldOnes) {
+TEST(ParticlesBgeo, ReadsClassicFiles) {
   for (const ParticleInput& input :
        {ParticleInput{"a.bgeo", bgeo_classic()}, ParticleInput{"a.bgeo.gz", gzip(bgeo_classic())}}) {
     const particle_io::ParticleFile file = must_read_particles(input, with_all());
@@ -119,7 +119,7 @@ TEST(ParticlesBgeo, OldOnes) {
   }
 }
 
-TEST(ParticlesBgeo, WrongOldOnesAreRefused) {
+TEST(ParticlesBgeo, RejectsInvalidClassicFiles) {
   const std::string good = bgeo_classic();
   const auto changed = [&](std::size_t at, std::int32_t value) {
     std::string bytes = good;
@@ -147,14 +147,14 @@ TEST(ParticlesBgeo, WrongOldOnesAreRefused) {
   }
 }
 
-TEST(ParticlesBgeo, NewOnes) {
+TEST(ParticlesBgeo, ReadsNewFiles) {
   for (const std::string& bytes : {houdini_geometry(), houdini_geometry(std::endian::big), gzip(houdini_geometry())}) {
     const particle_io::ParticleFile file = must_read_particles({"a.bgeo", bytes}, with_all());
     expect_positions(file.particles, kThree);
     EXPECT_EQ(file.particles.attributes.size(), 3U);
     expect_attribute(file.particles, "heat", 1, {5, 5, 6});
     expect_attribute(file.particles, "v", 3, kVelocities);
-    EXPECT_EQ(stated_kind(file.particles, "v"), AttributeKind::normal);  // whatever it is called
+    EXPECT_EQ(stated_kind(file.particles, "v"), AttributeKind::normal);  // for any name
     EXPECT_EQ(stated_kind(file.particles, "heat"), std::nullopt);
     expect_attribute(file.particles, "id", 1, {70, 71, 72});
     ASSERT_EQ(file.notes.size(), 2U);
@@ -168,7 +168,7 @@ TEST(ParticlesBgeo, NewOnes) {
   }
 }
 
-TEST(ParticlesBgeo, WhoMadeThemOrWhoseFormatItIs) {
+TEST(ParticlesBgeo, NamesTheCreatorOrTheFormat) {
   EXPECT_EQ(must_read_particles({"a.bgeo", bgeo_classic()}).creator, "Houdini's format");
   EXPECT_EQ(must_read_particles({"a.bgeo", houdini_geometry()}).creator, "Houdini's format");
   for (const auto& [software, creator] :
@@ -180,7 +180,7 @@ TEST(ParticlesBgeo, WhoMadeThemOrWhoseFormatItIs) {
   }
 }
 
-TEST(ParticlesBgeo, WrongNewOnesAreRefused) {
+TEST(ParticlesBgeo, RejectsInvalidNewFiles) {
   const std::string good = houdini_geometry();
   const auto replaced = [&](const std::string& from, const std::string& to) {
     std::string bytes = good;
@@ -206,8 +206,8 @@ TEST(ParticlesBgeo, WrongNewOnesAreRefused) {
   }
 }
 
-// A name that comes twice: counts and attributes would hold for a part of the file only.
-TEST(ParticlesBgeo, RepeatedNamesAreRefused) {
+// With a repeated name, counts and attributes would apply to only a part of the file.
+TEST(ParticlesBgeo, RejectsRepeatedNames) {
   const std::string good = houdini_geometry();
   const auto inserted = [&](const std::string& before, const std::string& more) {
     std::string bytes = good;
@@ -219,7 +219,7 @@ TEST(ParticlesBgeo, RepeatedNamesAreRefused) {
   const auto count = [](std::int32_t value) {
     return HoudiniBytes().text("pointcount").whole(value).bytes().substr(5);
   };
-  // The first walk allocates for the last count, and the second one writes with the one before the attributes.
+  // The first pass would allocate for the last count, while the second would write by the count before the attributes.
   expect_in(particle_refusal({"a.bgeo", inserted(primitives, count(0))}, with_all()).message,
             "expected each name of a map once, found 'pointcount' again before byte");
   expect_in(particle_refusal({"a.bgeo", inserted(primitives, count(1))}, with_all()).message, "'pointcount' again");
@@ -237,7 +237,7 @@ TEST(ParticlesBgeo, RepeatedNamesAreRefused) {
             "'size' again");
 }
 
-// P, of three points, with these names and values in its second map.
+// Returns a file with the attribute P of three points, and these names and values in its second map.
 std::string position_only(const HoudiniBytes& map) {
   HoudiniBytes h;
   h.begin().text("pointcount").whole(3).text("attributes").begin().text("pointattributes").begin().begin();
@@ -246,19 +246,19 @@ std::string position_only(const HoudiniBytes& map) {
   return h.bytes();
 }
 
-TEST(ParticlesBgeo, AttributesNeedTheirValues) {
+TEST(ParticlesBgeo, RequiresValuesOfAttributes) {
   HoudiniBytes values;
   values.text("values").begin().text("arrays").numbers<float>('\x19', {1, 4, 7, 2, 5, 8, 3, 6, 9.5F}).end();
   HoudiniBytes size_last = values;
   size_last.text("size").whole(3);
   expect_positions(must_read_particles({"a.bgeo", position_only(size_last)}).particles, kThree);
-  // Positions without values would be whatever the memory held before.
+  // Positions without values would be uninitialized memory.
   expect_in(particle_refusal({"a.bgeo", position_only(HoudiniBytes().text("size").whole(3))}).message,
             "expected the values of the attribute 'P'");
 }
 
-// A writer may come between the two walks through a file.
-TEST(ParticlesBgeo, FilesThatChangeBetweenTheWalksAreFoundOut) {
+// Another program may write to the file between the two passes.
+TEST(ParticlesBgeo, DetectsChangesBetweenPasses) {
   const TempFolder folder;
   const std::string path = folder / "a.bgeo";
   const std::string three = houdini_geometry();
@@ -283,12 +283,12 @@ TEST(ParticlesBgeo, FilesThatChangeBetweenTheWalksAreFoundOut) {
   std::string renamed = three;
   renamed.replace(renamed.find("\x27\2id"), 4, "\x27\2ID");
   expect_in(read_after(renamed), "an attribute changed while the file was read");
-  // Values alone say nothing of it; the file's time does.
+  // The values do not reveal the change; the file's time does.
   expect_in(read_after(three), "a.bgeo: it was written to while it was read");
 }
 
-// Whatever a reader makes of the counts in a file.
-TEST(ParticlesColumns, SinksRefuseParticlesBeyondTheLast) {
+// Protects against any wrong count in a file.
+TEST(ParticlesColumns, RejectParticlesBeyondTheLast) {
   points::ParticleSet set;
   set.positions = Buffer<glm::dvec3>(2);
   set.attributes.push_back({"heat", 1, Buffer<float>(2)});
@@ -302,7 +302,7 @@ TEST(ParticlesColumns, SinksRefuseParticlesBeyondTheLast) {
   }
 }
 
-TEST(ParticlesNpy, RowsOfBothOrders) {
+TEST(ParticlesNpy, ReadsRowsInBothOrders) {
   for (const std::endian endian : {std::endian::little, std::endian::big}) {
     std::string rows;
     std::string columns;
@@ -327,7 +327,7 @@ TEST(ParticlesNpy, RowsOfBothOrders) {
   }
 }
 
-TEST(ParticlesNpy, AllTypesOfNumbers) {
+TEST(ParticlesNpy, ReadsAllNumberTypes) {
   const auto read = [](const std::string& descr, const std::string& data) {
     return must_read_particles({"a.npy", npy_bytes("'" + descr + "'", "(1, 3)", data)}).particles.positions[0];
   };
@@ -345,7 +345,7 @@ TEST(ParticlesNpy, AllTypesOfNumbers) {
   EXPECT_EQ(read("<f4", data(float{})), glm::dvec3(1, 2, 100));
 }
 
-TEST(ParticlesNpy, StructuredArrays) {
+TEST(ParticlesNpy, ReadsStructuredArrays) {
   std::string tuples;
   std::string singles;
   for (int i = 0; i < 3; ++i) {
@@ -372,8 +372,8 @@ TEST(ParticlesNpy, StructuredArrays) {
   expect_attribute(flat.particles, "v", 3, kVelocities);
 }
 
-// The bytes of texts, dates and complex numbers were taken for coordinates; types without bytes were read past the end.
-TEST(ParticlesNpy, OnlyNumbersArePositions) {
+// Bytes of texts, dates and complex numbers were read as coordinates, and types without bytes past the end.
+TEST(ParticlesNpy, RejectsPositionsThatAreNotNumbers) {
   const auto of_type = [](const std::string& type, std::size_t bytes) {
     return npy_bytes(fmt::format("[('x', '{0}'), ('y', '{0}'), ('z', '{0}')]", type), "(2,)",
                      std::string(6 * bytes, 'a'));
@@ -400,7 +400,7 @@ TEST(ParticlesNpy, OnlyNumbersArePositions) {
   }
 }
 
-TEST(ParticlesColumns, RecordsHoldTheirFields) {
+TEST(ParticlesColumns, RejectFieldsOutsideTheirRecord) {
   points::ParticleSet set;
   set.positions = Buffer<glm::dvec3>(1);
   const std::vector<particle_io::ColumnSink> sinks = particle_io::sinks_of(set, {{0, 1, 2}, {}, {}, {}});
@@ -415,7 +415,7 @@ TEST(ParticlesColumns, RecordsHoldTheirFields) {
   EXPECT_THROW(particle_io::put_records(layout, record, 0, sinks), particle_io::DamagedParticles);
 }
 
-TEST(ParticlesNpy, WrongArraysAreRefused) {
+TEST(ParticlesNpy, RejectsInvalidArrays) {
   const std::string data(72, '\0');
   const struct {
     std::string bytes;

@@ -1,4 +1,4 @@
-// What all readers of particles have in common: which format a file is, damaged files, memory.
+// Tests shared behavior of the particle readers: detection, damaged files, memory.
 #include <filesystem>
 
 #include "unit/particle_io/particle_files.hpp"
@@ -20,11 +20,11 @@ std::vector<ParticleInput> all_kinds() {
           {"a.dump", std::string(kLammpsDump)}};
 }
 
-// What reading has reserved at most: a block of the file, and the particles.
+// Largest reservation while reading: a block of the file, and the particles.
 constexpr std::uint64_t kMost = (std::uint64_t{2} << 20) + 4096;
 
 void read_damaged(const std::filesystem::path& path, const std::string& bytes) {
-  std::filesystem::remove(path);  // some file systems wait for the disk where a file is written over
+  std::filesystem::remove(path);  // some file systems wait for the disk when a file is overwritten
   write_bytes(path, bytes);
   const bool has_frames = path.extension() == ".xyz" || path.extension() == ".dump";
   for (const bool frame : {false, true}) {
@@ -42,7 +42,7 @@ void read_damaged(const std::filesystem::path& path, const std::string& bytes) {
   }
 }
 
-TEST(ParticlesDamage, CutAtEveryByte) {
+TEST(ParticlesDamage, RejectsTruncationAtEveryByte) {
   for (const ParticleInput& input : all_kinds()) {
     SCOPED_TRACE(input.name);
     const TempFolder folder;
@@ -52,7 +52,7 @@ TEST(ParticlesDamage, CutAtEveryByte) {
   }
 }
 
-TEST(ParticlesDamage, EveryByteChanged) {
+TEST(ParticlesDamage, SurvivesChangesOfEveryByte) {
   for (const ParticleInput& input : all_kinds()) {
     SCOPED_TRACE(input.name);
     const TempFolder folder;
@@ -66,8 +66,8 @@ TEST(ParticlesDamage, EveryByteChanged) {
   }
 }
 
-TEST(ParticlesDamage, MemoryIsReservedBeforeItIsTaken) {
-  // Zeros pack well: 100000 points of 40 bytes in a few KiB.
+TEST(ParticlesDamage, ReservesMemoryBeforeAllocating) {
+  // Zeros compress well: 100000 points of 40 bytes fit into a few KiB.
   std::string bytes = bgeo_classic(100000);
   bytes.resize(bytes.size() + std::size_t{36} * 100000);
   const ParticleInput bomb{"a.bgeo", gzip(bytes)};
@@ -80,13 +80,13 @@ TEST(ParticlesDamage, MemoryIsReservedBeforeItIsTaken) {
   ASSERT_TRUE(read);
   EXPECT_EQ(read->particles.memory.bytes(), 100000U * (24 + 12));
   EXPECT_EQ(enough.memory().reserved(), 100000U * (24 + 12));
-  // A page of Houdini's that is constant tells of many points with few bytes: the budget holds all the same.
+  // A constant page of Houdini describes many points with few bytes: the memory limit must still hold.
   const Error constant = particle_refusal({"a.bgeo", houdini_geometry(std::endian::little, 0x7fffffff)});
   EXPECT_FALSE(constant.message.empty());
 }
 
-// What is kept of a header while the particles are read does not follow from how well the file packs.
-TEST(ParticlesDamage, HeadersAreBounded) {
+// Memory of a header must be limited, however well the file compresses.
+TEST(ParticlesDamage, LimitsHeaders) {
   std::string elements = "ply\nformat ascii 1.0\n";
   for (int e = 0; e < 1000; ++e) {
     elements += "element a 0\n";
@@ -101,7 +101,8 @@ TEST(ParticlesDamage, HeadersAreBounded) {
   expect_in(particle_refusal({"a.bgeo", bgeo}).message, "a name of an attribute of at most 1024 bytes before byte ");
 }
 
-// P with so many components, each packed by itself and with a flag for each of its pages of one element, and no data.
+// Returns a file whose P has many components, each its own sub-vector with a flag for each one-element page, and no
+// data.
 std::string flags_of_pages(std::size_t parts, int pages) {
   HoudiniBytes h;
   h.begin().text("pointcount").whole(pages).text("attributes").begin().text("pointattributes").begin();
@@ -112,21 +113,21 @@ std::string flags_of_pages(std::size_t parts, int pages) {
   const std::string flags = std::string("@\x10\xf4", 3) + pack(static_cast<std::uint32_t>(pages)) +
                             std::string(static_cast<std::size_t>(pages + 31) / 32 * 4, '\0');
   for (std::size_t p = 0; p < parts; ++p) h.raw(flags);
-  h.end().end().end().end().end().end().end();  // up to the whole file
+  h.end().end().end().end().end().end().end();  // up to the end of the file
   return h.bytes();
 }
 
-TEST(ParticlesDamage, FlagsOfPagesAreReserved) {
+TEST(ParticlesDamage, ReservesPageFlags) {
   const std::string bytes = flags_of_pages(1000, 100000);
-  // Positions are 2.4 MB, and the flags 12.5 MB.
+  // Positions need 2.4 MB, flags 12.5 MB.
   const Error error = particle_refusal({"a.bgeo", gzip(bytes)}, {}, with_memory(std::uint64_t{8} << 20));
   expect_in(error.message, "flags of pages");
   EXPECT_EQ(error.hint.remedy, Remedy::raise_memory_limit);
-  // With enough memory it is the data that is missing.
+  // With enough memory the error is the missing data.
   expect_in(particle_refusal({"a.bgeo", gzip(bytes)}).message, "expected the values of an attribute");
 }
 
-TEST(ParticlesFormat, ByContentThenByName) {
+TEST(ParticlesFormat, DetectsByContentThenByName) {
   const auto detect = [](const ParticleInput& input) {
     const TempFolder folder;
     write_bytes(folder / input.name, input.bytes);
@@ -142,7 +143,7 @@ TEST(ParticlesFormat, ByContentThenByName) {
   EXPECT_EQ(detect({"A.CSV", "1 2 3\n"}), "csv");
   EXPECT_EQ(detect({"a.csv.gz", gzip("1 2 3\n")}), "csv");
   EXPECT_EQ(detect({"a.npy", npy_bytes("'<f4'", "(2, 3)", std::string(24, '\0'))}), "npy");
-  // Volumes.
+  // These are volumes.
   EXPECT_EQ(detect({"a.npy", npy_bytes("'<f4'", "(2, 3, 2)", std::string(48, '\0'))}), "none");
   EXPECT_EQ(detect({"a.nrrd", "NRRD0004\n"}), "none");
 
@@ -156,7 +157,7 @@ TEST(ParticlesFormat, ByContentThenByName) {
   EXPECT_EQ(particle_refusal({"a.csv", "1 2 3\n"}, options).code, ErrorCode::usage);
 }
 
-TEST(ParticlesFormat, OptionsOfOtherFormatsAreRefused) {
+TEST(ParticlesFormat, RejectsOptionsOfOtherFormats) {
   const Error frame = particle_refusal({"a.csv", "1 2 3\n"}, of_frame(0));
   EXPECT_EQ(frame.code, ErrorCode::usage);
   EXPECT_EQ(frame.hint.remedy, Remedy::leave_out_volume);
@@ -170,7 +171,7 @@ TEST(ParticlesFormat, OptionsOfOtherFormatsAreRefused) {
   }
 }
 
-TEST(ParticlesFormat, CancelledAndEmpty) {
+TEST(ParticlesFormat, HandlesCancellationAndEmptyFiles) {
   const Context context;
   context.cancel();
   const auto cancelled = try_particles({"a.csv", "1 2 3\n"}, {}, context);

@@ -1,4 +1,4 @@
-// Particles by others: counts, bounds and sums as NumPy found them in the bytes, and VTK in its files.
+// Tests files of other programs: counts, bounds and sums computed by NumPy from the bytes, and by VTK for its files.
 #include <limits>
 
 #include "support/data_folder.hpp"
@@ -28,7 +28,7 @@ void expect_place(const points::ParticleSet& set, const glm::dvec3& low, const g
   expect_near(total, sum, 1e-9);
 }
 
-TEST(RealParticles, DamBreakIsBgeoWithAttributes) {
+TEST(RealParticles, ReadBgeoAttributesOfDamBreak) {
   ISOEXTRACT_NEEDS_DATA("particles/dam_break_frame_9_6859_particles.bgeo");
   const auto read = read_real("particles/dam_break_frame_9_6859_particles.bgeo", with_all());
   ASSERT_EQ(read.particles.size(), 6859U);
@@ -40,7 +40,7 @@ TEST(RealParticles, DamBreakIsBgeoWithAttributes) {
   EXPECT_EQ(attribute_named(read.particles, "velocity").values[1], -0.41762838F);
 }
 
-TEST(RealParticles, OctocatIsBgeo) {
+TEST(RealParticles, ReadBgeoOctocat) {
   ISOEXTRACT_NEEDS_DATA("particles/octocat_32614_particles.bgeo");
   const auto read = read_real("particles/octocat_32614_particles.bgeo", with_all());
   ASSERT_EQ(read.particles.size(), 32614U);
@@ -50,7 +50,7 @@ TEST(RealParticles, OctocatIsBgeo) {
                {198.1827087212382, 623.5186667791277, 18678.99574076009});
 }
 
-TEST(RealParticles, QuickLiquidIsASequenceOfPly) {
+TEST(RealParticles, ReadPlySequenceOfQuickLiquid) {
   ISOEXTRACT_NEEDS_DATA("particles/flip_quickliquid/flip_0005.ply");
   const std::size_t counts[] = {41826, 42530, 42610, 34361, 45757, 69361, 77495, 80095};
   for (int i = 0; i < 8; ++i) {
@@ -66,7 +66,7 @@ TEST(RealParticles, QuickLiquidIsASequenceOfPly) {
   }
 }
 
-TEST(RealParticles, PeridynamicsIsASequenceOfCsv) {
+TEST(RealParticles, ReadCsvSequenceOfPeridynamics) {
   ISOEXTRACT_NEEDS_DATA("particles/lammps_peri/peri_1000.csv");
   const auto read = read_real("particles/lammps_peri/peri_1000.csv", with_attributes({"damage"}));
   ASSERT_EQ(read.particles.size(), 3487U);

@@ -1,4 +1,4 @@
-// Tables, XYZ and dumps of LAMMPS: what their lines hold, and where they are wrong.
+// Tests tables, XYZ and LAMMPS dumps, valid and invalid.
 #include <chrono>
 #include <cmath>
 #include <thread>
@@ -11,7 +11,7 @@ namespace {
 using Positions = std::vector<glm::dvec3>;
 const Positions kThree{{1, 2, 3}, {4, 5, 6}, {7, 8, 9.5}};
 
-TEST(ParticlesCsv, NamesDelimitersAndLineEnds) {
+TEST(ParticlesCsv, ReadsNamesDelimitersAndLineEnds) {
   for (const char* text :
        {"x,y,z\n1,2,3\n4,5,6\n7,8,9.5\n", "x,y,z\r\n1,2,3\r\n4,5,6\r\n7,8,9.5\r\n", "x,y,z\r1,2,3\r4,5,6\r7,8,9.5",
         "\xEF\xBB\xBFX;Y;Z\n1;2;3\n4;5;6\n7;8;9.5", "x\ty\tz\n1\t2\t3\n4\t5\t6\n7\t8\t9.5\n",
@@ -29,7 +29,7 @@ TEST(ParticlesCsv, NamesDelimitersAndLineEnds) {
   }
 }
 
-TEST(ParticlesCsv, UnitsAttributesAndText) {
+TEST(ParticlesCsv, ReadsUnitsAttributesAndText) {
   const ParticleInput input{"a.csv",
                             "id,x [mm],y [mm],z [mm],Velocity:0 (m/s),Velocity:1 (m/s),name,vx,vy,vz,id\n"
                             "1,1,2,3,0.5,-1,\"a \"\"b\"\", c\",1,2,3,11\n2,4,5,6,,1e3,d,4,5,6,12\n"};
@@ -53,8 +53,8 @@ TEST(ParticlesCsv, UnitsAttributesAndText) {
   expect_in(missing.hint.text, "id, Velocity, v, id[1]");
 }
 
-// As in the geometry spreadsheet of Houdini.
-TEST(ParticlesCsv, LettersInBracketsCountComponents) {
+// The form of Houdini's geometry spreadsheet.
+TEST(ParticlesCsv, TakesBracketedLettersForComponents) {
   const ParticleInput input{
       "a.csv",
       "id,P[x],P[y],P[z],v[X],v[Y],v[Z],Cd[r],Cd[g],Cd[b],uv[0],uv[1],N [x] [m],N [y] [m],N [z] [m]\n"
@@ -72,7 +72,7 @@ TEST(ParticlesCsv, LettersInBracketsCountComponents) {
   expect_positions(must_read_particles(input, options).particles, {{0.5, -1, 3}, {4, 5, 6}});
 }
 
-TEST(ParticlesCsv, UnitsInBracketsStayUnits) {
+TEST(ParticlesCsv, TakesBracketedUnitsForUnits) {
   const ParticleInput input{"a.csv",
                             "x [mm],y [mm],z [mm],mass [g],age [a],v[x] [m/s],v[y] [m/s],v[z] [m/s],Cd[r],Cd[g],Cd[b],"
                             "Cd[a],T [K],load[b],px,py,pz\n1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17\n"};
@@ -83,12 +83,12 @@ TEST(ParticlesCsv, UnitsInBracketsStayUnits) {
                                       "T:1 number in K", "load:1 number in b", "p:3 number"}));
 }
 
-// A vector p is a momentum, P a position.
-TEST(ParticlesCsv, MomentaAreNoPositions) {
+// The vector p is a momentum, P a position.
+TEST(ParticlesCsv, DistinguishesMomentaFromPositions) {
   expect_in(particle_refusal({"a.csv", "px,py,pz,t\n1,2,3,4\n"}).message, "expected columns x, y and z");
 }
 
-TEST(ParticlesCsv, ColumnsByNameAndNumber) {
+TEST(ParticlesCsv, SelectsColumnsByNameAndNumber) {
   const ParticleInput input{"a.csv", "a,b,c,d\n1,2,3,4\n5,6,7,8\n"};
   expect_in(particle_refusal(input).message, "expected columns x, y and z, found 4: a, b, c, d");
   particle_io::ParticleReadOptions options;
@@ -98,7 +98,7 @@ TEST(ParticlesCsv, ColumnsByNameAndNumber) {
   expect_in(particle_refusal(input, options).message, "there is no column '5'");
 }
 
-TEST(ParticlesCsv, TablesWithoutNames) {
+TEST(ParticlesCsv, ReadsTablesWithoutNames) {
   const particle_io::ParticleFile three = must_read_particles({"a.csv", "1 2 3\n4 5 6\n7 8 9.5\n"});
   expect_positions(three.particles, kThree);
   ASSERT_EQ(three.notes.size(), 1U);
@@ -106,11 +106,11 @@ TEST(ParticlesCsv, TablesWithoutNames) {
   expect_in(particle_refusal({"a.csv", "1 2 3 4\n4 5 6 7\n"}).message, "expected columns x, y and z, found 4");
   particle_io::ParticleReadOptions options;
   options.columns = {"2", "3", "4"};
-  // A row with a number in it holds values, not names.
+  // A row with a number has values, not names.
   expect_positions(must_read_particles({"a.csv", "H,1,2,3\nO,4,5,6\nH,7,8,9.5\n"}, options).particles, kThree);
 }
 
-TEST(ParticlesCsv, NumbersAsTheyAre) {
+TEST(ParticlesCsv, ReadsAllFormsOfNumbers) {
   const auto read = must_read_particles({"a.csv", "x,y,z\nnan,-inf,1e400\n1e-400,-1e-5000,123456789.123456789\n"});
   EXPECT_TRUE(std::isnan(read.particles.positions[0].x));
   EXPECT_EQ(read.particles.positions[0].y, -HUGE_VAL);
@@ -119,7 +119,7 @@ TEST(ParticlesCsv, NumbersAsTheyAre) {
   EXPECT_EQ(read.particles.positions[1].z, 123456789.123456789);
 }
 
-TEST(ParticlesCsv, WrongTablesAreRefused) {
+TEST(ParticlesCsv, RejectsInvalidTables) {
   const struct {
     std::string text;
     const char* message;
@@ -147,7 +147,7 @@ TEST(ParticlesCsv, WrongTablesAreRefused) {
   }
 }
 
-TEST(ParticlesCsv, GzipAndManyLines) {
+TEST(ParticlesCsv, ReadsGzipAndManyLines) {
   std::string text = "x,y,z\n";
   for (int i = 0; i < 60000; ++i) text += fmt::format("{},{},{}\n", i, 2 * i, 0.125 * i);
   for (const ParticleInput& input : {ParticleInput{"a.csv", text}, ParticleInput{"a.csv.gz", gzip(text)}}) {
@@ -159,7 +159,7 @@ TEST(ParticlesCsv, GzipAndManyLines) {
   }
 }
 
-TEST(ParticlesXyz, PlainFrames) {
+TEST(ParticlesXyz, ReadsPlainFrames) {
   const ParticleInput input{"a.xyz", "3\nwater\nO 1 2 3 0.5\nH 4 5 6 1\nH 7 8 9.5 2\n2\n\n8 1 2 3 4\n8 4 5 6 5\n\n"};
   const Error error = particle_refusal(input);
   expect_in(error.message, "there are 2 frames in the file, from 0 to 1");
@@ -183,7 +183,7 @@ TEST(ParticlesXyz, PlainFrames) {
   expect_positions(must_read_particles({"a.xyz", "1\n\n1 2 3"}).particles, {{1, 2, 3}});
 }
 
-TEST(ParticlesXyz, ExtendedFrames) {
+TEST(ParticlesXyz, ReadsExtendedFrames) {
   const ParticleInput input{"a.dat", std::string(kExtendedXyz)};
   const particle_io::ParticleInfo info = must_inform(input);
   EXPECT_EQ(info.format, "xyz");
@@ -201,7 +201,7 @@ TEST(ParticlesXyz, ExtendedFrames) {
   expect_positions(must_read_particles({"a.xyz", "1\nProperties=\"pos:R:3\"\n1 2 3\n"}).particles, {{1, 2, 3}});
 }
 
-TEST(ParticlesXyz, WrongFramesAreRefused) {
+TEST(ParticlesXyz, RejectsInvalidFrames) {
   const struct {
     const char* text;
     const char* message;
@@ -227,7 +227,7 @@ TEST(ParticlesXyz, WrongFramesAreRefused) {
   }
 }
 
-TEST(ParticlesLammps, TimeStepsScaledAndNot) {
+TEST(ParticlesLammps, ReadsScaledAndUnscaledTimeSteps) {
   const ParticleInput input{"any.name", std::string(kLammpsDump)};
   const particle_io::ParticleInfo info = must_inform(input);
   EXPECT_EQ(info.format, "lammps");
@@ -251,9 +251,9 @@ TEST(ParticlesLammps, TimeStepsScaledAndNot) {
   expect_in(particle_refusal(input, of_frame(5)).message, "there is no frame 5");
 }
 
-TEST(ParticlesLammps, TriclinicBoxesAndOtherColumns) {
-  // lx = 4, ly = 5, lz = 6, xy = -1, xz = -2, yz = 0.5 from (10, 20, 30): bounds as LAMMPS writes them,
-  // xlo + min(0, xy, xz, xy + xz) .. xhi + max(...), ylo + min(0, yz) .. yhi + max(0, yz).
+TEST(ParticlesLammps, ReadsTriclinicBoxes) {
+  // lx = 4, ly = 5, lz = 6, xy = -1, xz = -2, yz = 0.5 from (10, 20, 30). LAMMPS writes the bounds xlo + min(0, xy, xz,
+  // xy + xz) .. xhi + max(...), ylo + min(0, yz) .. yhi + max(0, yz).
   const std::string head = "ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n1\n";
   const std::string box = "ITEM: BOX BOUNDS xy xz yz pp pp pp\n7 14 -1\n20 25.5 -2\n30 36 0.5\n";
   expect_positions(must_read_particles({"a.dump", head + box + "ITEM: ATOMS xs ys zs\n0.5 0.25 0.75\n"}).particles,
@@ -265,12 +265,12 @@ TEST(ParticlesLammps, TriclinicBoxesAndOtherColumns) {
                    {{10 + 0.5 * 4 + 0.25 * -1 + 0.75 * -2, 20 + 0.25 * 5 + 0.75 * 0.5, 30 + 0.75 * 6}});
   expect_positions(must_read_particles({"a.dump", head + box + "ITEM: ATOMS xu yu zu id\n-1 200 3 1\n"}).particles,
                    {{-1, 200, 3}});
-  // Coordinates as they are go before fractions.
+  // Unscaled coordinates take precedence over fractions.
   expect_positions(must_read_particles({"a.dump", head + box + "ITEM: ATOMS xs ys zs x y z\n0 0 0 1 2 3\n"}).particles,
                    {{1, 2, 3}});
 }
 
-TEST(ParticlesLammps, ColumnsThatAreChosenAreScaledAsWhatTheyAre) {
+TEST(ParticlesLammps, ScalesSelectedColumns) {
   const std::string head = "ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n1\n";
   const std::string upright = head + "ITEM: BOX BOUNDS pp pp pp\n2 6\n10 14\n-3 1\n";
   const std::string tilted = head + "ITEM: BOX BOUNDS xy xz yz pp pp pp\n7 14 -1\n20 25.5 -2\n30 36 0.5\n";
@@ -295,7 +295,7 @@ TEST(ParticlesLammps, ColumnsThatAreChosenAreScaledAsWhatTheyAre) {
             "expected fractions of all three edges of the triclinic box as x, y and z, found xs ys id");
 }
 
-TEST(ParticlesLammps, WrongDumpsAreRefused) {
+TEST(ParticlesLammps, RejectsInvalidDumps) {
   const std::string head = "ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n";
   const struct {
     std::string text;
@@ -317,13 +317,13 @@ TEST(ParticlesLammps, WrongDumpsAreRefused) {
   }
 }
 
-// Bytes that are read for all frames of a file, one reading a frame.
+// Returns the bytes read to read all frames of a file, one call per frame.
 std::uint64_t bytes_for_all_frames(const std::string& name, const std::vector<std::string>& frames) {
   const TempFolder folder;
   std::string text;
   for (const std::string& frame : frames) text += frame;
   write_bytes(folder / name, text);
-  // A file that was just written to may be written to again within the same tick of the clock.
+  // Waits until a later write gives another time; the clock's ticks are coarse.
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
   std::uint64_t bytes = 0;
   for (std::size_t k = 0; k < frames.size(); ++k) {
@@ -341,7 +341,7 @@ std::uint64_t bytes_for_all_frames(const std::string& name, const std::vector<st
   return bytes;
 }
 
-TEST(ParticlesText, AllFramesOfAFileAreReadInTimeThatGrowsWithIt) {
+TEST(ParticlesText, ReadsAllFramesInLinearTime) {
   const auto frames_of = [](bool lammps, int count) {
     std::vector<std::string> frames;
     for (int k = 0; k < count; ++k) {
@@ -361,7 +361,7 @@ TEST(ParticlesText, AllFramesOfAFileAreReadInTimeThatGrowsWithIt) {
   }
 }
 
-TEST(ParticlesText, FramesThatWereKnownAreNotThoseOfAFileThatChanged) {
+TEST(ParticlesText, ForgetsFramesOfAChangedFile) {
   const TempFolder folder;
   const std::string path = folder / "a.xyz";
   const auto write = [&](const std::string& text) {
@@ -376,7 +376,7 @@ TEST(ParticlesText, FramesThatWereKnownAreNotThoseOfAFileThatChanged) {
   write("1\na\n10 0 0\n1\nb\n20 0 0\n1\nc\n30 0 0\n");
   EXPECT_EQ(x_of(2), 30);
   EXPECT_EQ(x_of(1), 20);
-  // As many bytes, with frames of other lengths.
+  // The same size with frames of other lengths.
   write("1\naaa\n1 0 0\n1\n\n220 0 0\n1\nc\n3 0 0\n");
   EXPECT_EQ(x_of(1), 220);
   EXPECT_EQ(x_of(2), 3);

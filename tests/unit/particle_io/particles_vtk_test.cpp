@@ -1,4 +1,4 @@
-// Plug-ins for particles: the one of VTK where it was built, and what is said where there is none.
+// Tests particle plug-ins: VTK's if it was built, and the messages without it.
 #include <cstdlib>
 
 #include "particle_io/detail/plugin_particles.hpp"
@@ -43,7 +43,7 @@ constexpr std::string_view kXml =
     R"(<Points><DataArray type="Float32" NumberOfComponents="3" format="ascii">1 2 3 4 5 6</DataArray></Points>)"
     R"(</Piece></PolyData></VTKFile>)";
 
-TEST(ParticlesPlugin, KnownWhereTheirPluginIsMissing) {
+TEST(ParticlesPlugin, RecognizesFilesWithoutThePlugin) {
   const TempFolder folder;
   write_bytes(folder / "a.vtk", std::string(kLegacy));
   write_bytes(folder / "b.vtp", std::string(kXml));
@@ -68,7 +68,7 @@ TEST(ParticlesPlugin, KnownWhereTheirPluginIsMissing) {
   EXPECT_EQ(kind("c.vti"), "none");
 }
 
-TEST(ParticlesPlugin, TablesSayWhatThereIs) {
+TEST(ParticlesPlugin, FindsTables) {
   const TempFolder folder;
   write_bytes(folder / "isoextract-particles-abc.txt", "title: particles of abc\nextensions: .abc .abcd\n");
   const auto formats = particle_io::find_particle_plugins({folder.path()});
@@ -77,7 +77,7 @@ TEST(ParticlesPlugin, TablesSayWhatThereIs) {
   EXPECT_EQ(formats[2]->about().extensions, (std::vector<std::string>{".abc", ".abcd"}));
 }
 
-TEST(ParticlesVtk, LegacyAndXml) {
+TEST(ParticlesVtk, ReadsLegacyAndXml) {
   NEEDS_VTK();
   const TempFolder folder;
   write_bytes(folder / "a.vtk", std::string(kLegacy));
@@ -105,7 +105,7 @@ TEST(ParticlesVtk, LegacyAndXml) {
   expect_in(xml->notes.front(), "'word'");
 }
 
-TEST(ParticlesVtk, WrongFilesAreRefused) {
+TEST(ParticlesVtk, RejectsInvalidFiles) {
   NEEDS_VTK();
   const TempFolder folder;
   const auto refusal_of = [&](const std::string& name, std::string text, const std::string& from,
@@ -130,7 +130,7 @@ TEST(ParticlesVtk, WrongFilesAreRefused) {
   EXPECT_EQ(testing::internal::GetCapturedStdout() + testing::internal::GetCapturedStderr(), "");
 }
 
-TEST(ParticlesVtk, DoubleDamBreakAndBunny) {
+TEST(ParticlesVtk, ReadsDoubleDamBreakAndBunny) {
   NEEDS_VTK();
   ISOEXTRACT_NEEDS_DATA("particles/double_dam_break_frame_26_4732_particles.vtk");
   const auto dam = read_vtk(data_file("particles/double_dam_break_frame_26_4732_particles.vtk"), with_all());

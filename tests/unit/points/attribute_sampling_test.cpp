@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kSamplingRadius = 0.05;
 
-// Attributes: "one" is 1, "place" the position.
+// Adds two attributes: "one" is 1, "place" the position.
 ParticleSet with_attributes(const std::vector<glm::dvec3>& positions) {
   ParticleSet set = particles_at(positions);
   set.attributes.push_back({"one", 1, Buffer<float>(positions.size())});
@@ -39,7 +39,7 @@ SampledAttributes sampled(const ParticleSet& set, const std::vector<std::size_t>
   return std::move(*result);
 }
 
-TEST(AttributeSampling, IsTheWeightedMeanOfAllParticles) {
+TEST(AttributeSampling, EqualsTheWeightedMean) {
   std::vector<glm::dvec3> positions = random_positions(200, 0.7, 41);
   positions.push_back(positions[5]);
   const ParticleSet set = with_attributes(positions);
@@ -69,7 +69,7 @@ TEST(AttributeSampling, IsTheWeightedMeanOfAllParticles) {
   }
 }
 
-TEST(AttributeSampling, KeepsALinearFieldWithinTheLiquid) {
+TEST(AttributeSampling, ReproducesALinearFieldInTheLiquid) {
   const ParticleSet set = with_attributes(lattice_ball(kSamplingRadius, 1));
   const std::vector<glm::dvec3> vertices = random_positions(100, 0.4, 43);
   const SampledAttributes result = sampled(set, {1}, vertices);
@@ -78,7 +78,7 @@ TEST(AttributeSampling, KeepsALinearFieldWithinTheLiquid) {
   }
 }
 
-TEST(AttributeSampling, BeyondAllKernelsTakesTheNearestParticle) {
+TEST(AttributeSampling, UsesTheNearestParticleBeyondAllKernels) {
   std::vector<glm::dvec3> positions = {{0, 0, 0}, {1, 0, 0}};
   positions.emplace_back(std::numeric_limits<double>::quiet_NaN(), 0, 0);
   const ParticleSet set = with_attributes(positions);

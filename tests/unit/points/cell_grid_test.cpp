@@ -1,4 +1,4 @@
-// Finding points by cells, the nearest point, and lists of bricks, all against trying everything.
+// Tests finding points by cells, the nearest point, and lists of bricks against brute force.
 #include <limits>
 #include <set>
 #include <tuple>
@@ -24,8 +24,8 @@ CellGrid grid_of(const std::vector<glm::dvec3>& points, double side, CellGrid::C
 TEST(CellGrid, FindsEveryPointOnce) {
   std::vector<glm::dvec3> points = random_positions(500, 20, 1);
   for (glm::dvec3& p : points) p -= 10.0;  // cells on both sides of 0
-  points.emplace_back(2e6, -3e5, 1e6);     // and strays
-  points.emplace_back(kNoNumber, 0, 0);    // and what is no place
+  points.emplace_back(2e6, -3e5, 1e6);     // strays
+  points.emplace_back(kNoNumber, 0, 0);    // not a position
   points.emplace_back(0, std::numeric_limits<double>::infinity(), 0);
   const CellGrid grid = grid_of(points, 1.3, CellGrid::Coinciding::merged);
   EXPECT_EQ(grid.size(), 501U);
@@ -50,7 +50,7 @@ TEST(CellGrid, FindsEveryPointOnce) {
   }
 }
 
-TEST(CellGrid, PointsOfACrowdThatCoincideAreOneSpot) {
+TEST(CellGrid, MergesCoincidentPointsOfACrowdedCell) {
   std::vector<glm::dvec3> points;
   for (int n = 0; n < 300; ++n) points.emplace_back(0.25 * (n % 3), 0.5, 0.5);
   const CellGrid merged = grid_of(points, 100, CellGrid::Coinciding::merged);
@@ -92,7 +92,7 @@ std::set<Triple> set_of(std::span<const glm::ivec3> bricks) {
   return set;
 }
 
-TEST(BrickList, GrowsAndShrinksByWholeRings) {
+TEST(BrickList, DilatesAndErodesByRings) {
   std::set<Triple> chosen;
   for (const glm::dvec3& p : random_positions(3000, 9, 7)) {
     chosen.emplace(static_cast<int>(p.x) - 4, static_cast<int>(p.y) - 4, static_cast<int>(p.z) - 4);

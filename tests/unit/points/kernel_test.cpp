@@ -1,4 +1,4 @@
-// The kernel itself, its vectorised sums, and eigenvectors.
+// Tests the kernel itself, its vectorized sums, and eigenvectors.
 #include <cmath>
 #include <cstring>
 #include <memory>
@@ -15,7 +15,7 @@
 namespace isoextract::points {
 namespace {
 
-TEST(CubicSpline, IsThePiecewisePolynomial) {
+TEST(CubicSpline, EqualsThePiecewisePolynomial) {
   for (double q = 0; q < 1.5; q += 0.01) {
     const double expected = q <= 0.5 ? 1 - 6 * q * q + 6 * q * q * q : q <= 1 ? 2 * std::pow(1 - q, 3) : 0;
     EXPECT_NEAR(spline_shape(q), expected, 1e-14) << q;
@@ -23,7 +23,7 @@ TEST(CubicSpline, IsThePiecewisePolynomial) {
   }
 }
 
-TEST(SymmetricEigen, GivesTheMatrixBack) {
+TEST(SymmetricEigen, ReconstructsTheMatrix) {
   std::mt19937 engine(3);
   std::uniform_real_distribution<double> entry(-1, 1);
   for (int n = 0; n < 200; ++n) {
@@ -75,7 +75,7 @@ class SplineSums : public testing::Test {
     }
   }
 
-  // All that the vectorised sums give, by the instruction set that Highway is left.
+  // Returns the results of all vectorized sums with the instruction sets that Highway may use.
   [[nodiscard]] std::vector<float> all_sums() const {
     std::vector<float> sums;
     for (const float cut : {1.0F, 0.6F}) {
@@ -99,7 +99,7 @@ class SplineSums : public testing::Test {
   std::unique_ptr<EllipsoidBatch> balls_ = std::make_unique<EllipsoidBatch>();
 };
 
-TEST_F(SplineSums, AreTheSameBitsForEveryInstructionSet) {
+TEST_F(SplineSums, AreBitIdenticalForEveryInstructionSet) {
   const std::vector<float> first = all_sums();
   for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
     const std::int64_t target = targets & -targets;
@@ -110,7 +110,7 @@ TEST_F(SplineSums, AreTheSameBitsForEveryInstructionSet) {
   hwy::SetSupportedTargetsForTest(0);
 }
 
-TEST_F(SplineSums, AreSumsOfTheSpline) {
+TEST_F(SplineSums, EqualSumsOfTheSpline) {
   alignas(64) float balls[512] = {};
   alignas(64) float ellipsoids[512] = {};
   alignas(64) float near[512] = {};
@@ -130,7 +130,7 @@ TEST_F(SplineSums, AreSumsOfTheSpline) {
     }
     EXPECT_NEAR(static_cast<double>(balls[v]), ball_sum, 1e-5 * (1 + ball_sum));
     EXPECT_NEAR(static_cast<double>(ellipsoids[v]), ellipsoid_sum, 1e-5 * (1 + ellipsoid_sum));
-    EXPECT_LE(near[v], balls[v]);  // in floating point as well: what is left out is left out of a sum in the same order
+    EXPECT_LE(near[v], balls[v]);  // exactly: the partial sum omits terms of a sum in the same order
   }
 }
 

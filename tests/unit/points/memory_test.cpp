@@ -1,4 +1,4 @@
-// What a field takes is reserved, follows the particles and not the box around them, and is given back.
+// Tests that a field's memory is reserved, depends on the particles and not on their bounds, and is released.
 #include <gtest/gtest.h>
 
 #include "points/attribute_sampling.hpp"
@@ -32,14 +32,14 @@ class FieldMemory : public testing::TestWithParam<Method> {
 INSTANTIATE_TEST_SUITE_P(Methods, FieldMemory, testing::Values(Method::weight, Method::sph, Method::anisotropic),
                          [](const auto& method) { return std::string(word_of(method.param)); });
 
-TEST_P(FieldMemory, OneStrayCostsNextToNothing) {
+TEST_P(FieldMemory, CostsLittleForAStray) {
   std::vector<glm::dvec3> positions = lattice_ball(kMemoryRadius, 0.6);
   const std::uint64_t without = peak_of(particles_at(positions), options_);
   positions.emplace_back(1e5 * kMemoryRadius, -1e5 * kMemoryRadius, 1e5 * kMemoryRadius);
   EXPECT_LT(static_cast<double>(peak_of(particles_at(positions), options_)), 1.1 * static_cast<double>(without));
 }
 
-TEST_P(FieldMemory, IsReservedWhileTheFieldLives) {
+TEST_P(FieldMemory, StaysReservedWhileTheFieldLives) {
   const ParticleSet particles = particles_at(lattice_ball(kMemoryRadius, 0.4));
   const Context context(MemoryBudget(std::uint64_t{1} << 34));
   {
@@ -60,8 +60,8 @@ TEST_P(FieldMemory, IsReservedWhileTheFieldLives) {
   EXPECT_EQ(little.memory().reserved(), 0U);
 }
 
-// Kernels that reach over more bricks than there is memory for their list alone.
-TEST_P(FieldMemory, AFarReachAtAFineSpacingIsRefusedBeforeTheWork) {
+// The list of bricks within the kernels' reach alone exceeds the memory.
+TEST_P(FieldMemory, RefusesTooManySamplesBeforeWork) {
   if (GetParam() == Method::weight) GTEST_SKIP() << "its particles reach one sample far";
   const ParticleSet particles = particles_at({{0, 0, 0}, {0.05, 0, 0}});
   for (const double cell : {1e-3, 1e-5, 1e-7}) {
@@ -76,7 +76,7 @@ TEST_P(FieldMemory, AFarReachAtAFineSpacingIsRefusedBeforeTheWork) {
   }
 }
 
-TEST_P(FieldMemory, ACancelledFieldLeavesNothing) {
+TEST_P(FieldMemory, ReleasesEverythingWhenCancelled) {
   const ParticleSet particles = particles_at(lattice_ball(kMemoryRadius, 0.2));
   options_.radius.reset();
   const Context context;

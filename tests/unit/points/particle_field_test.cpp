@@ -1,4 +1,4 @@
-// Fields of kernels: against sums over all particles, for all thread counts, and where particles lie badly.
+// Tests kernel fields against sums over all particles, for several thread counts and unfavorable particle positions.
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kRadius = 0.025;
 
-// The cubic spline in SI units as textbooks print it, support h.
+// The cubic spline with its normalization, as in textbooks; h is the support.
 double textbook_kernel(double r, double h) {
   const double q = 2 * r / h;
   const double scale = 8 / (h * h * h);
@@ -33,7 +33,7 @@ std::vector<double> textbook_densities(const std::vector<glm::dvec3>& positions,
   return densities;
 }
 
-// Every stored sample is what `expected` gives in the world, and where nothing is stored it gives nothing.
+// Expects that every stored sample equals `expected` at its world position, and that `expected` is 0 elsewhere.
 template <class F>
 void expect_field(const ParticleField& made, const F& expected, double tolerance) {
   const field::Affine& world = made.field.index_to_world;
@@ -58,11 +58,12 @@ void expect_field(const ParticleField& made, const F& expected, double tolerance
   }
 }
 
-TEST(SphField, IsTheSumOverAllParticles) {
+TEST(SphField, EqualsTheSumOverAllParticles) {
   for (const double smoothing : {1.3, 2.0}) {
     for (const double cell : {0.75, 1.9}) {
       std::vector<glm::dvec3> positions = random_positions(60, 0.3, 21);
-      positions.insert(positions.end(), {positions[3], positions[3], {1.2, -0.4, 0.9}});  // repeated, and alone
+      positions.insert(positions.end(), {positions[3], positions[3], {1.2, -0.4, 0.9}});  // coincident particles, and
+                                                                                          // an isolated one
       FieldOptions options;
       options.radius = kRadius;
       options.smoothing_length = smoothing;
@@ -88,10 +89,10 @@ TEST(SphField, IsTheSumOverAllParticles) {
   }
 }
 
-TEST(AnisotropicField, IsWhatTheEquationsSay) {
+TEST(AnisotropicField, MatchesTheEquations) {
   std::vector<glm::dvec3> positions = random_positions(250, 0.3, 22);
   for (glm::dvec3& p : positions) p.z *= 0.3;  // a sheet
-  positions.emplace_back(1.2, -0.4, 0.9);      // one alone
+  positions.emplace_back(1.2, -0.4, 0.9);      // an isolated particle
   FieldOptions options;
   options.method = Method::anisotropic;
   options.radius = kRadius;
@@ -171,7 +172,7 @@ TEST(ParticleField, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-TEST(ParticleField, SamplesAreSortedBlocksOnMultiplesOfTheSpacing) {
+TEST(ParticleField, StoresSortedBlocksOnMultiplesOfTheSpacing) {
   std::vector<glm::dvec3> positions = random_positions(50, 0.2, 23);
   for (glm::dvec3& p : positions) p += glm::dvec3(-7.3, 11.9, 0.01);
   FieldOptions options;
@@ -204,11 +205,11 @@ TEST(ParticleField, SamplesAreSortedBlocksOnMultiplesOfTheSpacing) {
   EXPECT_LT(glm::length(of_spacing - glm::round(of_spacing)), 1e-9);
 }
 
-TEST(ParticleField, AMillionUnitsAwayIsTheSame) {
+TEST(ParticleField, IsTheSameAMillionUnitsAway) {
   const std::vector<glm::dvec3> positions = random_positions(300, 0.4, 24);
   FieldOptions options;
   options.radius = kRadius;
-  options.spacing = 0.0625 / 4;  // so that a move by whole bricks is exact
+  options.spacing = 0.0625 / 4;  // so that a translation by whole bricks is exact
   for (const Method method : {Method::sph, Method::anisotropic}) {
     options.method = method;
     const ParticleField here = field_of(particles_at(positions), options);
@@ -229,12 +230,12 @@ TEST(ParticleField, AMillionUnitsAwayIsTheSame) {
   }
 }
 
-TEST(ParticleField, ManyAtOnePlaceAreOne) {
+TEST(ParticleField, MergesCoincidentParticles) {
   for (const Method method : {Method::sph, Method::anisotropic}) {
     FieldOptions options;
     options.method = method;
     options.radius = kRadius;
-    options.anisotropy.few = 1 << 30;  // no matter how many, they are alone
+    options.anisotropy.few = 1 << 30;  // every particle has few neighbors
     const ParticleField one = field_of(particles_at({{0.1, 0.2, 0.3}}), options);
     const ParticleField many = field_of(particles_at(std::vector<glm::dvec3>(100000, {0.1, 0.2, 0.3})), options);
     EXPECT_TRUE(same_samples(samples_of(one), samples_of(many))) << "their volumes are shared";
@@ -244,7 +245,7 @@ TEST(ParticleField, ManyAtOnePlaceAreOne) {
   }
 }
 
-TEST(ParticleField, OfNoParticlesIsEmpty) {
+TEST(ParticleField, IsEmptyWithoutParticles) {
   for (const Method method : {Method::weight, Method::sph, Method::anisotropic}) {
     FieldOptions options;
     options.method = method;
@@ -255,7 +256,7 @@ TEST(ParticleField, OfNoParticlesIsEmpty) {
   }
 }
 
-TEST(ParticleField, PositionsThatAreNotFiniteAreToldOrLeftOut) {
+TEST(ParticleField, ReportsOrDropsNonFinitePositions) {
   std::vector<glm::dvec3> positions = random_positions(40, 0.2, 25);
   FieldOptions options;
   options.radius = kRadius;
@@ -273,7 +274,7 @@ TEST(ParticleField, PositionsThatAreNotFiniteAreToldOrLeftOut) {
   EXPECT_TRUE(same_samples(samples_of(sound), samples_of(made)));
 }
 
-TEST(ParticleField, TheRadiusIsHalfTheDistanceOfNeighbours) {
+TEST(ParticleField, SuggestsHalfTheNeighborDistanceAsRadius) {
   FieldOptions options;
   const ParticleField made = field_of(particles_at(lattice_ball(kRadius, 0.2)), options);
   EXPECT_NEAR(made.figures.radius, kRadius, 1e-12);
@@ -283,15 +284,15 @@ TEST(ParticleField, TheRadiusIsHalfTheDistanceOfNeighbours) {
   EXPECT_NE(refused.error().message.find("5 at one place"), std::string::npos) << refused.error().message;
 }
 
-// The work of kernels: pairs of particles within reach, counted and not timed.
-TEST(ParticleField, WorkGrowsWithTheParticlesAndNotWithItsSquare) {
+// Measures the work of kernels as the number of particle pairs within reach, not as time.
+TEST(ParticleField, HasLinearWork) {
   constexpr double kSide = 4;
   const auto pairs_of = [](const std::vector<glm::dvec3>& positions) {
     const auto grid = CellGrid::make(positions, GridFrame{}, kSide, CellGrid::Coinciding::merged, Context(), "test");
     if (!grid) throw std::runtime_error(grid.error().message);
     return std::pair(count_near_pairs(*grid, kSide, ~std::uint64_t{0}), std::uint64_t{grid->size()});
   };
-  // Twice the particles at the same distances: about twice the pairs.
+  // Twice as many particles at the same distances: about twice as many pairs.
   const auto [loose, loose_spots] = pairs_of(random_positions(4000, 40, 1));
   std::vector<glm::dvec3> twice = random_positions(4000, 40, 1);
   for (const glm::dvec3& p : random_positions(4000, 40, 2)) twice.push_back(p + glm::dvec3(40, 0, 0));
@@ -299,11 +300,11 @@ TEST(ParticleField, WorkGrowsWithTheParticlesAndNotWithItsSquare) {
   EXPECT_EQ(looser_spots, 2 * loose_spots);
   EXPECT_GT(looser, 19 * loose / 10);
   EXPECT_LT(looser, 23 * loose / 10);
-  // All of them in one cell: each meets all.
+  // All particles are in one cell: each is a neighbor of all.
   const auto [crowd, spots] = pairs_of(random_positions(5000, 1, 3));
   EXPECT_EQ(crowd, spots * spots);
 
-  // Such a crowd is refused before its pairs are summed, wherever they are more than the limit a particle.
+  // make_field() rejects such a crowd before summing pairs if they exceed the limit per particle.
   for (const Method method : {Method::sph, Method::anisotropic}) {
     for (const std::size_t count : {std::size_t{20000}, std::size_t{40000}}) {
       const ParticleSet particles = particles_at(random_positions(count, 0.5, 4));
@@ -324,7 +325,7 @@ TEST(ParticleField, WorkGrowsWithTheParticlesAndNotWithItsSquare) {
   }
 }
 
-TEST(ParticleField, WhatCannotBeIsRefused) {
+TEST(ParticleField, RejectsInvalidOptions) {
   const ParticleSet particles = particles_at(random_positions(10, 1, 26));
   const auto refuses = [&](const ParticleSet& set, ErrorCode code, const char* words, auto change) {
     FieldOptions options;

@@ -15,12 +15,12 @@ ParticleStatistics statistics_of(const std::vector<glm::dvec3>& positions) {
   return *measured;
 }
 
-TEST(ParticleStatistics, TellWhereParticlesAreAndHowFarApart) {
+TEST(ParticleStatistics, MeasureBoundsAndDistances) {
   std::vector<glm::dvec3> positions = lattice_ball(0.5, 4);
   const std::size_t count = positions.size();
   positions.emplace_back(1e6, 0, 0);
   positions.emplace_back(0, std::numeric_limits<double>::quiet_NaN(), 0);
-  positions.push_back(positions[0]);  // at one place with the first
+  positions.push_back(positions[0]);  // coincides with the first
   const ParticleStatistics s = statistics_of(positions);
   EXPECT_EQ(s.bounds.finite, count + 2);
   EXPECT_EQ(s.bounds.not_finite, 1U);
@@ -34,14 +34,14 @@ TEST(ParticleStatistics, TellWhereParticlesAreAndHowFarApart) {
   EXPECT_EQ(s.suggested_radius(), 0.5);
 }
 
-TEST(ParticleStatistics, OfNoneOrOneHaveNoDistance) {
+TEST(ParticleStatistics, HaveNoDistanceForOneParticle) {
   EXPECT_EQ(statistics_of({}).bounds.finite, 0U);
   EXPECT_FALSE(statistics_of({}).neighbours);
   EXPECT_FALSE(statistics_of({{1, 2, 3}}).suggested_radius());
   EXPECT_FALSE(statistics_of(std::vector<glm::dvec3>(100000, {1, 2, 3})).neighbours);
 }
 
-TEST(ParticleStatistics, OfManyAskSome) {
+TEST(ParticleStatistics, SampleLargeSets) {
   const std::vector<glm::dvec3> positions = lattice_ball(0.5, 26);
   ASSERT_GT(positions.size(), std::size_t{1} << 16U);
   const ParticleStatistics s = statistics_of(positions);

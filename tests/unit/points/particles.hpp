@@ -1,4 +1,4 @@
-// Particle sets for tests, and the samples of the fields made of them.
+// Particle sets for tests, and samples of their fields.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ inline ParticleSet particles_at(const std::vector<glm::dvec3>& positions) {
   return set;
 }
 
-// Those of a cubic lattice that touch, as far as inside(p).
+// Returns the points of a cubic lattice of touching particles for which inside(p) holds.
 inline std::vector<glm::dvec3> lattice(double radius, int half_count,
                                        const std::function<bool(const glm::dvec3&)>& inside, double jitter = 0) {
   std::mt19937 engine(5);
@@ -66,7 +66,7 @@ inline const field::SparseSamples& samples_of(const ParticleField& made) {
   return std::get<field::SparseSamples>(made.field.samples);
 }
 
-// f(index, value) for all stored samples.
+// Calls f(index, value) for all stored samples.
 template <class F>
 void for_each_sample(const ParticleField& made, const F& f) {
   for (const field::SparseBlock& block : samples_of(made).blocks) {
@@ -75,7 +75,7 @@ void for_each_sample(const ParticleField& made, const F& f) {
   }
 }
 
-// Same blocks, tiles and values, bit by bit.
+// Returns whether blocks, tiles and values are equal bit by bit.
 inline bool same_samples(const field::SparseSamples& a, const field::SparseSamples& b) {
   if (a.blocks.size() != b.blocks.size() || a.tiles.size() != b.tiles.size()) return false;
   for (std::size_t n = 0; n < a.blocks.size(); ++n) {

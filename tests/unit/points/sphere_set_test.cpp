@@ -28,7 +28,7 @@ FieldOptions spheres() {
   return options;
 }
 
-TEST(SphereSet, RadiiAreGivenOrAnAttributeOrSuggested) {
+TEST(SphereSet, TakesRadiiFromOptionAttributeOrDistances) {
   const std::vector<glm::dvec3> positions{{0, 0, 0}, {2, 0, 0}, {4, 0, 0}};
   const ParticleSet set = with_radii(positions, "radius", {0.5F, 3, 1});
   const auto own = make_spheres(set, spheres(), Context());
@@ -55,7 +55,7 @@ TEST(SphereSet, RadiiAreGivenOrAnAttributeOrSuggested) {
   EXPECT_EQ(suggested->figures().radius, 1);
 }
 
-TEST(SphereSet, ParticlesAtNoPlaceGoWithTheirRadii) {
+TEST(SphereSet, DropsNonFiniteParticlesWithTheirRadii) {
   const ParticleSet set = with_radii({{0, 0, 0}, {kNaN, 0, 0}, {4, 0, 0}}, "pscale", {1, 7, 3});
   EXPECT_EQ(make_spheres(set, spheres(), Context()).error().hint.remedy, Remedy::skip_particles);
   FieldOptions skip = spheres();
@@ -77,18 +77,18 @@ TEST(SphereSet, ParticlesAtNoPlaceGoWithTheirRadii) {
   EXPECT_EQ(none->particles().size(), 0U);
 }
 
-TEST(SphereSet, WhatIsNoRadiusIsRefused) {
+TEST(SphereSet, RejectsInvalidRadii) {
   for (const float radius : {-1.0F, static_cast<float>(kNaN), std::numeric_limits<float>::infinity()}) {
     const auto refused = make_spheres(with_radii({{0, 0, 0}, {1, 0, 0}}, "pscale", {1, radius}), spheres(), Context());
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::input);
     EXPECT_NE(refused.error().message.find("as 'pscale'"), std::string::npos) << refused.error().message;
   }
-  // All of them points: no spacing comes of that.
+  // All particles have radius 0, which gives no spacing.
   EXPECT_FALSE(make_spheres(with_radii({{0, 0, 0}, {1, 0, 0}}, "pscale", {0, 0}), spheres(), Context()));
 }
 
-TEST(SphereSet, MakeFieldLeavesThemToOthers) {
+TEST(SphereSet, IsRejectedByMakeField) {
   const auto refused = make_field(particles_at({{0, 0, 0}, {1, 0, 0}}), spheres(), Context());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::usage);

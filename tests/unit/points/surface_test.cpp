@@ -1,4 +1,4 @@
-// The surfaces of particle fields, as they are extracted.
+// Tests the extracted surfaces of particle fields.
 #include <zlib.h>
 
 #include <algorithm>
@@ -39,7 +39,7 @@ mesh::Mesh surface_of(const std::vector<glm::dvec3>& positions, const FieldOptio
   return surface_of(field_of(particles_at(positions), options), method_info(options.method).iso);
 }
 
-TEST(ParticleSurface, OfOneParticleIsARoundBall) {
+TEST(ParticleSurface, IsASphereForOneParticle) {
   for (const Method method : {Method::sph, Method::anisotropic}) {
     FieldOptions options = options_of(method);
     options.cell_size = 0.25;
@@ -47,8 +47,8 @@ TEST(ParticleSurface, OfOneParticleIsARoundBall) {
     const mesh::Mesh mesh = surface_of({centre}, options);
     test::expect_sound(mesh, true);
     EXPECT_EQ(mesh::measure_topology(mesh).components, 1U);
-    // The field is W / W(0) of a particle by itself: 0.6 at a third of the support, about; anisotropic kernels of those
-    // that are alone are half as long and eight times as high.
+    // The field of an isolated particle is W / W(0), which is 0.6 at about a third of the support. Its anisotropic
+    // kernel is half as long and eight times as high.
     double low = 1;
     double high = 0;
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
@@ -62,7 +62,7 @@ TEST(ParticleSurface, OfOneParticleIsARoundBall) {
   }
 }
 
-// How far the volume of a ball's surface is from that of its particles, as a part of it.
+// Returns the relative difference between the volume of a ball's surface and that of its particles.
 double volume_error(Method method, double particle_radius) {
   FieldOptions options = options_of(method);
   options.radius = particle_radius;
@@ -74,13 +74,13 @@ double volume_error(Method method, double particle_radius) {
   return std::abs(mesh::measure_size(mesh).volume / expected - 1);
 }
 
-TEST(ParticleSurface, OfABallHasItsVolumeToFirstOrder) {
+TEST(ParticleSurface, ApproximatesTheVolumeOfABallToFirstOrder) {
   for (const auto& [method, offset] :
        {std::pair(Method::sph, 0.2), std::pair(Method::anisotropic, 3.0), std::pair(Method::weight, 2.5)}) {
     double coarser = 0;
     for (const double radius : {0.05, 0.025, 0.0125}) {
       const double error = volume_error(method, radius);
-      // A surface that is `offset` radii too far in or out: area / volume is 3 / 0.5.
+      // Error of a surface that is `offset` radii too far in or out: area / volume is 3 / 0.5.
       EXPECT_LT(error, 6 * offset * radius) << word_of(method) << " " << radius;
       if (method == Method::anisotropic && coarser != 0) {
         EXPECT_GT(std::log2(coarser / error), 0.8) << "order of convergence";
@@ -90,7 +90,7 @@ TEST(ParticleSurface, OfABallHasItsVolumeToFirstOrder) {
   }
 }
 
-TEST(ParticleSurface, OfABlockIsFlat) {
+TEST(ParticleSurface, IsFlatForABlock) {
   const double half = 0.4;
   const mesh::Mesh mesh =
       surface_of(lattice(kSurfaceRadius, 8, [](const glm::dvec3&) { return true; }), options_of(Method::sph));
@@ -112,8 +112,8 @@ bool equal_bytes(const Buffer<T>& a, const Buffer<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
 }
 
-TEST(ParticleSurface, IsTheSameWithTheInsideLeftOut) {
-  // Not everywhere as dense, and with a hole.
+TEST(ParticleSurface, IsTheSameWithInsideTiles) {
+  // Varying density, and a hole.
   std::vector<glm::dvec3> positions = lattice_ball(kSurfaceRadius, 0.75, 0.4);
   std::erase_if(positions, [](const glm::dvec3& p) { return glm::length(p - glm::dvec3(0.3, 0, 0)) < 0.06; });
   const ParticleSet particles = particles_at(positions);
@@ -136,7 +136,7 @@ TEST(ParticleSurface, IsTheSameWithTheInsideLeftOut) {
   }
 }
 
-TEST(ParticleSurface, NothingIsLeftOutForAnIsoValueThatTilesAreNotAbove) {
+TEST(ParticleSurface, HasNoTilesForIsoValuesOfOneAndMore) {
   FieldOptions options = options_of(Method::sph);
   options.leave_out_inside = 1.0;
   EXPECT_EQ(field_of(particles_at(lattice_ball(kSurfaceRadius, 0.5)), options).figures.bricks_inside, 0U);
@@ -144,7 +144,7 @@ TEST(ParticleSurface, NothingIsLeftOutForAnIsoValueThatTilesAreNotAbove) {
 
 TEST(ParticleSurface, IsSmootherWithAnisotropicKernels) {
   const std::vector<glm::dvec3> positions = lattice_ball(kSurfaceRadius, 0.5, 0.4);
-  // Area over that of a ball with the same volume.
+  // Ratio of the area to that of a ball with the same volume.
   const auto roughness = [&](Method method) {
     const mesh::MeshSize size = mesh::measure_size(surface_of(positions, options_of(method)));
     return size.area / (std::cbrt(36 * std::numbers::pi) * std::pow(size.volume, 2.0 / 3));
@@ -152,7 +152,7 @@ TEST(ParticleSurface, IsSmootherWithAnisotropicKernels) {
   EXPECT_LT(roughness(Method::anisotropic) - 1, 0.5 * (roughness(Method::sph) - 1));
 }
 
-// Of a file of the data folder, inflated where it is packed.
+// Returns the content of a file of the data folder, decompressed if necessary.
 std::string content_of(const std::string& name) {
   std::string bytes(1 << 20, '\0');
   gzFile file = gzopen(test::data_file(name).c_str(), "rb");
@@ -162,7 +162,7 @@ std::string content_of(const std::string& name) {
   return bytes;
 }
 
-// Big-endian float32.
+// Reads a big-endian float32.
 float big_endian_float(const char* bytes) {
   std::uint32_t bits = 0;
   for (int n = 0; n < 4; ++n) bits = bits << 8U | static_cast<unsigned char>(bytes[n]);
@@ -181,8 +181,8 @@ std::vector<glm::dvec3> places_in(const std::string& bytes, std::size_t offset, 
   return positions;
 }
 
-// As many triangles as splashsurf's own test expects of this file with these parameters.
-TEST(RealParticles, OctocatHasTheExpectedNumberOfTriangles) {
+// splashsurf's own test expects this number of triangles for this file and these parameters.
+TEST(RealParticles, MatchSplashsurfOnOctocat) {
   ISOEXTRACT_NEEDS_DATA("particles/octocat_32614_particles.bgeo");
   const std::string bytes = content_of("particles/octocat_32614_particles.bgeo");
   FieldOptions options = options_of(Method::sph);
@@ -194,8 +194,8 @@ TEST(RealParticles, OctocatHasTheExpectedNumberOfTriangles) {
   EXPECT_LT(mesh.triangles.size(), 180000U);
 }
 
-// A lattice of touching particles: faces are flat and stand a radius beyond the outermost centres, about.
-TEST(RealParticles, DamBreakBeginsWithFlatFaces) {
+// A lattice of touching particles: faces are flat and about one radius outside the outermost centers.
+TEST(RealParticles, HaveFlatFacesInDamBreak) {
   ISOEXTRACT_NEEDS_DATA("particles/double_dam_break_frame_01_4732_particles.vtk");
   const std::string bytes = content_of("particles/double_dam_break_frame_01_4732_particles.vtk");
   const std::size_t points = bytes.find("POINTS 4732");
@@ -205,7 +205,7 @@ TEST(RealParticles, DamBreakBeginsWithFlatFaces) {
   test::expect_sound(mesh, true);
   EXPECT_EQ(mesh::measure_topology(mesh).components, 2U);
   const double top = std::ranges::max_element(positions, {}, [](const glm::dvec3& p) { return p.y; })->y;
-  // Is there a particle of the uppermost layer under (x, z)?
+  // Returns whether the top layer has a particle at (x, z).
   const auto covered = [&](double x, double z) {
     return std::ranges::any_of(positions, [&](const glm::dvec3& q) {
       return q.y > top - 0.01 && std::abs(q.x - x) < 0.03 && std::abs(q.z - z) < 0.03;
@@ -215,7 +215,7 @@ TEST(RealParticles, DamBreakBeginsWithFlatFaces) {
   double high = -10;
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     const glm::dvec3 p = mesh.position(v);
-    // The upper faces without their rims.
+    // Checks the upper faces without their rims.
     if (p.y < top || !covered(p.x + 0.1, p.z + 0.1) || !covered(p.x - 0.1, p.z - 0.1)) continue;
     if (!covered(p.x + 0.1, p.z - 0.1) || !covered(p.x - 0.1, p.z + 0.1)) continue;
     low = std::min(low, p.y);

@@ -11,7 +11,7 @@ namespace {
 
 using Sample = std::tuple<int, int, int>;
 
-TEST(Weights, GoToTheNearestSample) {
+TEST(Weights, AddToTheNearestSample) {
   const std::vector<glm::dvec3> positions = random_positions(200, 9, 31);
   FieldOptions options;
   options.method = Method::weight;
@@ -33,9 +33,10 @@ TEST(Weights, GoToTheNearestSample) {
   EXPECT_EQ(samples, counts.size()) << "every weight is in a stored brick";
 }
 
-TEST(Weights, AreSharedAmongEightSamples) {
+TEST(Weights, SpreadOverEightSamples) {
   std::vector<glm::dvec3> positions = random_positions(300, 20, 32);
-  positions.insert(positions.end(), {{0, 0, 0}, {8, 8, 8}, {7.5, 8, 15.5}});  // on samples, and between bricks
+  positions.insert(positions.end(), {{0, 0, 0}, {8, 8, 8}, {7.5, 8, 15.5}});  // on samples, and on the boundary between
+                                                                              // bricks
   FieldOptions options;
   options.method = Method::weight;
   options.weight = 0.25;
@@ -56,7 +57,7 @@ TEST(Weights, AreSharedAmongEightSamples) {
   EXPECT_NEAR(total, 0.25 * static_cast<double>(positions.size()), 1e-4) << "none is lost";
 }
 
-TEST(Weights, TwoParticlesMakeASampleInsideAndOneDoesNot) {
+TEST(Weights, NeedTwoParticlesForAnInsideSample) {
   FieldOptions options;
   options.method = Method::weight;
   options.deposit = Deposit::nearest;
@@ -70,7 +71,7 @@ TEST(Weights, TwoParticlesMakeASampleInsideAndOneDoesNot) {
   };
   EXPECT_LT(greatest({{0.1, 0, 0}}), iso);
   EXPECT_GT(greatest({{0.1, 0, 0}, {-0.1, 0, 0}}), iso);
-  // With the default spacing a liquid is inside throughout.
+  // With the default spacing, all samples in a liquid are inside.
   const std::vector<glm::dvec3> liquid =
       lattice(0.25, 9, [](const glm::dvec3& p) { return glm::all(glm::lessThan(glm::abs(p), glm::dvec3(4.2))); });
   for (const Deposit deposit : {Deposit::nearest, Deposit::trilinear}) {

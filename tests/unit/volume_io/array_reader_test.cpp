@@ -1,5 +1,5 @@
-// What files do not say of their samples and options do: the order of axes, the value for no data; and integers that
-// are wider than any type of sample.
+// Tests options for properties that files do not state: the order of axes and the no-data value. Also tests integers
+// wider than any sample type.
 #include "unit/volume_io/npz_files.hpp"
 
 namespace isoextract::test {
@@ -22,7 +22,7 @@ std::string turned_ramp() {
   return bytes;
 }
 
-TEST(AxisOrder, TurnsArraysAndWhatFortranOrderTurnsAlready) {
+TEST(AxisOrder, TransposesArraysInBothStorageOrders) {
   const TempFolder folder;
   const auto xyz = in_order_of(volume_io::AxisOrder::xyz);
   const auto zyx = in_order_of(volume_io::AxisOrder::zyx);
@@ -40,7 +40,7 @@ TEST(AxisOrder, TurnsArraysAndWhatFortranOrderTurnsAlready) {
   }
 }
 
-TEST(AxisOrder, OfRawFilesDimsStayAlongXYAndZ) {
+TEST(AxisOrder, KeepsDimsOfRawFilesInXyzOrder) {
   const TempFolder folder;
   write_bytes(folder / "v.raw", turned_ramp());
   volume_io::ReadOptions options = in_order_of(volume_io::AxisOrder::xyz);
@@ -48,7 +48,7 @@ TEST(AxisOrder, OfRawFilesDimsStayAlongXYAndZ) {
   expect_ramp<std::int16_t>(must_read(folder / "v.raw", options));
 }
 
-TEST(AxisOrder, IsRefusedWhereTheFileSaysItsAxes) {
+TEST(AxisOrder, IsRejectedIfTheFileStatesItsAxes) {
   const TempFolder folder;
   write_bytes(folder / "v.nrrd",
               "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 3 4 5\nencoding: raw\n\n" + ramp_bytes<std::uint8_t>());
@@ -57,7 +57,7 @@ TEST(AxisOrder, IsRefusedWhereTheFileSaysItsAxes) {
   expect_in(error.message, "read as nrrd");
 }
 
-TEST(WideIntegers, AreDoublesWhereTheseHoldThem) {
+TEST(WideIntegers, BecomeDoublesIfExact) {
   const TempFolder folder;
   constexpr std::int64_t kMost = std::int64_t{1} << 53;
   const std::vector<std::int64_t> values{0, -1, kMost, -kMost, kMost + 2, INT64_MIN, 5, 6};
@@ -75,7 +75,7 @@ TEST(WideIntegers, AreDoublesWhereTheseHoldThem) {
   }
 }
 
-TEST(WideIntegers, ThatNoDoubleHoldsAreRefusedUnlessTheyAreNoData) {
+TEST(WideIntegers, AreRejectedIfInexactUnlessNoData) {
   const TempFolder folder;
   const auto file = [&](const std::string& descr, std::uint64_t odd) {
     std::string bytes;
@@ -96,7 +96,7 @@ TEST(WideIntegers, ThatNoDoubleHoldsAreRefusedUnlessTheyAreNoData) {
   EXPECT_EQ(dense_value<double>(field, 1, 1, 1), 7);
 }
 
-TEST(WideIntegers, TakeNoMoreMemoryThanTheyAre) {
+TEST(WideIntegers, NeedNoAdditionalMemory) {
   const TempFolder folder;
   std::string bytes;
   for (std::int64_t i = 0; i < 1 << 15; ++i) bytes += pack(i);
@@ -105,7 +105,7 @@ TEST(WideIntegers, TakeNoMoreMemoryThanTheyAre) {
   expect_in(refusal(folder / "v.npy", {}, with_memory(bytes.size() - 1)).message, "32x32x32");
 }
 
-TEST(WideIntegers, OfNrrdAndNifti) {
+TEST(WideIntegers, AreReadFromNrrdAndNifti) {
   const TempFolder folder;
   std::string bytes;
   for (std::int64_t i = 0; i < 60; ++i) bytes += pack(i - 30, std::endian::big);
@@ -119,7 +119,7 @@ TEST(WideIntegers, OfNrrdAndNifti) {
   }
 }
 
-TEST(BooleanArrays, AreZeroAndOne) {
+TEST(BooleanArrays, BecomeZeroAndOne) {
   const TempFolder folder;
   write_bytes(folder / "v.npy", npy_array("|b1", "(2, 1, 2)", std::string("\0\1\1\0", 4)));
   const field::ScalarField field = must_read(folder / "v.npy");
@@ -128,7 +128,7 @@ TEST(BooleanArrays, AreZeroAndOne) {
   EXPECT_EQ(dense_value<std::uint8_t>(field, 1, 0, 1), 0);
 }
 
-TEST(NoData, SamplesOfThatValueAreNotNumbersInEveryFormat) {
+TEST(NoData, BecomesNanInEveryFormat) {
   const TempFolder folder;
   volume_io::ReadOptions options;
   options.no_data = ramp<std::int16_t>(1, 2, 3);

@@ -1,5 +1,5 @@
-// Files with several numbers a sample. Whatever the format and the order of storage, component C of volume K is what a
-// file of those numbers alone gives.
+// Tests files with several components per sample. For every format and storage order, component C of volume K must
+// equal a file of those numbers alone.
 #include "unit/volume_io/npz_files.hpp"
 
 namespace isoextract::test {
@@ -8,12 +8,12 @@ namespace {
 constexpr int kComponents = 3;
 constexpr int kVolumes = 2;
 
-// None alike.
+// Returns a different number for each argument.
 int number(int i, int j, int k, int volume, int component) {
   return ramp<std::int16_t>(i, j, k) + 1000 * volume + 3000 * component;
 }
 
-// Axes of storage, the fastest first: x, y, z, t (volumes) and c (components).
+// Stores samples by their axes, the fastest first: x, y, z, t (volumes) and c (components).
 std::string stored(const std::string& axes, std::endian endian = std::endian::little) {
   std::array<int, 5> at{};
   const std::string letters = "xyztc";
@@ -84,7 +84,7 @@ std::string nrrd_of(const std::string& sizes, const std::string& kinds, const st
          "\nsizes: " + sizes + "\nkinds: " + kinds + "\n\n" + samples;
 }
 
-TEST(Components, OfNrrdOnEitherSideOfSpaceAndOfTheVolumes) {
+TEST(Components, AreReadFromNrrdWithAnyAxisOrder) {
   const TempFolder folder;
   const std::string domain = "domain domain domain";
   const auto check = [&](const std::string& sizes, const std::string& kinds, const std::string& axes) {
@@ -102,7 +102,7 @@ TEST(Components, OfNrrdOnEitherSideOfSpaceAndOfTheVolumes) {
   check("3 4 5 2 3", domain + " time vector", "xyztc");
 }
 
-TEST(Components, OfNrrdInGzipAndInAFileEach) {
+TEST(Components, AreReadFromNrrdInGzipAndSeparateFiles) {
   const TempFolder folder;
   std::string header = nrrd_of("3 3 4 5", "vector domain domain domain", "");
   header.replace(header.find("raw"), 3, "gzip");
@@ -132,7 +132,7 @@ std::string nifti_of(const std::vector<std::int16_t>& dims, std::int16_t datatyp
   return bytes + samples;
 }
 
-TEST(Components, OfNiftiBehindTheVolumes) {
+TEST(Components, AreReadFromNiftiAfterTheVolumes) {
   const TempFolder folder;
   write_bytes(folder / "v.nii", nifti_of({5, 3, 4, 5, 1, 3}, 4, stored("xyzc")));
   expect_components(folder / "v.nii", 1);
@@ -142,7 +142,7 @@ TEST(Components, OfNiftiBehindTheVolumes) {
   expect_components(folder / "v.nii.gz", kVolumes);
 }
 
-TEST(Components, OfNiftiColoursAndComplexNumbers) {
+TEST(Components, AreReadFromNiftiColorsAndComplexNumbers) {
   const TempFolder folder;
   std::string colours;
   std::string complexes;
@@ -150,7 +150,7 @@ TEST(Components, OfNiftiColoursAndComplexNumbers) {
     for (int c = 0; c < 3; ++c) colours += static_cast<char>(4 * i + c);
     complexes += pack(static_cast<float>(3 * i)) + pack(static_cast<float>(-4 * i));
   }
-  // The standard does not scale colours.
+  // The standard does not scale colors.
   write_bytes(folder / "c.nii", nifti_of({3, 3, 4, 5}, 128, colours, 2, 1));
   const field::ScalarField green = must_read(folder / "c.nii", component(1));
   EXPECT_EQ(dense_value<std::uint8_t>(green, 2, 3, 4), 237);
@@ -160,7 +160,7 @@ TEST(Components, OfNiftiColoursAndComplexNumbers) {
   EXPECT_EQ(dense_value<float>(must_read(folder / "z.nii", component(std::nullopt)), 2, 3, 4), 295);
 }
 
-TEST(Components, LengthsAreOfScaledValuesAndKeepNan) {
+TEST(Components, HaveLengthsOfScaledValuesAndKeepNan) {
   const TempFolder folder;
   std::string bytes;
   for (int i = 0; i < 60; ++i) bytes += pack(static_cast<std::int16_t>(i));
@@ -179,13 +179,13 @@ TEST(Components, LengthsAreOfScaledValuesAndKeepNan) {
   const field::ScalarField length = must_read(folder / "v.npy", component(std::nullopt));
   EXPECT_TRUE(std::isnan(dense_value<float>(length, 0, 0, 0)));
   EXPECT_TRUE(std::isnan(dense_value<float>(length, 1, 0, 0)));
-  EXPECT_TRUE(std::isinf(dense_value<float>(length, 2, 0, 0)));  // of numbers that float cannot hold
+  EXPECT_TRUE(std::isinf(dense_value<float>(length, 2, 0, 0)));  // of integers that float cannot represent
   EXPECT_EQ(dense_value<float>(length, 0, 1, 0), inf);
   EXPECT_EQ(dense_value<float>(length, 1, 1, 0), 0);
   EXPECT_TRUE(std::isnan(dense_value<float>(length, 2, 1, 0)));
 }
 
-TEST(Components, OfNumpyInBothOrders) {
+TEST(Components, AreReadFromNumpyInBothOrders) {
   const TempFolder folder;
   const auto check = [&](const std::string& shape, const std::string& axes, bool fortran, int volumes) {
     SCOPED_TRACE(axes);
@@ -210,7 +210,7 @@ TEST(Components, OfNumpyInBothOrders) {
   check("(2, 5, 4, 3, 3)", "tzyxc", true, kVolumes);
 }
 
-TEST(Components, OfNumpyAreAskedForAndNotGuessed) {
+TEST(Components, RequireAChoiceForNumpy) {
   const TempFolder folder;
   write_bytes(folder / "v.npy", npy_array("|u1", "(6, 6, 6, 3)", std::string(648, 'x')));
   const Error error = refusal(folder / "v.npy");
@@ -228,7 +228,7 @@ TEST(Components, OfNumpyAreAskedForAndNotGuessed) {
   EXPECT_EQ(dense_value<double>(must_read(folder / "v.npy", component(std::nullopt)), 1, 0, 0), 10);
 }
 
-TEST(Components, AreListedAndTakeTheMemoryOfOne) {
+TEST(Components, AreListedAndNeedTheMemoryOfOne) {
   const TempFolder folder;
   write_bytes(folder / "v.nii", nifti_of({5, 32, 32, 32, 1, 3}, 4, std::string(196608, 'x')));
   const auto grids = volume_io::list_grids((folder / "v.nii").string(), {}, Context());
@@ -236,7 +236,7 @@ TEST(Components, AreListedAndTakeTheMemoryOfOne) {
   EXPECT_EQ(grids->front().components, 3U);
   EXPECT_EQ(grids->front().voxels, 32768U);
   EXPECT_TRUE(grids->front().scalar);
-  // Mapped; a length needs 4 bytes a sample.
+  // The component is mapped; a length needs 4 bytes per sample.
   EXPECT_TRUE(volume_io::read_volume((folder / "v.nii").string(), component(2), with_memory(100)));
   EXPECT_TRUE(volume_io::read_volume((folder / "v.nii").string(), component(std::nullopt), with_memory(131072)));
   expect_in(refusal(folder / "v.nii", component(std::nullopt), with_memory(131071)).message, "lengths of 32x32x32");

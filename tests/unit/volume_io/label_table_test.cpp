@@ -1,4 +1,4 @@
-// Tables of names and colours of labels: both kinds, and lines that are none.
+// Tests tables of label names and colors in both formats, and invalid lines.
 #include "volume_io/label_table.hpp"
 
 #include <string>
@@ -18,7 +18,7 @@ constexpr std::string_view kItkSnap =
     "\n"
     "    2     0  128    0     0.25  0  1    \"Tumour #2\"";
 
-TEST(LabelTable, ItkSnap) {
+TEST(LabelTable, ReadsItkSnapTables) {
   const auto table = LabelTable::parse(kItkSnap, "t");
   ASSERT_TRUE(table) << table.error().message;
   const std::vector<LabelEntry> expected{
@@ -28,7 +28,7 @@ TEST(LabelTable, ItkSnap) {
   EXPECT_EQ(table->find(3), nullptr);
 }
 
-TEST(LabelTable, FreeSurferAndSlicer) {
+TEST(LabelTable, ReadsFreeSurferAndSlicerTables) {
   const auto table = LabelTable::parse(
       "#$Id$\n#No. Label Name: R G B A\n17  Left-Hippocampus  220 216  20  0\n"
       "\t-3\tnobody\t1\t2\t3\t255\n",
@@ -40,7 +40,7 @@ TEST(LabelTable, FreeSurferAndSlicer) {
   EXPECT_NE(table->hash(), LabelTable::parse(kItkSnap, "t")->hash());
 }
 
-TEST(LabelTable, WhatIsNone) {
+TEST(LabelTable, RejectsInvalidTables) {
   for (const std::string_view line :
        {"1", "1 name", "1 name 1 2 3", "1 name 1 2 3 4 5", "x name 1 2 3 0", "1 name 1 2 256 0", "1 name -1 2 3 0",
         "1 name 1.5 2 3 0", "1 na me 1 2 3 0", "99999999999999999999 name 1 2 3 0", "1 name 1 2 3 x",
@@ -64,7 +64,7 @@ TEST(LabelTable, WhatIsNone) {
             "t: expected each label once, found 1 as 'a' and as 'c'");
 }
 
-TEST(LabelTable, UsualColoursAreFarApart) {
+TEST(LabelTable, ChoosesDistinctDefaultColors) {
   for (std::int64_t label = -20; label < 20; ++label) {
     const glm::dvec3 colour = usual_label_colour(label);
     for (int c = 0; c < 3; ++c) EXPECT_TRUE(colour[c] >= 0 && colour[c] <= 1);

@@ -1,4 +1,4 @@
-// Samples that lie in a file as they are wanted are mapped; all others are read. Both give the same samples.
+// Tests that samples are mapped if their layout in the file fits and read otherwise, with equal results.
 #include "files/mapped_file.hpp"
 #include "unit/volume_io/volume_files.hpp"
 
@@ -19,12 +19,12 @@ volume_io::ReadOptions raw_options(field::SampleType type, std::uint64_t skip = 
 std::string npy(const std::string& descr, const std::string& samples, bool fortran = false) {
   std::string text =
       "{'descr': '" + descr + "', 'fortran_order': " + (fortran ? "True" : "False") + ", 'shape': (5, 4, 3), }";
-  text.resize(128 - 10 - 1, ' ');  // as NumPy pads it
+  text.resize(128 - 10 - 1, ' ');  // NumPy's padding
   text += '\n';
   return std::string("\x93NUMPY\x01\0", 8) + pack(static_cast<std::uint16_t>(text.size())) + text + samples;
 }
 
-// A header whose samples begin at a multiple of 64, or `off` bytes behind one.
+// Returns a file whose samples start at a multiple of 64, or `off` bytes after one.
 std::string nrrd(const std::string& fields, const std::string& samples, std::size_t off = 0) {
   std::string header = "NRRD0005\ntype: float\ndimension: 3\nsizes: 3 4 5\n" + fields + "# ";
   header.resize(256 + off - 2, '-');
@@ -51,7 +51,7 @@ using AllTypes = testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::i
                                 field::Half, float, double>;
 TYPED_TEST_SUITE(MappedSamples, AllTypes);
 
-TYPED_TEST(MappedSamples, OfEveryTypeBehindAnAlignedHeader) {
+TYPED_TEST(MappedSamples, MapEveryTypeAfterAnAlignedHeader) {
   const TempFolder folder;
   for (const std::size_t skip : {0, 8, 4096, 5000}) {
     write_bytes(folder / "v.raw", std::string(skip, 'x') + ramp_bytes<TypeParam>(std::endian::native));
@@ -62,7 +62,7 @@ TYPED_TEST(MappedSamples, OfEveryTypeBehindAnAlignedHeader) {
   }
 }
 
-TYPED_TEST(MappedSamples, NotWhereTheyAreMisalignedOrSwapped) {
+TYPED_TEST(MappedSamples, AreReadIfMisalignedOrSwapped) {
   const TempFolder folder;
   const bool one_byte = sizeof(TypeParam) == 1;
   write_bytes(folder / "v.raw", "x" + ramp_bytes<TypeParam>(std::endian::native));
@@ -76,7 +76,7 @@ TYPED_TEST(MappedSamples, NotWhereTheyAreMisalignedOrSwapped) {
   expect_ramp<TypeParam>(swapped);
 }
 
-TEST(MappedFormats, OnePieceThatIsNotPacked) {
+TEST(MappedFormats, MapOneUncompressedPiece) {
   const TempFolder folder;
   const std::string samples = ramp_bytes<float>();
   const std::string little = "encoding: raw\nendian: little\n";
@@ -97,7 +97,7 @@ TEST(MappedFormats, OnePieceThatIsNotPacked) {
   }
 }
 
-TEST(MappedFormats, NotWhatMustBeMadeFirst) {
+TEST(MappedFormats, ReadWhatNeedsConversion) {
   const TempFolder folder;
   const std::string samples = ramp_bytes<float>();
   const std::string little = "encoding: raw\nendian: little\n";
@@ -134,19 +134,19 @@ TEST(MappedFormats, CountAsReadOnceAndAsProgress) {
   const field::ScalarField field = must_read(folder / "v.raw", options, context);
   EXPECT_TRUE(dense(field).file_backed);
   EXPECT_GE(context.counters().bytes_read, 240U);
-  EXPECT_LT(context.counters().bytes_read, 480U + 240U);  // detection looks at the first bytes
+  EXPECT_LT(context.counters().bytes_read, 480U + 240U);  // detection reads the first bytes
   EXPECT_STREQ(context.progress().stage(), "reading");
   EXPECT_EQ(context.progress().total(), 240U);
   EXPECT_EQ(context.progress().done(), 240U);
 }
 
-TEST(MappedFormats, NeedNoneOfTheMemoryLimit) {
+TEST(MappedFormats, NeedNoReservedMemory) {
   const TempFolder folder;
   write_bytes(folder / "v.raw", ramp_bytes<float>());
   expect_ramp<float>(must_read(folder / "v.raw", raw_options(field::SampleType::f32), with_memory(0)));
 }
 
-TEST(MappedFormats, StayWhenTheFileIsRemovedOrReplaced) {
+TEST(MappedFormats, SurviveRemovalOrReplacementOfTheFile) {
   const TempFolder folder;
   write_bytes(folder / "v.raw", ramp_bytes<float>());
   const field::ScalarField field = must_read(folder / "v.raw", raw_options(field::SampleType::f32));
@@ -155,7 +155,7 @@ TEST(MappedFormats, StayWhenTheFileIsRemovedOrReplaced) {
   expect_ramp<float>(field);
 }
 
-TEST(MappedFormats, ThatAreCutOffReadAsZerosAndAreLost) {
+TEST(MappedFormats, ReportLossOfTruncatedFiles) {
   const TempFolder folder;
   const glm::ivec3 dims{64, 64, 64};  // 64 pages
   write_bytes(folder / "v.raw", ramp_bytes<std::uint8_t>(std::endian::native, dims));
@@ -173,7 +173,7 @@ TEST(MappedFormats, ThatAreCutOffReadAsZerosAndAreLost) {
   expect_in(whole.error().message, "became shorter");
 }
 
-TEST(MappedFile, HoldsOnlyWhatIsInTheFile) {
+TEST(MappedFile, MapsOnlyRangesWithinTheFile) {
   const TempFolder folder;
   write_bytes(folder / "v.raw", std::string(5000, 'a') + "b");
   const auto file = files::InputFile::open(folder / "v.raw", Context());

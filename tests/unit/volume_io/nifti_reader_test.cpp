@@ -3,7 +3,7 @@
 namespace isoextract::test {
 namespace {
 
-// A header field by field, at the offsets of the two standards.
+// Builds a header field by field, at the offsets of the two standards.
 struct NiftiFile {
   int version = 1;
   std::endian endian = std::endian::little;
@@ -105,15 +105,15 @@ TYPED_TEST(NiftiReader, ReadsBothVersionsAndByteOrdersPlainAndGzip) {
   }
 }
 
-TEST(NiftiReaderData, NameAndStem) {
+TEST(NiftiReaderData, NamesTheVolumeByItsStem) {
   const std::string file = NiftiFile().bytes + kSamples;
   EXPECT_EQ(read_nifti(gzip(file), "brain.nii.gz").name, "brain");
   EXPECT_EQ(read_nifti(file, "brain.nii").name, "brain");
-  // By content, whatever the name.
+  // Detects the content under any name.
   EXPECT_TRUE(has_note(read_nifti(gzip(file), "brain.raw"), "read as nifti"));
 }
 
-TEST(NiftiReaderData, SamplesStartAtVoxOffset) {
+TEST(NiftiReaderData, StartsAtVoxOffset) {
   expect_ramp<std::uint8_t>(read_nifti(NiftiFile(1).offset(368).bytes + std::string(16, 'x') + kSamples));
   expect_ramp<std::uint8_t>(read_nifti(NiftiFile(2).offset(560).bytes + std::string(16, 'x') + kSamples));
   expect_ramp<std::uint8_t>(
@@ -121,7 +121,7 @@ TEST(NiftiReaderData, SamplesStartAtVoxOffset) {
   EXPECT_TRUE(has_note(read_nifti(NiftiFile().bytes + kSamples + "abc"), "3 bytes after the samples"));
 }
 
-TEST(NiftiReaderData, NanAndInfiniteSamplesStayWhatTheyAre) {
+TEST(NiftiReaderData, KeepsNanAndInfiniteSamples) {
   std::string samples = ramp_bytes<float>();
   put(samples, 4, std::nanf(""));
   put(samples, 8, HUGE_VALF);
@@ -130,7 +130,7 @@ TEST(NiftiReaderData, NanAndInfiniteSamplesStayWhatTheyAre) {
   EXPECT_EQ(dense_value<float>(field, 2, 0, 0), HUGE_VALF);
 }
 
-TEST(NiftiReaderData, PairsByEitherName) {
+TEST(NiftiReaderData, ReadsPairsByEitherName) {
   for (const int version : {1, 2}) {
     for (const auto& [header, image] : std::vector<std::pair<std::string, std::string>>{
              {"v.hdr", "v.img"}, {"v.hdr", "v.img.gz"}, {"v.hdr.gz", "v.img.gz"}, {"v.hdr.gz", "v.img"}}) {
@@ -151,7 +151,7 @@ TEST(NiftiReaderData, PairsByEitherName) {
   }
 }
 
-TEST(NiftiReaderData, AnImageElsewhereIsRefused) {
+TEST(NiftiReaderData, RejectsAnImageElsewhere) {
   const TempFolder folder;
   std::filesystem::create_directory(folder / "in");
   write_bytes(folder / "out.img", kSamples);
@@ -160,7 +160,7 @@ TEST(NiftiReaderData, AnImageElsewhereIsRefused) {
   expect_in(refusal(folder / "in" / "v.hdr").message, "not beside or below the header");
 }
 
-TEST(NiftiReaderPlace, SformRows) {
+TEST(NiftiReaderPlace, ReadsSformRows) {
   for (const int version : {1, 2}) {
     for (const std::endian endian : {std::endian::little, std::endian::big}) {
       NiftiFile file(version, endian);
@@ -174,11 +174,11 @@ TEST(NiftiReaderPlace, SformRows) {
   }
 }
 
-TEST(NiftiReaderPlace, QformQuaternionAndItsSign) {
+TEST(NiftiReaderPlace, ReadsQformQuaternionAndSign) {
   const double half = std::sqrt(0.5);
   for (const double qfac : {1.0, -1.0, 0.0}) {
     for (const int version : {1, 2}) {
-      // A quarter turn about z: x steps go to +y, y steps to -x; the third axis is turned over by qfac.
+      // A quarter turn about z: x steps go to +y, y steps to -x; qfac reverses the third axis.
       NiftiFile file(version);
       file.pixdim({qfac, 2, 3, 4, 0, 0, 0, 0}).qform({0, 0, half}, {10, 20, 30});
       const field::ScalarField field = read_nifti(file.bytes + kSamples);
@@ -189,13 +189,13 @@ TEST(NiftiReaderPlace, QformQuaternionAndItsSign) {
   }
 }
 
-TEST(NiftiReaderPlace, SpacingsAloneAreNoted) {
+TEST(NiftiReaderPlace, NotesSpacingsAlone) {
   const field::ScalarField field = read_nifti(NiftiFile().pixdim({1, 2, 3, 4, 0, 0, 0, 0}).bytes + kSamples);
   expect_near(field.index_to_world({1, 1, 1}), {2, 3, 4});
   EXPECT_TRUE(has_note(field, "orientation unknown"));
 }
 
-TEST(NiftiReaderPlace, FramesThatCannotBeUsedAskForASpacing) {
+TEST(NiftiReaderPlace, RequiresASpacingForInvalidFrames) {
   const double nan = std::nan("");
   for (const std::string& header :
        {NiftiFile().sform({nan, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}).bytes,
@@ -216,7 +216,7 @@ TEST(NiftiReaderPlace, FramesThatCannotBeUsedAskForASpacing) {
   }
 }
 
-TEST(NiftiReaderScale, SlopeAndIntercept) {
+TEST(NiftiReaderScale, AppliesSlopeAndIntercept) {
   const auto scale = [](double slope, double intercept) {
     return read_nifti(NiftiFile(2).scale(slope, intercept).bytes + kSamples).scale;
   };
@@ -233,7 +233,7 @@ TEST(NiftiReaderScale, SlopeAndIntercept) {
   EXPECT_TRUE(has_note(no_intercept, "scl_inter"));
 }
 
-TEST(NiftiReaderBad, TypesAndShapesThatAreNotScalarVolumesAreNamed) {
+TEST(NiftiReaderBad, NamesUnsupportedTypesAndShapes) {
   const std::string samples(2000, 'x');
   const auto typed = [&](int type) { return NiftiFile().type(type).bytes + samples; };
   expect_all_refused(
@@ -254,7 +254,7 @@ TEST(NiftiReaderBad, TypesAndShapesThatAreNotScalarVolumesAreNamed) {
   expect_ramp<std::uint8_t>(read_nifti(NiftiFile().dims({4, 3, 4, 5, 1}).bytes + kSamples));
 }
 
-TEST(NiftiReaderBad, MalformedFilesAreRefused) {
+TEST(NiftiReaderBad, RejectsMalformedFiles) {
   const std::string header = NiftiFile().bytes;
   const std::string header2 = NiftiFile(2).bytes;
   std::string analyze = header;
@@ -292,7 +292,7 @@ TEST(NiftiReaderBad, MalformedFilesAreRefused) {
                 {"offset behind the end", NiftiFile().offset(1e15).bytes + kSamples, "found 0"}});
 }
 
-TEST(NiftiReaderBad, DamagedGzipIsRefused) {
+TEST(NiftiReaderBad, RejectsDamagedGzip) {
   const std::string packed = gzip(NiftiFile().bytes + kSamples);
   std::string bad_checksum = packed;
   bad_checksum[bad_checksum.size() - 6] = static_cast<char>(bad_checksum[bad_checksum.size() - 6] ^ 1);
@@ -306,7 +306,7 @@ TEST(NiftiReaderBad, DamagedGzipIsRefused) {
                       {"offset behind the end", gzip(NiftiFile(2).offset(1e15).bytes + kSamples), "cannot hold"}});
 }
 
-TEST(NiftiReaderBad, TruncationsAndFlippedBitsNeverCrashOrPrint) {
+TEST(NiftiReaderBad, SurvivesTruncationsAndFlippedBitsSilently) {
   testing::internal::CaptureStderr();
   for (const int version : {1, 2}) {
     const std::string good = NiftiFile(version).sform({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}).bytes + kSamples;

@@ -38,8 +38,8 @@ TYPED_TEST(NpyReader, ReadsBothByteOrders) {
   }
 }
 
-TYPED_TEST(NpyReader, FortranOrderIsTurnedSoThatXIsFastest) {
-  // More x planes than are turned at a time.
+TYPED_TEST(NpyReader, TransposesFortranOrder) {
+  // More x planes than are transposed together.
   const glm::ivec3 dims{37, 3, 2};
   std::string bytes;
   for (int i = 0; i < dims.x; ++i) {
@@ -55,7 +55,7 @@ TYPED_TEST(NpyReader, FortranOrderIsTurnedSoThatXIsFastest) {
   expect_ramp<TypeParam>(must_read(folder / "v.npy"), dims);
 }
 
-TEST(NpyReaderHeader, VersionsAndSpellings) {
+TEST(NpyReaderHeader, ReadsAllVersionsAndSpellings) {
   for (const std::string& header :
        {npy_header(dict("<f4"), 1), npy_header(dict("<f4"), 2), npy_header(dict("<f4"), 3),
         npy_header("{\"shape\":(5L,4L,3L),\"descr\":\"<f4\",\"fortran_order\":False}"),
@@ -66,7 +66,7 @@ TEST(NpyReaderHeader, VersionsAndSpellings) {
   }
 }
 
-TEST(NpyReaderHeader, LeadingAxesOfLengthOneAreDroppedWithANote) {
+TEST(NpyReaderHeader, DropsLeadingAxesOfLengthOneWithANote) {
   const TempFolder folder;
   write_bytes(folder / "v.npy", npy_header(dict("<f4", "(1, 1, 5, 4, 3)")) + ramp_bytes<float>());
   const field::ScalarField field = must_read(folder / "v.npy");
@@ -74,7 +74,7 @@ TEST(NpyReaderHeader, LeadingAxesOfLengthOneAreDroppedWithANote) {
   EXPECT_TRUE(has_note(field, "2 leading axes"));
 }
 
-TEST(NpyReaderHeader, TypesThatAreNotScalarNumbersAreRefusedByName) {
+TEST(NpyReaderHeader, NamesUnsupportedTypes) {
   for (const char* descr : {"<i16", "|b2", "<c4", "<c32", "|O", "<U5", "|S3", "<f16", "<M8[ns]", "f4", ""}) {
     const TempFolder folder;
     write_bytes(folder / "v.npy", npy_header(dict(descr)) + ramp_bytes<double>());
@@ -86,7 +86,7 @@ TEST(NpyReaderHeader, TypesThatAreNotScalarNumbersAreRefusedByName) {
   expect_in(refusal(folder / "v.npy").message, "a structure");
 }
 
-TEST(NpyReaderHeader, MalformedFilesAreRefused) {
+TEST(NpyReaderHeader, RejectsMalformedFiles) {
   const std::string huge_v2 = std::string("\x93NUMPY\2\0", 8) + pack(std::uint32_t{0xffffffff}) + "{}";
   std::string many_axes = "(";
   for (int i = 0; i < 1000; ++i) many_axes += "1,";
@@ -127,7 +127,7 @@ TEST(NpyReaderHeader, MalformedFilesAreRefused) {
        {"five axes", npy_header(dict("<f4", "(2, 5, 4, 3, 1)")), "3 axes"}});
 }
 
-TEST(NpyReaderHeader, TruncationsAndFlippedBitsNeverCrash) {
+TEST(NpyReaderHeader, SurvivesTruncationsAndFlippedBits) {
   const TempFolder folder;
   for (std::size_t length = 1; length < kGood.size(); ++length) {
     write_bytes(folder / "v.npy", kGood.substr(0, length));

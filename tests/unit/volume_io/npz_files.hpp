@@ -1,4 +1,4 @@
-// ZIP files made by hand, byte by byte, so that tests can put wrong numbers into them.
+// Builds ZIP files byte by byte, so that tests can insert wrong numbers.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace isoextract::test {
 
-// An array as NumPy writes it.
+// Returns an array in NumPy's format.
 inline std::string npy_array(const std::string& descr, const std::string& shape, const std::string& samples,
                              bool fortran = false) {
   std::string text =
@@ -20,7 +20,7 @@ inline std::string npy_array(const std::string& descr, const std::string& shape,
   return std::string("\x93NUMPY\1\0", 8) + pack(static_cast<std::uint16_t>(text.size())) + text + samples;
 }
 
-// Deflate without a header.
+// Compresses to raw Deflate.
 inline std::string deflate(const std::string& bytes) {
   z_stream stream{};
   if (::deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY) != Z_OK) throw 0;
@@ -35,18 +35,18 @@ inline std::string deflate(const std::string& bytes) {
   return packed;
 }
 
-// A member and what the directory says of it.
+// A member and its directory entry.
 struct ZipPart {
   std::string name;
-  std::string stored;  // as its bytes lie in the file
+  std::string stored;  // bytes in the file
   std::uint16_t method = 0;
   std::uint32_t inflated = 0;
   std::uint32_t crc = 0;
   std::uint32_t packed = 0;
   std::uint16_t flags = 0;
-  bool zip64 = false;                // its sizes are in a field of 64 bits
-  std::uint16_t local_extra = 20;    // NumPy has room for sizes of 64 bits in the local header
-  std::int64_t header_moved_by = 0;  // of the place of its local header
+  bool zip64 = false;                // its sizes are in the ZIP64 field
+  std::uint16_t local_extra = 20;    // NumPy reserves room for 64-bit sizes in the local header
+  std::int64_t header_moved_by = 0;  // offset error of the local header's position
 };
 
 inline ZipPart zip_part(const std::string& name, const std::string& content, bool packed) {
@@ -70,7 +70,7 @@ inline std::string zip_bytes(const std::vector<ZipPart>& parts, const std::strin
             pack(part.local_extra) + part.name + std::string(part.local_extra, '\0') + part.stored;
     std::string extra;
     if (part.zip64) {
-      // Another field first.
+      // Inserts another field before it.
       extra = pack(std::uint16_t{9}) + pack(std::uint16_t{2}) + "ab";
       extra += pack(std::uint16_t{1}) + pack(std::uint16_t{24}) + pack(std::uint64_t{part.inflated}) +
                pack(std::uint64_t{part.packed}) + pack(std::uint64_t{at});

@@ -1,4 +1,4 @@
-// NumPy's archives: which array is read, and what a ZIP file can say that is not so.
+// Tests NumPy's archives: the choice of an array, and ZIP files with wrong entries.
 #include "unit/volume_io/npz_files.hpp"
 
 namespace isoextract::test {
@@ -16,7 +16,7 @@ void write_zip(const std::filesystem::path& path, const std::vector<ZipPart>& pa
   write_bytes(path, zip_bytes(parts));
 }
 
-TEST(NpzReader, StoredAndPackedMembersAreTheArray) {
+TEST(NpzReader, ReadsStoredAndCompressedMembers) {
   for (const bool packed : {false, true}) {
     for (const bool zip64 : {false, true}) {
       const TempFolder folder;
@@ -33,7 +33,7 @@ TEST(NpzReader, StoredAndPackedMembersAreTheArray) {
   }
 }
 
-TEST(NpzReader, IsKnownByItsContentAndOtherZipFilesAreNot) {
+TEST(NpzReader, DistinguishesOtherZipFiles) {
   const TempFolder folder;
   write_zip(folder / "v.bin", {zip_part("rho.npy", kRamp, true)});
   expect_ramp<float>(must_read(folder / "v.bin"));
@@ -41,7 +41,7 @@ TEST(NpzReader, IsKnownByItsContentAndOtherZipFilesAreNot) {
   expect_in(refusal(folder / "w.bin").message, "not a volume format");
 }
 
-TEST(NpzReader, OneOfSeveralIsChosenByItsName) {
+TEST(NpzReader, SelectsAnArrayByName) {
   const TempFolder folder;
   std::string doubled;
   for (int k = 0; k < 60; ++k) doubled += pack(2.0 * k);
@@ -68,7 +68,7 @@ TEST(NpzReader, OneOfSeveralIsChosenByItsName) {
   expect_in(refusal(folder / "v.npz", grid("text")).message, "found <U4");
 }
 
-TEST(NpzReader, VolumesComponentsAndOrdersOfAxes) {
+TEST(NpzReader, ReadsVolumesComponentsAndAxisOrders) {
   std::string two;
   for (int t = 0; t < 2; ++t) {
     for (int i = 0; i < 60; ++i) two += pack(static_cast<std::int16_t>(1000 * t + i), std::endian::big);
@@ -97,9 +97,9 @@ TEST(NpzReader, VolumesComponentsAndOrdersOfAxes) {
   }
 }
 
-TEST(NpzReaderMemory, MembersArePackedSmallAndCountWholly) {
+TEST(NpzReaderMemory, ReservesTheDecompressedSize) {
   const TempFolder folder;
-  // 8 MB of zeros in a few kB.
+  // 8 MB of zeros in a few KB.
   const std::string zeros(std::size_t{8} << 20, '\0');
   write_zip(folder / "v.npz", {zip_part("a.npy", npy_array("|u1", "(128, 256, 256)", zeros), true)});
   EXPECT_LT(std::filesystem::file_size(folder / "v.npz"), 20000U);
@@ -112,8 +112,8 @@ TEST(NpzReaderMemory, MembersArePackedSmallAndCountWholly) {
   EXPECT_EQ(enough.memory().reserved(), 0U);
 }
 
-// What a directory says and what is there.
-TEST(NpzReaderBad, SizesAndPlacesThatAreNotSoAreRefused) {
+// Directory entries that contradict the file.
+TEST(NpzReaderBad, RejectsWrongSizesAndPositions) {
   const auto with = [](bool packed, const auto& change) {
     ZipPart part = zip_part("a.npy", kRamp, packed);
     change(part);
@@ -172,7 +172,7 @@ TEST(NpzReaderBad, SizesAndPlacesThatAreNotSoAreRefused) {
        {"bomb", zip_bytes({bomb}), "bytes of packed data cannot hold 1073741952 bytes"}});
 }
 
-TEST(NpzReaderBad, TruncationsAndFlippedBitsNeverCrash) {
+TEST(NpzReaderBad, SurvivesTruncationsAndFlippedBits) {
   const TempFolder folder;
   const std::string good = zip_bytes({zip_part("a.npy", kRamp, true), zip_part("b.npy", kRamp, false)});
   for (std::size_t length = 1; length < good.size(); ++length) {

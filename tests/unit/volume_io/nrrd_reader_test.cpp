@@ -3,7 +3,7 @@
 namespace isoextract::test {
 namespace {
 
-// A header from lines; the sizes are those of kDims unless `fields` says so.
+// Makes a header from lines; the sizes are kDims unless `fields` states others.
 std::string nrrd(const std::string& fields, const std::string& samples, const std::string& type = "uint8") {
   std::string header = "NRRD0005\n# a comment\n";
   if (type != "-") header += "type: " + type + "\n";
@@ -51,13 +51,13 @@ TYPED_TEST(NrrdReader, ReadsBothByteOrdersRawAndGzip) {
   }
 }
 
-TEST(NrrdReaderData, GzipOfSeveralMembers) {
+TEST(NrrdReaderData, ReadsGzipWithSeveralMembers) {
   const std::string samples = ramp_bytes<std::uint8_t>();
   const std::string packed = gzip(samples.substr(0, 17)) + gzip(samples.substr(17, 20)) + gzip(samples.substr(37));
   expect_ramp<std::uint8_t>(read_nrrd(nrrd("encoding: gzip\n", packed)));
 }
 
-TEST(NrrdReaderData, LineAndByteSkips) {
+TEST(NrrdReaderData, AppliesLineAndByteSkips) {
   expect_ramp<std::uint8_t>(read_nrrd(nrrd("line skip: 2\nbyte skip: 3\n", "one\ntwo\nabc" + kSamples)));
   expect_ramp<std::uint8_t>(read_nrrd(nrrd("byte skip: -1\n", "any number of bytes" + kSamples)));
   expect_ramp<std::uint8_t>(read_nrrd(nrrd("byte skip: -4\n", "any number of bytes" + kSamples + "abc")));
@@ -65,12 +65,12 @@ TEST(NrrdReaderData, LineAndByteSkips) {
       read_nrrd(nrrd("encoding: gzip\nline skip: 1\nbyte skip: 3\n", "one\n" + gzip("abc" + kSamples))));
 }
 
-TEST(NrrdReaderData, BytesBehindTheSamplesAreNoted) {
+TEST(NrrdReaderData, NotesBytesAfterTheSamples) {
   EXPECT_TRUE(has_note(read_nrrd(nrrd("", kSamples + "abc")), "3 bytes after the samples"));
   EXPECT_TRUE(has_note(read_nrrd(nrrd("encoding: gzip\n", gzip(kSamples + "abc"))), "bytes after the samples"));
 }
 
-TEST(NrrdReaderData, HeadersWithCarriageReturns) {
+TEST(NrrdReaderData, ReadsHeadersWithCarriageReturns) {
   std::string text = nrrd("space origin: (1,2,3)\n", "");
   text.replace(text.find("space origin"), 0, "space dimension: 3\n");
   std::string windows;
@@ -78,7 +78,7 @@ TEST(NrrdReaderData, HeadersWithCarriageReturns) {
   expect_ramp<std::uint8_t>(read_nrrd(windows + kSamples));
 }
 
-TEST(NrrdReaderData, DetachedFilesBesideAndBelowTheHeader) {
+TEST(NrrdReaderData, ReadsDetachedFilesBesideAndBelowTheHeader) {
   for (const std::string name : {"data.raw", "./data.raw", "sub/data.raw", "sub/../data.raw", "a name.raw"}) {
     const TempFolder folder;
     std::filesystem::create_directory(folder / "sub");
@@ -87,21 +87,21 @@ TEST(NrrdReaderData, DetachedFilesBesideAndBelowTheHeader) {
       write_bytes(folder / "v.nhdr", nrrd(field + name + "\n", ""));
       expect_ramp<std::uint8_t>(must_read(folder / "v.nhdr"));
     }
-    // By its absolute name, and without the empty line at the end.
+    // By its absolute path, and without the empty line at the end.
     write_bytes(folder / "v.nhdr", "NRRD0004\ndimension: 3\ntype: uint8\nsizes: 3 4 5\nencoding: raw\ndata file: " +
                                        (folder / name).string());
     expect_ramp<std::uint8_t>(must_read(folder / "v.nhdr"));
   }
 }
 
-TEST(NrrdReaderData, DetachedSkips) {
+TEST(NrrdReaderData, AppliesSkipsToDetachedFiles) {
   const TempFolder folder;
   write_bytes(folder / "data.raw", "line\nabc" + kSamples);
   write_bytes(folder / "v.nhdr", nrrd("data file: data.raw\nline skip: 1\nbyte skip: 3\n", ""));
   expect_ramp<std::uint8_t>(must_read(folder / "v.nhdr"));
 }
 
-TEST(NrrdReaderData, ListsAndNumberedFiles) {
+TEST(NrrdReaderData, ReadsListsAndNumberedFiles) {
   const TempFolder folder;
   std::string list;
   for (int k = 0; k < 5; ++k) {
@@ -128,7 +128,7 @@ TEST(NrrdReaderData, ListsAndNumberedFiles) {
             "expected 12 bytes (one of 5 parts");
 }
 
-TEST(NrrdReaderData, DetachedFilesElsewhereAreRefused) {
+TEST(NrrdReaderData, RejectsDetachedFilesElsewhere) {
   const TempFolder folder;
   std::filesystem::create_directory(folder / "in");
   std::filesystem::create_directory(folder / "in" / "sub");
@@ -152,14 +152,14 @@ TEST(NrrdReaderData, DetachedFilesElsewhereAreRefused) {
   }
   write_bytes(header, nrrd("data file: ../out%d.raw 0 4 1\n", ""));
   expect_in(refusal(header).message, "not beside or below the header");
-  // A link that stays inside is fine.
+  // A link to a file in the folder is accepted.
   std::filesystem::create_symlink("sub/data.raw", folder / "in" / "inner.raw");
   write_bytes(folder / "in" / "sub" / "data.raw", kSamples);
   write_bytes(header, nrrd("data file: inner.raw\n", ""));
   expect_ramp<std::uint8_t>(must_read(header));
 }
 
-TEST(NrrdReaderData, DetachedFilesThatCannotBeRead) {
+TEST(NrrdReaderData, ReportsUnreadableDetachedFiles) {
   const TempFolder folder;
   const auto header = folder / "v.nhdr";
   const auto message = [&](const std::string& name) {
@@ -183,7 +183,7 @@ void expect_placed(const std::string& fields, const glm::ivec3& index, const glm
   expect_near(read_nrrd(nrrd(fields, kSamples)).index_to_world(index), world);
 }
 
-TEST(NrrdReaderPlace, SpaceDirectionsAreColumns) {
+TEST(NrrdReaderPlace, ReadsSpaceDirectionsAsColumns) {
   const field::ScalarField field = read_nrrd(
       nrrd("space: left-posterior-superior\nspace directions: (0,2,0) (-3,0,0.5) (0,0,4)\nspace origin: (10,20,30)\n"
            "kinds: domain domain space\ncenters: cell cell cell\n",
@@ -194,19 +194,19 @@ TEST(NrrdReaderPlace, SpaceDirectionsAreColumns) {
   expect_near(field.index_to_world({2, 3, 4}), {10 - 9, 20 + 4, 30 + 1.5 + 16});
 }
 
-TEST(NrrdReaderPlace, OtherFrames) {
+TEST(NrrdReaderPlace, ReadsOtherFrames) {
   expect_placed("", {1, 2, 3}, {1, 2, 3});
   expect_placed("spacings: 0.5 2 -3\n", {1, 2, 3}, {0.5, 4, -9});
   // A space without directions: spacings along its axes.
   expect_placed("space: RAS\nspace origin: (1,2,3)\nspacings: 2 3 4\n", {1, 1, 1}, {3, 5, 7});
-  // Node-centred axes begin at their first sample, cells half a spacing before it.
+  // Node-centered axes start at their first sample, cell-centered ones half a spacing before it.
   expect_placed("spacings: 2 2 2\naxis mins: 10 20 30\ncenters: node node node\n", {1, 1, 1}, {12, 22, 32});
   expect_placed("spacings: 2 2 2\naxis mins: 10 20 30\ncenters: cell cell cell\n", {1, 1, 1}, {13, 23, 33});
   expect_placed("axis mins: 10 20 30\naxis maxs: 14 26 38\ncenters: node node node\n", {1, 1, 1}, {12, 22, 32});
   expect_placed("axis mins: 10 20 30\naxis maxs: 16 28 40\ncenters: cell cell cell\n", {1, 1, 1}, {13, 23, 33});
 }
 
-TEST(NrrdReaderPlace, WhatIsAssumedIsNoted) {
+TEST(NrrdReaderPlace, NotesAssumptions) {
   EXPECT_TRUE(has_note(read_nrrd(nrrd("", kSamples)), "no spacings"));
   const std::string no_origin = nrrd("space: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n", kSamples);
   EXPECT_TRUE(has_note(read_nrrd(no_origin), "no space origin"));
@@ -216,7 +216,7 @@ TEST(NrrdReaderPlace, WhatIsAssumedIsNoted) {
   EXPECT_TRUE(read_nrrd(nrrd("spacings: 1 1 1\n", kSamples)).notes.empty());
 }
 
-TEST(NrrdReaderPlace, FramesThatCannotBeUsedAskForASpacing) {
+TEST(NrrdReaderPlace, RequiresASpacingForInvalidFrames) {
   for (const std::string fields :
        {"spacings: 1 nan 1\n", "spacings: nan nan nan\n", "space: LPS\nspace directions: (1,0,0) none (0,0,1)\n",
         "space: LPS\nspace directions: (1,0,0) (nan,nan,nan) (0,0,1)\nspace origin: (0,0,0)\n",
@@ -236,7 +236,7 @@ TEST(NrrdReaderPlace, FramesThatCannotBeUsedAskForASpacing) {
   }
 }
 
-TEST(NrrdReaderPlace, SpacingReplacesARotatedFrameWithANote) {
+TEST(NrrdReaderPlace, ReplacesARotatedFrameBySpacingWithANote) {
   const TempFolder folder;
   write_bytes(folder / "v.nrrd",
               nrrd("space: LPS\nspace directions: (0,2,0) (-3,0,0) (0,0,4)\nspace origin: (5,6,7)\n", kSamples));
@@ -250,7 +250,7 @@ TEST(NrrdReaderPlace, SpacingReplacesARotatedFrameWithANote) {
   expect_near(must_read(folder / "v.nrrd", options).index_to_world({1, 0, 0}), {0, 2, 0});
 }
 
-TEST(NrrdReaderAxes, AxesOfLengthOneAreDropped) {
+TEST(NrrdReaderAxes, DropsAxesOfLengthOne) {
   for (const std::string fields :
        {"dimension: 4\nsizes: 1 3 4 5\n", "dimension: 4\nsizes: 3 4 5 1\n", "dimension: 5\nsizes: 3 1 4 5 1\n",
         "dimension: 4\nsizes: 1 3 4 5\nkinds: vector domain domain domain\n",
@@ -267,7 +267,7 @@ TEST(NrrdReaderAxes, AxesOfLengthOneAreDropped) {
   expect_near(field.index_to_world({1, 1, 1}), {3, 4, 5});
 }
 
-TEST(NrrdReaderAxes, VectorsColoursAndSeriesAskForAChoice) {
+TEST(NrrdReaderAxes, RequiresAChoiceForVectorsColorsAndSeries) {
   const std::string samples(600, 'x');
   expect_all_refused(
       "v.nrrd", {{"colour", nrrd("dimension: 4\nsizes: 3 3 4 5\nkinds: RGB-color domain domain domain\n", samples),
@@ -292,7 +292,7 @@ TEST(NrrdReaderAxes, VectorsColoursAndSeriesAskForAChoice) {
                  {"image", nrrd("dimension: 2\nsizes: 3 4\n", samples), "expected 3 dimensions, found 2"}});
 }
 
-TEST(NrrdReaderBad, TypesAndEncodingsThatAreNotReadAreNamed) {
+TEST(NrrdReaderBad, NamesUnsupportedTypesAndEncodings) {
   const std::string samples(600, '1');
   expect_all_refused("v.nrrd",
                      {{"block", nrrd("endian: little\nblock size: 7\n", samples, "block"), "found type 'block'"},
@@ -302,7 +302,7 @@ TEST(NrrdReaderBad, TypesAndEncodingsThatAreNotReadAreNamed) {
                       {"skip list", nrrd("data file: SKIPLIST\n", samples), "SKIPLIST"}});
 }
 
-TEST(NrrdReaderBad, MalformedFilesAreRefused) {
+TEST(NrrdReaderBad, RejectsMalformedFiles) {
   const std::string good = nrrd("spacings: 1 1 1\n", kSamples);
   const std::string packed = gzip(kSamples);
   std::string flipped = packed;
@@ -354,8 +354,8 @@ TEST(NrrdReaderBad, MalformedFilesAreRefused) {
        {"gzip skip too far", nrrd("encoding: gzip\nbyte skip: 50\n", packed), "holds 60 bytes"}});
 }
 
-// teem writes its messages, which repeat the line, into a buffer of 1025 bytes.
-TEST(NrrdReaderBad, LinesThatAreTooLongForTheLibraryAreRefusedBeforeItSeesThem) {
+// teem writes messages that repeat the line into a buffer of 1025 bytes.
+TEST(NrrdReaderBad, RejectsLinesTooLongForTeem) {
   const std::string many(2000, 'x');
   std::vector<BadFile> files{
       {"no field", nrrd(many + "\n", kSamples), "line 6 of the header has 2000 bytes, the limit is 768"},
@@ -371,7 +371,7 @@ TEST(NrrdReaderBad, LinesThatAreTooLongForTheLibraryAreRefusedBeforeItSeesThem) 
   expect_all_refused("v.vdb", {{"found by its content", nrrd("kinds: " + many + "\n", kSamples), "2007 bytes"}});
 }
 
-TEST(NrrdReaderBad, TheLongestLinesThatTheLibrarySeesLeaveRoomForWhatItSays) {
+TEST(NrrdReaderBad, LeavesRoomForTeemsMessages) {
   const std::vector<std::string> fields{"",
                                         "type: ",
                                         "space: ",
@@ -405,7 +405,7 @@ TEST(NrrdReaderBad, TheLongestLinesThatTheLibrarySeesLeaveRoomForWhatItSays) {
     SCOPED_TRACE(field);
     const TempFolder folder;
     const std::string line = field + std::string(768 - field.size(), 'x') + "\n";
-    // Most look at their values only where the dimensions are known; those two may be there once.
+    // Most fields are checked only after the dimensions are known; these two may occur once.
     const bool is_first = field.starts_with("space: ") || field.find("dimension") != std::string::npos;
     write_bytes(folder / "v.nrrd", (is_first ? "NRRD0005\n" : "NRRD0005\nspace: LPS\ndimension: 3\n") + line + "\n");
     const Error error = refusal(folder / "v.nrrd");
@@ -414,7 +414,7 @@ TEST(NrrdReaderBad, TheLongestLinesThatTheLibrarySeesLeaveRoomForWhatItSays) {
   }
 }
 
-TEST(NrrdReaderBad, MoreValuesThanTheLibraryHasRoomFor) {
+TEST(NrrdReaderBad, RejectsMoreValuesThanTeemHasRoomFor) {
   const auto ones = [](int count) {
     std::string text;
     for (int i = 0; i < count; ++i) text += i % 2 == 0 ? " 1" : "\t1";
@@ -431,7 +431,7 @@ TEST(NrrdReaderBad, MoreValuesThanTheLibraryHasRoomFor) {
       read_nrrd(nrrd("dimension: 16\nsizes: 3 4 5" + ones(13) + "\nspacings:" + ones(16) + "\n", kSamples)));
 }
 
-TEST(NrrdReaderData, LongTextsThatSayNothingOfTheSamplesAreRead) {
+TEST(NrrdReaderData, AcceptsLongComments) {
   const std::string many(5000, 'x');
   for (const std::string& line :
        {"# " + many, "key:=" + many, many + ":=value", "key: with a colon:=" + many, "key:=" + many + ": " + many,
@@ -445,7 +445,7 @@ TEST(NrrdReaderData, LongTextsThatSayNothingOfTheSamplesAreRead) {
   expect_ramp<std::uint8_t>(must_read(folder / "v.nhdr"));
 }
 
-TEST(NrrdReaderBad, NothingIsPrinted) {
+TEST(NrrdReaderBad, PrintsNothing) {
   const TempFolder folder;
   const std::string good = nrrd(
       "space: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nkinds: domain domain domain\n"

@@ -1,4 +1,4 @@
-// Plug-ins for volumes: found by their tables, opened when they are asked for, and not believed.
+// Tests volume plug-ins: found by their tables, opened on demand, with validated results.
 #include "volume_io/detail/plugin_volumes.hpp"
 #include "unit/volume_io/volume_files.hpp"
 
@@ -23,7 +23,7 @@ Error refused(const std::string& text, const volume_io::VolumeFormat& format = t
   return field.error();
 }
 
-TEST(PluginHost, TablesSayWhatThereIs) {
+TEST(PluginHost, FindsTables) {
   const volume_io::FormatDescription& about = text_format().about();
   EXPECT_EQ(about.title, "volumes as text");
   EXPECT_EQ(about.extensions, (std::vector<std::string>{".tvol", ".textvol"}));
@@ -55,30 +55,30 @@ TEST(PluginHost, ReadsAGridByName) {
   EXPECT_EQ(grids->back().voxels, 6U);
 }
 
-TEST(PluginHost, WhatIsWrongWithAFileIsAnInputError) {
+TEST(PluginHost, ReportsBadFilesAsInputErrors) {
   EXPECT_EQ(refused("something else").code, ErrorCode::input);
   expect_in(refused("something else").message, "not a file of the format text; it starts with 'something else'");
   expect_in(refused("textvolume\n").message, "v.tvol: expected a grid, found none");
   expect_in(refused("textvolume\nv 0 1 1\n").message, "found 0x1x1");
 }
 
-TEST(PluginHost, APluginIsNotBelieved) {
+TEST(PluginHost, ValidatesPluginResults) {
   expect_in(refused("textvolume\nhollow 2 1 1\n1 2\n").message, "gives no samples, expected 2x1x1 f32 samples");
   expect_in(refused("textvolume\nshort 2 1 1\n1 2\n").message, "gives 4 bytes, expected 8");
 }
 
-TEST(PluginHost, MemoryIsReservedBeforeItReads) {
+TEST(PluginHost, ReservesMemoryBeforeReading) {
   EXPECT_EQ(refused("textvolume\nv 2 1 1\n1 2\n", text_format(), with_memory(7)).hint.remedy,
             Remedy::raise_memory_limit);
 }
 
-TEST(PluginHost, OneOfAnotherVersionIsRefused) {
+TEST(PluginHost, RejectsOtherVersions) {
   const Error error = refused("textvolume\nv 1 1 1\n1\n", text_format("newer"));
   EXPECT_EQ(error.code, ErrorCode::unavailable);
   expect_in(error.message, "has version 4 of the interface, expected 3");
 }
 
-TEST(PluginHost, OneThatIsNotThereSaysWhereItWasLookedFor) {
+TEST(PluginHost, ListsSearchedFoldersForAMissingPlugin) {
   const TempFolder folder;
   write_bytes(folder / "isoextract-volume-absent.txt", "extensions: .abs\n");
   const auto formats = volume_io::find_plugin_formats({folder.path(), "/nowhere"});

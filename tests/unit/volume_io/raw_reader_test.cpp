@@ -16,7 +16,7 @@ using AllTypes = testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::i
                                 field::Half, float, double>;
 TYPED_TEST_SUITE(RawReader, AllTypes);
 
-TYPED_TEST(RawReader, ReadsBothByteOrdersBehindAHeader) {
+TYPED_TEST(RawReader, ReadsBothByteOrdersAfterAHeader) {
   for (const std::endian endian : {std::endian::little, std::endian::big}) {
     const TempFolder folder;
     write_bytes(folder / "v.raw", "head" + ramp_bytes<TypeParam>(endian));
@@ -24,7 +24,7 @@ TYPED_TEST(RawReader, ReadsBothByteOrdersBehindAHeader) {
   }
 }
 
-TEST(RawReaderSize, NamesWhatIsExpectedWhatIsFoundAndWhatWouldFit) {
+TEST(RawReaderSize, ReportsExpectedAndFoundSizeAndFittingLayouts) {
   const TempFolder folder;
   write_bytes(folder / "v.raw", ramp_bytes<std::uint16_t>());
   const Error smaller = refusal(folder / "v.raw", raw_options(field::SampleType::f32));
@@ -37,7 +37,7 @@ TEST(RawReaderSize, NamesWhatIsExpectedWhatIsFoundAndWhatWouldFit) {
   EXPECT_EQ(refusal(folder / "v.raw", raw_options(field::SampleType::u16)).hint, Hint(Remedy::skip_in_raw, "8"));
 }
 
-TEST(RawReaderSize, SeveralVolumesOfOneSize) {
+TEST(RawReaderSize, ReadsSeveralVolumes) {
   const TempFolder folder;
   const std::string first = ramp_bytes<std::int16_t>();
   std::string second = first;
@@ -67,7 +67,7 @@ TEST(RawReaderSize, SeveralVolumesOfOneSize) {
   expect_in(refusal(folder / "v.raw", options).message, "or a multiple of the samples for several volumes, found 244");
 }
 
-TEST(RawReaderSize, HugeSizesAreAnErrorBeforeMemoryIsTaken) {
+TEST(RawReaderSize, RejectsHugeSizesBeforeAllocating) {
   const TempFolder folder;
   write_bytes(folder / "v.raw", "12345678");
   volume_io::ReadOptions options = raw_options(field::SampleType::f64);
@@ -77,7 +77,7 @@ TEST(RawReaderSize, HugeSizesAreAnErrorBeforeMemoryIsTaken) {
   expect_in(refusal(folder / "v.raw", options).message, "found 8");
 }
 
-TEST(RawReaderSize, DimsBelowOneAreAUsageError) {
+TEST(RawReaderSize, RejectsDimsBelowOne) {
   const TempFolder folder;
   write_bytes(folder / "v.raw", "12345678");
   volume_io::ReadOptions options = raw_options(field::SampleType::u8);
@@ -87,7 +87,7 @@ TEST(RawReaderSize, DimsBelowOneAreAUsageError) {
   EXPECT_EQ(field.error().code, ErrorCode::usage);
 }
 
-TEST(RawReaderSize, MemoryLimitHoldsForWhatIsRead) {
+TEST(RawReaderSize, RespectsTheMemoryLimit) {
   const TempFolder folder;
   write_bytes(folder / "v.raw", ramp_bytes<float>(std::endian::big));
   const volume_io::ReadOptions options = raw_options(field::SampleType::f32, std::endian::big);
@@ -97,7 +97,7 @@ TEST(RawReaderSize, MemoryLimitHoldsForWhatIsRead) {
   expect_ramp<float>(must_read(folder / "v.raw", options, with_memory(240)));
 }
 
-TEST(RawReaderSize, MemoryIsReservedForAsLongAsTheSamplesLive) {
+TEST(RawReaderSize, ReservesMemoryWhileTheSamplesLive) {
   const TempFolder folder;
   write_bytes(folder / "v.raw", ramp_bytes<float>(std::endian::big));
   const volume_io::ReadOptions options = raw_options(field::SampleType::f32, std::endian::big);
@@ -111,7 +111,7 @@ TEST(RawReaderSize, MemoryIsReservedForAsLongAsTheSamplesLive) {
   must_read(folder / "v.raw", options, context);
 }
 
-TEST(RawReaderSize, ReadingEndsWhereThatIsAskedFor) {
+TEST(RawReaderSize, CanBeCancelled) {
   const TempFolder folder;
   write_bytes(folder / "v.raw", ramp_bytes<float>(std::endian::big));
   const Context context;
@@ -122,8 +122,8 @@ TEST(RawReaderSize, ReadingEndsWhereThatIsAskedFor) {
   EXPECT_EQ(field.error().code, ErrorCode::cancelled);
 }
 
-TEST(RawReaderSize, ReportsItsProgressInBytes) {
-  // Larger than the pieces that are read at a time, and not a multiple of them.
+TEST(RawReaderSize, ReportsProgressInBytes) {
+  // Larger than the blocks that are read at a time, and not a multiple of them.
   const glm::ivec3 dims{200, 210, 220};
   const TempFolder folder;
   write_bytes(folder / "v.raw", ramp_bytes<std::int16_t>(std::endian::big, dims));
@@ -137,7 +137,7 @@ TEST(RawReaderSize, ReportsItsProgressInBytes) {
   EXPECT_EQ(progress.done(), progress.total());
 }
 
-TEST(RawReaderPlace, SpacingAndOrigin) {
+TEST(RawReaderPlace, AppliesSpacingAndOrigin) {
   const TempFolder folder;
   write_bytes(folder / "head.raw", ramp_bytes<std::uint8_t>());
   volume_io::ReadOptions options = raw_options(field::SampleType::u8);
@@ -154,7 +154,7 @@ TEST(RawReaderPlace, SpacingAndOrigin) {
   EXPECT_EQ(placed.kind, field::FieldKind::level_set);
 }
 
-TEST(RawReaderPlace, SpacingMustBePositive) {
+TEST(RawReaderPlace, RejectsSpacingsThatAreNotPositive) {
   const TempFolder folder;
   write_bytes(folder / "v.raw", ramp_bytes<std::uint8_t>());
   for (const double bad : {0.0, -1.0, std::nan(""), HUGE_VAL}) {

@@ -1,4 +1,4 @@
-// Volumes by others, against the figures of the data folder's own description.
+// Tests volumes of other programs against the data folder's own description.
 #include "support/data_folder.hpp"
 #include "unit/volume_io/volume_files.hpp"
 
@@ -27,7 +27,7 @@ Range scaled_range(const field::ScalarField& field) {
 
 glm::ivec3 dims_of(const field::ScalarField& field) { return std::get<field::DenseSamples>(field.samples).dims; }
 
-TEST(RealFiles, Ch2IsNiftiWithAnSform) {
+TEST(RealFiles, ReadSformOfCh2) {
   ISOEXTRACT_NEEDS_DATA("med/ch2.nii.gz");
   const field::ScalarField field = read_data("med/ch2.nii.gz");
   EXPECT_EQ(dims_of(field), glm::ivec3(181, 217, 181));
@@ -37,7 +37,7 @@ TEST(RealFiles, Ch2IsNiftiWithAnSform) {
   EXPECT_NEAR(std::abs(field.index_to_world.determinant()), 1, 1e-9);
 }
 
-TEST(RealFiles, MrIsScaled) {
+TEST(RealFiles, ApplyScaleOfMr) {
   ISOEXTRACT_NEEDS_DATA("med/MR.nii.gz");
   const field::ScalarField field = read_data("med/MR.nii.gz");
   EXPECT_EQ(dims_of(field), glm::ivec3(160, 232, 160));
@@ -47,7 +47,7 @@ TEST(RealFiles, MrIsScaled) {
   EXPECT_NEAR(glm::length(field.index_to_world.linear[1]), 0.898, 1e-3);
 }
 
-TEST(RealFiles, FlairIsOblique) {
+TEST(RealFiles, ReadObliqueFlair) {
   ISOEXTRACT_NEEDS_DATA("med/FLAIR.nrrd");
   const field::ScalarField field = read_data("med/FLAIR.nrrd");
   EXPECT_EQ(dims_of(field), glm::ivec3(124, 160, 140));
@@ -59,7 +59,7 @@ TEST(RealFiles, FlairIsOblique) {
                                                   -27.92553901672364 - 1.0151029228632795 - 6.179427946698809});
 }
 
-TEST(RealFiles, ToothIsBigEndianAndDetached) {
+TEST(RealFiles, ReadDetachedBigEndianTooth) {
   ISOEXTRACT_NEEDS_DATA("med/tooth.nhdr");
   const field::ScalarField field = read_data("med/tooth.nhdr");
   EXPECT_EQ(dims_of(field), glm::ivec3(103, 94, 161));
@@ -68,7 +68,7 @@ TEST(RealFiles, ToothIsBigEndianAndDetached) {
   EXPECT_EQ(scaled_range(field).max, 1300);
 }
 
-TEST(RealFiles, HeadIsRaw) {
+TEST(RealFiles, ReadRawHead) {
   ISOEXTRACT_NEEDS_DATA("med/HeadMRVolume.raw");
   volume_io::ReadOptions options;
   options.raw = volume_io::RawLayout{{48, 62, 42}, field::SampleType::u8, std::endian::little, 0};
@@ -79,7 +79,7 @@ TEST(RealFiles, HeadIsRaw) {
   EXPECT_FALSE(volume_io::read_volume(data_file("med/HeadMRVolume.raw").string(), {}, Context()));
 }
 
-TEST(RealFiles, BetaGalIsNpy) {
+TEST(RealFiles, ReadNpyBetaGal) {
   ISOEXTRACT_NEEDS_DATA("mol/betaGal.npy");
   const field::ScalarField field = read_data("mol/betaGal.npy");
   EXPECT_EQ(dims_of(field), glm::ivec3(100, 100, 100));
@@ -87,7 +87,7 @@ TEST(RealFiles, BetaGalIsNpy) {
   EXPECT_NEAR(scaled_range(field).max, 0.1970, 5e-5);
 }
 
-TEST(RealFiles, TotalDensityHasRotatedDirectionsWithoutASpaceName) {
+TEST(RealFiles, ReadRotatedDirectionsOfTotalDensity) {
   ISOEXTRACT_NEEDS_DATA("mol/m4_TotalDensity.nrrd");
   const field::ScalarField field = read_data("mol/m4_TotalDensity.nrrd");
   EXPECT_EQ(dims_of(field), glm::ivec3(25, 22, 31));
@@ -96,12 +96,12 @@ TEST(RealFiles, TotalDensityHasRotatedDirectionsWithoutASpaceName) {
   expect_near(field.index_to_world({0, 0, 2}), {-11.492699 + 1.031148, -4.616844 - 0.469696, -0.903385 - 0.041268});
 }
 
-TEST(RealFiles, ElevationIsNoVolume) {
+TEST(RealFiles, RejectElevation) {
   ISOEXTRACT_NEEDS_DATA("terrain/jacksboro_elevation.npy");
   expect_in(refusal(data_file("terrain/jacksboro_elevation.npy")).message, "shape (344, 403)");
 }
 
-TEST(RealFiles, FormatsThatAreNotReadAreRefused) {
+TEST(RealFiles, RejectUnsupportedFormats) {
   ISOEXTRACT_NEEDS_DATA("sim/hydrogen.vti");
   for (const char* name : {"segy/f3.sgy", "exr/GrayRampsDiagonal.exr", "particles/octocat_32614_particles.bgeo"}) {
     expect_in(refusal(data_file(name)).message, "not a volume format");
@@ -111,7 +111,7 @@ TEST(RealFiles, FormatsThatAreNotReadAreRefused) {
   }
 }
 
-TEST(RealFiles, SmokeIsAFogVolumeStoredAsHalf) {
+TEST(RealFiles, ReadHalfFogVolumeOfSmoke) {
   ISOEXTRACT_NEEDS_DATA("vdb/smoke.vdb");
   const field::ScalarField field = read_data("vdb/smoke.vdb");
   const auto& samples = std::get<field::SparseSamples>(field.samples);
@@ -130,7 +130,7 @@ TEST(RealFiles, SmokeIsAFogVolumeStoredAsHalf) {
   EXPECT_NEAR(high, 5.71, 0.01);
 }
 
-TEST(RealFiles, SphereIsALevelSet) {
+TEST(RealFiles, ReadLevelSetOfSphere) {
   ISOEXTRACT_NEEDS_DATA("vdb/sphere.vdb");
   const field::ScalarField field = read_data("vdb/sphere.vdb");
   const auto& samples = std::get<field::SparseSamples>(field.samples);
@@ -143,7 +143,7 @@ TEST(RealFiles, SphereIsALevelSet) {
   EXPECT_FALSE(samples.tiles.empty()) << "the inside is inactive tiles of -0.15";
 }
 
-TEST(RealFiles, GasSequenceListsItsGridsAndReadsDensity) {
+TEST(RealFiles, ListGridsAndReadDensityOfGasSequence) {
   for (const char* frame : {"0002", "0004", "0006", "0008", "0010"}) {
     const std::string name = std::string("vdb/c42_gas_seq/fluid_data_") + frame + ".vdb";
     ISOEXTRACT_NEEDS_DATA(name);
@@ -152,7 +152,7 @@ TEST(RealFiles, GasSequenceListsItsGridsAndReadsDensity) {
     EXPECT_EQ(grids->size(), 24U);
     for (const volume_io::GridInfo& grid : *grids) {
       EXPECT_EQ(grid.scalar, grid.type == "float" || grid.type == "int32") << grid.name << ' ' << grid.type;
-      // Every scalar grid of it can be read, the empty ones too.
+      // Every scalar grid can be read, also empty ones.
       volume_io::ReadOptions options;
       options.grid = grid.name;
       if (!grid.scalar) continue;

@@ -1,4 +1,4 @@
-// Shared by the tests of the VDB reader: files written by OpenVDB, and a lookup in sparse samples.
+// Shared by the tests of the VDB reader: files written by OpenVDB, and sample lookup.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ inline void write_vdb(const std::filesystem::path& path, const openvdb::GridCPtr
   file.close();
 }
 
-// Without the places of the grids, as a pipe gets it.
+// Writes without grid positions, as to a pipe.
 inline void write_vdb_stream(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids,
                              std::uint32_t compression = openvdb::io::COMPRESS_ACTIVE_MASK, bool with_counts = true) {
   openvdb::initialize();
@@ -34,7 +34,7 @@ inline void write_vdb_stream(const std::filesystem::path& path, const openvdb::G
   stream.write(grids);
 }
 
-// What an extractor would see at an index: block, tile or background, in the contract's layout.
+// Returns the sample an extractor sees at an index, from a block, a tile or the background.
 template <class T>
 double sparse_value(const field::SparseSamples& samples, const glm::ivec3& index) {
   const glm::ivec3 origin = index & ~7;
@@ -52,7 +52,7 @@ double sparse_value(const field::SparseSamples& samples, const glm::ivec3& index
   return samples.background;
 }
 
-// Voxels (1, 2, 3) and (-100, 0, 9), with a spacing of one half.
+// Makes voxels (1, 2, 3) and (-100, 0, 9) with a spacing of one half.
 template <class Grid>
 typename Grid::Ptr two_voxels(const std::string& name, typename Grid::ValueType first,
                               typename Grid::ValueType second) {

@@ -1,5 +1,5 @@
-// Files that hold several volumes: NPY, NIfTI and NRRD. Whatever the format, volume K is what a file of that volume
-// alone gives, bit for bit.
+// Tests files with several volumes: NPY, NIfTI and NRRD. For every format, volume K must equal a file of that volume
+// alone, bit for bit.
 #include "unit/volume_io/volume_files.hpp"
 
 namespace isoextract::test {
@@ -7,13 +7,13 @@ namespace {
 
 constexpr int kCount = 4;
 
-// Samples of four volumes, none alike.
+// Samples of four volumes, all different.
 template <class T>
 T step_sample(int i, int j, int k, int volume) {
   return sample<T>(100 * volume % 251 + static_cast<int>(ramp<std::uint8_t>(i, j, k)) % 50);
 }
 
-// Calls put(i, j, k, t) in the order of storage.
+// Calls put(i, j, k, t) in storage order.
 template <class Put>
 void volume_by_volume(const Put& put) {
   for (int t = 0; t < kCount; ++t) {
@@ -32,7 +32,7 @@ std::string series_bytes(std::endian endian = std::endian::little) {
   return bytes;
 }
 
-// The volumes side by side, x before y before z.
+// Interleaved volumes, x before y before z.
 template <class T>
 std::string interleaved_bytes(std::endian endian = std::endian::little) {
   std::string bytes;
@@ -81,7 +81,7 @@ volume_io::ReadOptions volume(std::int64_t k) {
   return options;
 }
 
-// Every volume by its number; what is asked without one and beyond the last.
+// Reads every volume by its number, without a number, and beyond the last.
 template <class T>
 void expect_series(const std::filesystem::path& path) {
   for (int t = 0; t < kCount; ++t) expect_step<T>(must_read(path, volume(t)), t);
@@ -139,7 +139,7 @@ class SeriesOf : public testing::Test {
 using SomeTypes = testing::Types<std::uint8_t, std::int16_t, float, double>;
 TYPED_TEST_SUITE(SeriesOf, SomeTypes);
 
-TYPED_TEST(SeriesOf, NpyInBothOrders) {
+TYPED_TEST(SeriesOf, ReadsNpyInBothOrders) {
   for (const std::endian endian : {std::endian::little, std::endian::big}) {
     std::string type = endian == std::endian::big ? ">" : "<";
     type += std::is_same_v<TypeParam, std::uint8_t> ? 'u' : std::is_integral_v<TypeParam> ? 'i' : 'f';
@@ -151,7 +151,7 @@ TYPED_TEST(SeriesOf, NpyInBothOrders) {
   }
 }
 
-TYPED_TEST(SeriesOf, NrrdWithTheSeriesSlowestAndFastest) {
+TYPED_TEST(SeriesOf, ReadsNrrdWithSlowestAndFastestSeries) {
   const std::string type = sizeof(TypeParam) == 1   ? "uint8"
                            : sizeof(TypeParam) == 2 ? "int16"
                            : sizeof(TypeParam) == 4 ? "float"
@@ -169,7 +169,7 @@ TYPED_TEST(SeriesOf, NrrdWithTheSeriesSlowestAndFastest) {
   }
 }
 
-TEST(Series, Nifti) {
+TEST(Series, ReadsNifti) {
   const TempFolder folder;
   const std::string file = nifti({4, 3, 4, 5, 4, 1, 1, 1}, 4, series_bytes<std::int16_t>());
   write_bytes(folder / "v.nii", file);
@@ -178,8 +178,8 @@ TEST(Series, Nifti) {
   expect_series<std::int16_t>(folder / "v.nii.gz");
 }
 
-// More than is read at a time, so that no lane is lost where one read ends and the next begins.
-TEST(Series, LanesOfManyVolumesOfManySamples) {
+// More than one block, so that lanes continue correctly in the next block.
+TEST(Series, ReadsLanesOfManyVolumes) {
   const TempFolder folder;
   constexpr int kVolumes = 301;
   constexpr glm::ivec3 kSize{50, 47, 31};
@@ -202,7 +202,7 @@ TEST(Series, LanesOfManyVolumesOfManySamples) {
   }
 }
 
-TEST(Series, DataFilesHoldSeveralVolumesEachOrPartsOfOne) {
+TEST(Series, ReadsSeveralOrPartialVolumesPerFile) {
   const TempFolder folder;
   const std::string samples = series_bytes<std::uint8_t>();
   for (int part = 0; part < 4; ++part) {
@@ -223,8 +223,8 @@ TEST(Series, DataFilesHoldSeveralVolumesEachOrPartsOfOne) {
   expect_series<std::uint8_t>(folder / "slices.nhdr");
 }
 
-// One volume is mapped; the others are not touched.
-TEST(Series, TakesTheBytesOfItsVolumeAlone) {
+// Maps one volume; does not read the others.
+TEST(Series, ReadsOnlyTheBytesOfItsVolume) {
   const TempFolder folder;
   write_bytes(folder / "v.npy", npy("<f4", "(4, 5, 4, 3)", series_bytes<float>()));
   const Context context = with_memory(100);
@@ -234,16 +234,16 @@ TEST(Series, TakesTheBytesOfItsVolumeAlone) {
   expect_step<float>(field, 2);
 }
 
-TEST(Series, APackedOneInflatesNoFurtherThanItsVolume) {
+TEST(Series, DecompressesNoFurtherThanItsVolume) {
   const TempFolder folder;
   std::string packed = gzip(series_bytes<std::uint8_t>().substr(0, 120));
-  packed += gzip(series_bytes<std::uint8_t>().substr(120)).substr(0, 20);  // cut off in the third volume
+  packed += gzip(series_bytes<std::uint8_t>().substr(120)).substr(0, 20);  // truncated in the third volume
   write_bytes(folder / "v.nrrd", nrrd("uint8", std::string(kSlowest) + "encoding: gzip\n", packed));
   expect_step<std::uint8_t>(must_read(folder / "v.nrrd", volume(0)), 0);
   EXPECT_EQ(refusal(folder / "v.nrrd", volume(3)).code, ErrorCode::input);
 }
 
-TEST(Series, MemoryIsThatOfOneVolume) {
+TEST(Series, NeedsTheMemoryOfOneVolume) {
   const TempFolder folder;
   const std::string file = nifti({4, 3, 4, 5, 4, 1, 1, 1}, 2, series_bytes<std::uint8_t>());
   write_bytes(folder / "v.nii.gz", gzip(file));
@@ -253,7 +253,7 @@ TEST(Series, MemoryIsThatOfOneVolume) {
   expect_step<std::uint8_t>(field, 3);
 }
 
-TEST(Series, OneVolumeIsNumberNought) {
+TEST(Series, NumbersASingleVolumeZero) {
   const TempFolder folder;
   const std::string one = ramp_bytes<std::uint8_t>();
   write_bytes(folder / "3.npy", npy("|u1", "(5, 4, 3)", one));
@@ -270,7 +270,7 @@ TEST(Series, OneVolumeIsNumberNought) {
   }
 }
 
-TEST(Series, FormatsWithoutVolumesRefuseTheChoice) {
+TEST(Series, RejectsAChoiceForFormatsWithoutVolumes) {
   const auto field = volume_io::read_volume("demo:sphere?size=8", volume(0), Context());
   ASSERT_FALSE(field);
   EXPECT_EQ(field.error().code, ErrorCode::usage);
@@ -279,7 +279,7 @@ TEST(Series, FormatsWithoutVolumesRefuseTheChoice) {
   EXPECT_FALSE(volume_io::count_volumes("missing.npy", {}, Context()));
 }
 
-TEST(Series, SizesThatLieAreRefusedBeforeMemoryIsTaken) {
+TEST(Series, RejectsWrongSizesBeforeAllocating) {
   const TempFolder folder;
   const std::string some = ramp_bytes<std::uint8_t>();
   const Context context = with_memory(1000);
@@ -311,7 +311,7 @@ TEST(Series, SizesThatLieAreRefusedBeforeMemoryIsTaken) {
           "over.nrrd");
 }
 
-TEST(Series, NrrdAxesThatAreNoSeriesStayRefused) {
+TEST(Series, RejectsNrrdAxesThatAreNotSeries) {
   const TempFolder folder;
   const std::string samples = series_bytes<std::uint8_t>();
   const auto refused = [&](const std::string& fields, const std::string& message) {

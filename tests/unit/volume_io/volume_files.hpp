@@ -1,4 +1,4 @@
-// Shared by the tests of the volume readers: bytes of volumes made by hand, and what a reader made of them.
+// Shared by the tests of the volume readers: files made by hand, and comparisons of what a reader returns.
 #pragma once
 
 #include <bit>
@@ -30,13 +30,13 @@ std::string pack(T value, std::endian endian = std::endian::little) {
   return in_order(std::move(bytes), endian);
 }
 
-// Puts a value into a header at its place.
+// Writes a value into a header at an offset.
 template <class T>
 void put(std::string& bytes, std::size_t offset, T value, std::endian endian = std::endian::little) {
   bytes.replace(offset, sizeof value, pack(value, endian));
 }
 
-// Different in every direction, so that swapped axes show; below 0 for signed types. Fits into 8 bits for kDims.
+// Differs along every axis, so that swapped axes show; negative for signed types. Fits into 8 bits for kDims.
 inline constexpr glm::ivec3 kDims{3, 4, 5};
 template <class T>
 T ramp(int i, int j, int k) {
@@ -55,7 +55,7 @@ std::string ramp_bytes(std::endian endian = std::endian::little, glm::ivec3 dims
   return bytes;
 }
 
-// One gzip member.
+// Compresses to one gzip member.
 inline std::string gzip(const std::string& bytes) {
   z_stream stream{};
   if (::deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, 16 + MAX_WBITS, 8, Z_DEFAULT_STRATEGY) != Z_OK) throw 0;
@@ -77,7 +77,7 @@ inline field::ScalarField must_read(const std::filesystem::path& path, const vol
   return std::move(*field);
 }
 
-// The error of a file that must not be read. It names the file.
+// Returns the error of reading an invalid file, which must name the file.
 inline Error refusal(const std::filesystem::path& path, const volume_io::ReadOptions& options = {},
                      const Context& context = Context()) {
   const auto field = volume_io::read_volume(path.string(), options, context);
@@ -127,7 +127,7 @@ inline bool has_note(const field::ScalarField& field, const std::string& part) {
                              [&](const std::string& note) { return note.find(part) != std::string::npos; });
 }
 
-// A file that must be refused, and what the message says.
+// An invalid file, and parts of the expected message.
 struct BadFile {
   const char* what;
   std::string bytes;

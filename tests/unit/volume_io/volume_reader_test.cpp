@@ -1,4 +1,4 @@
-// What all formats share: detection, and options that do not belong.
+// Tests shared behavior of the formats: detection, and options that do not apply.
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -18,7 +18,7 @@ ErrorCode kind_of_refusal(const std::string& input, const volume_io::ReadOptions
   return field.error().code;
 }
 
-TEST(VolumeReader, EveryFormatHasOneRow) {
+TEST(VolumeReader, ListsEveryFormatOnce) {
   std::vector<std::string> formats;
   for (const volume_io::VolumeFormat* format : volume_io::volume_formats()) {
     formats.push_back(format->about().id);
@@ -28,7 +28,7 @@ TEST(VolumeReader, EveryFormatHasOneRow) {
   EXPECT_EQ(volume_io::find_volume_format("obj"), nullptr);
 }
 
-TEST(VolumeReader, ContentDecidesBeforeTheExtension) {
+TEST(VolumeReader, PrefersContentToExtension) {
   const TempFolder folder;
   for (const char* name : {"v.vdb", "v.npy", "v.raw", "v.nii.gz", "v.txt", "noextension"}) {
     write_bytes(folder / name, kNrrd);
@@ -41,7 +41,7 @@ TEST(VolumeReader, ContentDecidesBeforeTheExtension) {
   EXPECT_FALSE(has_note(must_read(folder / "v.NRRD"), "although"));
 }
 
-TEST(VolumeReader, UnknownContentListsTheFormats) {
+TEST(VolumeReader, ListsFormatsForUnknownContent) {
   const TempFolder folder;
   write_bytes(folder / "v.txt", "x,y,z\n1,2,3\n");
   const Error error = refusal(folder / "v.txt");
@@ -52,7 +52,7 @@ TEST(VolumeReader, UnknownContentListsTheFormats) {
   expect_in(refusal(folder / "v.gz").message, "not a volume format");
 }
 
-TEST(VolumeReader, KnownExtensionWithOtherContentNamesTheFormat) {
+TEST(VolumeReader, NamesTheFormatForUnfittingContent) {
   const TempFolder folder;
   for (const auto& [name, format] : std::vector<std::pair<std::string, std::string>>{{"v.vdb", "not a VDB file"},
                                                                                      {"v.nhdr", "not a NRRD file"},
@@ -68,7 +68,7 @@ TEST(VolumeReader, KnownExtensionWithOtherContentNamesTheFormat) {
   }
 }
 
-TEST(VolumeReader, RawFilesNeedALayout) {
+TEST(VolumeReader, RequiresALayoutForRawFiles) {
   const TempFolder folder;
   write_bytes(folder / "v.raw", "12345678");
   const Error error = refusal(folder / "v.raw");
@@ -76,7 +76,7 @@ TEST(VolumeReader, RawFilesNeedALayout) {
   EXPECT_EQ(error.hint.remedy, Remedy::describe_raw);
 }
 
-TEST(VolumeReader, LayoutMakesUnknownFilesRaw) {
+TEST(VolumeReader, ReadsUnknownFilesAsRawWithALayout) {
   const TempFolder folder;
   volume_io::ReadOptions options;
   options.raw = volume_io::RawLayout{kDims, field::SampleType::u8, std::endian::little, 0};
@@ -86,7 +86,7 @@ TEST(VolumeReader, LayoutMakesUnknownFilesRaw) {
   }
 }
 
-TEST(VolumeReader, OptionsOfOtherFormatsAreUsageErrors) {
+TEST(VolumeReader, RejectsOptionsOfOtherFormats) {
   const TempFolder folder;
   const std::string nrrd = (folder / "v.nrrd").string();
   write_bytes(nrrd, kNrrd);
@@ -106,7 +106,7 @@ TEST(VolumeReader, OptionsOfOtherFormatsAreUsageErrors) {
   EXPECT_EQ(kind_of_refusal(nrrd, unknown), ErrorCode::usage);
 }
 
-TEST(VolumeReader, GivenFormatDecides) {
+TEST(VolumeReader, FollowsTheGivenFormat) {
   const TempFolder folder;
   write_bytes(folder / "v.nrrd", kNrrd);
   volume_io::ReadOptions options;
@@ -121,7 +121,7 @@ TEST(VolumeReader, GivenFormatDecides) {
   }
 }
 
-TEST(VolumeReader, PathsThatAreNoFiles) {
+TEST(VolumeReader, RejectsPathsThatAreNotFiles) {
   const TempFolder folder;
   expect_in(refusal(folder / "missing.vdb").message, "No such file");
   std::filesystem::create_directory(folder / "folder.vdb");
@@ -137,7 +137,7 @@ TEST(VolumeReader, PathsThatAreNoFiles) {
   if (::geteuid() != 0) expect_in(refusal(folder / "secret.npy").message, "Permission denied");
 }
 
-TEST(VolumeReader, OneByteFilesAreRefused) {
+TEST(VolumeReader, RejectsOneByteFiles) {
   const TempFolder folder;
   for (const char* name : {"v.vdb", "v.nrrd", "v.nii", "v.nii.gz", "v.hdr", "v.img", "v.npy", "v.raw", "v"}) {
     write_bytes(folder / name, "\x1f");
@@ -147,7 +147,7 @@ TEST(VolumeReader, OneByteFilesAreRefused) {
 
 TEST(VolumeReader, ListsDenseVolumesWithoutReadingThem) {
   const TempFolder folder;
-  // The header alone is enough.
+  // The header suffices.
   write_bytes(folder / "vol.nrrd", kNrrd);
   const auto grids = volume_io::list_grids((folder / "vol.nrrd").string(), {}, Context());
   ASSERT_TRUE(grids);
@@ -161,7 +161,7 @@ TEST(VolumeReader, ListsDenseVolumesWithoutReadingThem) {
   EXPECT_EQ(grid.voxels, 60U);
 }
 
-TEST(VolumeReader, DemoFields) {
+TEST(VolumeReader, ReadsDemoFields) {
   volume_io::ReadOptions options;
   options.spacing = glm::dvec3(2, 2, 2);
   options.origin = glm::dvec3(1, 2, 3);

@@ -1,4 +1,4 @@
-// Fields as files: read back by the readers, and byte by byte where others read them.
+// Tests written fields: read back, and byte by byte for formats of other programs.
 #include "volume_io/volume_writer.hpp"
 
 #include <fstream>
@@ -43,7 +43,7 @@ void expect_ramp(const field::ScalarField& read) {
             ramp_bytes<T>(std::endian::native));
 }
 
-TEST(VolumeWriter, WhatIsWrittenIsRead) {
+TEST(VolumeWriter, RoundTrips) {
   const TempFolder folder;
   const auto try_type = [&]<class T>(T /*of*/) {
     const field::ScalarField field = ramp_field<T>();
@@ -65,7 +65,7 @@ TEST(VolumeWriter, WhatIsWrittenIsRead) {
   try_type(double{});
 }
 
-TEST(VolumeWriter, ArraysOfOneLayerHaveTwoAxes) {
+TEST(VolumeWriter, WritesOneLayerAsTwoAxes) {
   const TempFolder folder;
   const field::ScalarField field = ramp_field<double>({3, 4, 1});
   ASSERT_TRUE(volume_io::write_volume(folder / "a.npy", {&field, 1}, VolumeFileFormat::npy, Context()));
@@ -76,14 +76,14 @@ TEST(VolumeWriter, ArraysOfOneLayerHaveTwoAxes) {
   EXPECT_EQ(bytes[127], '\n');
 }
 
-TEST(VolumeWriter, FormatsAreKnownByTheirExtension) {
+TEST(VolumeWriter, ChoosesFormatsByExtension) {
   EXPECT_EQ(volume_io::volume_file_format_by_path("a/b.NPY"), VolumeFileFormat::npy);
   EXPECT_EQ(volume_io::volume_file_format_by_path("b.vdb"), VolumeFileFormat::vdb);
   EXPECT_EQ(volume_io::volume_file_format_by_path("b.nii"), std::nullopt);
   EXPECT_EQ(volume_io::volume_file_format_by_path("npy"), std::nullopt);
 }
 
-TEST(VolumeWriter, WhatAFormatDoesNotHoldIsRefused) {
+TEST(VolumeWriter, RejectsUnsupportedFields) {
   const TempFolder folder;
   const auto refused = [&](std::span<const field::ScalarField> fields, VolumeFileFormat format) {
     const auto written = volume_io::write_volume(folder / "a.out", fields, format, Context());

@@ -1,4 +1,4 @@
-// Volumes by the plug-in around OpenVDB, where it was built, and what is said where it is missing.
+// Tests volumes read by the OpenVDB plug-in if it was built, and the messages without it.
 #include <array>
 
 #include <fmt/format.h>
@@ -34,7 +34,7 @@ field::ScalarField must_grid(const std::filesystem::path& path, const std::strin
 
 const auto& sparse_of(const field::ScalarField& field) { return std::get<field::SparseSamples>(field.samples); }
 
-TEST(OpenVdbVolume, BoolsMasksAndLargeIntegers) {
+TEST(OpenVdbVolume, ReadsBoolsMasksAndLargeIntegers) {
   NEEDS_OPENVDB_PLUGIN();
   const TempFolder folder;
   const auto flags = two_voxels<openvdb::BoolGrid>("flags", true, true);
@@ -67,7 +67,7 @@ TEST(OpenVdbVolume, BoolsMasksAndLargeIntegers) {
   EXPECT_TRUE(has_note(large, "beyond 2^53"));
 }
 
-TEST(OpenVdbVolume, VectorsByComponentAndLength) {
+TEST(OpenVdbVolume, ReadsVectorsByComponentAndLength) {
   NEEDS_OPENVDB_PLUGIN();
   const TempFolder folder;
   const openvdb::Vec3f v(3, 4, -12);
@@ -88,7 +88,7 @@ TEST(OpenVdbVolume, VectorsByComponentAndLength) {
   expect_in(whole.error().hint.text, "velocity[length]");
 }
 
-TEST(OpenVdbVolume, ABoolGridBesideAFloatNeedsItsName) {
+TEST(OpenVdbVolume, RequiresTheNameOfABoolGridBesideAFloatGrid) {
   NEEDS_OPENVDB_PLUGIN();
   const TempFolder folder;
   write_vdb(folder / "v.vdb",
@@ -98,7 +98,7 @@ TEST(OpenVdbVolume, ABoolGridBesideAFloatNeedsItsName) {
   EXPECT_FALSE(try_grid(folder / "v.vdb", "density[x]"));
 }
 
-TEST(OpenVdbVolume, FrustumsAreResampled) {
+TEST(OpenVdbVolume, ResamplesFrustums) {
   NEEDS_OPENVDB_PLUGIN();
   openvdb::initialize();
   // Voxels at the far plane are twice as large as at the near one.
@@ -107,7 +107,7 @@ TEST(OpenVdbVolume, FrustumsAreResampled) {
   const auto grid = openvdb::FloatGrid::create();
   grid->setName("v");
   grid->setTransform(transform);
-  // The world's z: what is linear in the world is hit by interpolation within a voxel's bend.
+  // Values are the world's z: interpolation reproduces linear functions up to the curvature within a voxel.
   for (const openvdb::Coord& at : openvdb::CoordBBox({0, 0, 0}, {40, 40, 40})) {
     grid->tree().setValue(at, static_cast<float>(transform->indexToWorld(at).z()));
   }
@@ -129,7 +129,7 @@ TEST(OpenVdbVolume, FrustumsAreResampled) {
   EXPECT_GT(compared, 1000);
 }
 
-TEST(OpenVdbVolume, WithoutThePluginTheMessageNamesIt) {
+TEST(OpenVdbVolume, NamesTheMissingPlugin) {
   const TempFolder folder;
   const auto bent = two_voxels<openvdb::FloatGrid>("bent", 1, 2);
   bent->setTransform(
@@ -150,7 +150,7 @@ TEST(OpenVdbVolume, WithoutThePluginTheMessageNamesIt) {
   EXPECT_EQ(listed->size(), 2U);
 }
 
-TEST(OpenVdbVolume, MemoryIsReservedAndGivenBack) {
+TEST(OpenVdbVolume, ReservesAndReleasesMemory) {
   NEEDS_OPENVDB_PLUGIN();
   const TempFolder folder;
   write_vdb(folder / "v.vdb", {two_voxels<openvdb::BoolGrid>("flags", true, true)});
@@ -167,8 +167,8 @@ TEST(OpenVdbVolume, MemoryIsReservedAndGivenBack) {
   EXPECT_EQ(context.memory().reserved(), 0U);
 }
 
-// Each component holds its coordinate where OpenVDB's sampler of staggered grids takes it from.
-TEST(OpenVdbVolume, ComponentsOfStaggeredGridsAreOnTheFacesOfVoxels) {
+// Each component holds its coordinate at the position where OpenVDB's staggered sampler expects it.
+TEST(OpenVdbVolume, PlacesStaggeredComponentsOnVoxelFaces) {
   NEEDS_OPENVDB_PLUGIN();
   openvdb::initialize();
   const auto velocity = openvdb::Vec3SGrid::create();
@@ -198,7 +198,7 @@ TEST(OpenVdbVolume, ComponentsOfStaggeredGridsAreOnTheFacesOfVoxels) {
   EXPECT_TRUE(has_note(must_grid(folder / "v.vdb", "velocity[length]"), "half a voxel apart"));
 }
 
-TEST(OpenVdbVolume, CutFilesAreRefused) {
+TEST(OpenVdbVolume, RejectsTruncatedFiles) {
   NEEDS_OPENVDB_PLUGIN();
   const TempFolder folder;
   write_vdb(folder / "v.vdb", {two_voxels<openvdb::Vec3SGrid>("velocity", {1, 2, 3}, {4, 5, 6})});

@@ -1,4 +1,4 @@
-// Work on grids by the plug-in around OpenVDB, where it was built, and what is said where it is missing.
+// Tests grid tools of the OpenVDB plug-in if it was built, and the messages without it.
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -16,7 +16,7 @@ namespace {
 #define NEEDS_OPENVDB_PLUGIN() \
   if (!BUILT_OPENVDB) GTEST_SKIP() << "the plug-ins around OpenVDB were not built"
 
-// Where grid tools look for their plug-in, for as long as it lives.
+// Sets the folder in which grid tools look for their plug-in, during its lifetime.
 class PluginFolder {
  public:
   explicit PluginFolder(const std::string& folder) { ::setenv("ISOEXTRACT_PLUGINS", folder.c_str(), 1); }
@@ -27,7 +27,7 @@ class PluginFolder {
 
 const auto& samples_of(const field::ScalarField& field) { return std::get<field::SparseSamples>(field.samples); }
 
-// A sparse field with blocks, tiles, a negative zero and odd bits.
+// A sparse field with blocks, tiles, a negative zero and unusual bits.
 field::ScalarField sparse_field(std::vector<float>& values) {
   values.resize(2 * 512);
   for (std::size_t i = 0; i < values.size(); ++i)
@@ -47,7 +47,7 @@ field::ScalarField sparse_field(std::vector<float>& values) {
   return field;
 }
 
-TEST(OpenVdbTools, AFileHoldsSeveralGrids) {
+TEST(OpenVdbTools, WritesSeveralGrids) {
   NEEDS_OPENVDB_PLUGIN();
   const PluginFolder plugins(BUILT_PLUGINS);
   std::vector<float> values;
@@ -68,7 +68,7 @@ TEST(OpenVdbTools, AFileHoldsSeveralGrids) {
   }
 }
 
-TEST(OpenVdbTools, SparseFieldsAreWrittenBitForBit) {
+TEST(OpenVdbTools, WritesSparseFieldsBitForBit) {
   NEEDS_OPENVDB_PLUGIN();
   const PluginFolder plugins(BUILT_PLUGINS);
   std::vector<float> values;
@@ -95,14 +95,14 @@ TEST(OpenVdbTools, SparseFieldsAreWrittenBitForBit) {
   const field::ScalarField halves = must_read(folder / "h.vdb");
   EXPECT_EQ(halves.name, "other");
   const auto* rounded = static_cast<const float*>(samples_of(halves).blocks[0].values);
-  // 11 bits of a mantissa; below 2^-14 steps of 2^-24.
+  // 11 bits of mantissa; below 2^-14 in steps of 2^-24.
   for (std::size_t i = 8; i < 512; ++i) {
     EXPECT_NEAR(rounded[i], values[i], std::max(std::abs(values[i]) * 0x1p-11F, 0x1p-25F)) << i;
   }
   EXPECT_LT(std::filesystem::file_size(folder / "h.vdb"), std::filesystem::file_size(folder / "w.vdb"));
 }
 
-TEST(OpenVdbTools, DenseFieldsAreWrittenAndNoPartOfAFileStays) {
+TEST(OpenVdbTools, WritesDenseFieldsAtomically) {
   NEEDS_OPENVDB_PLUGIN();
   const PluginFolder plugins(BUILT_PLUGINS);
   const std::vector<std::uint8_t> bytes{5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22};
@@ -129,7 +129,7 @@ TEST(OpenVdbTools, DenseFieldsAreWrittenAndNoPartOfAFileStays) {
   EXPECT_FALSE(std::filesystem::exists(folder / "e.vdb"));
 }
 
-TEST(OpenVdbTools, NodesAboveScatteredBricksAreReserved) {
+TEST(OpenVdbTools, ReservesNodesAboveScatteredBricks) {
   NEEDS_OPENVDB_PLUGIN();
   const PluginFolder plugins(BUILT_PLUGINS);
   std::vector<float> values;
@@ -137,7 +137,7 @@ TEST(OpenVdbTools, NodesAboveScatteredBricksAreReserved) {
   auto& samples = std::get<field::SparseSamples>(field.samples);
   for (int i = 1; i < 64; ++i) samples.blocks.push_back({{4096 * i, 0, 0}, values.data()});
   const TempFolder folder;
-  // Each has a node of 16^3 pointers above it, and one of 32^3.
+  // Each has a lower node with 16^3 pointers and an upper node with 32^3.
   const auto refused = volume_io::write_vdb(folder / "w.vdb", field, {}, with_memory(std::uint64_t{12} << 20));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
@@ -153,7 +153,7 @@ points::ParticleSet two_balls() {
   return set;
 }
 
-// The volume where a level set is negative, each voxel by how much of it is inside to first order.
+// Returns the volume where a level set is negative, counting each voxel's inside part to first order.
 double inner_volume(const field::ScalarField& field, double reach) {
   const double voxel = field.index_to_world.linear[0][0];
   const int last = static_cast<int>(reach / voxel);
@@ -169,7 +169,7 @@ double inner_volume(const field::ScalarField& field, double reach) {
   return sum * voxel * voxel * voxel;
 }
 
-TEST(OpenVdbTools, SpheresHaveTheirVolume) {
+TEST(OpenVdbTools, KeepsTheVolumeOfSpheres) {
   NEEDS_OPENVDB_PLUGIN();
   const PluginFolder plugins(BUILT_PLUGINS);
   volume_io::SphereOptions options;
@@ -199,7 +199,7 @@ TEST(OpenVdbTools, SpheresHaveTheirVolume) {
   EXPECT_EQ(context.memory().reserved(), 0U);
 }
 
-TEST(OpenVdbTools, CountingWhatSpheresTouchIsReservedToo) {
+TEST(OpenVdbTools, ReservesMemoryWhileCountingLeaves) {
   NEEDS_OPENVDB_PLUGIN();
   const PluginFolder plugins(BUILT_PLUGINS);
   volume_io::SphereOptions options;
@@ -208,10 +208,10 @@ TEST(OpenVdbTools, CountingWhatSpheresTouchIsReservedToo) {
   constexpr std::uint64_t kLimit = std::uint64_t{16} << 20;
   const Context context = with_memory(kLimit);
   EXPECT_FALSE(volume_io::spheres_to_field(two_balls(), options, context));
-  EXPECT_GT(context.memory().peak(), kLimit / 2);  // refused while it counted
+  EXPECT_GT(context.memory().peak(), kLimit / 2);  // rejected while counting
 }
 
-TEST(OpenVdbTools, ASmoothSphereAloneIsASphere) {
+TEST(OpenVdbTools, MakesASphereOfASingleSmoothSphere) {
   NEEDS_OPENVDB_PLUGIN();
   const PluginFolder plugins(BUILT_PLUGINS);
   volume_io::SphereOptions options;
@@ -224,13 +224,13 @@ TEST(OpenVdbTools, ASmoothSphereAloneIsASphere) {
   EXPECT_NEAR(inner_volume(field->field, 2), 4.0 / 3 * std::numbers::pi, 0.03);
 }
 
-TEST(OpenVdbTools, FiltersMoveALevelSetLittleAndSmoothIt) {
+TEST(OpenVdbTools, SmoothsALevelSetByFilters) {
   NEEDS_OPENVDB_PLUGIN();
   const PluginFolder plugins(BUILT_PLUGINS);
   openvdb::initialize();
   const auto ball = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(1.0F, {0, 0, 0}, 0.125F);
   ball->setName("ball");
-  // A dent of one voxel in the distances.
+  // A dent of one voxel.
   ball->tree().setValue({8, 0, 0}, 0.2F);
   const TempFolder folder;
   write_vdb(folder / "b.vdb", {ball});
@@ -242,8 +242,8 @@ TEST(OpenVdbTools, FiltersMoveALevelSetLittleAndSmoothIt) {
     EXPECT_EQ(filtered->kind, field::FieldKind::level_set);
     EXPECT_EQ(filtered->name, "ball");
     EXPECT_LT(sparse_value<float>(samples_of(*filtered), {8, 0, 0}), 0.1);
-    // A box of three voxels has a variance of 2/3, and a Gaussian is four of them: by that a sphere of radius 8 moves
-    // as by its mean curvature, dr/dt = -2/r at t = 1/3 a box.
+    // A box filter of three voxels has a variance of 2/3; a Gaussian is four of them. By mean curvature flow, dr/dt =
+    // -2/r with t = 1/3 per box, a sphere of radius 8 moves by this distance.
     const double boxes = filter == volume_io::LevelSetFilter::gaussian ? 8 : 2;
     const double radius = std::sqrt(1 - 4.0 / 64 * boxes / 3);
     EXPECT_NEAR(inner_volume(*filtered, 2), 4.0 / 3 * std::numbers::pi * std::pow(radius, 3), 0.12) << boxes;
@@ -257,7 +257,7 @@ TEST(OpenVdbTools, FiltersMoveALevelSetLittleAndSmoothIt) {
             "expected a level set, found a density");
 }
 
-TEST(OpenVdbTools, WithoutThePluginTheMessageNamesIt) {
+TEST(OpenVdbTools, NamesTheMissingPlugin) {
   const PluginFolder plugins("/nowhere");
   const TempFolder folder;
   std::vector<float> values;

@@ -1,17 +1,17 @@
-// VDB files that are cut off, damaged or made to harm: each is an error or a grid, never a crash.
+// Tests truncated, damaged and malicious VDB files: each gives an error or a grid, never a crash.
 #include <random>
 
 #include "unit/volume_io/vdb_files.hpp"
 #include "unit/volume_io/volume_files.hpp"
 
-// teem forgets, in some refusals, a few bytes of its own.
+// teem leaks a few bytes on some errors.
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() { return "leak:libteem\n"; }
 
 namespace isoextract::test {
 namespace {
 
-// Small, with leaves, tiles, inactive values of two kinds and noise that does not compress.
+// Makes a small grid with leaves, tiles, two kinds of inactive values and noise that does not compress.
 template <class Grid>
 std::string small_file(std::uint32_t compression, bool half, const std::string& name = "v", bool stream = false) {
   using Value = typename Grid::ValueType;
@@ -43,7 +43,7 @@ std::string small_file(std::uint32_t compression, bool half, const std::string& 
   return read_bytes(folder / "v.vdb");
 }
 
-// Reads it and touches every value, so that a tool that watches memory would see a bad pointer.
+// Reads the grid and touches every value, so that a memory checker would find a bad pointer.
 void read_and_touch(const std::filesystem::path& path) {
   const Context context = with_memory(std::uint64_t{1} << 30);
   const auto field = volume_io::read_volume(path.string(), {}, context);
@@ -72,7 +72,7 @@ const std::vector<Layout> kLayouts{{COMPRESS_NONE, false}, {COMPRESS_ACTIVE_MASK
                                    {COMPRESS_ZIP, false},  {COMPRESS_ZIP | COMPRESS_ACTIVE_MASK, true},
                                    {COMPRESS_BLOSC, true}, {COMPRESS_BLOSC | COMPRESS_ACTIVE_MASK, false}};
 
-TEST(VdbDamage, TruncationsAreErrors) {
+TEST(VdbDamage, RejectsTruncations) {
   for (const Layout& layout : kLayouts) {
     const std::string good = small_file<openvdb::FloatGrid>(layout.compression, layout.half);
     const TempFolder folder;
@@ -87,8 +87,8 @@ TEST(VdbDamage, TruncationsAreErrors) {
   }
 }
 
-// Of a stream nothing can be told but by going through it.
-TEST(VdbDamage, TruncationsOfStreamsAreErrors) {
+// A stream can only be checked by reading it to the end.
+TEST(VdbDamage, RejectsTruncatedStreams) {
   for (const Layout& layout : kLayouts) {
     const std::string good = small_file<openvdb::FloatGrid>(layout.compression, layout.half, "v", true);
     const TempFolder folder;
@@ -110,7 +110,7 @@ void flip_bits(unsigned seed, int count, bool stream = false) {
   testing::internal::CaptureStderr();
   for (const Layout& layout : kLayouts) {
     const std::string good = small_file<Grid>(layout.compression, layout.half, "v", stream);
-    // The places that are not values or long runs of zeros are few: most flips go there.
+    // Most flips go to the small part that is neither values nor long runs of zeros.
     const std::size_t head = 700;
     const std::size_t tail = std::min<std::size_t>(good.size() / 2, 3000);
     std::mt19937 engine(seed);
@@ -131,12 +131,12 @@ void flip_bits(unsigned seed, int count, bool stream = false) {
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
-TEST(VdbDamage, FlippedBitsInFloats) { flip_bits<openvdb::FloatGrid>(1, 200); }
-TEST(VdbDamage, FlippedBitsInDoubles) { flip_bits<openvdb::DoubleGrid>(2, 60); }
-TEST(VdbDamage, FlippedBitsInIntegers) { flip_bits<openvdb::Int32Grid>(3, 60); }
-TEST(VdbDamage, FlippedBitsInStreams) { flip_bits<openvdb::FloatGrid>(4, 100, true); }
+TEST(VdbDamage, SurvivesFlippedBitsInFloats) { flip_bits<openvdb::FloatGrid>(1, 200); }
+TEST(VdbDamage, SurvivesFlippedBitsInDoubles) { flip_bits<openvdb::DoubleGrid>(2, 60); }
+TEST(VdbDamage, SurvivesFlippedBitsInIntegers) { flip_bits<openvdb::Int32Grid>(3, 60); }
+TEST(VdbDamage, SurvivesFlippedBitsInStreams) { flip_bits<openvdb::FloatGrid>(4, 100, true); }
 
-TEST(VdbDamage, EveryByteOfTheHeader) {
+TEST(VdbDamage, SurvivesChangesOfEveryHeaderByte) {
   const std::string good = small_file<openvdb::FloatGrid>(COMPRESS_BLOSC | COMPRESS_ACTIVE_MASK, false);
   const TempFolder folder;
   for (std::size_t at = 0; at < 600; ++at) {
@@ -147,8 +147,8 @@ TEST(VdbDamage, EveryByteOfTheHeader) {
   }
 }
 
-// Every 8 bytes that may be a chunk's size, replaced by sizes that would overrun a buffer.
-TEST(VdbDamage, ChunkSizesThatLie) {
+// Replaces every 8 bytes that may be a chunk's size by sizes that would overflow a buffer.
+TEST(VdbDamage, RejectsWrongChunkSizes) {
   for (const Layout& layout : kLayouts) {
     const std::string good = small_file<openvdb::FloatGrid>(layout.compression, layout.half);
     const TempFolder folder;
@@ -172,14 +172,14 @@ TEST(VdbDamage, ChunkSizesThatLie) {
   }
 }
 
-TEST(VdbDamage, MalformedFilesAreRefused) {
+TEST(VdbDamage, RejectsMalformedFiles) {
   const std::string good = small_file<openvdb::FloatGrid>(COMPRESS_ACTIVE_MASK, false, "thegrid");
   const auto with = [&](std::size_t at, auto value) {
     std::string bytes = good;
     put(bytes, at, value);
     return bytes;
   };
-  const std::size_t name = good.find("thegrid");  // of the grid's descriptor; its length comes before it
+  const std::size_t name = good.find("thegrid");  // in the grid's descriptor, after its length
   const std::size_t type = good.find("Tree_float_5_4_3");
   const std::size_t offsets = type + 16 + 4;
   const std::size_t map =
@@ -207,7 +207,7 @@ TEST(VdbDamage, MalformedFilesAreRefused) {
        {"zero scale", with(map + 15, 0.0), "transform with an inverse"}});
 }
 
-// One leaf and one tile, uncompressed but for the masks: where everything lies in the file can be counted from its end.
+// One leaf and one tile, uncompressed except for the masks, so that positions can be counted from the end of the file.
 struct OneLeafFile {
   static std::string with_compression(std::uint32_t compression) {
     openvdb::initialize();
@@ -219,7 +219,7 @@ struct OneLeafFile {
     return read_bytes(folder / "v.vdb");
   }
   std::string bytes = with_compression(COMPRESS_ACTIVE_MASK);
-  // From the back: the value, the code, the mask; the leaf's mask in the topology; each inner node is two masks, a code
+  // From the end: the value, the code, the mask; the leaf's mask in the topology; each inner node has two masks, a code
   // and no value; then the upper node's origin; the tile is an origin, a value and a flag.
   std::size_t code = bytes.size() - 5;
   std::size_t mask = code - 64;
@@ -227,7 +227,7 @@ struct OneLeafFile {
   std::size_t upper = lower - 1 - 2 * 4096;
   std::size_t child = upper - 12;
   std::size_t tile = child - 17;
-  // Of the grid's place in the file, its values' and its end's.
+  // Positions of the grid, of its values and of its end.
   std::size_t offsets = bytes.find("Tree_float_5_4_3") + 16 + 4;
 };
 
@@ -237,14 +237,14 @@ std::string with(std::string bytes, std::size_t at, Value value) {
   return bytes;
 }
 
-TEST(VdbDamage, TreesThatContradictThemselves) {
+TEST(VdbDamage, RejectsInconsistentTrees) {
   const OneLeafFile file;
   const auto& [good, code, mask, lower, upper, child, tile, offsets] = file;
   ASSERT_EQ(good.substr(code + 1), pack(8.0F));
   ASSERT_EQ(good.substr(tile, 17), pack(8192) + pack(0) + pack(0) + pack(6.0F) + '\0');
 
   const std::string packed = OneLeafFile::with_compression(COMPRESS_BLOSC);
-  std::int64_t length = 0;  // of the leaf's chunk, which ends the file
+  std::int64_t length = 0;  // size of the leaf's chunk, which ends the file
   std::size_t chunk = packed.size() - 16;
   while (std::memcpy(&length, &packed[chunk - 8], 8), length != static_cast<std::int64_t>(packed.size() - chunk))
     --chunk;
@@ -272,7 +272,7 @@ TEST(VdbDamage, TreesThatContradictThemselves) {
        {"blosc: blocks too large", with(packed, chunk + 8, 1 << 30), "blosc chunk"}});
 }
 
-TEST(VdbDamage, NodesOfTheRootOutOfOrder) {
+TEST(VdbDamage, RejectsUnsortedRootNodes) {
   openvdb::initialize();
   const auto grid = openvdb::FloatGrid::create(3);
   grid->tree().setValue({0, 0, 0}, 8);
@@ -281,7 +281,7 @@ TEST(VdbDamage, NodesOfTheRootOutOfOrder) {
   write_vdb(folder / "v.vdb", {grid});
   std::string bytes = read_bytes(folder / "v.vdb");
   const std::size_t second = bytes.rfind(pack(0) + pack(4096) + pack(0));
-  // The first node goes behind the second: to (0, 8192, 0).
+  // Moves the first node after the second: to (0, 8192, 0).
   const std::size_t place = second - (12 + 2 * 4096 + 1 + 2 * 512 + 1 + 64);
   ASSERT_EQ(bytes.substr(place, 12), std::string(12, '\0'));
   must_read(folder / "v.vdb");
@@ -290,13 +290,13 @@ TEST(VdbDamage, NodesOfTheRootOutOfOrder) {
   expect_in(refusal(folder / "v.vdb").message, "the node at (0, 4096, 0) comes after the one at (0, 8192, 0)");
 }
 
-TEST(VdbDamage, MetadataPastTheEndOfTheirGrid) {
+TEST(VdbDamage, RejectsMetadataPastTheEndOfTheGrid) {
   const OneLeafFile file;
   std::int64_t grid = 0;
   std::memcpy(&grid, &file.bytes[file.offsets], sizeof grid);
   expect_all_refused("v.vdb", {{"in an entry", with(file.bytes, file.offsets + 16, grid + 20), "the grid has"},
                                {"before it", with(file.bytes, file.offsets + 16, grid + 6), "the grid has 2"}});
-  // An entry that is passed over: its size is behind the count, its name and its type.
+  // Points at the size of a skipped entry, after the count, its name and its type.
   std::string jump = file.bytes;
   const std::size_t size = jump.find("int64", static_cast<std::size_t>(grid)) + 5;
   put(jump, size, std::uint32_t{300});
@@ -304,9 +304,8 @@ TEST(VdbDamage, MetadataPastTheEndOfTheirGrid) {
   expect_all_refused("v.vdb", {{"passed over", jump, "the grid ends at"}});
 }
 
-// Whether there are places of grids is told by one byte of the header; what a stream has in their stead counts for
-// nothing.
-TEST(VdbDamage, PlacesOfAStreamsGridsAreNotLookedAt) {
+// One byte of the header tells whether the file has grid positions; a stream's placeholders must be ignored.
+TEST(VdbDamage, IgnoresGridPositionsOfAStream) {
   const OneLeafFile file;
   std::string stream = with(file.bytes, 20, char{0});
   for (std::size_t at = file.offsets; at < file.offsets + 24; at += 8) put(stream, at, std::int64_t{-1});
@@ -320,7 +319,7 @@ TEST(VdbDamage, PlacesOfAStreamsGridsAreNotLookedAt) {
                                {"tiles", with(stream, file.tile - 8, 0x7fffffff), "is damaged: refers to byte"}});
 }
 
-TEST(VdbDamage, OnlyTheMetadataTellHalves) {
+TEST(VdbDamage, DetectsHalvesByMetadataOnly) {
   OneLeafFile file;
   file.bytes.insert(file.offsets - 4, "_HalfFloat");
   put(file.bytes, file.offsets - 4 - 16 - 4, std::uint32_t{26});
@@ -335,8 +334,8 @@ TEST(VdbDamage, OnlyTheMetadataTellHalves) {
   EXPECT_EQ(sparse_value<float>(samples, {1, 2, 3}), 8);
 }
 
-// OpenVDB 3.0 wrote such files. A value is stored for the entry, and the entry is a child.
-TEST(VdbDamage, ActiveEntriesThatAreChildrenAreRead) {
+// OpenVDB 3.0 wrote such files. A value is stored for the entry, but the entry is a child.
+TEST(VdbDamage, ReadsActiveEntriesThatAreChildren) {
   const OneLeafFile file;
   const auto with_value = [&](std::size_t value_mask, std::size_t node_code) {
     std::string bytes = with(file.bytes, value_mask, '\1');
@@ -361,7 +360,7 @@ TEST(VdbDamage, ActiveEntriesThatAreChildrenAreRead) {
   }
 }
 
-TEST(VdbDamage, UnknownCompressionsAreRefusedAndNewerVersionsNoted) {
+TEST(VdbDamage, RejectsUnknownCompressionsAndNotesNewerVersions) {
   std::string bytes = small_file<openvdb::FloatGrid>(COMPRESS_ACTIVE_MASK, false, "thegrid");
   const TempFolder folder;
   put(bytes, 8, std::uint32_t{225});

@@ -1,4 +1,4 @@
-// What is told of the grids of a VDB file: names, counts, places.
+// Tests the list of a VDB file's grids: names, counts, transforms.
 #include <array>
 
 #include "unit/volume_io/vdb_files.hpp"
@@ -15,8 +15,8 @@ openvdb::FloatGrid::Ptr one_voxel(const std::string& name, int x = 0) {
   return grid;
 }
 
-// Their names are told apart by what the file has behind them, and the k of NAME[k] by what else there is.
-TEST(VdbGridList, NoTwoLabelsAreEqualAndEachChoosesItsGrid) {
+// The file's suffixes distinguish equal names; k in NAME[k] avoids labels that are other grids' names.
+TEST(VdbGridList, HasUniqueLabelsThatSelectTheirGrid) {
   const std::vector<std::string> names{"density",
                                        "density",
                                        "density[0]",
@@ -61,7 +61,7 @@ TEST(VdbGridList, NoTwoLabelsAreEqualAndEachChoosesItsGrid) {
   }
 }
 
-TEST(VdbGridList, WhatIsNotCountedIsNotTakenForEmpty) {
+TEST(VdbGridList, DistinguishesUncountedFromEmpty) {
   openvdb::initialize();
   const auto velocity = openvdb::Vec3SGrid::create();
   velocity->setName("velocity");
@@ -70,7 +70,7 @@ TEST(VdbGridList, WhatIsNotCountedIsNotTakenForEmpty) {
   write_vdb(folder / "v.vdb", {velocity, openvdb::FloatGrid::create(), one_voxel("damaged")},
             openvdb::io::COMPRESS_ACTIVE_MASK, false);
   std::string bytes = read_bytes(folder / "v.vdb");
-  // The number of buffers of the last grid's tree, behind the five vectors of its transform.
+  // The number of buffers of the last grid's tree, after the five vectors of its transform.
   const std::size_t map = bytes.rfind("UniformScaleMap");
   put(bytes, map + 15 + 15 * sizeof(double), 2);
   write_bytes(folder / "v.vdb", bytes);
@@ -85,7 +85,7 @@ TEST(VdbGridList, WhatIsNotCountedIsNotTakenForEmpty) {
   expect_in(error.hint.text, "float  empty");
 }
 
-TEST(VdbGridList, KindsOfVectorsAreTold) {
+TEST(VdbGridList, ReportsVectorKinds) {
   openvdb::initialize();
   std::vector<openvdb::GridBase::Ptr> grids;
   for (const auto type : {openvdb::VEC_INVARIANT, openvdb::VEC_COVARIANT, openvdb::VEC_COVARIANT_NORMALIZE,
@@ -96,7 +96,7 @@ TEST(VdbGridList, KindsOfVectorsAreTold) {
     grid->setIsInWorldSpace(type != openvdb::VEC_CONTRAVARIANT_RELATIVE);
     grids.push_back(grid);
   }
-  grids.push_back(openvdb::Vec3SGrid::create());  // which says nothing
+  grids.push_back(openvdb::Vec3SGrid::create());  // the default, which means nothing
   const TempFolder folder;
   write_vdb(folder / "v.vdb", {grids.begin(), grids.end()});
   const auto listed = volume_io::list_grids((folder / "v.vdb").string(), {}, Context());
@@ -109,7 +109,7 @@ TEST(VdbGridList, KindsOfVectorsAreTold) {
   }
 }
 
-TEST(VdbGridList, ATransformThatCannotBeUsedHidesNoOtherGrid) {
+TEST(VdbGridList, ListsGridsBesideAnUnusableTransform) {
   openvdb::initialize();
   const auto bent = one_voxel("bent");
   bent->setTransform(
@@ -134,12 +134,12 @@ TEST(VdbGridList, ATransformThatCannotBeUsedHidesNoOtherGrid) {
   expect_in(refusal(folder / "v.vdb", options).message, "is not supported: expected a linear transform, found 'Xni");
 }
 
-TEST(VdbGridList, ADamagedTransformHidesNoOtherGrid) {
+TEST(VdbGridList, ListsGridsBesideADamagedTransform) {
   openvdb::initialize();
   const TempFolder folder;
   write_vdb(folder / "v.vdb", {one_voxel("first"), one_voxel("second")});
   std::string bytes = read_bytes(folder / "v.vdb");
-  bytes.replace(bytes.rfind("UniformScaleMap") - 4, 4, "\xff\xff\xff\xff");  // the length of that name
+  bytes.replace(bytes.rfind("UniformScaleMap") - 4, 4, "\xff\xff\xff\xff");  // length of that name
   write_bytes(folder / "v.vdb", bytes);
   const auto grids = volume_io::list_grids((folder / "v.vdb").string(), {}, Context());
   ASSERT_TRUE(grids);
@@ -152,7 +152,7 @@ TEST(VdbGridList, ADamagedTransformHidesNoOtherGrid) {
   expect_in(refusal(folder / "v.vdb", options).message, "the VDB file is damaged: a name is said to be 4294967295");
 }
 
-TEST(VdbGridList, WhatMayBeRightButIsNotReadIsNotCalledDamaged) {
+TEST(VdbGridList, DistinguishesUnsupportedFromDamaged) {
   const TempFolder folder;
   write_vdb(folder / "v.vdb", {one_voxel(std::string(70000, 'n'))});
   expect_in(refusal(folder / "v.vdb").message, "the VDB file is not supported: a name is 70000 characters long");
@@ -165,7 +165,7 @@ TEST(VdbGridList, WhatMayBeRightButIsNotReadIsNotCalledDamaged) {
   expect_in(refusal(folder / "v.vdb", options).message, "'other' holds float (tree 4_4_3)");
 }
 
-TEST(VdbGridList, TheCreatorIsThatOfTheGridOrOfTheFile) {
+TEST(VdbGridList, ReportsTheCreatorOfGridOrFile) {
   openvdb::initialize();
   const auto own = one_voxel("own");
   own->setCreator("Houdini/SOP_\x1b");

@@ -7,7 +7,7 @@
 namespace isoextract::test {
 namespace {
 
-// Blocks of noise, tiles of all three sizes, active and inactive, and an inactive value in a leaf.
+// Makes blocks of noise, active and inactive tiles of all three sizes, and an inactive value in a leaf.
 template <class Grid>
 typename Grid::Ptr mixed_grid(typename Grid::ValueType background, unsigned seed = 1) {
   using Value = typename Grid::ValueType;
@@ -64,7 +64,7 @@ class VdbReader : public testing::Test {};
 using ScalarGrids = testing::Types<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid>;
 TYPED_TEST_SUITE(VdbReader, ScalarGrids);
 
-TYPED_TEST(VdbReader, ValuesAreThoseOfTheTreeForEveryCompression) {
+TYPED_TEST(VdbReader, ReadsEveryCompression) {
   using namespace openvdb::io;
   using Value = typename TypeParam::ValueType;
   for (const Value background : {Value(0), Value(5)}) {
@@ -84,7 +84,7 @@ TYPED_TEST(VdbReader, ValuesAreThoseOfTheTreeForEveryCompression) {
   }
 }
 
-TYPED_TEST(VdbReader, BlocksAreSortedAndOwnTheirValues) {
+TYPED_TEST(VdbReader, SortsBlocksAndOwnsTheirValues) {
   const TempFolder folder;
   write_vdb(folder / "v.vdb", {mixed_grid<TypeParam>(0)});
   const field::ScalarField field = must_read(folder / "v.vdb");
@@ -93,7 +93,7 @@ TYPED_TEST(VdbReader, BlocksAreSortedAndOwnTheirValues) {
   for (std::size_t i = 0; i + 1 < samples.blocks.size(); ++i) {
     ASSERT_LT(key(samples.blocks[i]), key(samples.blocks[i + 1]));
   }
-  // The values are held by the samples and by no one else.
+  // Only the samples own the values.
   EXPECT_EQ(samples.owner.use_count(), 1);
 }
 
@@ -112,7 +112,7 @@ openvdb::FloatGrid::Ptr ball(const std::string& name, float radius = 10) {
   return grid;
 }
 
-TEST(VdbReaderKind, ClassDecidesUnlessTheOptionsDo) {
+TEST(VdbReaderKind, FollowsOptionsThenGridClass) {
   const TempFolder folder;
   const auto grid = ball("ls");
   const auto kind_of = [&](openvdb::GridClass grid_class, std::optional<field::FieldKind> kind = {}) {
@@ -132,7 +132,7 @@ TEST(VdbReaderKind, ClassDecidesUnlessTheOptionsDo) {
   EXPECT_FALSE(grids->front().kind);
 }
 
-TEST(VdbReaderPlace, RotationShearScaleTranslationAndMirror) {
+TEST(VdbReaderPlace, ReadsRotationShearScaleTranslationAndMirror) {
   openvdb::initialize();
   const auto place = [](const openvdb::math::Transform::Ptr& transform) {
     const auto grid = ball("v");
@@ -159,7 +159,7 @@ TEST(VdbReaderPlace, RotationShearScaleTranslationAndMirror) {
   turned->postTranslate({-1e7, 3, 0.1});
   place(turned);
 
-  // By hand: x steps go to (0, 2, 0), y steps to (-3, 0, 1), z steps to (0, 0, 4), from (5, 6, 7).
+  // By hand: steps in x map to (0, 2, 0), in y to (-3, 0, 1), in z to (0, 0, 4), with the origin (5, 6, 7).
   const field::Affine affine =
       place(Transform::createLinearTransform(openvdb::Mat4d(0, 2, 0, 0, -3, 0, 1, 0, 0, 0, 4, 0, 5, 6, 7, 1)));
   expect_near(affine({1, 0, 0}), {5, 8, 7});
@@ -167,7 +167,7 @@ TEST(VdbReaderPlace, RotationShearScaleTranslationAndMirror) {
   expect_near(affine({0, 0, 1}), {5, 6, 11});
 }
 
-TEST(VdbReaderPlace, EveryLinearMap) {
+TEST(VdbReaderPlace, ReadsEveryLinearMap) {
   openvdb::initialize();
   using namespace openvdb::math;
   using openvdb::Vec3d;
@@ -194,7 +194,7 @@ TEST(VdbReaderPlace, EveryLinearMap) {
   }
 }
 
-TEST(VdbReaderPlace, FrustumsNeedAPluginUnlessTheOptionsPlaceTheGrid) {
+TEST(VdbReaderPlace, NeedsThePluginForFrustumsWithoutPlacement) {
   openvdb::initialize();
   const auto grid = ball("v");
   grid->setTransform(
@@ -214,7 +214,7 @@ TEST(VdbReaderPlace, FrustumsNeedAPluginUnlessTheOptionsPlaceTheGrid) {
   expect_same_values(*grid, field);
 }
 
-// A file with one of everything.
+// A file with a grid of each kind.
 struct ManyGrids {
   TempFolder folder;
   std::filesystem::path path = folder / "many.vdb";
@@ -239,7 +239,7 @@ struct ManyGrids {
   }
 };
 
-TEST(VdbReaderGrids, ListTellsTypesClassesCountsAndBoxes) {
+TEST(VdbReaderGrids, ListTypesClassesCountsAndBoxes) {
   const ManyGrids file;
   const auto grids = volume_io::list_grids(file.path.string(), {}, Context());
   ASSERT_TRUE(grids);
@@ -264,7 +264,7 @@ TEST(VdbReaderGrids, ListTellsTypesClassesCountsAndBoxes) {
   EXPECT_EQ(find("twin[1]").voxels, ball("", 6)->activeVoxelCount());
 }
 
-TEST(VdbReaderGrids, AChoiceIsAskedForAndTheListShown) {
+TEST(VdbReaderGrids, RequireAChoiceAndListGrids) {
   const ManyGrids file;
   const Error error = refusal(file.path);
   EXPECT_EQ(error.code, ErrorCode::input);
@@ -276,7 +276,7 @@ TEST(VdbReaderGrids, AChoiceIsAskedForAndTheListShown) {
   }
 }
 
-TEST(VdbReaderGrids, NamesAndRepeatedNames) {
+TEST(VdbReaderGrids, FindNamesAndRepeatedNames) {
   const ManyGrids file;
   const auto voxels = [&](const std::string& grid) {
     volume_io::ReadOptions options;
@@ -303,7 +303,7 @@ TEST(VdbReaderGrids, NamesAndRepeatedNames) {
   expect_in(refusal(file.path, vectors).message, "'velocity' holds vec3s");
 }
 
-TEST(VdbReaderGrids, TheOnlyScalarGridIsTakenAndTheOthersNoted) {
+TEST(VdbReaderGrids, ReadTheOnlyScalarGridAndNoteOthers) {
   openvdb::initialize();
   auto velocity = openvdb::Vec3SGrid::create();
   velocity->setName("velocity");
@@ -321,7 +321,7 @@ TEST(VdbReaderGrids, TheOnlyScalarGridIsTakenAndTheOthersNoted) {
   expect_in(refusal(folder / "v.vdb").message, "no grid in the file");
 }
 
-TEST(VdbReaderGrids, CountsAreTakenFromTheTreeWhereTheFileHasNone) {
+TEST(VdbReaderGrids, CountActiveVoxelsIfTheFileDoesNot) {
   const TempFolder folder;
   write_vdb(folder / "v.vdb", {ball("a"), ball("b", 5)}, openvdb::io::COMPRESS_BLOSC, false);
   const auto grids = volume_io::list_grids((folder / "v.vdb").string(), {}, Context());
@@ -334,7 +334,7 @@ TEST(VdbReaderGrids, CountsAreTakenFromTheTreeWhereTheFileHasNone) {
   expect_same_values(*ball("b", 5), must_read(folder / "v.vdb", options));
 }
 
-TEST(VdbReaderGrids, InstancesShareATree) {
+TEST(VdbReaderGrids, ShareATreeAmongInstances) {
   openvdb::initialize();
   const auto first = ball("first");
   const auto second = openvdb::FloatGrid::create(first->treePtr());
@@ -349,7 +349,7 @@ TEST(VdbReaderGrids, InstancesShareATree) {
   expect_near(field.index_to_world({1, 1, 1}), {2, 2, 2});
 }
 
-TEST(VdbReaderGrids, EmptyGridsAreRead) {
+TEST(VdbReaderGrids, ReadEmptyGrids) {
   openvdb::initialize();
   const TempFolder folder;
   write_vdb(folder / "v.vdb", {openvdb::FloatGrid::create(2)});
@@ -360,7 +360,7 @@ TEST(VdbReaderGrids, EmptyGridsAreRead) {
   EXPECT_EQ(samples.background, 2);
 }
 
-TEST(VdbReaderLimits, MemoryIsCheckedBeforeTheLeavesAreFilled) {
+TEST(VdbReaderLimits, CheckMemoryBeforeFillingLeaves) {
   const TempFolder folder;
   write_vdb(folder / "v.vdb", {ball("density")});
   const Error error = refusal(folder / "v.vdb", {}, with_memory(56 * 512 * sizeof(float)));
@@ -368,7 +368,7 @@ TEST(VdbReaderLimits, MemoryIsCheckedBeforeTheLeavesAreFilled) {
   EXPECT_EQ(error.hint.remedy, Remedy::raise_memory_limit);
 }
 
-TEST(VdbReaderLimits, MemoryIsReservedForAsLongAsTheSamplesLive) {
+TEST(VdbReaderLimits, ReserveMemoryWhileTheSamplesLive) {
   const TempFolder folder;
   write_vdb(folder / "v.vdb", {ball("density")});
   const Context context;
@@ -382,7 +382,7 @@ TEST(VdbReaderLimits, MemoryIsReservedForAsLongAsTheSamplesLive) {
   EXPECT_EQ(context.memory().reserved(), 0U);
 }
 
-TEST(VdbReaderLimits, ReadingEndsWhereThatIsAskedFor) {
+TEST(VdbReaderLimits, CanBeCancelled) {
   const TempFolder folder;
   write_vdb(folder / "v.vdb", {ball("density")});
   const Context context;
@@ -392,7 +392,7 @@ TEST(VdbReaderLimits, ReadingEndsWhereThatIsAskedFor) {
   EXPECT_EQ(field.error().code, ErrorCode::cancelled);
 }
 
-TEST(VdbReaderLimits, VoxelsTooFarOutAreRefused) {
+TEST(VdbReaderLimits, RejectVoxelsTooFarOut) {
   openvdb::initialize();
   for (const openvdb::Coord far :
        {openvdb::Coord(1 << 30, 0, 0), openvdb::Coord(0, 0, std::numeric_limits<int>::min())}) {

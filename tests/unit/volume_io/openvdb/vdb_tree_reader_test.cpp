@@ -1,4 +1,4 @@
-// What the reader makes of a tree, against OpenVDB's own reading of the same file: every bit of every leaf and tile.
+// Tests the reader's tree against OpenVDB's own: every bit of every leaf and tile.
 #include <bit>
 #include <cstring>
 #include <fstream>
@@ -21,7 +21,7 @@ using openvdb::Coord;
 
 glm::ivec3 to_glm(const Coord& c) { return {c.x(), c.y(), c.z()}; }
 
-// Values that packing could get wrong: signed zeros, values without a half, not numbers.
+// Values that compression could corrupt: signed zeros, values that half cannot represent, NaN.
 template <class Value>
 Value odd_value(std::mt19937& engine) {
   if constexpr (std::is_integral_v<Value>) {
@@ -37,8 +37,8 @@ Value odd_value(std::mt19937& engine) {
   }
 }
 
-// An inactive value for OpenVDB to store by `code`, where the background is b: 0 b; 1 -b; 2 another; 3 -b and b;
-// 4 another and b; 5 two others; 6 more.
+// Returns an inactive value that makes OpenVDB use `code`, for the background b: 0 b; 1 -b; 2 another; 3 -b and b; 4
+// another and b; 5 two others; 6 more.
 template <class Value>
 Value inactive_value(int code, Value b, std::mt19937& engine) {
   const bool first = engine() % 2 == 0;
@@ -53,8 +53,9 @@ Value inactive_value(int code, Value b, std::mt19937& engine) {
   }
 }
 
-// For each code a leaf, a node of 16^3 leaves and one of 32^3 such nodes that OpenVDB stores by it, with a random part
-// of their entries active, or none, or all. Half of them are at negative indices. Tiles of all sizes are among them.
+// Makes for each code a leaf, a lower node of 16^3 leaves and an upper node of 32^3 lower nodes that OpenVDB stores
+// with it. A random part of their entries is active, or none, or all. Half of them are at negative indices. Tiles of
+// all sizes are included.
 template <class Grid>
 typename Grid::Ptr coded_grid(typename Grid::ValueType background, unsigned seed) {
   using Value = typename Grid::ValueType;
@@ -88,7 +89,7 @@ typename Grid::Ptr coded_grid(typename Grid::ValueType background, unsigned seed
   return grid;
 }
 
-// The codes by which OpenVDB would store the nodes of one type.
+// Returns the codes that OpenVDB would use for the nodes of one type.
 template <class Node, class Tree>
 std::set<int> codes_of(const Tree& tree) {
   std::vector<const Node*> nodes;
@@ -126,7 +127,7 @@ void expect_same_leaves(const Tree& tree, const field::SparseSamples& samples) {
 
 template <class Tree>
 void expect_same_tiles(const Tree& tree, const field::SparseSamples& samples) {
-  // By origin: size, and the value's bits.
+  // By origin: the size, and the bits of the value.
   using Tiles = std::map<std::tuple<int, int, int>, std::pair<int, std::uint64_t>>;
   Tiles expected;
   auto tile = tree.cbeginValueAll();
@@ -145,7 +146,7 @@ void expect_same_tiles(const Tree& tree, const field::SparseSamples& samples) {
   EXPECT_TRUE(found == expected) << found.size() << " tiles, expected " << expected.size();
 }
 
-// As OpenVDB reads it.
+// Returns the tiles as OpenVDB reads them.
 template <class Grid>
 typename Grid::Ptr grid_of_file(const std::filesystem::path& path, const std::string& name) {
   openvdb::io::File file(path.string());
@@ -163,7 +164,7 @@ typename Grid::Ptr grid_of_stream(const std::filesystem::path& path, const std::
   throw std::runtime_error("no grid " + name);
 }
 
-// The grid of that name, as the reader reads it.
+// Reads the grid of that name with this reader.
 template <class Grid>
 void expect_same_tree(const typename Grid::Ptr& grid, const std::filesystem::path& path, const std::string& name) {
   volume_io::ReadOptions options;
@@ -197,7 +198,7 @@ class VdbTree : public testing::Test {};
 using ScalarGrids = testing::Types<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid>;
 TYPED_TEST_SUITE(VdbTree, ScalarGrids);
 
-TYPED_TEST(VdbTree, EveryCodeOfInactiveValuesAtEveryLevel) {
+TYPED_TEST(VdbTree, ReadsEveryInactiveValueCodeAtEveryLevel) {
   using Value = typename TypeParam::ValueType;
   openvdb::initialize();
   const Value background = 7;
@@ -222,7 +223,7 @@ TYPED_TEST(VdbTree, EveryCodeOfInactiveValuesAtEveryLevel) {
   }
 }
 
-// Leaves and tiles of all sizes anywhere, on both sides of zero.
+// Makes leaves and tiles of all sizes at random positions on both sides of zero.
 template <class Grid>
 typename Grid::Ptr random_grid(unsigned seed) {
   using Value = typename Grid::ValueType;
@@ -246,7 +247,7 @@ typename Grid::Ptr random_grid(unsigned seed) {
   return grid;
 }
 
-TYPED_TEST(VdbTree, RandomTopologies) {
+TYPED_TEST(VdbTree, ReadsRandomTopologies) {
   openvdb::initialize();
   for (unsigned seed = 1; seed <= 8; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -259,8 +260,8 @@ TYPED_TEST(VdbTree, RandomTopologies) {
   }
 }
 
-// OpenVDB's own loops run on one thread: its library is not built with the thread sanitizer, which would take what its
-// threads hand over for races.
+// Runs OpenVDB's loops on one thread. Its library is not built with the thread sanitizer, which would report their
+// synchronization as races.
 tbb::global_control one_thread() { return {tbb::global_control::max_allowed_parallelism, 1}; }
 
 template <class Grid>
@@ -276,7 +277,7 @@ openvdb::FloatGrid::Ptr fog_of(const openvdb::FloatGrid& surface) {
   return fog;
 }
 
-TEST(VdbTreeFiles, LevelSetsFogsAndInstancesInOneFile) {
+TEST(VdbTreeFiles, ReadLevelSetsFogsAndInstances) {
   openvdb::initialize();
   const auto surface = ball<openvdb::FloatGrid>(40, {3, -7, 1});
   surface->setName("surface");
@@ -302,7 +303,7 @@ TEST(VdbTreeFiles, LevelSetsFogsAndInstancesInOneFile) {
   }
 }
 
-// With leaves, tiles of all sizes and inactive values.
+// Makes a grid with leaves, tiles of all sizes and inactive values.
 template <class Grid>
 openvdb::GridBase::Ptr other_grid(const std::string& name, const typename Grid::ValueType& value, bool half) {
   const auto grid = Grid::create();
@@ -318,8 +319,8 @@ openvdb::GridBase::Ptr other_grid(const std::string& name, const typename Grid::
   return grid;
 }
 
-// A stream does not say where its grids are: the way to one leads through those before it, whatever they hold.
-TYPED_TEST(VdbTree, StreamsHaveTheSameTreesBehindGridsOfAllTypes) {
+// A stream has no grid positions: finding a grid means skipping all grids before it, of any type.
+TYPED_TEST(VdbTree, ReadsStreamsPastGridsOfAllTypes) {
   openvdb::initialize();
   for (const std::uint32_t compression : kCompressions) {
     for (const bool half : {false, true}) {
@@ -361,7 +362,7 @@ TYPED_TEST(VdbTree, StreamsHaveTheSameTreesBehindGridsOfAllTypes) {
   }
 }
 
-TEST(VdbTreeFiles, AStreamEndsForTheReaderAtATreeThatItCannotPassOver) {
+TEST(VdbTreeFiles, StopAtATreeThatCannotBeSkippedInAStream) {
   openvdb::initialize();
   const auto good = ball<openvdb::FloatGrid>(12, {0, 0, 0});
   good->setName("good");
@@ -377,7 +378,7 @@ TEST(VdbTreeFiles, AStreamEndsForTheReaderAtATreeThatItCannotPassOver) {
   const Error error = refusal(folder / "v.vdb");
   expect_in(error.message, "is not supported: grid 'strange': nobody knows where a tree of Tree_int65_5_4_3 ends");
   expect_in(error.message, "written as a stream");
-  // Behind the last one nothing is looked for.
+  // The reader need not skip the last grid.
   write_strange({good, strange});
   expect_same_tree<openvdb::FloatGrid>(good, folder / "v.vdb", "good");
 }
@@ -391,7 +392,7 @@ TEST(VdbTreeFiles, AreReadOnce) {
   const Context context;
   must_read(folder / "v.vdb", {}, context);
   const auto read = static_cast<double>(context.counters().bytes_read);
-  // The beginning twice: to tell the format, and the header before the grid.
+  // Reads the start twice: to detect the format, and for the header.
   EXPECT_GT(size, 4e6);
   EXPECT_GE(read, size);
   EXPECT_LT(read, size + 1e6);
