@@ -25,7 +25,7 @@
 namespace isoextract::bench {
 namespace {
 
-// Relative errors up to this are float32 rounding, and follow no order.
+// Smaller relative errors are float32 rounding and follow no order.
 constexpr double kRounding = 1e-7;
 
 extract::ExtractOptions extract_options(const field::ScalarField& field, extract::Method method,
@@ -72,7 +72,7 @@ std::vector<Contestant> contestants(const BenchOptions& options) {
   return all;
 }
 
-// One contestant with a number of threads at one resolution.
+// One contestant with one number of threads at one resolution.
 struct Setting {
   Contestant contestant;
   int threads;
@@ -124,7 +124,7 @@ Result<std::vector<BenchRow>> time_level(const field::ScalarField& field, std::s
   }
   const auto rounds = static_cast<std::size_t>(options.repeats) + 1;
   context.progress().begin("timing", rounds * settings.size());
-  const Context untold(context.memory());  // the bar shows the rounds, not what is within them
+  const Context untold(context.memory());  // the progress bar shows rounds only
   for (std::size_t round = 0; round < rounds; ++round) {
     for (Setting& setting : settings) {
       TRY(run_once(field, options, round > 0, setting, untold));
@@ -151,7 +151,7 @@ Result<std::vector<BenchRow>> time_level(const field::ScalarField& field, std::s
   return rows;
 }
 
-// What one method and backend made of one resolution, for the errors.
+// The mesh of one method and backend at one resolution, for measuring errors.
 struct Specimen {
   const field::ScalarField& field;
   const extract::ExtractOptions& extracted;
@@ -159,7 +159,7 @@ struct Specimen {
   double volume;  // of the capped mesh
 };
 
-// `in_finer`: finer data do have one.
+// `in_finer`: finer data do have a surface.
 tl::unexpected<Error> no_surface(const field::ScalarField& field, double iso, bool in_finer) {
   const field::FieldStatistics statistics = field::measure_statistics(field);
   if (statistics.samples == 0) {
@@ -173,7 +173,7 @@ tl::unexpected<Error> no_surface(const field::ScalarField& field, double iso, bo
                : Hint(Remedy::other_iso, fmt::format("{}", field::suggest_iso(field, statistics).iso)));
 }
 
-// Fills all errors but the rounding; `number` is that of the contestant whose specimen it is.
+// Sets all errors except `rounding`; `number` is the number of the contestant.
 using Judge = std::function<Result<void>(const Specimen& specimen, std::size_t number, BenchErrors& errors)>;
 
 Result<void> judge_level(const field::ScalarField& field, const BenchOptions& options, const Judge& judge,
@@ -212,7 +212,7 @@ Result<void> add_level(BenchResult& result, const field::ScalarField& field, con
 
 double relative_error(double measured, double exact) { return std::abs(measured / exact - 1); }
 
-// The order of one error over the levels of one method and backend.
+// Returns the order of one error over the levels of one method and backend.
 std::optional<ConvergenceOrder> order_of(const BenchResult& result, const BenchOrders& of, double floor,
                                          const std::function<std::optional<double>(const BenchRow&)>& error) {
   std::vector<double> spacings;
@@ -221,7 +221,7 @@ std::optional<ConvergenceOrder> order_of(const BenchResult& result, const BenchO
     if (row.method != of.method || row.backend != of.backend) continue;
     if (result.levels[row.level].is_truth) continue;
     const double spacing = result.levels[row.level].spacing;
-    if (!spacings.empty() && spacings.back() == spacing) continue;  // the same mesh by other threads
+    if (!spacings.empty() && spacings.back() == spacing) continue;  // the same mesh with another number of threads
     const auto value = error(row);
     if (!value) continue;
     spacings.push_back(spacing);
@@ -230,7 +230,7 @@ std::optional<ConvergenceOrder> order_of(const BenchResult& result, const BenchO
   return observed_order(spacings, errors, floor);
 }
 
-// `uncertainty`: how far the true area and volume may be off, as fractions.
+// `uncertainty`: relative uncertainty of the true area and volume.
 void conclude(BenchResult& result, const BenchOptions& options, const field::SurfaceSize& uncertainty = {}) {
   double rounding = 0;
   for (const BenchRow& row : result.rows) rounding = std::max(rounding, row.rounding);
@@ -283,11 +283,11 @@ std::string truth_of(const ReferenceSize& reference) {
       uncertainty.area, uncertainty.volume);
 }
 
-// The surface of the data that are the truth, by one contestant.
+// One contestant's surface of the data that are the truth.
 struct FinestSurface {
   field::SurfaceSize size;
   bool closed = false;
-  glm::dvec3 low{std::numeric_limits<double>::infinity()};  // its box, in index space
+  glm::dvec3 low{std::numeric_limits<double>::infinity()};  // bounding box in index space
   glm::dvec3 high{-std::numeric_limits<double>::infinity()};
 };
 
@@ -313,7 +313,7 @@ Result<FinestSurface> finest_surface(const field::ScalarField& field, const Cont
   return surface;
 }
 
-// Whether the box of samples of dense `coarse`, the finest data coarser by `factor`, holds the surface.
+// Returns whether the samples of `coarse`, the finest data coarsened by `factor`, contain the whole surface.
 bool covers(const field::ScalarField& coarse, int factor, const FinestSurface& surface) {
   const auto* dense = std::get_if<field::DenseSamples>(&coarse.samples);
   if (dense == nullptr) return true;
@@ -322,7 +322,7 @@ bool covers(const field::ScalarField& coarse, int factor, const FinestSurface& s
   return glm::all(glm::greaterThanEqual(surface.low, low)) && glm::all(glm::lessThanEqual(surface.high, high));
 }
 
-// What coarsen() drops, as a note; empty if nothing.
+// Returns a note about the samples that coarsen() drops; empty if none.
 std::string dropped_samples(const field::ScalarField& field, int factor) {
   const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
   if (dense == nullptr) return "";
@@ -403,7 +403,7 @@ Result<BenchResult> bench_field(const field::ScalarField& field, const std::vect
       "the trilinear interpolant of the finest data ({}); area and volume against its meshes; it "
       "counts in no order of convergence",
       size_text(field));
-  std::vector<FinestSurface> finest;  // by the contestants' numbers
+  std::vector<FinestSurface> finest;  // by contestant number
   for (const Contestant& contestant : contestants(options)) {
     auto surface = TRY(finest_surface(field, contestant, options, context));
     finest.push_back(surface);

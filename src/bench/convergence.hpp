@@ -1,4 +1,4 @@
-// What a series of measurements says: orders of convergence, and what nothing beats.
+// Evaluates series of measurements: orders of convergence and the Pareto front.
 #pragma once
 
 #include <optional>
@@ -7,14 +7,14 @@
 
 namespace isoextract::bench {
 
-// The p of error ~ spacing^p.
+// The order p of error ~ spacing^p.
 struct ConvergenceOrder {
-  double slope = 0;  // of the least-squares line through all of log(error) over log(spacing)
-  double last = 0;   // between the last two
+  double slope = 0;  // least-squares slope of log(error) over log(spacing)
+  double last = 0;   // slope between the last two
 };
 
-// Of errors that fall with the spacing; both in order of falling spacing. Nothing for fewer than two, or where one of
-// the errors is not above `floor`, below which they are rounding and follow no order.
+// Returns the order of errors at falling spacings. Returns nothing for fewer than two errors, or if one is not above
+// `floor`: errors below it are rounding and follow no order.
 [[nodiscard]] std::optional<ConvergenceOrder> observed_order(std::span<const double> spacings,
                                                              std::span<const double> errors, double floor);
 
@@ -23,7 +23,7 @@ struct Cost {
   double seconds = 0;
 };
 
-// For each whether it is on the Pareto front: no other is at least as good in both and better in one.
+// Returns for each cost whether no other is at least as good in both values and better in one.
 [[nodiscard]] std::vector<bool> pareto_front(std::span<const Cost> costs);
 
 }  // namespace isoextract::bench

@@ -1,4 +1,4 @@
-// Runs a stability case on a method and a backend, without and with a cap.
+// Runs a stability case with a method on a backend, without and with a cap.
 #pragma once
 
 #include <string>
@@ -17,13 +17,13 @@ struct StabilityRow {
   StabilityFindings findings;  // of both meshes together
   double voxels_allowed = 0;
   std::vector<std::string> failures;        // empty if the case passes
-  std::vector<std::string> not_applicable;  // what was not checked, and why; sentences without their full stop
+  std::vector<std::string> not_applicable;  // what was not checked and why, sentences without full stop
 };
 
-// What must hold: vertices are finite, each strictly within its own edge of the grid and near the crossing; triangles
-// have an area and are there once; the mesh is oriented and manifold, closed with a cap (unless holes are asked for),
-// and without one where the scene says so; there is a surface exactly where there should be one. Of vertices on edges
-// and of crossings that holds where the method's traits say so, and is not checked elsewhere.
+// Checks that all vertices are finite, inside their own grid edge and near the crossing. Checks that triangles have an
+// area and no duplicates, and that the mesh is oriented and manifold. It must be closed with a cap (unless NaN samples
+// leave holes), and without one if the scene says so. A surface must exist exactly where the scene expects one. Edges
+// and crossings are checked only if the method's traits claim them.
 [[nodiscard]] StabilityRow run_stability_case(const StabilityCase& test, const extract::MethodInfo& method,
                                               extract::Extractor& extractor, const Context& context);
 

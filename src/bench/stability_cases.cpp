@@ -37,11 +37,11 @@ StabilityScene scene(double iso, const F& value, const glm::ivec3& dims = kDims)
   return result;
 }
 
-// The distance to a sphere within kDims that passes through no sample; positive inside.
+// Returns the distance to a sphere in kDims that passes through no sample; positive inside.
 double ball(const glm::ivec3& p) { return 3.7 - glm::length(glm::dvec3(p) - glm::dvec3(5.3, 5.6, 5.1)); }
 double side(const glm::ivec3& p) { return ball(p) > 0 ? 1 : -1; }
 
-// Scattered numbers: 0 up to, but not including, `count`.
+// Returns a pseudo-random integer from 0 to `count` - 1.
 int scattered(const glm::ivec3& p, int count) {
   const auto hash = static_cast<std::uint32_t>(p.x * 73856093 ^ p.y * 19349663 ^ p.z * 83492791);
   return static_cast<int>((hash * 2654435761U >> 12) % static_cast<std::uint32_t>(count));
@@ -71,7 +71,7 @@ field::Affine moved(field::Affine frame, const glm::dvec3& offset) {
 
 const field::Affine kOblique{glm::dmat3(1, 0.25, 0, -0.5, 2, 0, 0.3, 0.125, 0.5), glm::dvec3(3, -4, 5)};
 
-// NaN and both infinities among ordinary values.
+// Puts NaN and both infinities among ordinary values.
 StabilityScene holey_ball(extract::NanPolicy policy) {
   StabilityScene result = scene<float>(0, [](const glm::ivec3& p) {
     const int lot = scattered(p, 40);
@@ -81,7 +81,7 @@ StabilityScene holey_ball(extract::NanPolicy policy) {
   return open(std::move(result));
 }
 
-// The ends of a type's range, and their neighbours, at an iso value that many samples have.
+// The extreme values of a type and their neighbors, at an iso value that many samples have.
 template <class T>
 StabilityScene limits_of() {
   using Limits = std::numeric_limits<T>;

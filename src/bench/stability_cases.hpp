@@ -9,25 +9,27 @@
 namespace isoextract::bench {
 
 enum class StabilityOutcome {
-  surface,   // there is one
-  cap_only,  // all is inside: only a cap
+  surface,   // a surface
+  cap_only,  // all samples are inside: only the cap
   nothing,   // no sample is inside
-  refusal,   // ErrorCode::input: the samples span no cell; of methods that always close the surface there is one
+  // ErrorCode::input, as the samples span no cell; methods that always close the surface give one.
+  refusal,
 };
 
 struct StabilityScene {
   field::ScalarField field;         // dense
-  extract::ExtractOptions options;  // iso value, what NaN means, placement
+  extract::ExtractOptions options;  // iso value, NaN policy, placement
   StabilityOutcome outcome = StabilityOutcome::surface;
-  bool closed = true;    // also without a cap
-  double voxels = 2e-5;  // how far a vertex may be from its crossing: the margin at the ends of edges, and rounding
+  bool closed = true;  // closed even without a cap
+  // Allowed distance of a vertex from its crossing: margin at edge ends plus rounding.
+  double voxels = 2e-5;
 };
 
 struct StabilityCase {
   std::string_view name;
-  std::string_view extreme;  // what is extreme about it
-  std::string_view plain;    // what crossings and positions in plain float32 make of it
-  bool plain_fails;          // a test shows it
+  std::string_view extreme;  // what is extreme about the case
+  std::string_view plain;    // the result of plain float32 crossings and positions
+  bool plain_fails;          // a test shows this
   StabilityScene (*make)();
 };
 

@@ -37,7 +37,7 @@ class Checker {
     for (const glm::vec3& p : mesh.positions) {
       if (is_finite(p)) largest_ = glm::max(largest_, glm::abs(glm::dvec3(p)));
     }
-    // What rounding to float32 can move a coordinate by, in voxels.
+    // The largest effect of float32 rounding on a coordinate, in voxels.
     for (int axis = 0; axis < 3; ++axis) {
       for (int c = 0; c < 3; ++c)
         whole_[axis] += std::abs(index_from_output_[c][axis]) * accuracy::float_spacing(largest_[c]);
@@ -47,7 +47,7 @@ class Checker {
 
   [[nodiscard]] std::optional<GridEdge> edge(std::size_t vertex) const {
     const glm::vec3& local = mesh_.positions[vertex];
-    constexpr double kCoarsest = 0.1;  // of a voxel: beyond, a position names no edge
+    constexpr double kCoarsest = 0.1;  // of a voxel; a less exact position identifies no edge
     if (!is_finite(local) || std::max({whole_.x, whole_.y, whole_.z}) > kCoarsest) return std::nullopt;
     const Vector q = index_position(vertex);
     GridEdge edge;
@@ -79,7 +79,7 @@ class Checker {
     }));
   }
 
-  // Adds what a vertex on `edge` is away from where it should be.
+  // Measures how far a vertex on `edge` is from its reference and its crossing.
   void compare(std::size_t vertex, const GridEdge& edge, StabilityFindings& findings) const {
     const bool on_cap = edge.step == glm::ivec3(0);
     const Real crossing = on_cap ? 0 : reference(edge);
@@ -94,7 +94,7 @@ class Checker {
   }
 
  private:
-  // Relative to the frame's offset, so that a far frame loses nothing here.
+  // Relative to the frame's offset, which keeps precision in far frames.
   [[nodiscard]] Vector position(std::size_t vertex) const {
     return (Vector(mesh_.origin) - Vector(options_.output_from_index.offset)) + Vector(mesh_.positions[vertex]);
   }
@@ -135,8 +135,8 @@ class Checker {
   const extract::MethodTraits& traits_;
   glm::dmat3 index_from_output_;
   double margin_;
-  glm::dvec3 largest_{0.0};  // local coordinates of the mesh, without sign
-  glm::dvec3 whole_;         // how near to a whole number counts as one, in voxels
+  glm::dvec3 largest_{0.0};  // largest absolute local coordinates of the mesh
+  glm::dvec3 whole_;         // voxels; a coordinate this close to an integer counts as one
 };
 
 std::uint64_t repeated_triangles(const mesh::Mesh& mesh) {
@@ -206,7 +206,7 @@ StabilityFindings check_stability(const mesh::Mesh& mesh, const field::ScalarFie
     }
     const bool is_new =
         taken.insert({edge->low.x, edge->low.y, edge->low.z, edge->step.x, edge->step.y, edge->step.z}).second;
-    // A hole may part a vertex in two.
+    // A hole may split a vertex in two.
     if (!is_new && options.nan != extract::NanPolicy::hole) ++findings.repeated;
     if (findings.crossings_checked) checker.compare(v, *edge, findings);
   }

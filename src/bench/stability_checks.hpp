@@ -1,4 +1,4 @@
-// Whether a mesh is what the extractors promise, checked vertex by vertex against its field in long double.
+// Checks a mesh vertex by vertex against its field in long double: does it keep the extractors' promises?
 #pragma once
 
 #include <cstdint>
@@ -10,17 +10,18 @@
 
 namespace isoextract::bench {
 
-// The edge of the grid that a vertex lies on, from sample `low` to `low + step`. A zero step is a vertex of a cap, at a
-// sample.
+// The grid edge of a vertex, from sample `low` to `low + step`. A zero step is a cap vertex at a sample.
 struct GridEdge {
   glm::ivec3 low{0};
   glm::ivec3 step{0};
 };
 
-// For each vertex the edge that it lies strictly within, found from its position alone: in index space as many
-// coordinates as rounding allows are whole, and the others have one fraction. Nothing where that is no crossed edge of
-// `field`, or one across a face or a cell for a method without such edges, or no inside sample of the border of a
-// capped one. `options` are those that made the mesh; dense samples.
+// Returns for each vertex the grid edge that it lies inside, found from its position alone. In index space, coordinates
+// within rounding of an integer count as integers; all others must have the same fraction.
+//
+// Returns nothing for a vertex if the field does not cross that edge, or if the edge crosses a face or cell and the
+// method has no such edges. A cap vertex must be an inside sample on the data boundary. `options` are those of the
+// extraction; `field` must be dense.
 [[nodiscard]] std::vector<std::optional<GridEdge>> grid_edges(const mesh::Mesh& mesh, const field::ScalarField& field,
                                                               const extract::ExtractOptions& options,
                                                               const extract::MethodTraits& traits);
@@ -28,33 +29,34 @@ struct GridEdge {
 struct StabilityFindings {
   std::uint64_t vertices = 0;
   std::uint64_t triangles = 0;
-  std::uint64_t not_finite = 0;   // vertices with a coordinate that is not, or with a normal of another length than 1
-  std::uint64_t off_edge = 0;     // vertices that are not strictly within an edge
-  std::uint64_t repeated = 0;     // vertices on an edge that has one already, triangles that are there twice
+  std::uint64_t not_finite = 0;   // vertices with a non-finite coordinate or a normal not of unit length
+  std::uint64_t off_edge = 0;     // vertices not strictly inside an edge
+  std::uint64_t repeated = 0;     // second vertices on an edge, duplicate triangles
   std::uint64_t zero_area = 0;    // triangles
-  std::uint64_t open_edges = 0;   // counted whether they may be or not
-  std::uint64_t unsound = 0;      // edges and vertices that are not oriented, not manifold, or not used
-  bool edges_checked = true;      // else `off_edge` says nothing: vertices of the method are not on edges
-  bool crossings_checked = true;  // else `ulps` and `voxels` say nothing: likewise, or they are not at the crossing
-  double ulps = 0;    // the farthest vertex from the reference, in units of the last place of the local coordinates
-  double voxels = 0;  // the farthest from the crossing itself, where the reference keeps a margin to the ends of edges
+  std::uint64_t open_edges = 0;   // counted even if they are allowed
+  std::uint64_t unsound = 0;      // edges and vertices not oriented, not manifold or unused
+  bool edges_checked = true;      // false: the method puts vertices off the edges, `off_edge` stays 0
+  bool crossings_checked = true;  // false: vertices off edges or crossings, `ulps` and `voxels` stay 0
+  double ulps = 0;                // farthest vertex from its reference, in ulps of the local coordinates
+  double voxels = 0;              // farthest vertex from its crossing, ignoring the margin at edge ends
 
-  // Of the same method.
+  // Adds the findings of another mesh of the same method.
   void add(const StabilityFindings& other);
 };
 
-// Of no mesh yet: what will be checked of a method's.
+// Returns empty findings that say what will be checked for a method.
 [[nodiscard]] StabilityFindings no_findings(const extract::MethodTraits& traits);
 
-// The reference crossing is (iso - f0) / (f1 - f0) in long double, at infinities the finite end, and the middle where
-// there is none; ulps are counted against that, kept to the margin of edge_geometry.hpp. Vertices that are not finite
-// or on no edge have no reference. `traits` are what the method claims: what it does not claim is not checked.
+// Checks a mesh. The reference crossing is (iso - f0) / (f1 - f0) in long double; next to an infinite sample it is the
+// finite end, between two infinite samples or at NaN the middle. Ulps are measured to the reference kept inside the
+// margin of extract/edge_geometry.hpp. Non-finite vertices and those on no edge have no reference. Only the claims of
+// `traits` are checked.
 [[nodiscard]] StabilityFindings check_stability(const mesh::Mesh& mesh, const field::ScalarField& field,
                                                 const extract::ExtractOptions& options,
                                                 const extract::MethodTraits& traits);
 
-// What is wrong, in words: "3 vertices outside their edge"; empty if nothing is. `ulps` and `voxels` are the
-// thresholds.
+// Returns the failures in words ("3 vertices outside their edge"), none if all is well. `ulps` and `voxels` are the
+// limits.
 [[nodiscard]] std::vector<std::string> failures(const StabilityFindings& findings, bool must_be_closed, double ulps,
                                                 double voxels);
 

@@ -9,12 +9,12 @@
 namespace isoextract::bench {
 namespace {
 
-constexpr int kSteps = 128;  // along a line, to bracket roots between
+constexpr int kSteps = 128;  // per line, to bracket roots
 constexpr int kFaceLines = 4096;
 
 struct ColumnSums {
   double area = 0;
-  double flux = 0;  // of p, outward
+  double flux = 0;  // outward flux of p
 
   void merge(const ColumnSums& other) {
     area += other.area;
@@ -28,7 +28,7 @@ struct LengthSum {
   void merge(const LengthSum& other) { length += other.length; }
 };
 
-// Calls root(s, rising) for the values of s in [-1, 1], in order, at which at(s) passes 0. Returns whether at(-1) > 0.
+// Calls root(s, rising) for each s in [-1, 1] where at(s) crosses 0, in order. Returns whether at(-1) > 0.
 template <class F, class Root>
 bool find_roots(const F& at, const Root& root) {
   const double first = at(-1);
@@ -98,7 +98,7 @@ class Columns {
     });
   }
 
-  // Of one line in a face of the cube.
+  // Returns the length above iso of one line in a face of the cube.
   [[nodiscard]] double length_above(int axis, double side, double u) const {
     glm::dvec3 p;
     p[axis] = side;
@@ -109,7 +109,7 @@ class Columns {
     };
     double length = 0;
     if (at(1) > 0) length += 1;
-    // From a root where values rise to one where they fall, or to the ends at -1 and 1.
+    // Adds the segments between a rising and a falling root, or the ends -1 and 1.
     if (find_roots(at, [&](double s, bool rising) { length += rising ? -s : s; })) length += 1;
     return length;
   }
@@ -119,7 +119,7 @@ class Columns {
   int count_;
 };
 
-// Of the columns along z, with what the field knows of them in closed form.
+// Integrates the columns along z with the field's closed forms.
 field::SurfaceSize integrate_known_columns(const field::AnalyticField& field, double iso, int count) {
   struct Sums {
     field::SurfaceSize size;
@@ -145,7 +145,7 @@ field::SurfaceSize integrate_known_columns(const field::AnalyticField& field, do
   return {sum.size.area * square, sum.size.volume * square};
 }
 
-// What doubling the columns changed.
+// Returns the change from doubling the columns.
 field::SurfaceSize change(const field::SurfaceSize& a, const field::SurfaceSize& b) {
   return {std::abs(a.area - b.area), std::abs(a.volume - b.volume)};
 }
@@ -170,7 +170,7 @@ ReferenceSize find_reference_size(const field::AnalyticField& field, double iso,
   if (const auto size = field.size(iso)) return {*size, true, {}};
   if (progress != nullptr) progress->begin("finding the true size", 0);
   if (field.length_along_z == nullptr) return by_columns(field, iso);
-  // Odd numbers, so that periods of a field do not repeat the same columns.
+  // Odd numbers, so that periods of the field do not repeat the same columns.
   const field::SurfaceSize coarse = integrate_known_columns(field, iso, 1023);
   ReferenceSize known{integrate_known_columns(field, iso, 2047), false, {}};
   known.uncertainty = change(known.size, coarse);

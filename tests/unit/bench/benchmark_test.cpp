@@ -21,8 +21,8 @@ BenchOptions quick(double iso = 0) {
   return options;
 }
 
-// The promise: second order for position, smooth normals, area and volume, by both methods.
-TEST(Benchmark, OrdersOfConvergence) {
+// Position, smooth normals, area and volume converge with second order, for both methods.
+TEST(Benchmark, ConvergesWithSecondOrder) {
   const struct {
     const char* name;
     double iso;
@@ -43,7 +43,7 @@ TEST(Benchmark, OrdersOfConvergence) {
   }
 }
 
-TEST(Benchmark, RowsAreWhatWasAskedFor) {
+TEST(Benchmark, MeasuresRequestedRows) {
   BenchOptions options = quick();
   const int most = tbb::this_task_arena::max_concurrency();
   options.threads = most > 1 ? std::vector<int>{1, 2} : std::vector<int>{1};
@@ -74,7 +74,7 @@ TEST(Benchmark, RowsAreWhatWasAskedFor) {
   EXPECT_EQ(bench_field(field, {1}, options, Context()).error().code, ErrorCode::usage);
 }
 
-TEST(Benchmark, TellsWhereThereIsNoSurface) {
+TEST(Benchmark, FailsWithoutSurface) {
   const Error none = bench_demo("sphere", {16, 32}, quick(9), Context()).error();
   EXPECT_EQ(none.code, ErrorCode::input);
   EXPECT_NE(none.message.find("the values run from -1.03"), std::string::npos) << none.message;
@@ -92,9 +92,9 @@ bool has_note(const BenchResult& result, std::string_view text) {
                              [&](const std::string& note) { return note.find(text) != std::string::npos; });
 }
 
-// Coarser data cover a smaller box, so a plane's area in them is no error. Its position is exact, and rounding follows
-// no order, nor is it better or worse than other rounding.
-TEST(Benchmark, OfAnExactPlaneThereIsNothingToCompare) {
+// Coarser data cover a smaller box, so a plane's smaller area is no error. The position is exact, and rounding has no
+// order and no better or worse values.
+TEST(Benchmark, SkipsComparisonsForExactPlane) {
   const glm::dvec3 normal = glm::normalize(glm::dvec3(1, 2, -0.7));
   const field::ScalarField field = test::dense_field<float>({39, 40, 41}, [&](int i, int j, int k) {
     return glm::dot(normal, glm::dvec3(i, j, k) - glm::dvec3(18.3, 19.1, 20.2));
@@ -117,8 +117,8 @@ TEST(Benchmark, OfAnExactPlaneThereIsNothingToCompare) {
   EXPECT_TRUE(has_note(result, "coarser by 2: left out are the last 1, 0 and 1 samples"));
 }
 
-// A closed surface in data whose size no factor divides: what is left out holds nothing of it.
-TEST(Benchmark, OfAnOddSizeComparesWhatLiesInside) {
+// A closed surface in data whose size no factor divides: the dropped samples contain none of it.
+TEST(Benchmark, ComparesSurfacesInsideCoarserBox) {
   const auto ball = [](double centre) {
     return test::dense_field<float>({47, 47, 47}, [&](int i, int j, int k) {
       return 12 - glm::length(glm::dvec3(i, j, k) - glm::dvec3(23.2, 22.7, centre));
@@ -129,14 +129,14 @@ TEST(Benchmark, OfAnOddSizeComparesWhatLiesInside) {
   for (const BenchOrders& orders : inside.orders) EXPECT_NEAR(orders.area->slope, 2, 0.4);
   EXPECT_FALSE(has_note(inside, "not compared"));
   EXPECT_TRUE(has_note(inside, "left out are the last 3, 3 and 3 samples"));
-  // Closed at z = 45.2, but the samples of 4^3 end at 41.5, those of 2^3 at 44.5.
+  // Closed at z = 45.2, but the samples coarsened by 4 end at 41.5, those coarsened by 2 at 44.5.
   const BenchResult at_end = bench_field(ball(33.2), {4, 2, 1}, quick(), Context()).value();
   for (const BenchRow& row : at_end.rows) EXPECT_FALSE(row.area_error || row.volume_error);
   EXPECT_TRUE(has_note(at_end, "not compared with 11, 23 samples"));
 }
 
-// The finest data are the truth; what is coarser is worse, with the order of the box filter and the mesh: two.
-TEST(Benchmark, OfAFieldComparesCoarserVersionsOfIt) {
+// The finest data are the truth; coarser data are worse, with the order 2 of box filter and mesh.
+TEST(Benchmark, ComparesFieldWithCoarserVersions) {
   const field::ScalarField field = field::make_demo_field("demo:torus?size=128", Context()).value();
   const BenchResult result = bench_field(field, {4, 2, 1}, quick(), Context()).value();
   ASSERT_EQ(result.rows.size(), 6U);
@@ -154,7 +154,7 @@ TEST(Benchmark, OfAFieldComparesCoarserVersionsOfIt) {
   }
 }
 
-TEST(Convergence, OrderOfAPowerIsItsExponent) {
+TEST(Convergence, FindsExponentOfPower) {
   const std::vector<double> spacings{1, 0.5, 0.25};
   const std::vector<double> errors{3, 3.0 / 8, 3.0 / 64};
   const auto order = observed_order(spacings, errors, 0);
@@ -165,7 +165,7 @@ TEST(Convergence, OrderOfAPowerIsItsExponent) {
   EXPECT_FALSE(observed_order(std::vector<double>{1}, std::vector<double>{1}, 0));
 }
 
-TEST(Convergence, TheFrontIsWhatNothingBeats) {
+TEST(Convergence, FindsParetoFront) {
   const std::vector<Cost> costs{{1, 1}, {0.5, 2}, {0.6, 2}, {2, 0.5}, {1, 1}, {0.5, 3}};
   EXPECT_EQ(pareto_front(costs), (std::vector<bool>{true, true, false, true, true, false}));
 }

@@ -1,4 +1,4 @@
-// An extractor that does not do what it should: the CPU's surfaces, changed before anybody sees them.
+// An extractor with planted defects: it changes the surfaces of the CPU extractor before it returns them.
 #pragma once
 
 #include <functional>

@@ -1,5 +1,5 @@
-// What the table of methods says of their surfaces is true of them, no more and no less; and what it does not say is
-// not measured.
+// The traits in the method table hold for every method's surfaces, and benchmarks do not measure what a method does not
+// claim.
 #include "extract/method.hpp"
 
 #include <algorithm>
@@ -23,7 +23,7 @@ namespace {
 
 using Changed = test::ChangedExtractor;
 
-// Every vertex where `moved` puts it, given in index space.
+// Moves every vertex to moved(index), both in index space.
 Changed::Change with_vertices(const std::function<glm::dvec3(const glm::dvec3&)>& moved) {
   return [moved](const extract::ExtractOptions& options, mesh::Mesh& mesh) {
     const field::Affine& place = options.output_from_index;
@@ -35,7 +35,7 @@ Changed::Change with_vertices(const std::function<glm::dvec3(const glm::dvec3&)>
   };
 }
 
-// Between the samples, halfway: what a surface of voxels has.
+// The midpoint between samples, where a voxel surface has its vertices.
 glm::dvec3 halfway(const glm::dvec3& index) {
   glm::dvec3 moved = index;
   for (int axis = 0; axis < 3; ++axis) {
@@ -45,7 +45,7 @@ glm::dvec3 halfway(const glm::dvec3& index) {
   return moved;
 }
 
-// Off the edge, into the cell, by less than the mesh's error: what a dual method has.
+// Off the edge into the cell by less than the mesh's error, as vertices of a dual method.
 glm::dvec3 off_the_edge(const glm::dvec3& index) { return index + 0.01 * glm::sin(index); }
 
 extract::ExtractOptions placed(const field::ScalarField& field, extract::Method method) {
@@ -55,7 +55,7 @@ extract::ExtractOptions placed(const field::ScalarField& field, extract::Method 
   return options;
 }
 
-// What a method's surfaces are, found by looking at them.
+// Finds a method's traits by measuring its surfaces.
 extract::MethodTraits observed_traits(extract::Extractor& extractor, extract::Method method) {
   extract::MethodTraits seen;
   const field::ScalarField bumpy = test::dense_field<float>({14, 13, 12}, [](int i, int j, int k) {
@@ -75,7 +75,7 @@ extract::MethodTraits observed_traits(extract::Extractor& extractor, extract::Me
                            check_stability(mesh, bumpy, options, any_edge).repeated == 0;
   seen.axis_edges_only = std::ranges::all_of(edges, along_axis);
 
-  // Second order in the spacing, of positions inside the triangles, and of normals.
+  // Second order in the spacing: positions inside triangles, and normals.
   const auto error_at = [&](int size, bool normals) -> std::optional<accuracy::AnalyticError> {
     const field::ScalarField torus =
         field::make_demo_field("demo:torus?size=" + std::to_string(size), Context()).value();
@@ -98,7 +98,7 @@ extract::MethodTraits observed_traits(extract::Extractor& extractor, extract::Me
   return seen;
 }
 
-TEST(MethodTraits, AreTrueOfEveryMethod) {
+TEST(MethodTraits, HoldForEveryMethod) {
   const auto cpu = extract::make_cpu_extractor();
   for (const extract::MethodInfo& method : extract::kMethods) {
     SCOPED_TRACE(std::string(method.title));
@@ -111,7 +111,7 @@ TEST(MethodTraits, AreTrueOfEveryMethod) {
   }
 }
 
-TEST(MethodTraits, AClaimThatIsNotTrueIsFound) {
+TEST(MethodTraits, DetectFalseClaims) {
   using extract::Method;
   Changed halfway_on_edges(with_vertices(halfway));
   EXPECT_EQ(observed_traits(halfway_on_edges, Method::mc),
@@ -124,13 +124,13 @@ TEST(MethodTraits, AClaimThatIsNotTrueIsFound) {
     for (glm::vec3& normal : mesh.normals) normal = glm::vec3(0, 0, 1);
   });
   EXPECT_EQ(observed_traits(flat, Method::mc), (extract::MethodTraits{.gradient_normals = false}));
-  // Stability sees it, too: who claims crossings is measured against them.
+  // Stability finds it, too: it measures crossings if the method claims them.
   const auto shell = std::ranges::find(stability_cases(), "thin-shell", &StabilityCase::name);
   ASSERT_NE(shell, stability_cases().end());
   EXPECT_FALSE(run_stability_case(*shell, extract::method_info(Method::mc), dual, Context()).failures.empty());
 }
 
-TEST(MethodTraits, EveryMethodHasNamesOfItsOwn) {
+TEST(MethodTraits, NamesAreUnique) {
   for (const extract::MethodInfo& method : extract::kMethods) {
     EXPECT_EQ(word_of(method.method), method.id);
     EXPECT_EQ(value_of<extract::Method>(method.id), method.method);
@@ -139,7 +139,7 @@ TEST(MethodTraits, EveryMethodHasNamesOfItsOwn) {
   }
 }
 
-// Methods that there are none of, as later ones may be. Their surfaces are those of marching cubes, changed.
+// Methods that do not exist yet; their surfaces are changed surfaces of marching cubes.
 extract::MethodInfo made_up(const extract::MethodTraits& traits) {
   extract::MethodInfo info = extract::method_info(extract::Method::mc);
   info.id = "nets";
@@ -152,7 +152,7 @@ extract::MethodInfo voxel_method() {
   return made_up({.vertices_on_edges = false, .follows_interpolant = false, .gradient_normals = false});
 }
 
-TEST(NotApplicable, StabilityChecksWhatIsLeft) {
+TEST(NotApplicable, StabilityChecksOnlyClaimedTraits) {
   Changed dual(with_vertices(off_the_edge));
   for (const StabilityCase& test : stability_cases()) {
     const StabilityScene scene = test.make();
@@ -167,14 +167,14 @@ TEST(NotApplicable, StabilityChecksWhatIsLeft) {
   const StabilityCase& shell = *std::ranges::find(stability_cases(), "thin-shell", &StabilityCase::name);
   EXPECT_TRUE(run_stability_case(shell, dual_method(), dual, Context()).failures.empty());
   EXPECT_FALSE(run_stability_case(shell, extract::method_info(extract::Method::mc), dual, Context()).failures.empty());
-  // What is left is checked as ever.
+  // The other checks still apply.
   Changed torn([](const extract::ExtractOptions&, mesh::Mesh& mesh) { mesh.triangles[0] = mesh.triangles[1]; });
   const StabilityRow row = run_stability_case(shell, dual_method(), torn, Context());
   EXPECT_GT(row.findings.repeated, 0U);
   EXPECT_FALSE(row.failures.empty());
 }
 
-TEST(NotApplicable, MidpointsOfEdgesAreNoCrossings) {
+TEST(NotApplicable, MidpointsSkipCrossingChecks) {
   Changed halfway_on_edges(with_vertices(halfway));
   const StabilityCase& shell = *std::ranges::find(stability_cases(), "thin-shell", &StabilityCase::name);
   const StabilityRow row =
@@ -184,8 +184,8 @@ TEST(NotApplicable, MidpointsOfEdgesAreNoCrossings) {
   EXPECT_TRUE(row.failures.empty()) << row.failures.front();
 }
 
-// Without a cap such a surface is as closed as with one, and NaN samples leave no hole in it.
-TEST(NotApplicable, StabilityOfMethodsThatAlwaysCloseTheSurface) {
+// Such a surface is closed even without a cap, and NaN samples leave no hole.
+TEST(NotApplicable, StabilityAcceptsAlwaysClosedMethods) {
   const auto cpu = extract::make_cpu_extractor();
   for (const extract::Method method : {extract::Method::voxels, extract::Method::surface_nets}) {
     for (const StabilityCase& test : stability_cases()) {
@@ -208,8 +208,8 @@ BenchOptions bench_of(const std::vector<extract::MethodInfo>& methods, BenchBack
   return options;
 }
 
-TEST(NotApplicable, BenchMeasuresWhatIsLeftAndSaysWhy) {
-  // It has another identity than marching cubes, so that both can be in one table.
+TEST(NotApplicable, BenchNotesMissingNormals) {
+  // a second identity, so that both fit in one table
   extract::MethodInfo voxels = voxel_method();
   voxels.method = extract::Method::mt;
   const BenchOptions options =
@@ -234,7 +234,7 @@ TEST(NotApplicable, BenchMeasuresWhatIsLeftAndSaysWhy) {
   }
 }
 
-TEST(NotApplicable, BenchMeasuresNoNormalsWhereThereAreNone) {
+TEST(NotApplicable, BenchSkipsMissingNormals) {
   const BenchOptions options =
       bench_of({made_up({.gradient_normals = false})}, {"cpu", extract::make_cpu_extractor(), {}});
   const BenchResult result = bench_demo("torus", {16, 32}, options, Context()).value();
@@ -260,7 +260,7 @@ class Without final : public extract::Extractor {
   }
 };
 
-TEST(NotApplicable, ABackendWithoutTheMethodIsLeftOut) {
+TEST(NotApplicable, BenchSkipsBackendsWithoutMethod) {
   const std::vector<extract::MethodInfo> methods(extract::kMethods.begin(), extract::kMethods.end());
   const BenchResult result =
       bench_demo("torus", {16}, bench_of(methods, {"half", std::make_shared<Without>(), {}}), Context()).value();
@@ -275,7 +275,7 @@ TEST(NotApplicable, ABackendWithoutTheMethodIsLeftOut) {
   EXPECT_EQ(refused.error().hint, Hint(Remedy::use_cpu));
 }
 
-TEST(NotApplicable, OptionsThatAMethodDoesNotHave) {
+TEST(NotApplicable, RejectsOptionsTheMethodLacks) {
   extract::ExtractOptions options;
   EXPECT_TRUE(extract::check_method(voxel_method(), options));
   options.edge_keys = true;
@@ -286,7 +286,7 @@ TEST(NotApplicable, OptionsThatAMethodDoesNotHave) {
   EXPECT_TRUE(extract::check_method(dual_method(), options));
 }
 
-TEST(NotApplicable, StorageErrorOfVerticesThatAreNotOnEdges) {
+TEST(NotApplicable, SkipsStorageErrorOffEdges) {
   const field::ScalarField torus = field::make_demo_field("demo:torus?size=16", Context()).value();
   const extract::ExtractOptions options = placed(torus, extract::Method::mc);
   const mesh::Mesh mesh = test::extract(torus, options).mesh;

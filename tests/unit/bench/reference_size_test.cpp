@@ -1,4 +1,4 @@
-// The sizes of analytic surfaces against closed forms.
+// Areas and volumes of analytic surfaces by integration, against closed forms.
 #include "bench/detail/reference_size.hpp"
 
 #include <optional>
@@ -10,8 +10,8 @@
 namespace isoextract::bench {
 namespace {
 
-TEST(ReferenceSize, OfColumnsIsTheClosedForm) {
-  // Fields that know their sizes, made to forget them.
+TEST(ReferenceSize, ColumnsMatchClosedForm) {
+  // Fields with closed forms, whose size function is removed.
   for (const char* name : {"sphere", "torus"}) {
     field::AnalyticField field = *field::find_analytic_field(name);
     const ReferenceSize exact = find_reference_size(field, 0.03);
@@ -23,7 +23,7 @@ TEST(ReferenceSize, OfColumnsIsTheClosedForm) {
     EXPECT_NEAR(columns.size.volume / exact.size.volume, 1, 1e-6) << name;
     EXPECT_LT(columns.uncertainty.area / exact.size.area, 1e-5);
   }
-  // Clipped by the cube: half of it by symmetry.
+  // Clipped by the cube; by symmetry half of it is inside.
   const ReferenceSize gyroid = find_reference_size(*field::find_analytic_field("gyroid"), 0);
   EXPECT_NEAR(gyroid.size.volume, 4, 1e-6);
   EXPECT_NEAR(gyroid.size.area, 3.0915 * 16, 0.01) << "64 cells of side 1/2; 3.0915 a^2 for the level surface";

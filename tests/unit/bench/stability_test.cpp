@@ -1,4 +1,4 @@
-// The stability cases pass, and the checks that pass them do find what plain float32 makes of the same cases.
+// The stability cases pass, and their checks find the failures of plain float32 in the same cases.
 #include "bench/stability.hpp"
 
 #include <algorithm>
@@ -20,7 +20,7 @@ class Stability : public testing::TestWithParam<extract::Method> {};
 INSTANTIATE_TEST_SUITE_P(Methods, Stability, testing::Values(extract::Method::mc, extract::Method::mt),
                          test::method_name);
 
-TEST_P(Stability, AllCasesPass) {
+TEST_P(Stability, PassesAllCases) {
   const auto cpu = extract::make_cpu_extractor();
   for (const StabilityCase& test : stability_cases()) {
     const StabilityRow row = run_stability_case(test, extract::method_info(GetParam()), *cpu, Context());
@@ -28,14 +28,14 @@ TEST_P(Stability, AllCasesPass) {
   }
 }
 
-// Moves one vertex a little along its edge, and forgets one triangle.
+// Moves one vertex a little along its edge and drops one triangle.
 void be_careless(const extract::ExtractOptions& /*options*/, mesh::Mesh& mesh) {
   if (mesh.triangles.empty()) return;
   mesh.triangles[0] = mesh.triangles[1];
   for (int axis = 0; axis < 3; ++axis) mesh.positions[9][axis] *= 1.00001F;
 }
 
-TEST_P(Stability, ACarelessExtractorFails) {
+TEST_P(Stability, FailsCarelessExtractor) {
   test::ChangedExtractor careless(be_careless, "careless");
   for (const StabilityCase& test : stability_cases()) {
     const StabilityRow row = run_stability_case(test, extract::method_info(GetParam()), careless, Context());
@@ -52,8 +52,8 @@ double stored_value(const field::ScalarField& field, const glm::ivec3& p) {
   });
 }
 
-// The triangles of `mesh` with vertices as they are computed in float32 alone: samples, crossing and world position in
-// float32, no local origin, no margin at the ends of edges.
+// Recomputes the vertices of `mesh` in float32 alone: samples, crossing and world position, without local origin and
+// without margin at edge ends.
 mesh::Mesh in_plain_float32(const mesh::Mesh& mesh, const StabilityScene& scene,
                             const extract::ExtractOptions& options) {
   const auto edges = grid_edges(mesh, scene.field, options, extract::method_info(options.method).traits);
@@ -74,7 +74,7 @@ mesh::Mesh in_plain_float32(const mesh::Mesh& mesh, const StabilityScene& scene,
   return plain;
 }
 
-TEST_P(Stability, PlainFloat32FailsWhereTheTableSaysSo) {
+TEST_P(Stability, PlainFloat32FailsAsListed) {
   const auto cpu = extract::make_cpu_extractor();
   for (const StabilityCase& test : stability_cases()) {
     SCOPED_TRACE(test.name);
@@ -87,7 +87,7 @@ TEST_P(Stability, PlainFloat32FailsWhereTheTableSaysSo) {
       continue;
     }
     const mesh::Mesh plain = in_plain_float32(extraction->mesh, scene, options);
-    // Ten times what is asked of the extractors, so that it is not a matter of the last digit.
+    // Ten times the extractors' limits, so that the result does not depend on the last digit.
     const auto found = failures(
         check_stability(plain, scene.field, options, extract::method_info(options.method).traits),
         scene.closed && options.nan != extract::NanPolicy::hole, 10 * accuracy::kStabilityUlps, 10 * scene.voxels);
@@ -96,7 +96,7 @@ TEST_P(Stability, PlainFloat32FailsWhereTheTableSaysSo) {
   }
 }
 
-TEST(StabilityTable, SaysWhatIsExtreme) {
+TEST(StabilityTable, DescribesEveryCase) {
   std::set<std::string_view> names;
   for (const StabilityCase& test : stability_cases()) {
     EXPECT_TRUE(names.insert(test.name).second) << test.name;
@@ -106,7 +106,7 @@ TEST(StabilityTable, SaysWhatIsExtreme) {
   EXPECT_GE(names.size(), 30U);
 }
 
-// The checks themselves: one thing is made wrong at a time.
+// Tests the checks: each test plants one defect.
 class Checks : public testing::Test {
  protected:
   void SetUp() override {
@@ -126,7 +126,7 @@ class Checks : public testing::Test {
   mesh::Mesh mesh_;
 };
 
-TEST_F(Checks, FindAVertexOffItsEdge) {
+TEST_F(Checks, FindVertexOffItsEdge) {
   glm::vec3& p = mesh_.positions[5];
   const int whole = p.x == std::round(p.x) ? 0 : 1;
   p[whole] += 0.01F;
@@ -134,7 +134,7 @@ TEST_F(Checks, FindAVertexOffItsEdge) {
   EXPECT_FALSE(found().empty());
 }
 
-TEST_F(Checks, FindAVertexAlongItsEdge) {
+TEST_F(Checks, FindVertexMovedAlongItsEdge) {
   glm::vec3& p = mesh_.positions[5];
   for (int axis = 0; axis < 3; ++axis) {
     if (p[axis] != std::round(p[axis])) p[axis] += p[axis] - std::floor(p[axis]) < 0.5F ? 0.01F : -0.01F;
@@ -146,17 +146,17 @@ TEST_F(Checks, FindAVertexAlongItsEdge) {
   EXPECT_EQ(found().size(), 2U);
 }
 
-TEST_F(Checks, FindAVertexOnASample) {
+TEST_F(Checks, FindVertexOnSample) {
   mesh_.positions[5] = glm::round(mesh_.positions[5]);
   EXPECT_EQ(check().off_edge, 1U);
 }
 
-TEST_F(Checks, FindWhatIsNotFinite) {
+TEST_F(Checks, FindNonFiniteVertex) {
   mesh_.positions[5].y = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(check().not_finite, 1U);
 }
 
-TEST_F(Checks, FindRepetitions) {
+TEST_F(Checks, FindDuplicates) {
   mesh_.positions[5] = mesh_.positions[6];
   EXPECT_EQ(check().repeated, 1U);
   mesh_.triangles[3] = mesh_.triangles[4];
@@ -165,7 +165,7 @@ TEST_F(Checks, FindRepetitions) {
   EXPECT_GT(findings.open_edges, 0U);
 }
 
-TEST_F(Checks, FindTrianglesTurnedOver) {
+TEST_F(Checks, FindFlippedTriangle) {
   std::swap(mesh_.triangles[3].x, mesh_.triangles[3].y);
   EXPECT_EQ(check().unsound, 3U);
 }
