@@ -117,7 +117,7 @@ class Extractor {
   // mesh keeps its exact reservation (Mesh::memory).
   // Fails with ErrorCode::usage for an iso value that is not finite, and as check_method() does. Fails with
   // ErrorCode::unavailable for a method that this backend does not have. Fails with ErrorCode::input for a transform
-  // that flattens space, and if memory runs out. Fails with ErrorCode::cancelled between passes.
+  // that flattens space, with ErrorCode::out_of_memory, and with ErrorCode::cancelled between passes.
   [[nodiscard]] Result<Extraction> extract(const field::ScalarField& field, const ExtractOptions& options,
                                            const Context& context);
 

@@ -23,8 +23,8 @@ struct MeshSizes {
 // Fails with ErrorCode::input if float32 cannot keep the vertices of the mesh apart (OutputFrame::fits_float32).
 [[nodiscard]] Result<void> check_placement(const field::ScalarField& field, const OutputFrame& placement);
 
-// Reserves memory for allocate_mesh(). Fails with ErrorCode::input if the memory is not available, and for more
-// vertices than 32-bit indices can number.
+// Reserves memory for allocate_mesh(). Fails with ErrorCode::out_of_memory, and with ErrorCode::input for more vertices
+// than 32-bit indices can number.
 [[nodiscard]] Result<Reservation> reserve_mesh(const field::ScalarField& field, const MeshSizes& sizes,
                                                const ExtractOptions& options, const Context& context);
 

@@ -37,7 +37,7 @@ class SparseSites {
               const ExtractOptions& options, const Context& context);
 
   // Compares every sample with iso, then lists the sites. Fails with ErrorCode::input for NaN samples in the region
-  // under NanPolicy::error, and if memory runs out. Fails with ErrorCode::cancelled between the two steps.
+  // under NanPolicy::error, with ErrorCode::out_of_memory, and with ErrorCode::cancelled between the two steps.
   [[nodiscard]] Result<void> find(ExtractStats& stats);
 
   // Does only the comparison, for callers that need no sites. Sets the inside bits and the figures of `stats`.

@@ -37,7 +37,7 @@ class LabelVoxels {
   // Floating-point samples are labels if all samples of the region are whole numbers that their type can hold exactly
   // (detail/label_samples.hpp). With NanPolicy::outside, NaN samples have no label.
   // Fails with ErrorCode::usage if the field scales its samples, and if a chosen label is the background of a sparse
-  // field. Fails with ErrorCode::input if a sample is no label or memory runs out; with ErrorCode::cancelled.
+  // field. Fails with ErrorCode::input if a sample is no label; with ErrorCode::out_of_memory or cancelled.
   [[nodiscard]] static Result<LabelVoxels> find(const field::ScalarField& field, const ExtractOptions& options,
                                                 const LabelChoice& choice, const Context& context);
 

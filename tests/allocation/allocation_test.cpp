@@ -1,6 +1,6 @@
-// Conversions in which one allocation fails, on whatever thread: once for each allocation that they make. Each ends
-// with an error that tells of memory, or gets the same files in another way; leaves no part of a file; and loses
-// neither blocks nor files that it holds.
+// Conversions in which one allocation fails, on any thread: one run for each allocation. Each run ends with an error
+// about memory, or writes the same files in another way. It leaves no partial file, and leaks neither memory nor open
+// or mapped files.
 #include <cstdint>
 #include <exception>
 #include <filesystem>
@@ -35,7 +35,7 @@ ConversionJob job_of(const std::string& input, double iso, mesh_io::MeshFormat f
 
 std::string sample(const char* name) { return std::string(ISOEXTRACT_SOURCE_DIR) + "/samples/" + name; }
 
-// Open ones, and mapped ones of the tests' folders.
+// Returns the number of open files and of mapped files in the test folders.
 std::size_t held_files() {
   const std::filesystem::directory_iterator all("/proc/self/fd");
   auto count = static_cast<std::size_t>(std::distance(begin(all), end(all)));
@@ -51,8 +51,8 @@ class Allocation : public testing::Test {
 
   Allocation() { message_.reserve(std::size_t{1} << 16U); }
 
-  // Does the work with that allocation failing; false if it makes fewer. What is to be known of it is kept without
-  // memory of its own, so that blocks can be counted.
+  // Runs the work with that allocation failing. Returns false if it makes fewer allocations. Stores its result without
+  // allocating memory, so that blocks can be counted.
   bool run(const Work& work, std::uint64_t number) {
     const std::int64_t before = test::live_allocations();
     bool reached = false;
@@ -85,7 +85,7 @@ class Allocation : public testing::Test {
   }
 
   void expect_all_are_told(const Work& work) {
-    run(work, 0);  // what is made once in a process is made here
+    run(work, 0);  // first run: creates what a process creates once
     ASSERT_TRUE(done_) << message_;
     const Files expected = take_files();
     const std::size_t held_before = held_files();
@@ -101,7 +101,7 @@ class Allocation : public testing::Test {
         EXPECT_TRUE(files == expected) << "other files, and no error";
       } else {
         ++errors;
-        // What fails after a file was written whole takes it back from nobody.
+        // A failure after a file was written completely does not remove that file.
         EXPECT_TRUE(files.empty() || files == expected) << "a part of a file, or a temporary one";
         EXPECT_EQ(code_, ErrorCode::out_of_memory);
         EXPECT_NE(message_.find("memory"), std::string::npos);
@@ -131,36 +131,38 @@ class Allocation : public testing::Test {
   std::int64_t lost_ = 0;
 };
 
-TEST_F(Allocation, OfDenseSamples) { expect_all_are_told(job_of("demo:sphere?size=6", 0, mesh_io::MeshFormat::glb)); }
+TEST_F(Allocation, FailsCleanlyForDenseSamples) {
+  expect_all_are_told(job_of("demo:sphere?size=6", 0, mesh_io::MeshFormat::glb));
+}
 
-TEST_F(Allocation, OfAttributesAndColours) {
+TEST_F(Allocation, FailsCleanlyForAttributesAndColors) {
   ConversionJob job = job_of("demo:sphere?size=4", 0, mesh_io::MeshFormat::glb);
   job.source.attributes = {{"heat", "demo:torus?size=4", true}};
   job.colour = ColourChoice{"heat", edit::Colormap::turbo, {}};
   expect_all_are_told(job);
 }
 
-TEST_F(Allocation, OfSimplifying) {
+TEST_F(Allocation, FailsCleanlyWhileSimplifying) {
   ConversionJob job = job_of("demo:sphere?size=4", 0, mesh_io::MeshFormat::ply);
   job.edits.simplify = SimplifyChoice{SimplifyBound{0.2, false}, {}};
   expect_all_are_told(job);
 }
 
-TEST_F(Allocation, OfNormalsBesideCaps) {
+TEST_F(Allocation, FailsCleanlyForNormalsAndCaps) {
   ConversionJob job = job_of("demo:sphere?size=5", 0, mesh_io::MeshFormat::obj);
   job.source.roi = field::Box{{-2, -2, -2}, {2, 2, 0.2}};
   job.surface.cap = true;
   expect_all_are_told(job);
 }
 
-TEST_F(Allocation, OfResamplingAndMeasuring) {
+TEST_F(Allocation, FailsCleanlyWhileResampling) {
   ConversionJob job = job_of("demo:sphere?size=4", 0, mesh_io::MeshFormat::ply);
   job.source.resolution = glm::ivec3(5, 4, 4);
   job.error = field::Interpolation::tricubic;
   expect_all_are_told(job);
 }
 
-TEST_F(Allocation, OfPackedSamples) {
+TEST_F(Allocation, FailsCleanlyForPackedSamples) {
   ConversionJob job = job_of(sample("gyroid.nrrd"), 128, mesh_io::MeshFormat::gltf);
   job.source.read.kind = field::FieldKind::level_set;
   job.source.roi = field::Box{{2, 2, 2}, {6, 6, 6}};
@@ -169,13 +171,13 @@ TEST_F(Allocation, OfPackedSamples) {
   expect_all_are_told(job);
 }
 
-TEST_F(Allocation, OfSparseSamples) {
+TEST_F(Allocation, FailsCleanlyForSparseSamples) {
   ConversionJob job = job_of(sample("metaballs.vdb"), 0.5, mesh_io::MeshFormat::obj);
   job.source.placement = {Space::world, UpAxis::y, false, false, 2, "", "", std::nullopt};
   expect_all_are_told(job);
 }
 
-TEST_F(Allocation, OfMappedSamples) {
+TEST_F(Allocation, FailsCleanlyForMappedSamples) {
   std::string bytes;
   for (int i = 0; i < 5 * 6 * 7; ++i) bytes.push_back(static_cast<char>(i * 37 % 101));
   test::write_bytes(in_ / "v.raw", bytes);
@@ -187,7 +189,7 @@ TEST_F(Allocation, OfMappedSamples) {
   expect_all_are_told(job);
 }
 
-TEST_F(Allocation, OfLabelMaps) {
+TEST_F(Allocation, FailsCleanlyForLabelMaps) {
   std::string bytes;
   for (int i = 0; i < 4 * 3 * 3; ++i) bytes.push_back(static_cast<char>(i * 37 % 101 % 3));
   test::write_bytes(in_ / "v.raw", bytes);
@@ -202,7 +204,7 @@ TEST_F(Allocation, OfLabelMaps) {
   expect_all_are_told(job);
 }
 
-TEST_F(Allocation, OfReadingMeshes) {
+TEST_F(Allocation, FailsCleanlyWhileReadingMeshes) {
   mesh::Mesh mesh = test::tetrahedron("mesh", {1e3, 0, 0});
   test::add_colour(mesh, mesh::ComponentType::u8, 4);
   for (const mesh_io::MeshFormatInfo& info : mesh_io::mesh_formats()) {

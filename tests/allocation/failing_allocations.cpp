@@ -19,12 +19,12 @@ namespace {
 constexpr std::size_t kOrdinary = alignof(std::max_align_t);
 
 std::atomic<std::uint64_t> asked_for{0};
-std::atomic<std::uint64_t> fails_at{0};  // 0: none does
+std::atomic<std::uint64_t> fails_at{0};  // 0: no allocation fails
 std::atomic<bool> reached{false};
 std::atomic<std::int64_t> live{0};
 
-// Debian's TinyGLTF ends the process where an allocation of its own fails: its JSON (nlohmann 3.11) asserts that there
-// is an object, and its destructor takes memory.
+// Debian's TinyGLTF ends the process if one of its own allocations fails: its JSON library (nlohmann 3.11) asserts that
+// an object exists, and its destructor allocates memory.
 bool for_tinygltf() {
   std::array<void*, 64> frames{};
   const int count = ::backtrace(frames.data(), static_cast<int>(frames.size()));
@@ -68,7 +68,7 @@ std::size_t number_of(std::align_val_t alignment) { return static_cast<std::size
 namespace isoextract::test {
 
 void fail_allocation(std::uint64_t number) {
-  static_cast<void>(for_tinygltf());  // the first backtrace takes memory
+  static_cast<void>(for_tinygltf());  // the first backtrace allocates memory
   asked_for = 0;
   reached = false;
   fails_at = number;
@@ -110,7 +110,7 @@ void operator delete(void* block, std::align_val_t, const std::nothrow_t&) noexc
 void operator delete[](void* block, std::align_val_t, const std::nothrow_t&) noexcept { give_back(block); }
 // NOLINTEND(misc-new-delete-overloads)
 
-// The linker turns calls of aligned_alloc and mmap in the program's own code into these.
+// The linker replaces calls of aligned_alloc and mmap in the code of the program by these functions.
 extern "C" {
 void* __real_aligned_alloc(std::size_t alignment, std::size_t size);
 void* __real_mmap(void* address, std::size_t length, int protection, int flags, int file, off_t offset);

@@ -1,4 +1,4 @@
-# Conversions of which one allocation fails, each of them once.
+# Conversions in which one allocation fails, one run for each allocation.
 add_executable(test_allocation allocation/allocation_test.cpp allocation/failing_allocations.cpp)
 target_link_libraries(test_allocation PRIVATE isoextract_convert isoextract_options GTest::gtest_main ${CMAKE_DL_LIBS})
 target_include_directories(test_allocation PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})

@@ -1,4 +1,4 @@
-# All rooms between a volume's file and a mesh's, on one thread and on several.
+# All rooms from a volume file to a mesh file, on one thread and on several.
 add_executable(test_threads threads/whole_way_test.cpp)
 target_link_libraries(test_threads PRIVATE
   isoextract_volume_io isoextract_extract isoextract_mesh_io isoextract_options GTest::gtest_main)

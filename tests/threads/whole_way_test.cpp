@@ -1,5 +1,5 @@
-// From a volume's file to a mesh's, with all that runs in parallel on the way: the same on one thread and on three. The
-// part of the tests that scripts/test runs under the thread sanitizer, which is slow: so small volumes, few threads.
+// Converts volume files to mesh files with all parallel steps, on one thread and on three: the results are equal.
+// scripts/test runs this under the thread sanitizer, which is slow, so volumes are small and threads few.
 #include <bit>
 #include <cmath>
 
@@ -25,7 +25,7 @@ struct Way {
   double iso = 0;
 };
 
-// All that was found and written on the way, by name: numbers in full, files byte for byte.
+// All results of the conversion, by name: numbers in full, files byte for byte.
 using Found = std::vector<std::pair<std::string, std::string>>;
 
 template <class T>
@@ -102,12 +102,12 @@ std::filesystem::path sample(const char* name) {
   return std::filesystem::path(ISOEXTRACT_SOURCE_DIR) / "samples" / name;
 }
 
-TEST(WholeWay, OfSparseSamples) { expect_same_on_any_threads({sample("metaballs.vdb"), {}, 0.5}); }
+TEST(WholeWay, ConvertsSparseSamplesAlike) { expect_same_on_any_threads({sample("metaballs.vdb"), {}, 0.5}); }
 
-TEST(WholeWay, OfPackedSamples) { expect_same_on_any_threads({sample("gyroid.nrrd"), {}, 128}); }
+TEST(WholeWay, ConvertsPackedSamplesAlike) { expect_same_on_any_threads({sample("gyroid.nrrd"), {}, 128}); }
 
-// Large enough to be read in several pieces, each of which is turned into the machine's byte order.
-TEST(WholeWay, OfSamplesInAnotherByteOrder) {
+// Large enough for the reader to convert it to the byte order of the machine in several pieces.
+TEST(WholeWay, ConvertsSwappedSamplesAlike) {
   constexpr glm::ivec3 kDims(85, 90, 75);
   std::string bytes;
   for (int k = 0; k < kDims.z; ++k) {

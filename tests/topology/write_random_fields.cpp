@@ -3,7 +3,7 @@
 //   write_random_fields COUNT FOLDER
 //
 // For every kind of field: FOLDER/KIND.f32 (COUNT fields of 5^3 floats, x fastest) and FOLDER/KIND.json, an array with
-// the Euler numbers of the surface's components: of the field just above iso 0, just below it, and of our mesh.
+// the Euler numbers of the components of three surfaces: of the field just above iso 0, just below it, and our mesh.
 #include <charconv>
 #include <cstring>
 #include <filesystem>

@@ -1,5 +1,5 @@
-// Extraction says whether the surface meets the border of the data; these tests find it in the mesh as well. A
-// surface that is always closed never meets it.
+// Extraction reports whether the surface meets the data boundary (meets_border). These tests compare that with the
+// mesh. A surface that is always closed never meets it.
 #include <algorithm>
 #include <map>
 
@@ -24,7 +24,7 @@ class BorderHoles : public Border {};
 INSTANTIATE_TEST_SUITE_P(Methods, BorderHoles, testing::ValuesIn(test::methods_without(&MethodTraits::always_closed)),
                          test::method_name);
 
-// Inside a ball; its complement where `turned`.
+// Returns a field that is inside in a ball, or outside of it if `turned`.
 field::ScalarField ball(const glm::dvec3& centre, double radius, bool turned) {
   return test::dense_field<float>(kDims, [&](int i, int j, int k) {
     const double value = radius - glm::length(glm::dvec3(i, j, k) - centre);
@@ -32,7 +32,7 @@ field::ScalarField ball(const glm::dvec3& centre, double radius, bool turned) {
   });
 }
 
-// Edges of one triangle that lie in a face of the box.
+// Returns whether an edge with one triangle lies in a face of the box.
 bool is_open_at(const mesh::Mesh& mesh, const field::IndexBox& box) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
   for (const glm::uvec3& t : mesh.triangles) {
@@ -50,7 +50,7 @@ bool is_open_at(const mesh::Mesh& mesh, const field::IndexBox& box) {
   });
 }
 
-// Returns whether the surface meets the border.
+// Compares the report with the open and the capped mesh. Returns whether the surface meets the boundary.
 bool expect_told(const field::ScalarField& field, ExtractOptions options, const field::IndexBox& box) {
   options.cap = false;
   const Extraction open = test::extract(field, options);
@@ -63,11 +63,11 @@ bool expect_told(const field::ScalarField& field, ExtractOptions options, const 
   return open.stats.meets_border;
 }
 
-TEST_P(Border, OfBallsHereAndThere) {
+TEST_P(Border, TellsSidesForBalls) {
   int met = 0;
   int missed = 0;
   for (const bool turned : {false, true}) {
-    // Within, at a face, at an edge, at a corner, beside the words and blocks that samples are looked at by.
+    // Within the data, at a face, an edge, a corner, and next to the ends of words and blocks.
     for (const glm::dvec3 centre :
          {glm::dvec3(36, 12, 8), glm::dvec3(0, 12, 8), glm::dvec3(71, 12, 8), glm::dvec3(36, 0, 0),
           glm::dvec3(71, 23, 15), glm::dvec3(63.5, 12, 8), glm::dvec3(36, 20.7, 8)}) {
@@ -75,7 +75,7 @@ TEST_P(Border, OfBallsHereAndThere) {
         SCOPED_TRACE(testing::Message() << centre.x << ", " << centre.y << ", " << centre.z << " radius " << radius);
         const field::ScalarField field = ball(centre, radius, turned);
         (expect_told(field, at(0), kAll) ? met : missed) += 1;
-        // Background all round, on the ball's outer side, closes the surface; a region cuts it again.
+        // Background on the outer side of the ball surrounds the data and closes the surface; a region opens it again.
         const field::ScalarField sparse = test::sparse_copy<float>(field, turned ? 100 : -100);
         EXPECT_FALSE(test::extract(sparse, at(0)).stats.meets_border);
         EXPECT_FALSE(test::extract(sparse, at(0)).stats.inside_at_border);
@@ -96,7 +96,7 @@ TEST_P(Border, OfBallsHereAndThere) {
   EXPECT_GT(missed, 5);
 }
 
-TEST_P(Border, OfOneSample) {
+TEST_P(Border, TellsSidesForOneSample) {
   for (const glm::ivec3 at_one :
        {glm::ivec3(0, 5, 5), glm::ivec3(71, 23, 5), glm::ivec3(70, 5, 5), glm::ivec3(5, 0, 14)}) {
     for (const double sign : {1.0, -1.0}) {
@@ -107,12 +107,12 @@ TEST_P(Border, OfOneSample) {
   }
 }
 
-// Where every cell at the border that the surface passes is left out, it meets the holes and not the border.
-TEST_P(BorderHoles, AreNotTheBorder) {
+// If every crossed cell at the boundary is left out, the surface ends at the holes and does not meet the boundary.
+TEST_P(BorderHoles, DoNotCountAsBorder) {
   ExtractOptions options = at(0);
   options.nan = NanPolicy::hole;
   int met = 0;
-  for (const int first : {0, 36, 72}) {  // from here on along x, the samples at y = 1 are missing
+  for (const int first : {0, 36, 72}) {  // from this x on, the samples at y = 1 are missing
     const field::ScalarField whole = ball({36, 0, 8}, 5, false);
     const auto& samples = std::get<field::DenseSamples>(whole.samples);
     const auto* values = static_cast<const float*>(samples.data);

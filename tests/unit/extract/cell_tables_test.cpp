@@ -28,7 +28,7 @@ class CellTables : public testing::TestWithParam<Method> {
   std::vector<CellTriangle> triangles(unsigned variant) const {
     return {table_.triangles.begin() + table_.first[variant], table_.triangles.begin() + table_.first[variant + 1]};
   }
-  // The variants with a tunnel that a variant has instead of itself.
+  // Returns the variants with a tunnel that may replace a variant.
   std::set<unsigned> tunnels(unsigned variant) const {
     std::set<unsigned> numbers;
     if (variant >= table_.tunnels.size()) return numbers;
@@ -37,7 +37,7 @@ class CellTables : public testing::TestWithParam<Method> {
     }
     return numbers;
   }
-  // Calls f(case, joined faces, variant) for everything a cell can be: without a tunnel, and with each it can have.
+  // Calls f(case, joined faces, variant) for every possible cell: without a tunnel, and with each possible tunnel.
   template <class F>
   void for_each_variant(const F& f) const {
     for (unsigned cell_case = 0; cell_case < 256; ++cell_case) {
@@ -50,9 +50,9 @@ class CellTables : public testing::TestWithParam<Method> {
       }
     }
   }
-  using MeshEdge = std::pair<int, int>;  // of two vertices, named by their cell edges
+  using MeshEdge = std::pair<int, int>;  // two vertices, named by their cell edges
 
-  // Directed mesh edges that have no opposite within the cell: they must lie in the cell's faces.
+  // Returns the directed mesh edges without an opposite in the cell. They must lie in the faces of the cell.
   std::set<MeshEdge> border(unsigned variant) const {
     std::set<MeshEdge> edges;
     for (const CellTriangle& t : triangles(variant)) {
@@ -66,7 +66,7 @@ class CellTables : public testing::TestWithParam<Method> {
     return edges;
   }
 
-  // The face (as in kCubeFaces) that both ends of a mesh edge lie on, or -1.
+  // Returns the face (as in kCubeFaces) that contains both ends of a mesh edge, or -1.
   int common_face(const MeshEdge& edge) const {
     const CellEdge& a = table_.edges[static_cast<std::size_t>(edge.first)];
     const CellEdge& b = table_.edges[static_cast<std::size_t>(edge.second)];
@@ -79,7 +79,7 @@ class CellTables : public testing::TestWithParam<Method> {
     return -1;
   }
 
-  // A mesh edge in a high face, named as the cell above that face names it.
+  // Renames a mesh edge in an upper face as the cell beyond that face names it.
   MeshEdge seen_from_above(const MeshEdge& edge, int axis) const {
     const auto moved = [&](int e) {
       CellEdge lower = table_.edges[static_cast<std::size_t>(e)];
@@ -89,7 +89,7 @@ class CellTables : public testing::TestWithParam<Method> {
     return {moved(edge.first), moved(edge.second)};
   }
 
-  // What a cell draws in one of its faces: `border` directed, `inner` with rising ends; both as seen from above.
+  // The mesh edges of a cell in one of its faces: `border` directed, `inner` with rising ends; both seen from above.
   struct FacePattern {
     std::set<MeshEdge> border;
     std::set<MeshEdge> inner;
@@ -113,7 +113,7 @@ class CellTables : public testing::TestWithParam<Method> {
   }
 };
 
-TEST_P(CellTables, EdgesAreAllThereOnce) {
+TEST_P(CellTables, ListEveryEdgeOnce) {
   EXPECT_EQ(table_.edges.size(), GetParam() == Method::mc ? 12U : 19U);
   std::set<std::pair<int, int>> seen;
   for (const CellEdge& e : table_.edges) {
@@ -122,14 +122,14 @@ TEST_P(CellTables, EdgesAreAllThereOnce) {
   }
 }
 
-TEST_P(CellTables, VariantsAreNumberedWithoutGaps) {
+TEST_P(CellTables, NumberVariantsWithoutGaps) {
   std::set<unsigned> numbers;
   for_each_variant([&](unsigned, unsigned, unsigned variant) { EXPECT_TRUE(numbers.insert(variant).second); });
   EXPECT_EQ(numbers.size(), GetParam() == Method::mc ? 656U + 148U : 256U);
   EXPECT_EQ(*numbers.rbegin() + 2, table_.first.size());
 }
 
-TEST_P(CellTables, EveryVariantUsesExactlyItsCrossedEdges) {
+TEST_P(CellTables, UseExactlyTheCrossedEdges) {
   for_each_variant([&](unsigned cell_case, unsigned, unsigned variant) {
     std::set<int> expected;
     for (std::size_t e = 0; e < table_.edges.size(); ++e) {
@@ -141,9 +141,9 @@ TEST_P(CellTables, EveryVariantUsesExactlyItsCrossedEdges) {
   });
 }
 
-TEST_P(CellTables, EveryTriangleFacesOutside) {
+TEST_P(CellTables, FaceTrianglesOutward) {
   for_each_variant([&](unsigned cell_case, unsigned joined, unsigned variant) {
-    if (joined != 0 || variant >= 656) return;  // their surface folds back
+    if (joined != 0 || variant >= 656) return;  // the surface of these folds back
     for (const CellTriangle& t : triangles(variant)) {
       const glm::dvec3 normal = glm::cross(middle(t[1]) - middle(t[0]), middle(t[2]) - middle(t[0]));
       glm::dvec3 outward(0);
@@ -157,7 +157,7 @@ TEST_P(CellTables, EveryTriangleFacesOutside) {
   });
 }
 
-TEST_P(CellTables, NoTriangleLiesInAFace) {
+TEST_P(CellTables, PutNoTriangleInAFace) {
   for_each_variant([&](unsigned, unsigned, unsigned variant) {
     for (const CellTriangle& t : triangles(variant)) {
       const int face = common_face({t[0], t[1]});
@@ -166,8 +166,8 @@ TEST_P(CellTables, NoTriangleLiesInAFace) {
   });
 }
 
-// A tunnel takes two loops that bound a disc each and lets them bound an annulus: two triangles more for
-// each of them, an Euler number less by two, the same border.
+// A tunnel replaces the discs of two loops by an annulus: two more triangles for each loop, an Euler number lower by
+// two, and the same border.
 TEST_P(CellTables, TunnelsJoinTwoLoops) {
   const auto euler = [&](unsigned variant) {
     std::set<int> vertices;
@@ -191,18 +191,18 @@ TEST_P(CellTables, TunnelsJoinTwoLoops) {
   }
 }
 
-TEST_P(CellTables, NothingIsLeftOpenWithinTheCell) {
+TEST_P(CellTables, CloseSurfaceWithinCell) {
   for_each_variant([&](unsigned, unsigned, unsigned variant) {
     for (const MeshEdge& edge : border(variant)) EXPECT_GE(common_face(edge), 0);
   });
 }
 
-// All pairs of neighbours: what a cell leaves open on a face, the cell behind that face leaves open the other way
-// round, and no other edge in the face is drawn from both sides or twice.
-TEST_P(CellTables, NeighboursMeetWithoutGaps) {
+// All pairs of neighboring cells: open edges of a cell in a face are open in the other direction in the cell behind it.
+// No other edge in the face is drawn from both sides or twice.
+TEST_P(CellTables, CloseSurfaceBetweenNeighbors) {
   for (int axis = 0; axis < 3; ++axis) {
     const unsigned bit = 1U << axis;
-    std::map<std::pair<unsigned, bool>, std::vector<FacePattern>> below;  // by the face's corners and decision
+    std::map<std::pair<unsigned, bool>, std::vector<FacePattern>> below;  // by corners and decision of the face
     std::map<std::pair<unsigned, bool>, std::vector<FacePattern>> above;
     for_each_variant([&](unsigned cell_case, unsigned joined, unsigned variant) {
       for (const int face : {2 * axis, 2 * axis + 1}) {
@@ -233,7 +233,7 @@ TEST_P(CellTables, NeighboursMeetWithoutGaps) {
 
 INSTANTIATE_TEST_SUITE_P(Methods, CellTables, testing::ValuesIn(test::cell_methods()), test::method_name);
 
-TEST(CubesTable, WorkedCaseOne) {
+TEST(CubesTable, MatchesWorkedCaseOne) {
   const CaseTable& table = case_table(Method::mc);
   const unsigned variant = table.variant(1, 0);
   ASSERT_EQ(table.first[variant + 1] - table.first[variant], 1);
@@ -243,7 +243,7 @@ TEST(CubesTable, WorkedCaseOne) {
   EXPECT_EQ(table.edges[t[2]], (CellEdge{0, 4}));
 }
 
-TEST(CubesTable, HasTheKnownNumberOfTriangles) {
+TEST(CubesTable, HasKnownTriangleCount) {
   const CaseTable& table = case_table(Method::mc);
   int triangles = 0;
   for (unsigned cell_case = 0; cell_case < 256; ++cell_case) {
@@ -253,9 +253,9 @@ TEST(CubesTable, HasTheKnownNumberOfTriangles) {
   EXPECT_EQ(triangles, 820);
 }
 
-// Suravikin and Korobitsyn's table: opposite cases use the same edges, and the strip's length follows from the number
-// of inside corners.
-TEST(TetrahedronCases, AgreeWithTheirCorners) {
+// The table of Suravikin and Korobitsyn: opposite cases use the same edges, and the number of inside corners fixes the
+// length of the strip.
+TEST(TetrahedronCases, AgreeWithCorners) {
   for (unsigned index = 1; index < 15; ++index) {
     const TetrahedronCase& drawn = tetrahedron_cases()[index];
     std::set<std::set<int>> used;
@@ -270,7 +270,7 @@ TEST(TetrahedronCases, AgreeWithTheirCorners) {
   }
 }
 
-TEST(CellTetrahedra, FillTheCellWithOneHandedness) {
+TEST(CellTetrahedra, FillCellWithOneHandedness) {
   double volume = 0;
   for (const auto& t : cell_tetrahedra()) {
     const auto p = [&](int c) { return glm::dvec3(t[c] & 1, t[c] >> 1 & 1, t[c] >> 2 & 1); };

@@ -1,6 +1,6 @@
-// Order of convergence: position, area, volume and smooth normals come nearer to the truth with the square of the
-// spacing where the surface follows the field between its samples; elsewhere positions do with the spacing. Sphere of
-// radius 0.7 and torus (0.6, 0.25) of the demo fields.
+// Order of convergence, on a sphere of radius 0.7 and a torus (0.6, 0.25) of the demo fields. If the surface follows
+// the field, errors of position, area, volume and normals fall with the square of the spacing. Otherwise errors of
+// position fall with the spacing.
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -49,8 +49,8 @@ Truth torus() {
 }
 
 struct Errors {
-  double position = 0;  // greatest distance of a vertex
-  double normal = 0;    // greatest angle
+  double position = 0;  // largest distance of a vertex
+  double normal = 0;    // largest angle
   double area = 0;
   double volume = 0;
 };
@@ -101,15 +101,16 @@ TEST_P(Convergence, IsOfSecondOrder) {
     }
     EXPECT_GT(order(coarse.area, fine.area), 1.8);
     EXPECT_GT(order(coarse.volume, fine.volume), 1.8);
-    // A linear crossing is off by at most (edge length)^2 / (8 radius); the body diagonal is sqrt(3) spacings long.
+    // The error of a linear crossing is at most (edge length)^2 / (8 radius); the body diagonal is sqrt(3) spacings
+    // long.
     const double edge = 2.0 / 128 * (test::traits_of(GetParam()).axis_edges_only ? 1 : std::sqrt(3.0));
     EXPECT_LT(fine.position, edge * edge / (8 * truth.radius) * 1.1);
     EXPECT_LT(fine.volume, 2e-3);
   }
 }
 
-// Every vertex is in a cell that the surface passes; the volume's errors mostly cancel out.
-TEST_P(FirstOrder, IsThatOfPositions) {
+// Every vertex lies in a crossed cell, so its error is below the cell size; the errors of the volume mostly cancel out.
+TEST_P(FirstOrder, EqualsOrderOfPositions) {
   for (const Truth& truth : {sphere(), torus()}) {
     SCOPED_TRACE(truth.demo);
     for (const int size : {33, 65, 129}) {

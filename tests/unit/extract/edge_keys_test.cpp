@@ -1,4 +1,4 @@
-// Mesh::edges: which edge of the grid each vertex lies on.
+// Mesh::edges: the grid edge of each vertex.
 #include <limits>
 #include <set>
 
@@ -12,7 +12,7 @@ namespace {
 
 using KeyTriangle = std::array<mesh::EdgeKey, 3>;
 
-// Each key is the one edge that the vertex lies strictly within, or the sample that it stands at.
+// Expects that each key is the edge that strictly contains the vertex, or the sample at the vertex.
 void expect_keys_fit(const mesh::Mesh& mesh) {
   ASSERT_EQ(mesh.edges.size(), mesh.positions.size());
   for (std::size_t v = 0; v < mesh.edges.size(); ++v) {
@@ -52,7 +52,7 @@ class EdgeKeys : public testing::TestWithParam<Method> {
     o.edge_keys = true;
     return o;
   }
-  // Random inside, background all round, so that dense and sparse see the same surface.
+  // Random values surrounded by background, so that dense and sparse fields have the same surface.
   static field::ScalarField noise(double missing_share) {
     std::mt19937 engine(5);
     std::uniform_int_distribution<int> value(0, 999);
@@ -69,7 +69,7 @@ class EdgeKeys : public testing::TestWithParam<Method> {
 INSTANTIATE_TEST_SUITE_P(Methods, EdgeKeys, testing::ValuesIn(test::methods_with(&MethodTraits::vertices_on_edges)),
                          test::method_name);
 
-TEST_P(EdgeKeys, NameTheEdgeOfEveryVertexDenseAndSparse) {
+TEST_P(EdgeKeys, NameEdgeOfEveryVertex) {
   const field::ScalarField dense = noise(0);
   const mesh::Mesh a = test::extract(dense, options(600)).mesh;
   const mesh::Mesh b = test::extract(test::sparse_copy<float>(dense, -1), options(600)).mesh;
@@ -81,7 +81,7 @@ TEST_P(EdgeKeys, NameTheEdgeOfEveryVertexDenseAndSparse) {
   EXPECT_EQ(key_triangles(a), key_triangles(b));
 }
 
-TEST_P(EdgeKeys, CountFromTheFieldsFirstSampleInRegionsAndCaps) {
+TEST_P(EdgeKeys, CountFromFieldOriginInRegions) {
   const field::ScalarField dense = noise(0);
   const auto whole = key_triangles(test::extract(dense, options(600)).mesh);
   ExtractOptions o = options(600);
@@ -99,7 +99,7 @@ TEST_P(EdgeKeys, CountFromTheFieldsFirstSampleInRegionsAndCaps) {
   EXPECT_EQ(key_triangles(a), key_triangles(b));
 }
 
-TEST_P(EdgeKeys, AreSharedByTheVerticesThatAHoleParts) {
+TEST_P(EdgeKeys, AreEqualForVerticesSplitAtHoles) {
   const field::ScalarField dense = noise(0.1);
   ExtractOptions o = options(600);
   o.nan = NanPolicy::hole;
@@ -112,7 +112,7 @@ TEST_P(EdgeKeys, AreSharedByTheVerticesThatAHoleParts) {
   EXPECT_EQ(key_triangles(a), key_triangles(b));
 }
 
-TEST_P(EdgeKeys, ChangeNothingElseAndAreThereOnlyIfAskedFor) {
+TEST_P(EdgeKeys, ChangeNothingElse) {
   const field::ScalarField dense = noise(0);
   const field::ScalarField sparse = test::sparse_copy<float>(dense, -1);
   for (const field::ScalarField* field : {&dense, &sparse}) {
@@ -126,7 +126,7 @@ TEST_P(EdgeKeys, ChangeNothingElseAndAreThereOnlyIfAskedFor) {
   }
 }
 
-TEST(EdgeKey, OrderIsThatOfDenseMemory) {
+TEST(EdgeKey, SortsLikeDenseMemory) {
   const std::array ordered{mesh::EdgeKey{{5, 5, 0}, 7}, mesh::EdgeKey{{9, 0, 1}, 4}, mesh::EdgeKey{{-3, 1, 1}, 1},
                            mesh::EdgeKey{{2, 1, 1}, 0}, mesh::EdgeKey{{2, 1, 1}, 1}};
   EXPECT_TRUE(std::is_sorted(ordered.begin(), ordered.end()));

@@ -1,6 +1,6 @@
-// The topology of every method's surfaces against oracles that know nothing of meshes: of marching cubes, against one
-// that samples the trilinear interpolant ever finer (support/trilinear_topology.hpp); of methods that look at the sides
-// of samples alone, against one that counts how these are joined (support/sample_topology.hpp).
+// Compares the topology of every method with oracles that use no mesh. Marching cubes: an oracle that samples the
+// trilinear interpolant ever finer (support/trilinear_topology.hpp). Methods that use only the sides of samples: an
+// oracle that counts how the samples are connected (support/sample_topology.hpp).
 #include <atomic>
 #include <numeric>
 
@@ -19,7 +19,7 @@ namespace {
 using test::RandomKind;
 using test::SurfaceTopology;
 
-// None where the values of the samples decide, too.
+// Returns nullopt for methods that also use the values of the samples.
 std::optional<test::SampleJoins> sample_joins(Method method) {
   switch (method) {
     case Method::mc: break;
@@ -30,8 +30,8 @@ std::optional<test::SampleJoins> sample_joins(Method method) {
   return std::nullopt;
 }
 
-// Spheres and tori that everybody can count, so that the oracle is not believed blindly.
-TEST(TrilinearTopology, CountsWhatIsKnown) {
+// Spheres and tori with known topology, to check the oracle itself.
+TEST(TrilinearTopology, CountsKnownFields) {
   const auto topology = [](const std::vector<glm::ivec3>& inside, double iso) {
     std::vector<float> samples(125, -1.0F);
     for (const glm::ivec3& p : inside) samples[test::detail::random_index(p.x, p.y, p.z)] = 1;
@@ -40,7 +40,7 @@ TEST(TrilinearTopology, CountsWhatIsKnown) {
   EXPECT_EQ(topology({}, 0), SurfaceTopology{});
   EXPECT_EQ(topology({{2, 2, 2}}, 0), SurfaceTopology{2});
   EXPECT_EQ(topology({{1, 1, 1}, {3, 3, 3}}, 0), (SurfaceTopology{2, 2}));
-  // Across a face diagonal the saddle has the value 0; across a body diagonal it is -0.5.
+  // The saddle across a face diagonal has the value 0, across a body diagonal -0.5.
   EXPECT_EQ(topology({{1, 1, 2}, {2, 2, 2}}, 0.01), (SurfaceTopology{2, 2}));
   EXPECT_EQ(topology({{1, 1, 2}, {2, 2, 2}}, -0.01), SurfaceTopology{2});
   EXPECT_EQ(topology({{1, 1, 1}, {2, 2, 2}}, -0.49), (SurfaceTopology{2, 2}));
@@ -59,8 +59,8 @@ TEST(TrilinearTopology, CountsWhatIsKnown) {
   EXPECT_EQ(topology(shell, 0), (SurfaceTopology{2, 2}));
 }
 
-// Shapes that everybody can count.
-TEST(SampleTopology, CountsWhatIsKnown) {
+// Shapes with known topology.
+TEST(SampleTopology, CountsKnownFields) {
   using test::SurfaceCount;
   const test::SampleJoins faces = test::joined_by_faces();
   const test::SampleJoins tetrahedra = test::joined_by_tetrahedra();
@@ -76,10 +76,10 @@ TEST(SampleTopology, CountsWhatIsKnown) {
   EXPECT_EQ(counts({{1, 1, 1}, {0}}), both(0, 0));
   EXPECT_EQ(counts({{1, 1, 1}, {1}}), both(1, 2));
   EXPECT_EQ(counts({{2, 2, 2}, {1, 1, 1, 1, 1, 1, 1, 1}}), both(1, 2));
-  EXPECT_EQ(counts({{2, 2, 1}, {1, 0, 0, 1}}), apart_or_not);              // on a diagonal that is an edge
-  EXPECT_EQ(counts({{2, 2, 1}, {0, 1, 1, 0}}), both(2, 4));                // on the other one
+  EXPECT_EQ(counts({{2, 2, 1}, {1, 0, 0, 1}}), apart_or_not);              // on the diagonal with a tetrahedron edge
+  EXPECT_EQ(counts({{2, 2, 1}, {0, 1, 1, 0}}), both(2, 4));                // on the other diagonal
   EXPECT_EQ(counts({{2, 2, 2}, {1, 0, 0, 0, 0, 0, 0, 1}}), apart_or_not);  // through the cell
-  // Opposite corners outside: a hole along the diagonal that is an edge.
+  // Opposite corners outside: a hole along the diagonal that is a tetrahedron edge.
   EXPECT_EQ(counts({{2, 2, 2}, {0, 1, 1, 1, 1, 1, 1, 0}}), std::pair(SurfaceCount{1, 2}, SurfaceCount{1, 0}));
   EXPECT_EQ(counts({{2, 2, 2}, {1, 0, 1, 1, 1, 1, 0, 1}}), both(1, 2));
   test::VoxelPattern ring{{3, 3, 1}, std::vector<std::uint8_t>(9, 1)};
@@ -92,8 +92,8 @@ TEST(SampleTopology, CountsWhatIsKnown) {
 
 class ExactTopology : public testing::TestWithParam<std::tuple<RandomKind, Method>> {};
 
-// 3,400 fields of each kind: closed, oriented and manifold, with the topology that the method is to give.
-TEST_P(ExactTopology, IsThatOfTheOracle) {
+// 3,400 fields of each kind: closed, oriented and manifold, with the topology that the method promises.
+TEST_P(ExactTopology, EqualsOracle) {
   constexpr std::uint32_t kFields = 3400;
   const RandomKind kind = std::get<0>(GetParam());
   const ExtractOptions options = test::options_of(std::get<1>(GetParam()), 0);

@@ -8,7 +8,7 @@
 namespace isoextract::extract {
 namespace {
 
-// Samples around every kind of edge of the type, and random ones.
+// Samples near all limits of the type, and random ones.
 template <class T>
 std::vector<T> probes() {
   std::vector<T> values;
@@ -37,8 +37,8 @@ using Types = testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int1
                              field::Half, float, double>;
 TYPED_TEST_SUITE(InsideTest, Types);
 
-// The threshold must agree with the plain comparison of converted values, for every kind of iso and scale.
-TYPED_TEST(InsideTest, AgreesWithTheRule) {
+// The threshold agrees with the comparison of converted values, for every kind of iso value and scale.
+TYPED_TEST(InsideTest, AgreesWithRule) {
   const std::vector<TypeParam> samples = probes<TypeParam>();
   for (const field::FieldKind kind : {field::FieldKind::density, field::FieldKind::level_set}) {
     for (const field::ValueScale scale : {field::ValueScale{}, field::ValueScale{2.00784, 0},
@@ -80,7 +80,7 @@ TYPED_TEST(InsideTest, CountsNanAndKeepsItOutside) {
   }
 }
 
-TEST(InsideThreshold, IsNothingWhereNoNumberIsInside) {
+TEST(InsideThreshold, IsEmptyIfNoNumberIsInside) {
   EXPECT_FALSE(find_inside_threshold<std::uint8_t>({field::FieldKind::density, 255}, {}));
   EXPECT_FALSE(find_inside_threshold<std::uint8_t>({field::FieldKind::level_set, 0}, {}));
   EXPECT_TRUE(find_inside_threshold<std::uint8_t>({field::FieldKind::density, 254.9}, {}));
@@ -88,7 +88,7 @@ TEST(InsideThreshold, IsNothingWhereNoNumberIsInside) {
 }
 
 TEST(InsideThreshold, DoesNotRoundWideIntegersOrOffsets) {
-  // 16777217 is not a float.
+  // float cannot hold 16777217.
   const auto wide = find_inside_threshold<std::int32_t>({field::FieldKind::density, 16777216}, {});
   ASSERT_TRUE(wide);
   EXPECT_EQ(wide->threshold, 16777217);

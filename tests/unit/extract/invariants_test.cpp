@@ -1,5 +1,5 @@
-// What every mesh must be, whatever the field: closed where it should be, oriented, manifold, without zero-area
-// triangles; and the right genus where that is known.
+// Properties of every mesh for any field: closed where it should be, oriented, manifold, without zero-area triangles,
+// and of the known genus.
 #include <cmath>
 #include <map>
 
@@ -20,7 +20,7 @@ class Invariants : public testing::TestWithParam<Method> {
  protected:
   static ExtractOptions options(double iso, bool cap = false) { return test::options_of(GetParam(), iso, cap); }
   static bool always_closed() { return test::traits_of(GetParam()).always_closed; }
-  // Of a box with so many samples, all inside, whose surface is closed.
+  // Returns the size of the closed surface of a box of so many samples, all inside.
   static glm::dvec3 extent(const glm::ivec3& dims) {
     return glm::dvec3(dims - 1) + 2 * test::reach_beyond_samples(GetParam());
   }
@@ -43,7 +43,7 @@ TEST_P(Invariants, TorusHasGenusOne) {
   EXPECT_EQ(mesh::measure_topology(mesh).genus(), 1);
 }
 
-TEST_P(Invariants, OpenSurfaceIsOpenOnlyAtTheBorder) {
+TEST_P(Invariants, IsOpenOnlyAtDataBoundary) {
   const field::ScalarField field = demo("demo:gyroid?size=30");
   const mesh::Mesh mesh = extract(field, options(0)).mesh;
   expect_sound(mesh, always_closed());
@@ -73,13 +73,13 @@ TEST_P(Invariants, CapClosesTheGyroid) {
   } else {
     EXPECT_GT(mesh.triangles.size(), open.mesh.triangles.size());
   }
-  // The gyroid halves the box.
+  // The gyroid divides the box into halves.
   const double box = std::pow(extent(glm::ivec3(30)).x, 3);
   EXPECT_NEAR(mesh::measure_size(mesh).volume, box / 2, 0.01 * box);
 }
 
-TEST_P(Invariants, CappedBoxIsTheBox) {
-  // Everything is inside: only the cap is left.
+TEST_P(Invariants, CapsBoxToExactVolume) {
+  // Everything is inside, so only the cap has triangles.
   const field::ScalarField field = dense_field<float>({5, 4, 3}, [](int, int, int) { return 1; });
   const mesh::Mesh mesh = extract(field, options(0, true)).mesh;
   expect_sound(mesh, true);
@@ -88,8 +88,8 @@ TEST_P(Invariants, CappedBoxIsTheBox) {
   EXPECT_NEAR(mesh::measure_size(mesh).area, 2 * (box.x * box.y + box.y * box.z + box.z * box.x), 1e-12);
 }
 
-// Uniform values have every case; few distinct integers tie with iso everywhere.
-TEST_P(Invariants, RandomFieldsAreSound) {
+// Uniform values produce every case; few distinct integers tie with iso everywhere.
+TEST_P(Invariants, RandomFieldsGiveManifolds) {
   for (unsigned seed = 0; seed < 60; ++seed) {
     const int distinct = seed % 3 == 0 ? 2 : seed % 3 == 1 ? 5 : 1 << 20;
     const glm::ivec3 dims(2 + seed % 7, 2 + seed % 5, 2 + seed % 11);
@@ -102,8 +102,8 @@ TEST_P(Invariants, RandomFieldsAreSound) {
   }
 }
 
-// Whatever the method makes of a cell: samples of both sides are its corners. Beyond the data all is outside.
-TEST_P(Invariants, EveryVertexIsInACellThatTheSurfacePasses) {
+// For every method, the cell of a vertex has corners on both sides. Samples beyond the data count as outside.
+TEST_P(Invariants, PutsVerticesIntoCrossedCells) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     const glm::ivec3 dims(9, 8, 7);
     const field::ScalarField field = test::random_field<float>(dims, seed, 100);
@@ -113,7 +113,7 @@ TEST_P(Invariants, EveryVertexIsInACellThatTheSurfacePasses) {
       return there && values[p.x + dims.x * (p.y + dims.y * p.z)] > 30;
     };
     ExtractOptions moved = options(30);
-    moved.relaxations = 50;  // points of a surface net want to leave
+    moved.relaxations = 50;  // enough to push the points of a surface net out of their cells
     const mesh::Mesh mesh = extract(field, moved).mesh;
     EXPECT_FALSE(mesh.positions.empty());
     std::size_t elsewhere = 0;
@@ -127,8 +127,8 @@ TEST_P(Invariants, EveryVertexIsInACellThatTheSurfacePasses) {
   }
 }
 
-// Two inside samples across a face: joined where the saddle between them is inside, apart where it is outside or has
-// the very value iso; joined where another corner has it, because the field beside it is inside on the way.
+// Two inside samples across a face are joined if the saddle between them is inside, and apart if it is outside or equal
+// to iso. They are joined if another corner equals iso, because the field next to it is inside.
 TEST(AsymptoticDecider, DecidesFacesBySaddles) {
   struct Case {
     int other;
@@ -149,7 +149,7 @@ TEST(AsymptoticDecider, DecidesFacesBySaddles) {
   }
 }
 
-// Products of depths would leave the range of double.
+// Products of depths that exceed the range of double.
 TEST(AsymptoticDecider, DecidesExtremeValues) {
   for (const double size : {1e300, 1e-300}) {
     for (const bool joined : {false, true}) {
@@ -165,7 +165,7 @@ TEST(AsymptoticDecider, DecidesExtremeValues) {
   }
 }
 
-// Below iso in a level set is what above iso is in a density.
+// Values below iso in a level set correspond to values above iso in a density field.
 TEST_P(Invariants, LevelSetsAreMirrorImages) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     const field::ScalarField density = test::random_field<std::int16_t>({7, 6, 5}, seed, 9);
@@ -180,7 +180,7 @@ TEST_P(Invariants, LevelSetsAreMirrorImages) {
   }
 }
 
-TEST_P(Invariants, CheckerboardIsSound) {
+TEST_P(Invariants, CheckerboardGivesManifold) {
   const field::ScalarField field =
       dense_field<std::uint8_t>({9, 8, 7}, [](int i, int j, int k) { return (i + j + k) % 2; });
   for (const double iso : {0.0, 0.5, 0.999}) {
@@ -196,8 +196,8 @@ TEST_P(Invariants, ValuesEqualToIsoAreOutside) {
   EXPECT_TRUE(extract(field, options(7)).mesh.triangles.empty());
   const mesh::Mesh mesh = extract(field, options(5)).mesh;
   expect_sound(mesh, true);
-  // A surface that follows the field hugs the outside samples that tie with iso, from within the edges; another one
-  // passes anywhere between them and the inside samples.
+  // A surface that follows the field stays close to the outside samples that tie with iso. Other surfaces pass anywhere
+  // between them and the inside samples.
   const double gap = test::traits_of(GetParam()).follows_interpolant ? 0.001 : 1;
   const mesh::Bounds bounds = mesh::measure_bounds(mesh);
   for (int axis = 0; axis < 3; ++axis) {
@@ -208,17 +208,17 @@ TEST_P(Invariants, ValuesEqualToIsoAreOutside) {
   }
 }
 
-TEST_P(Invariants, SmallestFieldsWork) {
+TEST_P(Invariants, ExtractsSmallestFields) {
   const field::ScalarField field =
       dense_field<float>({2, 2, 2}, [](int i, int j, int k) { return i + j + k == 0 ? 1 : -1; });
   const mesh::Mesh mesh = extract(field, options(0)).mesh;
-  // The corners of a box around the sample inside, or a vertex on each edge from it.
+  // The corners of a box around the inside sample, or a vertex on each of its edges.
   const bool axis_edges_only = test::traits_of(GetParam()).axis_edges_only;
   EXPECT_EQ(mesh.positions.size(), always_closed() ? 8U : axis_edges_only ? 3U : 7U);
   expect_sound(mesh, always_closed());
 }
 
-TEST_P(Invariants, RowsLongerThanAWordAreWhole) {
+TEST_P(Invariants, ExtractsRowsLongerThanAWord) {
   // Crossings at, before and after the ends of 64-bit words.
   for (const int nx : {63, 64, 65, 66, 127, 128, 129, 193}) {
     const field::ScalarField field = dense_field<float>({nx, 5, 5}, [&](int i, int j, int k) {
@@ -234,7 +234,7 @@ TEST_P(Invariants, RowsLongerThanAWordAreWhole) {
   }
 }
 
-TEST_P(Invariants, LevelSetIsTheNegatedDensity) {
+TEST_P(Invariants, LevelSetEqualsNegatedDensity) {
   field::ScalarField density = test::random_field<float>({12, 9, 10}, 5, 1000);
   field::ScalarField level_set = dense_field<float>({12, 9, 10}, [&](int i, int j, int k) {
     const auto& dense = std::get<field::DenseSamples>(density.samples);
@@ -246,7 +246,7 @@ TEST_P(Invariants, LevelSetIsTheNegatedDensity) {
             test::triangle_set(extract(level_set, negative).mesh));
 }
 
-// The stored type must not matter: u8, i16, ... hold the same numbers, with and without a scale.
+// The stored type does not matter: u8, i16, ... hold the same numbers, with and without a scale.
 TEST_P(Invariants, StoredTypesAgree) {
   const glm::ivec3 dims(10, 11, 12);
   const auto value = [](int i, int j, int k) { return (i * 7 + j * 13 + k * 29) % 101; };
@@ -262,12 +262,12 @@ TEST_P(Invariants, StoredTypesAgree) {
   field::ScalarField scaled = dense_field<std::uint8_t>(dims, value);
   scaled.scale = {4, -8};
   EXPECT_EQ(reference, test::triangle_set(extract(scaled, options(4 * 50 - 8)).mesh));
-  scaled.scale = {-4, 8};  // a falling scale turns density into its opposite
+  scaled.scale = {-4, 8};  // a negative slope reverses density
   scaled.kind = field::FieldKind::level_set;
   EXPECT_EQ(reference, test::triangle_set(extract(scaled, options(-4 * 50 + 8)).mesh));
 }
 
-TEST_P(Invariants, ExtremeValuesStayInsideTheirEdges) {
+TEST_P(Invariants, KeepsExtremeValuesInsideEdges) {
   const double big = 3e38;
   for (const auto& [low, high, iso] : {std::array{-big, big, 0.0},
                                        {-1e-45, 1e-45, 0.0},

@@ -41,8 +41,8 @@ PlacedTriangle turned_over(PlacedTriangle triangle) {
   return triangle;
 }
 
-// How many triangles of all meshes are not, turned over, one of another: those of the border to what has no label.
-// alone(triangle) for each of them. None occurs twice.
+// Returns the number of triangles of all meshes whose reverse is in no other mesh, and calls alone(triangle) for each.
+// These are triangles next to voxels without a label. Expects that no triangle occurs twice.
 template <class Alone>
 std::size_t triangles_alone(const Labels& meshes, const Alone& found) {
   std::multiset<PlacedTriangle> all;
@@ -59,7 +59,7 @@ std::size_t triangles_alone(const Labels& meshes, const Alone& found) {
   return alone;
 }
 
-// Of samples that all have a label: what is not in two meshes lies in the border of the data, which is flat.
+// If all samples have a label, triangles in one mesh only lie in the flat data boundary.
 void expect_no_gaps(const Labels& meshes, const glm::ivec3& dims) {
   const auto in_border = [&](const PlacedTriangle& triangle) {
     const auto lies_in = [&](auto coordinate, int count) {
@@ -75,7 +75,7 @@ void expect_no_gaps(const Labels& meshes, const glm::ivec3& dims) {
   EXPECT_GE(alone, static_cast<std::size_t>(4 * (dims.x * dims.y + dims.y * dims.z + dims.z * dims.x)));
 }
 
-// The faces of voxels that have no label on one side, and those that have one on each.
+// The number of voxel faces with no label on one side, and of faces with a label on each side.
 std::pair<std::int64_t, std::int64_t> count_faces(const glm::ivec3& dims, const auto& label) {
   std::int64_t outer = 0;
   std::int64_t inner = 0;
@@ -108,8 +108,8 @@ void expect_right(const Labels& meshes) {
   }
 }
 
-// All 3^8 patterns of three labels, the first of which is none or one like the others.
-TEST(LabelNets, PatternsOfTwoByTwoByTwo) {
+// All 3^8 patterns of three labels; the first one is no label in one round and a label in the other.
+TEST(LabelNets, MeshesAllPatternsOfEightVoxels) {
   for (unsigned pattern = 1; pattern < 6561; ++pattern) {
     SCOPED_TRACE(pattern);
     std::array<int, 8> labels{};
@@ -129,7 +129,7 @@ TEST(LabelNets, PatternsOfTwoByTwoByTwo) {
   }
 }
 
-TEST(LabelNets, RandomLabelsAreClosedManifoldAndWithoutGaps) {
+TEST(LabelNets, ClosesRandomLabelsWithoutGaps) {
   for (unsigned seed = 0; seed < 400; ++seed) {
     SCOPED_TRACE(seed);
     const glm::ivec3 dims{2 + static_cast<int>(seed % 5), 3 + static_cast<int>(seed / 5 % 4), 4};
@@ -147,10 +147,10 @@ TEST(LabelNets, RandomLabelsAreClosedManifoldAndWithoutGaps) {
   }
 }
 
-// Over the borders of chunks; and as many triangles at the borders as there are faces.
-TEST(LabelNets, EveryFaceIsInTheMeshesOfBothItsLabels) {
+// Across chunks; the number of triangles at the borders is that of the faces.
+TEST(LabelNets, SharesEveryFaceBetweenBothLabels) {
   const glm::ivec3 dims{70, 17, 19};
-  // Balls, so that no label touches itself along an edge, where there would be more triangles.
+  // Balls, because labels that touch themselves along an edge have more triangles.
   const auto label = [](int x, int y, int z) {
     const glm::dvec3 p(x, y, z);
     if (glm::distance(p, glm::dvec3(60.3, 8.1, 9.2)) < 6) return 3;
@@ -176,21 +176,21 @@ field::ScalarField ball_of_halves(int radius, bool halves) {
   });
 }
 
-TEST(LabelNets, BallsHaveTheirAreaAndVolume) {
+TEST(LabelNets, KeepsAreaAndVolumeOfBalls) {
   for (const int radius : {10, 20, 40}) {
     SCOPED_TRACE(radius);
     const Labels meshes = nets_of(ball_of_halves(radius, false));
     const auto size = mesh::measure_size(meshes.at(1));
     const double area = 4 * std::numbers::pi * radius * radius;
-    EXPECT_NEAR(size.area / area, 1, 0.015);  // of voxels it is 1.5 times that, of any radius
+    EXPECT_NEAR(size.area / area, 1, 0.015);  // the faces of voxels have 1.5 times that area, for any radius
     EXPECT_NEAR(size.volume / (area * radius / 3), 1, 0.003);
     const Labels steps = nets_of(ball_of_halves(radius, false), net_options(0));
     EXPECT_GT(mesh::measure_size(steps.at(1)).area / area, 1.45);
   }
 }
 
-// The plane between the halves is flat and stays where it is, and its rim is a circle.
-TEST(LabelNets, CurvesWhereThreeLabelsMeetAreKept) {
+// The plane between the halves is flat and does not move, and its rim is a circle.
+TEST(LabelNets, KeepsCurvesWhereThreeLabelsMeet) {
   constexpr int kRadius = 20;
   const Labels meshes = nets_of(ball_of_halves(kRadius, true));
   const double middle = (2 * kRadius + 5) / 2.0 - 0.137;
@@ -212,8 +212,8 @@ TEST(LabelNets, CurvesWhereThreeLabelsMeetAreKept) {
   EXPECT_NEAR(far, kRadius, 0.6);
 }
 
-// A cube of two labels in the data's corner: what lies in the border of the data is flat, up to its edges.
-TEST(LabelNets, TheBorderOfTheDataIsFlat) {
+// A cube of two labels in the corner of the data: its faces in the data boundary are flat up to their edges.
+TEST(LabelNets, KeepsDataBoundaryFlat) {
   const field::ScalarField field =
       test::dense_field<std::uint8_t>({9, 8, 7}, [](int x, int y, int z) { return x + y + z < 10 ? 1 : 2; });
   const Labels meshes = nets_of(field);
@@ -225,7 +225,7 @@ TEST(LabelNets, TheBorderOfTheDataIsFlat) {
   EXPECT_EQ(bounds.min, glm::dvec3(-0.5));
 }
 
-TEST(LabelNets, EveryVertexStaysWithinItsCell) {
+TEST(LabelNets, KeepsVerticesWithinCells) {
   const field::ScalarField field = test::random_field<std::uint8_t>({30, 20, 20}, 3, 4);
   const Labels moved = nets_of(field, net_options(50));
   const Labels still = nets_of(field, net_options(0));
@@ -252,14 +252,14 @@ void expect_same(const Labels& a, const Labels& b) {
   }
 }
 
-TEST(LabelNets, TheChoiceOfLabelsChangesNoMesh) {
+TEST(LabelNets, ChosenLabelsChangeNoMesh) {
   const field::ScalarField field = test::random_field<std::uint16_t>({20, 20, 20}, 7, 5);
   const Labels some = nets_of(field, net_options(), {false, {4, 2}});
   EXPECT_EQ(some.size(), 2U);
   expect_same(some, nets_of(field));
 }
 
-TEST(LabelNets, TheSameBytesForAnyNumberOfThreads) {
+TEST(LabelNets, ThreadsChangeNoBytes) {
   const field::ScalarField field = test::random_field<std::uint8_t>({150, 40, 30}, 8, 4);
   Labels first;
   for (const std::size_t threads : {1, 2, 7}) {
@@ -272,8 +272,8 @@ TEST(LabelNets, TheSameBytesForAnyNumberOfThreads) {
   }
 }
 
-// Blocks, tiles and a background, of which the labels may be anything.
-TEST(LabelNets, SparseSamplesGiveTheSameMeshes) {
+// Blocks, tiles and a background with any labels.
+TEST(LabelNets, SparseEqualsDense) {
   const auto label = [](int x, int y, int z) {
     if (x < 16 || y < 8 || z < 8 || x >= 80 || y >= 24 || z >= 24) return 0;
     return x < 40 ? 3 : glm::distance(glm::dvec3(x, y, z), glm::dvec3(60.2, 16.3, 15.1)) < 7 ? 5 : 0;
@@ -289,7 +289,7 @@ TEST(LabelNets, SparseSamplesGiveTheSameMeshes) {
   }
 }
 
-TEST(LabelNets, EveryTypeOfIntegers) {
+TEST(LabelNets, ReadsEveryIntegerType) {
   const auto label = [](int x, int y, int z) { return (x + y) / 4 + (z > 3 ? 2 : 0); };
   const auto expected = nets_of(test::dense_field<std::uint8_t>({9, 9, 9}, label));
   const auto check = [&](const field::ScalarField& field) { expect_same(expected, nets_of(field)); };
@@ -300,7 +300,7 @@ TEST(LabelNets, EveryTypeOfIntegers) {
   check(test::dense_field<std::uint32_t>({9, 9, 9}, label));
 }
 
-TEST(LabelNets, AnIsoValueMakesTwoLabels) {
+TEST(LabelNets, IsoValueMakesTwoLabels) {
   const field::ScalarField field = ball_of_halves(12, false);
   ExtractOptions options = net_options();
   options.iso = 0.5;
@@ -313,7 +313,7 @@ TEST(LabelNets, AnIsoValueMakesTwoLabels) {
   EXPECT_EQ(mesh::measure_bounds(part).max.x, 14.5);
 }
 
-TEST(LabelNets, MirroredAndShearedPlaces) {
+TEST(LabelNets, KeepsWindingForMirrorsAndShears) {
   const field::ScalarField field =
       test::dense_field<std::uint8_t>({9, 8, 7}, [](int x, int y, int z) { return 1 + (x * 5 + y * 3 + z) % 7 / 3; });
   for (const double sign : {1.0, -1.0}) {
@@ -324,14 +324,14 @@ TEST(LabelNets, MirroredAndShearedPlaces) {
       test::expect_sound(mesh, true);
       EXPECT_GT(mesh::measure_size(mesh).volume, 0);
     }
-    // Volumes of neighbours that share their borders add up.
+    // The volumes of labels that share their borders add up.
     double volume = 0;
     for (const auto& [label, mesh] : meshes) volume += mesh::measure_size(mesh).volume;
     EXPECT_NEAR(volume, 4.0 * 9 * 8 * 7, 0.01);
   }
 }
 
-TEST(LabelNets, MemoryAndTheWishToEnd) {
+TEST(LabelNets, ReservesMemoryAndStopsWhenCancelled) {
   const field::ScalarField field = test::random_field<std::uint8_t>({64, 64, 64}, 1, 4);
   const Context small{MemoryBudget(1 << 20)};
   const auto refused = LabelVoxels::find(field, net_options(), {true, {}}, small);

@@ -1,4 +1,4 @@
-// What an extraction takes is reserved for as long as it lives, and an extraction ends where that is asked for.
+// An extraction reserves its memory as long as it uses it, and stops when cancelled.
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ class Memory : public testing::TestWithParam<Asked> {
     if (GetParam().sparse && GetParam().cap) options_.region = field::IndexBox{glm::ivec3(0), {63, 47, 39}};
   }
 
-  // The bytes of a mesh as it is.
+  // Returns the bytes of the arrays of a mesh.
   static std::uint64_t bytes_of(const mesh::Mesh& mesh) {
     return mesh.positions.size_bytes() + mesh.normals.size_bytes() + mesh.edges.size_bytes() +
            mesh.triangles.size_bytes();
@@ -60,7 +60,7 @@ INSTANTIATE_TEST_SUITE_P(Fields, Memory, testing::ValuesIn(all_asked()), [](cons
          (asked.nan == NanPolicy::hole ? "_hole" : "");
 });
 
-TEST_P(Memory, IsReservedWhileItLives) {
+TEST_P(Memory, StaysReservedWhileMeshLives) {
   const Context context(MemoryBudget(1 << 30));
   {
     const auto extraction = make_cpu_extractor()->extract(field_, options_, context);
@@ -69,7 +69,7 @@ TEST_P(Memory, IsReservedWhileItLives) {
     ASSERT_FALSE(mesh.triangles.empty());
     EXPECT_EQ(mesh.memory.bytes(), bytes_of(mesh));
     EXPECT_EQ(context.memory().reserved(), bytes_of(mesh)) << "only the mesh is left";
-    // Besides the mesh at least a bit a sample, and not many times the mesh.
+    // Peak memory: the mesh, at least one bit a sample, and not many times the mesh.
     const std::uint64_t bits = GetParam().sparse ? 64 : std::uint64_t{2} * 48 * 40 * 8;
     EXPECT_GE(context.memory().peak(), bytes_of(mesh) + bits);
     EXPECT_LE(context.memory().peak(), 4 * bytes_of(mesh) + 8 * bits + (1 << 18));
@@ -77,12 +77,12 @@ TEST_P(Memory, IsReservedWhileItLives) {
   EXPECT_EQ(context.memory().reserved(), 0U);
 }
 
-TEST_P(Memory, ALimitJustBelowThePeakIsRefused) {
+TEST_P(Memory, RefusesLimitBelowPeak) {
   const Context free(MemoryBudget(1 << 30));
   ASSERT_TRUE(make_cpu_extractor()->extract(field_, options_, free));
   const std::uint64_t peak = free.memory().peak();
   const Context enough(MemoryBudget{peak});
-  // Making a vertex a fan holds its own needs against the limit, and reserves nothing.
+  // Splitting vertices into fans checks its needs against the limit without reserving them.
   if (options_.nan != NanPolicy::hole) {
     EXPECT_TRUE(make_cpu_extractor()->extract(field_, options_, enough));
   }
@@ -94,7 +94,7 @@ TEST_P(Memory, ALimitJustBelowThePeakIsRefused) {
   EXPECT_EQ(little.memory().reserved(), 0U);
 }
 
-TEST_P(Memory, NothingIsReservedAfterACancelledExtraction) {
+TEST_P(Memory, ReleasesAllAfterCancel) {
   const Context context;
   context.cancel();
   const auto refused = make_cpu_extractor()->extract(field_, options_, context);

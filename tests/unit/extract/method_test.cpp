@@ -1,4 +1,4 @@
-// What a method's traits rule out is refused, and nothing else is.
+// Options that the traits of a method rule out are refused, and no others.
 #include "extract/method.hpp"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 namespace isoextract::extract {
 namespace {
 
-TEST(MethodLists, AreMadeFromTheTable) {
+TEST(MethodLists, FollowMethodTable) {
   EXPECT_EQ(test::all_methods().size(), kMethods.size());
   for (const auto trait :
        {&MethodTraits::vertices_on_edges, &MethodTraits::axis_edges_only, &MethodTraits::follows_interpolant,
@@ -40,7 +40,7 @@ class OptionsOfMethods : public testing::TestWithParam<Method> {
 };
 INSTANTIATE_TEST_SUITE_P(Methods, OptionsOfMethods, testing::ValuesIn(test::all_methods()), test::method_name);
 
-TEST_P(OptionsOfMethods, AreTakenWhereTheTraitsAllowThem) {
+TEST_P(OptionsOfMethods, AreAcceptedIfTraitsAllow) {
   const MethodTraits& traits = test::traits_of(GetParam());
   const ExtractOptions plain = test::options_of(GetParam(), 0);
   expect_taken(plain, true);

@@ -1,4 +1,4 @@
-// NanPolicy::hole: the mesh is that of the same field without NaN, less the cells that touch one.
+// NanPolicy::hole: the mesh is that of the same field without NaN, minus the cells that touch a NaN sample.
 #include <cmath>
 #include <limits>
 #include <set>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr glm::ivec3 kDims(24, 16, 16);
 
-// Random values, and which of the samples are missing.
+// Random values, some of them marked as missing.
 struct Sampled {
   std::vector<float> values;
   std::vector<bool> missing;
@@ -36,7 +36,7 @@ struct Sampled {
     }
     return false;
   }
-  // Has a corner that is there and inside.
+  // Returns whether a corner is present and inside.
   [[nodiscard]] bool cell_has_inside(const glm::ivec3& cell) const {
     for (int c = 0; c < 8; ++c) {
       const std::size_t corner = at(cell + glm::ivec3(c & 1, c >> 1 & 1, c >> 2 & 1));
@@ -54,7 +54,7 @@ struct Sampled {
 
 using Triangle = std::array<test::Point, 3>;
 
-// Calls f(cell) for the cells that a triangle may belong to: several where it lies in a face between them.
+// Calls f(cell) for all cells that a triangle may belong to: several if it lies in a face between them.
 template <class F>
 void for_each_cell_of(const Triangle& triangle, const F& f) {
   glm::dvec3 low(std::numeric_limits<double>::infinity());
@@ -85,7 +85,7 @@ class NanHole : public testing::TestWithParam<Method> {
 INSTANTIATE_TEST_SUITE_P(Methods, NanHole, testing::ValuesIn(test::methods_without(&MethodTraits::always_closed)),
                          test::method_name);
 
-TEST_P(NanHole, LeavesOutTheCellsThatTouchNanAndNothingElse) {
+TEST_P(NanHole, LeavesOutOnlyCellsAtNan) {
   for (unsigned seed = 0; seed < 6; ++seed) {
     SCOPED_TRACE(seed);
     const Sampled sampled(seed, seed < 3 ? 0.02 : 0.2);
@@ -119,7 +119,7 @@ TEST_P(NanHole, LeavesOutTheCellsThatTouchNanAndNothingElse) {
   }
 }
 
-TEST_P(NanHole, BorderIsThatOfTheCells) {
+TEST_P(NanHole, TellsBorderOfDrawnCells) {
   const field::ScalarField field = test::dense_field<double>({10, 10, 10}, [](int i, int j, int k) {
     return i == 5 && j == 5 && k == 4 ? std::numeric_limits<double>::quiet_NaN() : k;
   });
@@ -127,7 +127,7 @@ TEST_P(NanHole, BorderIsThatOfTheCells) {
   o.iso = 4.5;
   const Extraction result = test::extract(field, o);
   test::expect_sound(result.mesh, false);
-  // Two by two cells have a border of eight sides; a side is one edge, or two where tetrahedra halve the cells' faces.
+  // 2x2 cells have eight boundary sides. A side is one edge, or two if tetrahedra divide the cell faces.
   const bool polygons = test::traits_of(GetParam()).axis_edges_only;
   const std::uint64_t edges_a_side = polygons ? 1 : 2;
   EXPECT_EQ(mesh::measure_topology(result.mesh).open_edges, edges_a_side * (4 * 9 + 8));
@@ -135,14 +135,14 @@ TEST_P(NanHole, BorderIsThatOfTheCells) {
   EXPECT_EQ(result.mesh.triangles.size(), (polygons ? 2U : 8U) * (9 * 9 - 4));
 }
 
-TEST_P(NanHole, SparseIsDense) {
+TEST_P(NanHole, SparseEqualsDense) {
   const Sampled sampled(7, 0.05);
   const field::ScalarField field = sampled.field(true);
   const Extraction dense = test::extract(field, options());
   const Extraction sparse = test::extract(test::sparse_copy<float>(field, -1), options());
   test::expect_sound(sparse.mesh, false);
   EXPECT_EQ(sparse.stats.nan_samples, dense.stats.nan_samples);
-  // The sparse field goes on beyond the samples, where it is outside.
+  // The sparse field continues beyond the samples, where it is outside.
   const auto all = test::triangle_set(sparse.mesh);
   const auto kept = test::triangle_set(dense.mesh);
   EXPECT_TRUE(std::includes(all.begin(), all.end(), kept.begin(), kept.end()));
@@ -171,7 +171,7 @@ TEST_P(NanHole, DoesNotDependOnThreads) {
   }
 }
 
-TEST_P(NanHole, CapsLeaveOutTheirSquares) {
+TEST_P(NanHole, CapsLeaveOutSquaresAtNan) {
   for (const glm::ivec3 nan : {glm::ivec3(0, 4, 4), glm::ivec3(0, 0, 0), glm::ivec3(4, 4, 4)}) {
     const field::ScalarField field = test::dense_field<float>({9, 9, 9}, [&](int i, int j, int k) {
       return glm::ivec3(i, j, k) == nan ? std::numeric_limits<float>::quiet_NaN() : 1.0F;
@@ -181,7 +181,7 @@ TEST_P(NanHole, CapsLeaveOutTheirSquares) {
     const Extraction result = test::extract(field, o);
     test::expect_sound(result.mesh, false);
     const int on_border = static_cast<int>(nan.x == 0) + static_cast<int>(nan.y == 0) + static_cast<int>(nan.z == 0);
-    // Four squares around a sample of a face, three at a corner, none for one within the volume.
+    // Four squares are left out around a sample in a face, three at a corner, none for a sample in the interior.
     const std::uint64_t squares = on_border == 1 ? 4 : static_cast<std::uint64_t>(on_border);
     EXPECT_EQ(result.mesh.triangles.size(), 2 * (6 * 8 * 8 - squares));
     EXPECT_EQ(mesh::measure_topology(result.mesh).open_edges, on_border == 1 ? 8U : on_border == 3 ? 6U : 0U);
@@ -199,7 +199,7 @@ TEST_P(NanHole, ChangesNothingWithoutNan) {
   EXPECT_EQ(hole.stats.hole_cells, 0U);
 }
 
-TEST_P(NanHole, NothingIsLeftWhereAllIsNan) {
+TEST_P(NanHole, AllNanGivesEmptyMesh) {
   const field::ScalarField field =
       test::dense_field<float>({8, 8, 8}, [](int, int, int) { return std::numeric_limits<double>::quiet_NaN(); });
   ExtractOptions o = options();

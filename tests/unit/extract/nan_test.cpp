@@ -11,7 +11,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// A block of ones in zeros, with `value` at its corner sample (3, 4, 5).
+// Returns a block of ones in zeros, with `value` at its corner sample (3, 4, 5).
 field::ScalarField block_with(double value) {
   return test::dense_field<float>({10, 10, 10}, [&](int i, int j, int k) {
     if (i == 3 && j == 4 && k == 5) return value;
@@ -19,7 +19,7 @@ field::ScalarField block_with(double value) {
   });
 }
 
-// A unit normal for each vertex, or none at all.
+// Expects a unit normal for each vertex, or no normals at all.
 void expect_normals(const mesh::Mesh& mesh, bool wanted) {
   EXPECT_EQ(mesh.normals.size(), wanted ? mesh.positions.size() : 0);
   for (const glm::vec3& n : mesh.normals) EXPECT_NEAR(glm::length(glm::dvec3(n)), 1, 1e-6);
@@ -28,7 +28,7 @@ void expect_normals(const mesh::Mesh& mesh, bool wanted) {
 class Nan : public testing::TestWithParam<Method> {};
 INSTANTIATE_TEST_SUITE_P(Methods, Nan, testing::ValuesIn(test::all_methods()), test::method_name);
 
-TEST_P(Nan, IsAnErrorThatSaysWhere) {
+TEST_P(Nan, FailsAndTellsIndex) {
   const ExtractOptions options = test::options_of(GetParam(), 0.5);
   for (const bool sparse : {false, true}) {
     field::ScalarField field = block_with(kNan);
@@ -45,14 +45,14 @@ TEST_P(Nan, IsAnErrorThatSaysWhere) {
   }
 }
 
-TEST_P(Nan, IsFoundEvenWhereNothingIsInside) {
+TEST_P(Nan, FailsWithoutInsideSamples) {
   ExtractOptions options = test::options_of(GetParam(), kInfinity);
   EXPECT_FALSE(make_cpu_extractor()->extract(block_with(kNan), options, Context())) << "iso must be finite";
   options.iso = 5;
   EXPECT_FALSE(make_cpu_extractor()->extract(block_with(kNan), options, Context()));
 }
 
-TEST_P(Nan, OutsideCutsHalfwayAndStaysClosed) {
+TEST_P(Nan, OutsideCutsHalfwayAndCloses) {
   ExtractOptions options = test::options_of(GetParam(), 0.5);
   options.nan = NanPolicy::outside;
   options.smooth_normals = test::traits_of(GetParam()).gradient_normals;
@@ -60,7 +60,7 @@ TEST_P(Nan, OutsideCutsHalfwayAndStaysClosed) {
   EXPECT_EQ(result.stats.nan_samples, 1U);
   test::expect_sound(result.mesh, true);
   expect_normals(result.mesh, options.smooth_normals);
-  // Halfway is where the surface passes between 0 and 1.
+  // The surface also passes halfway between 0 and 1.
   EXPECT_EQ(test::triangle_set(result.mesh), test::triangle_set(test::extract(block_with(0), options).mesh));
   if (test::traits_of(GetParam()).vertices_on_edges) {
     EXPECT_EQ(std::ranges::count(result.mesh.positions, glm::vec3(3.5F, 4, 5)), 1);
@@ -70,7 +70,7 @@ TEST_P(Nan, OutsideCutsHalfwayAndStaysClosed) {
 class Infinity : public testing::TestWithParam<Method> {};
 INSTANTIATE_TEST_SUITE_P(Methods, Infinity, testing::ValuesIn(test::all_methods()), test::method_name);
 
-TEST_P(Infinity, PullsTheSurfaceToTheFiniteEnd) {
+TEST_P(Infinity, MovesSurfaceToFiniteEnd) {
   const MethodTraits& traits = test::traits_of(GetParam());
   ExtractOptions options = test::options_of(GetParam(), 0.5);
   options.smooth_normals = traits.gradient_normals;

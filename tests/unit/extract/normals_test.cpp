@@ -14,8 +14,8 @@ INSTANTIATE_TEST_SUITE_P(Methods, SmoothNormals, testing::ValuesIn(test::methods
 class NoNormals : public testing::TestWithParam<Method> {};
 INSTANTIATE_TEST_SUITE_P(Methods, NoNormals, testing::ValuesIn(test::all_methods()), test::method_name);
 
-// A plane through a sheared, mirrored, unevenly spaced frame: its normal must be exact everywhere, the border included.
-TEST_P(SmoothNormals, OfAPlaneAreExactInAnyFrame) {
+// A plane in a sheared, mirrored frame with uneven spacing: its normal is exact everywhere, also at the data boundary.
+TEST_P(SmoothNormals, AreExactForPlaneInAnyFrame) {
   const field::Affine frame{glm::dmat3(-2, 0.3, 0, 0.5, 1, 0.2, 0, -0.4, 0.1), glm::dvec3(5, -3, 2)};
   const glm::dvec3 normal = glm::normalize(glm::dvec3(1, 2, -0.5));
   for (const field::FieldKind kind : {field::FieldKind::density, field::FieldKind::level_set}) {
@@ -43,15 +43,15 @@ TEST_P(SmoothNormals, OfAPlaneAreExactInAnyFrame) {
   }
 }
 
-TEST_P(NoNormals, AreMadeUnlessAskedFor) {
+TEST_P(NoNormals, WithoutOption) {
   const field::ScalarField field = field::make_demo_field("demo:sphere?size=16", Context()).value();
   const mesh::Mesh mesh = test::extract(field, test::options_of(GetParam(), 0)).mesh;
   EXPECT_FALSE(mesh.positions.empty());
   EXPECT_TRUE(mesh.normals.empty());
 }
 
-// Zero gradient: a lone bright sample between equal neighbours.
-TEST_P(SmoothNormals, FallBackToTheEdgeWhereTheGradientVanishes) {
+// Zero gradient: a single bright sample between equal neighbors.
+TEST_P(SmoothNormals, FallBackToEdgeForZeroGradient) {
   const field::ScalarField field =
       test::dense_field<float>({5, 5, 5}, [](int i, int j, int k) { return (i + j + k) % 2 == 0 ? 1.0F : -1.0F; });
   ExtractOptions options = test::options_of(GetParam(), 0);

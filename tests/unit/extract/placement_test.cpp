@@ -19,7 +19,7 @@ class Placement : public testing::TestWithParam<Method> {
 };
 INSTANTIATE_TEST_SUITE_P(Methods, Placement, testing::ValuesIn(test::all_methods()), test::method_name);
 
-TEST_P(Placement, IsTheFullAffineMap) {
+TEST_P(Placement, AppliesFullAffineMap) {
   const field::ScalarField field = sphere(20);
   const field::Affine frame{glm::dmat3(1, 0.25, 0, -0.5, 2, 0, 0, 0.125, 0.5), glm::dvec3(3, -4, 5)};
   ExtractOptions placing = options(0);
@@ -33,12 +33,12 @@ TEST_P(Placement, IsTheFullAffineMap) {
   }
 }
 
-TEST_P(Placement, MirrorsAndShearsDoNotTurnTheSurfaceInsideOut) {
+TEST_P(Placement, KeepsWindingForMirrorsAndShears) {
   const field::ScalarField field = test::random_field<float>({9, 9, 9}, 3, 1000);
   ExtractOptions placing = options(700, true);
   const double volume = mesh::measure_size(test::extract(field, placing).mesh).volume;
   EXPECT_GT(volume, 0);
-  // A bent face of a surface net is cut along the diagonal that gives the better triangles where it is placed.
+  // A bent face of a surface net is split along the diagonal with the better triangles, which depends on the transform.
   const double tolerance = GetParam() == Method::surface_nets ? 5e-3 : 1e-3;
   for (const glm::dmat3& linear : {glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1), glm::dmat3(-0.5, 0, 0, 0.25, 2, 0, 0, -1, 4),
                                    glm::dmat3(0.5, 0, 0, 0.25, 2, 0, 0, -1, 4)}) {
@@ -50,8 +50,8 @@ TEST_P(Placement, MirrorsAndShearsDoNotTurnTheSurfaceInsideOut) {
   }
 }
 
-// A sphere of radius 0.7 at 1e7 keeps the accuracy of one at 0.
-TEST_P(Placement, FarAwayKeepsItsAccuracy) {
+// A sphere of radius 0.7 at 1e7 is as accurate as one at 0.
+TEST_P(Placement, KeepsAccuracyFarAway) {
   const field::ScalarField field = sphere(40);
   const glm::dvec3 far(1e7, -2e7, 3e7);
   ExtractOptions placing = options(0);
@@ -63,25 +63,25 @@ TEST_P(Placement, FarAwayKeepsItsAccuracy) {
   EXPECT_NE(mesh.origin, glm::dvec3(0));
   test::expect_sound(mesh, true);
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-    // Doubles at 3e7 are 4e-9 apart.
+    // Doubles near 3e7 are 4e-9 apart.
     EXPECT_LT(glm::length(mesh.position(v) - far - near_mesh.position(v)), 2e-7);
   }
 }
 
-// Thousands of samples along an axis, ties everywhere: the margin must survive float32.
-TEST_P(Placement, LongRowsWithTiesHaveNoZeroAreaTriangles) {
+// Thousands of samples along an axis, with ties everywhere: the margin must survive rounding to float32.
+TEST_P(Placement, LeavesNoZeroAreaInLongRows) {
   const field::ScalarField field = test::dense_field<std::uint8_t>(
       {4000, 6, 6}, [](int i, int j, int k) { return j > 0 && j < 5 && k > 0 && k < 5 ? (i * 7 + j * 3 + k) % 3 : 0; });
   test::expect_sound(test::extract(field, options(1)).mesh, test::traits_of(GetParam()).always_closed);
   ExtractOptions placing = options(0, true);
   test::expect_sound(test::extract(field, placing).mesh, true);
-  // The same rotated, so that rounding has no axis to itself.
+  // The same rotated, so that rounding acts along all axes.
   placing.output_from_index.linear = glm::dmat3(0.8, 0.6, 0, -0.36, 0.48, 0.8, 0.48, -0.64, 0.6);
   test::expect_sound(test::extract(field, placing).mesh, true);
 }
 
-// A slab whose one thin axis lies far from 0, though not far for the other two.
-TEST_P(Placement, ThinFarSlabsHaveNoZeroAreaTriangles) {
+// A slab that is far from 0 along its thin axis, compared with its thickness, but not along the other two.
+TEST_P(Placement, LeavesNoZeroAreaInThinFarSlabs) {
   ExtractOptions placing = options(0);
   placing.output_from_index = field::scaling({100, 0.0001, 100});
   placing.output_from_index.offset.y = 6000;
@@ -90,7 +90,7 @@ TEST_P(Placement, ThinFarSlabsHaveNoZeroAreaTriangles) {
   test::expect_sound(mesh, true);
 }
 
-TEST_P(Placement, RefusesWhatFloatsCannotHold) {
+TEST_P(Placement, RefusesPositionsBeyondFloat32) {
   for (const double scale : {1e60, 1e-50}) {
     ExtractOptions placing = options(0);
     placing.output_from_index = field::scaling(glm::dvec3(scale));

@@ -13,17 +13,17 @@ class Region : public testing::TestWithParam<Method> {
 };
 INSTANTIATE_TEST_SUITE_P(Methods, Region, testing::ValuesIn(test::all_methods()), test::method_name);
 
-// A surface that is open where the region cuts it.
+// Methods whose surface is open where the region cuts it.
 class OpenRegion : public Region {};
 INSTANTIATE_TEST_SUITE_P(Methods, OpenRegion, testing::ValuesIn(test::methods_without(&MethodTraits::always_closed)),
                          test::method_name);
 
-// One that is closed there.
+// Methods whose surface is closed there.
 class ClosedRegion : public Region {};
 INSTANTIATE_TEST_SUITE_P(Methods, ClosedRegion, testing::ValuesIn(test::methods_with(&MethodTraits::always_closed)),
                          test::method_name);
 
-// Only where a surface follows the field is it moved by values that tie with iso.
+// Values that tie with iso move the surface only if it follows the field.
 class RegionOfTies : public Region {};
 INSTANTIATE_TEST_SUITE_P(Methods, RegionOfTies,
                          testing::ValuesIn(test::methods_with(&MethodTraits::follows_interpolant)), test::method_name);
@@ -36,8 +36,8 @@ bool within(const std::array<test::Point, 3>& triangle, const field::IndexBox& b
   return true;
 }
 
-// Extracting a box gives just those triangles of the whole that lie in the box, bit for bit.
-TEST_P(OpenRegion, IsAPartOfTheWhole) {
+// The surface of a region consists of the triangles of the whole surface in it, bit for bit.
+TEST_P(OpenRegion, EqualsPartOfWhole) {
   const field::ScalarField dense = test::random_field<float>({80, 24, 16}, 11, 1000);
   const field::ScalarField sparse = test::sparse_copy<float>(dense, -1);
   for (const field::ScalarField* field : {&dense, &sparse}) {
@@ -54,8 +54,8 @@ TEST_P(OpenRegion, IsAPartOfTheWhole) {
   }
 }
 
-// The surface is that of a field which has no samples but those of the region.
-TEST_P(ClosedRegion, IsAllOfASmallerField) {
+// The surface equals that of a field with only the samples of the region.
+TEST_P(ClosedRegion, EqualsSmallerField) {
   const field::IndexBox box{{3, 5, 2}, {70, 20, 9}};
   const field::ScalarField dense = test::random_field<float>({80, 24, 16}, 11, 1000);
   const auto* values = static_cast<const float*>(std::get<field::DenseSamples>(dense.samples).data);
@@ -64,7 +64,7 @@ TEST_P(ClosedRegion, IsAllOfASmallerField) {
     return values[p.x + 80 * (p.y + 24 * p.z)];
   });
   ExtractOptions options = test::options_of(GetParam(), 600);
-  options.voxel_faces = VoxelFaces::plain;  // merged ones end where a brick of the whole field does
+  options.voxel_faces = VoxelFaces::plain;  // merged faces also end at bricks of the whole field
   options.output_from_index.offset = box.min;
   const mesh::Mesh expected = test::extract(smaller, options).mesh;
   test::expect_sound(expected, true);
@@ -76,12 +76,12 @@ TEST_P(ClosedRegion, IsAllOfASmallerField) {
   }
 }
 
-// Of a long field, samples that tie with iso are moved by what its own length asks for; of a region by what that does.
-TEST_P(RegionOfTies, OfALongFieldMovesTiesByItsOwnMargin) {
+// Samples that tie with iso move the surface by the margin: that of the length of a long field, or that of the region.
+TEST_P(RegionOfTies, MovesTiesByOwnMargin) {
   constexpr int kTie = 4000;
   const field::ScalarField field = test::dense_field<std::int16_t>({4200, 4, 4}, [](int i, int, int) { return i; });
   ExtractOptions options = test::options_of(GetParam(), kTie);
-  // How far the surface is from the samples that tie, in steps.
+  // Distance of the surface from the samples that tie, in steps.
   const auto moved = [&] {
     const mesh::Mesh mesh = test::extract(field, options).mesh;
     double farthest = 0;
@@ -98,7 +98,7 @@ TEST_P(RegionOfTies, OfALongFieldMovesTiesByItsOwnMargin) {
   EXPECT_LT(moved(), 0.00002);
 }
 
-TEST_P(Region, CanBeCappedDenseAndSparse) {
+TEST_P(Region, ClosesWithCap) {
   const field::ScalarField dense = field::make_demo_field("demo:gyroid?size=32", Context()).value();
   const field::ScalarField sparse = test::sparse_copy<float>(dense, -1);
   ExtractOptions options = test::options_of(GetParam(), 0, true);
@@ -114,8 +114,8 @@ TEST_P(Region, CanBeCappedDenseAndSparse) {
   EXPECT_EQ(mesh::measure_bounds(a).max, glm::dvec3(21, 28, 13) + reach);
 }
 
-// So is a region without a cell, but to samples that are boxes.
-TEST_P(Region, OutsideTheDataIsAnError) {
+// A region without a cell is an error, too, except for methods that make samples boxes.
+TEST_P(Region, FailsOutsideData) {
   ExtractOptions options = test::options_of(GetParam(), 0);
   for (const field::IndexBox box : {field::IndexBox{{40, 0, 0}, {50, 9, 9}}, field::IndexBox{{0, 0, 0}, {0, 5, 5}}}) {
     options.region = box;
@@ -133,8 +133,9 @@ TEST_P(Region, OutsideTheDataIsAnError) {
   }
 }
 
-// Of voxels farther apart than float32 positions can be, each on its own has the surface that it would have alone.
-TEST_P(Region, OfSamplesThatReachTooFarForFloat32) {
+// Two groups of voxels that are farther apart than float32 positions allow: a region around each gives the surface of
+// that group alone.
+TEST_P(Region, ExtractsFieldTooLargeForFloat32) {
   constexpr int kFar = 1 << 27;
   field::ScalarField field =
       test::sparse_copy<float>(field::make_demo_field("demo:sphere?size=16", Context()).value(), -1);
@@ -159,7 +160,7 @@ TEST_P(Region, OfSamplesThatReachTooFarForFloat32) {
   EXPECT_NEAR(glm::length(far.origin - glm::dvec3(kFar)), 0, 40);
 }
 
-TEST_P(Region, OfOneLayerOfSamplesHasNoCell) {
+TEST_P(Region, RefusesOneLayerOfSamples) {
   const auto result = make_cpu_extractor()->extract(test::random_field<float>({10, 1, 10}, 1, 9),
                                                     test::options_of(GetParam(), 0), Context());
   if (always_closed()) {

@@ -1,4 +1,4 @@
-// The sparse extractor against the dense one, which knows nothing of blocks and tiles.
+// Compares the sparse extractor with the dense one, which has no blocks or tiles.
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -30,8 +30,8 @@ class SparseNormals : public Sparse {};
 INSTANTIATE_TEST_SUITE_P(Methods, SparseNormals, testing::ValuesIn(test::methods_with(&MethodTraits::gradient_normals)),
                          test::method_name);
 
-// Noise over blocks, some of which are constant inside, constant outside, or background; the outermost layer is
-// background, so that dense and sparse see the same surface.
+// Noise in blocks; some blocks are constant inside, constant outside, or background. The outermost layer is background,
+// so that dense and sparse fields have the same surface.
 TEST_P(Sparse, NoiseWithTilesEqualsDense) {
   for (unsigned seed = 0; seed < 8; ++seed) {
     std::mt19937 engine(seed);
@@ -56,8 +56,8 @@ TEST_P(Sparse, NoiseWithTilesEqualsDense) {
   }
 }
 
-TEST_P(Sparse, TileSkinsAgainstTilesAndBackground) {
-  // A 16^3 box of tiles in a field of background, with nothing stored near it.
+TEST_P(Sparse, MeshesTileSkins) {
+  // A 16^3 box of tiles in background, with nothing stored near it.
   const glm::ivec3 dims(48, 48, 48);
   const auto value = [](int i, int j, int k) {
     return i >= 16 && i < 32 && j >= 16 && j < 32 && k >= 16 && k < 32 ? 3 : 0;
@@ -73,7 +73,7 @@ TEST_P(Sparse, TileSkinsAgainstTilesAndBackground) {
   expect_same_as_dense(dense, sparse, 1);
 }
 
-TEST_P(Sparse, NegativeIndicesAndLevelSets) {
+TEST_P(Sparse, ExtractsNegativeIndicesAndLevelSets) {
   const field::ScalarField dense = field::make_demo_field("demo:sphere?size=32", Context()).value();
   field::ScalarField level_set = test::dense_field<float>({32, 32, 32}, [&](int i, int j, int k) {
     return -static_cast<const float*>(std::get<field::DenseSamples>(dense.samples).data)[i + 32 * (j + 32 * k)];
@@ -89,7 +89,7 @@ TEST_P(Sparse, NegativeIndicesAndLevelSets) {
   EXPECT_EQ(mesh::measure_topology(mesh).genus(), 0);
   const double radius = 0.7 * 31 / 2;
   const glm::dvec3 centre(15.5 - 16);
-  // Where the surface does not follow the field, a vertex may be anywhere in a cell that the sphere passes.
+  // If the surface does not follow the field, a vertex may be anywhere in a cell that the sphere passes.
   const double tolerance = traits.follows_interpolant ? 0.05 : std::sqrt(3.0);
   ASSERT_EQ(mesh.normals.size(), traits.gradient_normals ? mesh.positions.size() : 0);
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
@@ -118,7 +118,8 @@ TEST_P(SparseNormals, EqualDense) {
   }
 }
 
-// How many bricks of a dense field have samples of both sides of 0, counting so many beyond each of their ends.
+// Returns the number of bricks of a dense field with samples on both sides of 0. A brick includes `beyond` samples past
+// each of its ends.
 std::uint64_t count_crossed(const field::DenseSamples& samples, const glm::ivec3& brick, int beyond) {
   const auto* values = static_cast<const float*>(samples.data);
   std::uint64_t crossed = 0;
@@ -142,7 +143,7 @@ std::uint64_t count_crossed(const field::DenseSamples& samples, const glm::ivec3
   return crossed;
 }
 
-TEST_P(Sparse, VisitsOnlyBricksThatTheSurfacePasses) {
+TEST_P(Sparse, VisitsOnlyCrossedBricks) {
   const field::ScalarField dense = field::make_demo_field("demo:sphere?size=128", Context()).value();
   const field::ScalarField sparse = test::sparse_copy<float>(dense, -9);
   const ExtractStats stats = test::extract(sparse, test::options_of(GetParam(), 0)).stats;
@@ -156,7 +157,7 @@ TEST_P(Sparse, VisitsOnlyBricksThatTheSurfacePasses) {
   EXPECT_GT(stats.bricks_visited, 0U);
 }
 
-TEST_P(Sparse, BlocksAtTheEndsOfTheIndexRangeAreRefusedNotTorn) {
+TEST_P(Sparse, RefusesBlocksAtEndsOfIndexRange) {
   const field::ScalarField dense = field::make_demo_field("demo:sphere?size=8", Context()).value();
   field::ScalarField field = test::sparse_copy<float>(dense, -1);
   auto& samples = std::get<field::SparseSamples>(field.samples);
@@ -165,7 +166,7 @@ TEST_P(Sparse, BlocksAtTheEndsOfTheIndexRangeAreRefusedNotTorn) {
   samples.blocks[1].origin = glm::ivec3(field::kMaxSparseIndex - 8);
   const ExtractOptions options = test::options_of(GetParam(), 0);
   EXPECT_FALSE(make_cpu_extractor()->extract(field, options, Context())) << "float32 cannot hold them apart";
-  // 2^16 apart they are two whole spheres.
+  // At a distance of 2^16 they are two whole spheres.
   samples.blocks[0].origin = glm::ivec3(-(1 << 15));
   samples.blocks[1].origin = glm::ivec3(1 << 15);
   const mesh::Mesh mesh = test::extract(field, options).mesh;
@@ -173,7 +174,7 @@ TEST_P(Sparse, BlocksAtTheEndsOfTheIndexRangeAreRefusedNotTorn) {
   EXPECT_EQ(mesh::measure_topology(mesh).components, 2U);
 }
 
-TEST_P(Sparse, NanOutsideTheRegionIsNoMatter) {
+TEST_P(Sparse, IgnoresNanOutsideRegion) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const field::ScalarField dense = test::dense_field<float>({32, 32, 32}, [&](int i, int j, int k) {
     if (i == 30 && j == 30 && k == 30) return nan;
@@ -188,11 +189,11 @@ TEST_P(Sparse, NanOutsideTheRegionIsNoMatter) {
   }
 }
 
-// Where the background is inside, a capped region is the region less the bubbles in it.
-TEST_P(Sparse, CapStandsWhereTheRegionEndsInAnInsideBackground) {
+// If the background is inside, a capped region is the region minus the bubbles in it.
+TEST_P(Sparse, CapsRegionInInsideBackground) {
   const field::ScalarField dense = field::make_demo_field("demo:sphere?size=8", Context()).value();
   field::ScalarField field = test::sparse_copy<float>(dense, -1);
-  field.kind = field::FieldKind::level_set;  // now the sphere is the outside
+  field.kind = field::FieldKind::level_set;  // now the sphere is outside
   ExtractOptions options = test::options_of(GetParam(), 0, true);
   options.region = field::IndexBox{glm::ivec3(-20), glm::ivec3(30)};
   const mesh::Mesh mesh = test::extract(field, options).mesh;
@@ -203,8 +204,8 @@ TEST_P(Sparse, CapStandsWhereTheRegionEndsInAnInsideBackground) {
   EXPECT_EQ(mesh::measure_topology(mesh).components, 2U);
 }
 
-// Without a region the surface is that of the cavities alone, and what they enclose is outside.
-TEST_P(Sparse, CavitiesInAnInsideWithoutEnd) {
+// Without a region the surface consists of the cavities alone, and the enclosed space is outside.
+TEST_P(Sparse, ExtractsCavitiesInInsideBackground) {
   const field::ScalarField dense = test::dense_field<float>({160, 16, 16}, [](int i, int j, int k) {
     const auto from = [&](double x) { return glm::length(glm::dvec3(i, j, k) - glm::dvec3(x, 7.4, 7.7)); };
     return std::min(from(8.2), from(150.9)) - 5;
@@ -217,7 +218,7 @@ TEST_P(Sparse, CavitiesInAnInsideWithoutEnd) {
   EXPECT_NEAR(mesh::measure_size(mesh).volume, -balls, 0.05 * balls);
 }
 
-TEST_P(Sparse, NothingStoredIsAnEmptyMesh) {
+TEST_P(Sparse, EmptyGridGivesEmptyMesh) {
   field::ScalarField field;
   field.samples = field::SparseSamples{};
   EXPECT_TRUE(test::extract(field, test::options_of(GetParam(), 0)).mesh.triangles.empty());

@@ -1,4 +1,4 @@
-// The same bytes, whatever the number of threads.
+// The bytes do not depend on the number of threads.
 #include <cstring>
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ bool same_bytes(const Buffer<T>& a, const Buffer<T>& b) {
 class Threads : public testing::TestWithParam<Method> {};
 INSTANTIATE_TEST_SUITE_P(Methods, Threads, testing::ValuesIn(test::all_methods()), test::method_name);
 
-TEST_P(Threads, DoNotChangeAByte) {
+TEST_P(Threads, DoNotChangeBytes) {
   const field::ScalarField dense = test::random_field<float>({72, 64, 64}, 2, 100);
   const field::ScalarField sparse = test::sparse_copy<float>(dense, -1);
   for (const field::ScalarField* field : {&dense, &sparse}) {

@@ -1,4 +1,4 @@
-// The vectorised loops against plain ones, bit for bit, for every instruction set of the machine that runs this.
+// Compares the vectorized loops with scalar ones, bit for bit, for every instruction set of this machine.
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -19,7 +19,7 @@
 namespace isoextract::extract {
 namespace {
 
-// Runs `f` once for each instruction set; the last time as always.
+// Runs `f` once for each instruction set, and at last with the default one.
 template <class F>
 void for_each_target(const F& f) {
   for (const std::int64_t target : {HWY_AVX2, HWY_SSE4, HWY_SCALAR}) {
@@ -37,11 +37,11 @@ using Types = testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int1
                              field::Half, float, double>;
 TYPED_TEST_SUITE(ClassifySamples, Types);
 
-TYPED_TEST(ClassifySamples, AgreesWithThePlainComparison) {
+TYPED_TEST(ClassifySamples, EqualsScalarComparison) {
   using T = TypeParam;
   using Key = typename OrderedKey<T>::Key;
   std::mt19937_64 engine(7);
-  // Any bits, NaN and infinities among them, and many that are close to the threshold.
+  // Random bits, with NaN and infinities, and many values close to the threshold.
   std::vector<T> samples(1000);
   for (T& sample : samples) {
     const auto bits = static_cast<Key>(engine());
@@ -114,7 +114,7 @@ class VertexBatches : public testing::TestWithParam<int> {
   field::Affine frame_;
 };
 
-TEST_P(VertexBatches, AreWhatOneVertexAtATimeGives) {
+TEST_P(VertexBatches, EqualSingleVertices) {
   const field::ValueScale scale = GetParam() % 2 == 0 ? field::ValueScale{} : field::ValueScale{-0.37, 11};
   const InsideRule rule{field::FieldKind::density, scale(0.1)};
   const OutputFrame placement(frame_, {glm::ivec3(-1000), glm::ivec3(1001)}, rule.kind, scale);
@@ -138,7 +138,7 @@ TEST_P(VertexBatches, AreWhatOneVertexAtATimeGives) {
   }
   for_each_target([&] {
     for (const bool with_normals : {false, true}) {
-      // One vertex more on both sides, which must not be touched.
+      // One more vertex on both sides must stay unchanged.
       mesh::Mesh mesh;
       mesh.positions = Buffer<glm::vec3>(size + 2);
       mesh.edges = Buffer<mesh::EdgeKey>(size + 2);
@@ -165,7 +165,7 @@ TEST_P(VertexBatches, AreWhatOneVertexAtATimeGives) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, VertexBatches, testing::Range(0, 12));
 
-// Cell by cell and triangle by triangle, in the order that dense extraction promises to keep.
+// Scalar extraction, cell by cell, in the order that dense extraction promises.
 std::vector<std::array<mesh::EdgeKey, 3>> plain_triangles(const field::ScalarField& field, Method method, double iso) {
   const auto& samples = std::get<field::DenseSamples>(field.samples);
   const CaseTable& table = case_table(method);
@@ -197,9 +197,9 @@ std::vector<std::array<mesh::EdgeKey, 3>> plain_triangles(const field::ScalarFie
   return triangles;
 }
 
-TEST(CellRows, DrawWhatPlainLoopsDraw) {
-  // Rows that end within, at and just after a word; noise, where many cells are ambiguous, and a few crossed words in
-  // long rows.
+TEST(CellRows, EqualScalarLoops) {
+  // Rows that end within a word, at its end and just after it. Noise, where many cells are ambiguous, and few crossed
+  // words in long rows.
   constexpr double iso = 1.5;
   std::vector<field::ScalarField> fields;
   for (const glm::ivec3 dims : {glm::ivec3(2), glm::ivec3(63, 5, 4), glm::ivec3(64, 4, 9), glm::ivec3(65, 9, 3),
@@ -226,7 +226,7 @@ TEST(CellRows, DrawWhatPlainLoopsDraw) {
           }
         }
         EXPECT_EQ(different, 0U);
-        // Every edge once.
+        // Lists every edge once.
         EXPECT_EQ(std::set(mesh.edges.begin(), mesh.edges.end()).size(), mesh.edges.size());
       });
     }

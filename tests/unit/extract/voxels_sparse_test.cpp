@@ -1,4 +1,5 @@
-// Voxels of sparse samples, and of labels: against dense ones, which know nothing of blocks, and one label at a time.
+// Compares voxels of sparse samples with dense ones, which have no blocks, and voxels of labels with one label at a
+// time.
 #include <gtest/gtest.h>
 
 #include "extract/voxels.hpp"
@@ -12,7 +13,7 @@ void expect_same_bytes(const mesh::Mesh& a, const mesh::Mesh& b) {
   EXPECT_TRUE(std::equal(a.triangles.begin(), a.triangles.end(), b.triangles.begin(), b.triangles.end()));
 }
 
-// Noise in some blocks; others are wholly inside or outside.
+// Noise in some blocks; others are entirely inside or outside.
 field::ScalarField blocky_field(unsigned seed, int values) {
   std::mt19937 engine(seed);
   std::array<int, 12 * 4 * 4> kinds{};
@@ -24,7 +25,7 @@ field::ScalarField blocky_field(unsigned seed, int values) {
   });
 }
 
-TEST(VoxelsSparse, TheSameBytesAsDense) {
+TEST(VoxelsSparse, EqualsDenseBytes) {
   for (unsigned seed = 0; seed < 6; ++seed) {
     SCOPED_TRACE(seed);
     const field::ScalarField dense = blocky_field(seed, 2 + static_cast<int>(seed));
@@ -53,8 +54,8 @@ field::ScalarField tiles(std::vector<field::SparseTile> list, double background)
   return field;
 }
 
-// Two voxel cubes a million voxels apart, and a tile that is large: neither costs what lies between or within.
-TEST(VoxelsSparse, FarAndLargeIsCheap) {
+// Two voxel cubes a million voxels apart, and a large tile: the space between and in them costs nothing.
+TEST(VoxelsSparse, CostsLittleForFarLargeTiles) {
   const Context context{MemoryBudget(std::uint64_t{256} << 20)};
   const auto far = make_cpu_extractor()->extract(tiles({{{-499968, 0, 0}, 8, 1}, {{499968, 8, -499968}, 8, 1}}, 0),
                                                  test::voxel_options(), context);
@@ -68,8 +69,8 @@ TEST(VoxelsSparse, FarAndLargeIsCheap) {
   EXPECT_EQ(test::exact_volume(large->mesh), 4096.0 * 4096 * 4096);
 }
 
-// The background is inside: the surface is that of the cavity, which turns its inside out, and a region closes it.
-TEST(VoxelsSparse, AnInsideWithoutEnd) {
+// The background is inside: the surface is that of the cavity, with reversed winding, and a region closes it.
+TEST(VoxelsSparse, MeshesInsideBackground) {
   const field::ScalarField field = tiles({{{8, 8, 8}, 8, 0}, {{128, 0, 0}, 128, 0}}, 1);
   const mesh::Mesh cavities = test::extract(field, test::voxel_options()).mesh;
   test::expect_sound(cavities, true);
@@ -82,8 +83,8 @@ TEST(VoxelsSparse, AnInsideWithoutEnd) {
   EXPECT_EQ(test::exact_volume(part), 231.0 * 34 * 71 - 512 - 3 * 31 * 21);
 }
 
-// Each label against the voxels of that value.
-TEST(VoxelsSparse, LabelsOneByOne) {
+// Compares each label with the voxels of that value.
+TEST(VoxelsSparse, FindsEveryLabel) {
   const field::ScalarField dense = blocky_field(3, 6);
   const field::ScalarField sparse = test::sparse_copy<std::int16_t>(dense, 0);
   ExtractOptions options = test::voxel_options();
@@ -110,7 +111,7 @@ TEST(VoxelsSparse, LabelsOneByOne) {
   }
 }
 
-TEST(VoxelsSparse, LabelsThatAreAskedFor) {
+TEST(VoxelsSparse, FindsChosenLabels) {
   const field::ScalarField field = blocky_field(1, 6);
   const auto some = LabelVoxels::find(field, test::voxel_options(), {false, {4, 99, 0}}, Context());
   ASSERT_TRUE(some);

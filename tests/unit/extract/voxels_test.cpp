@@ -1,4 +1,4 @@
-// Surfaces of voxels: what they must be for any voxels at all, exactly.
+// Exact properties of the surfaces of any set of voxels.
 #include <gtest/gtest.h>
 
 #include "extract/voxels.hpp"
@@ -20,7 +20,7 @@ void expect_right(const VoxelPattern& pattern) {
   }
 }
 
-TEST(Voxels, EachOfTheCornersPatterns) {
+TEST(Voxels, MeshesAllPatternsOfEightVoxels) {
   for (unsigned bits = 1; bits < 256; ++bits) {
     SCOPED_TRACE(bits);
     VoxelPattern pattern{{2, 2, 2}, {}};
@@ -29,7 +29,7 @@ TEST(Voxels, EachOfTheCornersPatterns) {
   }
 }
 
-TEST(Voxels, ThousandsOfRandomPatterns) {
+TEST(Voxels, MeshesRandomPatterns) {
   for (unsigned seed = 0; seed < 2000; ++seed) {
     SCOPED_TRACE(seed);
     const int side = 3 + static_cast<int>(seed % 6);
@@ -40,14 +40,14 @@ TEST(Voxels, ThousandsOfRandomPatterns) {
   }
 }
 
-TEST(Voxels, OverTheBordersOfChunks) {
+TEST(Voxels, MeshesAcrossChunks) {
   for (unsigned seed = 0; seed < 4; ++seed) {
     SCOPED_TRACE(seed);
     expect_right(test::random_pattern({70, 17, 19}, seed, 20 + 20 * static_cast<int>(seed)));
   }
 }
 
-TEST(Voxels, OneSampleIsABox) {
+TEST(Voxels, MakesOneSampleABox) {
   const VoxelPattern pattern{{1, 1, 1}, {1}};
   const mesh::Mesh mesh = mesh_of(pattern);
   EXPECT_EQ(mesh.positions.size(), 8U);
@@ -58,16 +58,16 @@ TEST(Voxels, OneSampleIsABox) {
   EXPECT_EQ(bounds.max, glm::dvec3(0.5));
 }
 
-TEST(Voxels, ASolidBlockIsTwelveTriangles) {
+TEST(Voxels, MergesBlockToTwelveTriangles) {
   const VoxelPattern pattern = test::random_pattern({130, 20, 30}, 0, 100);
   EXPECT_EQ(mesh_of(pattern).triangles.size(), 12U);
   EXPECT_EQ(mesh_of(pattern).positions.size(), 8U);
   EXPECT_EQ(mesh_of(pattern, VoxelFaces::plain).triangles.size(), 2U * 2 * (130 * 20 + 20 * 30 + 30 * 130));
 }
 
-// Two pillars between two plates, which touch along an edge and are joined at both of its ends: the edge has a vertex
-// in the middle for each of them.
-TEST(Voxels, AnEdgeThatIsTwoEdges) {
+// Two pillars between two plates touch along an edge, and the plates connect them at both ends. The edge has a vertex
+// in its middle for each pillar.
+TEST(Voxels, SplitsEdgeBetweenTouchingVoxels) {
   VoxelPattern pattern{{2, 2, 3}, {1, 1, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1}};
   for (const VoxelFaces faces : {VoxelFaces::merged, VoxelFaces::plain}) {
     const mesh::Mesh mesh = mesh_of(pattern, faces);
@@ -77,15 +77,15 @@ TEST(Voxels, AnEdgeThatIsTwoEdges) {
   }
 }
 
-TEST(Voxels, ContactsDoubleVertices) {
+TEST(Voxels, DoublesVerticesAtContacts) {
   const auto vertices = [](const VoxelPattern& pattern) { return mesh_of(pattern).positions.size(); };
-  EXPECT_EQ(vertices({{2, 1, 1}, {1, 1}}), 8U);                     // by a face: one box
+  EXPECT_EQ(vertices({{2, 1, 1}, {1, 1}}), 8U);                     // share a face: one box
   EXPECT_EQ(vertices({{2, 2, 1}, {1, 0, 0, 1}}), 16U);              // along an edge
-  EXPECT_EQ(vertices({{2, 2, 2}, {1, 0, 0, 0, 0, 0, 0, 1}}), 16U);  // in a corner
+  EXPECT_EQ(vertices({{2, 2, 2}, {1, 0, 0, 0, 0, 0, 0, 1}}), 16U);  // at a corner
 }
 
-// Rectangles as they are: the same surface, and never more triangles than where neighbours fit.
-TEST(Voxels, TJunctionsAreFewerTriangles) {
+// Unsplit rectangles have the same surface and fewer triangles.
+TEST(Voxels, RectanglesUseFewerTriangles) {
   const VoxelPattern pattern = test::random_pattern({20, 20, 20}, 3, 70);
   const mesh::Mesh fewest = mesh_of(pattern, VoxelFaces::rectangles);
   const mesh::Mesh merged = mesh_of(pattern);
@@ -98,7 +98,7 @@ TEST(Voxels, TJunctionsAreFewerTriangles) {
   EXPECT_EQ(mesh::measure_size(fewest).zero_area_triangles, 0U);
 }
 
-TEST(Voxels, ARegionIsClosedWhereItCuts) {
+TEST(Voxels, ClosesRegion) {
   const VoxelPattern pattern = test::random_pattern({70, 12, 12}, 6, 60);
   ExtractOptions options = test::voxel_options();
   options.region = field::IndexBox{{3, 2, 5}, {66, 9, 9}};

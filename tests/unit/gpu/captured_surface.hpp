@@ -1,5 +1,5 @@
-// The parts of the GPU extractor put together by hand, so that tests can choose what users cannot: the sizes of windows
-// and atlases, of textures and of what is captured at a time, and flat normals.
+// Assembles the parts of the GPU extractor by hand, so that tests can choose what users cannot: the sizes of windows,
+// atlases, textures and captures, and flat normals.
 #pragma once
 
 #include <epoxy/gl.h>
@@ -23,9 +23,9 @@
 
 namespace isoextract::test {
 
-inline constexpr std::uint64_t kFeedback = std::uint64_t{1} << 24;  // more than any surface here has
+inline constexpr std::uint64_t kFeedback = std::uint64_t{1} << 24;  // more than any surface of these tests needs
 
-// A context and its programs, opened when first asked for and dropped before the program ends.
+// A context and its programs, opened at first use and destroyed before the program ends.
 class OwnContext final : public testing::Environment {
  public:
   const gl::GlContext& context() {
@@ -59,7 +59,7 @@ inline int max_texture_size() {
   return size;
 }
 
-// What is drawn, whatever holds the samples.
+// The data to draw, independent of the kind of samples.
 struct CapturedSites {
   const field::ScalarField* field = nullptr;
   extract::ExtractOptions options;
@@ -73,7 +73,7 @@ struct CapturedSites {
   gpu::CellProgramKind kind;
 };
 
-// Draws all sites as their source makes them ready.
+// Draws all sites in the portions that their source makes ready.
 inline Result<void> capture_sites(
     const CapturedSites& sites, gpu::FieldSource& source, std::uint64_t feedback_bytes,
     const std::function<void(std::span<const std::uint32_t>, const gpu::CapturedSoup&)>& take) {
@@ -129,7 +129,7 @@ inline Result<void> capture_sites(
   return {};
 }
 
-// The mesh of it, with edge keys.
+// Returns the mesh, with edge keys.
 inline mesh::Mesh captured_mesh(const CapturedSites& sites, gpu::FieldSource& source, std::uint64_t feedback_bytes) {
   const extract::CaseTable& table = extract::case_table(sites.options.method);
   const extract::InsideRule rule{sites.field->kind, sites.options.iso};
@@ -163,7 +163,7 @@ inline gpu::GpuPipeline usual_pipeline(extract::Method method) {
   return method == extract::Method::mt ? gpu::GpuPipeline::mt_geometry : gpu::GpuPipeline::mc_tessellation;
 }
 
-// Dense float samples, their bricks found.
+// Dense float samples and their bricks.
 class DenseSurface {
  public:
   DenseSurface(const field::ScalarField& field, const extract::ExtractOptions& options)
@@ -203,7 +203,7 @@ class DenseSurface {
   CapturedSites sites_;
 };
 
-// Sparse float samples, their leaves found.
+// Sparse float samples and their leaves.
 class SparseSurface {
  public:
   SparseSurface(const field::ScalarField& field, const extract::ExtractOptions& options)
@@ -236,7 +236,7 @@ class SparseSurface {
                                    {options_.smooth_normals, bytes, max_texture});
   }
 
-  // The stored leaves that the cells of sites need.
+  // Returns the number of stored leaves that the cells of sites need.
   [[nodiscard]] std::size_t needed_leaves() const {
     std::set<std::int32_t> needed;
     for (const glm::ivec3& origin : leaves_.origins()) {

@@ -1,4 +1,4 @@
-// What shaders are told of the case tables is what the tables say; and what the GPU's code takes for granted of them.
+// The shader constants agree with the case tables, and the tables have the properties that the GPU code assumes.
 #include "gpu/detail/case_constants.hpp"
 
 #include <algorithm>
@@ -27,7 +27,7 @@ std::vector<int> numbers_of(const std::string& text, const std::string& name) {
   return numbers;
 }
 
-// An edge of a cell as direction << 3 | corner.
+// Three cell edges, each as direction << 3 | corner.
 using EdgeTriangle = std::array<int, 3>;
 
 EdgeTriangle from_least(EdgeTriangle triangle) {
@@ -48,8 +48,8 @@ std::multiset<EdgeTriangle> table_triangles(const extract::CaseTable& table, uns
   return set;
 }
 
-// As mt_geometry.geom reads them: all 256 cases of a cell are what its six tetrahedra draw.
-TEST(TetrahedronConstants, DrawTheTable) {
+// Reads the constants as mt_geometry.geom does: for all 256 cases, the six tetrahedra draw the triangles of the cell.
+TEST(TetrahedronConstants, EqualCaseTable) {
   const std::string text = tetrahedron_constants();
   const auto corners = numbers_of(text, "tetrahedron_corners");
   const auto strips = numbers_of(text, "tetrahedron_strips");
@@ -79,15 +79,15 @@ TEST(TetrahedronConstants, DrawTheTable) {
   }
 }
 
-// mt_geometry.geom finds a cell by the ends of its diagonal.
-TEST(TetrahedronConstants, HaveTheDiagonalFirstAndLast) {
+// mt_geometry.geom finds the cell from the ends of its diagonal.
+TEST(TetrahedronConstants, StartAndEndAtDiagonal) {
   for (const auto& tetrahedron : extract::cell_tetrahedra()) {
     EXPECT_EQ(std::min(tetrahedron[0], tetrahedron[3]), 0);
     EXPECT_EQ(std::max(tetrahedron[0], tetrahedron[3]), 7);
   }
 }
 
-TEST(CubeCaseTexels, HoldTheFirstVariantOfEveryCase) {
+TEST(CubeCaseTexels, HoldFirstVariantOfEveryCase) {
   const auto texels = cube_case_texels();
   ASSERT_EQ(texels.size(), 256U * kCaseTexels);
   const extract::CaseTable& table = extract::case_table(extract::Method::mc);
@@ -106,7 +106,7 @@ TEST(CubeCaseTexels, HoldTheFirstVariantOfEveryCase) {
     }
     EXPECT_EQ(drawn, table_triangles(table, table.variants[cell_case])) << cell_case;
     for (int rest = 1 + 3 * count; rest < kCaseTexels; ++rest) EXPECT_EQ(row[rest], 0);
-    // A proxy brings every vertex that any variant may need.
+    // The first variant has every vertex that any variant may need.
     std::set<int> crossed;
     for (const extract::CellEdge& edge : table.edges) {
       const bool in0 = (cell_case >> edge.corner & 1) != 0;
@@ -118,8 +118,8 @@ TEST(CubeCaseTexels, HoldTheFirstVariantOfEveryCase) {
   EXPECT_EQ(most, 5) << "max_vertices of mc.geom";
 }
 
-// site_weld.cpp finds a triangle's cell by the least of its edges' lower ends.
-TEST(CaseTables, TrianglesTouchTheLowSideOfTheirCell) {
+// site_weld.cpp takes the minimum of the lower ends of a triangle's edges as its cell.
+TEST(CaseTables, TouchLowSideOfCell) {
   for (const extract::Method method : {extract::Method::mc, extract::Method::mt}) {
     const extract::CaseTable& table = extract::case_table(method);
     for (const extract::CellTriangle& triangle : table.triangles) {

@@ -1,4 +1,4 @@
-// Devices: the words that choose one, the choice, and machines without drivers or with broken ones.
+// Devices: how options choose one, and machines without drivers or with broken ones.
 #include "gl/gpu_device.hpp"
 
 #include <sys/wait.h>
@@ -15,7 +15,7 @@
 namespace isoextract::gpu {
 namespace {
 
-TEST(DeviceChoice, ReadsNumbersCudaNumbersAndNames) {
+TEST(DeviceChoice, ParsesNumbersCudaNumbersAndNames) {
   EXPECT_EQ(std::get<int>(gl::parse_device_choice("0").value()), 0);
   EXPECT_EQ(std::get<int>(gl::parse_device_choice("12").value()), 12);
   EXPECT_EQ(std::get<gl::CudaIndex>(gl::parse_device_choice("cuda:3").value()).number, 3);
@@ -51,7 +51,7 @@ int chosen(const std::vector<gl::GpuDevice>& devices, const gl::DeviceChoice& ch
   return found ? found->index : -1;
 }
 
-TEST(DeviceChoice, PrefersDevicesThatAreNotSoftware) {
+TEST(DeviceChoice, PrefersHardware) {
   const std::vector devices{broken(0), device(1, "llvmpipe", true), device(2, "H100", false, 1),
                             device(3, "RTX 4090", false, 0)};
   EXPECT_EQ(chosen(devices, {}), 2);
@@ -64,7 +64,7 @@ TEST(DeviceChoice, PrefersDevicesThatAreNotSoftware) {
   EXPECT_EQ(chosen(devices, gl::DeviceName{"LLVM"}), 1);
 }
 
-TEST(DeviceChoice, SaysWhatThereIsWhereNothingFits) {
+TEST(DeviceChoice, ListsDevicesIfNoneFits) {
   const std::vector devices{device(0, "H100", false, 1), device(1, "llvmpipe", true), broken(2)};
   for (const gl::DeviceChoice& choice :
        {gl::DeviceChoice{7}, gl::DeviceChoice{gl::CudaIndex{0}}, gl::DeviceChoice{gl::DeviceName{"Radeon"}}}) {
@@ -80,7 +80,7 @@ TEST(DeviceChoice, SaysWhatThereIsWhereNothingFits) {
   EXPECT_EQ(own.error().message, "the driver could not be initialised") << "why that device cannot be used";
 }
 
-TEST(Devices, OutOfRangeIsAnErrorWithTheList) {
+TEST(Devices, FailWithListIfOutOfRange) {
   GpuOptions options;
   options.device = 99;
   const auto extractor = make_gpu_extractor(options);
@@ -92,7 +92,7 @@ TEST(Devices, OutOfRangeIsAnErrorWithTheList) {
   EXPECT_FALSE(make_gpu_extractor(options));
 }
 
-TEST(Devices, AreListedAsTheyAreOpened) {
+TEST(Devices, AreListedAsOpened) {
   const auto devices = gl::list_gpu_devices();
   ASSERT_TRUE(devices) << devices.error().message;
   for (std::size_t d = 0; d < devices->size(); ++d) EXPECT_EQ((*devices)[d].index, static_cast<int>(d));
@@ -106,8 +106,8 @@ TEST(Devices, AreListedAsTheyAreOpened) {
   EXPECT_EQ(extractor->extractor->device(), gl::describe(*first));
 }
 
-// Each draws in its own context, in whatever order they are used and dropped.
-TEST(Devices, ExtractorsLiveBesideEachOther) {
+// Each extractor draws in its own context, in any order of use and destruction.
+TEST(Devices, ServeSeveralExtractors) {
   auto first = make_gpu_extractor({});
   auto second = make_gpu_extractor({});
   ASSERT_TRUE(first && second);
@@ -131,7 +131,7 @@ struct Answer {
   int status = -1;
 };
 
-// What the probe says with `environment` ("NAME=value ...") in place.
+// Returns the output of the probe with `environment` ("NAME=value ...") set.
 Answer probe(const std::string& environment) {
   Answer answer;
   const std::string command = "env " + environment + " '" ISOEXTRACT_DEVICE_PROBE "' 2>&1";
@@ -150,17 +150,17 @@ void expect_unavailable(const std::string& environment, std::initializer_list<co
   for (const char* part : parts) EXPECT_NE(answer.text.find(part), std::string::npos) << answer.text;
 }
 
-TEST(Drivers, AreThere) {
+TEST(Drivers, AreInstalled) {
   const Answer answer = probe("X=1");
   EXPECT_EQ(answer.status, 0);
   EXPECT_EQ(answer.text.find("drawing on "), 0U) << answer.text;
 }
 
-TEST(Drivers, NoneInstalledIsAnError) {
+TEST(Drivers, FailIfNotInstalled) {
   expect_unavailable("__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent/x.json", {"EGL", "use_cpu"});
 }
 
-TEST(Drivers, BrokenLibrariesAreAnError) {
+TEST(Drivers, FailIfLibrariesAreBroken) {
   const test::TempFolder folder;
   const auto with_folder = [&] { return "LD_LIBRARY_PATH='" + folder.path().string() + "'"; };
   test::write_bytes(folder / "libEGL.so.1", "this is no library");
@@ -173,16 +173,16 @@ TEST(Drivers, BrokenLibrariesAreAnError) {
   expect_unavailable(with_folder(), {"OpenGL could not be loaded", "libopengl0"});
 }
 
-// The loader is there, the driver it names is not.
-TEST(Drivers, AVendorWithoutItsLibraryIsAnError) {
+// The loader exists, but the driver that it names does not.
+TEST(Drivers, FailIfVendorLibraryIsMissing) {
   const test::TempFolder folder;
   test::write_bytes(folder / "vendor.json",
                     R"({"file_format_version": "1.0.0", "ICD": {"library_path": "libEGL_nobody.so.0"}})");
   expect_unavailable("__EGL_VENDOR_LIBRARY_FILENAMES='" + (folder / "vendor.json").string() + "'", {"EGL", "use_cpu"});
 }
 
-// Mesa without its drivers: a device that cannot be initialised, or none.
-TEST(Drivers, MesaWithoutDriversIsAnError) {
+// Mesa without its drivers has a device that cannot be initialized, or none.
+TEST(Drivers, FailIfMesaHasNoDrivers) {
   const auto devices = gl::list_gpu_devices();
   ASSERT_TRUE(devices) << devices.error().message;
   if (!std::ranges::all_of(*devices, &gl::GpuDevice::software))

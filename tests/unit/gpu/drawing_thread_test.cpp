@@ -1,4 +1,4 @@
-// One thread draws for all: the meshes are those of an extractor on the caller's own thread.
+// One thread draws for all callers; the meshes equal those of an extractor on the caller's own thread.
 #include "gpu/drawing_thread.hpp"
 
 #include <thread>
@@ -24,7 +24,7 @@ extract::ExtractOptions half() {
   return options;
 }
 
-TEST(DrawingThread, DrawsForSeveralThreadsAtATime) {
+TEST(DrawingThread, ServesSeveralThreads) {
   const auto drawing = start_drawing();
   ASSERT_TRUE(drawing) << drawing.error().message;
   constexpr int kThreads = 4;
@@ -56,7 +56,7 @@ TEST(DrawingThread, DrawsForSeveralThreadsAtATime) {
   }
 }
 
-TEST(DrawingThread, KeepsProgramsAndIsSharedByItsExtractors) {
+TEST(DrawingThread, KeepsProgramsForItsExtractors) {
   auto drawing = start_drawing();
   ASSERT_TRUE(drawing) << drawing.error().message;
   const field::ScalarField field = test::random_field<float>({18, 17, 20}, 5, 1000);
@@ -67,13 +67,13 @@ TEST(DrawingThread, KeepsProgramsAndIsSharedByItsExtractors) {
   EXPECT_TRUE(first->has(extract::Method::mc));
   ASSERT_TRUE(first->extract(field, half(), Context()));
   first.reset();
-  drawing = tl::unexpected(Error{});  // the handle goes, and the thread stays for who still has an extractor
+  drawing = tl::unexpected(Error{});  // destroys the handle; the thread stays, because an extractor still uses it
   const auto again = second->extract(field, half(), Context());
   ASSERT_TRUE(again) << again.error().message;
   EXPECT_EQ(again->stats.device->samples_uploaded, 0U) << "one device for both";
 }
 
-TEST(DrawingThread, WorksInTheContextOfWhoAsks) {
+TEST(DrawingThread, UsesContextOfCaller) {
   const auto drawing = start_drawing();
   ASSERT_TRUE(drawing) << drawing.error().message;
   const auto extractor = drawing->extractor();
@@ -96,7 +96,7 @@ TEST(DrawingThread, WorksInTheContextOfWhoAsks) {
   test::expect_same_bytes(made->mesh, again->mesh);
 }
 
-TEST(DrawingThread, NoDeviceIsAnError) {
+TEST(DrawingThread, FailsWithoutDevice) {
   GpuOptions options;
   options.device = 99;
   const auto drawing = DrawingThread::start(options);

@@ -1,4 +1,4 @@
-// The ways a GPU can draw a mesh, and comparing what it drew with the CPU's mesh.
+// The ways in which a GPU can draw a mesh, and the comparison with the CPU mesh.
 #pragma once
 
 #include <algorithm>
@@ -30,7 +30,7 @@ struct Drawing {
   bool swizzle = true;
 };
 
-// What users get, for most tests; and all there are.
+// The default, for most tests, and all ways.
 inline constexpr std::array kUsualDrawings{Drawing{extract::Method::mc, true, true},
                                            Drawing{extract::Method::mt, true, true}};
 inline constexpr std::array kAllDrawings{
@@ -44,8 +44,8 @@ inline std::string words(const Drawing& drawing) {
          (drawing.swizzle ? "" : " row by row");
 }
 
-// One extractor for each drawing's options, opened when it is first asked for and dropped before the program ends. The
-// driver's messages are errors.
+// One extractor for each set of options, opened at first use and destroyed before the program ends. Messages of the
+// driver are errors.
 class GpuExtractors final : public testing::Environment {
  public:
   extract::Extractor* find(const Drawing& drawing) {
@@ -87,7 +87,7 @@ inline extract::Extraction extract_on_gpu(const field::ScalarField& field, const
 
 using KeyTriangle = std::array<mesh::EdgeKey, 3>;
 
-// Triangles by their edges, from the least on: independent of order, but not of winding.
+// Triangles as edge keys, starting at the lowest: independent of order, but not of winding.
 inline std::vector<KeyTriangle> key_triangles(const mesh::Mesh& mesh) {
   std::vector<KeyTriangle> set;
   set.reserve(mesh.triangles.size());
@@ -100,7 +100,7 @@ inline std::vector<KeyTriangle> key_triangles(const mesh::Mesh& mesh) {
   return set;
 }
 
-// A unit in the last place of the mesh's local coordinates.
+// Returns a unit in the last place of the mesh's local coordinates.
 inline double local_unit(const mesh::Mesh& mesh) {
   float largest = 0;
   for (const glm::vec3& p : mesh.positions) largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
@@ -108,12 +108,13 @@ inline double local_unit(const mesh::Mesh& mesh) {
          static_cast<double>(largest);
 }
 
-// In degrees; exact for small angles, unlike an arc cosine.
+// Returns the angle in degrees; exact for small angles, unlike an arc cosine.
 inline double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
   return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 57.29577951308232;
 }
 
-// Both with edge keys. Vertices with one key (parted at holes) have one position and one normal.
+// Expects equal surfaces; both meshes need edge keys. Vertices with the same key (split at holes) have the same
+// position and normal.
 inline void expect_same_surface(const mesh::Mesh& cpu, const mesh::Mesh& gpu) {
   constexpr double kUnits = 2;  // in the last place of the local coordinates
   constexpr double kDegrees = 0.01;
@@ -156,7 +157,7 @@ inline void expect_same_bytes(const mesh::Mesh& a, const mesh::Mesh& b) {
   EXPECT_TRUE(std::ranges::equal(a.triangles, b.triangles)) << "triangles";
 }
 
-// The mesh of each drawing is the CPU's, or the error is. Returns the triangles of the last one.
+// Expects that each drawing gives the CPU mesh, or the same error. Returns the number of triangles of the last one.
 template <class Drawings>
 std::size_t expect_parity(const field::ScalarField& field, extract::ExtractOptions options, const Drawings& drawings) {
   options.edge_keys = true;

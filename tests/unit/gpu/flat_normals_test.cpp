@@ -16,7 +16,7 @@ INSTANTIATE_TEST_SUITE_P(Pipelines, FlatNormals,
                                                                                           : "mc_by_tessellation");
                          });
 
-TEST_P(FlatNormals, AreTheTriangles) {
+TEST_P(FlatNormals, EqualTriangleNormals) {
   const auto field = field::make_demo_field("demo:gyroid?size=24", Context());
   ASSERT_TRUE(field);
   extract::ExtractOptions options;
@@ -39,7 +39,7 @@ TEST_P(FlatNormals, AreTheTriangles) {
         ASSERT_NEAR(glm::length(soup.normal(corner)), 1, 1e-5);
         EXPECT_EQ(soup.normal(corner), soup.normal(v)) << "one normal a triangle";
       }
-      // The cross product of edges in float32 says little of a sliver's plane.
+      // In float32 the cross product of a sliver's edges is not accurate.
       const double longest = std::max({glm::length(b - a), glm::length(c - a), glm::length(c - b)});
       if (glm::length(turned) > 0.01 * longest * longest) {
         farthest = std::max(farthest, test::angle_between(turned, soup.normal(v)));
@@ -52,7 +52,7 @@ TEST_P(FlatNormals, AreTheTriangles) {
   if (options.method == extract::Method::mt) {
     EXPECT_EQ(triangles, expected);
   } else {
-    EXPECT_GT(triangles, expected / 2);  // proxies have other triangles
+    EXPECT_GT(triangles, expected / 2);  // ambiguous cells have other triangles
   }
 }
 

@@ -1,4 +1,4 @@
-// The GPU's mesh is the CPU's: dense samples of every type, size, scale and placement.
+// The GPU gives the mesh of the CPU: dense samples of every type, size, scale and transform.
 #include <limits>
 
 #include "drawings.hpp"
@@ -13,7 +13,7 @@ using test::expect_parity;
 constexpr glm::ivec3 kSizes[] = {{2, 2, 2},   {3, 2, 2},    {2, 40, 2},  {2, 2, 33}, {8, 8, 8},    {9, 9, 9},
                                  {10, 9, 17}, {16, 16, 16}, {17, 8, 33}, {65, 3, 4}, {130, 10, 2}, {7, 24, 25}};
 
-TEST(Parity, EveryDrawingOfOddSizes) {
+TEST(Parity, MatchesForOddSizes) {
   unsigned seed = 0;
   for (const glm::ivec3& dims : kSizes) {
     SCOPED_TRACE(testing::Message() << dims.x << " x " << dims.y << " x " << dims.z);
@@ -27,7 +27,7 @@ TEST(Parity, EveryDrawingOfOddSizes) {
 }
 
 // Few distinct values: samples, faces and cells tie with iso.
-TEST(Parity, EveryDrawingOfTies) {
+TEST(Parity, MatchesForTies) {
   for (unsigned seed = 0; seed < 4; ++seed) {
     const field::ScalarField field = test::random_field<std::int16_t>({12, 11, 10}, seed, 5);
     for (const double iso : {0.0, 1.0, 2.0, 2.5}) {
@@ -39,7 +39,7 @@ TEST(Parity, EveryDrawingOfTies) {
   }
 }
 
-TEST(Parity, AxesOfOneSampleFailAlike) {
+TEST(Parity, FailsAlikeForAxesOfOneSample) {
   for (const glm::ivec3& dims : {glm::ivec3(1, 5, 5), glm::ivec3(5, 1, 5), glm::ivec3(5, 5, 1)}) {
     const field::ScalarField field = test::random_field<float>(dims, 1, 9);
     EXPECT_EQ(expect_parity(field, test::at_iso(4)), 0U);
@@ -53,8 +53,8 @@ using SampleTypes = testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std
                                    field::Half, float, double>;
 TYPED_TEST_SUITE(ParityOfType, SampleTypes);
 
-// The whole range of the type, through scales of both signs, as density and as level set.
-TYPED_TEST(ParityOfType, ScaledOrNot) {
+// The whole range of the type, with scales of both signs, as density and as level set.
+TYPED_TEST(ParityOfType, MatchesScaledOrNot) {
   using T = TypeParam;
   std::mt19937_64 engine(11);
   field::ScalarField field = test::dense_field<T>({11, 10, 12}, [&](int, int, int) {
@@ -75,7 +75,7 @@ TYPED_TEST(ParityOfType, ScaledOrNot) {
   }
 }
 
-TEST(Parity, PlacementsOfEveryKind) {
+TEST(Parity, MatchesForEveryPlacement) {
   const field::ScalarField field = test::random_field<float>({13, 12, 11}, 3, 1000000);
   const glm::dmat3 turned(0.8, 0.6, 0, -0.36, 0.48, 0.8, 0.48, -0.64, 0.6);
   const glm::dmat3 sheared(1, 0.25, 0, -0.5, 2, 0, 0.3, 0.125, 0.5);
@@ -90,7 +90,7 @@ TEST(Parity, PlacementsOfEveryKind) {
   }
 }
 
-TEST(Parity, RegionsAndTheirCaps) {
+TEST(Parity, MatchesForRegionsAndCaps) {
   const field::ScalarField field = test::random_field<std::uint16_t>({30, 21, 26}, 8, 1000);
   for (const field::IndexBox& region :
        {field::IndexBox{{3, 5, 2}, {20, 12, 9}}, field::IndexBox{{8, 8, 8}, {16, 16, 16}},
@@ -111,8 +111,8 @@ TEST(Parity, RegionsAndTheirCaps) {
   EXPECT_FALSE(test::kGpuExtractors->find({})->extract(field, options, Context()));
 }
 
-// Scattered NaN and infinities, also right behind the border that a cap closes.
-TEST(Parity, NanAndInfinities) {
+// Scattered NaN and infinities, also just inside the boundary that a cap closes.
+TEST(Parity, MatchesForNanAndInfinities) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   for (unsigned seed = 0; seed < 4; ++seed) {
@@ -146,7 +146,7 @@ TEST(Parity, NanAndInfinities) {
   }
 }
 
-TEST(Parity, NothingAndEverythingInside) {
+TEST(Parity, MatchesForEmptyAndFullFields) {
   for (const double value : {-1.0, 1.0}) {
     const field::ScalarField field = test::dense_field<float>({9, 20, 9}, [&](int, int, int) { return value; });
     extract::ExtractOptions options = test::at_iso(0);
@@ -158,8 +158,8 @@ TEST(Parity, NothingAndEverythingInside) {
   EXPECT_EQ(expect_parity(test::random_field<std::uint8_t>({9, 9, 9}, 1, 256), test::at_iso(255)), 0U);
 }
 
-// Values whose differences leave the range of float or double, or are lost in it.
-TEST(Parity, ExtremeValues) {
+// Values whose differences exceed the range of float or double, or vanish in it.
+TEST(Parity, MatchesForExtremeValues) {
   for (const double size : {1e-310, 5e-324, 1e-300, 1e-45, 1e30, 1e300, 1.7e308}) {
     SCOPED_TRACE(testing::Message() << "values about " << size);
     std::mt19937 engine(2);
@@ -169,7 +169,7 @@ TEST(Parity, ExtremeValues) {
     EXPECT_GT(expect_parity(field, test::at_iso(0)), 0U);
     EXPECT_GT(expect_parity(field, test::at_iso(size > 1e-320 ? size / 3 : size)), 0U);
   }
-  // Scales that make values beyond the ordinary of ordinary samples.
+  // Scales that turn ordinary samples into extreme values.
   for (const double slope : {1e-290, 1e-200, 1e305}) {
     SCOPED_TRACE(testing::Message() << "slope " << slope);
     field::ScalarField field = test::random_field<float>({10, 9, 8}, 4, 1000);
@@ -178,7 +178,7 @@ TEST(Parity, ExtremeValues) {
   }
 }
 
-TEST(Parity, DemoFields) {
+TEST(Parity, MatchesForDemoFields) {
   for (const char* spec : {"demo:sphere?size=40", "demo:gyroid?size=36", "demo:marschner-lobb?size=41"}) {
     SCOPED_TRACE(spec);
     const auto field = field::make_demo_field(spec, Context());

@@ -1,5 +1,5 @@
-// Samples that stay on the device: what is uploaded again, and that the mesh is that of an extractor that keeps
-// nothing.
+// Samples that stay on the device: which of them are uploaded again, and that the mesh equals that of an extractor that
+// keeps none.
 #include "gpu/detail/resident_samples.hpp"
 
 #include <atomic>
@@ -21,7 +21,7 @@ std::unique_ptr<extract::Extractor> keeping_extractor(std::optional<std::uint64_
   return std::move(made->extractor);
 }
 
-// What was uploaded; the mesh must be the one that an extractor without a past makes.
+// Returns the upload figures. Expects the mesh of a new extractor.
 extract::DeviceStats draw(extract::Extractor& keeping, const field::ScalarField& field,
                           extract::ExtractOptions options) {
   options.edge_keys = true;
@@ -38,7 +38,7 @@ extract::DeviceStats draw(extract::Extractor& keeping, const field::ScalarField&
   return *found->stats.device;
 }
 
-// Every brick is crossed; `changed` is another value at one sample.
+// Returns a field in which every brick is crossed; the sample `changed` has another value.
 field::ScalarField noise(const glm::ivec3& changed) {
   std::mt19937 engine(11);
   return test::dense_field<float>({24, 21, 24}, [&](int i, int j, int k) {
@@ -57,14 +57,14 @@ class Resident : public testing::TestWithParam<bool> {
 };
 INSTANTIATE_TEST_SUITE_P(Normals, Resident, testing::Bool());
 
-TEST_P(Resident, WhatIsThereIsNotUploadedAgain) {
+TEST_P(Resident, UploadsNoSampleTwice) {
   const auto keeping = keeping_extractor();
   const field::ScalarField field = noise(glm::ivec3(-1));
   const extract::DeviceStats first = draw(*keeping, field, options(500));
   EXPECT_EQ(first.samples_uploaded, 24U * 21 * 24);
   EXPECT_EQ(first.bricks_uploaded, GetParam() ? 4U * 3 * 4 : 3U * 3 * 3);
   EXPECT_EQ(first.bricks_kept + first.samples_kept, 0U);
-  // A copy: what counts is what the samples are, not where they lie. Nor does the iso value matter.
+  // A copy: only the values of the samples count, not their address, nor the iso value.
   for (const double iso : {500.0, 300.5}) {
     const extract::DeviceStats again = draw(*keeping, noise(glm::ivec3(-1)), options(iso));
     EXPECT_EQ(again.samples_uploaded + again.bricks_uploaded + again.bytes_uploaded, 0U);
@@ -73,7 +73,7 @@ TEST_P(Resident, WhatIsThereIsNotUploadedAgain) {
   }
 }
 
-TEST_P(Resident, OneChangedSampleTakesItsBrick) {
+TEST_P(Resident, UploadsBrickOfChangedSample) {
   const auto keeping = keeping_extractor();
   draw(*keeping, noise(glm::ivec3(-1)), options(500));
   for (const glm::ivec3& p : {glm::ivec3(12), glm::ivec3(10, 12, 20)}) {
@@ -81,13 +81,13 @@ TEST_P(Resident, OneChangedSampleTakesItsBrick) {
     EXPECT_EQ(changed.bricks_uploaded, p == glm::ivec3(12) ? 1U : 2U) << "the one before comes back as well";
     EXPECT_EQ(changed.samples_uploaded, 512 * changed.bricks_uploaded);
   }
-  // Where the brick is cut off by the border: 5 samples in y, and one or none more in x and z.
+  // A brick at the data boundary: 5 samples in y, and one or no more in x and z.
   const extract::DeviceStats corner = draw(*keeping, noise({23, 20, 23}), options(500));
   EXPECT_EQ(corner.samples_uploaded, 512U + (GetParam() ? 1U * 6 * 1 : 8U * 5 * 8));
 }
 
-// A ball that stays and one that wanders: the box that holds both moves, grows and shrinks.
-TEST_P(Resident, WhatStaysInTheWindowStays) {
+// A fixed ball and a moving one: the box around both moves, grows and shrinks.
+TEST_P(Resident, KeepsBricksInWindow) {
   const auto ball = [](const glm::dvec3& place) {
     return test::dense_field<float>({96, 90, 100}, [&](int i, int j, int k) {
       const glm::dvec3 p(i, j, k);
@@ -109,7 +109,7 @@ TEST_P(Resident, WhatStaysInTheWindowStays) {
   EXPECT_GE(kept, 6U) << "it grows three times at most, and all of it is uploaded then";
 }
 
-TEST_P(Resident, OtherFieldsBetweenDoNotDisturb) {
+TEST_P(Resident, SurvivesOtherFieldsInBetween) {
   const auto keeping = keeping_extractor();
   const field::ScalarField field = noise(glm::ivec3(-1));
   const extract::DeviceStats first = draw(*keeping, field, options(500));
@@ -126,12 +126,12 @@ TEST_P(Resident, OtherFieldsBetweenDoNotDisturb) {
   part.region = field::IndexBox{{3, 0, 5}, {20, 20, 20}};
   draw(*keeping, field, part);
   expect_all_anew();
-  part.region = field::IndexBox{{0, 0, 0}, {12, 12, 12}};  // bricks begin where those of the whole do
+  part.region = field::IndexBox{{0, 0, 0}, {12, 12, 12}};  // its bricks begin at the same samples as those of the whole
   EXPECT_GT(draw(*keeping, field, part).bricks_kept, 0U);
   EXPECT_GT(draw(*keeping, field, options(500)).bricks_kept, 0U);
 }
 
-TEST_P(Resident, NothingStaysWhereItDoesNotFit) {
+TEST_P(Resident, KeepsNothingIfTooLarge) {
   const auto keeping = keeping_extractor(std::uint64_t{1} << 20);
   const field::ScalarField large = test::random_field<double>({50, 48, 44}, 12, 1000);
   const field::ScalarField small = noise(glm::ivec3(-1));
@@ -150,8 +150,8 @@ TEST_P(Resident, NothingStaysWhereItDoesNotFit) {
   EXPECT_EQ(draw(*keeping, small, options(500)).bricks_kept, 0U);
 }
 
-// What was uploaded of it need not be what was hashed.
-TEST_P(Resident, SamplesOfAFileThatWasCutOffAreNotTrusted) {
+// The uploaded samples may differ from the hashed ones.
+TEST_P(Resident, DropsSamplesOfTruncatedFile) {
   const auto keeping = keeping_extractor();
   field::ScalarField field = noise(glm::ivec3(-1));
   std::atomic<bool> loss{true};
@@ -163,7 +163,7 @@ TEST_P(Resident, SamplesOfAFileThatWasCutOffAreNotTrusted) {
   EXPECT_EQ(draw(*keeping, field, options(500)).samples_uploaded, 0U);
 }
 
-TEST(BrickHash, IsOfTheSamplesAndTheirPlace) {
+TEST(BrickHash, DependsOnSamplesAndPosition) {
   const field::ScalarField field = test::dense_field<float>({20, 9, 10}, [](int i, int, int) { return i % 8; });
   const auto& samples = std::get<field::DenseSamples>(field.samples);
   const field::IndexBox first{{0, 0, 0}, {7, 7, 7}};

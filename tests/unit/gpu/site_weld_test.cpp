@@ -1,4 +1,4 @@
-// The weld, fed by hand: what a GPU would capture of a CPU's mesh, in any order.
+// Feeds the weld by hand: with the captures that a GPU would make of a CPU mesh, in any order.
 #include "gpu/detail/site_weld.hpp"
 
 #include <algorithm>
@@ -12,10 +12,10 @@
 namespace isoextract::gpu {
 namespace {
 
-constexpr glm::ivec3 kDims(17, 9, 18);  // some bricks own edges, but have no cell
+constexpr glm::ivec3 kDims(17, 9, 18);  // some bricks own edges but have no cell
 constexpr double kIso = 3.5;
 
-// Bricks of 8 x 8 x 8 cells, and for each what its cells draw, as captured.
+// Bricks of 8x8x8 cells, and the captured triangles of the cells of each.
 class HandMade {
  public:
   explicit HandMade(extract::Method method)
@@ -62,7 +62,7 @@ class HandMade {
             [this](const glm::ivec3& cell) { return variant(cell); }};
   }
 
-  // All sites in portions of random sizes and order, cells within a portion in random order as well.
+  // Adds all sites in portions of random size and order; the cells within a portion are in random order, too.
   void add_shuffled(SiteWeld& weld, unsigned seed) const {
     std::mt19937 engine(seed);
     std::vector<std::uint32_t> order(origins_.size());
@@ -169,7 +169,7 @@ mesh::Mesh finished(SiteWeld& weld, bool mirrored = false) {
 class Weld : public testing::TestWithParam<extract::Method> {};
 INSTANTIATE_TEST_SUITE_P(Methods, Weld, testing::Values(extract::Method::mc, extract::Method::mt), test::method_name);
 
-TEST_P(Weld, MakesTheCpusMeshAndDecidesProxies) {
+TEST_P(Weld, EqualsCpuMesh) {
   const HandMade made(GetParam());
   SiteWeld weld = made.weld();
   made.add_in_order(weld);
@@ -185,7 +185,7 @@ TEST_P(Weld, MakesTheCpusMeshAndDecidesProxies) {
   }
 }
 
-TEST_P(Weld, DoesNotDependOnOrderAndPortions) {
+TEST_P(Weld, IgnoresOrderAndPortions) {
   const HandMade made(GetParam());
   SiteWeld in_order = made.weld();
   made.add_in_order(in_order);
@@ -198,7 +198,7 @@ TEST_P(Weld, DoesNotDependOnOrderAndPortions) {
   }
 }
 
-TEST_P(Weld, TurnsTrianglesOverWhereTheFrameMirrors) {
+TEST_P(Weld, ReversesWindingForMirrors) {
   const HandMade made(GetParam());
   SiteWeld weld = made.weld();
   made.add_in_order(weld);
@@ -212,7 +212,7 @@ TEST_P(Weld, TurnsTrianglesOverWhereTheFrameMirrors) {
   }
 }
 
-TEST_P(Weld, RefusesWhatCannotBe) {
+TEST_P(Weld, RefusesInvalidCaptures) {
   const auto expect_refused = [](SiteWeld& weld, const char* what) {
     const auto sizes = weld.number();
     ASSERT_FALSE(sizes) << what;
@@ -221,7 +221,7 @@ TEST_P(Weld, RefusesWhatCannotBe) {
   };
   const HandMade made(GetParam());
   {
-    // An edge whose owner is no site.
+    // An edge whose owner is not a site.
     SiteWeld weld(
         made.table(), made.origins(),
         [&](std::size_t s) {
@@ -235,7 +235,7 @@ TEST_P(Weld, RefusesWhatCannotBe) {
   }
   HandMade broken(GetParam());
   auto& cells = broken.cells()[0];
-  // Not a proxy, so that the key itself is looked at.
+  // An unambiguous cell, so that the weld uses the key itself.
   const auto plain = std::ranges::find_if(cells, [](const auto& cell) { return (cell[0].key >> 15) == 0; });
   ASSERT_TRUE(plain != cells.end());
   const std::uint32_t key = (*plain)[0].key;
@@ -247,14 +247,14 @@ TEST_P(Weld, RefusesWhatCannotBe) {
     (*plain)[0].key = key;
   }
   {
-    // A site that the batch does not have.
+    // A site outside the batch.
     SiteWeld weld = broken.weld();
     const std::vector<std::uint32_t> batch{0};
     HandMade::add(weld, batch, {{0U, &*plain}, {1U, &*plain}});
     expect_refused(weld, "a stranger");
   }
   if (GetParam() == extract::Method::mt) return;
-  // A proxy that does not bring what its variant needs.
+  // An ambiguous cell without the vertices that its variant needs.
   for (auto& cell : cells) {
     if ((cell[0].key >> 15) != 0 && cell.size() > 3) {
       cell.resize(3);

@@ -1,4 +1,4 @@
-// Dense samples through windows of every height and width: the same mesh, and no sample uploaded that need not be.
+// Dense samples through windows of every height and width: the mesh is the same, and only needed samples are uploaded.
 #include "captured_surface.hpp"
 #include "drawings.hpp"
 #include "support/fields.hpp"
@@ -7,7 +7,7 @@ namespace isoextract::gpu {
 namespace {
 
 constexpr std::uint64_t kPlenty = std::uint64_t{1} << 24;
-// Every brick is crossed, and no two samples are alike.
+// A field in which every brick is crossed and all samples differ.
 field::ScalarField noise(const glm::ivec3& dims) { return test::random_field<float>(dims, 17, 1000000); }
 
 extract::ExtractOptions half(extract::Method method, bool normals) {
@@ -25,7 +25,7 @@ std::uint64_t product(const glm::ivec3& v) {
 class Slabs : public testing::TestWithParam<extract::Method> {};
 INSTANTIATE_TEST_SUITE_P(Methods, Slabs, testing::Values(extract::Method::mc, extract::Method::mt), test::method_name);
 
-TEST_P(Slabs, OfEveryHeightMakeTheSameMesh) {
+TEST_P(Slabs, HeightDoesNotChangeMesh) {
   const glm::ivec3 dims(18, 11, 35);
   const field::ScalarField field = noise(dims);
   const bool normals = GetParam() == extract::Method::mc;
@@ -54,7 +54,7 @@ TEST_P(Slabs, OfEveryHeightMakeTheSameMesh) {
   }
 }
 
-TEST_P(Slabs, OfColumnsMakeTheSameMesh) {
+TEST_P(Slabs, ColumnsDoNotChangeMesh) {
   const glm::ivec3 dims(27, 34, 19);
   const field::ScalarField field = noise(dims);
   const bool normals = GetParam() == extract::Method::mc;
@@ -75,7 +75,7 @@ TEST_P(Slabs, OfColumnsMakeTheSameMesh) {
     before = source->uploads().samples;
   }
   EXPECT_EQ(before, product(dims)) << "one column";
-  // Textures that may not be larger, with memory for more.
+  // The texture size is limited, the memory is not.
   for (const int size : {least, 12, 20, 30}) {
     SCOPED_TRACE(testing::Message() << "textures of " << size);
     auto source = surface.source(kPlenty, size);
@@ -84,8 +84,8 @@ TEST_P(Slabs, OfColumnsMakeTheSameMesh) {
   }
 }
 
-// As users do it.
-TEST_P(Slabs, OfLittleMemoryMakeTheSameMesh) {
+// Through the public interface.
+TEST_P(Slabs, LittleMemoryDoesNotChangeMesh) {
   const field::ScalarField field = test::random_field<double>({66, 64, 40}, 12, 1000000);
   extract::ExtractOptions options = half(GetParam(), false);
   options.iso = 995000;  // small balls, and few ambiguous cells
@@ -101,7 +101,7 @@ TEST_P(Slabs, OfLittleMemoryMakeTheSameMesh) {
   EXPECT_EQ(found->stats.device->bytes_uploaded, 8 * product({66, 64, 40})) << "in slabs, each sample once";
 }
 
-TEST_P(Slabs, CapturedInPortionsMakeTheSameMesh) {
+TEST_P(Slabs, PortionsDoNotChangeMesh) {
   const field::ScalarField field = noise({18, 17, 20});
   test::DenseSurface surface(field, half(GetParam(), false));
   std::optional<mesh::Mesh> expected;
@@ -115,9 +115,9 @@ TEST_P(Slabs, CapturedInPortionsMakeTheSameMesh) {
   }
 }
 
-TEST_P(Slabs, BricksThatTheSurfaceDoesNotPassStayAtHome) {
+TEST_P(Slabs, UploadsOnlyCrossedBricks) {
   const glm::ivec3 dims(96, 90, 100);
-  // Two balls in opposite corners of the box that holds both.
+  // Two balls in opposite corners of their common box.
   const field::ScalarField field = test::dense_field<float>(dims, [](int i, int j, int k) {
     const glm::dvec3 p(i, j, k);
     return 5.3 - std::min(glm::length(p - glm::dvec3(20, 22, 18)), glm::length(p - glm::dvec3(70, 61, 80)));
@@ -142,7 +142,7 @@ TEST_P(Slabs, BricksThatTheSurfaceDoesNotPassStayAtHome) {
   }
 }
 
-TEST_P(Slabs, TooLittleMemoryIsAnErrorThatSaysHowMuchIsEnough) {
+TEST_P(Slabs, FailsAndTellsEnoughMemory) {
   const field::ScalarField field = noise({20, 20, 20});
   test::DenseSurface surface(field, half(GetParam(), false));
   EXPECT_TRUE(surface.source(4 * product(glm::ivec3(9)), 2048));
@@ -160,7 +160,7 @@ TEST_P(Slabs, TooLittleMemoryIsAnErrorThatSaysHowMuchIsEnough) {
   EXPECT_EQ(extractor.error().code, ErrorCode::usage);
 }
 
-TEST(DeviceMemory, IsNotTakenWhereThereIsNoSurface) {
+TEST(DeviceMemory, IsNotUsedWithoutSurface) {
   field::DenseSamples samples;
   samples.dims = glm::ivec3(1 << 20);
   auto source =
@@ -171,14 +171,14 @@ TEST(DeviceMemory, IsNotTakenWhereThereIsNoSurface) {
     ASSERT_TRUE(ready);
     EXPECT_TRUE(ready->empty());
   }
-  // Two sites side by side, far out: as large as they are, however large the field is.
+  // Two adjacent sites far out: the texture has their size, however large the field is.
   const std::vector<glm::ivec3> sites{{80000, 8000, 88}, {80008, 8000, 88}};
   EXPECT_TRUE(DenseSource::make(test::kOwnContext->context(), samples, sites, {glm::ivec3(0), samples.dims - 1},
                                 {false, 4 * 17 * 9 * 9, 17}));
 }
 
-// The device cannot have it: an error value, and the context goes on.
-TEST(DeviceMemory, TooLargeATextureIsAnError) {
+// The device cannot allocate it: the call returns an error, and the context stays usable.
+TEST(DeviceMemory, FailsForTooLargeTexture) {
   const gl::GlContext& context = test::kOwnContext->context();
   field::DenseSamples samples;
   samples.type = field::SampleType::f64;

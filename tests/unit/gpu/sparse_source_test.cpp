@@ -1,4 +1,4 @@
-// Sparse samples on the GPU: the CPU's mesh, whatever the atlas holds, and no leaf uploaded that need not be.
+// Sparse samples on the GPU give the CPU mesh for every size of the atlas, and only needed leaves are uploaded.
 #include <limits>
 #include <map>
 
@@ -12,7 +12,7 @@ namespace {
 using test::expect_parity;
 
 constexpr std::uint64_t kLeaf = 512 * sizeof(float);
-// Noise over blocks, some of which are constant: background, inside, or a little inside.
+// Noise in blocks; some blocks are constant: background, inside, or slightly inside.
 template <class T>
 field::ScalarField noise_with_tiles(const glm::ivec3& dims, unsigned seed, double background) {
   std::mt19937 engine(seed);
@@ -32,7 +32,7 @@ void move_by(field::ScalarField& field, const glm::ivec3& offset) {
   for (field::SparseTile& tile : samples.tiles) tile.origin += offset;
 }
 
-TEST(SparseParity, BlocksTilesAndBackground) {
+TEST(SparseParity, MatchesForTilesAndBackground) {
   for (const double background : {0.0, 70.0}) {
     field::ScalarField field = noise_with_tiles<float>({32, 16, 24}, 3, background);
     for (const bool negative : {false, true}) {
@@ -46,7 +46,7 @@ TEST(SparseParity, BlocksTilesAndBackground) {
   }
 }
 
-TEST(SparseParity, RegionsThatCutLeaves) {
+TEST(SparseParity, MatchesForRegionsThatCutLeaves) {
   for (const double background : {0.0, 70.0}) {
     field::ScalarField field = noise_with_tiles<std::int16_t>({24, 32, 24}, 5, background);
     move_by(field, {-8, 0, 8});
@@ -68,7 +68,7 @@ TEST(SparseParity, RegionsThatCutLeaves) {
   }
 }
 
-TEST(SparseParity, NanInLeaves) {
+TEST(SparseParity, MatchesForNanInLeaves) {
   std::mt19937 engine(9);
   const field::ScalarField dense = test::dense_field<float>({24, 16, 16}, [&](int, int, int) {
     const double random = std::uniform_real_distribution<double>(-1, 1)(engine);
@@ -88,7 +88,7 @@ TEST(SparseParity, NanInLeaves) {
   }
 }
 
-// Constants go to the device as bits of the samples' type.
+// Constants are uploaded as bits of the sample type.
 template <class T>
 void expect_tiles_of() {
   SCOPED_TRACE(field::sample_type_name(field::sample_type_of<T>()));
@@ -96,7 +96,7 @@ void expect_tiles_of() {
   field.scale = {0.5, -4};
   EXPECT_GT(expect_parity(field, test::at_iso(21)), 0U);
 }
-TEST(SparseParity, TilesOfEveryType) {
+TEST(SparseParity, MatchesForTilesOfEveryType) {
   expect_tiles_of<std::uint8_t>();
   expect_tiles_of<std::int8_t>();
   expect_tiles_of<std::uint16_t>();
@@ -106,7 +106,7 @@ TEST(SparseParity, TilesOfEveryType) {
   expect_tiles_of<double>();
 }
 
-TEST(SparseParity, TilesAlone) {
+TEST(SparseParity, MatchesForTilesAlone) {
   field::ScalarField field = test::sparse_copy<float>(test::random_field<float>({8, 8, 8}, 1, 2), 0);
   auto& samples = std::get<field::SparseSamples>(field.samples);
   samples.blocks.clear();
@@ -119,7 +119,7 @@ TEST(SparseParity, TilesAlone) {
 class Atlas : public testing::TestWithParam<extract::Method> {};
 INSTANTIATE_TEST_SUITE_P(Methods, Atlas, testing::Values(extract::Method::mc, extract::Method::mt), test::method_name);
 
-TEST_P(Atlas, OfEverySizeMakesTheSameMesh) {
+TEST_P(Atlas, SizeDoesNotChangeMesh) {
   const field::ScalarField field = noise_with_tiles<float>({40, 40, 32}, 2, 0);
   extract::ExtractOptions options = test::at_iso(50);
   options.method = GetParam();
@@ -134,7 +134,7 @@ TEST_P(Atlas, OfEverySizeMakesTheSameMesh) {
     int max_texture;
     bool holds_all;
   };
-  // 27 leaves may be needed at a time; textures of 40 are 5 leaves wide.
+  // Up to 27 leaves are needed at a time; textures of 40 samples are 5 leaves wide.
   for (const Size& size :
        {Size{1000, 2048, true}, Size{leaves, 2048, true}, Size{leaves, 40, true}, Size{27, 2048, false},
         Size{1000, 24, false}, Size{32, 32, false}, Size{leaves - 10, 64, false}}) {
@@ -158,8 +158,8 @@ TEST_P(Atlas, OfEverySizeMakesTheSameMesh) {
   test::expect_same_surface(test::extract(field, options).mesh, *expected);
 }
 
-TEST_P(Atlas, LeavesThatTheSurfaceDoesNotPassStayAtHome) {
-  // All blocks are stored, for no two samples are alike.
+TEST_P(Atlas, UploadsOnlyCrossedLeaves) {
+  // All blocks are stored, because all samples differ.
   const field::ScalarField dense = test::dense_field<float>({64, 64, 64}, [](int i, int j, int k) {
     return 9.3 - glm::length(glm::dvec3(i, j, k) - glm::dvec3(30.1, 31.2, 30.3));
   });
@@ -177,7 +177,7 @@ TEST_P(Atlas, LeavesThatTheSurfaceDoesNotPassStayAtHome) {
   EXPECT_EQ(figures.left_out, 512 * 512 - figures.samples);
 }
 
-TEST_P(Atlas, TooSmallIsAnError) {
+TEST_P(Atlas, FailsIfTooSmall) {
   const field::ScalarField field = noise_with_tiles<float>({40, 40, 40}, 2, 0);
   extract::ExtractOptions options = test::at_iso(50);
   options.method = GetParam();

@@ -1,6 +1,6 @@
 target_link_libraries(test_gpu PRIVATE isoextract_bench isoextract_volume_io)
 
-# device_test runs it where drivers are missing or broken.
+# device_test runs it in environments with missing or broken drivers.
 add_executable(gpu_device_probe unit/gpu/programs/device_probe.cpp)
 target_link_libraries(gpu_device_probe PRIVATE isoextract_gpu isoextract_options)
 add_library(gpu_no_functions MODULE unit/gpu/programs/no_functions.cpp)

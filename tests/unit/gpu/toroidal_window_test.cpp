@@ -1,4 +1,4 @@
-// The window against a model that keeps every sample by its address.
+// Compares the window with a model that stores every sample by its address.
 #include <map>
 #include <random>
 #include <tuple>
@@ -28,7 +28,7 @@ void for_each_sample(const field::IndexBox& box, const F& f) {
 using Key = std::tuple<int, int, int>;
 Key key(const glm::ivec3& p) { return {p.x, p.y, p.z}; }
 
-TEST(ToroidalWindow, ReportsWhatEnteredAndNothingElse) {
+TEST(ToroidalWindow, ReportsOnlyEnteredSamples) {
   std::mt19937 engine(4);
   const auto random = [&](int low, int high) { return std::uniform_int_distribution<int>(low, high)(engine); };
   for (int run = 0; run < 40; ++run) {
@@ -52,7 +52,7 @@ TEST(ToroidalWindow, ReportsWhatEnteredAndNothingElse) {
         for (const field::IndexBox& piece : window.pieces(box)) {
           for_each_sample(piece, [&](const glm::ivec3& p) {
             ++reported[key(p)];
-            // In one piece: addresses rise with samples.
+            // A piece is contiguous: addresses rise with the samples.
             EXPECT_EQ(window.texel(p), window.texel(piece.min) + (p - piece.min));
             kept[key(window.texel(p))] = key(p);
           });
@@ -73,7 +73,7 @@ TEST(ToroidalWindow, ReportsWhatEnteredAndNothingElse) {
   }
 }
 
-TEST(ToroidalWindow, CutsBoxesAtItsSeams) {
+TEST(ToroidalWindow, SplitsBoxesAtSeams) {
   const ToroidalWindow window({4, 5, 3});
   const field::IndexBox box{{6, 3, 2}, {8, 7, 3}};  // ends on a seam in x and z
   const auto pieces = window.pieces(box);
@@ -86,15 +86,15 @@ TEST(ToroidalWindow, CutsBoxesAtItsSeams) {
   EXPECT_EQ(window.pieces(whole).front(), whole);
 }
 
-TEST(ToroidalWindow, StandingStillTakesNothing) {
+TEST(ToroidalWindow, UploadsNothingWithoutMove) {
   ToroidalWindow window({4, 4, 4});
   EXPECT_EQ(window.move_to({1, 2, 3}).size(), 1U);
   EXPECT_TRUE(window.move_to({1, 2, 3}).empty());
 }
 
-// Shustikov: a step along the diagonal renews one row and one column, which the paper counts as 2n of n * n texels; the
-// corner that both share is renewed once.
-TEST(ToroidalWindow, SavesWhatThePaperSays) {
+// Shustikov: a step along the diagonal renews one row and one column. The paper counts 2n of n * n texels; here their
+// common corner is renewed once.
+TEST(ToroidalWindow, SavesUploadsLikePaper) {
   constexpr int kSize = 255;
   ToroidalWindow window({kSize, kSize, 1});
   EXPECT_EQ(volume(window.move_to({1000, 77, 0}).front()), 65025U);

@@ -1,4 +1,4 @@
-// Fields beyond one draw, cases that break extraction in float32, and volumes by others.
+// Fields that need several draws, cases that break extraction in float32, and real volumes.
 #include "bench/stability.hpp"
 #include "drawings.hpp"
 #include "field/demo_field.hpp"
@@ -9,16 +9,16 @@
 namespace isoextract::gpu {
 namespace {
 
-// llvmpipe repeats the first batch in a tessellated draw of more than 65,536 vertices, which are 128 sites; the number
-// of triangles looks right all the same.
-TEST(LargeDraw, TessellatedVerticesAreNotRepeated) {
+// llvmpipe repeats the first batch in a tessellated draw of more than 65,536 vertices (128 sites). The number of
+// triangles is still right.
+TEST(LargeDraw, RepeatsNoTessellatedVertices) {
   const auto field = field::make_demo_field("demo:gyroid?size=56", Context());
   ASSERT_TRUE(field);
   EXPECT_GT(test::extract_on_gpu(*field, {}).stats.bricks_visited, 300U);
   EXPECT_GT(test::expect_parity(*field, extract::ExtractOptions{}), 40000U);
 }
 
-TEST(LargeDraw, StatsSayWhatWasDone) {
+TEST(LargeDraw, ReportsStats) {
   const auto field = field::make_demo_field("demo:gyroid?size=40", Context());
   ASSERT_TRUE(field);
   const extract::Extraction result = test::extract_on_gpu(*field, {});
@@ -26,7 +26,8 @@ TEST(LargeDraw, StatsSayWhatWasDone) {
   const extract::DeviceStats& device = *result.stats.device;
   EXPECT_EQ(device.bytes_uploaded, 40U * 40 * 40 * sizeof(float)) << "the surface is everywhere";
   EXPECT_EQ(device.samples_uploaded, 40U * 40 * 40);
-  // Three vertices a triangle, of a position and a key; ambiguous cells may send fewer triangles than they draw.
+  // Three vertices a triangle, each with a position and a key. Ambiguous cells may capture fewer triangles than they
+  // draw.
   EXPECT_NEAR(static_cast<double>(device.bytes_captured), 48.0 * static_cast<double>(result.mesh.triangles.size()),
               48.0 * 4 * static_cast<double>(device.cells_decided) + 1);
   EXPECT_GE(result.stats.emit.wall_seconds, device.weld.wall_seconds);
@@ -72,7 +73,7 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
-TEST_P(GpuRealVolume, IsTheCpus) {
+TEST_P(GpuRealVolume, EqualsCpu) {
   ISOEXTRACT_NEEDS_DATA(GetParam().file);
   volume_io::ReadOptions read;
   read.raw = GetParam().raw;

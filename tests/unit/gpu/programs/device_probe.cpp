@@ -1,4 +1,4 @@
-// Opens a device in a process of its own, and says in one line how that went. For device_test.cpp.
+// Opens a device in a process of its own and prints the result in one line, for device_test.cpp.
 #include <cstdio>
 
 #include "gpu/gpu_extractor.hpp"
@@ -12,7 +12,7 @@ int main() {
   const isoextract::Error& error = extractor.error();
   std::printf("error %d|%s|%s%s\n", exit_code_of(error.code), error.message.c_str(), error.hint.text.c_str(),
               error.hint.remedy == isoextract::Remedy::use_cpu ? "|use_cpu" : "");
-  // A device that cannot be used is listed all the same, and must be said to be so.
+  // An unusable device is listed, too, and must be marked as such.
   const auto devices = isoextract::gl::list_gpu_devices();
   if (!devices) return 0;
   for (const isoextract::gl::GpuDevice& device : *devices) {

@@ -1,1 +1,1 @@
-// A library that loads and has nothing in it, to stand in the place of libEGL.so.1.
+// A library that loads but is empty, as a substitute for libEGL.so.1.
