@@ -89,7 +89,7 @@ std::uint64_t count_in_blocks(const ScalarField& field, double iso) {
   });
 }
 
-// What the surface crosses in a sparse field.
+// Counts of the grid edges and places that the surface crosses in a sparse field.
 struct Passed {
   std::uint64_t edges = 0;   // grid edges
   std::uint64_t places = 0;  // block-sized places

@@ -21,7 +21,7 @@ namespace {
 
 // The direction of the rays: not parallel to any line through two nearby grid points.
 const glm::dvec3 kWay(8112, 4361, 3897);
-// Of length 0.5, so that projected coordinates stay finite in float.
+// Ray coordinates: axes of length 0.5, so that projected coordinates stay finite in float.
 const glm::dvec3 kAlong = 0.5 * glm::normalize(kWay);
 const glm::dvec3 kAcross = 0.5 * glm::normalize(glm::cross(kWay, glm::dvec3(0, 0, 1)));
 const glm::dvec3 kUp = 2.0 * glm::cross(kAlong, kAcross);
