@@ -1,4 +1,4 @@
-// A box as a mesh.
+// Makes box meshes.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,8 @@
 
 namespace isoextract::test {
 
-// Closed, wound outward, two triangles a side. Corner n is at its bits: 1, 2 and 4 are high along x, y and z.
+// Returns a closed box, wound outward, with two triangles per side. In corner number n, bits 1, 2 and 4 select the high
+// side along x, y and z.
 inline mesh::Mesh box_mesh(const glm::vec3& low, const glm::vec3& high) {
   constexpr std::array<glm::uvec3, 12> kTriangles{{{0, 2, 1},
                                                    {1, 2, 3},

@@ -1,4 +1,5 @@
-// Real volumes by others: the folder in ISOEXTRACT_DATA, or shared/data beside the checkout. Not part of the project.
+// Real volumes from other sources, which are not part of the project: the folder in ISOEXTRACT_DATA, or shared/data
+// beside the checkout.
 #pragma once
 
 #include <cstdlib>
@@ -14,7 +15,7 @@ inline std::filesystem::path data_file(const std::string& name) {
 
 }  // namespace isoextract::test
 
-// For files that include gtest: ends the test, saying so, where a file of the data folder is not there.
+// Skips the test with a message if a file of the data folder is missing. For sources that include gtest.
 #define ISOEXTRACT_NEEDS_DATA(name)                                \
   if (!std::filesystem::exists(isoextract::test::data_file(name))) \
   GTEST_SKIP() << "no " << isoextract::test::data_file(name) << ": set ISOEXTRACT_DATA to the data folder"

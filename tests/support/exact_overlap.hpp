@@ -1,5 +1,5 @@
-// Whether two triangles have more in common than the corners that they share, by another way than the program's: what
-// they have in common is cut out of one of them in rational numbers.
+// Decides whether two triangles intersect beyond the corners that they share, by another method than the program's:
+// clips one triangle by the other in rational numbers.
 #pragma once
 
 #include <array>
@@ -10,11 +10,11 @@
 
 namespace isoextract::test {
 
-using WholeTriangle = std::array<glm::i64vec3, 3>;  // small coordinates, up to some hundreds
+using WholeTriangle = std::array<glm::i64vec3, 3>;  // coordinates up to some hundreds, so that nothing overflows
 
 class ExactOverlap {
  public:
-  // Triangles with area and at most two common corners.
+  // Both triangles have an area and share at most two corners.
   static bool meet(const WholeTriangle& p, const WholeTriangle& q) {
     std::vector<Point> common;
     for (const glm::i64vec3& corner : p) common.push_back({corner.x, corner.y, corner.z, 1});
@@ -35,7 +35,7 @@ class ExactOverlap {
 
  private:
   __extension__ using Whole = __int128;
-  struct Point {  // x / w and so on; w above 0
+  struct Point {  // the point (x / w, y / w, z / w) with w > 0
     Whole x, y, z, w;
   };
 
@@ -60,12 +60,12 @@ class ExactOverlap {
     return {p.x / by, p.y / by, p.z / by, p.w / by};
   }
 
-  // Times w: on which side of the plane through `at` the point lies.
+  // Returns the signed distance from the plane through `at`, times w.
   static Whole height(const Point& p, const glm::i64vec3& normal, const glm::i64vec3& at) {
     return normal.x * (p.x - at.x * p.w) + normal.y * (p.y - at.y * p.w) + normal.z * (p.z - at.z * p.w);
   }
 
-  // What of a convex polygon, which may be a segment or a point, is not below the plane.
+  // Returns the part of a convex polygon that is not below the plane. The polygon may be a segment or a point.
   static std::vector<Point> cut(const std::vector<Point>& polygon, const glm::i64vec3& normal, const glm::i64vec3& at) {
     std::vector<Point> kept;
     for (std::size_t i = 0; i < polygon.size(); ++i) {

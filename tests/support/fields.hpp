@@ -1,4 +1,4 @@
-// Fields made in tests: dense ones by formula, and sparse ones with the same values.
+// Fields for tests: dense ones by formula, and sparse ones with the same values.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace isoextract::test {
 
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// Halves are made from floats only.
+// half can only be constructed from float.
 template <class T, class V>
 T sample(V value) {
   if constexpr (std::is_same_v<T, field::Half>) {
@@ -25,7 +25,7 @@ T sample(V value) {
   }
 }
 
-// value(i, j, k) for every sample; index space is world space.
+// Returns a dense field with value(i, j, k) at every sample; index space equals world space.
 template <class T, class F>
 field::ScalarField dense_field(const glm::ivec3& dims, const F& value) {
   auto values = std::make_shared<std::vector<T>>();
@@ -49,8 +49,9 @@ field::ScalarField random_field(const glm::ivec3& dims, unsigned seed, int disti
   return dense_field<T>(dims, [&](int, int, int) { return value(engine); });
 }
 
-// The same values in 8^3 blocks, tiles where a block is constant, and `background` where it is constant background. The
-// first and the last block are always stored, so that the stored box is the dense box. Dims must be multiples of 8.
+// Returns a sparse field with the same values: 8^3 blocks, tiles for constant blocks, and `background` for blocks of
+// that value. The first and the last block are always stored, so that the stored box is the dense box. Dims must be
+// multiples of 8.
 template <class T>
 field::ScalarField sparse_copy(const field::ScalarField& field, double background) {
   const auto& dense = std::get<field::DenseSamples>(field.samples);

@@ -1,4 +1,4 @@
-// The components of a mesh, each by its Euler number.
+// Counts the components of a mesh and their Euler numbers.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,8 @@
 
 namespace isoextract::test {
 
-// Of a closed mesh: vertices - edges + triangles, with 3/2 edges a triangle.
+// Returns the sorted Euler numbers, vertices - edges + triangles, of the components of a closed mesh, which has 3/2
+// edges per triangle.
 [[nodiscard]] inline SurfaceTopology component_euler_numbers(const mesh::Mesh& mesh) {
   DisjointSets components;
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) components.add();

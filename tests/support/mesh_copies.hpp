@@ -1,4 +1,4 @@
-// Copies of meshes, as they are and in another order: what another backend would give.
+// Copies of meshes, unchanged or reordered as another backend would give them.
 #pragma once
 
 #include <algorithm>
@@ -12,10 +12,10 @@ namespace isoextract::test {
 
 inline mesh::Mesh copy_of(const mesh::Mesh& mesh) { return copy(mesh); }
 
-// The same mesh with its vertices and triangles in random order, and triangles that start anywhere.
+// Returns the mesh with vertices and triangles in random order and the corners of triangles rotated at random.
 inline mesh::Mesh shuffled(const mesh::Mesh& mesh, unsigned seed) {
   std::mt19937 engine(seed);
-  std::vector<std::uint32_t> number(mesh.positions.size());  // the new one of each vertex
+  std::vector<std::uint32_t> number(mesh.positions.size());  // the new number of each vertex
   std::iota(number.begin(), number.end(), 0U);
   std::shuffle(number.begin(), number.end(), engine);
   mesh::Mesh result = copy_of(mesh);
@@ -32,7 +32,7 @@ inline mesh::Mesh shuffled(const mesh::Mesh& mesh, unsigned seed) {
   return result;
 }
 
-// Without one of its triangles.
+// Returns a copy without one of the triangles.
 inline mesh::Mesh without_triangle(const mesh::Mesh& mesh, std::size_t triangle) {
   mesh::Mesh result = copy_of(mesh);
   result.triangles = Buffer<glm::uvec3>(mesh.triangles.size() - 1);

@@ -1,5 +1,5 @@
-"""Mesh files read with nothing but the standard library: what tests and scripts know of them without the program's own
-readers. As much of each format as isoextract, MeshLab and what it is compared with write; anything else is an error."""
+"""Reads mesh files with only the standard library, for tests and scripts that must not use the program's own
+readers. Supports what isoextract, MeshLab and the programs it is compared with write; all else is an error."""
 
 import io
 import json
@@ -10,8 +10,8 @@ import urllib.parse
 
 
 class Mesh:
-    """Vertices in output coordinates, triangles, normals where there are any. Without connectivity, every triangle has
-    corners of its own."""
+    """Vertices in output coordinates, triangles, and normals if any. Without connectivity, every triangle has
+    its own corners."""
 
     def __init__(self, vertices, triangles, normals=(), has_connectivity=True):
         self.vertices = vertices
@@ -24,7 +24,7 @@ class Mesh:
                 [max(v[axis] for v in self.vertices) for axis in range(3)])
 
     def open_edges(self):
-        """Edges that no triangle runs along the other way."""
+        """Returns the edges that no triangle has in the opposite direction."""
         edges = set()
         for a, b, c in self.triangles:
             for edge in ((a, b), (b, c), (c, a)):
@@ -55,14 +55,14 @@ PLY_TYPES |= {"double": "d", "float64": "d"}
 
 
 class PlyHeader:
-    """The header of a PLY file, binary little-endian or ascii, read from a file object up to where its data begins."""
+    """The header of a PLY file, binary little-endian or ascii; reads a file object up to the data."""
 
     def __init__(self, file):
         if file.readline().strip() != b"ply":
             raise AssertionError("not a PLY file")
         self.ascii_format = False
-        self.counts = {}  # by element, in the file's order
-        self.properties = {}  # of each element, the words after "property"
+        self.counts = {}  # number of elements by name, in the file's order
+        self.properties = {}  # by element: the words after "property"
         element = None
         while (words := file.readline().decode().split()) != ["end_header"]:
             if not words:
@@ -79,17 +79,17 @@ class PlyHeader:
                 self.properties[element].append(words[1:])
 
     def fixed_size(self, element):
-        """Bytes of one such element without what its lists hold."""
+        """Returns the bytes of one such element without the entries of its lists."""
         return sum(struct.calcsize(PLY_TYPES[words[1] if words[0] == "list" else words[0]])
                    for words in self.properties[element])
 
     def index_size(self):
-        """Bytes of a corner of a face."""
+        """Returns the bytes of a face's corner index."""
         return next(struct.calcsize(PLY_TYPES[words[2]]) for words in self.properties["face"] if words[0] == "list")
 
 
 def read_ply(data):
-    """A PLY file of vertices and triangles."""
+    """Reads a PLY file of vertices and triangles."""
     file = io.BytesIO(data)
     header = PlyHeader(file)
     body = file.read()
@@ -118,7 +118,7 @@ def read_ply(data):
 
 
 def read_glb(data):
-    """All meshes of a GLB file by the names of their nodes, with the nodes' translations applied."""
+    """Reads all meshes of a GLB file by node name, with the nodes' translations applied."""
     magic, version, length = struct.unpack_from("<4sII", data)
     if (magic, version, length) != (b"glTF", 2, len(data)):
         raise AssertionError("not a GLB file of the length it says")
@@ -129,7 +129,7 @@ def read_glb(data):
 
 
 def read_gltf(path):
-    """The same of a glTF file with its one buffer beside it."""
+    """Reads a glTF file with one buffer file in the same way."""
     model = json.loads(path.read_text(encoding="utf-8"))
     names = [urllib.parse.unquote(buffer["uri"]) for buffer in model.get("buffers", [])]
     return gltf_meshes(model, path.with_name(names[0]).read_bytes() if names else b"")
@@ -162,7 +162,7 @@ def gltf_meshes(model, binary):
 
 
 def read_obj(data):
-    """All objects of an OBJ file as one mesh."""
+    """Reads all objects of an OBJ file as one mesh."""
     vertices, normals, triangles = [], [], []
     for line in data.decode().splitlines():
         words = line.split()
@@ -176,7 +176,7 @@ def read_obj(data):
 
 
 def read_stl(data):
-    """An STL file, binary or text; every corner is a vertex of its own."""
+    """Reads an STL file, binary or text; every corner becomes a vertex."""
     if data.startswith(b"solid"):
         rows = [line.split() for line in data.decode().splitlines()]
         vertices = [tuple(float(word) for word in words[1:4]) for words in rows if words[:1] == ["vertex"]]
@@ -195,7 +195,7 @@ def read_stl(data):
 
 
 def read(path):
-    """The meshes of a file whose name ends in .glb, .gltf, .ply, .obj or .stl."""
+    """Reads the meshes of a .glb, .gltf, .ply, .obj or .stl file."""
     path = pathlib.Path(path)
     suffix = path.suffix.lower()
     if suffix == ".gltf":

@@ -1,4 +1,4 @@
-// Comparing meshes in tests.
+// Compares meshes.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,8 @@ namespace isoextract::test {
 
 using Point = std::tuple<double, double, double>;
 
-// Triangles as sorted corner positions that start at their least corner: independent of vertex and triangle order, but
-// not of winding.
+// Returns the sorted triangles as corner positions, each rotated to start at its least corner. Independent of the order
+// of vertices and triangles, but not of winding.
 inline std::vector<std::array<Point, 3>> triangle_set(const mesh::Mesh& mesh) {
   std::vector<std::array<Point, 3>> set;
   for (const glm::uvec3& t : mesh.triangles) {
@@ -43,7 +43,7 @@ inline extract::Extraction extract(const field::ScalarField& field, const extrac
   return std::move(*result);
 }
 
-// Closed (if `closed`), oriented, manifold, without unused vertices or zero-area triangles.
+// Expects the mesh to be closed (if `closed`), oriented and manifold, without unused vertices or zero-area triangles.
 inline void expect_sound(const mesh::Mesh& mesh, bool closed) {
   const mesh::Topology t = mesh::measure_topology(mesh);
   if (closed) {

@@ -1,5 +1,5 @@
-// The methods of the method table, for suites that run over all of them or over those with a trait: a new row of the
-// table is in these suites by itself.
+// Lists the methods of the method table, for suites that run over all methods or over those with a trait. A new row of
+// the table joins these suites automatically.
 #pragma once
 
 #include <algorithm>
@@ -12,13 +12,13 @@
 
 namespace isoextract::test {
 
-// The method's name with underscores for what the name of a test must not have.
+// Returns the method's name with underscores for characters that test names must not have.
 inline std::string identifier_of(extract::Method method) {
   std::string name(word_of(method));
   std::ranges::replace(name, '-', '_');
   return name;
 }
-// For INSTANTIATE_TEST_SUITE_P over methods.
+// Names the tests of INSTANTIATE_TEST_SUITE_P over methods.
 inline std::string method_name(const testing::TestParamInfo<extract::Method>& parameter) {
   return identifier_of(parameter.param);
 }
@@ -37,7 +37,7 @@ std::vector<extract::Method> methods_where(const Condition& holds) {
 inline std::vector<extract::Method> all_methods() {
   return methods_where([](const extract::MethodInfo&) { return true; });
 }
-// methods_with(&MethodTraits::gradient_normals)
+// Returns the methods with a trait, for example methods_with(&MethodTraits::gradient_normals).
 inline std::vector<extract::Method> methods_with(bool extract::MethodTraits::*trait) {
   return methods_where([&](const extract::MethodInfo& info) { return info.traits.*trait; });
 }
@@ -57,8 +57,8 @@ inline extract::ExtractOptions options_of(extract::Method method, double iso, bo
   return options;
 }
 
-// How far a surface that is closed at the border of the data reaches beyond the outermost samples, in steps of the
-// grid: where it always is closed, samples are boxes; else the cap stands at the samples.
+// Returns how far a surface that is closed at the data boundary reaches beyond the outermost samples, in grid steps.
+// Methods that always close it treat samples as boxes; otherwise the cap is at the outermost samples.
 inline double reach_beyond_samples(extract::Method method) { return traits_of(method).always_closed ? 0.5 : 0; }
 
 }  // namespace isoextract::test

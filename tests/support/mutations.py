@@ -1,15 +1,15 @@
-"""Damaged files: the same ones for the same seed."""
+"""Damages files; the same seed gives the same damage."""
 
 import random
 import re
 
-# What counts and offsets of a damaged file say.
+# Values for counts and offsets of a damaged file.
 NUMBERS = [b"0", b"-1", b"1", b"3", b"255", b"65536", b"2147483647", b"-2147483648", b"4294967296", b"99999999", b"1e30", b"nan"]
 WORDS = [b"\0\0\0\0", b"\xff\xff\xff\xff", b"\x7f\xff\xff\xff", b"\xff\xff\xff\x7f", b"\x80\0\0\0", b"\0\0\0\x80", b"\x01\0\0\0"]
 
 
 def swap_number(rng, data):
-    """One number of a text becomes another one."""
+    """Replaces one number of a text."""
     numbers = list(re.finditer(rb"-?\d+(\.\d+)?", data))
     if not numbers:
         return data
@@ -44,14 +44,14 @@ def repeat(rng, data):
 
 
 def swap_line(rng, data):
-    """A line takes another one's place."""
+    """Replaces a line by another one of the text."""
     lines = data.split(b"\n")
     lines[rng.randrange(len(lines))] = rng.choice(lines)
     return b"\n".join(lines)
 
 
 def mutate(data, seed):
-    """`data` with one to three kinds of damage."""
+    """Returns `data` with one to three kinds of damage."""
     rng = random.Random(seed)
     kinds = (swap_number, swap_number, put_word, put_word, flip_bits, cut_off, leave_out, repeat, swap_line)
     for _ in range(rng.choice((1, 1, 2, 3))):

@@ -1,4 +1,4 @@
-// What an outcome holds of a stage.
+// Finds the figures of a stage in an outcome.
 #pragma once
 
 #include <vector>
@@ -15,7 +15,7 @@ inline std::vector<convert::Figures> entries(const convert::Outcome& outcome, co
   return all;
 }
 
-// Of a stage that reports several surfaces or meshes: the figure of each.
+// Returns the figure of each surface or mesh that the stage reports.
 template <class T>
 std::vector<T> figures(const convert::Outcome& outcome, convert::StageName stage, convert::Key key) {
   std::vector<T> all;

@@ -1,5 +1,5 @@
-"""Particles for tests and measurements: sets of a known shape, files of them, and how far a mesh is from that shape. The
-standard library alone. Lengths are in world units unless a name says radii."""
+"""Particles for tests and measurements: sets of a known shape, files of them, and a mesh's distance from that shape.
+Uses only the standard library. Lengths are in world units unless a name says radii."""
 
 import array
 import math
@@ -10,13 +10,13 @@ import mesh_readers
 
 
 def ball_radius(count, radius):
-    """Of the ball with the volume of so many cubes of two particle radii."""
+    """Returns the radius of the ball with the volume of that many cubes of two particle radii."""
     return radius * (6 * count / math.pi) ** (1 / 3)
 
 
 def jittered_lattice(radius, half_width, inside, jitter, seed=7):
-    """Layer by layer, x y z of particles as floats: those of a lattice of touching ones around 0 whose place before the
-    shift is inside(x, y, z). They are shifted by up to `jitter` radii along each axis."""
+    """Yields layers of particles as floats x y z: the points of a lattice of touching particles around 0 for which
+    inside(x, y, z) is true. Then shifts each by up to `jitter` radii along each axis."""
     shift = random.Random(seed).uniform
     step, most = 2 * radius, int(half_width / (2 * radius)) + 1
     for i in range(-most, most + 1):
@@ -29,18 +29,18 @@ def jittered_lattice(radius, half_width, inside, jitter, seed=7):
 
 
 def ball(count, jitter):
-    """About `count` particles that fill the ball around 0 of radius 1: their radius, and their layers."""
+    """Returns the radius and the layers of about `count` particles that fill the unit ball around 0."""
     radius = 1 / ball_radius(count, 1)
     return radius, jittered_lattice(radius, 1, lambda x, y, z: x * x + y * y + z * z <= 1, jitter)
 
 
 DENTS = ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1))
 DENT_DEPTH = 0.1
-DENT_WIDTH = 0.3  # the angle at which a dent has 1/e of its depth
+DENT_WIDTH = 0.3  # angle at which a dent has 1/e of its depth
 
 
 def dented_radius(x, y, z):
-    """How far the surface of the dented ball is from its middle in that direction; 1 away from dents."""
+    """Returns the distance of the dented ball's surface from its center in that direction; 1 away from dents."""
     length = math.sqrt(x * x + y * y + z * z)
     if length == 0:
         return 1
@@ -52,7 +52,7 @@ def dented_radius(x, y, z):
 
 
 def dented_ball(count, jitter):
-    """Likewise of the ball with dents: as many as it holds of the `count` that the whole one would have."""
+    """Returns the same for the ball with dents, without the particles that the dents cut off."""
     radius = 1 / ball_radius(count, 1)
 
     def inside(x, y, z):
@@ -62,7 +62,7 @@ def dented_ball(count, jitter):
 
 
 def write_ply(path, layers):
-    """Positions as binary PLY; how many there were. The header is written last, as only then their number is known."""
+    """Writes positions as binary PLY and returns their number. Writes the header last, when the number is known."""
     head = "ply\nformat binary_little_endian 1.0\nelement vertex {:012}\n"
     head += "".join(f"property float {axis}\n" for axis in "xyz") + "end_header\n"
     count = 0
@@ -77,7 +77,7 @@ def write_ply(path, layers):
 
 
 def vtk_points(path):
-    """The points of a legacy VTK file with binary floats, as (x, y, z)."""
+    """Reads the points of a legacy VTK file with binary floats, as (x, y, z)."""
     data = path.read_bytes()
     start = data.index(b"POINTS ")
     end = data.index(b"\n", start)
@@ -92,7 +92,7 @@ def as_layers(points):
 
 
 def polygons_of_ply(path):
-    """Vertices and polygons, of any number of corners, of a binary PLY file."""
+    """Reads the vertices and polygons, with any number of corners, of a binary PLY file."""
     with open(path, "rb") as file:
         header = mesh_readers.PlyHeader(file)
         body = memoryview(file.read())
@@ -105,7 +105,7 @@ def polygons_of_ply(path):
     _, count_type, index_type, _ = header.properties["face"][0]
     faces = body[end:]
     records = {n: struct.Struct("<" + types[count_type] + n * types[index_type]) for n in (3, 4)}
-    # All alike, as most writers have them.
+    # All polygons have the same number of corners, as in the files of most writers.
     for n, record in records.items():
         if len(faces) == record.size * header.counts["face"] and len(faces) > 0 and faces[0] == n:
             return vertices, [face[1:] for face in record.iter_unpack(faces)]
@@ -119,7 +119,8 @@ def polygons_of_ply(path):
 
 
 def volume_of(vertices, polygons):
-    """Whichever way the polygons wind: OpenVDB's face inwards. Around a vertex, as products of far coordinates cancel."""
+    """Returns the volume for either winding; OpenVDB's polygons face inwards. Sums relative to a vertex, since products
+    of large coordinates would cancel."""
     total = 0.0
     x, y, z = vertices[0]
     for first, *others in polygons:
@@ -134,8 +135,8 @@ def volume_of(vertices, polygons):
 
 
 def distance_facts(vertices, distance):
-    """Of distance(x, y, z), positive outside, over all vertices: mean, root mean square about that, and the largest of
-    either sign, from 0 and from the mean."""
+    """Statistics of distance(x, y, z), positive outside, over all vertices: the mean, the root mean square about it,
+    and the largest of either sign, from 0 and from the mean."""
     values = [distance(*vertex) for vertex in vertices]
     mean = math.fsum(values) / len(values)
     spread = math.sqrt(math.fsum((value - mean) ** 2 for value in values) / len(values))
@@ -144,8 +145,8 @@ def distance_facts(vertices, distance):
 
 
 def face_spreads(points, vertices, radius, rim=4):
-    """Of a block of particles that fills its box: how far apart, in radii, the mesh's vertices over each of the six faces
-    are along the face's normal. A rim of so many radii is left out."""
+    """For a block of particles that fills its box: the spread, in radii, of the mesh's vertices over each of the six
+    faces along the face's normal. Skips a rim of that many radii."""
     low = [min(point[axis] for point in points) for axis in range(3)]
     high = [max(point[axis] for point in points) for axis in range(3)]
     spreads = []

@@ -1,4 +1,4 @@
-// The program of these tests is its own child where plug-ins read files, as isoextract is.
+// The test program starts itself as the child process in which plug-ins read files, as isoextract does.
 #include <cstddef>
 
 #include <gtest/gtest.h>

@@ -1,11 +1,11 @@
-"""PNG files of 8 bits a channel, without interlacing, as isoextract writes them."""
+"""Reads PNG files with 8 bits per channel and without interlacing, as isoextract writes them."""
 
 import struct
 import zlib
 
 
 class Png:
-    """An 8-bit RGB or RGBA picture of a PNG file; pixels are tuples."""
+    """Reads an 8-bit RGB or RGBA picture; pixels are tuples."""
 
     def __init__(self, data):
         assert data[:8] == b"\x89PNG\r\n\x1a\n"

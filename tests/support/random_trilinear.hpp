@@ -1,4 +1,4 @@
-// Random samples whose trilinear interpolant has closed surfaces, and all kinds of ambiguous cells.
+// Random samples whose trilinear interpolant has closed surfaces and all kinds of ambiguous cells.
 #pragma once
 
 #include <array>
@@ -17,8 +17,8 @@ namespace isoextract::test {
 
 enum class RandomKind {
   uniform,         // in -1 .. 1
-  small_integers,  // -2 .. 2: many samples have the iso value, many faces and cells have a saddle of that value
-  near_saddle,     // one face or one cell has a saddle 1e-6 .. 1e-2 away from the iso value
+  small_integers,  // -2 .. 2: many samples equal the iso value, and many faces and cells have a saddle of that value
+  near_saddle,     // one face or cell has a saddle whose value is 1e-6 .. 1e-2 away from the iso value
 };
 
 inline constexpr std::array kRandomKinds{RandomKind::uniform, RandomKind::small_integers, RandomKind::near_saddle};
@@ -29,7 +29,7 @@ inline constexpr std::array kRandomKinds{RandomKind::uniform, RandomKind::small_
                                               : "near saddle";
 }
 
-// 5^3 samples, x fastest; iso is 0; the samples on the border are below it.
+// 5^3 samples, x fastest. The iso value is 0, and border samples are below it.
 inline constexpr int kRandomSize = 5;
 
 namespace detail {
@@ -38,8 +38,8 @@ namespace detail {
   return static_cast<std::size_t>(i + kRandomSize * (j + kRandomSize * k));
 }
 
-// The value of the saddle of a cell's interpolant that lies in the cell, if there is one: where the gradient vanishes,
-// found by Newton's method.
+// Returns the value at the saddle of a cell's interpolant, if it lies in the cell. Finds the point where the gradient
+// vanishes by Newton's method.
 [[nodiscard]] inline std::optional<double> saddle_value(const std::array<double, 8>& f) {
   const auto value = [&](double x, double y, double z) {
     double sum = 0;
@@ -50,7 +50,7 @@ namespace detail {
   };
   glm::dvec3 p(0.5);
   for (int round = 0; round < 50; ++round) {
-    // The field is linear along each axis, so differences over the whole cell are derivatives.
+    // The interpolant is linear along each axis, so differences across the cell are derivatives.
     const glm::dvec3 g(value(1, p.y, p.z) - value(0, p.y, p.z), value(p.x, 1, p.z) - value(p.x, 0, p.z),
                        value(p.x, p.y, 1) - value(p.x, p.y, 0));
     const double xy = value(1, 1, p.z) - value(1, 0, p.z) - value(0, 1, p.z) + value(0, 0, p.z);
@@ -68,7 +68,7 @@ namespace detail {
 }  // namespace detail
 
 [[nodiscard]] inline std::vector<float> random_trilinear(RandomKind kind, std::uint32_t seed) {
-  // Not the library's distributions, so that every standard library makes the same fields.
+  // Does not use std distributions, so that every standard library gives the same fields.
   std::mt19937 engine(seed * 3 + static_cast<std::uint32_t>(kind));
   const auto unit = [&] { return static_cast<double>(engine()) / 4294967296.0; };
   std::vector<float> samples;
@@ -118,7 +118,7 @@ namespace detail {
     for (float& sample : samples) sample = static_cast<float>(sample - saddle + gap);
     break;
   }
-  // The shift may have lifted the border above iso.
+  // The shift may have raised border samples above iso.
   for (int k = 0; k < kRandomSize; ++k) {
     for (int j = 0; j < kRandomSize; ++j) {
       for (int i = 0; i < kRandomSize; ++i) {
@@ -131,12 +131,12 @@ namespace detail {
   return samples;
 }
 
-// Where samples or saddles have the very value iso, the surface has two topologies: that of the field just above iso,
-// which our rule for ties asks for, and that just below it, which a program that takes iso for inside may have.
+// If samples or saddles equal iso, the surface has two possible topologies. The program's rule for ties gives that of
+// the field just above iso; a program that counts iso as inside gives that just below it.
 enum class Side { above, below };
 
-// The topology of the surface at iso 0, by the oracle. Small integers have no other critical value as near as looked
-// at.
+// Returns the topology of the surface at iso 0, or just above or below it for small integers, according to the oracle.
+// Fields of small integers have no other critical value within 2^-14 of 0.
 [[nodiscard]] inline std::optional<SurfaceTopology> true_topology(RandomKind kind, const std::vector<float>& samples,
                                                                   Side side) {
   const double beside = kind == RandomKind::small_integers ? 0x1p-14 : 0.0;

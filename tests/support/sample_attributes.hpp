@@ -1,4 +1,4 @@
-// Attributes for the meshes of tests: values that differ from vertex to vertex and use all bits of their type.
+// Attributes for test meshes, with values that differ between vertices and use all bits of their type.
 #pragma once
 
 #include <cstring>
@@ -14,7 +14,7 @@ template <class T>
 void add_values(mesh::Mesh& mesh, mesh::Attribute attribute) {
   std::vector<T> values;
   for (std::size_t i = 0; i < mesh.positions.size() * attribute.components; ++i) {
-    // Of floats, fractions that are no short decimal numbers.
+    // Floats are fractions without a short decimal form.
     values.push_back(std::is_floating_point_v<T> ? static_cast<T>(1) / static_cast<T>(i + 3)
                                                  : static_cast<T>(splitmix64(i)));
   }
@@ -43,7 +43,7 @@ inline void add_colour(mesh::Mesh& mesh, mesh::ComponentType type, std::size_t c
   add_attribute(mesh, "colour", type, components, type != mesh::ComponentType::f32, mesh::AttributeRole::colour);
 }
 
-// What they are and what they hold, bit for bit.
+// Compares kinds and values, bit for bit.
 inline bool same_attribute(const mesh::Attribute& a, const mesh::Attribute& b) {
   return a.name == b.name && a.role == b.role && a.type == b.type && a.components == b.components &&
          a.normalised == b.normalised && a.values.size() == b.values.size() &&

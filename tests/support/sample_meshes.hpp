@@ -1,4 +1,4 @@
-// Small meshes by formula, for tests of what handles meshes.
+// Small test meshes by formula.
 #pragma once
 
 #include <algorithm>
@@ -32,13 +32,14 @@ inline mesh::Mesh make_mesh(std::string name, const std::vector<glm::vec3>& posi
   return mesh;
 }
 
-// Closed; coordinates that no short decimal fraction meets.
+// Returns a closed tetrahedron whose coordinates have no short decimal form.
 inline mesh::Mesh tetrahedron(std::string name = "tetrahedron", const glm::dvec3& origin = glm::dvec3(0)) {
   return make_mesh(std::move(name), {{0.1F, -0.0F, 1e-7F}, {1.0F / 3, 0, 0}, {0, 1e6F / 7, 0}, {0, 0, -2.0F / 3}},
                    {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {3, 2, 1}}, {}, origin);
 }
 
-// A closed unit sphere, wound outward, with rings * (2 * rings) vertices and two poles; normals if asked for.
+// Returns a closed unit sphere, wound outward, with rings * (2 * rings) vertices and two poles; with normals if
+// requested.
 inline mesh::Mesh sphere(unsigned rings, bool normals, std::string name = "sphere",
                          const glm::dvec3& origin = glm::dvec3(0)) {
   const unsigned columns = 2 * rings;

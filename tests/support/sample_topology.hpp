@@ -1,8 +1,9 @@
-// The topology of a surface that the sides of the samples alone decide, counted without a mesh.
+// Counts the topology of a surface without a mesh, where it depends only on which samples are inside.
 //
-// Samples inside that are joined make a body. It shrinks to those edges, faces and solids between samples whose corners
-// are all inside; the closed surface around it has twice their Euler number. Each component of the surface parts space
-// in two, so there is one component fewer than there are bodies and regions outside together.
+// Connected inside samples form a body. The body is homotopic to the edges, faces and solids between samples whose
+// corners are all inside; the closed surface around it has twice their Euler number.
+// Each component of the surface separates space in two, so there is one component fewer than bodies and outside regions
+// together.
 #pragma once
 
 #include <bit>
@@ -17,26 +18,27 @@ namespace isoextract::test {
 
 struct SurfaceCount {
   int components = 0;
-  int euler = 0;  // the sum
+  int euler = 0;  // sum over all components
 
   friend bool operator==(const SurfaceCount&, const SurfaceCount&) = default;
 };
 
-// How samples are joined. Corners are numbered as those of a cell (cell_tables.hpp), steps count from a sample.
+// How samples are connected. Corners are numbered as in a cell (cell_tables.hpp); steps are relative to a sample.
 struct SampleJoins {
   struct Shape {
-    unsigned corners;  // a bit for each
+    unsigned corners;  // one bit per corner
     int dimension;
-    unsigned outside = 0;  // the corners that must not be inside
+    unsigned outside = 0;  // corners that must be outside
   };
-  std::vector<Shape> shapes;              // edges, faces and solids, each at its lowest corner
-  std::vector<glm::ivec3> outside_steps;  // to the neighbours outside that a sample outside is joined with
+  std::vector<Shape> shapes;              // edges, faces and solids, each listed at its lowest corner
+  std::vector<glm::ivec3> outside_steps;  // to the neighbors with which an outside sample is connected
 };
 
 inline glm::ivec3 corner_step(unsigned corner) { return {corner & 1, corner >> 1 & 1, corner >> 2 & 1}; }
 
-// Boxes around the samples. Those inside are joined by faces, those outside by edges as well. Across a corner nothing
-// is joined: where two outside are opposite and the other six are a ring around it, the ring is filled.
+// Connectivity of voxels: inside voxels connect across faces, outside voxels across faces and edges. Nothing connects
+// across a corner: if two opposite voxels at a corner are outside and the other six form a ring around it, the ring is
+// filled.
 inline SampleJoins joined_by_faces() {
   SampleJoins joins;
   for (unsigned directions = 1; directions < 8; ++directions) {
@@ -53,7 +55,7 @@ inline SampleJoins joined_by_faces() {
   return joins;
 }
 
-// The tetrahedra of a cell, by whose edges samples of both sides are joined.
+// Connectivity of tetrahedra: inside and outside samples connect along the edges of a cell's tetrahedra.
 inline SampleJoins joined_by_tetrahedra() {
   SampleJoins joins;
   std::set<unsigned> seen;
@@ -74,9 +76,9 @@ inline SampleJoins joined_by_tetrahedra() {
   return joins;
 }
 
-// Of the surface between the samples inside and all others, those beyond the pattern included.
+// Returns the topology of the surface between inside samples and all others. Samples beyond the pattern are outside.
 inline SurfaceCount count_surface(const VoxelPattern& inside, const SampleJoins& joins) {
-  const glm::ivec3 size = inside.dims + 2;  // with a layer outside all round
+  const glm::ivec3 size = inside.dims + 2;  // with an outside layer on every side
   DisjointSets sets;
   const auto number = [&](const glm::ivec3& p) {
     return static_cast<std::size_t>(p.x + 1 + size.x * (p.y + 1 + size.y * (p.z + 1)));

@@ -1,4 +1,4 @@
-"""Frames that shards convert: what the tests of shards and of merge start from."""
+"""Frames converted in shards, the input for tests of shards and of merge."""
 
 from support import ProgramTest
 
@@ -8,14 +8,14 @@ FRAMES = ("in_{:02}.raw", *RAW, "-o", "out/m_{:02}.ply")
 
 class ShardedFramesTest(ProgramTest):
     def write_frames(self, numbers):
-        """Raw files of 6 x 6 x 6 bytes with one voxel that is inside: a closed mesh each."""
+        """Writes raw files of 6 x 6 x 6 bytes with one inside voxel, which give a closed mesh each."""
         for number in numbers:
             samples = bytearray(216)
             samples[86] = 100 + number
             (self.folder / f"in_{number:02}.raw").write_bytes(bytes(samples))
 
     def run_shards(self, count, *arguments, code=0, which=None):
-        """The messages of the shards' runs, each of which must end with the code."""
+        """Returns the messages of the shards' runs, each of which must end with the exit code."""
         runs = []
         for number in which or range(1, count + 1):
             run = self.run_program(*FRAMES, "--shard", f"{number}/{count}", *arguments)

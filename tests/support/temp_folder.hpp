@@ -1,4 +1,4 @@
-// A fresh folder under the system's temporary folder, removed with all it holds at the end of the test.
+// A new folder in the system's temporary folder; the destructor removes it with its contents.
 #pragma once
 
 #include <cstdlib>
@@ -29,7 +29,7 @@ class TempFolder {
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
 
-  // The names of all it holds, hidden ones too, not those of folders inside.
+  // Returns the names of its entries, including hidden ones, without the contents of subfolders.
   [[nodiscard]] std::set<std::string> names() const {
     std::set<std::string> names;
     for (const auto& entry : std::filesystem::directory_iterator(path_)) names.insert(entry.path().filename().string());

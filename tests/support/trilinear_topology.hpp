@@ -1,11 +1,11 @@
-// The topology of the surface of a trilinear field, found by counting alone: no case table, no decider.
+// Computes the topology of the isosurface of a trilinear field by counting, without a case table or a decider.
 //
-// The field is sampled on a grid of planes that holds the field's own samples. Samples inside are taken as voxels. As
-// long as some of them meet only across an edge or a corner (a square whose corners alternate, or a cube with two
-// opposite corners apart from the other six), the planes next to the place are brought closer together. What is left
-// is a well-composed set (Latecki, "3D well-composed pictures", GMIP 59(3), 1997): its boundary is a surface whose
-// vertices, edges and faces are the cubes, squares and edges of the grid that have both inside and outside corners.
-// Between planes the field stays trilinear, and there the surface of a cell that does not alternate is a disc.
+// The field is sampled on a grid of planes that includes the field's own samples, and inside samples count as voxels.
+// Some voxels may meet only across an edge or a corner: a square with alternating corners, or a cube whose two opposite
+// corners differ from the other six. While there are such places, the planes next to them are moved closer together.
+// The result is a well-composed set (Latecki, "3D well-composed pictures", GMIP 59(3), 1997). Its boundary is a surface
+// whose vertices, edges and faces are the grid's cubes, squares and edges with both inside and outside corners.
+// Between planes the field is trilinear, and the surface in a cell that does not alternate is a disc.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@
 
 namespace isoextract::test {
 
-// Euler numbers of the components of a closed surface, sorted: 2 for a sphere, 0 for a torus, ...
+// The sorted Euler numbers of the components of a closed surface: 2 for a sphere, 0 for a torus, ...
 using SurfaceTopology = std::vector<int>;
 
 class DisjointSets {
@@ -40,11 +40,11 @@ class DisjointSets {
 
 class TrilinearTopology {
  public:
-  // size^3 samples, x fastest; inside is value > iso. Samples on the border must be outside.
+  // Takes size^3 samples, x fastest; inside is value > iso. Border samples must be outside.
   TrilinearTopology(const std::vector<float>& samples, int size, double iso)
       : samples_(samples), size_(size), iso_(iso) {}
 
-  // Nothing if the surface has a place that planes 2^-20 of a cell apart do not show clearly.
+  // Returns nullopt if planes 2^-20 of a cell apart cannot resolve the surface somewhere.
   std::optional<SurfaceTopology> operator()() {
     std::array<std::vector<double>, 3> planes;
     for (std::vector<double>& axis : planes) {
@@ -52,7 +52,7 @@ class TrilinearTopology {
     }
     for (;;) {
       sample(planes);
-      std::array<std::vector<bool>, 3> narrow;  // by the interval above a plane
+      std::array<std::vector<bool>, 3> narrow;  // per plane: whether the interval above it is to be refined
       for (int axis = 0; axis < 3; ++axis) narrow[axis].assign(planes[axis].size(), false);
       if (!mark_unclear_places(narrow)) return count();
       for (int axis = 0; axis < 3; ++axis) {
@@ -78,7 +78,7 @@ class TrilinearTopology {
     for (int axis = 0; axis < 3; ++axis) dims_[axis] = planes[axis].size();
     inside_.assign(dims_[0] * dims_[1] * dims_[2], 0);
     const auto size = static_cast<std::size_t>(size_);
-    std::vector<double> row(size);  // the field along x, at the y and z of the row
+    std::vector<double> row(size);  // the field along x for the row's y and z
     std::size_t n = 0;
     for (const double z : planes[2]) {
       for (const double y : planes[1]) {
@@ -114,7 +114,7 @@ class TrilinearTopology {
     }
   }
 
-  // Bit c of the answer is the node at the corner c of the cube above a node.
+  // Returns bits: bit c tells whether corner c of the cube above a node is inside.
   [[nodiscard]] unsigned cube(std::size_t n) const {
     unsigned bits = 0;
     for (unsigned c = 0; c < 8; ++c) {
@@ -123,7 +123,7 @@ class TrilinearTopology {
     return bits;
   }
 
-  // Whether samples meet only across an edge or a corner of the cube.
+  // Returns whether samples meet only across an edge or a corner of the cube.
   static bool is_unclear(unsigned bits) {
     if (bits == 0 || bits == 255) return false;
     for (unsigned corner = 0; corner < 4; ++corner) {
@@ -155,10 +155,10 @@ class TrilinearTopology {
 
   [[nodiscard]] SurfaceTopology count() const {
     DisjointSets faces;
-    std::array<std::vector<std::size_t>, 3> face_of;  // by axis and lower node of the grid's edge
+    std::array<std::vector<std::size_t>, 3> face_of;  // by axis and lower node of the grid edge
     for (int axis = 0; axis < 3; ++axis) face_of[axis].assign(inside_.size(), 0);
-    std::vector<std::size_t> pluses;   // a face beside each vertex of the surface, and every face itself
-    std::vector<std::size_t> minuses;  // a face beside each edge of the surface
+    std::vector<std::size_t> pluses;   // for each vertex of the surface an adjacent face, and every face
+    std::vector<std::size_t> minuses;  // for each edge of the surface an adjacent face
     for_each_node([&](const std::array<std::size_t, 3>& p, std::size_t n) {
       for (int axis = 0; axis < 3; ++axis) {
         if (p[axis] + 1 == dims_[axis] || !crossed(axis, n)) continue;
@@ -183,7 +183,7 @@ class TrilinearTopology {
         if (const auto face = face_in_cube(n, face_of)) pluses.push_back(*face);
       }
     });
-    std::map<std::size_t, int> euler;  // by component
+    std::map<std::size_t, int> euler;  // per component
     for (const std::size_t face : pluses) ++euler[faces.find(face)];
     for (const std::size_t face : minuses) --euler[faces.find(face)];
     SurfaceTopology topology;
@@ -192,7 +192,7 @@ class TrilinearTopology {
     return topology;
   }
 
-  // Of an edge of the cube above a node.
+  // Returns a face of the surface that crosses an edge of the cube above a node; nullopt if there is none.
   [[nodiscard]] std::optional<std::size_t> face_in_cube(std::size_t n,
                                                         const std::array<std::vector<std::size_t>, 3>& face_of) const {
     for (unsigned c = 0; c < 8; ++c) {

@@ -1,27 +1,27 @@
-"""VDB files written by hand, byte by byte: what OpenVDB itself would not write is in them, too."""
+"""Writes VDB files byte by byte, including content that OpenVDB itself would not write."""
 
 import itertools
 import struct
 
 NO_OFFSETS, OFFSETS = 0, 1
-ACTIVE_MASK = 2  # the compression: of a node only the active values are stored
-BACKGROUND = b"\0"  # the code of a node whose inactive values are all the background
+ACTIVE_MASK = 2  # compression that stores only a node's active values
+BACKGROUND = b"\0"  # code of a node whose inactive values all equal the background
 
 
 def text(value):
-    """A length, and the bytes of a name: str or bytes."""
+    """Encodes a name (str or bytes) as its length and its bytes."""
     value = value.encode() if isinstance(value, str) else value
     return struct.pack("<I", len(value)) + value
 
 
 def scale(voxel=1.0):
-    """A transform: voxels of that size."""
+    """Encodes a transform with this voxel size."""
     vectors = (voxel, 1 / voxel, 1 / voxel**2, 1 / (2 * voxel), voxel)
     return text("UniformScaleMap") + b"".join(struct.pack("<3d", *(v,) * 3) for v in vectors)
 
 
 def frustum():
-    """A transform that is not linear."""
+    """Encodes a transform that is not linear."""
     return text("NonlinearFrustumMap") + struct.pack("<8d", 0, 0, 0, 9, 9, 9, 0.5, 1) + scale()
 
 
@@ -31,7 +31,7 @@ def mask(side, places):
 
 
 def children(voxels, size, count):
-    """The voxels by the child that they are in, as its place among `count` a side."""
+    """Groups the voxels by the child that holds them, numbered among `count` children per axis."""
     by_child = {}
     for place in sorted(voxels, key=lambda p: tuple(c // size % count for c in p)):
         by_child.setdefault(tuple(c // size % count for c in place), []).append(place)
@@ -39,7 +39,7 @@ def children(voxels, size, count):
 
 
 def tree(voxels, background=0.0):
-    """A tree of floats: `voxels` are the active ones, by their index."""
+    """Encodes a tree of floats; `voxels` maps the index of each active voxel to its value."""
     roots = {}
     for place in voxels:
         roots.setdefault(tuple(c // 4096 * 4096 for c in place), []).append(place)
@@ -60,7 +60,7 @@ def tree(voxels, background=0.0):
 
 
 def counts(voxels):
-    """Metadata: how many voxels there are, and their box."""
+    """Encodes metadata: the number of voxels and their box."""
     low = [min(place[axis] for place in voxels) for axis in range(3)]
     high = [max(place[axis] for place in voxels) for axis in range(3)]
     return {"file_voxel_count": ("int64", struct.pack("<q", len(voxels))),
@@ -73,7 +73,7 @@ def metadata(entries):
 
 
 def grid(name="density", voxels=None, background=0.0, transform=None, kind="float_5_4_3", meta=None):
-    """What vdb() takes: a grid, with its counts unless `meta` says what else it has."""
+    """Returns a grid for vdb(), with its counts as metadata unless `meta` replaces them."""
     voxels = {} if voxels is None else voxels
     if meta is None:
         meta = counts(voxels) if voxels else {"file_voxel_count": ("int64", struct.pack("<q", 0))}
@@ -82,9 +82,9 @@ def grid(name="density", voxels=None, background=0.0, transform=None, kind="floa
 
 
 def vdb(*grids, stream=False):
-    """The bytes of a file. Grids of one name are told apart as OpenVDB does it: by what follows a separator."""
+    """Returns the bytes of a file. Grids with the same name get a suffix after a separator, as in OpenVDB."""
     out = struct.pack("<qIIIB", 0x56444220, 224, 10, 0, NO_OFFSETS if stream else OFFSETS)
-    out += b"01234567-89ab-cdef-0123-456789abcdef"  # OpenVDB finds no grid behind what is no UUID
+    out += b"01234567-89ab-cdef-0123-456789abcdef"  # OpenVDB finds no grids after an invalid UUID
     out += metadata({}) + struct.pack("<i", len(grids))
     numbers = {}
     for name, kind, body in grids:

@@ -1,4 +1,4 @@
-// Voxels that tests know one by one, and what their surface must be.
+// Small voxel patterns, and the surfaces that they must have.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ struct VoxelPattern {
     return inside[static_cast<std::size_t>(p.x + dims.x * (p.y + dims.y * p.z))] != 0;
   }
   [[nodiscard]] std::int64_t count() const { return std::count(inside.begin(), inside.end(), std::uint8_t{1}); }
-  // By direction: against x, along x, against y, ...
+  // Counts exposed faces by direction: -x, +x, -y, ...
   [[nodiscard]] std::array<std::int64_t, 6> exposed() const {
     std::array<std::int64_t, 6> faces{};
     for_each([&](const glm::ivec3& p) {
@@ -65,7 +65,8 @@ inline extract::ExtractOptions voxel_options(extract::VoxelFaces faces = extract
   return options;
 }
 
-// The area of the triangles that look each way, of a mesh in index space; exact, as all numbers are small halves.
+// Returns the triangle area by direction, for a mesh in index space. Exact, since all numbers are small multiples of
+// 1/2.
 inline std::array<double, 6> areas_by_direction(const mesh::Mesh& mesh) {
   std::array<double, 6> areas{};
   for (const glm::uvec3& t : mesh.triangles) {
@@ -81,7 +82,7 @@ inline std::array<double, 6> areas_by_direction(const mesh::Mesh& mesh) {
   return areas;
 }
 
-// What a mesh in index space encloses, exactly: eight times six times that is a sum of small integers.
+// Returns the enclosed volume of a mesh in index space. Exact, since 48 times the volume is a sum of small integers.
 inline double exact_volume(const mesh::Mesh& mesh) {
   double six_volumes = 0;
   for (const glm::uvec3& t : mesh.triangles) {
@@ -90,7 +91,8 @@ inline double exact_volume(const mesh::Mesh& mesh) {
   return six_volumes / 6;
 }
 
-// Closed, oriented and 2-manifold, with the volume of the voxels and the area of their exposed faces, each way.
+// Expects the mesh to be closed, oriented and 2-manifold, with the voxels' volume and the area of their exposed faces
+// in each direction.
 inline void expect_surface_of(const VoxelPattern& pattern, const mesh::Mesh& mesh) {
   expect_sound(mesh, true);
   EXPECT_EQ(exact_volume(mesh), static_cast<double>(pattern.count()));
