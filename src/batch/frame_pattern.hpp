@@ -1,8 +1,8 @@
 // File names with a frame number: sim_{:04}.vdb, sim_%04d.vdb, sim_####.vdb, shot_{:03}/density.vdb.
 //
-//   {}  %d  {frame}  $F  ${F}  #  @     the number as it is; when read, with any zeros before it
+//   {}  %d  {frame}  $F  ${F}  #  @     the number without padding; leading zeros are allowed when reading
 //   {:04}  {:4}  {frame:04}  %04d  %4d  ####  @@@@  $F4  ${F4}
-//                                       at least 4 digits, filled with zeros; larger numbers have more
+//                                       at least 4 digits, padded with zeros; larger numbers have more
 //   {{  }}  %%  {#}  {@}  {$}           the characters { } % # @ $ themselves
 //
 // A single # or @ stands for a number only between dots, dashes, underscores, slashes and the ends of a name

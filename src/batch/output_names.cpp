@@ -57,7 +57,7 @@ class FileUses {
 
   void add_read(const fs::path& file, const FileUse& use) { readers_.try_emplace(places_.key(file), use); }
 
-  // Fails with ErrorCode::usage where the file is read, is written already, or has the name of a manifest.
+  // Adds a file to write. Fails with ErrorCode::usage if it is read, already written, or named like a manifest.
   Result<void> add_written(const fs::path& file, const FileUse& use) {
     const std::string shown = printable(files::shown_output_name(file));
     const Hint hint = use.source != nullptr ? Hint(Remedy::other_output_name) : use.other->hint;

@@ -33,8 +33,9 @@ struct NamedKind {
 // with the mesh, and is empty if there are none.
 [[nodiscard]] std::string kinds_text(const std::vector<NamedKind>& kinds);
 
-// Returns the attributes of a mesh read from a file whose kinds change with the mesh. If isoextract wrote the file
-// (`is_ours`), its placement record `placement` names them all; otherwise attribute names decide (kind_by_name()).
+// Returns the attributes of `mesh`, read from a file, that change when it is moved, with their kinds. If isoextract
+// wrote the file (`is_ours`), its placement record `placement` names them all. Otherwise attribute names decide
+// (kind_by_name()).
 [[nodiscard]] std::vector<NamedKind> kinds_of(const mesh::Mesh& mesh, bool is_ours, std::string_view placement);
 
 // Applies `map`, which moved the mesh, to the attributes named in `kinds`. Other attributes stay as they are.

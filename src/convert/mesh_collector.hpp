@@ -14,7 +14,8 @@ namespace isoextract::convert {
 struct MeshCollector {
   // Set by the caller. The conversion first checks that it may write the job's files; the caller writes them later.
   bool checks_files = true;
-  // Set by the caller. The conversion hands over its source, whose samples are right away from the surfaces too.
+  // Set by the caller. The conversion hands over its source, whose samples are valid everywhere, not only near the
+  // surfaces.
   bool wants_source = false;
 
   // The surfaces of all outputs in order, finished as if they were written: placed, simplified, verified. Surfaces that

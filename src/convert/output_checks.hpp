@@ -21,9 +21,9 @@ namespace isoextract::convert {
 [[nodiscard]] Result<std::vector<std::string>> remove_old_meshes(const OutputFileJob& output,
                                                                  mesh_io::MeshFormat format, const Context& context);
 
-// Removes the files of pieces from number `first` on, left by an earlier run that had more pieces. Stops at the first
-// number whose file is missing, is a link, is read by this run, or was not written by isoextract. The name of `output`
-// contains kPieceWord.
+// Removes the files of pieces from number `first` on, left by an earlier run that had more pieces, and returns their
+// names. Stops at the first number whose file does not exist, is a link, is an input of this run, or was not written by
+// isoextract. The name of `output` contains kPieceWord.
 [[nodiscard]] Result<std::vector<std::string>> remove_old_pieces(const OutputFileJob& output, std::size_t first,
                                                                  mesh_io::MeshFormat format,
                                                                  const files::ReadFiles& read, const Context& context);

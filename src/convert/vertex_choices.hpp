@@ -51,11 +51,11 @@ struct MissingAttribute {
 struct ColourChoice {
   static constexpr std::array kMembers{"attribute", "map", "range"};
 
-  std::optional<std::string>
-      attribute;  // one of the job's attributes; nothing: each surface one colour by its iso value
+  // One of the job's attributes; nullopt: each surface gets one color by its iso value.
+  std::optional<std::string> attribute;
   edit::Colormap map = edit::Colormap::viridis;
-  // The values of the map's ends, the first below the second; nothing: the range over the vertices of the surface, or
-  // that of the job's iso values.
+  // Values at the colormap's ends, in rising order. nullopt: the range over the surface's vertices, or over the job's
+  // iso values.
   std::optional<std::array<double, 2>> range;
 
   friend bool operator==(const ColourChoice&, const ColourChoice&) = default;

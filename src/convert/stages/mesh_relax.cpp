@@ -37,7 +37,7 @@ RelaxedVolume volume_at(const Figures& figures, Key key) {
           value_at<double>(figures, {key, Key::after}).value_or(0)};
 }
 
-// "from 30 to 3.29 (89 % less)"
+// Returns "from 30 to 3.29 (89 % less)".
 std::string text_of(const RelaxedVolume& volume) {
   const double sign = volume.before < 0 ? -1 : 1;  // volumes of cavities are negative
   return fmt::format("from {:.4g} to {:.4g} ({:.3g} % {})", sign * volume.before, sign * volume.after,

@@ -36,7 +36,7 @@ double opacity_of(const ConversionJob& job, std::span<const SurfaceId> all, cons
   }
   const bool by_iso = job.colour && !job.colour->attribute;
   if (!by_iso) return 1;
-  std::vector<SurfaceId> around(all.begin(), all.end());  // of the surfaces that may be around this one, or within it
+  std::vector<SurfaceId> around(all.begin(), all.end());  // surfaces that may enclose this one, or lie inside it
   if (job.source.away_from_zero) {
     const bool above = kind == field::FieldKind::density;
     std::erase_if(around, [&](const SurfaceId& other) { return other != id && !(above ? other > 0.0 : other < 0.0); });

@@ -296,7 +296,7 @@ TEST_F(FindFrames, FollowsLinks) {
   fs::create_symlink("../real/x.vdb", "d/f_1.vdb");
   fs::create_symlink("../real/gone.vdb", "d/f_2.vdb");
   fs::create_symlink("../real", "d/f_3.vdb");
-  // F_2 links to a missing file, and fails when it is read.
+  // Frame 2 links to a missing file, and fails when it is read.
   EXPECT_EQ(found({"d/f_{}.vdb"}), "1=d/f_1.vdb 2=d/f_2.vdb");
   EXPECT_EQ(found({"d"}), "1=d/f_1.vdb 2=d/f_2.vdb");
 }
