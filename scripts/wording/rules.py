@@ -1,0 +1,140 @@
+"""The rules of wording. Each takes a text and its room, and yields (offset, what is wrong)."""
+
+import re
+
+from wording import glossary
+
+WORDS_AT_MOST = 35
+
+
+def plain(text):
+    """The text with a letter in place of each span of code or address, as long as before."""
+    return re.sub(r"`[^`]*`|https?://\S+|\]\([^)]*\)", lambda found: "x" * len(found.group()), text)
+
+
+def check_words(text, room):
+    """Words that the glossary names otherwise."""
+    words = glossary.name_as_text(text.words) if text.kind == "name" else text.words
+    if not glossary.ANY_WORD.search(words):
+        return
+    for word in glossary.WORDS:
+        if text.kind == "name" and not word.in_names:
+            continue
+        for found in word.hits(words, room):
+            yield 0 if text.kind == "name" else found.start(), f"'{found.group()}': {word.instead}"
+
+
+SENTENCE_END = re.compile(r"(?<!\be\.g)(?<!\bi\.e)(?<!\bvs)(?<!\bet al)[.!?][\"')\]*_]*(?:\s+|$)|\n")
+
+
+def check_length(text, _room):
+    """Sentences of more than 35 words."""
+    if text.kind == "name" or text.words.count(" ") < WORDS_AT_MOST:
+        return
+    words, start = plain(text.words), 0
+    for end in [*(found.end() for found in SENTENCE_END.finditer(words)), len(words)]:
+        count = sum(1 for word in words[start:end].split() if re.search(r"\w|\{\}", word))
+        if count > WORDS_AT_MOST:
+            yield start, f"{count} words in a sentence"
+        start = end
+
+
+# First words that leave the reader to find the noun.
+RIDDLE = re.compile(
+    r"(Of|Or|What|That|Those|Whose|Likewise|The same|One that|Nothing|All that|It|Also|Some(?=[,.;:]| of\b| that\b)"
+    r"|(?:Where|As)(?=[^,.]*(?:\.|$)))(?=[\s,.;:]|$)"
+)
+RIDDLE_BEHIND = re.compile(r"(what|that|those|whose|nothing|one that|all that|it|likewise|the same)(?=[\s,.;:]|$)", re.IGNORECASE)
+
+VERBS = set("""
+Accepts Adds Advances Aligns Allocates Appends Applies Asks Assembles Assigns Blends Blocks Blurs Bounds Builds Calls Cancels Caps
+Captures Casts Changes Checks Chooses Clamps Classifies Clears Clips Closes Collects Colors Commits Compares Compiles Completes
+Compresses Computes Converts Copies Counts Covers Creates Cuts Decides Declares Decodes Deletes Describes Detects Discards
+Divides Does Draws Drops Duplicates Emits Empties Encodes Ends Erases Estimates Evaluates Expands Exports Extends Extracts Fails
+Feeds Fills Filters Finds Finishes Fits Flips Flushes Follows Forgets Formats Forwards Frees Gathers Gives Groups Guarantees
+Handles Hands Hashes Holds Ignores Implements Imports Inflates Initializes Inserts Integrates Interpolates Intersects Inverts
+Joins Keeps Lays Leaves Lets Limits Links Lists Loads Locates Locks Looks Makes Maps Marks Matches Measures Merges Moves Names
+Normalizes Notes Numbers Opens Orders Owns Packs Parses Passes Places Points Prepares Prints Probes Processes Projects Proves
+Provides Puts Quantizes Raises Reads Rebuilds Receives Records Reduces Refers Refuses Registers Rejects Releases Removes Renames
+Renders Repeats Replaces Reports Represents Requires Resamples Reserves Resets Resolves Restores Returns Reverses Rotates
+Rounds Runs Samples Saves Says Scales Scans Searches Selects Sends Sets Shares Shortens Shows Shrinks Simplifies Skips Smooths
+Solves Sorts Splits Stands Starts Steps Stops Stores Sums Swaps Takes Tells Tests Throws Traces Transforms Translates Traverses
+Triangulates Tries Trims Truncates Turns Undoes Unlinks Unlocks Unpacks Updates Uploads Uses Validates Verifies Visits Waits Walks
+Warns Welds Wraps Writes Yields
+""".split())
+BEGINNINGS = {"Whether", "True", "False", "Never", "Always"}
+# What follows a verb, but seldom a plural.
+OBJECT = re.compile(r"(the|a|an|every|each|all|one|whether|no|its|both|`\w+`)\b|`")
+
+FUNCTION = re.compile(r"(?:operator\s*(?:\(\)|[^\s\w(]+|\w+)|~?\w+)\s*\((?!\s*\*)")
+
+
+def is_function(declaration):
+    """Whether the code declares a function, and not a member, a type or a macro."""
+    code = re.sub(r"\[\[.*?\]\]|\balignas\s*\([^)]*\)|\bexplicit\s*\(\w+\)|\b__attribute__\s*\(\(.*?\)\)", " ", declaration)
+    code = re.sub(r"\brequires\s*\((?:[^()]|\([^()]*\))*\)", " ", code).strip()
+    if re.match(r"(#|using\b|typedef\b|namespace\b|static_assert\b|enum\b|return\b|if\b|for\b|while\b|switch\b|[A-Z_]+\()", code):
+        return False
+    shorter = code
+    while True:  # without arguments of templates
+        code, shorter = shorter, re.sub(r"<[^<>()=]*>|<[^<>]*\([^<>]*\)[^<>]*>", " ", shorter)
+        if code == shorter:
+            break
+    code = re.sub(r"^\s*template\s*", "", code)
+    if re.match(r"\s*(struct|class|union)\b", code):
+        return False
+    head = FUNCTION.search(code)
+    return bool(head) and "=" not in code[: head.start()] and not re.search(r"\.|->|\bconcept\b", code[: head.start()])
+
+
+def check_comments(text, _room):
+    """Comments of headers that begin without a noun; comments of functions that do not begin with a verb."""
+    if not text.path.endswith((".hpp", ".h")) or text.kind not in ("comment", "trailing"):
+        return
+    words = text.words
+    riddle = (RIDDLE if text.kind == "comment" else RIDDLE_BEHIND).match(words)
+    if riddle:
+        yield 0, f"begins with '{riddle.group()}': name what it is"
+    elif text.declaration and is_function(text.declaration) and words[0].isalpha():
+        first, _, rest = words.partition(" ")
+        first = first.rstrip(",.:;")
+        if first in VERBS or first in BEGINNINGS or first.endswith("s") and OBJECT.match(rest):
+            return
+        if re.fullmatch(r"[A-Z][a-z-]*", first):
+            yield 0, f"a function's comment begins with '{first}': begin with a verb, such as Returns"
+
+
+PASSIVE = re.compile(
+    r"\b(?:is|are|was|were|be|been|being)\s+(?:not\s+|also\s+|only\s+|never\s+)?(?P<done>\w{2,}ed|told|made|held|taken|given|kept|left|read|cut"
+    r"|written|chosen|drawn|done|shown|known|thrown|found|meant|said|sent|put|set|built|lost|broken|hidden|begun)\b"
+)
+# States rather than deeds: who did it is of no concern.
+STATES = set("""
+needed allowed expected required supported closed limited connected truncated damaged corrupted compressed uncompressed oriented
+unsigned bounded unbounded mixed nested shared sorted unsorted indeed rotated sheared mirrored isolated interlaced disabled
+enabled installed based unlimited related reversed undefined fixed named
+""".split())
+
+
+def check_passive(text, _room):
+    """Messages that do not say who does it."""
+    if text.kind != "message":
+        return
+    for found in PASSIVE.finditer(text.words):
+        if found["done"] not in STATES:
+            yield found.start(), f"'{found.group()}': say who does it"
+
+
+def check_spelling(text, _room):
+    """British spellings."""
+    words = text.words if text.kind == "name" else plain(text.words)
+    last = None
+    for found in glossary.ANY_BRITISH.finditer(words):
+        word = re.search(r"[\w'-]*$", words[: found.start()]).group() + re.match(r"\w*", words[found.start() :]).group()
+        if word.startswith("--") or (found.start() and word == last):
+            continue
+        last = word
+        yield found.start(), f"'{word}': {glossary.american(found.group())}"
+
+
+RULES = {"word": check_words, "long": check_length, "comment": check_comments, "passive": check_passive, "spelling": check_spelling}
