@@ -1,13 +1,15 @@
 """Words that the project does not use, with what it uses instead and where they are right all the same."""
 
 import dataclasses
+import functools
 import re
 
 
 @dataclasses.dataclass
 class Word:
-    """`pattern` is looked for without regard to case, `allowed` around it; `rooms` are where it is looked for (all)."""
+    """`pattern` is looked for without regard to case, and `allowed` around it, in `rooms` (all)."""
 
+    sign: str  # in every match, in lower case: most texts are left out by it, faster
     pattern: str
     instead: str
     allowed: str = r"(?!)"
@@ -31,35 +33,36 @@ class Word:
 OF_SURFACES = ("src/edit", "src/mesh", "src/check", "src/convert", "src/batch", "src/cli", "docs", "README", "CHANGELOG")
 
 WORDS = [
-    Word(r"\bpieces?\b", "component, or body", r"--\w*pieces?|\{pieces?\}|`[^`]*`|\S+\.md\S*|\w+[/.]pieces\b"
+    Word("piece", r"\bpieces?\b", "component, or body", r"--\w*pieces?|\{pieces?\}|`[^`]*`|\S+\.md\S*|\w+[/.]pieces\b"
          r"|pieces? of (?!a surface|the surface|the mesh|a mesh)\w+( \w+)?|\bpiece by piece|'?pieces'|\"pieces?\""
          r"|[A-Za-z]+ piece \d", OF_SURFACES),
-    Word(r"\bcrumbs?\b", "small component", in_names=True),
-    Word(r"\blids?\b", "cap", in_names=True),
-    Word(r"\bborders?\b", "data boundary, or boundary edge", r"border(-\w+)?:|border-\w+|(room's|their) borders?", in_names=True),
-    Word(r"\bhollows?\b", "cavity", in_names=True),
-    Word(r"\bnecks?\b", "pinch point", in_names=True),
-    Word(r"\bthings?\b", "the name of the thing", in_names=True),
-    Word(r"\bthresholds?\b", "iso value", r"Otsu's threshold|--[\w-]*threshold"),
-    Word(r"\biso[- ]levels?\b", "iso value"),
-    Word(r"\b(right|wrong) side\b", "inside, or outside"),
-    Word(r"\bend of the (data|grid|volume|mesh)\b", "data boundary, or boundary loop"),
-    Word(r"\bhangs? together\b", "are connected"),
-    Word(r"\b(joins?|joined|joining) ((the|two|equal|all|their) )*vertices\b|\bvertices (\w+ ){0,2}joined\b", "weld"),
-    Word(r"\bwhat( may|) helps?\b", "remedy, or hint"),
-    Word(r"\bwhat a vertex has\b", "attribute"),
-    Word(r"\bwhat may be moved\b", "tolerance"),
-    Word(r"\b(gave|gives?|given|giving) way\b|gave_way|give_way", "fall back to", in_names=True),
-    Word(r"\b(held|holds?|holding) (?!back)(\w+ ){0,5}against\b", "compare with"),
-    Word(r"\b(is|are|was|were|be|been) told\b", "who says it: reports, names, lists"),
-    Word(r"\bthat which\b|\bwhat is there\b", "the name of the thing"),
-    Word(r"\btorn\b", "truncated", in_names=True),
-    Word(r"\bmend(s|ed|ing)?\b", "fix, or repair", in_names=True),
-    Word(r"\bbeliev(e|es|ed|ing)\b", "trust, or check"),
-    Word(r"\b(nobody|somebody|everybody|anybody|whoever)\b", "the caller, the user, no room ...", in_names=True),
+    Word("crumb", r"\bcrumbs?\b", "small component", in_names=True),
+    Word("lid", r"\blids?\b", "cap", in_names=True),
+    Word("border", r"\bborders?\b", "data boundary, or boundary edge", r"border(-\w+)?:|border-\w+|(room's|their) borders?", in_names=True),
+    Word("hollow", r"\bhollows?\b", "cavity", in_names=True),
+    Word("neck", r"\bnecks?\b", "pinch point", in_names=True),
+    Word("thing", r"\bthings?\b", "the name of the thing", in_names=True),
+    Word("threshold", r"\bthresholds?\b", "iso value", r"Otsu's threshold|--[\w-]*threshold",
+         ("src/cli", "src/convert", "docs", "README", "CHANGELOG")),
+    Word("iso", r"\biso[- ]levels?\b", "iso value"),
+    Word("side", r"\b(right|wrong) side\b", "inside, or outside"),
+    Word("end of the", r"\bend of the (data|grid|volume|mesh)\b", "data boundary, or boundary loop"),
+    Word("together", r"\bhangs? together\b", "are connected"),
+    Word("vertices", r"\b(joins?|joined|joining) ((the|two|equal|all|their) )*vertices\b|\bvertices (\w+ ){0,2}joined\b", "weld"),
+    Word("help", r"\bwhat( may|) helps?\b", "remedy, or hint"),
+    Word("vertex has", r"\bwhat a vertex has\b", "attribute"),
+    Word("may be moved", r"\bwhat may be moved\b", "tolerance"),
+    Word("way", r"\b(gave|gives?|given|giving) way\b|gave_way|give_way", "fall back to", in_names=True),
+    Word("against", r"\b(held|holds?|holding) (?!back)(\w+ ){0,5}against\b", "compare with"),
+    Word("told", r"\b(is|are|was|were|be|been) told\b(?! (apart|from))", "who says it: reports, names, lists"),
+    Word("that which", r"\bthat which\b", "the name of the thing"),
+    Word("what is there", r"\bwhat is there\b", "the name of the thing"),
+    Word("torn", r"\btorn\b", "truncated", in_names=True),
+    Word("mend", r"\bmend(s|ed|ing)?\b", "fix, or repair", in_names=True),
+    Word("believ", r"\bbeliev(e|es|ed|ing)\b", "trust, or check"),
+    Word("whoever", r"\bwhoever\b", "the caller, the user, a room ...", in_names=True),
+    Word("body", r"\b(no|some|every|any)body\b", "the caller, the user, no room ...", in_names=True),
 ]
-
-ANY_WORD = re.compile("|".join(word.pattern for word in WORDS), re.IGNORECASE)
 
 # British spellings: a pattern of the British part of a word, and the American one.
 BRITISH = [
@@ -75,22 +78,29 @@ BRITISH = [
     (r"\bwhilst\b", "while"), (r"\bprogramme", "program"), (r"\bmould", "mold"), (r"judgement", "judgment"),
 ]  # fmt: skip
 ANY_BRITISH = re.compile("|".join(f"(?:{pattern})" for pattern, _ in BRITISH), re.IGNORECASE)
+# In every British word, in lower case.
+BRITISH_SIGNS = ("our", "grey", "ntr", "tre", "bre", "ise", "isi", "isa", "yse", "ysi", "lle", "lli", "art", "cat", "ence", "whi",
+                 "progr", "mould", "judge")  # fmt: skip
 
 
-def american(word):
-    """How the British word found is spelled in American English, or its ending."""
-    return next(instead for pattern, instead in BRITISH if re.search(pattern, word, re.IGNORECASE))
-
-
-# Identifiers that the rules look at: any with one of these letters in a row; what they mean is decided part by part.
-NAMES = re.compile(
-    r"\b\w*(?:crumb|lid|border|hollow|neck|thing|gave_way|give_way|torn|mend|nobody|somebody|everybody|anybody|whoever"
-    r"|our|grey|ntr[ei]|etre|itre|ibre|is[ei]|isa|ys[ei]|ll[ei]|artef|catal|efence|icence|whilst|programme|mould|judge)\w*",
-    re.IGNORECASE,
-)  # fmt: skip
+@functools.cache
+def british(word):
+    """How American English spells the British part of a word; None where it has none."""
+    lower = word.lower()
+    if not any(sign in lower for sign in BRITISH_SIGNS):
+        return None
+    found = ANY_BRITISH.search(word)
+    return found and next(instead for pattern, instead in BRITISH if re.search(pattern, found.group(), re.IGNORECASE))
 
 
 def name_as_text(name):
-    """`kBorderCap_x` as "border cap x"."""
-    parts = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", name)
-    return " ".join(part.lower() for part in parts)
+    """`kBorderCap_x` as "k border cap x"."""
+    return " ".join(re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", name)).lower()
+
+
+@functools.cache
+def looks_wrong(name):
+    """Whether a rule finds something in the identifier."""
+    lower = name.lower()
+    signed = (word for word in WORDS if word.in_names and word.sign in lower)
+    return bool(british(name) or any(word.finder.search(name_as_text(name)) for word in signed))

@@ -9,19 +9,18 @@ WORDS_AT_MOST = 35
 
 def plain(text):
     """The text with a letter in place of each span of code or address, as long as before."""
-    return re.sub(r"`[^`]*`|https?://\S+|\]\([^)]*\)", lambda found: "x" * len(found.group()), text)
+    return text if not re.search("[`:(]", text) else re.sub(r"`[^`]*`|https?://\S+|\]\([^)]*\)", lambda found: "x" * len(found.group()), text)
 
 
 def check_words(text, room):
     """Words that the glossary names otherwise."""
-    words = glossary.name_as_text(text.words) if text.kind == "name" else text.words
-    if not glossary.ANY_WORD.search(words):
-        return
+    is_name = text.kind == "name"
+    words = glossary.name_as_text(text.words) if is_name else text.words
+    lower = words.lower()
     for word in glossary.WORDS:
-        if text.kind == "name" and not word.in_names:
-            continue
-        for found in word.hits(words, room):
-            yield 0 if text.kind == "name" else found.start(), f"'{found.group()}': {word.instead}"
+        if word.sign in lower and (word.in_names or not is_name):
+            for found in word.hits(words, room):
+                yield 0 if is_name else found.start(), f"'{found.group()}': {word.instead}"
 
 
 SENTENCE_END = re.compile(r"(?<!\be\.g)(?<!\bi\.e)(?<!\bvs)(?<!\bet al)[.!?][\"')\]*_]*(?:\s+|$)|\n")
@@ -111,7 +110,7 @@ PASSIVE = re.compile(
 # States rather than deeds: who did it is of no concern.
 STATES = set("""
 needed allowed expected required supported closed limited connected truncated damaged corrupted compressed uncompressed oriented
-unsigned bounded unbounded mixed nested shared sorted unsorted indeed rotated sheared mirrored isolated interlaced disabled
+unsigned bounded unbounded mixed encrypted aligned nested shared sorted unsorted indeed rotated sheared mirrored isolated interlaced disabled
 enabled installed based unlimited related reversed undefined fixed named
 """.split())
 
@@ -125,16 +124,20 @@ def check_passive(text, _room):
             yield found.start(), f"'{found.group()}': say who does it"
 
 
+# With the hyphens of an option in front.
+WORD = re.compile(r"(?:--)?\w[\w-]*")
+
+
 def check_spelling(text, _room):
     """British spellings."""
-    words = text.words if text.kind == "name" else plain(text.words)
-    last = None
-    for found in glossary.ANY_BRITISH.finditer(words):
-        word = re.search(r"[\w'-]*$", words[: found.start()]).group() + re.match(r"\w*", words[found.start() :]).group()
-        if word.startswith("--") or (found.start() and word == last):
-            continue
-        last = word
-        yield found.start(), f"'{word}': {glossary.american(found.group())}"
+    if text.kind == "name":
+        return [(0, f"'{text.words}': {glossary.british(text.words)}")] if glossary.british(text.words) else []
+    words = plain(text.words)
+    return [
+        (found.start(), f"'{found.group()}': {glossary.british(found.group())}")
+        for found in WORD.finditer(words)
+        if glossary.british(found.group()) and not found.group().startswith("--")
+    ]
 
 
 RULES = {"word": check_words, "long": check_length, "comment": check_comments, "passive": check_passive, "spelling": check_spelling}

@@ -56,15 +56,21 @@ def project_files(root):
     return sorted(name for name in set(names) if name and room_of(name) and (root / name).is_file())
 
 
+ITEM = re.compile(r"\s*(?:[-*]|\d+[.)]) ")
+# A line that is indented like code, or has columns.
+DRAWN = re.compile(r"^(?: {4}|\t|\s*\|)|\S {3,}\S|^\s*(?:\$ |scripts/\w+ )")
+
+
 def paragraphs(lines):
-    """Splits (line number, text) at empty lines and at items of lists; leaves out lines that are indented like code."""
+    """Splits (line number, text) at empty lines and at items of lists; leaves out code and tables."""
     parts = []
     for number, line in lines:
-        item = re.match(r"\s*(?:[-*]|\d+[.)]) ", line)
-        if parts and (item or not line.strip() or re.match(r" {4}|\t|\s*\|", line)):
+        item = ITEM.match(line)
+        drawn = not item and DRAWN.search(line)
+        if parts and (item or drawn or not line.strip()):
             yield parts
             parts = []
-        if line.strip() and (item or not re.match(r" {4}|\t|\s*\|", line)):
+        if line.strip() and not drawn:
             parts.append((number, line[item.end() if item else 0 :].strip()))
     if parts:
         yield parts
@@ -73,23 +79,22 @@ def paragraphs(lines):
 # ---- C++ and GLSL
 
 CPP_TOKEN = re.compile(
-    r'(?P<include>^[ \t]*#[ \t]*include[^\n]*)'
-    r'|(?P<raw>R"(?P<mark>[^()\s\\]{0,16})\(.*?\)(?P=mark)")'
-    r"|(?P<comment>//[^\n]*)|(?P<block>/\*.*?\*/)"
-    r"|(?P<number>\b[0-9][0-9a-fA-FxX']*)"
-    r'|(?P<text>"(?:\\.|[^"\\\n])*")|(?P<letter>\'(?:\\.|[^\'\\\n])*\')',
-    re.DOTALL | re.MULTILINE,
+    r"(?=[/\"'R])(?:(?P<comment>//[^\n]*)|(?P<block>/\*.*?\*/)"
+    r'|(?P<text>"(?:[^"\\\n]|\\.)*")|(?P<letter>\'(?:[^\'\\\n]|\\[^\'\n]+|\\\')\')'
+    r'|(?P<raw>R"(?P<mark>[^()\s\\]{0,16})\(.*?\)(?P=mark)"))',
+    re.DOTALL,
 )
 NO_PROSE = re.compile(r"//\s*(NOLINT|clang-format|namespace\b|eslint|prettier|=+$|-+$)")
+IDENTIFIER = re.compile(r"[A-Za-z_]\w*")
 SCOPE = re.compile(r"\b(namespace|struct|class|enum|union|extern)\b")
 
 
 class Source:
-    """C++ source, cut into tokens that hold no code, and the code between them."""
+    """A source file, cut into tokens that hold no code, and the code between them."""
 
-    def __init__(self, path, text):
+    def __init__(self, path, text, token):
         self.path, self.text = path, text
-        self.tokens = list(CPP_TOKEN.finditer(text))
+        self.tokens = list(token.finditer(text))
         self.starts = [token.start() for token in self.tokens]
         self.lines = [0] + [found.end() for found in re.finditer("\n", text)]
 
@@ -103,6 +108,15 @@ class Source:
     def stands_alone(self, token):
         return not self.text[self.lines[self.line(token.start()) - 1] : token.start()].strip()
 
+    def names(self, looks_wrong):
+        """Texts of the identifiers for which looks_wrong(name) is true, each once."""
+        for name in sorted(filter(looks_wrong, set(IDENTIFIER.findall(self.text)))):
+            places = (found.start() for found in re.finditer(rf"\b{name}\b", self.text))
+            if (place := next(filter(self.in_code, places), None)) is not None:
+                yield Text("name", self.path, [(self.line(place), name)])
+
+
+class CppSource(Source):
     def comments(self):
         """Texts of comments: those of successive lines are one."""
         block = []
@@ -138,12 +152,11 @@ class Source:
     @functools.cached_property
     def blanked(self):
         """The code, with spaces in place of comments and literals."""
-        pieces, last = [], 0
+        code, last = [], 0
         for token in self.tokens:
-            if token.lastgroup != "number":
-                pieces += [self.text[last : token.start()], re.sub(r"[^\n]", " ", token.group())]
-                last = token.end()
-        return "".join([*pieces, self.text[last:]])
+            code += [self.text[last : token.start()], re.sub(r"[^\n]", " ", token.group())]
+            last = token.end()
+        return "".join([*code, self.text[last:]])
 
     @functools.cached_property
     def bodies(self):
@@ -196,18 +209,12 @@ class Literal(Text):
         return self.parts[-1][0]
 
 
-def cpp_texts(path, text, names):
-    """The texts of a C++ file. `names` finds the identifiers that rules look for; each counts once a file."""
-    source = Source(path, text)
+def cpp_texts(path, text, looks_wrong):
+    source = CppSource(path, text, CPP_TOKEN)
     yield from source.comments()
     if path.startswith(("src/", "plugins/")):
         yield from source.literals()
-    found = {}
-    for name in names.finditer(text):
-        if name.group() not in found and source.in_code(name.start()):
-            found[name.group()] = source.line(name.start())
-    for name, number in found.items():
-        yield Text("name", path, [(number, name)])
+    yield from source.names(looks_wrong)
 
 
 # ---- Python, shell, CMake
@@ -217,27 +224,23 @@ PYTHON_TOKEN = re.compile(
 )
 
 
-def python_texts(path, text, names):
-    """Comments and documentation strings; literals are left out, which quote what the program says."""
-    comments, held = [], []
-    for token in PYTHON_TOKEN.finditer(text):
-        number = text.count("\n", 0, token.start()) + 1
-        held.append(token.span())
-        before = text[: token.start()].rstrip()
+def python_texts(path, text, looks_wrong):
+    """Comments and documentation strings; other literals are left out, as they quote what the program says."""
+    source = Source(path, text, PYTHON_TOKEN)
+    comments = []
+    for token in source.tokens:
+        number = source.line(token.start())
+        before = text[max(0, token.start() - 200) : token.start()].rstrip()
         if token.lastgroup == "comment":
             prose = not token.group().startswith(("#!", "# noqa", "# fmt", "# pylint"))
-            comments.append((number, token.group()[1:].strip() if prose else ""))
-        elif not before or before.endswith((":", '"""')) and text[len(before) : token.start()].count("\n"):
+            comments.append((number, token.group()[1:].removeprefix(" ") if prose else ""))
+        elif source.stands_alone(token) and (before.endswith((":", "python3")) or not before):
             rows = token.group().strip("\"'").split("\n")
             margin = min((len(row) - len(row.lstrip()) for row in rows[1:] if row.strip()), default=0)
             for parts in paragraphs((number + i, row[margin:] if i else row) for i, row in enumerate(rows)):
                 yield Text("comment", path, parts)
     yield from comment_texts(path, comments)
-    found = set()
-    for name in names.finditer(text):
-        if name.group() not in found and not any(start <= name.start() < end for start, end in held):
-            found.add(name.group())
-            yield Text("name", path, [(text.count("\n", 0, name.start()) + 1, name.group())])
+    yield from source.names(looks_wrong)
 
 
 def comment_texts(path, comments):
@@ -286,16 +289,16 @@ def schema_texts(path, text):
         yield Text("page", path, [(text.count("\n", 0, found.start()) + 1, found.group(1).replace('\\"', '"'))])
 
 
-def texts_of(root, path, names):
-    """The texts of one file, in no order."""
+def texts_of(root, path, looks_wrong):
+    """The texts of one file, in no order; of its identifiers those for which looks_wrong(name) is true."""
     data = (root / path).read_bytes()
     if b"\0" in data:
         return
     text = data.decode(errors="replace")
     if path.endswith(CPP):
-        yield from cpp_texts(path, text, names)
+        yield from cpp_texts(path, text, looks_wrong)
     elif path.endswith(".py") or text.startswith("#!/usr/bin/env python3"):
-        yield from python_texts(path, text, names)
+        yield from python_texts(path, text, looks_wrong)
     elif path.endswith(".md"):
         yield from page_texts(path, text)
     elif path.endswith(".schema.json"):
