@@ -38,14 +38,15 @@ WORDS = [
          r"|[A-Za-z]+ piece \d", OF_SURFACES),
     Word("crumb", r"\bcrumbs?\b", "small component", in_names=True),
     Word("lid", r"\blids?\b", "cap", in_names=True),
-    Word("border", r"\bborders?\b", "data boundary, or boundary edge", r"border(-\w+)?:|border-\w+|(room's|their) borders?", in_names=True),
+    Word("border", r"\bborders?\b", "data boundary, or boundary edge", r"border(-\w+)?:|border-\w+|(room's|their) borders?|borders in common",
+         in_names=True),
     Word("hollow", r"\bhollows?\b", "cavity", in_names=True),
     Word("neck", r"\bnecks?\b", "pinch point", in_names=True),
     Word("thing", r"\bthings?\b", "the name of the thing", in_names=True),
     Word("threshold", r"\bthresholds?\b", "iso value", r"Otsu's threshold|--[\w-]*threshold",
          ("src/cli", "src/convert", "docs", "README", "CHANGELOG")),
     Word("iso", r"\biso[- ]levels?\b", "iso value"),
-    Word("side", r"\b(right|wrong) side\b", "inside, or outside"),
+    Word("side", r"\b(right|wrong) side\b", "inside, or outside", r"from the (right|wrong) side"),
     Word("end of the", r"\bend of the (data|grid|volume|mesh)\b", "data boundary, or boundary loop"),
     Word("together", r"\bhangs? together\b", "are connected"),
     Word("vertices", r"\b(joins?|joined|joining) ((the|two|equal|all|their) )*vertices\b|\bvertices (\w+ ){0,2}joined\b", "weld"),
@@ -73,7 +74,7 @@ BRITISH = [
      r"|polygon|general|linear|random|standard|sanit|final|synchron|special|voxel|util|character|emphas|priorit|custom|factor"
      r"|local|penal|regular|symmetr|orthogonal|diagonal|equal|author|material|canonical|token|real|memor|item|categor"
      r"|penal|capital|neutral|homogen|tetrahedral|triangul)is(e|es|ed|er|ers|ing|ation|ations)(?![a-z])", "-ize"),
-    (r"analys(e|ed|ing|er)(?![a-z])", "analyze"), (r"(label|model|travel|signal|level|channel|tunnel)l(ed|ing|er)(?![a-z])", "one l"),
+    (r"(?<![a-z])(re)?analys(e|ed|ing|er)(?![a-z])", "analyze"), (r"(label|model|travel|signal|level|channel|tunnel)l(ed|ing|er)(?![a-z])", "one l"),
     (r"artefact", "artifact"), (r"catalogue", "catalog"), (r"\bdefence", "defense"), (r"\blicence", "license"),
     (r"\bwhilst\b", "while"), (r"\bprogramme", "program"), (r"\bmould", "mold"), (r"judgement", "judgment"),
 ]  # fmt: skip

@@ -65,25 +65,23 @@ BEGINNINGS = {"Whether", "True", "False", "Never", "Always"}
 # What follows a verb, but seldom a plural.
 OBJECT = re.compile(r"(the|a|an|every|each|all|one|whether|no|its|both|`\w+`)\b|`")
 
-FUNCTION = re.compile(r"(?:operator\s*(?:\(\)|[^\s\w(]+|\w+)|~?\w+)\s*\((?!\s*\*)")
+FUNCTION = re.compile(r"~?\w+\s*\((?!\s*\*)")
 
 
 def is_function(declaration):
     """Whether the code declares a function, and not a member, a type or a macro."""
-    code = re.sub(r"\[\[.*?\]\]|\balignas\s*\([^)]*\)|\bexplicit\s*\(\w+\)|\b__attribute__\s*\(\(.*?\)\)", " ", declaration)
+    code = re.sub(r"\boperator\s*(\(\)|[^\s\w(]+)", "operator_", declaration)
+    code = re.sub(r"\[\[.*?\]\]|\balignas\s*\([^)]*\)|\bexplicit\s*\(\w+\)", " ", code)
     code = re.sub(r"\brequires\s*\((?:[^()]|\([^()]*\))*\)", " ", code).strip()
-    if re.match(r"(#|using\b|typedef\b|namespace\b|static_assert\b|enum\b|return\b|if\b|for\b|while\b|switch\b|[A-Z_]+\()", code):
+    if re.match(r"#|(using|typedef|namespace|static_assert|enum|return|if|for|while|switch)\b|[A-Z_]+\(", code):
         return False
-    shorter = code
-    while True:  # without arguments of templates
-        code, shorter = shorter, re.sub(r"<[^<>()=]*>|<[^<>]*\([^<>]*\)[^<>]*>", " ", shorter)
-        if code == shorter:
-            break
+    longer = None
+    while code != longer:  # arguments of templates go, the inner ones first
+        longer, code = code, re.sub(r"<[^<>()]*>|<[^<>]*\([^<>]*\)[^<>]*>", " ", code)
     code = re.sub(r"^\s*template\s*", "", code)
-    if re.match(r"\s*(struct|class|union)\b", code):
-        return False
     head = FUNCTION.search(code)
-    return bool(head) and "=" not in code[: head.start()] and not re.search(r"\.|->|\bconcept\b", code[: head.start()])
+    before = code[: head.start()] if head else ""
+    return bool(head) and not re.search(r"=|\.|->|\b(concept|struct|class|union)\b", before)
 
 
 def check_comments(text, _room):

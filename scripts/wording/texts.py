@@ -147,7 +147,10 @@ class CppSource(Source):
         """What is declared in the line after that one, up to its semicolon or body; "" in a function's body."""
         if number >= len(self.lines) or self.lines[number] in self.bodies:
             return ""
-        return re.split(r"[;{]", self.blanked[self.lines[number] :][:800], maxsplit=1)[0]
+        start = self.lines[number]
+        if self.blanked.startswith("\n", start):
+            return ""
+        return re.split(r"[;{]", self.blanked[start : start + 800], maxsplit=1)[0]
 
     @functools.cached_property
     def blanked(self):

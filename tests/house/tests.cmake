@@ -7,6 +7,7 @@ endfunction()
 
 isoextract_house_test(rules ${CMAKE_CURRENT_LIST_DIR}/rules.py ${PROJECT_SOURCE_DIR})
 isoextract_house_test(rules_find_what_is_planted ${CMAKE_CURRENT_LIST_DIR}/rules_test.py)
+isoextract_house_test(words_find_what_is_planted ${CMAKE_CURRENT_LIST_DIR}/words_test.py ${PROJECT_SOURCE_DIR})
 isoextract_house_test(crossing_include_does_not_compile
   ${CMAKE_CURRENT_LIST_DIR}/crossing_test.py ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR})
 isoextract_house_test(pages_lead_somewhere ${CMAKE_CURRENT_LIST_DIR}/pages_test.py ${PROJECT_SOURCE_DIR})
