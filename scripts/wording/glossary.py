@@ -38,7 +38,8 @@ WORDS = [
          r"|[A-Za-z]+ piece \d", OF_SURFACES),
     Word("crumb", r"\bcrumbs?\b", "small component", in_names=True),
     Word("lid", r"\blids?\b", "cap", in_names=True),
-    Word("border", r"\bborders?\b", "data boundary, or boundary edge", r"border(-\w+)?:|border-\w+|(room's|their) borders?|borders in common",
+    Word("border", r"\bborders?\b", "data boundary, or boundary edge", r"border(-\w+)?:|border-\w+|(room's|their|ear's) borders?"
+         r"|borders? (of|between) (the |two )?labels|borders in common|(common|label|patch) borders?|borders? of a rectangle",
          in_names=True),
     Word("hollow", r"\bhollows?\b", "cavity", in_names=True),
     Word("neck", r"\bnecks?\b", "pinch point", in_names=True),
@@ -74,7 +75,8 @@ BRITISH = [
      r"|polygon|general|linear|random|standard|sanit|final|synchron|special|voxel|util|character|emphas|priorit|custom|factor"
      r"|local|penal|regular|symmetr|orthogonal|diagonal|equal|author|material|canonical|token|real|memor|item|categor"
      r"|penal|capital|neutral|homogen|tetrahedral|triangul)is(e|es|ed|er|ers|ing|ation|ations)(?![a-z])", "-ize"),
-    (r"(?<![a-z])(re)?analys(e|ed|ing|er)(?![a-z])", "analyze"), (r"(label|model|travel|signal|level|channel|tunnel)l(ed|ing|er)(?![a-z])", "one l"),
+    (r"(?<![a-z])(re)?analys(e|ed|ing|er)(?![a-z])", "analyze"),
+    (r"(label|model|travel|signal|level|channel|tunnel)l(ed|ing|er)(?![a-z])", "one l"),
     (r"artefact", "artifact"), (r"catalogue", "catalog"), (r"\bdefence", "defense"), (r"\blicence", "license"),
     (r"\bwhilst\b", "while"), (r"\bprogramme", "program"), (r"\bmould", "mold"), (r"judgement", "judgment"),
 ]  # fmt: skip

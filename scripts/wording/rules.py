@@ -9,7 +9,9 @@ WORDS_AT_MOST = 35
 
 def plain(text):
     """The text with a letter in place of each span of code or address, as long as before."""
-    return text if not re.search("[`:(]", text) else re.sub(r"`[^`]*`|https?://\S+|\]\([^)]*\)", lambda found: "x" * len(found.group()), text)
+    if not re.search("[`:(]", text):
+        return text
+    return re.sub(r"`[^`]*`|https?://\S+|\]\([^)]*\)", lambda found: "x" * len(found.group()), text)
 
 
 def check_words(text, room):
@@ -45,25 +47,31 @@ RIDDLE = re.compile(
 )
 RIDDLE_BEHIND = re.compile(r"(what|that|those|whose|nothing|one that|all that|it|likewise|the same)(?=[\s,.;:]|$)", re.IGNORECASE)
 
-VERBS = set("""
-Accepts Adds Advances Aligns Allocates Appends Applies Asks Assembles Assigns Blends Blocks Blurs Bounds Builds Calls Cancels Caps
-Captures Casts Changes Checks Chooses Clamps Classifies Clears Clips Closes Collects Colors Commits Compares Compiles Completes
-Compresses Computes Converts Copies Counts Covers Creates Cuts Decides Declares Decodes Deletes Describes Detects Discards
-Divides Does Draws Drops Duplicates Emits Empties Encodes Ends Erases Estimates Evaluates Expands Exports Extends Extracts Fails
-Feeds Fills Filters Finds Finishes Fits Flips Flushes Follows Forgets Formats Forwards Frees Gathers Gives Groups Guarantees
-Handles Hands Hashes Holds Ignores Implements Imports Inflates Initializes Inserts Integrates Interpolates Intersects Inverts
-Joins Keeps Lays Leaves Lets Limits Links Lists Loads Locates Locks Looks Makes Maps Marks Matches Measures Merges Moves Names
-Normalizes Notes Numbers Opens Orders Owns Packs Parses Passes Places Points Prepares Prints Probes Processes Projects Proves
-Provides Puts Quantizes Raises Reads Rebuilds Receives Records Reduces Refers Refuses Registers Rejects Releases Removes Renames
-Renders Repeats Replaces Reports Represents Requires Resamples Reserves Resets Resolves Restores Returns Reverses Rotates
-Rounds Runs Samples Saves Says Scales Scans Searches Selects Sends Sets Shares Shortens Shows Shrinks Simplifies Skips Smooths
-Solves Sorts Splits Stands Starts Steps Stops Stores Sums Swaps Takes Tells Tests Throws Traces Transforms Translates Traverses
-Triangulates Tries Trims Truncates Turns Undoes Unlinks Unlocks Unpacks Updates Uploads Uses Validates Verifies Visits Waits Walks
-Warns Welds Wraps Writes Yields
+# Words that end like a verb and are none.
+PLURALS = set("""
+Arguments Axes Bits Boxes Bytes Cells Chunks Columns Components Coordinates Corners Depths Edges Elements Entries Errors Faces
+Files Formats Frames Glyphs Grids Indices Items Its Labels Layers Leaves Lines Members Messages Meshes Normals Options Pages Pairs
+Particles Pieces Pixels Positions Radii Rows Sentences Sides Sizes Surfaces This Tiles Times Triangles Units Values Vertices Views
+Volumes Voxels Weights Words As Less Plus Across Towards
 """.split())
+# What seldom follows a verb, but a plural: "Names of the fields".
+AFTER_PLURAL = re.compile(r"(of|are|which|whose|have)\b")
 BEGINNINGS = {"Whether", "True", "False", "Never", "Always"}
-# What follows a verb, but seldom a plural.
-OBJECT = re.compile(r"(the|a|an|every|each|all|one|whether|no|its|both|`\w+`)\b|`")
+# A sentence with a subject: "All arguments must outlive the run."
+SENTENCE = re.compile(
+    r"(?!(?:How|Why|Before|After|For|By|In|On|At|From|To|With|Without|Into|Past|Until|Once|About|Beyond|Behind|Only)\b)"
+    r"(?:(?!\b(?:that|which|who|whose|where|as|there|they|it|how|what|if|when)\b)[^.,:;(]){3,60}?"
+    r"\b(?:is|are|has|have|must|may|can|cannot|needs?|stays?|holds|counts|means|does)\b"
+)
+
+
+def begins_with_verb(words):
+    first, _, rest = words.partition(" ")
+    first = first.rstrip(",.:;")
+    if first in BEGINNINGS:
+        return True
+    return first.endswith("s") and first not in PLURALS and not AFTER_PLURAL.match(rest)
+
 
 FUNCTION = re.compile(r"~?\w+\s*\((?!\s*\*)")
 
@@ -92,24 +100,22 @@ def check_comments(text, _room):
     riddle = (RIDDLE if text.kind == "comment" else RIDDLE_BEHIND).match(words)
     if riddle:
         yield 0, f"begins with '{riddle.group()}': name what it is"
-    elif text.declaration and is_function(text.declaration) and words[0].isalpha():
-        first, _, rest = words.partition(" ")
-        first = first.rstrip(",.:;")
-        if first in VERBS or first in BEGINNINGS or first.endswith("s") and OBJECT.match(rest):
-            return
-        if re.fullmatch(r"[A-Z][a-z-]*", first):
-            yield 0, f"a function's comment begins with '{first}': begin with a verb, such as Returns"
+    elif text.declaration and is_function(text.declaration):
+        first = re.match(r"[A-Z][a-z-]*(?=[\s,.:;]|$)", words)
+        if first and not begins_with_verb(words) and not SENTENCE.match(words):
+            yield 0, f"a function's comment begins with '{first.group()}': begin with a verb, such as Returns"
 
 
 PASSIVE = re.compile(
-    r"\b(?:is|are|was|were|be|been|being)\s+(?:not\s+|also\s+|only\s+|never\s+)?(?P<done>\w{2,}ed|told|made|held|taken|given|kept|left|read|cut"
-    r"|written|chosen|drawn|done|shown|known|thrown|found|meant|said|sent|put|set|built|lost|broken|hidden|begun)\b"
+    r"\b(?:is|are|was|were|be|been|being)\s+(?:not\s+|also\s+|only\s+|never\s+)?"
+    r"(?P<done>\w{2,}ed|told|made|held|taken|given|kept|left|read|cut|written|chosen|drawn|done|shown|known"
+    r"|thrown|found|meant|said|sent|put|set|built|lost|broken|hidden|begun)\b"
 )
 # States rather than deeds: who did it is of no concern.
 STATES = set("""
 needed allowed expected required supported closed limited connected truncated damaged corrupted compressed uncompressed oriented
-unsigned bounded unbounded mixed encrypted aligned nested shared sorted unsorted indeed rotated sheared mirrored isolated interlaced disabled
-enabled installed based unlimited related reversed undefined fixed named
+unsigned bounded unbounded mixed encrypted aligned nested shared sorted unsorted indeed rotated sheared mirrored isolated
+interlaced disabled enabled installed based unlimited related reversed undefined fixed named
 """.split())
 
 
@@ -138,4 +144,10 @@ def check_spelling(text, _room):
     ]
 
 
-RULES = {"word": check_words, "long": check_length, "comment": check_comments, "passive": check_passive, "spelling": check_spelling}
+RULES = {
+    "word": check_words,
+    "long": check_length,
+    "comment": check_comments,
+    "passive": check_passive,
+    "spelling": check_spelling,
+}
