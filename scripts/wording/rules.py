@@ -47,13 +47,15 @@ RIDDLE = re.compile(
 )
 RIDDLE_BEHIND = re.compile(r"(what|that|those|whose|nothing|one that|all that|it|likewise|the same)(?=[\s,.;:]|$)", re.IGNORECASE)
 
-# Words that end like a verb and are none.
+# Words that end like a verb, and are one only before an object: "Leaves the mesh as it is."
 PLURALS = set("""
 Arguments Axes Bits Boxes Bytes Cells Chunks Columns Components Coordinates Corners Depths Edges Elements Entries Errors Faces
-Files Formats Frames Glyphs Grids Indices Items Its Labels Layers Leaves Lines Members Messages Meshes Normals Options Pages Pairs
-Particles Pieces Pixels Positions Radii Rows Sentences Sides Sizes Surfaces This Tiles Times Triangles Units Values Vertices Views
-Volumes Voxels Weights Words As Less Plus Across Towards
+Files Formats Frames Glyphs Grids Indices Items Labels Layers Leaves Lines Members Messages Meshes Normals Options Pages Pairs
+Particles Pieces Pixels Positions Radii Rows Sentences Sides Sizes Surfaces Tiles Times Triangles Units Values Vertices Views
+Volumes Voxels Weights Words
 """.split())
+OBJECT = re.compile(r"(the|a|an|every|each|all|no|its|both)\b|`")
+NO_VERBS = {"As", "This", "Its", "Less", "Plus", "Across", "Towards"}
 # What seldom follows a verb, but a plural: "Names of the fields".
 AFTER_PLURAL = re.compile(r"(of|are|which|whose|have)\b")
 BEGINNINGS = {"Whether", "True", "False", "Never", "Always"}
@@ -70,7 +72,9 @@ def begins_with_verb(words):
     first = first.rstrip(",.:;")
     if first in BEGINNINGS:
         return True
-    return first.endswith("s") and first not in PLURALS and not AFTER_PLURAL.match(rest)
+    if first in PLURALS:
+        return bool(OBJECT.match(rest))
+    return first.endswith("s") and first not in NO_VERBS and not AFTER_PLURAL.match(rest)
 
 
 FUNCTION = re.compile(r"~?\w+\s*\((?!\s*\*)")

@@ -118,7 +118,7 @@ class WordsTest(unittest.TestCase):
                   "How many there are.", "By name.", "Values that are not 0.")]
         found.append(("class A {\n public:\n  // Vertices of one part.\n  int f() const;\n};\n", 3, "comment"))
         clean = [f"// {text}\n{functions[0]}\n" for text in ("Returns the number.", "Whether the mesh is closed.",
-                 "True if it is closed.", "Throws DamagedMesh.", "Fails with ErrorCode::usage.", "Relabels every vertex.",
+                 "True if it is closed.", "Throws DamagedMesh.", "Fails with ErrorCode::usage.", "Relabels every vertex.", "Leaves the mesh.",
                  "`size` must be above 0.", '"mc, mt"', "All arguments must outlive the run.", "No point is nearer.")]
         clean += [f"// The number of vertices.\n{code}\n" for code in ("int x = f(1);", "std::function<void(int)> f;",
                   "struct S {};", "class C : public B<int(int)> {};", "using F = int(int);",
