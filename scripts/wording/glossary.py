@@ -81,16 +81,15 @@ BRITISH = [
     (r"\bwhilst\b", "while"), (r"\bprogramme", "program"), (r"\bmould", "mold"), (r"judgement", "judgment"),
 ]  # fmt: skip
 ANY_BRITISH = re.compile("|".join(f"(?:{pattern})" for pattern, _ in BRITISH), re.IGNORECASE)
-# In every British word, in lower case.
-BRITISH_SIGNS = ("our", "grey", "ntr", "tre", "bre", "ise", "isi", "isa", "yse", "ysi", "lle", "lli", "art", "cat", "ence", "whi",
-                 "progr", "mould", "judge")  # fmt: skip
+# In every British word, in lower case: faster than the above.
+BRITISH_SIGN = re.compile(r"[lbvn]i?our|avour|grey|ntr|etre|[ib]bre|itre|is[ei]|isa|ys[ei]|ll[ei]|artef|catal|efence|icence"
+                          r"|whils|programme|mould|judge")  # fmt: skip
 
 
 @functools.cache
 def british(word):
     """How American English spells the British part of a word; None where it has none."""
-    lower = word.lower()
-    if not any(sign in lower for sign in BRITISH_SIGNS):
+    if not BRITISH_SIGN.search(word.lower()):
         return None
     found = ANY_BRITISH.search(word)
     return found and next(instead for pattern, instead in BRITISH if re.search(pattern, found.group(), re.IGNORECASE))
@@ -101,9 +100,14 @@ def name_as_text(name):
     return " ".join(re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", name)).lower()
 
 
+NAME_SIGN = re.compile("|".join(word.sign for word in WORDS if word.in_names))
+
+
 @functools.cache
 def looks_wrong(name):
     """Whether a rule finds something in the identifier."""
-    lower = name.lower()
-    signed = (word for word in WORDS if word.in_names and word.sign in lower)
-    return bool(british(name) or any(word.finder.search(name_as_text(name)) for word in signed))
+    if british(name):
+        return True
+    if not NAME_SIGN.search(name.lower()):
+        return False
+    return any(word.in_names and word.finder.search(name_as_text(name)) for word in WORDS)

@@ -1,8 +1,10 @@
 """The rules of wording. Each takes a text and its room, and yields (offset, what is wrong)."""
 
+import functools
+import multiprocessing
 import re
 
-from wording import glossary
+from wording import glossary, texts
 
 WORDS_AT_MOST = 35
 
@@ -140,6 +142,8 @@ def check_spelling(text, _room):
     """British spellings."""
     if text.kind == "name":
         return [(0, f"'{text.words}': {glossary.british(text.words)}")] if glossary.british(text.words) else []
+    if not glossary.BRITISH_SIGN.search(text.words.lower()):
+        return []
     words = plain(text.words)
     return [
         (found.start(), f"'{found.group()}': {glossary.british(found.group())}")
@@ -155,3 +159,20 @@ RULES = {
     "passive": check_passive,
     "spelling": check_spelling,
 }
+
+
+def findings_of(root, path):
+    """(line, rule, what is wrong, where) of one file."""
+    room, findings = texts.room_of(path), []
+    for text in texts.texts_of(root, path, glossary.looks_wrong):
+        for rule, check in RULES.items():
+            for offset, wrong in check(text, room):
+                where = text.words[max(0, offset - 40) : offset + 80].replace("\n", " ").strip()
+                findings.append((text.line(offset), rule, wrong, where))
+    return sorted(findings)
+
+
+def findings_of_all(root, paths):
+    """(path, its findings) of each file, in their order."""
+    with multiprocessing.Pool() as pool:
+        return list(zip(paths, pool.imap(functools.partial(findings_of, root), paths, chunksize=40)))

@@ -85,7 +85,9 @@ CPP_TOKEN = re.compile(
     re.DOTALL,
 )
 NO_PROSE = re.compile(r"//\s*(NOLINT|clang-format|namespace\b|eslint|prettier|=+$|-+$)")
-IDENTIFIER = re.compile(r"[A-Za-z_]\w*")
+IDENTIFIER = re.compile(r"\w+")
+# Everything in ASCII but letters, digits and '_' becomes a blank.
+BLANKS = {ord(letter): " " for letter in map(chr, range(128)) if not IDENTIFIER.fullmatch(letter)}
 SCOPE = re.compile(r"\b(namespace|struct|class|enum|union|extern)\b")
 
 
@@ -110,10 +112,16 @@ class Source:
 
     def names(self, looks_wrong):
         """Texts of the identifiers for which looks_wrong(name) is true, each once."""
-        for name in sorted(filter(looks_wrong, set(IDENTIFIER.findall(self.text)))):
-            places = (found.start() for found in re.finditer(rf"\b{name}\b", self.text))
-            if (place := next(filter(self.in_code, places), None)) is not None:
+        for name in sorted(filter(looks_wrong, set(self.text.translate(BLANKS).split()))):
+            place = self.text.find(name)
+            while place >= 0 and not (self.is_word(place, name) and self.in_code(place)):
+                place = self.text.find(name, place + 1)
+            if place >= 0:
                 yield Text("name", self.path, [(self.line(place), name)])
+
+    def is_word(self, place, name):
+        end = place + len(name)
+        return not IDENTIFIER.match(self.text[place - 1 : place]) and not IDENTIFIER.match(self.text[end : end + 1])
 
 
 class CppSource(Source):

@@ -41,7 +41,7 @@ class WordsTest(unittest.TestCase):
     def findings(self, path, text):
         """(line, rule) of what is found in a file with that text."""
         self.plant(path, text)
-        return [(line, rule) for line, rule, _, _ in words.findings_of(self.root, path)]
+        return [(line, rule) for line, rule, _, _ in words.rules.findings_of(self.root, path)]
 
     def expect(self, path, found, clean):
         """Each of `found` is (text, line, rule), the one finding in the text; `clean` have none."""
@@ -79,7 +79,8 @@ class WordsTest(unittest.TestCase):
     def test_long_sentences(self):
         half = THIRTY_SIX[:80].rsplit(" ", 1)[0]
         rest = THIRTY_SIX[len(half) + 1 :]
-        found = [(f"Short.\n{half}\n{rest}\n", 2, "long"), (f"- {THIRTY_SIX}\n", 1, "long"), (f"| a | {THIRTY_SIX} |\n", 1, "long")]
+        found = [(f"Short.\n{half}\n{rest}\n", 2, "long"), (f"- {THIRTY_SIX}\n", 1, "long"),
+                 (f"| a | {THIRTY_SIX} |\n", 1, "long")]
         clean = [THIRTY_FIVE, THIRTY_SIX.replace(" and", ". And"), f"{half}\n\n{rest}\n", f"- {half}\n- {rest}\n",
                  f"```\n{THIRTY_SIX}\n```\n", f"`{THIRTY_SIX}`\n", f"| {half} | {rest} |\n"]
         self.expect("docs/page.md", found, clean)
@@ -118,7 +119,8 @@ class WordsTest(unittest.TestCase):
                   "How many there are.", "By name.", "Values that are not 0.")]
         found.append(("class A {\n public:\n  // Vertices of one part.\n  int f() const;\n};\n", 3, "comment"))
         clean = [f"// {text}\n{functions[0]}\n" for text in ("Returns the number.", "Whether the mesh is closed.",
-                 "True if it is closed.", "Throws DamagedMesh.", "Fails with ErrorCode::usage.", "Relabels every vertex.", "Leaves the mesh.",
+                 "True if it is closed.", "Throws DamagedMesh.", "Fails with ErrorCode::usage.", "Relabels every vertex.",
+                 "Leaves the mesh.",
                  "`size` must be above 0.", '"mc, mt"', "All arguments must outlive the run.", "No point is nearer.")]
         clean += [f"// The number of vertices.\n{code}\n" for code in ("int x = f(1);", "std::function<void(int)> f;",
                   "struct S {};", "class C : public B<int(int)> {};", "using F = int(int);",
