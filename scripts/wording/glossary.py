@@ -96,7 +96,7 @@ def british(word):
 
 
 def name_as_text(name):
-    """`kBorderCap_x` as "k border cap x"."""
+    """`kTileCap_x` as "k tile cap x"."""
     return " ".join(re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", name)).lower()
 
 

@@ -244,7 +244,11 @@ def python_texts(path, text, looks_wrong):
         before = text[max(0, token.start() - 200) : token.start()].rstrip()
         if token.lastgroup == "comment":
             prose = not token.group().startswith(("#!", "# noqa", "# fmt", "# pylint"))
-            comments.append((number, token.group()[1:].removeprefix(" ") if prose else ""))
+            line = token.group()[1:].removeprefix(" ") if prose else ""
+            if source.stands_alone(token):
+                comments.append((number, line))
+            elif line:
+                yield Text("trailing", path, [(number, line)])
         elif source.stands_alone(token) and (before.endswith((":", "python3")) or not before):
             rows = token.group().strip("\"'").split("\n")
             margin = min((len(row) - len(row.lstrip()) for row in rows[1:] if row.strip()), default=0)

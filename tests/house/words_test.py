@@ -90,7 +90,8 @@ class WordsTest(unittest.TestCase):
         self.expect("src/mesh/planted.cpp", found, clean)
         found = [(f'"""{THIRTY_SIX}"""\n', 1, "long"), (f'def f():\n    """{THIRTY_SIX}"""\n', 2, "long"),
                  (f"# {half}\n# {rest}\n", 1, "long")]
-        self.expect("scripts/planted.py", found, [f'x = "{THIRTY_SIX}"\n', f'f(\n    "{THIRTY_SIX}"\n)\n'])
+        self.expect("scripts/planted.py", found, [f'x = "{THIRTY_SIX}"\n', f"x = 1  # {half}\ny = 2  # {rest}\n",
+                    f'f(\n    "{THIRTY_SIX}"\n)\n'])
         self.expect("src/cli/options/planted.hpp", [(f'Flag f{{"-x", "{THIRTY_SIX}"}};\n', 1, "long")], [])
         found = [(f'{{\n"description": "{THIRTY_SIX}"}}\n', 2, "long")]
         self.expect("docs/x.schema.json", found, [f'{{"title": "{THIRTY_SIX}"}}'])
