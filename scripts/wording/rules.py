@@ -43,16 +43,17 @@ def check_length(text, _room):
 
 
 # First words that leave the reader to find the noun.
+SAME = r"the same(?=[,.;:]| (?:of|in|for|as|by|with|way)\b|$)"
 RIDDLE = re.compile(
-    r"(Of|Or|What|That|Those|Whose|Likewise|The same|One that|Nothing|All that|It|Also|Some(?=[,.;:]| of\b| that\b)"
-    r"|(?:Where|As)(?=[^,.]*(?:\.|$)))(?=[\s,.;:]|$)"
+    rf"(Of|Or|What|That|Those|Whose|Likewise|{SAME.replace('the', 'The', 1)}|One that|Nothing|All that|It|Also(?! [a-z]+s\b)"
+    r"|Some(?=[,.;:]| of\b| that\b)|(?:Where|As)(?=[^,.]*(?:\.|$)))(?=[\s,.;:]|$)"
 )
-RIDDLE_BEHIND = re.compile(r"(what|that|those|whose|nothing|one that|all that|it|likewise|the same)(?=[\s,.;:]|$)", re.IGNORECASE)
+RIDDLE_BEHIND = re.compile(rf"(what|that|those|whose|nothing|one that|all that|it|likewise|{SAME})(?=[\s,.;:]|$)", re.IGNORECASE)
 
 # Words that end like a verb, and are one only before an object: "Leaves the mesh as it is."
 PLURALS = set("""
 Arguments Axes Bits Boxes Bytes Cells Chunks Columns Components Coordinates Corners Depths Edges Elements Entries Errors Faces
-Files Formats Frames Glyphs Grids Indices Items Labels Layers Leaves Lines Members Messages Meshes Normals Options Pages Pairs
+Files Frames Glyphs Grids Indices Items Labels Layers Leaves Lines Members Messages Meshes Normals Options Pages Pairs
 Particles Pieces Pixels Positions Radii Rows Sentences Sides Sizes Surfaces Tiles Times Triangles Units Values Vertices Views
 Volumes Voxels Weights Words
 """.split())
@@ -60,12 +61,21 @@ OBJECT = re.compile(r"(the|a|an|every|each|all|no|its|both)\b|`")
 NO_VERBS = {"As", "This", "Its", "Less", "Plus", "Across", "Towards"}
 # What seldom follows a verb, but a plural: "Names of the fields".
 AFTER_PLURAL = re.compile(r"(of|are|which|whose|have)\b")
-BEGINNINGS = {"Whether", "True", "False", "Never", "Always"}
-# A sentence with a subject: "All arguments must outlive the run."
+BEGINNINGS = {"Whether", "True", "False", "Never", "Always", "Also", "Call", "Called", "Example"}
+# Sentences with a subject and a verb: "All arguments must outlive the run.", "If there is none, returns the first."
+FINITE = (
+    r"\b(?:is|are|has|have|must|may|can|cannot|needs?|stays?|holds|counts|means|does|gets?|reach(?:es)?|decides?|includes?"
+    r"|converts?|returns?|becomes?|keeps?|gives?|makes?|stores?|belongs?|begins?)\b"
+)
+SUBJECT = (
+    r"(?:\([^()]*\)|(?!\b(?:that|which|who|whose|where|as|there|they|it|how|what|if|when)\b)[^.,:;()]){3,60}?"
+)
 SENTENCE = re.compile(
-    r"(?!(?:How|Why|Before|After|For|By|In|On|At|From|To|With|Without|Into|Past|Until|Once|About|Beyond|Behind|Only)\b)"
-    r"(?:(?!\b(?:that|which|who|whose|where|as|there|they|it|how|what|if|when)\b)[^.,:;(]){3,60}?"
-    r"\b(?:is|are|has|have|must|may|can|cannot|needs?|stays?|holds|counts|means|does)\b"
+    r"(?!(?:How|Why|Before|After|For|By|In|On|At|From|To|With|Without|Into|Past|Until|Once|About|Beyond|Behind|Only|If|When|Step)"
+    rf"\b){SUBJECT}{FINITE}"
+    r"|(?:If|When|After|Before|Once|For|By default|Without|With|Step \d)\b(?:[^.:]|::)*?[,:]? "
+    rf"(?:[a-z]+s (?:the|a|an|every|each|all|no|its|one|whether)\b|(?:the|a|an|every|each|no) {SUBJECT}{FINITE})"
+    r"|Like \w+(?:::\w+|\(\)|_\w+)"
 )
 
 

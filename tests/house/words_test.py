@@ -106,7 +106,8 @@ class WordsTest(unittest.TestCase):
         clean = ["// Some drivers report 0 here.\n", "// The vertices, sorted.\nint y;\n",
                  "// Offset of the first byte.\nint y;\n", "// Where the driver has no fences, the host waits.\n",
                  "// Items.\n", "int x;  // of the mesh\n", "// As OpenVDB has no order, the blocks are sorted.\nint y;\n",
-                 "// Original order.\nint y;\n"]
+                 "// Original order.\nint y;\n",
+                 "int x;  // the same colors\n"]
         self.expect("src/mesh/planted.hpp", found, clean)
         self.expect("src/mesh/planted.cpp", [], ["// Of one skeleton.\n"])
 
@@ -122,7 +123,10 @@ class WordsTest(unittest.TestCase):
         clean = [f"// {text}\n{functions[0]}\n" for text in ("Returns the number.", "Whether the mesh is closed.",
                  "True if it is closed.", "Throws DamagedMesh.", "Fails with ErrorCode::usage.", "Relabels every vertex.",
                  "Leaves the mesh.",
-                 "`size` must be above 0.", '"mc, mt"', "All arguments must outlive the run.", "No point is nearer.")]
+                 "`size` must be above 0.", '"mc, mt"', "All arguments must outlive the run.", "No point is nearer.",
+                 "Also closes the file.", "Like f(), but twice.", "Step 1: measures the mesh.",
+                 "If there is none, returns the first.", "Row (j, k) is one word.", "For files::A: returns the table.",
+                 "Call once.", "The filter reaches 3 voxels.")]
         clean += [f"// The number of vertices.\n{code}\n" for code in ("int x = f(1);", "std::function<void(int)> f;",
                   "struct S {};", "class C : public B<int(int)> {};", "using F = int(int);",
                   'Value<int> x{*this, parse("N")};', "enum class E { a };", "void (*run)(int);", "alignas(16) int x;",
