@@ -17,12 +17,13 @@
 namespace isoextract::simulate {
 namespace {
 
-constexpr double kFullShare = 0.1;  // of the tank, by all particles
-constexpr double kFreeShare = 0.1;  // of the tank, at least
-constexpr double kCourant = 0.8;    // spacings
+constexpr double kFullShare = 0.1;  // of the tank, filled by all particles
+constexpr double kFreeShare = 0.1;  // of the tank, always empty
+constexpr double kCourant = 0.8;    // largest move in a step, in spacings
 constexpr double kMostSpacings = 1 << 20;
-constexpr std::uint64_t kLeastLayer = 5;  // a nozzle of one spacing, the least that is taken by itself
-constexpr double kHeight = 0.75;          // of the nozzle, in the tank
+constexpr std::uint64_t kLeastLayer =
+    5;                            // particles in a layer of a nozzle one spacing in radius, the smallest default
+constexpr double kHeight = 0.75;  // of the nozzle, relative to the tank
 
 Result<void> check_positive(double value, std::string_view what) {
   if (std::isfinite(value) && value > 0) return {};
@@ -57,8 +58,8 @@ Result<void> check_numbers(const JetOptions& o) {
   return check_range(o.iterations, 1, 1000, "a number of iterations");
 }
 
-// How long a step may be for a particle of that speed, which gravity makes faster meanwhile: the t of
-// v t + g t^2 = most, written so that nothing cancels.
+// Returns the longest step in which a particle of this speed, accelerated by gravity, moves at most `most`: the t of v
+// t + g t^2 = most, written so that nothing cancels.
 double longest_step(double speed, double gravity, double most) {
   return 2 * most / (speed + std::sqrt(speed * speed + 4 * gravity * most));
 }
@@ -69,7 +70,7 @@ struct JetPlan {
   double top_speed = 0;
 };
 
-// Particles that a nozzle has side by side.
+// Estimates the number of particles in a layer of the nozzle.
 double layer_estimate(const JetPlan& plan) {
   const double rows = plan.nozzle / plan.spacing;
   return std::numbers::pi * rows * rows;
@@ -83,7 +84,7 @@ Result<void> check_sizes(const JetOptions& o, const JetPlan& plan) {
                             widest / kMostSpacings / 2, widest, plan.spacing / 2),
                 "larger particles, or a smaller tank");
   }
-  // Half of a spacing is left to each wall, and what a particle may be off its place at the nozzle.
+  // Each wall needs half a spacing, plus the jitter at the nozzle.
   const double around = plan.spacing * (0.5 + Nozzle::kJitter);
   if (plan.nozzle + around > std::min(o.tank.y / 2, (1 - kHeight) * o.tank.z) || 2 * around > o.tank.x) {
     return fail(ErrorCode::usage,

@@ -12,7 +12,7 @@ namespace isoextract::simulate {
 namespace {
 
 constexpr double kHillsAcross = 3.5;  // of the first octave, along the longer side
-constexpr double kHills = 0.42;       // of the noise beside the slope into the basin
+constexpr double kHills = 0.42;       // amplitude of the noise, relative to the slope into the basin
 
 Result<void> check_terrain(const TerrainOptions& options) {
   if (std::min(options.size.x, options.size.y) < 2 || std::max(options.size.x, options.size.y) > kMaxGridSize) {
@@ -45,7 +45,7 @@ Result<std::shared_ptr<ReservedBuffer<double>>> make_terrain(const TerrainOption
   for_each_index(size.y, [&](int y) {
     for (int x = 0; x < size.x; ++x) {
       const glm::dvec2 middle = glm::dvec2(x, y) + 0.5;
-      // Down to the basin from all sides, steeper further out; hills on top.
+      // Slopes down to the basin from all sides, steeper further out, with hills on top.
       const glm::dvec2 away = (middle / glm::dvec2(size) - kBasin) / kBasin;
       const double slope = glm::dot(away, away);
       heights[static_cast<std::size_t>(x) + static_cast<std::size_t>(size.x) * static_cast<std::size_t>(y)] =

@@ -1,5 +1,5 @@
-// Hilly land around a basin, from three-dimensional Perlin noise, as the paper of the water's automaton makes it: once,
-// for it does not change (water.hpp names the paper; its section 2.1.2).
+// Hilly land around a basin, from three-dimensional Perlin noise. The paper on the water automaton (see water.hpp,
+// section 2.1.2) makes it once, as it does not change.
 #pragma once
 
 #include <cstdint>
@@ -18,17 +18,17 @@ inline constexpr int kMaxGridSize = 1 << 15;  // cells along an axis
 struct TerrainOptions {
   glm::ivec2 size{96, 96};  // cells along x and y; 2 to kMaxGridSize each
   std::uint64_t seed = 1;
-  double relief = 24;  // how far the highest cell is above the lowest, in cells; 0 or more: 0 is flat
+  double relief = 24;  // highest minus lowest cell, in cells; 0 (flat) or more
   int octaves = 5;     // of the noise; 1 to 16
 };
 
-// Where the land is lowest, as a part of its size: the middle of the basin.
+// The lowest place, the middle of the basin, as a fraction of the size.
 inline constexpr glm::dvec2 kBasin{0.68, 0.5};
 
-// The height of each cell above the floor of the world, from kLowestLand to kLowestLand + relief: that of cell (x, y)
-// is element x + size.x * y. Fails with ErrorCode::usage for options outside of what they say, and as
-// MemoryBudget::reserve() does.
+// The height of the lowest cell above the floor of the world, in cells.
 inline constexpr double kLowestLand = 1;
+// Returns the height of each cell above the floor of the world, from kLowestLand to kLowestLand + relief; cell (x, y)
+// is element x + size.x * y. Fails with ErrorCode::usage for options out of range, and as MemoryBudget::reserve() does.
 [[nodiscard]] Result<std::shared_ptr<ReservedBuffer<double>>> make_terrain(const TerrainOptions& options,
                                                                            const Context& context);
 

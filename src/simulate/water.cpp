@@ -17,7 +17,7 @@ constexpr int kPlanes = 3;  // terrain, water, energy
 constexpr int kPlanesWithFlows = 3 + 4;
 constexpr double kWall = std::numeric_limits<double>::infinity();
 
-// Adds to a sum and to what its rounding lost: A. Neumaier, "Rundungsfehleranalyse einiger Verfahren zur Summation
+// Adds to a sum and to its rounding error: A. Neumaier, "Rundungsfehleranalyse einiger Verfahren zur Summation
 // endlicher Summen", ZAMM 54, 1974.
 void add_exactly(std::array<double, 2>& sum, double value) {
   const double total = sum[0] + value;

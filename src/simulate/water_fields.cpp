@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kMaxLayers = 1 << 16;
 
-// A field over the cells with layers of samples, to be filled by `fill(y, k, row)`.
+// Makes a field over the cells with `layers` layers; `fill(y, k, row)` fills its rows.
 template <class T, class Fill>
 Result<field::ScalarField> make_field(const WaterAutomaton& automaton, const std::string& name, int layers,
                                       const glm::dvec3& spacing, field::SampleType type, const Context& context,
@@ -40,7 +40,7 @@ Result<field::ScalarField> make_field(const WaterAutomaton& automaton, const std
   return field;
 }
 
-// How much of the voxel above height k a column of that height fills.
+// Returns how much of the voxel above height k a column of this height fills.
 double filled(double height, int k) { return std::clamp(height - k, 0.0, 1.0); }
 
 Result<field::ScalarField> volume_of(const WaterAutomaton& automaton, bool of_water, int layers,

@@ -13,7 +13,7 @@ namespace isoextract::simulate {
 namespace {
 
 constexpr int kSide = 10;                 // cells along x and y
-constexpr std::uint64_t kLookEvery = 50;  // steps; the first ones are looked at one by one
+constexpr std::uint64_t kLookEvery = 50;  // steps between checks after the first 1,000
 
 struct SceneGrid {
   std::vector<double> terrain;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kGrain = 256;  // particles
 
-// Epsilon of equation 11, times the square of the spacing. Within a fluid the sum that it is added to is about 0.4.
+// Epsilon of equation 11 times the squared spacing. Inside a fluid, the sum that it is added to is about 0.4.
 constexpr double kRelaxation = 0.1;
 
 template <class F>
@@ -93,7 +93,7 @@ void Fluid::predict(double duration) {
   });
 }
 
-// Neighbours in space are neighbours in memory from here on. Velocities are not: they are about to be made anew.
+// Particles near in space become near in memory. Velocities are not sorted, as they are computed anew.
 Result<void> Fluid::sort_by_cells(const Context& context) {
   const auto grid =
       TRY(points::CellGrid::make(moved_.span().first(size_), {.origin = options_.low, .unit = 1}, kernels_.reach(),
@@ -110,10 +110,10 @@ Result<void> Fluid::sort_by_cells(const Context& context) {
   return neighbours_.make(grid, moved_.span().first(size_), kernels_.reach(), context);
 }
 
-// Of the box: a place is that far inside of the half space of each wall. Their product is exact where two walls are far
-// apart, and nearly so in edges and corners.
+// Combines the walls of the box as if each were a half-space. The product is exact if two walls are far apart, and
+// nearly so in edges and corners.
 Fluid::Wall Fluid::wall_at(const glm::dvec3& place) const {
-  double left = 1;  // of the kernel, in the box
+  double left = 1;  // the kernel's part inside the box
   glm::dvec3 logarithmic(0);
   for (int axis = 0; axis < 3; ++axis) {
     for (const double side : {1.0, -1.0}) {
@@ -127,7 +127,7 @@ Fluid::Wall Fluid::wall_at(const glm::dvec3& place) const {
   return {1 - left, left * logarithmic};
 }
 
-// In shares of that at rest, by the particles that were neighbours at the start of the step.
+// Returns the density relative to rest, from the particles that were neighbors at the start of the step.
 double Fluid::density_at(std::size_t i, const Buffer<glm::dvec3>& places) const {
   double density = FluidKernels::own_density();
   for (const std::uint32_t j : neighbours_.of(i)) {
@@ -138,7 +138,7 @@ double Fluid::density_at(std::size_t i, const Buffer<glm::dvec3>& places) const 
   return density;
 }
 
-// Equation 11. False where no density is above that at rest.
+// Equation 11. Returns false if no density exceeds the rest density.
 bool Fluid::find_multipliers(const Buffer<glm::dvec3>& places) {
   const double relaxation = kRelaxation / (options_.spacing * options_.spacing);
   const auto find = [&](std::size_t i) {
@@ -170,7 +170,7 @@ bool Fluid::find_multipliers(const Buffer<glm::dvec3>& places) {
       std::logical_or<>());
 }
 
-// Equation 12, into the scratch.
+// Equation 12; the result is in scratch_.
 void Fluid::find_corrections(const Buffer<glm::dvec3>& places) {
   for_each_particle(size_, [&](std::size_t i) {
     const double own = multipliers_[i];
@@ -187,7 +187,7 @@ void Fluid::find_corrections(const Buffer<glm::dvec3>& places) {
   });
 }
 
-// What was too dense before the step is moved apart before and after it alike, so that no velocity comes of it.
+// Moves particles that are too dense apart, equally before and after the step, so that they gain no velocity.
 void Fluid::stabilise() {
   if (!find_multipliers(places_)) return;
   find_corrections(places_);
@@ -217,8 +217,8 @@ void Fluid::update_velocities(double duration) {
   std::swap(places_, moved_);
 }
 
-// Equation 17, divided by the larger of two densities where that is above the one at rest. So the velocities of a crowd
-// are a weighted mean of what they were, and no particle gets faster than the fastest.
+// Equation 17, divided by the larger of both densities if that exceeds the rest density. Each new velocity is then a
+// weighted mean of old ones, so none exceeds the fastest.
 void Fluid::even_out_velocities() {
   for_each_particle(size_, [&](std::size_t i) { multipliers_[i] = std::max(density_at(i, places_), 1.0); });
   for_each_particle(size_, [&](std::size_t i) {

@@ -1,20 +1,19 @@
-// A fluid of particles in a box under gravity, step by step: M. Macklin and M. Mueller, "Position based fluids" (ACM
-// TOG 32(4), 2013), Algorithm 1. One step
-//   moves all particles by their velocities, with gravity (lines 1 to 4), and finds their neighbours there (5 to 7);
-//   corrects places so that no density is above that at rest (lines 8 to 19): Jacobi iterations of equations 8 to 12,
-//     with the constraint relaxed as in equation 11;
-//   takes velocities from places (line 21), and evens them out between neighbours (XSPH, equation 17).
+// A fluid of particles in a box under gravity: M. Macklin and M. Mueller, "Position based fluids" (ACM TOG 32(4),
+// 2013), Algorithm 1. One step
+// - moves all particles by their velocities and gravity (lines 1 to 4) and finds their neighbors there (5 to 7);
+// - corrects positions so that no density exceeds the rest density (lines 8 to 19): Jacobi iterations of equations 8 to
+//   12, with the constraint relaxed as in equation 11;
+// - derives velocities from positions (line 21) and evens them out between neighbors (XSPH, equation 17).
 //
-// Where the paper's constraint asks for the density at rest, ours refuses more than that: particles at a surface, which
-// have few neighbours, are not drawn together. So the artificial pressure of section 4 has nothing to prevent;
-// vorticity confinement is left out. What is too dense when a step begins is moved apart first, without velocity
-// (pre-stabilisation: M. Macklin, M. Mueller, N. Chentanez, T.-Y. Kim, "Unified particle physics for real-time
-// applications", ACM TOG 33(4), 2014, section 4.4); else energy would come of it, the more the shorter the step. Walls
-// add what is behind them to the density (fluid_kernels.hpp), and no particle's centre gets nearer to one than half a
-// spacing; along them it slides.
+// The paper's constraint demands the rest density; ours only limits it. Particles at a surface, which have few
+// neighbors, are not pulled together, so the artificial pressure of section 4 is not needed. Vorticity confinement is
+// left out. Particles too dense at the start of a step are first moved apart without velocity (pre-stabilization: M.
+// Macklin, M. Mueller, N. Chentanez, T.-Y. Kim, "Unified particle physics for real-time applications", ACM TOG 33(4),
+// 2014, section 4.4). Otherwise they would gain energy, the more the shorter the step.
 //
-// Places are double: a velocity is a difference of two places that are a short step apart. All sums are taken in one
-// order, so every number is the same for any number of threads.
+// Walls add the density behind them (fluid_kernels.hpp). No particle's center comes closer to a wall than half a
+// spacing; particles slide along walls. Positions are double, as a velocity is the difference of two positions a short
+// step apart. All sums use a fixed order, so results do not depend on the number of threads.
 #pragma once
 
 #include <cstddef>
@@ -33,34 +32,33 @@ namespace isoextract::simulate {
 
 struct FluidOptions {
   double spacing = 1;   // of particles at rest
-  glm::dvec3 low{0.0};  // the box, at least one spacing wide and 2^20 at most
+  glm::dvec3 low{0.0};  // the box; at least 1 and at most 2^20 spacings wide
   glm::dvec3 high{1.0};
   double gravity = 0;    // towards -z
-  double viscosity = 0;  // c of XSPH, 0 to 1/2
+  double viscosity = 0;  // c of XSPH; 0 to 1/2
   int iterations = 4;
-  double top_speed = 1;  // faster ones are slowed down to it, and counted
+  double top_speed = 1;  // faster particles are slowed to it and counted
 };
 
 class Fluid {
  public:
-  // Reserves the memory of `capacity` particles, below 2^32.
+  // Reserves memory for `capacity` particles, below 2^32.
   [[nodiscard]] static Result<Fluid> make(const FluidOptions& options, std::size_t capacity, const Context& context);
 
-  // One particle more, of those that there is room for; `place` is inside of what particles may reach. It is number
-  // size() of all, counted from 0.
+  // Adds a particle; there must be room, and `place` must be where particles may be. Its number is the old size().
   void add(const glm::dvec3& place, const glm::dvec3& velocity);
 
-  // Fails as Context::reserve() and Context::check() do; the fluid is of no use then.
+  // Advances by `duration`. Fails as Context::reserve() and Context::check() do; the fluid is unusable afterwards.
   [[nodiscard]] Result<void> step(double duration, const Context& context);
 
   [[nodiscard]] std::size_t size() const { return size_; }
-  // In an order of their own, which changes with every step.
+  // The particles, in an order that changes with every step.
   [[nodiscard]] std::span<const glm::dvec3> places() const { return places_.span().first(size_); }
   [[nodiscard]] std::span<const glm::dvec3> velocities() const { return velocities_.span().first(size_); }
   [[nodiscard]] std::span<const std::uint32_t> numbers() const { return numbers_.span().first(size_); }
 
   [[nodiscard]] double fastest() const;
-  // Kinetic, and by height over the floor; a particle has mass 1.
+  // Returns the kinetic energy plus the potential energy above the floor; a particle has mass 1.
   [[nodiscard]] double energy() const;
   [[nodiscard]] std::uint64_t slowed_down() const { return slowed_down_; }  // so far
 
@@ -68,7 +66,7 @@ class Fluid {
   explicit Fluid(const FluidOptions& options);
 
   struct Wall {
-    double share = 0;  // of the density at rest
+    double share = 0;  // of the rest density
     glm::dvec3 gradient{0.0};
   };
   [[nodiscard]] Wall wall_at(const glm::dvec3& place) const;
@@ -83,7 +81,7 @@ class Fluid {
 
   FluidOptions options_;
   FluidKernels kernels_;
-  glm::dvec3 least_;  // of centres
+  glm::dvec3 least_;  // limits of particle centers
   glm::dvec3 most_;
   std::size_t size_ = 0;
   std::uint64_t slowed_down_ = 0;
@@ -91,7 +89,7 @@ class Fluid {
   Buffer<glm::dvec3> velocities_;
   Buffer<glm::dvec3> moved_;  // x* of the paper
   Buffer<glm::dvec3> scratch_;
-  Buffer<double> multipliers_;  // lambda; densities while velocities are evened out
+  Buffer<double> multipliers_;  // lambda; later the densities for XSPH
   Buffer<std::uint32_t> numbers_;
   Buffer<std::uint32_t> number_scratch_;
   NeighbourLists neighbours_;

@@ -1,11 +1,11 @@
-// The kernels of a fluid of particles, in shares of the density at rest: M. Mueller, D. Charypar, M. Gross,
-// "Particle-based fluid simulation for interactive applications" (SCA 2003), section 3.5: poly6 for densities, spiky
-// for gradients, as M. Macklin and M. Mueller, "Position based fluids" (ACM TOG 32(4), 2013), section 3, have it.
+// Kernels of a particle fluid, relative to the rest density: poly6 for densities, spiky for gradients. See M. Mueller,
+// D. Charypar, M. Gross, "Particle-based fluid simulation for interactive applications" (SCA 2003), section 3.5, and M.
+// Macklin, M. Mueller, "Position based fluids" (ACM TOG 32(4), 2013), section 3.
 //
-// At rest particles lie on a cubic lattice. Kernels reach over two of its spacings; the density at rest is the sum of
-// poly6 over that lattice, so that it is 1 here, whatever the lengths.
+// At rest, particles form a cubic lattice. A kernel reaches over two spacings. The rest density is the sum of poly6
+// over the lattice; here it is 1 for any spacing.
 //
-// A flat wall stands for the particles that would be behind it: for the part of a kernel's integral that lies there.
+// A flat wall replaces the particles behind it by the part of the kernel's integral that lies there.
 #pragma once
 
 #include <cmath>
@@ -18,7 +18,7 @@ namespace detail {
 
 inline constexpr double kKernelReach = 2;  // spacings
 
-// poly6 over the lattice, in units of its value at 0.
+// Returns the sum of poly6 over the lattice, in units of its value at 0.
 constexpr double lattice_sum() {
   double sum = 0;
   for (int x = -2; x <= 2; ++x) {
@@ -34,7 +34,7 @@ constexpr double lattice_sum() {
 
 }  // namespace detail
 
-// Distances are world units, gradients one over them.
+// Distances are in world units, gradients in their reciprocal.
 class FluidKernels {
  public:
   explicit FluidKernels(double spacing) : reach_(detail::kKernelReach * spacing), reach2_(reach_ * reach_) {}
@@ -42,14 +42,15 @@ class FluidKernels {
   [[nodiscard]] double reach() const { return reach_; }
   [[nodiscard]] double reach2() const { return reach2_; }
 
-  // What a particle adds to the density at a distance whose square is given, below reach2().
+  // Returns the density that a particle adds at a squared distance below reach2().
   [[nodiscard]] double density(double distance2) const {
     const double t = 1 - distance2 / reach2_;
     return t * t * t / kRest;
   }
   static constexpr double own_density() { return 1 / kRest; }
 
-  // Of the density at p that a particle at q gives, by p; d is p - q, shorter than reach(). 0 where they coincide.
+  // Returns the gradient by p of the density that a particle at q adds at p; d is p - q, shorter than reach(). 0 if p =
+  // q.
   [[nodiscard]] glm::dvec3 gradient(const glm::dvec3& d, double distance2) const {
     const double distance = std::sqrt(distance2);
     if (!(distance > 0)) return glm::dvec3(0);
@@ -57,15 +58,15 @@ class FluidKernels {
     return d * (-kSpikyToPoly6 / kRest * t * t / (reach_ * distance));
   }
 
-  // What a wall at a distance from 0 to reach() adds: 1/2 at 0.
+  // Returns the density that a wall adds at a distance from 0 to reach(): 1/2 at 0.
   [[nodiscard]] double wall(double distance) const {
     const double u = distance / reach_;
     const double u2 = u * u;
-    // 315/256 of the integral of (1 - z^2)^4 from u to 1.
+    // 315/256 times the integral of (1 - z^2)^4 from u to 1.
     const double within = u * (1 + u2 * (-4.0 / 3 + u2 * (6.0 / 5 + u2 * (-4.0 / 7 + u2 / 9))));
     return 0.5 - 315.0 / 256 * within;
   }
-  // The same of spiky, differentiated by the distance: the integral over the wall's plane.
+  // Returns the derivative of the spiky kernel's wall density by distance: its integral over the wall's plane.
   [[nodiscard]] double wall_slope(double distance) const {
     const double a = 1 - distance / reach_;
     const double a4 = a * a * a * a;
@@ -74,7 +75,8 @@ class FluidKernels {
 
  private:
   static constexpr double kRest = detail::lattice_sum();
-  static constexpr double kSpikyToPoly6 = 64.0 / 7;  // of their factors: 45 / (pi h^4) by 315 / (64 pi h^3), times h
+  // Ratio of the kernels' factors: 45 / (pi h^4) divided by 315 / (64 pi h^3), times h.
+  static constexpr double kSpikyToPoly6 = 64.0 / 7;
 
   double reach_;
   double reach2_;

@@ -52,7 +52,7 @@ void NeighbourLists::fill(Block& block, std::size_t first_cell, std::size_t last
       for (std::size_t r = 0; r < run_count; ++r) {
         for (std::size_t j = runs[r].first; j != runs[r].second; ++j) {
           const glm::dvec3 d = place - places[j];
-          // Written in any case, so that there is nothing to predict; there is room, as one candidate is i itself.
+          // Always writes, to avoid a branch; there is room, as one candidate is i itself.
           *next = static_cast<std::uint32_t>(j);
           next += static_cast<std::size_t>(glm::dot(d, d) < reach2) & static_cast<std::size_t>(j != i);
         }
@@ -62,7 +62,7 @@ void NeighbourLists::fill(Block& block, std::size_t first_cell, std::size_t last
       block.used = end;
     }
   }
-  // Lists that were made before there was more room begin elsewhere now.
+  // Growing may have moved the block's memory, so all lists are set again.
   const std::uint32_t* at = block.neighbours.data();
   for (std::size_t i = grid.cell(first_cell).first; i != grid.cell_end(last_cell - 1); ++i) {
     lists_[i] = {at, lists_[i].size()};

@@ -1,4 +1,4 @@
-// For each of many particles those that are near it, as a list.
+// Lists the neighbors of each particle.
 #pragma once
 
 #include <cstddef>
@@ -18,23 +18,23 @@ namespace isoextract::simulate {
 
 class NeighbourLists {
  public:
-  // Who is nearer than `reach` to whom. `places` are the particles in the order of the grid's spots, one a spot; the
-  // grid's cells are at least `reach` wide. A list is in the order of the spots, without the particle itself.
-  // Fails as Context::reserve() does. Memory is kept for the next time.
+  // Finds all pairs of particles nearer than `reach`. `places` are in the order of the grid's spots, one particle a
+  // spot; grid cells are at least `reach` wide. Each list is in spot order, without the particle itself. Keeps memory
+  // for the next call. Fails as Context::reserve() does.
   [[nodiscard]] Result<void> make(const points::CellGrid& grid, std::span<const glm::dvec3> places, double reach,
                                   const Context& context);
 
   [[nodiscard]] std::span<const std::uint32_t> of(std::size_t particle) const { return lists_[particle]; }
 
  private:
-  // The lists of the particles of some cells, filled by one thread: nobody knows beforehand how long they are.
+  // The lists of some cells' particles, filled by one thread. Their length is not known beforehand.
   struct Block {
     Buffer<std::uint32_t> neighbours;
     std::size_t used = 0;
     Reservation memory;
     std::optional<Error> error;
 
-    // Whether there is room for `count` more; what is used stays.
+    // Returns whether there is room for `count` more; keeps the content.
     bool make_room(std::size_t count, const Context& context);
   };
   void fill(Block& block, std::size_t first_cell, std::size_t last_cell, const points::CellGrid& grid,

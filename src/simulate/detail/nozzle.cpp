@@ -8,7 +8,7 @@ namespace isoextract::simulate {
 
 namespace {
 
-// On either side of the middle.
+// Returns the number of lattice rows on either side of the axis.
 int rows_of(const NozzleOptions& options) { return static_cast<int>(options.radius / options.spacing); }
 
 }  // namespace

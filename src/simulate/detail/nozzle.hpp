@@ -1,6 +1,5 @@
-// A round nozzle in a wall, out of which particles come in layers: a square lattice one spacing apart across the
-// nozzle, and along the jet. Each is off its place on the lattice by a little that depends on the seed and on its
-// number.
+// A round nozzle in a wall that emits layers of particles: a square lattice one spacing wide, across the nozzle and
+// along the jet. A small jitter, from seed and particle number, moves each particle off the lattice.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +11,8 @@ namespace isoextract::simulate {
 
 struct NozzleOptions {
   double spacing = 1;
-  double radius = 1;       // centres of particles are no farther from the middle
-  glm::dvec3 middle{0.0};  // where particles leave it, towards +x
+  double radius = 1;       // largest distance of particle centers from the axis
+  glm::dvec3 middle{0.0};  // where particles leave, towards +x
   double speed = 1;        // above 0
   double gravity = 0;      // towards -z
   std::uint64_t seed = 0;
@@ -21,22 +20,22 @@ struct NozzleOptions {
 
 class Nozzle {
  public:
-  // How far particles are off their places at most along each axis, in spacings.
+  // The largest jitter along each axis, in spacings.
   static constexpr double kJitter = 0.05;
 
   explicit Nozzle(const NozzleOptions& options);
 
-  // What one takes at most.
+  // Returns the most memory that a nozzle uses.
   [[nodiscard]] static std::uint64_t bytes(const NozzleOptions& options);
 
-  // When particle `number` leaves, or left.
+  // Returns the time at which particle `number` leaves.
   [[nodiscard]] double left_at(std::uint64_t number) const {
     const std::uint64_t layer = number / lattice_.size();
     return static_cast<double>(layer) * (options_.spacing / options_.speed);
   }
 
-  // f(place, velocity) for what leaves the nozzle until `time`, beginning at 0 with the first layer, where it is then
-  // in free fall; at most `room` particles. Times do not decrease from call to call.
+  // Calls f(place, velocity) for each particle that leaves until `time`, in free fall since it left, but at most `room`
+  // times. The first layer leaves at time 0. Times must not decrease from call to call.
   template <class F>
   void emit(double time, std::uint64_t room, const F& f) {
     for (; room > 0 && left_at(emitted_) <= time; --room) {

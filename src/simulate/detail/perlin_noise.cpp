@@ -10,20 +10,20 @@
 namespace isoextract::simulate {
 namespace {
 
-// Numbers that look random: the n-th of a seed.
+// Returns the n-th pseudo-random number of a seed.
 std::uint64_t random_bits(std::uint64_t seed, std::uint64_t n) { return splitmix64(splitmix64(seed) ^ n); }
 
-// 0 to 1, without 1.
+// Returns a number from 0 to 1, without 1.
 double random_fraction(std::uint64_t seed, std::uint64_t n) {
   return static_cast<double>(random_bits(seed, n) >> 11U) * 0x1p-53;
 }
 
-// 6 t^5 - 15 t^4 + 10 t^3: its first and second derivatives are 0 at both ends.
+// 6 t^5 - 15 t^4 + 10 t^3: the first and second derivatives are 0 at both ends.
 double fade(double t) { return t * t * t * (t * (t * 6 - 15) + 10); }
 
 double mix(double t, double a, double b) { return a + t * (b - a); }
 
-// The product with one of twelve gradients, towards the middles of a cube's edges; four occur twice.
+// Returns the product of d with one of twelve gradients towards the middles of a cube's edges; four occur twice.
 double along_gradient(std::uint8_t hash, const glm::dvec3& d) {
   const unsigned h = hash & 15U;
   const double u = h < 8 ? d.x : d.y;
@@ -66,8 +66,8 @@ FractalNoise::FractalNoise(std::uint64_t seed, int octaves) : noise_(seed), octa
   assert(octaves >= 1 && octaves <= static_cast<int>(offsets_.size()));
   for (std::size_t o = 0; o < offsets_.size(); ++o) {
     for (int axis = 0; axis < 3; ++axis) {
-      const std::uint64_t n = 1000 + 3 * o + static_cast<std::uint64_t>(axis);  // beyond those of the permutation
-      // Whole numbers part the octaves, the fraction keeps the origin off the lattice.
+      const std::uint64_t n = 1000 + 3 * o + static_cast<std::uint64_t>(axis);  // not used by the permutation
+      // The integer part separates the octaves, the fraction keeps the origin off the lattice.
       offsets_[o][axis] = std::floor(256 * random_fraction(seed, n)) + 0.25 + 0.5 * random_fraction(seed, n + 1000);
     }
   }

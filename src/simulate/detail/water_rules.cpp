@@ -9,9 +9,9 @@
 namespace isoextract::simulate {
 namespace {
 
-constexpr double kThinnestFlow = 1e-100;  // what is less deep stays where it is
-constexpr double kLeastEnergy = 1e-100;   // what is less is none
-constexpr int kCellsOfAThread = 1 << 14;  // below that threads cost more than they bring
+constexpr double kThinnestFlow = 1e-100;  // shallower water does not flow
+constexpr double kLeastEnergy = 1e-100;   // smaller energies become 0
+constexpr int kCellsOfAThread = 1 << 14;  // with fewer cells, threads cost more than they save
 
 template <class Row>
 void for_rows(glm::ivec2 size, const Row& row) {
@@ -23,7 +23,7 @@ void for_rows(glm::ivec2 size, const Row& row) {
   for_each_index(size.y, row, static_cast<std::size_t>(rows));
 }
 
-// What flows out of the cells of a row. No branches, so that several cells go at a time.
+// Computes the outflows of a row's cells. Free of branches, so that it vectorizes.
 void row_outflows(const WaterPlanes& planes, int y, double part) {
   const std::ptrdiff_t pitch = planes.pitch;
   const double* const __restrict terrain = planes.terrain + pitch * y;
@@ -45,10 +45,10 @@ void row_outflows(const WaterPlanes& planes, int y, double part) {
     const double right = flow((level + push) - pressure_after(x + 1));
     const double back = flow((level - push) - pressure_before(x - pitch));
     const double front = flow((level + push) - pressure_after(x + pitch));
-    // 1 where the water is enough; its divisor is never 0.
+    // 1 if the water suffices; the divisor is never 0.
     const double sum = (left + right) + (back + front);
     const double scale = movable / std::max(std::max(sum, movable), std::numeric_limits<double>::min());
-    // The sum of rounded parts may be more than the whole: each takes what is left at most.
+    // Rounded parts may sum to more than the whole, so each takes at most what is left.
     double rest = depth;
     const auto take = [&rest](double wanted) {
       const double taken = std::min(wanted, rest);
@@ -62,7 +62,7 @@ void row_outflows(const WaterPlanes& planes, int y, double part) {
   }
 }
 
-// The flows that come into the cells of a row, when all are known.
+// Adds the inflows of a row's cells; all outflows must be known.
 void row_gathered(const WaterPlanes& planes, int y, double kept) {
   const std::ptrdiff_t pitch = planes.pitch;
   double* const __restrict water = planes.water + pitch * y;
@@ -104,12 +104,12 @@ void printed_step(const WaterPlanes& planes, double friction, double flow_div) {
       const std::ptrdiff_t right = cell + 1;
       const std::ptrdiff_t back = cell - planes.pitch;
       const std::ptrdiff_t front = cell + planes.pitch;
-      // Taken before the first flow, and kept. In the border they are infinite, so that no level is above them.
+      // Taken before the first flow. They are infinite in the border, so that no level is above them.
       const double left_pressure = terrain[left] + water[left] + energy[left];
       const double right_pressure = terrain[right] + water[right] + -energy[right];
       const double back_pressure = terrain[back] + water[back] + energy[back];
       const double front_pressure = terrain[front] + water[front] + -energy[front];
-      // `tested` and `moved` are the signs of the own energy, in the test and in the flow.
+      // `tested` and `moved` are the signs of the cell's own energy in the test and in the flow.
       const auto pass = [&](std::ptrdiff_t to, double pressure, double tested, double moved, double gain) {
         if (!(terrain[cell] + water[cell] + tested * energy[cell] > pressure)) return;
         const double flow =

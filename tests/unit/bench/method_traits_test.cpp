@@ -209,7 +209,7 @@ BenchOptions bench_of(const std::vector<extract::MethodInfo>& methods, BenchBack
 }
 
 TEST(NotApplicable, BenchNotesMissingNormals) {
-  // a second identity, so that both fit in one table
+  // A second identity, so that both fit in one table.
   extract::MethodInfo voxels = voxel_method();
   voxels.method = extract::Method::mt;
   const BenchOptions options =

@@ -1,4 +1,4 @@
-// A fluid of particles: its kernels, what a step keeps, and where it comes to rest.
+// A particle fluid: its kernels, its conserved quantities, and its state at rest.
 #include "simulate/detail/fluid.hpp"
 
 #include <algorithm>
@@ -23,7 +23,7 @@ Fluid fluid_of(const FluidOptions& options, const std::vector<glm::dvec3>& place
   return fluid;
 }
 
-// A block of a lattice that is a little wider than the one at rest, each particle a little off.
+// Returns a block of a lattice slightly wider than at rest, with jittered particles.
 std::vector<glm::dvec3> block(const glm::ivec3& size, const glm::dvec3& low) {
   std::vector<glm::dvec3> places;
   for (int x = 0; x < size.x; ++x) {
@@ -46,7 +46,7 @@ glm::dvec3 momentum_of(const Fluid& fluid) {
   return sum;
 }
 
-// By all pairs, and walls at the sides of the box that are near.
+// Sums over all pairs, plus the walls near each particle.
 std::vector<double> densities_of(const Fluid& fluid, const FluidOptions& options) {
   const FluidKernels kernels(options.spacing);
   std::vector<double> densities;
@@ -67,7 +67,7 @@ std::vector<double> densities_of(const Fluid& fluid, const FluidOptions& options
   return densities;
 }
 
-TEST(FluidKernels, AreOneForTheLatticeAtRest) {
+TEST(FluidKernels, SumToOneOnRestLattice) {
   for (const double spacing : {1e-6, 1.0, 250.0}) {
     const FluidKernels kernels(spacing);
     double density = 0;
@@ -84,7 +84,7 @@ TEST(FluidKernels, AreOneForTheLatticeAtRest) {
   EXPECT_EQ(FluidKernels(3).density(0), FluidKernels::own_density());
 }
 
-TEST(FluidKernels, GradientsPointToTheOtherParticle) {
+TEST(FluidKernels, GradientsPointToOtherParticle) {
   const FluidKernels kernels(1);
   const glm::dvec3 d(0.3, -0.6, 0.2);
   const glm::dvec3 gradient = kernels.gradient(d, glm::dot(d, d));
@@ -93,8 +93,8 @@ TEST(FluidKernels, GradientsPointToTheOtherParticle) {
   EXPECT_EQ(kernels.gradient(glm::dvec3(0), 0), glm::dvec3(0));
 }
 
-// A wall is the integral of a kernel over what is behind it: summed here over small cubes.
-TEST(FluidKernels, WallsAreWhatIsBehindThem) {
+// A wall equals the integral of a kernel over the space behind it, summed here over small cubes.
+TEST(FluidKernels, WallsEqualTheIntegralBehindThem) {
   const FluidKernels kernels(1);
   constexpr double kCube = 0.05;
   for (const double distance : {0.0, 0.5, 1.0, 1.7}) {
@@ -111,7 +111,7 @@ TEST(FluidKernels, WallsAreWhatIsBehindThem) {
         }
       }
     }
-    // The lattice's sum is a hundredth more than the integral.
+    // The sum over the lattice exceeds the integral by 1 %.
     EXPECT_NEAR(kernels.wall(distance), share, 0.02 * share + 1e-3) << distance;
     EXPECT_NEAR(kernels.wall_slope(distance), slope, -0.03 * slope + 1e-3) << distance;
   }
@@ -120,7 +120,7 @@ TEST(FluidKernels, WallsAreWhatIsBehindThem) {
   EXPECT_EQ(kernels.wall_slope(kernels.reach()), 0);
 }
 
-TEST(Fluid, OneParticleFallsFreelyAndStopsAtTheFloor) {
+TEST(Fluid, LetsParticleFallToTheFloor) {
   FluidOptions options{.low = glm::dvec3(0), .high = glm::dvec3(20), .gravity = 10, .top_speed = 100};
   Fluid fluid = fluid_of(options, {glm::dvec3(10, 10, 15)}, glm::dvec3(1, 0, 0));
   for (int i = 0; i < 500; ++i) ASSERT_TRUE(fluid.step(kStep, Context()));
@@ -133,7 +133,7 @@ TEST(Fluid, OneParticleFallsFreelyAndStopsAtTheFloor) {
   EXPECT_EQ(fluid.slowed_down(), 0U);
 }
 
-TEST(Fluid, MomentumStaysWhereNoWallIsNear) {
+TEST(Fluid, ConservesMomentumAwayFromWalls) {
   FluidOptions options{.low = glm::dvec3(-50), .high = glm::dvec3(50), .viscosity = 0.1, .top_speed = 1000};
   Fluid fluid = std::move(*Fluid::make(options, 1000, Context()));
   for (const glm::dvec3& p : block(glm::ivec3(6), glm::dvec3(-8, 0, 0))) fluid.add(p, glm::dvec3(20, 0, 0));
@@ -150,8 +150,8 @@ TEST(Fluid, MomentumStaysWhereNoWallIsNear) {
   EXPECT_LT(energy, 0.9 * first) << "they met";
 }
 
-// A column falls over, sloshes and comes to rest: no denser than at rest, with the energy of water that stands there.
-TEST(Fluid, SettlesAtTheDensityAtRest) {
+// A column falls, sloshes and comes to rest, no denser than at rest and with the energy of still water.
+TEST(Fluid, SettlesAtRestDensity) {
   const FluidOptions options{
       .low = glm::dvec3(0), .high = glm::dvec3(12, 8, 30), .gravity = 98.1, .viscosity = 0.05, .top_speed = 500};
   Fluid fluid = fluid_of(options, block({5, 7, 16}, glm::dvec3(0.6)));
@@ -170,7 +170,7 @@ TEST(Fluid, SettlesAtTheDensityAtRest) {
                   glm::all(glm::lessThanEqual(p, options.high - 0.5)));
     }
   }
-  // Corrections are not exact, and a particle that they squeezed out of the surface takes a little energy along.
+  // Corrections are approximate: a particle pushed out of the surface gains a little energy.
   EXPECT_LE(most_growth, 5e-3 * first);
   EXPECT_LE(all_growth, 5e-2 * first);
   const std::vector<double> densities = densities_of(fluid, options);
@@ -178,7 +178,7 @@ TEST(Fluid, SettlesAtTheDensityAtRest) {
   for (const double density : densities) above += std::max(0.0, density - 1) / count;
   EXPECT_LT(above, 0.01);
   EXPECT_LT(*std::ranges::max_element(densities), 1.1);
-  // Half as high as the water stands on 96 squares of the floor.
+  // Half the height of the water on 96 squares of the floor.
   const double level = count / 96 / 2;
   double height = 0;
   for (const glm::dvec3& p : fluid.places()) height += p.z / count;
@@ -186,7 +186,7 @@ TEST(Fluid, SettlesAtTheDensityAtRest) {
   EXPECT_NEAR(energy, count * options.gravity * level, 0.1 * count * options.gravity * level);
 }
 
-TEST(Fluid, ParticlesAtOnePlaceAndInCornersStayFiniteAndInside) {
+TEST(Fluid, KeepsCoincidentAndCornerParticlesInside) {
   FluidOptions options{.low = glm::dvec3(0),
                        .high = glm::dvec3(5),
                        .gravity = 1000,
@@ -211,7 +211,7 @@ TEST(Fluid, ParticlesAtOnePlaceAndInCornersStayFiniteAndInside) {
   EXPECT_GT(fluid.slowed_down(), 0U) << "heaps burst";
 }
 
-TEST(Fluid, NumbersFollowTheirParticles) {
+TEST(Fluid, KeepsNumbersWithParticles) {
   FluidOptions options{.low = glm::dvec3(-200), .high = glm::dvec3(200), .top_speed = 100};
   Fluid fluid = std::move(*Fluid::make(options, 50, Context()));
   for (int i = 0; i < 50; ++i) fluid.add(glm::dvec3(-20 + 37 * i % 50, 5 * i % 50, 3 * i), glm::dvec3(0.25 * i, 0, 0));

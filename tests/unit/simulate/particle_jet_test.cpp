@@ -65,12 +65,12 @@ void expect_sound(const points::ParticleSet& set, const glm::dvec3& tank, double
   }
 }
 
-TEST(ParticleJet, LetsParticlesInAtASteadyRateUntilTheTankHasThem) {
+TEST(ParticleJet, EmitsSteadilyUntilCountIsReached) {
   const JetOptions options = small_jet();
   ParticleJet jet = jet_after(options, 0);
   EXPECT_EQ(jet.size(), 0U);
   EXPECT_EQ(jet.radius(), 0.5);
-  // A circle of radius 3 holds 29 places of the lattice; a layer leaves every 1 / 60 s, 2.5 a frame.
+  // A circle of radius 3 contains 29 lattice points; a layer leaves every 1 / 60 s, 2.5 a frame.
   for (int frame = 1; frame <= 30; ++frame) {
     ASSERT_TRUE(jet.advance(Context()));
     const auto layers = static_cast<std::uint64_t>(frame * 2.5 + 1e-9) + 1;
@@ -85,12 +85,12 @@ TEST(ParticleJet, LetsParticlesInAtASteadyRateUntilTheTankHasThem) {
   EXPECT_EQ(figures.slowed_down, 0U);
 }
 
-TEST(ParticleJet, FliesAsGravityBendsIt) {
+TEST(ParticleJet, FollowsFreeFall) {
   JetOptions options = small_jet();
   options.viscosity = 0;
   const ParticleJet jet = jet_after(options, 6);
   const points::ParticleSet set = particles_of(jet);
-  // The first layer has been on its way for 0.25 s and is where free fall takes it, but for what pushes it from behind.
+  // After 0.25 s the first layer is where free fall takes it, except for the push of the layers behind it.
   const double time = 0.25;
   glm::dvec3 middle(0);
   for (std::size_t i = 0; i < 29; ++i) middle += set.positions[i] / 29.0;
@@ -99,7 +99,7 @@ TEST(ParticleJet, FliesAsGravityBendsIt) {
   EXPECT_NEAR(middle.z, 9 - 98.1 * time * time / 2, 0.5);
 }
 
-TEST(ParticleJet, TellsVelocityAgeAndNumber) {
+TEST(ParticleJet, ReportsVelocityAgeAndId) {
   const points::ParticleSet set = particles_of(jet_after(small_jet(), 2));
   ASSERT_EQ(set.attributes.size(), 3U);
   EXPECT_EQ(set.attributes[0].name, "velocity");
@@ -113,7 +113,7 @@ TEST(ParticleJet, TellsVelocityAgeAndNumber) {
   }
 }
 
-TEST(ParticleJet, IsTheSameForAnyNumberOfThreads) {
+TEST(ParticleJet, IsIndependentOfThreads) {
   std::vector<points::ParticleSet> sets;
   for (const std::size_t threads : {1, 2, 5}) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
@@ -123,7 +123,7 @@ TEST(ParticleJet, IsTheSameForAnyNumberOfThreads) {
   EXPECT_TRUE(same_bits(sets[0], sets[2]));
 }
 
-TEST(ParticleJet, FollowsItsSeed) {
+TEST(ParticleJet, DependsOnSeed) {
   JetOptions options = small_jet();
   const points::ParticleSet zero = particles_of(jet_after(options, 4));
   EXPECT_TRUE(same_bits(zero, particles_of(jet_after(options, 4))));
@@ -131,7 +131,7 @@ TEST(ParticleJet, FollowsItsSeed) {
   EXPECT_FALSE(same_bits(zero, particles_of(jet_after(options, 4))));
 }
 
-TEST(ParticleJet, LosesEnergyOnceNothingComesIn) {
+TEST(ParticleJet, LosesEnergyAfterLastParticle) {
   JetOptions options = small_jet();
   options.count = 800;
   ParticleJet jet = jet_after(options, 13);
@@ -156,7 +156,7 @@ TEST(ParticleJet, LosesEnergyOnceNothingComesIn) {
   EXPECT_LT(last, 0.2 * first);
 }
 
-TEST(ParticleJet, TakesExtremeOptions) {
+TEST(ParticleJet, AcceptsExtremeOptions) {
   const auto sound = [](const JetOptions& options, int frames) {
     const ParticleJet jet = jet_after(options, frames);
     expect_sound(particles_of(jet), options.tank, jet.radius());
@@ -185,7 +185,7 @@ TEST(ParticleJet, TakesExtremeOptions) {
     scaled.gravity *= unit;
     EXPECT_EQ(sound(scaled, 25), scaled.count) << unit;
   }
-  // Packed up to the nozzle and above it.
+  // Filled up to the nozzle and above it.
   JetOptions full = small_jet();
   full.tank = glm::dvec3(8, 8, 16);
   full.nozzle = 1;
@@ -193,7 +193,7 @@ TEST(ParticleJet, TakesExtremeOptions) {
   EXPECT_EQ(sound(full, 80), full.count);
 }
 
-TEST(ParticleJet, RefusesWhatMakesNoSense) {
+TEST(ParticleJet, RejectsInvalidOptions) {
   const auto with = [](const auto& change) {
     JetOptions options = small_jet();
     change(options);
@@ -221,7 +221,7 @@ TEST(ParticleJet, RefusesWhatMakesNoSense) {
   }
 }
 
-TEST(ParticleJet, TakesItsMemoryFromTheBudgetAndCanBeCancelled) {
+TEST(ParticleJet, ObeysMemoryBudgetAndCancellation) {
   const Context poor(MemoryBudget(std::uint64_t{1} << 16));
   const auto refused = ParticleJet::make(small_jet(), poor);
   ASSERT_FALSE(refused);

@@ -1,4 +1,4 @@
-// Noise and the land that is made of it.
+// Noise, and the land made from it.
 #include "simulate/terrain.hpp"
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace isoextract::simulate {
 namespace {
 
-TEST(PerlinNoise, IsZeroOnTheLatticeAndSmoothAcrossIt) {
+TEST(PerlinNoise, IsZeroAndSmoothOnLattice) {
   const PerlinNoise noise(7);
   double most = 0;
   for (int n = 0; n < 300; ++n) {
@@ -19,7 +19,8 @@ TEST(PerlinNoise, IsZeroOnTheLatticeAndSmoothAcrossIt) {
     EXPECT_EQ(noise(corner), 0.0);
     const glm::dvec3 inside = corner + glm::dvec3(0.31, 0.77, 0.5 + 0.001 * n);
     most = std::max(most, std::abs(noise(inside)));
-    for (int axis = 0; axis < 3; ++axis) {  // value and slope go on where one cube ends and the next begins
+    // Value and slope are continuous across the faces of lattice cubes.
+    for (int axis = 0; axis < 3; ++axis) {
       glm::dvec3 on = inside;
       on[axis] = corner[axis];
       const auto at = [&](double d) {
@@ -34,14 +35,14 @@ TEST(PerlinNoise, IsZeroOnTheLatticeAndSmoothAcrossIt) {
   EXPECT_LT(most, 1.04);
 }
 
-TEST(FractalNoise, HasNoZeroAtTheOriginAndOtherHillsForOtherSeeds) {
+TEST(FractalNoise, IsNonZeroAtOriginAndDependsOnSeed) {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     EXPECT_GT(std::abs(FractalNoise(seed, 1)(glm::dvec3(0.0))), 1e-6);
     EXPECT_NE(FractalNoise(seed, 4)(glm::dvec3(0.5)), FractalNoise(seed + 1, 4)(glm::dvec3(0.5)));
   }
 }
 
-TEST(Terrain, IsTheSameForASeedAndAnotherForAnother) {
+TEST(Terrain, DependsOnSeed) {
   TerrainOptions options;
   options.size = {40, 30};
   options.relief = 12;
@@ -58,7 +59,7 @@ TEST(Terrain, IsTheSameForASeedAndAnotherForAnother) {
   EXPECT_DOUBLE_EQ(std::ranges::max(heights), kLowestLand + 12);
 }
 
-TEST(Terrain, FallsIntoTheBasin) {
+TEST(Terrain, SlopesIntoBasin) {
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
     TerrainOptions options;
     options.seed = seed;
@@ -80,7 +81,7 @@ TEST(Terrain, FallsIntoTheBasin) {
   }
 }
 
-TEST(Terrain, CanBeEven) {
+TEST(Terrain, IsFlatForZeroRelief) {
   TerrainOptions options;
   options.relief = 0;
   const auto land = make_terrain(options, Context());
@@ -88,7 +89,7 @@ TEST(Terrain, CanBeEven) {
   EXPECT_TRUE(std::ranges::all_of((*land)->values.span(), [](double height) { return height == kLowestLand; }));
 }
 
-TEST(Terrain, RefusesWhatItCannotMake) {
+TEST(Terrain, RejectsInvalidOptions) {
   TerrainOptions options;
   options.size = {1, 5};
   EXPECT_EQ(make_terrain(options, Context()).error().code, ErrorCode::usage);

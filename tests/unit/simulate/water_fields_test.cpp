@@ -17,9 +17,9 @@ const field::DenseSamples& dense(const field::ScalarField& field) {
   return std::get<field::DenseSamples>(field.samples);
 }
 
-TEST(WaterFields, FillVoxelsFromTheGroundUp) {
+TEST(WaterFields, FillVoxelsFromBelow) {
   const WaterAutomaton automaton = columns({0.25, 2, 1.5, 3}, {0, 0.5, 2.25, 0});
-  ASSERT_EQ(layers_for(automaton), 5);  // 3.75 high, and an empty one
+  ASSERT_EQ(layers_for(automaton), 5);  // 3.75 high, plus an empty layer
   const auto fields = water_fields(automaton, WaterContent::both, 5, {2, 3, 4}, Context());
   ASSERT_TRUE(fields);
   ASSERT_EQ(fields->size(), 2U);
@@ -42,7 +42,7 @@ TEST(WaterFields, FillVoxelsFromTheGroundUp) {
   EXPECT_EQ((*fields)[1].index_to_world(glm::dvec3(1)), glm::dvec3(3, 4.5, 6));
 }
 
-TEST(WaterFields, HoldWhatIsAskedFor) {
+TEST(WaterFields, ContainRequestedFields) {
   const WaterAutomaton automaton = columns({1, 1, 1, 1}, {1, 0, 0, 0});
   for (const auto& [content, names] : {std::pair{WaterContent::water, std::vector<std::string>{"water"}},
                                        std::pair{WaterContent::terrain, std::vector<std::string>{"terrain"}}}) {
@@ -54,7 +54,7 @@ TEST(WaterFields, HoldWhatIsAskedFor) {
   }
 }
 
-TEST(WaterFields, MapsHaveTheNumbersThemselves) {
+TEST(WaterFields, MapsKeepExactNumbers) {
   const WaterAutomaton automaton = columns({0.1, 2, 1.5, 3}, {0.3, 0.5, 2.25, 0});
   const auto fields = water_fields(automaton, WaterContent::heights, 1, glm::dvec3(1), Context());
   ASSERT_TRUE(fields);
@@ -64,7 +64,7 @@ TEST(WaterFields, MapsHaveTheNumbersThemselves) {
   EXPECT_EQ(static_cast<const double*>(dense((*fields)[1]).data)[2], 2.25);
 }
 
-TEST(WaterFields, CellsBelowZeroAreEmpty) {
+TEST(WaterFields, TreatNegativeDepthsAsEmpty) {
   WaterOptions options;
   options.rule = WaterRule::printed;
   options.friction = 0;
@@ -89,7 +89,7 @@ TEST(WaterFields, CellsBelowZeroAreEmpty) {
   }
 }
 
-TEST(WaterFields, AreRefusedWhereTheyDoNotFit) {
+TEST(WaterFields, RejectHeightsThatDoNotFit) {
   const WaterAutomaton tower = columns({0, 0, 0, 1e6}, {});
   EXPECT_EQ(layers_for(tower).error().code, ErrorCode::output);
   const WaterAutomaton low = columns({1, 1, 1, 1}, {});

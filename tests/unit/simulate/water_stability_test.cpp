@@ -1,4 +1,4 @@
-// The stiff cases: the conservative rule passes all of them, the printed one does not.
+// The conservative rule passes all stiff cases; the printed rule does not.
 #include "simulate/water_stability.hpp"
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 namespace isoextract::simulate {
 namespace {
 
-TEST(WaterStability, TheConservativeRulePassesAndThePrintedOneGoesBelowZero) {
+TEST(WaterStability, PassesConservativeRuleAndFailsPrintedRule) {
   const auto rows = run_water_stability(simulate::kStabilitySteps, Context());
   ASSERT_TRUE(rows);
   ASSERT_EQ(rows->size(), 24U);
@@ -22,7 +22,7 @@ TEST(WaterStability, TheConservativeRulePassesAndThePrintedOneGoesBelowZero) {
   EXPECT_GT(below_zero, 12U);
 }
 
-TEST(WaterStability, SaysWhatIsWrong) {
+TEST(WaterStability, DescribesFailures) {
   WaterFindings found;
   EXPECT_TRUE(found.failures(1).empty());
   found.drift = 1e-11;

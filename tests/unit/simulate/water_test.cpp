@@ -1,4 +1,4 @@
-// The automaton, against plain versions of both rules and against what they promise.
+// The automaton against plain versions of both rules, and its conservation laws.
 #include "simulate/water.hpp"
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 namespace isoextract::simulate {
 namespace {
 
-// Rows i of columns j, as the paper has them.
+// Rows i of columns j, as in the paper.
 using Rows = std::vector<std::vector<double>>;
 
 struct PlainWater {
@@ -21,7 +21,7 @@ struct PlainWater {
   int dim_i, dim_j;
 };
 
-// Listing 3.3.1 line by line, and the loops around it.
+// Listing 3.3.1 line by line, with the loops around it.
 void listing(PlainWater& s, double friction, double flow_div) {
   for (int i = 0; i < s.dim_i; ++i) {
     for (int j = 0; j < s.dim_j; ++j) {
@@ -64,7 +64,7 @@ void listing(PlainWater& s, double friction, double flow_div) {
   }
 }
 
-// The conservative rule as water.hpp says it, a cell at a time, with ifs at the border.
+// The conservative rule as in water.hpp, one cell at a time, with branches at the border.
 void conservative(PlainWater& s, double friction, double flow_div) {
   const int di[4] = {-1, 1, 0, 0};
   const int dj[4] = {0, 0, -1, 1};
@@ -138,7 +138,7 @@ WaterAutomaton automaton_on(glm::ivec2 size, const std::vector<double>& terrain,
   return std::move(*made);
 }
 
-// Hills with water everywhere and more of it in one corner.
+// Hills with water everywhere, deeper in one corner.
 WaterAutomaton hills(glm::ivec2 size, WaterOptions options) {
   TerrainOptions terrain;
   terrain.size = size;
@@ -150,24 +150,24 @@ WaterAutomaton hills(glm::ivec2 size, WaterOptions options) {
   return automaton_on(size, heights, depth, std::move(options));
 }
 
-TEST(PrintedRule, MovesWaterAsComputedByHand) {
+TEST(PrintedRule, MatchesHandComputedStep) {
   WaterOptions options;
   options.rule = WaterRule::printed;
   options.friction = 0;
   options.flow_div = 4;
   WaterAutomaton automaton = automaton_on({3, 3}, std::vector<double>(9, 0), {0, 0, 0, 0, 4, 0, 0, 0, 0}, options);
   ASSERT_TRUE(automaton.run(1));
-  // Each flow takes a quarter of what the one before it left: 1, 0.75, 0.5625, 0.421875.
+  // Each flow takes a quarter of what the previous one left: 1, 0.75, 0.5625, 0.421875.
   EXPECT_EQ(automaton.water(1)[0], 1.0);
   EXPECT_EQ(automaton.energy(1)[0], -1.0);
   EXPECT_EQ(automaton.water(0)[1], 0.5625);
   EXPECT_EQ(automaton.energy(0)[1], -0.5625);
-  // The cell on the right (0.75 deep, energy 0.75) looks left: 1.5 is above 1.265625, but 0.75 - 0.75 - 1.265625 is
-  // negative, and so is what flows: the middle cell, which is deeper, gives 0.31640625 that went uphill.
+  // The right cell (depth 0.75, energy 0.75) tests its left side: 1.5 exceeds 1.265625, but the flow 0.75 - 0.75 -
+  // 1.265625 is negative. So the deeper middle cell loses 0.31640625, which flows uphill.
   EXPECT_EQ(automaton.water(1)[1], 1.265625 - 0.31640625);
 }
 
-TEST(PrintedRule, IsTheListing) {
+TEST(PrintedRule, MatchesListing) {
   for (const double friction : {0.0, 0.3, 1.0}) {
     WaterOptions options;
     options.rule = WaterRule::printed;
@@ -185,7 +185,7 @@ TEST(PrintedRule, IsTheListing) {
   }
 }
 
-TEST(PrintedRule, GoesBelowZeroWhereTheConservativeOneDoesNot) {
+TEST(PrintedRule, MakesNegativeDepths) {
   WaterOptions options;
   options.friction = 0;
   WaterAutomaton kept = hills({16, 16}, options);
@@ -202,7 +202,7 @@ TEST(PrintedRule, GoesBelowZeroWhereTheConservativeOneDoesNot) {
   EXPECT_LT(kept.balance().drift(), 1e-12);
 }
 
-TEST(ConservativeRule, IsWhatTheHeaderSays) {
+TEST(ConservativeRule, MatchesHeader) {
   for (const double flow_div : {1.0, 2.5, 4.0}) {
     WaterOptions options;
     options.friction = 0.2;
@@ -223,7 +223,7 @@ TEST(ConservativeRule, IsWhatTheHeaderSays) {
   }
 }
 
-TEST(ConservativeRule, KeepsWaterOverTenThousandSteps) {
+TEST(ConservativeRule, ConservesWaterOverTenThousandSteps) {
   for (const double flow_div : {1.0, 4.0}) {
     WaterOptions options;
     options.flow_div = flow_div;
@@ -245,7 +245,7 @@ TEST(ConservativeRule, KeepsWaterOverTenThousandSteps) {
   }
 }
 
-TEST(ConservativeRule, LeavesALakeAlone) {
+TEST(ConservativeRule, LeavesLakeUnchanged) {
   std::vector<double> terrain;
   std::vector<double> depth;
   for (int n = 0; n < 48; ++n) {
@@ -259,9 +259,9 @@ TEST(ConservativeRule, LeavesALakeAlone) {
   }
 }
 
-// A lake that is even but moves by the energy E passes 2 E / D over each face, so that a cell gets 4 E / D from its
-// left and back and keeps (1 - F) E: the movement dies down where D F is above 4.
-TEST(ConservativeRule, WaterComesToRestWhereTheDivisorIsAboveFourOverFriction) {
+// An even lake with energy E passes 2 E / D over each face, so a cell gets 4 E / D from its left and back and keeps (1
+// - F) E. The movement decays if D F is above 4.
+TEST(ConservativeRule, ComesToRestAboveFourOverFriction) {
   for (const auto& [friction, flow_div, rests] :
        {std::tuple{0.8, 5.5, true}, std::tuple{0.5, 8.5, true}, std::tuple{0.3, 14.0, true},
         std::tuple{0.8, 4.5, false}, std::tuple{0.5, 6.0, false}, std::tuple{0.3, 12.0, false}}) {
@@ -277,7 +277,7 @@ TEST(ConservativeRule, WaterComesToRestWhereTheDivisorIsAboveFourOverFriction) {
   }
 }
 
-TEST(ConservativeRule, GivesTheSameBitsForAnyNumberOfThreads) {
+TEST(ConservativeRule, IsBitwiseIndependentOfThreads) {
   const auto water_of = [](int threads) {
     WaterOptions options;
     options.sources = {{{100, 70}, 2}};
@@ -292,7 +292,7 @@ TEST(ConservativeRule, GivesTheSameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(two.energy, one.energy);
 }
 
-TEST(Water, EndsBetweenStepsWhenAsked) {
+TEST(Water, StopsBetweenStepsWhenCancelled) {
   const Context context;
   WaterAutomaton automaton = automaton_on({4, 4}, std::vector<double>(16, 0), {}, {}, context);
   ASSERT_TRUE(automaton.run(3));
@@ -301,7 +301,7 @@ TEST(Water, EndsBetweenStepsWhenAsked) {
   EXPECT_EQ(automaton.steps_done(), 3U);
 }
 
-TEST(Water, RefusesWhatMakesNoSense) {
+TEST(Water, RejectsInvalidOptions) {
   const std::vector<double> flat(12, 0);
   const auto said = [&](glm::ivec2 size, const std::vector<double>& terrain, const std::vector<double>& depth) {
     const auto made = WaterAutomaton::create(size, terrain, depth, {}, Context());
