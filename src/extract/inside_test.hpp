@@ -80,7 +80,7 @@ std::optional<InsideThreshold<T>> find_inside_threshold(const InsideRule& rule, 
   using Key = typename Order::Key;
   const auto inside = [&](Key key) { return rule(scale(static_cast<double>(Order::value(key)))); };
   const bool above = (rule.kind == field::FieldKind::density) == (scale.slope > 0);
-  // `in` is always an inside key, `out` an outside one, until they are neighbours.
+  // `in` is always an inside key, `out` an outside one, until they are adjacent.
   Key in = above ? Order::kHighest : Order::kLowest;
   Key out = above ? Order::kLowest : Order::kHighest;
   if (!inside(in)) return std::nullopt;

@@ -134,8 +134,7 @@ constexpr auto words_of(Method /*type*/) {
 // Each returns why the surfaces of a method lack something, as a sentence without full stop that starts with the
 // method's title. Returns "" if the method has it.
 [[nodiscard]] std::string why_no_edges(const MethodInfo& method);             // edge keys
-[[nodiscard]] std::string why_no_crossings(const MethodInfo& method);         // vertices where the field is equal to
-                                                                              // iso
+[[nodiscard]] std::string why_no_crossings(const MethodInfo& method);         // vertices at the iso value
 [[nodiscard]] std::string why_no_gradient_normals(const MethodInfo& method);  // normals from gradients
 [[nodiscard]] std::string why_no_holes(const MethodInfo& method);             // holes around NaN samples
 

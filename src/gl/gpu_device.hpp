@@ -39,9 +39,8 @@ struct DeviceName {
 
   friend bool operator==(const DeviceName&, const DeviceName&) = default;
 };
-using DeviceChoice = std::variant<std::monostate, int, CudaIndex, DeviceName>;  // monostate: the first usable device
-                                                                                // that is not software, else the first
-                                                                                // usable one
+// monostate: the first usable device that is not software, else the first usable one.
+using DeviceChoice = std::variant<std::monostate, int, CudaIndex, DeviceName>;
 
 // Parses "1", "cuda:0", or a name. Fails with ErrorCode::usage.
 [[nodiscard]] Result<DeviceChoice> parse_device_choice(const std::string& text);

@@ -376,8 +376,7 @@ class DenseExtraction final : private CellDecider {
   DenseMasks masks_;
   BrickFlags bricks_;
   bool has_holes_ = false;                    // NaN samples were found under NanPolicy::hole
-  std::atomic<bool> samples_changed_{false};  // between two reads: the samples are a mapped file that another program
-                                              // changes
+  std::atomic<bool> samples_changed_{false};  // the mapped file changed between two reads
   std::optional<CellDrawings> drawings_;
   Reservation rows_memory_;  // for the bricks and the arrays below
   // First counts, then the number of the first vertex and triangle; the entry after the last row holds the totals.

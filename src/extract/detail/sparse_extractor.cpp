@@ -144,8 +144,7 @@ class SparseExtraction final : private CellDecider {
 
   void emit_vertices(mesh::Mesh& mesh, std::size_t s) const {
     const glm::ivec3 origin = sites_.origins()[s];
-    VertexWriter writer({placement_, rule_, field_.scale}, mesh, vertices_.first(s, 0));  // the numbers of a site are
-                                                                                          // consecutive
+    VertexWriter writer({placement_, rule_, field_.scale}, mesh, vertices_.first(s, 0));  // consecutive numbers
     const bool gradients = writer.wants_gradients();
     const Neighbourhood<T> stored(samples_, sites_.lookup(), origin, gradients ? -1 : 0);
     VertexBatch& batch = writer.batch();
