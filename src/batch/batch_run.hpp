@@ -26,7 +26,7 @@ namespace isoextract::batch {
 // Frames of an earlier run that this run keeps instead of converting them again.
 enum class EarlierFrames {
   converted_again,
-  kept_if_unchanged,  // frames whose job is in the manifest and whose inputs and outputs are unchanged, byte by byte
+  kept_if_unchanged,  // frames whose job is in the manifest and whose files are unchanged (why_again())
   kept_if_there,      // frames of which an output file exists, whatever it contains
 };
 

@@ -31,7 +31,7 @@ Result<FileRecord> file_record_of(const mesh_io::WrittenFile& file, const Contex
   return FileRecord{file.path, state};
 }
 
-// Returns a message about the first file that has changed; empty if none has.
+// Returns a message about the first file whose bytes (or `with_times` modification time) changed; empty if none has.
 std::string changed_one(const std::vector<FileRecord>& before, bool with_times) {
   for (const FileRecord& file : before) {
     const auto now = files::state_of_file(file.path, Context());

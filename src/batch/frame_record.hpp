@@ -90,11 +90,12 @@ struct FrameRecord {
 // know them.
 [[nodiscard]] bool knows_inputs(const FrameRecord& record, const FrameJob& frame);
 
-// Returns the first file of the record that has changed, byte by byte: "in.vdb has changed". Empty if none has.
+// Returns the first file of the record that has changed: "in.vdb has changed". Empty if none has. Compares the bytes of
+// all files, and for inputs also the modification time.
 [[nodiscard]] std::string what_changed(const FrameRecord& record);
 
-// Returns why a recorded frame must be converted again: "in.vdb has changed". Empty if its options, inputs and outputs
-// are unchanged, byte by byte, and no input was added. A record without inputs is trusted only for demo fields.
+// Returns why a recorded frame must be converted again: "in.vdb has changed". Empty if its options are unchanged,
+// what_changed() finds no change, and no input was added. A record without inputs is trusted only for demo fields.
 [[nodiscard]] std::string why_again(const FrameRecord& record, const FrameJob& frame);
 
 [[nodiscard]] convert::Json json_of(const FrameRecord& record);

@@ -60,8 +60,8 @@ class Animation final : public FrameReceiver {
 [[nodiscard]] Result<void> keep_animation(Manifest& manifest, const BatchJob& batch, std::vector<FrameRecord> frames,
                                           const mesh_io::MeshWriteResult& written);
 
-// Returns the records of all frames if the manifest has the batch's animation and all its inputs and files are
-// unchanged, byte by byte. The outputs of each record are the animation's files.
+// Returns the records of all frames if the manifest has the batch's animation and its files and all inputs are
+// unchanged (what_changed()). The outputs of each record are the animation's files.
 [[nodiscard]] std::optional<std::vector<FrameRecord>> kept_animation(const Manifest& manifest, const BatchJob& batch);
 
 }  // namespace isoextract::batch
