@@ -1,4 +1,4 @@
-// The headers of files with dense samples, after which these come as they lie in memory.
+// Headers of files with dense samples. The samples follow the header in the layout they have in memory.
 #pragma once
 
 #include <string>
@@ -7,10 +7,11 @@
 
 namespace isoextract::volume_io {
 
-// As npy_text.hpp has it, [z, y, x] or [y, x].
+// Returns the header of an array [z, y, x], or [y, x] for one layer; see npy_text.hpp.
 [[nodiscard]] std::string npy_header(const field::DenseSamples& samples);
 
-// With space directions and origin, so version 4 (http://teem.sourceforge.net/nrrd/format.html). Not for f16.
+// Returns a header with space directions and origin, which need version 4
+// (http://teem.sourceforge.net/nrrd/format.html). NRRD has no f16.
 [[nodiscard]] std::string nrrd_header(const field::ScalarField& field, const field::DenseSamples& samples);
 
 }  // namespace isoextract::volume_io
