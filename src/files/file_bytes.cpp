@@ -132,7 +132,7 @@ Result<std::filesystem::path> resolve_beside(const std::filesystem::path& header
   std::error_code error;
   const fs::path folder = fs::canonical(header.has_parent_path() ? header.parent_path() : fs::path("."), error);
   if (error) return fail(ErrorCode::input, fmt::format("{}: {}", header.string(), error.message()));
-  // Checks the name first, so that nothing outside the folder is accessed.
+  // Rejects relative names that lead outside before the file system is accessed.
   const fs::path named = folder / data_file;
   if (fs::path(data_file).is_relative() && !is_within(folder, named.lexically_normal())) return outside();
   const fs::path resolved = fs::canonical(named, error);

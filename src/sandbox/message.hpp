@@ -13,7 +13,7 @@
 
 namespace isoextract::sandbox {
 
-// Longer messages are rejected: large data goes through shared memory.
+// The receiver rejects longer messages: large data goes through shared memory.
 inline constexpr std::uint64_t kMostMessageBytes = std::uint64_t{64} << 20;
 
 class MessageWriter {

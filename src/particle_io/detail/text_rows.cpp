@@ -17,7 +17,7 @@ namespace {
                              found, content.line_number()));
 }
 
-// Calls use() for `count` lines; checks for cancellation at intervals.
+// Calls use(row, line) for the next `count` lines. Throws DamagedParticles if the text ends before.
 template <class Use>
 void for_each_row(ContentReader& content, std::uint64_t count, Use&& use) {
   for (std::uint64_t row = 0; row < count; ++row) {

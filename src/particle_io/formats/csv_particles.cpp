@@ -125,7 +125,8 @@ std::string_view without_utf8_mark(std::string_view line) {
   return line.starts_with("\xEF\xBB\xBF") ? line.substr(3) : line;
 }
 
-// Returns the first delimiter that splits both lines into the same number of fields, at least three.
+// Returns the first delimiter that splits the first line into at least three fields, and the second line into as many,
+// or one more or less.
 std::optional<char> find_delimiter(std::string_view first, const std::optional<std::string>& second) {
   std::vector<std::string_view> fields;
   for (const char delimiter : {'\t', ';', ',', '|', kWords}) {

@@ -82,7 +82,7 @@ std::optional<PluginGrid> grid_for_plugin(VdbCursor& cursor, const VdbHeader& he
     check_tree_ends(cursor, record);
     return PluginGrid{grids[*chosen].label, fmt::format("'{}' lies in a frustum", grids[*chosen].label)};
   }
-  // Returns nothing if scalar grids exist: the user must choose one of them.
+  // Without a choice, scalar grids have precedence: the built-in reader asks the user to choose one.
   if (!options.grid && std::ranges::count(grids, true, &GridInfo::scalar) > 0) return std::nullopt;
   std::optional<PluginGrid> found;
   for (std::size_t i = 0; i < grids.size(); ++i) {
