@@ -1,0 +1,1 @@
+"""What scripts/words runs: texts of the project, the glossary, and rules. Python's standard library only."""
