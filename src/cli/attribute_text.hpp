@@ -1,4 +1,4 @@
-// What compare tells of the attributes of two meshes.
+// Reports how the attributes of two meshes compare, for `compare`.
 #pragma once
 
 #include "accuracy/attribute_match.hpp"
@@ -7,7 +7,7 @@
 
 namespace isoextract::cli {
 
-// Nothing where neither mesh has any.
+// Adds nothing if neither mesh has attributes.
 void add_attributes(NamedLines& lines, const accuracy::AttributeMatches& matches);
 
 [[nodiscard]] convert::Json attributes_json(const accuracy::AttributeMatches& matches);

@@ -1,4 +1,4 @@
-// The backends of `bench` and `stability` by name, and opening them.
+// Parses the names of backends for `bench` and `stability`, and opens them.
 #pragma once
 
 #include <optional>
@@ -13,19 +13,19 @@
 
 namespace isoextract::cli {
 
-// A backend of `bench` or `stability`: "cpu", "gpu", or the GPU another way: "gpu:points" makes the threads of marching
-// cubes by number instead of by tessellation, "gpu:rows" visits the cells of a brick row by row.
+// A backend of `bench` or `stability`: "cpu", "gpu" or a variant of the GPU backend. "gpu:points" creates the threads
+// of marching cubes as points instead of by tessellation; "gpu:rows" visits the cells of a brick row by row.
 struct NamedBackend {
   std::string name;
   convert::Backend backend = convert::Backend::cpu;
   gpu::GpuOptions gpu;
-  std::optional<extract::Method> only;  // the method that it is a variant of
+  std::optional<extract::Method> only;  // the only method that this variant supports
 };
 
-// Names separated by commas, each once. Fails with ErrorCode::usage.
+// Parses names separated by commas, without repetition. Fails with ErrorCode::usage.
 [[nodiscard]] Result<std::vector<NamedBackend>> parse_backends(std::string_view text);
 
-// All of a list, in its order. Fails as convert::open_backend() does.
+// Opens all backends of the list, in its order. Fails as convert::open_backend() does.
 [[nodiscard]] Result<std::vector<bench::BenchBackend>> open_backends(const std::vector<NamedBackend>& backends);
 
 }  // namespace isoextract::cli

@@ -37,7 +37,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The message without the names of the frame's files.
+// Returns the error's message without the names of the frame's files.
 std::string reason_of(const convert::ConversionJob& job, const Error& error) {
   std::string text = error.message;
   const auto leave_out = [&](const std::string& name) {
@@ -53,7 +53,7 @@ std::string reason_of(const convert::ConversionJob& job, const Error& error) {
 
 bool shows_rows(const BatchPlan& plan) { return plan.flags.table || plan.flags.plot || plan.common.pages.any(); }
 
-// Tells what happens to frames, and writes their reports.
+// Prints what happens to the frames, and writes their reports.
 class FrameTeller final : public batch::RunEvents {
  public:
   FrameTeller(const BatchPlan& plan, const std::vector<std::string>& arguments, BatchProgress& progress, HtmlPage& page)
@@ -111,7 +111,7 @@ class FrameTeller final : public batch::RunEvents {
   const BatchPlan& plan_;
   const std::vector<std::string>& arguments_;
   BatchProgress& progress_;
-  std::mutex mutex_;  // of the page
+  std::mutex mutex_;  // guards page_
   HtmlPage& page_;
 };
 

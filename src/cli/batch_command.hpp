@@ -1,4 +1,4 @@
-// `isoextract` on the frames of a sequence: what a batch says and keeps while it runs.
+// Runs `isoextract` on the frames of a sequence, and reports and records the progress.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace isoextract::cli {
 
-// ErrorCode::frames where some frames failed; each of them was told on stderr. `arguments` are the words of the command
-// line, for the manifest and the reports.
+// Fails with ErrorCode::frames if some frames failed; stderr has their errors by then. `arguments` are the words of the
+// command line, for the manifest and the reports.
 [[nodiscard]] Result<void> run_batch(const ConvertFlags& flags, const std::vector<std::string>& arguments);
 
 }  // namespace isoextract::cli

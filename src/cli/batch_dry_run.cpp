@@ -24,15 +24,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// 0 where the input is no file.
+// Returns 0 if the input is not a file.
 std::uint64_t size_of_input(const batch::FrameJob& frame) {
   std::error_code none;
   const std::uintmax_t size = fs::file_size(frame.job.source.input, none);
   return none ? 0 : size;
 }
 
-// The frames whose memory is estimated, by index: among those with the largest inputs the first, the middle and the
-// last.
+// Returns the indices of the frames whose memory is estimated: of those with the largest inputs the first, the middle
+// and the last.
 std::vector<std::size_t> sampled_frames(const BatchPlan& plan) {
   std::uint64_t largest = 0;
   std::vector<std::size_t> of_largest;
@@ -51,7 +51,7 @@ struct FrameMemory {
   std::uint64_t bytes = 0;
 };
 
-// "memory: about 118 MiB (117 MiB for frame 3, 1 at a time; the most of frames 0, 2, 3)"
+// Returns "memory: about 118 MiB (117 MiB for frame 3, 1 at a time; the most of frames 0, 2, 3)".
 Result<std::string> memory_text(const BatchPlan& plan, const Messages& messages) {
   std::vector<std::int64_t> estimated;
   std::optional<FrameMemory> most;
@@ -81,7 +81,7 @@ Result<std::string> memory_text(const BatchPlan& plan, const Messages& messages)
 Result<void> print_batch_plan(const BatchPlan& plan, const Messages& messages) {
   std::string text;
   std::uint64_t bytes = 0;
-  std::unordered_set<std::string> counted;  // the volumes of one file are many frames
+  std::unordered_set<std::string> counted;  // inputs counted so far: many frames can be volumes of one file
   for (const std::size_t i : plan.frames) {
     const batch::FrameJob& frame = plan.batch.frames[i];
     const std::string& input = frame.job.source.input;

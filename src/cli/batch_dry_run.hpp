@@ -1,4 +1,4 @@
-// What a batch would do, where nothing is to be done.
+// Prints what a batch would do, for --dry-run.
 #pragma once
 
 #include "base/error.hpp"
@@ -7,9 +7,9 @@
 
 namespace isoextract::cli {
 
-// Prints frames, files, gaps and an estimate of the memory to stdout. Reads some of the inputs for the estimate: the
-// largest files, and of files of one size and frames of one file the first, the middle and the last. Fails where none
-// of these can be estimated.
+// Prints frames, files, gaps and an estimate of the memory to stdout. For the estimate it reads the first, the middle
+// and the last of the largest inputs; inputs of equal size, and frames of one file, count as equally large. Fails if
+// none of these can be estimated.
 [[nodiscard]] Result<void> print_batch_plan(const BatchPlan& plan, const Messages& messages);
 
 }  // namespace isoextract::cli

@@ -24,7 +24,7 @@ Result<void> make_folders(const BatchPlan& plan) {
   for (const std::size_t i : plan.frames) {
     for (const fs::path& file : batch::files_of(plan.batch.frames[i].job)) files.push_back(file);
   }
-  // A shard without frames has a manifest all the same.
+  // A shard without frames also writes a manifest.
   if (plan.frames.empty()) files.push_back(batch::manifest_folder(plan.batch) / batch::manifest_name(plan.shard));
   return see_to_folders(files, plan.make_folders);
 }

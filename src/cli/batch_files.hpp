@@ -1,4 +1,4 @@
-// The files of a batch besides its frames, and what is checked of all of them before the first frame.
+// Checks the output folders and files of a batch before the first frame.
 #pragma once
 
 #include <filesystem>
@@ -13,15 +13,18 @@
 
 namespace isoextract::cli {
 
-// Sees to the folders of all outputs of this run's frames. Fails with ErrorCode::output.
+// Checks that the folders of all outputs of this run exist, or makes them if the plan allows it. Fails with
+// ErrorCode::output.
 [[nodiscard]] Result<void> make_folders(const BatchPlan& plan);
 
-// What all frames read, among it files that only the inputs name, where some file that would be written is there
-// already, or names are known late (pieces): nothing else could be replaced. Fails with ErrorCode::usage where a file
-// that would be written is read, and as convert::check_output_file() for those besides the frames.
+// Checks that no output replaces a file that the batch reads. Returns all files that the frames read, including those
+// that only inputs refer to. Returns nullopt if no output exists yet and all output names are known, since then nothing
+// could be replaced.
+// Fails with ErrorCode::usage if an output is also an input, and as convert::check_output_file() for tables, plots and
+// pages.
 [[nodiscard]] Result<std::optional<files::ReadFiles>> check_batch_files(const BatchPlan& plan);
 
-// Whether lengths of the frames that have meshes are in more than one unit: a sentence with all of them, else empty.
+// Returns a sentence that lists the length units if frames with meshes have more than one unit; otherwise empty.
 [[nodiscard]] std::string note_of_units(std::span<const batch::FrameRow> rows);
 
 }  // namespace isoextract::cli

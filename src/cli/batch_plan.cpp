@@ -56,7 +56,8 @@ Result<std::vector<batch::OutputSource>> sources_of(const ConvertFlags& flags, c
   return sources;
 }
 
-// Values that each frame gives itself. Those of a table were chosen by frame.
+// Returns a note about iso values that each frame determines from its own samples. Values of a table do not count,
+// since the user chose them per frame.
 std::string changing_isos(const ConvertFlags& flags, std::size_t frames) {
   std::vector<std::string> words;
   for (const convert::IsoChoice& iso : flags.isos) {
@@ -73,7 +74,7 @@ bool wants_all_volumes(const ConvertFlags& flags) {
   return flags.input.volume && std::holds_alternative<AllVolumes>(*flags.input.volume);
 }
 
-// The volumes of one file as frames, by their number.
+// Returns the volumes of one file as frames, numbered as in the file.
 Result<batch::Frames> volumes_of(const ConvertFlags& flags, const volume_io::ReadOptions& read,
                                  const Context& context) {
   const std::vector<std::string>& inputs = flags.input.inputs;
@@ -135,7 +136,7 @@ Result<void> plan_tables(const BatchFlags& flags, BatchPlan& plan) {
   return {};
 }
 
-// Which folders there would have to be is known too late.
+// Refuses folders named after pieces, because their names are known only after the extraction.
 Result<void> check_piece_folders(const std::vector<batch::OutputFiles>& outputs) {
   for (const batch::OutputFiles& files : outputs) {
     for (const convert::OutputFileJob& output : files) {
@@ -147,7 +148,7 @@ Result<void> check_piece_folders(const std::vector<batch::OutputFiles>& outputs)
   return {};
 }
 
-// One file for all frames, in place of one for each.
+// Plans one animated file for all frames.
 Result<std::vector<batch::OutputFiles>> plan_animation(const ConvertFlags& flags,
                                                        const std::vector<batch::OutputSource>& sources,
                                                        mesh_io::MeshFormat format, const batch::OtherFiles& others,
@@ -181,7 +182,7 @@ Result<std::vector<batch::OutputFiles>> plan_animation(const ConvertFlags& flags
   return outputs;
 }
 
-// `note` gets what the environment says and nobody asked for.
+// `note` tells if a job scheduler's variable is set but --shard was not given.
 Result<batch::Shard> plan_shard(const BatchFlags& flags, const char* (*environment)(const char*), std::string& note) {
   if (!flags.shard) {
     if (const std::string variable = batch::scheduler_variable(environment); !variable.empty()) {
@@ -205,13 +206,13 @@ Result<batch::Shard> plan_shard(const BatchFlags& flags, const char* (*environme
       "convert the shards to files of their own, or use one machine without --shard");
 }
 
-// Names what a shard writes of its frames after the shard: t.csv becomes t.2-of-3.csv. The note that says so, or
-// nothing.
+// Adds the shard to the names of tables, plots and pages: t.csv becomes t.2-of-3.csv. Returns a note that says so, or
+// an empty text.
 std::string name_after_shard(const batch::Shard& shard, ConvertFlags& flags) {
   if (shard.is_all()) return {};
   std::vector<std::string> names;
   for (auto* path : {&flags.batch.table, &flags.batch.plot, &flags.html, &flags.contact_sheet}) {
-    if (!*path || (*path)->empty() || **path == "-") continue;  // which is refused
+    if (!*path || (*path)->empty() || **path == "-") continue;  // refused elsewhere
     const fs::path whole = **path;
     *path = whole.parent_path() /
             fmt::format("{}.{}-of-{}{}", whole.stem().string(), shard.number, shard.count, whole.extension().string());
@@ -239,7 +240,7 @@ bool names_frames(const std::string& input) {
     return fs::is_directory(input, none);
   }
   const auto pattern = batch::FramePattern::parse(input);
-  return !pattern || pattern->has_value();  // what is wrong with it is told where frames are looked for
+  return !pattern || pattern->has_value();  // the search for frames reports an invalid pattern
 }
 
 Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environment)(const char*)) {
@@ -254,7 +255,7 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   std::string of_environment;
   const auto shard = TRY(plan_shard(flags.batch, environment, of_environment));
   const std::string of_shard = name_after_shard(shard, flags);
-  ConvertFlags one = flags;  // of one frame
+  ConvertFlags one = flags;  // for one frame
   if (wants_all_volumes(flags)) one.input.volume.reset();
   const Context context(plan_memory(flags.input.memory_limit));
   const auto read = TRY(plan_read(one.input));

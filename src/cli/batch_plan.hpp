@@ -1,5 +1,5 @@
-// From flags to a batch: frames found, names given, all of it checked before any work. Folders are looked into; no file
-// is opened but one whose volumes are the frames, and a table of iso values.
+// Makes a batch from flags: finds the frames, names the outputs, and checks everything before any work. Reads folders,
+// but opens only a file whose volumes are the frames, and a table of iso values.
 #pragma once
 
 #include <cstdint>
@@ -20,29 +20,30 @@
 namespace isoextract::cli {
 
 struct BatchPlan {
-  ConvertPlan common;                    // what all frames share; its job is without input, iso values and outputs
-  std::vector<std::string> frame_notes;  // those of common that a conversion of one frame has
+  ConvertPlan common;                    // shared by all frames; its job has no input, iso values and outputs
+  std::vector<std::string> frame_notes;  // the notes of common that a conversion of one frame would print
   batch::BatchJob batch;
-  std::vector<std::size_t> frames;    // that are this run's, by index: those of its shard
-  std::vector<batch::FrameRun> gaps;  // frames that are not there
-  bool needs_all = false;             // gaps are an error
+  std::vector<std::size_t> frames;    // indices of this run's frames: those of its shard
+  std::vector<batch::FrameRun> gaps;  // missing frames
+  bool needs_all = false;             // missing frames are an error
   batch::Shard shard;
   batch::EarlierFrames earlier = batch::EarlierFrames::converted_again;
-  BatchFlags flags;  // what was asked for; where they say the same, what follows counts
+  BatchFlags flags;  // as given; the members below take precedence
   int jobs = 1;
   bool make_folders = false;
   PictureFormat picture = PictureFormat::svg;
   ProgressStyle progress = ProgressStyle::bar;
-  std::optional<batch::OutputTemplate> report;  // a report a frame
-  batch::OtherFiles others;                     // what is read and written besides the frames' inputs and outputs
+  std::optional<batch::OutputTemplate> report;  // one report per frame
+  batch::OtherFiles others;                     // files read and written besides the frames' inputs and outputs
 };
 
-// Whether the inputs and options ask for frames rather than for one conversion.
+// Returns whether the inputs and options ask for a batch of frames instead of one conversion.
 [[nodiscard]] bool is_batch(const ConvertFlags& flags);
-// Whether this one stands for the frames of a sequence: a folder or a pattern.
+// Returns whether this input names the frames of a sequence: a folder or a pattern.
 [[nodiscard]] bool names_frames(const std::string& input);
 
-// `environment` is std::getenv: job schedulers tell there which part of the frames is this process's.
+// `environment` is std::getenv, or a replacement in tests: job schedulers set variables that say which shard this
+// process has.
 [[nodiscard]] Result<BatchPlan> plan_batch(const ConvertFlags& flags, const char* (*environment)(const char*));
 
 }  // namespace isoextract::cli

@@ -55,7 +55,7 @@ void BatchProgress::line(const convert::Json& event) {
 
 void BatchProgress::failed(std::int64_t frame, const Error& error, const std::string& reason) {
   const std::lock_guard lock(mutex_);
-  if (style_ == ProgressStyle::json) return;  // its line says why
+  if (style_ == ProgressStyle::json) return;  // the frame's line has the reason
   Reason& known = reasons_[reason];
   if (known.told.size() == kToldOfOneReason) {
     known.untold.push_back(frame);

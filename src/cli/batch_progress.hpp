@@ -1,4 +1,5 @@
-// How far a batch is: a bar on a terminal, a line every half a minute elsewhere, lines of JSON for programs. On stderr.
+// Shows the progress of a batch on stderr: a bar on a terminal, a line every half minute elsewhere, or lines of JSON
+// for programs.
 #pragma once
 
 #include <cstddef>
@@ -19,10 +20,10 @@
 
 namespace isoextract::cli {
 
-// "12.3 frames/s, 0:09 left", "4.2 s a frame, 1:02:11 left"
+// Returns "12.3 frames/s, 0:09 left" or "4.2 s a frame, 1:02:11 left".
 [[nodiscard]] std::string speed_text(std::uint64_t done, std::uint64_t total, double seconds);
 
-// How the frames of a batch ended. Those that were not there count in none of the others.
+// The number of frames by outcome. Missing frames are counted only as missing.
 struct FrameCounts {
   std::uint64_t done = 0;
   std::uint64_t failed = 0;
@@ -32,20 +33,20 @@ struct FrameCounts {
   std::uint64_t missing = 0;
 };
 
-// Used by several threads at once.
+// Thread-safe.
 class BatchProgress {
  public:
   BatchProgress(ProgressStyle style, const Messages& messages, std::uint64_t frames);
 
-  // The first frames that fail for one reason are told, the others by end(). `reason` is the error's message without
-  // what only this frame has, such as the names of its files.
+  // Prints the error of the first frames that fail for one reason; end() summarizes the others. `reason` is the error's
+  // message without the parts that only this frame has, such as file names.
   void failed(std::int64_t frame, const Error& error, const std::string& reason);
   void detail(const std::string& text);
-  // Tells the first note that it is called with; other frames have the same.
+  // Prints only the first note it is called with, since other frames have the same one.
   void note_once(const std::string& text);
-  // Something that is so of some frames: end() notes them all at once, as "2 of 3 frames TEXT: 1-2".
+  // Records a remark about a frame. end() prints each remark once for all its frames: "2 of 3 frames TEXT: 1-2".
   void remark(std::int64_t frame, const std::string& text);
-  // A frame that is over, however it ended.
+  // Records a finished frame, whatever its outcome.
   void over(const batch::FrameRow& row);
   // Call once, last.
   void end(const FrameCounts& counts);
@@ -71,8 +72,8 @@ class BatchProgress {
   Progress progress_;
   std::mutex mutex_;
   std::map<std::string, Reason> reasons_;                  // why frames failed
-  std::map<std::string, std::set<std::int64_t>> remarks_;  // frames, by what is so of them
-  std::optional<ProgressBar> bar_;                         // after what it reads
+  std::map<std::string, std::set<std::int64_t>> remarks_;  // frames by remark
+  std::optional<ProgressBar> bar_;                         // declared after the members that it reads
 };
 
 }  // namespace isoextract::cli

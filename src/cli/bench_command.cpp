@@ -41,7 +41,7 @@ class Bench {
   }
 
  private:
-  // Before the work: what could fail at its end.
+  // Checks before the work what would otherwise fail at its end.
   [[nodiscard]] Result<void> check() const {
     std::vector<std::string> files;
     files::ReadFiles read;
@@ -81,7 +81,7 @@ class Bench {
     return {};
   }
 
-  // Those that were asked for; otherwise the CPU, and a GPU that is not software.
+  // Opens the backends given by option; by default the CPU, and a GPU unless it renders in software.
   Result<void> choose_backends() {
     if (plan_.backends) {
       options_.backends = TRY(open_backends(*plan_.backends));
@@ -108,12 +108,12 @@ class Bench {
     return bench::bench_demo(spec.name, plan_.sizes, options, context);
   }
 
-  // Coarser versions of the field of particles are no fields of theirs.
+  // Refuses particles: coarser versions of their field are not fields of these particles.
   [[nodiscard]] Result<void> check_volume(const std::string& input, const Context& context) const {
     convert::SourceOptions source;
     source.input = input;
     source.read = plan_.read;
-    if (!convert::is_particles(source, context).value_or(false)) return {};  // the reader says best what else is wrong
+    if (!convert::is_particles(source, context).value_or(false)) return {};  // the reader reports other errors
     return fail(ErrorCode::usage,
                 fmt::format("{}: expected a volume, found particles: bench compares resolutions of a volume's samples, "
                             "and particles have none",
@@ -138,7 +138,8 @@ class Bench {
     return bench::bench_field(*field, factors, options, context);
   }
 
-  // Those of the plan, or those that leave enough samples; then the data as they are.
+  // Returns the plan's coarsening factors, or by default those that leave enough samples; then 1 for the data
+  // unchanged.
   [[nodiscard]] std::vector<int> factors_for(const field::ScalarField& field) const {
     std::vector<int> factors = plan_.coarser;
     if (factors.empty()) {
@@ -184,7 +185,7 @@ class Bench {
     return {};
   }
 
-  // Some error, by a method that has one.
+  // Returns whether at least one error was measured.
   [[nodiscard]] bool measured() const {
     return std::ranges::any_of(results_, [](const bench::BenchResult& result) {
       return std::ranges::any_of(result.rows, [](const bench::BenchRow& row) { return row.position.has_value(); });
@@ -195,7 +196,7 @@ class Bench {
 
   const BenchPlan& plan_;
   const Messages& messages_;
-  bench::BenchOptions options_;  // with the backends, which are open
+  bench::BenchOptions options_;  // including the opened backends
   std::vector<bench::BenchResult> results_;
 };
 
@@ -209,7 +210,8 @@ class BenchCommand final : public CommandOf<BenchFlags> {
     const Verbosity verbosity = TRY(plan_verbosity(flags().run));
     const BenchPlan plan = TRY(plan_bench(flags()));
     if (!plan.gpu_threads) {
-      // To the most that are compared: more of them would start where a comparison of fewer ends.
+      // Limits the threads to the largest number compared, because oneTBB would start more after a comparison with
+      // fewer.
       TRY(limit_threads(std::ranges::max(plan.options.threads)));
     }
     TRY(Bench(plan, Messages(verbosity)).run());

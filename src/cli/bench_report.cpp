@@ -43,7 +43,7 @@ std::uint64_t unmeasured_points(const bench::BenchResult& result) {
   return most;
 }
 
-// Empty where no errors were measured.
+// Returns the lines of the Pareto front; empty if no errors were measured.
 std::string front_text(const bench::BenchResult& result) {
   std::vector<const bench::BenchRow*> front;
   for (const bench::BenchRow& row : result.rows) {
@@ -124,7 +124,7 @@ convert::Json json_of(const bench::BenchRow& row, const bench::BenchResult& resu
 
 std::string number_cell(const std::optional<double>& value) { return value ? fmt::format("{}", *value) : ""; }
 
-// Where the time of GPUs went; empty if there is none.
+// Returns the times of the GPU's steps; empty without a GPU.
 std::string device_text(const bench::BenchResult& result) {
   std::vector<std::vector<std::string>> rows{{"method", "backend", "size", "threads", "draw", "cells/s", "count",
                                               "capture", "upload", "read back", "weld", "uploaded", "captured"},

@@ -1,4 +1,4 @@
-// What `isoextract bench` found, as a table, as CSV and as JSON.
+// Formats the results of `isoextract bench` as a table, as CSV and as JSON.
 #pragma once
 
 #include <string>
@@ -9,16 +9,18 @@
 
 namespace isoextract::cli {
 
-// Columns as wide as their widest cell, right-aligned but for the first `left` of them.
+// Formats rows as aligned columns: the first `left` columns are left-aligned, the others right-aligned.
 [[nodiscard]] std::string aligned_table(const std::vector<std::vector<std::string>>& rows, std::size_t left);
 
-// For a terminal: the rows, the notes, the orders of convergence (of two sizes or more), the front.
+// Returns text for a terminal: the rows, the notes, the orders of convergence (if there are two sizes or more), the
+// Pareto front.
 [[nodiscard]] std::string bench_table(const bench::BenchResult& result, int repeats);
 
-// One line a row under a line of names; cells that are not known are empty. RFC 4180 with "\n".
+// Returns a header line and one line per row; unknown cells are empty. RFC 4180 with "\n" as line end.
 [[nodiscard]] std::string bench_csv(const std::vector<bench::BenchResult>& results);
 
-// {"generator", "device", "repeats", "benchmarks": [{"input", "iso", "truth", "notes", "levels", "rows", "orders"}]}
+// Returns {"generator", "device", "repeats", "benchmarks": [{"input", "iso", "truth", "notes", "levels", "rows",
+// "orders"}]}
 [[nodiscard]] convert::Json bench_json(const std::vector<bench::BenchResult>& results, int repeats);
 
 }  // namespace isoextract::cli

@@ -1,4 +1,4 @@
-// `isoextract check`: what is wrong with a mesh, as a table or JSON on stdout.
+// `isoextract check`: prints the defects of a mesh to stdout, as a table or JSON.
 #include <algorithm>
 #include <utility>
 
@@ -23,7 +23,7 @@
 namespace isoextract::cli {
 namespace {
 
-// Welded where that is asked for, with its normals.
+// Checks one mesh with its normals, welded first if `weld`.
 Result<check::MeshCheck> check_one(mesh::Mesh& mesh, const mesh_io::FileNormals& normals,
                                    std::span<const glm::uvec3> normal_numbers, bool weld, const Context& context) {
   if (weld) {
@@ -32,13 +32,13 @@ Result<check::MeshCheck> check_one(mesh::Mesh& mesh, const mesh_io::FileNormals&
   auto check = check::check_mesh(mesh, context);
   if (check && !normals.empty()) {
     check->normals = check::check_normals(mesh, normals.values.span(), normal_numbers);
-    // A mesh of the file that has none at all, beside others that do.
+    // This mesh has no normals, but others of the file do.
     if (check->normals->corners == 0) check->normals.reset();
   }
   return check;
 }
 
-// A copy of what is checked of it: positions and triangles.
+// Copies the positions and triangles of a part, which is all that is checked.
 Result<mesh::Mesh> copy_of_part(const mesh::Mesh& mesh, const mesh_io::MeshPart& part, const Context& context) {
   auto memory = TRY(context.reserve(part.vertices * sizeof(glm::vec3) + part.triangles * sizeof(glm::uvec3),
                                     fmt::format("{}: one of its meshes", mesh.name)));
@@ -81,7 +81,7 @@ Result<CheckReport> make_report(const CheckPlan& plan, const Messages& messages,
   });
   file->mesh.name = report.file;
   report.format = file->format;
-  report.is_gltf = file->y_up;  // which alone prescribes that, and metres
+  report.is_gltf = file->y_up;  // glTF is the only format that prescribes y up, and meters
   const auto record = convert::read_record(file->placement);
   if (record) report.unit = convert::find_length_unit(record->placement.to_unit);
   if (report.is_gltf) report.unit = convert::metre();

@@ -1,4 +1,4 @@
-// What a slicer or an engine would say of a mesh, in plain sentences.
+// Explains in plain sentences what a slicer or a game engine would make of a mesh.
 #include <algorithm>
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// From the options of `check` to a plan.
+// Makes a plan from the options of `check`.
 #pragma once
 
 #include <optional>

@@ -22,7 +22,7 @@ using convert::Json;
 constexpr std::size_t kRowsOfText = 12;
 constexpr std::size_t kRowsOfJson = 1000;
 
-// The places of the largest of a list, in falling order; of equal ones the first comes first.
+// Returns the indices of the `most` largest entries in descending order; equal entries keep their order.
 template <class T, class Size>
 std::vector<std::size_t> largest(const std::vector<T>& list, std::size_t most, const Size& size_of) {
   std::vector<std::size_t> order(list.size());
@@ -43,13 +43,13 @@ std::vector<std::size_t> longest_loops(const MeshCheck& check, std::size_t most)
   return largest(check.loops, most, [](const BorderLoop& loop) { return loop.length; });
 }
 
-// "yes", or "no: 12 open edges in 2 loops".
+// Returns "yes", or "no: 12 open edges in 2 loops".
 std::string answer(Requirement requirement, const MeshCheck& check) {
   const auto why = check::why_not(requirement, check);
   return why ? "no: " + *why : "yes";
 }
 
-// "none", or "12 triangles without area".
+// Returns "none", or "12 triangles without area".
 std::string none_or(Requirement requirement, const MeshCheck& check) {
   return check::why_not(requirement, check).value_or("none");
 }

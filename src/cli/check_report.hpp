@@ -1,4 +1,4 @@
-// What `check` found out, as a table, as sentences and as JSON.
+// Formats the results of `check` as a table, as sentences and as JSON.
 #pragma once
 
 #include <optional>
@@ -12,9 +12,9 @@
 
 namespace isoextract::cli {
 
-// One mesh of a file of several.
+// The results for one of several meshes of a file.
 struct PartReport {
-  std::string name;  // as the file has it; may be empty
+  std::string name;  // from the file; may be empty
   check::MeshCheck check;
 };
 
@@ -22,15 +22,15 @@ struct CheckReport {
   std::string file;
   std::string_view format;
   bool is_gltf = false;
-  std::optional<convert::LengthUnit> unit;  // that glTF prescribes, or that the file says; else nobody knows
-  bool has_normals = false;                 // one mesh of it at least
+  std::optional<convert::LengthUnit> unit;  // prescribed by glTF, or stated in the file; otherwise unknown
+  bool has_normals = false;                 // at least one mesh has normals
   bool welded = false;
   check::MeshCheck whole;
-  std::vector<PartReport> parts;  // none where the file holds one mesh
+  std::vector<PartReport> parts;  // empty if the file holds one mesh
   std::vector<check::Requirement> required;
 };
 
-// What those who use the mesh next would make of it.
+// A consequence for the next user of the mesh.
 struct Finding {
   std::string_view who;  // "slicer", "engine"
   std::string text;      // a sentence

@@ -1,5 +1,5 @@
-// A command of the program: its words, its options, what it does. make_program() (commands.hpp) lists them. Parser,
-// help, man page and completions walk that tree, and know no command by its name.
+// A command of the program: its name, its options, its action. make_program() (commands.hpp) lists all commands.
+// Parser, help, man page and completions walk that tree; none of them depends on a command's name.
 #pragma once
 
 #include <memory>
@@ -18,8 +18,8 @@ inline constexpr int kDone = 0;  // the exit code
 
 struct CommandWords {
   std::string name;
-  std::string operands;  // of the synopsis, after the name: "INPUT... [options]"
-  std::string summary;   // a sentence
+  std::string operands;  // in the synopsis, after the name: "INPUT... [options]"
+  std::string summary;   // one sentence
 };
 
 class Command {
@@ -31,32 +31,32 @@ class Command {
 
   [[nodiscard]] const std::string& name() const { return words_.name; }
   [[nodiscard]] const std::string& summary() const { return words_.summary; }
-  // As it is written after the program's name: {"simulate", "water"}, "simulate water".
+  // The words after the program's name: {"simulate", "water"} and "simulate water".
   [[nodiscard]] std::vector<std::string> path() const;
   [[nodiscard]] std::string full_name() const;
   [[nodiscard]] std::string synopsis() const;  // "isoextract info INPUT... [options]"
 
-  // The commands of the program, or those of a command that has several, such as `simulate water`.
+  // Adds a command to the program, or a sub-command such as `simulate water`.
   void add(std::unique_ptr<Command> inner);
   [[nodiscard]] const std::vector<std::unique_ptr<Command>>& inner() const { return inner_; }
   [[nodiscard]] std::vector<std::string> inner_names() const;
-  [[nodiscard]] Command* find(std::string_view name) const;  // among the inner ones, or nullptr
-  [[nodiscard]] const Command& program() const;              // that has all of them
-  [[nodiscard]] bool is_default() const;                     // runs where no command is named: the program's first
+  [[nodiscard]] Command* find(std::string_view name) const;  // among the inner commands; or nullptr
+  [[nodiscard]] const Command& program() const;              // the outermost command
+  [[nodiscard]] bool is_default() const;                     // the program's first command, which runs if none is named
 
-  // They are declared when they are asked for: a run needs those of one command.
+  // Returns the options. They are declared on the first call, because a run needs those of one command only.
   [[nodiscard]] virtual OptionSet& options() const = 0;
-  // Takes back all that was given for them.
+  // Resets all options to their defaults.
   virtual void forget() = 0;
   [[nodiscard]] const Option& help_option() const;
 
-  // What is wrong with the words together, before anything else is looked at.
+  // Checks the words of the command together, before anything else.
   [[nodiscard]] virtual Result<void> check_words() const { return {}; }
-  // Returns the exit code. `arguments` are all words of the command line.
+  // Runs the command and returns the exit code. `arguments` are all words of the command line.
   [[nodiscard]] virtual Result<int> run(const std::vector<std::string>& arguments) = 0;
-  // In place of run(), where the arguments give no options.
+  // Called instead of run() if the options cannot be parsed.
   virtual void report_failure(const std::vector<std::string>& /*arguments*/, const Error& /*error*/) {}
-  // What to do about an option that the default command has and this one has not.
+  // Returns a hint about an option that the default command has and this one lacks.
   [[nodiscard]] virtual std::string hint_for_option_of_default(std::string_view option) const;
 
  private:
@@ -65,7 +65,7 @@ class Command {
   std::vector<std::unique_ptr<Command>> inner_;
 };
 
-// `Flags` are made of nothing, or of their command.
+// A command whose options are a `Flags`, constructed from nothing or from the command.
 template <class Flags>
 class CommandOf : public Command {
  public:
@@ -86,10 +86,10 @@ class CommandOf : public Command {
   mutable std::unique_ptr<Flags> flags_;
 };
 
-// The commands of the program, each followed by its inner ones.
+// Returns the commands of the program, each followed by its inner commands.
 [[nodiscard]] std::vector<const Command*> all_commands(const Command& program);
 [[nodiscard]] const Command& default_command(const Command& program);
-// "'isoextract info --help' lists the options"
+// Returns "'isoextract info --help' lists the options".
 [[nodiscard]] std::string help_hint(const Command& command);
 
 }  // namespace isoextract::cli

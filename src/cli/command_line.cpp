@@ -14,10 +14,11 @@
 namespace isoextract::cli {
 namespace {
 
-// "--iso" of "--iso=0.5".
+// Returns "--iso" for "--iso=0.5".
 std::string name_in(const std::string& word) { return word.substr(0, word.find('=')); }
 
-// "-o=a.ply", which CLI11 takes as a file "=a.ply". Of letters in one word, the first that takes a value ends them.
+// Refuses "-o=a.ply", which CLI11 would read as the file "=a.ply". In a word of several letters, the first option that
+// takes a value ends the letters.
 Result<void> check_short_option(const OptionSet& options, const std::string& word) {
   for (std::size_t at = 1; at < word.size(); ++at) {
     const std::string name = fmt::format("-{}", word[at]);
@@ -35,8 +36,8 @@ Result<void> check_short_option(const OptionSet& options, const std::string& wor
   return {};
 }
 
-// "--name=..." where the option takes no value, and "--name=" where it takes one: CLI11 would take the former as a
-// truth value, and the next word as the value of the latter.
+// Refuses "--name=..." if the option takes no value, and "--name=" if it takes one. CLI11 would read the former as a
+// boolean, and take the next word as the value of the latter.
 Result<void> check_equals_sign(const OptionSet& options, const std::string& word) {
   if (word.starts_with('-') && !word.starts_with("--")) return check_short_option(options, word);
   const std::string name = name_in(word);
@@ -55,8 +56,8 @@ Result<void> check_equals_signs(const OptionSet& options, const std::vector<std:
   return {};
 }
 
-// An option whose value may be left out takes the next word only if that is one of its values, or a
-// number where it has no list of them: an INPUT may follow it.
+// Inserts omitted optional values. Such an option takes the next word only if that is one of its values, or a number if
+// it has no list of values, because an INPUT may follow it.
 void fill_in_optional_values(const OptionSet& options, std::vector<std::string>& words) {
   for (std::size_t w = 0; w < words.size() && words[w] != "--"; ++w) {
     const Option* option = words[w].starts_with("--") ? options.find(words[w]) : nullptr;
@@ -74,7 +75,7 @@ bool takes_files(const OptionSet& options) {
   return operand != nullptr && operand->takes_file();
 }
 
-// CLI11 hands over one text of an operand and leaves the others.
+// Adds a word to the operand: CLI11 delivers only its first text.
 Result<void> take_file(const Command& command, const std::string& word) {
   const bool takes_them = takes_files(command.options());
   for (Option* option : command.options().options()) {
@@ -85,8 +86,8 @@ Result<void> take_file(const Command& command, const std::string& word) {
   return fail(ErrorCode::usage, fmt::format("unexpected argument '{}'", word), help_hint(command));
 }
 
-// What follows "--" are inputs, whatever they look like. A word that is an option, and no file of that name, was meant
-// as one.
+// Takes the words after "--" as inputs. Refuses a word that is an option's name and not an existing file, since it was
+// probably meant as an option.
 Result<void> take_trailing(const Command& command, std::span<const std::string> words) {
   for (const std::string& word : words) {
     std::error_code unknown;
@@ -121,10 +122,10 @@ tl::unexpected<Error> unknown_option(const Command& command, const std::string& 
                                : help_hint(command));
 }
 
-// Further inputs, and words that nobody knows.
+// Takes the remaining words as further inputs, or refuses them.
 Result<void> take_rest(const Command& command, const std::vector<std::string>& rest) {
   for (const std::string& word : rest) {
-    if (word == "--") continue;  // of a command without inputs: CLI11 keeps it although it has done its work
+    if (word == "--") continue;  // CLI11 leaves it in the words of a command without inputs
     if (word.starts_with('-') && word != "-") return unknown_option(command, word);
     TRY(take_file(command, word));
   }
@@ -138,7 +139,7 @@ Result<void> check_given_once(const Option& option) {
                           option.is_positional() ? option.spelling() : option.name(), option.texts().size()));
 }
 
-// Why the words cannot be read, in terms of the declarations: CLI11's own texts name types that say nothing to a user.
+// Explains a parse failure in the terms of the declared options. CLI11's own texts name types that users do not know.
 Result<void> explain(const std::string& problem, const Command& command, const std::string& last_word) {
   for (const Option* option : command.options().options()) {
     TRY(check_given_once(*option));
@@ -158,7 +159,7 @@ Result<void> take_values(OptionSet& options) {
   return {};
 }
 
-// The first word of a command that has inner ones names none of them.
+// Refuses an unknown sub-command.
 Result<void> check_inner_name(const Command& command, const std::vector<std::string>& words) {
   if (command.inner().empty() || words.empty()) return {};
   const std::vector<std::string>& help = command.help_option().row().names;
@@ -170,7 +171,7 @@ Result<void> check_inner_name(const Command& command, const std::vector<std::str
               near.empty() ? command.synopsis() : fmt::format("did you mean '{}'?", near));
 }
 
-// A misspelt command looks like a second input.
+// Refuses a first input that is probably a misspelled command, if it is not a file.
 Result<void> check_first_input(const Command& command) {
   const std::vector<std::string>& inputs = command.options().operand()->texts();
   if (inputs.size() < 2 || std::filesystem::exists(inputs.front())) return {};
@@ -242,7 +243,7 @@ void read_refused_words(Command& command, const std::vector<std::string>& words)
   std::vector<std::string> rest;
   for (std::size_t w = 0; w < words.size(); ++w) {
     const Option* const option = options.find(words[w]);
-    // Otherwise it would take the next option for its value.
+    // An option without its value would take the next option as its value.
     const bool needs_value = option != nullptr && option->takes_value() && !option->row().left_out;
     const bool lacks_value = needs_value && (w + 1 == words.size() || options.find(name_in(words[w + 1])) != nullptr);
     if (lacks_value || words[w] == "--") continue;

@@ -1,4 +1,4 @@
-// From the words of the command line to a command and its options, or to a message that says which word is wrong.
+// Turns the words of the command line into a command and its options, or into an error that names the wrong word.
 #pragma once
 
 #include <string>
@@ -9,26 +9,26 @@
 
 namespace isoextract::cli {
 
-// The command that the first of the words, without the program's name, is about: the default one where it names none.
+// Returns the command that the first word names, or the default command. `arguments` lack the program's name.
 [[nodiscard]] Command& command_of(const Command& program, const std::vector<std::string>& arguments);
-// Returns the command within that one where it has several, such as `simulate water`, and that one where they name
+// Returns the sub-command that the arguments name, such as `simulate water`; the result of command_of() if they name
 // none.
 [[nodiscard]] Command& innermost_command_of(const Command& program, const std::vector<std::string>& arguments);
 [[nodiscard]] std::vector<std::string> words_after_name(const Command& command,
                                                         const std::vector<std::string>& arguments);
 
 struct Parsed {
-  Command* command = nullptr;  // the program, where its own options are asked for
-  bool asks_for_help = false;  // and the command is not to run
+  Command* command = nullptr;  // the program itself if its own options are given
+  bool asks_for_help = false;  // show help instead of running the command
 };
 
-// `arguments` are without the program's name and not empty.
+// Parses `arguments`, which lack the program's name and are not empty.
 [[nodiscard]] Result<Parsed> parse_command_line(Command& program, const std::vector<std::string>& arguments);
 
-// The words after a command's name. Its options are as they were declared.
+// Parses the words after a command's name. The command's options must have their defaults.
 [[nodiscard]] Result<void> parse_words(Command& command, std::vector<std::string> words);
-// Reads what there is to read in words that make no options. Values that their options refuse are left out, and what is
-// no option is an operand.
+// Reads as much as possible from words that parse_words() refused. Skips values that their options refuse. All other
+// words become operands.
 void read_refused_words(Command& command, const std::vector<std::string>& words);
 
 }  // namespace isoextract::cli

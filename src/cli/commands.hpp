@@ -7,8 +7,8 @@
 
 namespace isoextract::cli {
 
-// The program with all its commands, in the order in which help shows them; the first is the default one. Its own
-// options are those that are given without a command.
+// Returns the program with all its commands, in the order of the help; the first is the default command. The program's
+// own options are those given without a command.
 [[nodiscard]] std::unique_ptr<Command> make_program();
 
 }  // namespace isoextract::cli

@@ -1,4 +1,4 @@
-// `isoextract compare`: the facts of two meshes and the distances between them, as text or JSON on stdout.
+// `isoextract compare`: prints the properties of two meshes and their distances to stdout, as text or JSON.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -27,14 +27,15 @@
 namespace isoextract::cli {
 namespace {
 
-constexpr double kRoundings = 2;  // of the coordinates in a file, and of those in the world
+constexpr double kRoundings = 2;  // coordinates are rounded in the file and again in the world
 
 struct Side {
   std::string path;
   mesh_io::MeshFile file;
-  convert::ResolvedPlacement placement;  // as the file says, or as is usual in its format
-  std::optional<std::string> undone;  // what of it was, to get to the world; nothing where the mesh is as in its file
-  double rounding = 0;                // of its coordinates, where one of the meshes was brought to the world
+  convert::ResolvedPlacement placement;  // from the file, or the default of its format
+  std::optional<std::string>
+      undone;           // the parts of the placement undone to reach the world; unset if the mesh is unchanged
+  double rounding = 0;  // of its coordinates, if a mesh was transformed to the world
   mesh::Topology topology;
   mesh::MeshSize size;
   mesh::Bounds bounds;
@@ -57,9 +58,9 @@ Result<void> measure_side(Side& side, const Context& context) {
   return {};
 }
 
-// Places `mine`, which another program wrote, as if it had been made of `other`, which is ours. `up` says which axis
-// points up in that of the two that is not glTF, whatever the record of `other` says of its world. Fails with
-// ErrorCode::usage where `other` was turned to another axis.
+// Returns the placement of `mine`, which another program wrote, on the assumption that it was made from `other`, which
+// isoextract wrote. `up` is the up axis of the mesh that is not glTF; it overrides the record of `other`. Fails with
+// ErrorCode::usage if `other` was turned to another axis.
 Result<convert::ResolvedPlacement> placement_from(const Side& mine, const Side& other,
                                                   const std::optional<convert::UpAxis>& up) {
   if (mine.file.y_up == other.file.y_up) return other.placement;
@@ -79,9 +80,9 @@ Result<convert::ResolvedPlacement> placement_from(const Side& mine, const Side& 
   return convert::placed_like(origin, convert::UpAxis::y);
 }
 
-// Meshes that were placed alike are compared as they are, others in the world of what they were made of. Files of ours
-// that say nothing of it were placed as is usual in their format: glTF is turned unless its world is y up, and the
-// others are as the world was. Files of other programs are taken to be made of the mesh that they are compared with.
+// Leaves meshes with equal placements unchanged, and transforms others to the world of their source. A file of
+// isoextract without a placement has the default of its format: glTF is turned unless its world is y up, other formats
+// are unchanged. A file of another program is assumed to be made from the other mesh.
 Result<void> bring_into_one_frame(std::array<Side, 2>& sides, const std::optional<convert::UpAxis>& up,
                                   const Messages& messages) {
   bool asked = false;
@@ -93,7 +94,7 @@ Result<void> bring_into_one_frame(std::array<Side, 2>& sides, const std::optiona
     asked = asked || (!record && side.file.y_up);
     side.placement = record.value_or(convert::usual_placement(side.file.y_up, up.value_or(convert::UpAxis::z)));
   }
-  // Other programs keep nothing of what our files say.
+  // Other programs do not keep the placement that isoextract stores.
   for (std::size_t i = 0; i < 2 && sides[0].file.is_ours != sides[1].file.is_ours; ++i) {
     if (sides[i].file.is_ours) continue;
     sides[i].placement = TRY(placement_from(sides[i], sides[1 - i], up));
@@ -127,7 +128,7 @@ Result<void> bring_into_one_frame(std::array<Side, 2>& sides, const std::optiona
   return {};
 }
 
-// "no: 12 open edges, 1 non-manifold vertex", or the genus.
+// Returns "no: 12 open edges, 1 non-manifold vertex", or "yes" with the genus.
 std::string closed_text(const mesh::Topology& topology) {
   if (topology.is_closed_oriented_manifold()) return fmt::format("yes; genus {}", topology.genus());
   std::string text = "no";
@@ -224,7 +225,7 @@ convert::Json comparison_json(const std::array<Side, 2>& sides, const accuracy::
           {"attributes", attributes_json(attributes)}};
 }
 
-// Where the limit lies within the interval of the greatest distance, a narrower one says on which side it is.
+// If the limit lies within the bounds of the greatest distance, computes narrower bounds to decide the comparison.
 void look_closer(const std::array<Side, 2>& sides, double limit, accuracy::DistanceOptions options,
                  accuracy::MeshDistance& distance, const Context& context) {
   if (distance.hausdorff_upper <= limit) return;
@@ -246,7 +247,7 @@ void look_closer(const std::array<Side, 2>& sides, double limit, accuracy::Dista
   distance.hausdorff_upper = std::max(distance.a_to_b.max_upper, distance.b_to_a.max_upper);
 }
 
-// Of a mesh that we wrote it is known how it came to have no triangles.
+// Adds a hint if a mesh without triangles was written by isoextract, which explains how it came about.
 Error measuring_failed(Error error, const std::array<Side, 2>& sides) {
   for (const Side& side : sides) {
     if (!side.file.mesh.triangles.empty() || !side.file.is_ours || !error.hint.empty()) continue;
@@ -258,7 +259,7 @@ Error measuring_failed(Error error, const std::array<Side, 2>& sides) {
 
 Result<void> check_distance(const ComparePlan& plan, const std::array<Side, 2>& sides,
                             const accuracy::MeshDistance& distance) {
-  // Written so that figures that are not numbers fail.
+  // This form of the comparison makes NaN fail.
   const bool known = distance.hausdorff_lower <= distance.hausdorff_upper;
   if (!plan.max_distance || (known && distance.hausdorff_upper <= *plan.max_distance)) return {};
   const bool surely = distance.hausdorff_lower > *plan.max_distance;
@@ -287,7 +288,7 @@ Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
       context.progress().begin("reading meshes", 0);
       sides[i] = TRY(read_side(plan.meshes[i], context));
     }
-    // What was left out may be why the next step fails.
+    // Prints notes now, because data left out may be why the next step fails.
     for (const std::string& note : sides[i].file.notes) messages.note(note);
   }
   TRY(bring_into_one_frame(sides, plan.up, messages));
@@ -308,7 +309,7 @@ Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
   }
   messages.detail(fmt::format("compared in {:.2f} s, peak memory {}", watch.elapsed().wall_seconds,
                               format_byte_size(peak_memory())));
-  // glTF's colours are linear light, and those of other formats sRGB.
+  // glTF colors are linear light; those of other formats are sRGB.
   const accuracy::AttributeMatches attributes =
       accuracy::match_attributes(sides[0].file.mesh, sides[1].file.mesh, sides[0].file.y_up == sides[1].file.y_up,
                                  kRoundings * (sides[0].rounding + sides[1].rounding));

@@ -1,5 +1,5 @@
-// Completion scripts for bash, zsh and fish. All three know the commands and the default one, and for each option its
-// values, files, or that nothing can be said.
+// Completion scripts for bash, zsh and fish. All three know the commands, the default command, and for each option its
+// values, that it takes files, or that there is nothing to suggest.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -10,7 +10,7 @@
 namespace isoextract::cli {
 namespace {
 
-// Its names, with their dashes.
+// Returns the option's names with their dashes.
 std::vector<std::string> dashed_names(const Option& option) {
   return option.is_positional() ? std::vector<std::string>() : option.row().names;
 }
@@ -22,7 +22,7 @@ std::vector<std::string> demo_names() {
   return names;
 }
 
-// The first sentence, which has to do where space is short.
+// Returns the first sentence, as completions have little space.
 std::string first_sentence(const std::string& description) {
   const std::size_t stop = std::min({description.find(". "), description.find(" ("), description.find("; ")});
   std::string text = description.substr(0, stop);
@@ -37,10 +37,10 @@ std::string replaced(std::string text, std::string_view what, std::string_view w
   return text;
 }
 
-// What a script's function for the command is called: "simulate_water".
+// Returns the name of the script's function for the command: "simulate_water".
 std::string function_name(const Command& command) { return replaced(command.full_name(), " ", "_"); }
 
-// "'simulate water'": of the commands that are two words.
+// Returns the commands of two words, quoted: "'simulate water'".
 std::vector<std::string> quoted_inner_names(const Command& program) {
   std::vector<std::string> names;
   for (const Command* command : all_commands(program)) {
@@ -51,7 +51,7 @@ std::vector<std::string> quoted_inner_names(const Command& program) {
 
 // bash ------------------------------------------------------------------------------------------------------------
 
-// What the word after an option of `command` can be, as branches of a case.
+// Returns the possible words after each option of `command`, as branches of a case.
 std::string bash_values(const Command& command) {
   std::string out;
   for (const Option* option : command.options().options()) {
@@ -97,7 +97,7 @@ std::string zsh_action(const Option& option) {
   return option.takes_file() ? ":file:_files" : fmt::format(":{}: ", zsh_escaped(option.row().metavar));
 }
 
-// The choice among the commands of `outer`, the first word after its name; no other word comes before it.
+// Returns the choice of a command within `outer`, which is the first word after its name.
 std::string zsh_choice(const Command& outer) {
   std::string described;
   std::string branches;
@@ -167,7 +167,7 @@ std::string fish_positional(const Command& command, const Option& option) {
 }  // namespace
 
 std::string bash_completion(const Command& program) {
-  std::vector<std::string> other_options;  // without a command
+  std::vector<std::string> other_options;  // options that are given without a command
   for (const Option* option : program.options().options()) {
     if (option != &program.help_option()) other_options.push_back(option->name());
   }

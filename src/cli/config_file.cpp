@@ -20,7 +20,7 @@ namespace {
 constexpr std::string_view kInputKey = "input";
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;
 
-// An option as words of the command line; of one that is false none.
+// An option of the file as words of the command line; no words if it is false.
 struct ConfigOption {
   const Option* option = nullptr;
   std::vector<std::string> words;
@@ -112,7 +112,7 @@ class ConfigReader {
     if (!is_repeatable && !has_parts && list != nullptr) {
       return bad(node, fmt::format("{}: expected one value, found a list of {}", key, texts->size()));
     }
-    // Numbers are the parts of one value, texts are values.
+    // Numbers in a list are the parts of one value; texts are separate values.
     if (has_parts && list != nullptr &&
         (!is_repeatable || all_of_list([](const toml::node& one) { return one.is_number(); }))) {
       *texts = {fmt::format("{}", fmt::join(*texts, ","))};
@@ -121,10 +121,10 @@ class ConfigReader {
     return texts;
   }
 
-  // Of a value, or of each of a list.
+  // Returns the text of the value, or of each entry of a list.
   Result<std::vector<std::string>> texts_of(const std::string& key, const toml::node& node) const {
     std::vector<std::string> texts;
-    const toml::node* cut = nullptr;  // one that a path would end in the middle of
+    const toml::node* cut = nullptr;  // a text with a NUL character, which would truncate a path
     const auto add = [&](const toml::node& value) {
       if (const auto* text = value.as_string()) {
         texts.push_back(text->get());
@@ -160,7 +160,7 @@ class ConfigReader {
   }
 
   const std::string& path_;
-  const Option& config_;  // which the file itself cannot have
+  const Option& config_;  // the --config option, which the file must not have
   const CommandOf<ConvertFlags>& command_;
   ConfigFile file_;
 };
@@ -176,13 +176,13 @@ Result<std::vector<std::string>> with_config(CommandOf<ConvertFlags>& command,
   const std::string path = *command.flags().config;
   if (files::is_standard_input(path)) return fail(ErrorCode::usage, "--config needs the name of a file, found '-'");
   const auto file = TRY(ConfigReader(command).read());
-  std::vector<std::string> all;  // that the file has
+  std::vector<std::string> all;  // the words of the whole file
   std::vector<std::string> words;
   for (const ConfigOption& option : file.options) {
     append(all, option.words);
     if (option.option->texts().empty()) append(words, option.words);
   }
-  // By themselves, so that what is wrong with them is said of the file.
+  // Parses the file's words separately, so that errors name the file.
   command.forget();
   if (auto checked = parse_words(command, all); !checked) {
     Error error = std::move(checked.error());
@@ -196,7 +196,7 @@ Result<std::vector<std::string>> with_config(CommandOf<ConvertFlags>& command,
   append(words, given);
   command.forget();
   TRY(parse_words(command, words));
-  // Not as words: they may look like options.
+  // Sets inputs directly, since as words they could look like options.
   std::vector<std::string>& inputs = command.flags().input.inputs;
   if (inputs.empty()) {
     inputs = file.inputs;

@@ -1,9 +1,9 @@
-// Options of convert from a file: --config job.toml.
+// Reads options of convert from a file: --config job.toml.
 //
 //   input = "sim_{:04}.vdb"      # or a list
-//   iso = [0.15, 0.3]            # an option that may be given several times takes a list
-//   dims = [48, 62, 42]          # numbers that are one value with commas may be a list as well
-//   cap = true                   # one without a value
+//   iso = [0.15, 0.3]            # a repeatable option takes a list
+//   dims = [48, 62, 42]          # a value of several numbers may be a list as well
+//   cap = true                   # an option without a value
 #pragma once
 
 #include <string>
@@ -15,11 +15,11 @@
 
 namespace isoextract::cli {
 
-// `command` has read `arguments`, with --config among them. Gives it the options of the file as well, and returns the
-// arguments with what the file adds before those that were given. What the command line has itself, the inputs among
-// it, is not taken from the file; all of the file is checked all the same. Fails with ErrorCode::input where the file
-// cannot be read, and with ErrorCode::usage where it is not TOML, has a key that is no option, or a value that its
-// option does not take; messages begin with its name.
+// Adds the file's options to `command`, which has parsed `arguments` with --config among them. Returns the arguments
+// with the words of the file in front. Options and inputs of the command line replace those of the file, but the whole
+// file is checked.
+// Fails with ErrorCode::input if the file cannot be read. Fails with ErrorCode::usage if it is not TOML, has an unknown
+// key or a value that the option refuses. Messages begin with the file's name.
 [[nodiscard]] Result<std::vector<std::string>> with_config(CommandOf<ConvertFlags>& command,
                                                            const std::vector<std::string>& arguments);
 

@@ -1,4 +1,4 @@
-// `isoextract convert`: a volume in, meshes out.
+// `isoextract convert`: converts a volume to meshes.
 #include <algorithm>
 #include <exception>
 #include <filesystem>
@@ -47,20 +47,20 @@ std::string times_text(const StageTime& time) {
   return fmt::format("{:.2f} s ({:.2f} s of processor time)", time.wall_seconds, time.cpu_seconds);
 }
 
-// What would have been done besides, had it been asked for.
+// Returns the option that would have enabled the work.
 std::string_view option_for(const convert::WorkFact& fact) {
   if (fact.what == convert::WorkTopic::error) return "; --error measures it";
   if (fact.what == convert::WorkTopic::caps) return "; --cap makes them";
   return "";
 }
 
-// What the number of a surface is.
+// Returns what the number of a surface means: "label" or "iso".
 std::string_view surface_word(const convert::ConversionJob& job) {
   const std::vector<convert::IsoChoice> isos = job.isos();
   return !isos.empty() && isos.front().is_label() ? "label" : "iso";
 }
 
-// Without repeated values, in the order of the first of each.
+// Returns the values without repetitions, in the order of first occurrence.
 template <class T>
 std::vector<T> each_once(const std::vector<T>& values) {
   std::vector<T> once;
@@ -70,7 +70,7 @@ std::vector<T> each_once(const std::vector<T>& values) {
   return once;
 }
 
-// Says on stderr what a conversion does: notes and summaries as they come, stages where --explain or --verbose asks.
+// Prints the progress of a conversion to stderr: notes and summaries, and stages with --explain or --verbose.
 class Narrator final : public convert::Events {
  public:
   Narrator(const ConvertPlan& plan, const Messages& messages, ProgressBar& bar)
@@ -109,7 +109,7 @@ class Narrator final : public convert::Events {
         [&] { messages_.explanation(fmt::format("  {}: {}{}", word_of(fact.done), fact.text, option_for(fact))); });
   }
 
-  // One line about the file, and those of the stages that made it.
+  // Prints a line about the file, and the lines of the stages that made it.
   void tell_written(const convert::StageReport& report, const convert::WrittenOutput& output) {
     const std::string& path = report.subject;
     const double seconds = watch_.elapsed().wall_seconds;
@@ -151,7 +151,7 @@ class Narrator final : public convert::Events {
     if (line.explains && plan_.explain) messages_.explanation("  " + line.text);
   }
 
-  // Names the grid in a line about a surface, where the file has those of several.
+  // Prepends the grid to a line about a surface if the file has several grids.
   [[nodiscard]] std::string of_grid(const std::string& label, const std::string& line) const {
     return plan_.job.source.more_grids.empty() || label.empty() ? line : fmt::format("{}: {}", label, line);
   }
@@ -160,8 +160,8 @@ class Narrator final : public convert::Events {
   const Messages& messages_;
   ProgressBar& bar_;
   std::string_view word_;
-  Stopwatch watch_;          // since the start, or since the last file
-  std::vector<Line> lines_;  // of the file that is made
+  Stopwatch watch_;          // runs since the start or the last file
+  std::vector<Line> lines_;  // for the current file
 };
 
 Result<void> check_stdout(const convert::ConversionJob& job) {
@@ -177,7 +177,7 @@ Result<void> check_stdout(const convert::ConversionJob& job) {
               "redirect it to a file or a pipe");
 }
 
-// What `step` gives; what it throws is an error as well.
+// Returns the result of `step`, with exceptions turned into errors.
 template <class Step>
 std::invoke_result_t<Step> attempt(const Step& step) {
   try {
@@ -194,11 +194,11 @@ convert::Outcome failed(const Error& error) {
   return outcome;
 }
 
-// The options make no conversion, and the report says so, unless it would overwrite what they name.
+// Writes a report about invalid options, unless it would overwrite a file that the options name.
 Result<void> report_no_plan(const ConvertFlags& flags, const std::vector<std::string>& arguments, const Error& error) {
   if (!flags.report || flags.report->empty() || *flags.report == "-") return {};
   const auto name = plan_report_name(*flags.report);
-  // Which frames there are is not known.
+  // The frames are unknown.
   if (!name || name->uses(batch::OutputWord::frame)) return {};
   const std::vector<std::string>& inputs = flags.input.inputs;
   const std::string path = report_path(*name, {1, inputs.empty() ? "" : inputs.front(), flags.input.grid().value_or(""),
@@ -213,7 +213,7 @@ Result<void> report_no_plan(const ConvertFlags& flags, const std::vector<std::st
   return write_report(path, nullptr, failed(error), {}, arguments, 0);
 }
 
-// Tells what happens to the one frame of a batch.
+// Prints what happens to the single frame of a batch of one.
 class Conversion final : public batch::RunEvents {
  public:
   Conversion(const ConvertPlan& plan, const Messages& messages) : plan_(plan), messages_(messages) {}
@@ -225,7 +225,7 @@ class Conversion final : public batch::RunEvents {
   std::optional<std::string> note_of_field(const field::ScalarField& field) override {
     if (!plan_.if_on_side || told_axis_) return std::nullopt;
     auto note = up_axis_note(field, plan_.job.source.placement.up, *plan_.if_on_side);
-    told_axis_ = note.has_value();  // once, whatever grids there are
+    told_axis_ = note.has_value();  // once, even if there are several grids
     return note;
   }
   void over(std::size_t /*frame*/, const batch::FrameRow& /*row*/, const convert::Outcome* outcome,
@@ -247,10 +247,10 @@ class Conversion final : public batch::RunEvents {
 
 struct Converted {
   convert::Outcome outcome;
-  std::vector<batch::FrameRow> rows;  // one, or none where nothing was begun
+  std::vector<batch::FrameRow> rows;  // one row, or none if nothing was started
 };
 
-// A batch of one, without records for a later run.
+// Runs a batch of one frame, without records for a later run.
 Converted convert_as_planned(const ConvertPlan& plan, const Messages& messages) {
   Converted converted;
   const Result<void> begun = attempt([&]() -> Result<void> {
@@ -271,7 +271,7 @@ Converted convert_as_planned(const ConvertPlan& plan, const Messages& messages) 
   return converted;
 }
 
-// Whether an option or an operand may name the file of the report.
+// Returns whether another option or operand may name the file of the report.
 bool names_report_twice(const ConvertFlags& flags) {
   for (const Option* option : flags.options()) {
     if (option == &flags.report || !option->takes_value()) continue;
@@ -339,8 +339,7 @@ class ConvertCommand final : public CommandOf<ConvertFlags> {
     return tl::unexpected(configured.error());
   }
 
-  // Writes the report that is asked for, unless another of the words may name the same file. Tells on stderr where that
-  // fails.
+  // Writes the requested report, unless another word may name the same file. Prints an error if that fails.
   void report_failure(const std::vector<std::string>& arguments, const Error& error) override {
     forget();
     read_refused_words(*this, words_after_name(*this, arguments));

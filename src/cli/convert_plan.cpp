@@ -26,7 +26,8 @@ namespace isoextract::cli {
 namespace {
 
 Result<mesh_io::MeshFormat> plan_format(const ConvertFlags& flags) {
-  if (writes_field(flags) || writes_picture(flags)) return mesh_io::MeshFormat::glb;  // which nothing is written as
+  if (writes_field(flags) || writes_picture(flags))
+    return mesh_io::MeshFormat::glb;  // a placeholder: no mesh is written
   if (flags.format) return *flags.format->mesh;
   if (!flags.output || is_folder(*flags.output)) return mesh_io::MeshFormat::glb;
   if (*flags.output == "-") return refuse_usage("-o - needs --format", "for example --format ply");
@@ -55,7 +56,7 @@ std::string_view format_name(const ConvertFlags& flags, const mesh_io::MeshForma
   return other.empty() ? format.name : other;
 }
 
-// Of the one conversion: what a batch does not have to ask of its outputs.
+// Checks the output of a single conversion; batches check theirs elsewhere.
 Result<void> check_output_name(const ConvertFlags& flags, const mesh_io::MeshFormatInfo& format) {
   if (!flags.output && files::is_standard_input(flags.input.inputs.front())) {
     return refuse_usage(
@@ -69,7 +70,7 @@ Result<void> check_output_name(const ConvertFlags& flags, const mesh_io::MeshFor
       format.format == mesh_io::MeshFormat::gltf ? "it is two files; use --format glb" : "give a file with -o");
 }
 
-// Refuses options that do not go with several grids, and says why.
+// Refuses options that cannot be combined with several grids, and says why.
 Result<void> check_grids(const ConvertFlags& flags, const convert::ConversionJob& job) {
   const std::vector<std::string>& grids = flags.input.grids;
   for (auto grid = grids.begin(); grid != grids.end(); ++grid) {
@@ -99,7 +100,7 @@ Result<void> check_grids(const ConvertFlags& flags, const convert::ConversionJob
                       "convert each grid in a run of its own");
 }
 
-// What a volume with y up comes to, if the output depends on that axis and no option says which one it is.
+// Returns how the output would look for a volume with y up, if the output depends on the up axis and no option sets it.
 std::optional<std::string> if_on_side(const ConvertFlags& flags, const convert::ConversionJob& job) {
   const convert::Placement& placement = job.source.placement;
   if (flags.placement.up || placement.space == convert::Space::index) return std::nullopt;

@@ -1,4 +1,4 @@
-// `isoextract devices`: what the GPU backend can draw on.
+// `isoextract devices`: lists the devices for the GPU backend.
 #include <fmt/format.h>
 
 #include "base/byte_size.hpp"
@@ -13,7 +13,7 @@ namespace {
 
 struct DevicesFlags : OptionSet {
   JsonFlag json{in(OptionGroup::output), "Report as JSON, an array with one entry a device."};
-  RunFlags run{*this, RunFlags::Taken::quiet};  // says nothing but its results anyway
+  RunFlags run{*this, RunFlags::Taken::quiet};  // prints only its results
 };
 
 std::string device_text(const gl::GpuDevice& device) {
@@ -45,7 +45,7 @@ class DevicesCommand final : public CommandOf<DevicesFlags> {
  public:
   DevicesCommand() : CommandOf({"devices", "[options]", "List the GPUs that can be used without a display."}) {}
 
-  // Fails with ErrorCode::unavailable where there is no device at all. Devices that cannot be used are listed with why.
+  // Lists unusable devices with the reason. Fails with ErrorCode::unavailable if there is no device at all.
   Result<int> run(const std::vector<std::string>& /*arguments*/) override {
     const auto devices = TRY(gl::list_gpu_devices());
     std::string text;

@@ -1,4 +1,4 @@
-// The options that change fields and surfaces, as values of a job.
+// Plans the options that change fields and surfaces.
 #pragma once
 
 #include <string>
@@ -10,10 +10,10 @@
 
 namespace isoextract::cli {
 
-// Of a job whose other options are planned.
+// Sets the edits of a job whose other options are already planned.
 [[nodiscard]] Result<void> plan_edits(const ConvertFlags& flags, convert::ConversionJob& job);
 
-// Whether pieces can go where -o says; `path` is what it says.
+// Checks that pieces can be written to `path`, the value of -o.
 [[nodiscard]] Result<void> check_piece_outputs(const ConvertFlags& flags, const std::string& path,
                                                const mesh_io::MeshFormatInfo& format);
 }  // namespace isoextract::cli

@@ -11,7 +11,7 @@
 namespace isoextract::cli {
 namespace {
 
-// A number above 0 and what it is in: voxels, or with "world" behind it the units of something in the world.
+// Parses a number above 0 with its unit: voxels, or world units with the suffix "world".
 struct Measure {
   double amount = 0;
   bool in_world_units = false;

@@ -16,9 +16,9 @@ namespace {
 
 constexpr std::array<int, 4> kPoints{7, 5, 9, 13};  // filled circle, square, triangle, diamond
 
-// One line of the plot: what shares input, method, backend and threads.
+// One line of the plot: the results of one input, method, backend and number of threads.
 struct Line {
-  std::string hue;  // lines of one hue differ in their threads only
+  std::string hue;  // lines of the same hue differ only in their threads
   int threads = 1;
   std::string title;
   std::string data;
@@ -67,7 +67,7 @@ std::string front_of(const std::vector<bench::BenchResult>& results) {
   return data;
 }
 
-// Both axes are logarithmic and have numbers at powers of ten. With fewer than two of these a scale cannot be read.
+// Returns the range, extended to contain at least two powers of ten, which are the only labels of a logarithmic axis.
 std::string range_with_numbers(double low, double high) {
   if (std::floor(std::log10(high)) - std::ceil(std::log10(low)) < 1) {
     low = std::pow(10, std::floor(std::log10(low)));
@@ -76,7 +76,7 @@ std::string range_with_numbers(double low, double high) {
   return fmt::format("[{:.6g}:{:.6g}]", low, high);
 }
 
-// Some room around the points.
+// Returns the axis ranges with a margin around the points.
 std::string ranges(const std::vector<bench::BenchResult>& results) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   double least[2] = {kInfinity, kInfinity};
@@ -129,8 +129,8 @@ std::string error_plot_script(const std::vector<bench::BenchResult>& results, in
         fmt::format("$line{} using 1:2 with linespoints linecolor '{}' linewidth 2 dashtype {} pointtype {} "
                     "pointsize 0.8 title {}",
                     l, colour, shape % 4 + 1, kPoints[shape % kPoints.size()], gnuplot_quoted(line.title)));
-    // Lines of one hue have the same sizes at the same heights, so one of them has the labels: on the left below the
-    // first hue, on the right above the next.
+    // Lines of one hue have the same sizes at the same errors, so only the first gets labels: on the left and below for
+    // the first hue, on the right and above for the next.
     const std::size_t hue = place_of(hues, line.hue);
     const bool left = hue % 2 == 0;
     const bool first = l == 0 || lines[l - 1].hue != line.hue;

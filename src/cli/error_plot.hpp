@@ -1,4 +1,4 @@
-// The picture of `isoextract bench`: error over run time, as a gnuplot script.
+// Makes the plot of `isoextract bench`, error over run time, as a gnuplot script.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace isoextract::cli {
 
-// Both axes logarithmic; one line for each input, method, backend and number of threads, points labelled with their
-// size, and rings around those that nothing beats on both.
+// Returns a script with logarithmic axes and one line per input, method, backend and number of threads. Points are
+// labeled with their size; rings mark points that no other point beats in both error and time.
 [[nodiscard]] std::string error_plot_script(const std::vector<bench::BenchResult>& results, int repeats,
                                             PictureFormat format);
 

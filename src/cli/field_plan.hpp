@@ -1,4 +1,4 @@
-// Outputs that hold the field itself, in place of surfaces of it.
+// Plans outputs that hold the field itself instead of its surfaces.
 #pragma once
 
 #include <string>
@@ -11,13 +11,13 @@ namespace isoextract::cli {
 
 inline constexpr std::string_view kFieldFormat = "vdb";  // also the extension, without its dot
 
-// By --format, and else by the name after -o.
+// Decides by --format, or else by the extension of -o.
 [[nodiscard]] bool writes_field(const ConvertFlags& flags);
 
-// Options that are about surfaces and meshes are refused where a field is written, and --half where a mesh is.
+// Refuses options for surfaces and meshes if the output is a field, and --half if it is a mesh.
 [[nodiscard]] Result<void> check_field_options(const ConvertFlags& flags);
 
-// Filters need a level set, and the method of particles may be known to make none.
+// Refuses filters, which need a level set, if the particle method does not make one.
 [[nodiscard]] Result<void> check_filters(const SurfaceFlags& surface, const ParticleFlags& particles);
 
 }  // namespace isoextract::cli

@@ -15,11 +15,11 @@ namespace {
 
 struct ForeignOption {
   std::string_view name;
-  std::string_view ours;  // an option
-  std::string_view does;  // what that does, to follow its name
+  std::string_view ours;  // the equivalent option
+  std::string_view does;  // its effect, as text after its name
 };
 
-// VTK's and ParaView's words, those of splashsurf, vdb_tool, gltfpack, scikit-image and medical tools.
+// Names from VTK, ParaView, splashsurf, vdb_tool, gltfpack, scikit-image and medical tools.
 constexpr std::array kForeignOptions{
     ForeignOption{"--threshold", "--iso", "V is the value whose surface is extracted"},
     ForeignOption{"--surface-threshold", "--iso", "V is the value whose surface is extracted"},
@@ -63,7 +63,7 @@ Result<void> check_for_output_among_inputs(const ConvertFlags& flags) {
   const std::string& last = inputs.back();
   const auto format = mesh_io::mesh_format_by_path(last);
   if (!format) return {};
-  // Points are stored as PLY, too.
+  // An existing PLY may be an input of particles.
   std::error_code none;
   if (*format == mesh_io::MeshFormat::ply && std::filesystem::exists(last, none)) return {};
   return refuse_usage(fmt::format("{}: the name of a mesh stands among the inputs", last),

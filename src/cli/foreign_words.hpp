@@ -1,4 +1,4 @@
-// What people type who know other programs, and what it is called here.
+// Maps option names of other programs to the options of this one.
 #pragma once
 
 #include <string>
@@ -9,10 +9,10 @@
 
 namespace isoextract::cli {
 
-// For an option that is not among `options`, the one of them that does that; empty where none is known.
+// Returns a hint that names the equivalent option, for a name that is not among `options`; empty if none is known.
 [[nodiscard]] std::string hint_for_foreign_option(const OptionSet& options, std::string_view name);
 
-// Fails with ErrorCode::usage where an output was named without -o: several inputs, the last of them named as a mesh.
+// Fails with ErrorCode::usage if the last of several inputs has a mesh's extension, so that -o was probably forgotten.
 [[nodiscard]] Result<void> check_for_output_among_inputs(const ConvertFlags& flags);
 
 }  // namespace isoextract::cli

@@ -17,10 +17,10 @@ namespace isoextract::cli {
 namespace {
 
 constexpr std::size_t kFigures = 4;
-constexpr std::size_t kMostTitles = 20;   // of surfaces in the key
-constexpr std::size_t kTitlesInARow = 4;  // with those of failed frames
+constexpr std::size_t kMostTitles = 20;   // titles of surfaces in the key
+constexpr std::size_t kTitlesInARow = 4;  // including the titles of failed frames
 constexpr double kHeightOfKeyRow = 0.035;
-// Of the whole picture: the plots are one below the other, between these heights.
+// The plots fill the picture between these fractions of its height.
 constexpr double kLowest = 0.09;
 constexpr double kHighest = 0.97;
 constexpr double kGap = 0.045;
@@ -28,7 +28,7 @@ constexpr double kMostTics = 4;
 
 struct Figure {
   std::string_view name;
-  std::string_view why_none;  // why no surface has it
+  std::string_view why_none;  // text if no surface has this figure
   bool is_count;
 };
 constexpr std::array<Figure, kFigures> kFigureNames{
@@ -36,7 +36,7 @@ constexpr std::array<Figure, kFigures> kFigureNames{
     Figure{"volume", "no surface is closed: none has a volume", false},
     Figure{"components", "no frame has a surface of known components", true}};
 
-// Frames without a surface for their own reasons.
+// A kind of frames without a surface: failed or not started.
 struct Ended {
   batch::FrameStatus status;
   std::string_view colour;
@@ -59,14 +59,14 @@ std::string text_of(const std::optional<double>& value) {
   return value && std::isfinite(*value) ? fmt::format("{:.9g}", *value) : std::string("NaN");
 }
 
-// How many surfaces the frames have at most.
+// Returns the largest number of surfaces in a frame.
 std::size_t most_surfaces(std::span<const batch::FrameRow> rows) {
   std::size_t most = 0;
   for (const batch::FrameRow& row : rows) most = std::max(most, row.figures.surfaces.size());
   return most;
 }
 
-// The grid and the iso value of the n-th surfaces, if they have one.
+// Returns the grid and iso value of the n-th surface if all frames agree, otherwise its number.
 std::string title_of(std::span<const batch::FrameRow> rows, std::size_t n) {
   std::optional<std::string> title;
   for (const batch::FrameRow& row : rows) {
@@ -79,7 +79,7 @@ std::string title_of(std::span<const batch::FrameRow> rows, std::size_t n) {
   return title.value_or("");
 }
 
-// 1, 2 or 5 times a power of ten, at most kMostTics of which are in `length`.
+// Returns a tic distance of 1, 2 or 5 times a power of ten that gives at most kMostTics tics in `length`.
 double step_for(double length) {
   const double power = std::pow(10, std::floor(std::log10(length / kMostTics)));
   for (const double factor : {1.0, 2.0, 5.0}) {
@@ -88,7 +88,7 @@ double step_for(double length) {
   return 10 * power;
 }
 
-// "250,000", "1.2e+08"
+// Returns "250,000" or "1.2e+08".
 std::string tic_text(double value) {
   if (std::abs(value) >= 1e6 || value != std::round(value)) return fmt::format("{:.4g}", value);
   std::string digits = fmt::format("{:.0f}", value);
@@ -102,7 +102,7 @@ struct Range {
   double high = 0;
 };
 
-// Of all surfaces, with 0; nothing where none has a number other than that.
+// Returns the range of a figure over all surfaces, including 0; nullopt if all values are 0 or missing.
 std::optional<Range> range_of(std::span<const batch::FrameRow> rows, std::size_t figure) {
   std::optional<Range> range;
   for (const batch::FrameRow& row : rows) {
@@ -123,7 +123,7 @@ struct Axis {
   std::string script;
 };
 
-// Range and tics of the values, in words that leave room for each other.
+// Returns the range and tics of a value axis.
 Axis value_axis(const Range& range, bool is_count) {
   const double step = std::max(step_for(range.high - range.low), is_count ? 1.0 : 0.0);
   const auto first = static_cast<std::int64_t>(std::floor(range.low / step));
@@ -138,7 +138,7 @@ Axis value_axis(const Range& range, bool is_count) {
           fmt::format("set yrange [{:.9g}:{:.9g}]\nset ytics ({})\n", whole.low, whole.high, fmt::join(tics, ", "))};
 }
 
-// All frames, those without a surface among them; numbers of frames are whole.
+// Returns the frame axis: covers all frames, also those without a surface, with tics at whole numbers.
 std::string frame_axis(std::span<const batch::FrameRow> rows) {
   double first = std::numeric_limits<double>::infinity();
   double last = -first;
@@ -152,7 +152,7 @@ std::string frame_axis(std::span<const batch::FrameRow> rows) {
                      std::max(1.0, step_for(std::max(1.0, (last - first) / 2))));
 }
 
-// The data of the plots: of each surface its figures, of each kind of ended frames their numbers.
+// Returns the data of the plots: the figures of each surface, and the numbers of failed and of unstarted frames.
 std::string data_blocks(std::span<const batch::FrameRow> rows, std::size_t surfaces) {
   std::string script;
   for (std::size_t n = 0; n < surfaces; ++n) {

@@ -1,4 +1,4 @@
-// The picture of a batch: what its surfaces are like, over the frames, as a gnuplot script.
+// Makes the plot of a batch, properties of its surfaces over the frames, as a gnuplot script.
 #pragma once
 
 #include <span>
@@ -9,9 +9,9 @@
 
 namespace isoextract::cli {
 
-// Triangles, area, volume (of closed surfaces) and components, one below the other; a line an iso value where all
-// frames have the same ones, else one for all. A figure that no frame has says why. Dashed lines mark frames that
-// failed or were not started.
+// Returns a script with four plots below each other: triangles, area, volume (of closed surfaces) and components. It
+// has one line per iso value if all frames have the same ones, else one for all. A plot without data says why. Dashed
+// lines mark frames that failed or were not started.
 [[nodiscard]] std::string frame_plot_script(std::span<const batch::FrameRow> rows, PictureFormat format);
 
 }  // namespace isoextract::cli

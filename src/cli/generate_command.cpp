@@ -1,4 +1,4 @@
-// `isoextract generate`: the documents that are installed, made from the declarations.
+// `isoextract generate`: prints the man page and the completions that are installed.
 #include "cli/command.hpp"
 #include "cli/generate_docs.hpp"
 #include "cli/messages.hpp"

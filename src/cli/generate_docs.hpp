@@ -1,4 +1,4 @@
-// The man page and the shell completions, made from the declarations of the commands.
+// Generates the man page and the shell completions from the declarations of the commands.
 #pragma once
 
 #include <string>

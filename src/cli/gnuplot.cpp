@@ -18,7 +18,7 @@ namespace {
 
 constexpr const char* kHint = "install it with: apt-get install gnuplot-nox";
 
-// An unnamed file in memory. Nobody waits for it to be read or written, as with a pipe.
+// An unnamed file in memory; unlike a pipe, it cannot block reader or writer.
 class MemoryFile {
  public:
   MemoryFile() : descriptor_(::memfd_create("gnuplot", MFD_CLOEXEC)) {}
@@ -59,8 +59,8 @@ class MemoryFile {
 };
 
 struct Finished {
-  int error = 0;    // of starting it
-  int status = -1;  // as waitpid gives it
+  int error = 0;    // errno of starting the process
+  int status = -1;  // from waitpid
   std::string out;
   std::string err;
 };
@@ -79,7 +79,7 @@ Finished run(const std::string& script) {
   ::posix_spawn_file_actions_adddup2(&actions, in.descriptor(), STDIN_FILENO);
   ::posix_spawn_file_actions_adddup2(&actions, out.descriptor(), STDOUT_FILENO);
   ::posix_spawn_file_actions_adddup2(&actions, err.descriptor(), STDERR_FILENO);
-  // The program ignores these signals; gnuplot need not.
+  // This program ignores these signals; gnuplot gets their default handling.
   posix_spawnattr_t attributes;
   ::posix_spawnattr_init(&attributes);
   sigset_t signals;
@@ -108,7 +108,7 @@ bool ended_well(const Finished& finished) {
   return finished.error == 0 && WIFEXITED(finished.status) && WEXITSTATUS(finished.status) == 0;
 }
 
-// Its first line that is not empty.
+// Returns the first line that is not empty.
 std::string first_line(const std::string& text) {
   const std::size_t begin = text.find_first_not_of(" \t\r\n");
   if (begin == std::string::npos) return "no message";

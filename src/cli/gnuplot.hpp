@@ -1,4 +1,4 @@
-// gnuplot as a process of its own: a script in, a picture out. No shell, no files besides.
+// Runs gnuplot as a child process that turns a script into a picture, without a shell and without files.
 #pragma once
 
 #include <cstddef>
@@ -9,22 +9,22 @@
 
 namespace isoextract::cli {
 
-// Fails with ErrorCode::unavailable where there is no gnuplot to run for `option`; the hint names its package.
+// Fails with ErrorCode::unavailable if gnuplot, which `option` needs, cannot be run; the hint names its package.
 [[nodiscard]] Result<void> check_gnuplot(std::string_view option);
 
-// What `script` writes to its standard output, without the user's settings. Fails with ErrorCode::unavailable, and
-// gnuplot's own words, if it does not end well or writes nothing.
+// Runs the script without the user's settings and returns its standard output. Fails with ErrorCode::unavailable and
+// gnuplot's message if gnuplot fails or writes nothing.
 [[nodiscard]] Result<std::string> run_gnuplot(const std::string& script);
 
-// `text` as a string of a script, whatever is in it.
+// Quotes any text as a string of a script.
 [[nodiscard]] std::string gnuplot_quoted(std::string_view text);
 
 enum class PictureFormat { svg, png };
 
-// The first lines of a script.
+// Returns the first lines of a script.
 [[nodiscard]] std::string plot_terminal(PictureFormat format);
 
-// Of the n-th line: told apart with any colour vision; they repeat.
+// Returns the color of line n. The palette suits all kinds of color vision, and repeats.
 [[nodiscard]] std::string_view plot_colour(std::size_t n);
 
 }  // namespace isoextract::cli

@@ -1,4 +1,4 @@
-// What `isoextract bench gpu-threads` found, as a table and as JSON.
+// Formats the results of `isoextract bench gpu-threads` as a table and as JSON.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// `isoextract help`: an overview, a command, or a topic.
+// `isoextract help`: prints an overview, a command's help, or a topic.
 #include "cli/command.hpp"
 #include "cli/help_topics.hpp"
 #include "cli/messages.hpp"

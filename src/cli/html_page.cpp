@@ -28,7 +28,7 @@ constexpr std::string_view kStyle =
     "img{max-width:100%;border:1px solid #d8dde5}figcaption{font-size:12px;color:#56606e}.failed{color:#a61b1b}"
     ".scroll{overflow-x:auto}svg{max-width:100%;height:auto}";
 
-// Where the window is too narrow for a table, it is moved by itself.
+// A table wider than the window scrolls on its own.
 constexpr std::string_view kTable = "<div class=\"scroll\"><table>\n";
 constexpr std::string_view kTableEnd = "</table></div>\n";
 
@@ -61,7 +61,7 @@ std::string base64(std::span<const std::byte> bytes) {
   return text;
 }
 
-// A row of a table; the first `words` cells are text.
+// Returns a table row; the first `words` cells are text, the others numbers.
 std::string row_of(std::span<const std::string> cells, std::string_view tag, std::size_t words) {
   std::string html = "<tr>";
   for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -77,7 +77,7 @@ std::string optional_text(const std::optional<T>& value) {
 
 std::string count_text(const std::optional<std::uint64_t>& value) { return value ? fmt::format("{}", *value) : ""; }
 
-// A cell about an iso value, of a grid where there are several.
+// Returns the text of an iso value, with the grid if there are several.
 std::string with_grid(const std::string& grid, const std::string& iso) {
   return grid.empty() ? iso : fmt::format("{} {}", html_text(grid), iso);
 }

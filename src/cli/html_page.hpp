@@ -1,5 +1,5 @@
-// One page of a conversion, or of all frames of a sequence, that needs no other file: pictures, the table of frames,
-// plots, errors, what was left out, versions.
+// Makes a self-contained HTML page about a conversion or the frames of a sequence: pictures, the table of frames,
+// plots, errors, skipped work, versions.
 #pragma once
 
 #include <cstddef>
@@ -21,10 +21,10 @@ namespace isoextract::cli {
 
 class HtmlPage {
  public:
-  // What `frame` did, and is not in its row. Not from several threads at once.
+  // Adds the facts about a frame that its row lacks. Not thread-safe.
   void add(std::int64_t frame, const convert::Outcome& outcome);
 
-  // The page as text. `rows` are all frames; one that was not converted in this run has no errors and stages. `svg` is
+  // Returns the page. `rows` has all frames; a frame that this run did not convert has no errors and stages. `svg` is
   // the plot over the frames, or empty. `arguments` are the words of the command line without the program.
   [[nodiscard]] Result<std::string> text(std::span<const batch::FrameRow> rows, const MeshPictures& pictures,
                                          const std::string& svg, const std::vector<std::string>& arguments,
@@ -33,18 +33,18 @@ class HtmlPage {
  private:
   struct MeasuredError {
     std::int64_t frame = 0;
-    std::string grid;  // where there are several
+    std::string grid;  // set if there are several grids
     double iso = 0;
     double rms = 0;
     double largest = 0;
-    double voxels = 0;  // the largest, in voxels
+    double voxels = 0;  // the largest error in voxels
   };
-  // All frames together.
+  // Skipped work, summed over all frames.
   struct LeftOut {
     std::uint64_t count = 0;
     std::uint64_t total = 0;
     std::size_t times = 0;
-    std::string first;  // as the first of them says it
+    std::string first;  // the text of the first frame
   };
 
   [[nodiscard]] std::string left_out_section() const;
@@ -52,8 +52,8 @@ class HtmlPage {
   [[nodiscard]] std::string stage_section() const;
 
   std::vector<MeasuredError> errors_;
-  std::map<std::pair<std::string, std::string>, LeftOut> left_out_;  // by what, and what was done with it
-  std::map<std::string, double> stages_;                             // seconds, of all frames together
+  std::map<std::pair<std::string, std::string>, LeftOut> left_out_;  // by topic and action
+  std::map<std::string, double> stages_;                             // seconds, summed over all frames
   std::set<std::string> devices_;
   std::vector<std::pair<std::int64_t, std::string>> notes_;
 };

@@ -1,4 +1,4 @@
-// `isoextract info`: what volumes hold, as text or JSON on stdout.
+// `isoextract info`: prints the contents of volumes to stdout, as text or JSON.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -26,7 +26,7 @@
 namespace isoextract::cli {
 namespace {
 
-// What of several is described.
+// The volume and component that are described, if there are several.
 struct Described {
   std::optional<std::int64_t> volume;
   std::optional<volume_io::ComponentChoice> component;
@@ -40,14 +40,14 @@ std::string example_command(const InfoPlan& plan, const std::string& input, cons
   if (!plan.read.component && described.component) {
     arguments += fmt::format(" --component {}", described.component->number.value_or(0));
   }
-  // Samples that --nodata names are outside without it.
+  // With --nodata such samples are outside by default.
   if (has_nan && !plan.read.no_data) arguments += " --nan outside";
   if (const auto up = convert::up_axis_of(creator)) arguments += fmt::format(" --up {}", word_of(*up));
   return fmt::format("isoextract {}{} --iso {} -o {}", shell_quoted(input), arguments, iso,
                      shell_quoted(batch::template_of(batch::stem_of(input)) + ".glb"));
 }
 
-// Whether float32 positions hold all of it apart, where the file places it.
+// Returns whether float32 can tell all vertices apart at the field's placement.
 bool fits_one_mesh(const field::ScalarField& field) {
   const auto* sparse = std::get_if<field::SparseSamples>(&field.samples);
   const field::IndexBox stored = sparse != nullptr ? extract::stored_box(*sparse) : field.extents();
@@ -56,7 +56,7 @@ bool fits_one_mesh(const field::ScalarField& field) {
   return stored.empty() || extract::output_frame(field, options, stored, stored).fits_float32();
 }
 
-// Of a field that was read or made, with the iso value to suggest.
+// Completes the report of a field whose iso value is suggested.
 FieldReport report_of(const InfoPlan& plan, const std::string& input, const Described& described, FieldReport report) {
   const bool separates = report.suggestion.separates;
   report.size =
@@ -77,7 +77,7 @@ Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, cons
   read.volume = described.volume;
   read.component = described.component;
   const ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
-  convert::Events unheard;  // notes are told with the report
+  convert::Events unheard;  // ignores events: the report has the notes
   auto field = convert::read_field(input, read, context, unheard);
   if (!field) return tl::unexpected(std::move(field.error()));
   FieldReport report;
@@ -87,8 +87,7 @@ Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, cons
   return report_of(plan, input, described, std::move(report));
 }
 
-// The grid that is described, where there is a choice among its volumes or components: the one that was named, or the
-// only one.
+// Returns the grid to describe if its volumes or components offer a choice: the named grid, or the only one.
 const volume_io::GridInfo* described_grid(const InfoPlan& plan, const std::vector<volume_io::GridInfo>& grids) {
   const auto is_it = [&](const volume_io::GridInfo& grid) {
     return plan.read.grid ? grid.label == *plan.read.grid || grid.name == *plan.read.grid : grid.scalar;
@@ -149,7 +148,7 @@ InputReport look_at(const InfoPlan& plan, const std::string& input, const Messag
   report.grids = std::move(*grids);
   if (!plan.read.grid && !report.grids.empty()) {
     const volume_io::GridInfo* only = grid_without_choice(report.grids);
-    // Why it cannot be read is told in the list.
+    // The list tells why it cannot be read.
     if (only == nullptr || (!only->is_readable() && !plan.read.spacing)) return report;
   }
   report.volume = plan.read.volume;
@@ -176,7 +175,7 @@ void tell_notes(const InputReport& report, const Messages& messages) {
   }
 }
 
-// Collects what there is to print, and the first failure.
+// Collects the output and the first failure.
 class InfoPage {
  public:
   InfoPage(const InfoPlan& plan, const Messages& messages) : plan_(plan), messages_(messages) {}
@@ -190,7 +189,7 @@ class InfoPage {
     add(report, report.error.has_value());
   }
 
-  // One frame after the other; of the first that can be read all is told.
+  // Adds all frames of a sequence, with a full report of the first readable one.
   void add_sequence(const std::string& input) {
     const Stopwatch watch;
     auto found = batch::find_frames({&input, 1}, plan_.frames);
@@ -262,7 +261,7 @@ class InfoPage {
   convert::Json json_ = convert::Json::array();
 };
 
-// Reports on every input it can read. Errors are shown here; the exit code is that of the first.
+// Reports on every input that it can read. Prints errors; returns the exit code of the first.
 Result<int> run_info(const InfoPlan& plan, const Messages& messages) {
   InfoPage page(plan, messages);
   for (const std::string& input : plan.inputs) {

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t kHistogramRows = 16;
 constexpr std::size_t kHistogramWidth = 40;
-constexpr std::size_t kMaxName = 200;  // bytes of a name that are shown
+constexpr std::size_t kMaxName = 200;  // bytes shown of a name
 
 std::string dims_text(const field::IndexBox& box) {
   if (box.empty()) return "no active voxels";
@@ -35,7 +35,7 @@ glm::dvec3 spacing_of(const field::Affine& map) {
   return {glm::length(map.linear[0]), glm::length(map.linear[1]), glm::length(map.linear[2])};
 }
 
-// ", 3 components, 12 volumes"
+// Returns ", 3 components, 12 volumes".
 std::string several_text(const volume_io::GridInfo& grid) {
   std::string text;
   if (has_several_components(grid)) text += fmt::format(", {} components", grid.components);
@@ -43,7 +43,7 @@ std::string several_text(const volume_io::GridInfo& grid) {
   return text;
 }
 
-// "; the plug-in for openvdb reads it", or why nobody does.
+// Returns "; the plug-in for openvdb reads it", or why no reader does.
 std::string reader_text(const volume_io::GridInfo& grid) {
   if (grid.plugin.empty()) {
     if (!grid.scalar) return "; no surface can be extracted from this type";
@@ -77,7 +77,7 @@ void add_grids(NamedLines& lines, const InputReport& report) {
                             grid.kind ? fmt::format(", {}", convert::kind_name(*grid.kind)) : "", several_text(grid),
                             reader_text(grid)));
   }
-  // That of the one that is described stands with the rest of it.
+  // The section about the field shows its creator.
   if (report.field || report.grids.empty()) return;
   const std::string& creator = report.grids.front().creator;
   if (std::ranges::all_of(report.grids, [&](const auto& grid) { return grid.creator == creator; })) {
@@ -86,7 +86,7 @@ void add_grids(NamedLines& lines, const InputReport& report) {
 }
 
 void add_volumes(NamedLines& lines, const InputReport& report) {
-  if (report.grids.size() != 1) return;  // they are in the list of grids
+  if (report.grids.size() != 1) return;  // the list of grids shows them
   for (const volume_io::GridInfo& grid : report.grids) {
     if (has_several_components(grid)) {
       lines.add("components",
@@ -155,7 +155,7 @@ void add_histogram(NamedLines& lines, const field::FieldStatistics& statistics) 
   }
 }
 
-// Of integers: labels, classes, masks.
+// Adds the distinct values of integer fields: labels, classes, masks.
 void add_distinct(NamedLines& lines, const field::FieldStatistics& statistics) {
   constexpr std::size_t kMostShown = 64;
   constexpr std::size_t kInARow = 4;
@@ -281,7 +281,7 @@ convert::Json json_of(const FieldReport& report) {
   return json;
 }
 
-// Whether one of several grids, or of the parts of one, has to be named.
+// Returns whether the user has to choose one of several grids, volumes or components.
 bool has_choice(std::span<const volume_io::GridInfo> grids) {
   return grid_without_choice(grids) == nullptr && std::ranges::any_of(grids, &volume_io::GridInfo::is_readable);
 }
@@ -289,7 +289,7 @@ bool has_choice(std::span<const volume_io::GridInfo> grids) {
 }  // namespace
 
 const volume_io::GridInfo* grid_without_choice(std::span<const volume_io::GridInfo> grids) {
-  // As read_volume chooses: the only scalar one; where there is none, the only one that a plug-in makes a grid of.
+  // Chooses as read_volume does: the only scalar grid, or if there is none, the only one that a plug-in can convert.
   const auto scalars = std::ranges::count(grids, true, &volume_io::GridInfo::scalar);
   const volume_io::GridInfo* found = nullptr;
   for (const volume_io::GridInfo& grid : grids) {

@@ -1,4 +1,4 @@
-// What `info` found out about one input, and its two ways onto paper.
+// The results of `info` for one input, as text and as JSON.
 #pragma once
 
 #include <cstdint>
@@ -17,28 +17,28 @@
 
 namespace isoextract::cli {
 
-// Of the one field that was read.
+// The results for the field that was read.
 struct FieldReport {
   field::ScalarField field;
   field::FieldStatistics statistics;
   field::IsoSuggestion suggestion;
   convert::ConversionSize size;
-  std::uint64_t bytes = 0;    // of memory that converting takes
-  bool fits_one_mesh = true;  // else only parts of it can be extracted
-  std::string command;        // line that extracts it, if there is one that does
+  std::uint64_t bytes = 0;    // memory that a conversion needs
+  bool fits_one_mesh = true;  // otherwise only parts can be extracted
+  std::string command;        // a command line that extracts it; may be empty
 };
 
 struct InputReport {
   std::string input;
   std::vector<volume_io::GridInfo> grids;
-  std::optional<std::int64_t> volume;                   // that is described, where one was chosen or there are several
-  std::optional<volume_io::ComponentChoice> component;  // likewise
-  std::optional<ParticleReport> particles;              // where the input is of particles, which have no grids
-  std::optional<FieldReport> field;  // not there if a choice of grid or a place for it is missing, or on an error
+  std::optional<std::int64_t> volume;                   // the volume described, if one was chosen or there are several
+  std::optional<volume_io::ComponentChoice> component;  // the component described, in the same cases
+  std::optional<ParticleReport> particles;              // for particles, which have no grids
+  std::optional<FieldReport> field;  // unset if the grid or its placement is not chosen, or on an error
   std::optional<Error> error;
 };
 
-// The grid that read_volume takes where none is named; null where one has to be, or none can be read.
+// Returns the grid that read_volume reads if none is named; null if a name is needed or no grid can be read.
 [[nodiscard]] const volume_io::GridInfo* grid_without_choice(std::span<const volume_io::GridInfo> grids);
 [[nodiscard]] bool has_several_volumes(const volume_io::GridInfo& grid);
 [[nodiscard]] bool has_several_components(const volume_io::GridInfo& grid);

@@ -18,7 +18,7 @@
 namespace isoextract::cli {
 namespace {
 
-constexpr std::size_t kShownFrames = 12;  // with a line of their own, from either end
+constexpr std::size_t kShownFrames = 12;  // number of frames listed at the beginning and at the end
 
 std::string runs_text(const std::vector<batch::FrameRun>& runs) { return batch::text_of(runs, batch::kShownFrameRuns); }
 
@@ -33,7 +33,7 @@ std::size_t failed(const SequenceReport& report) {
       std::ranges::count_if(report.frames, [](const FrameSummary& frame) { return frame.error.has_value(); }));
 }
 
-// The least and the largest of what the frames have.
+// Returns the least and the greatest value over all frames.
 std::optional<std::pair<double, double>> range_of(const SequenceReport& report,
                                                   std::optional<double> FrameSummary::*low,
                                                   std::optional<double> FrameSummary::*high) {

@@ -1,4 +1,4 @@
-// What `info` found out about the frames of a sequence, and its two ways onto paper.
+// The results of `info` for the frames of a sequence, as text and as JSON.
 #pragma once
 
 #include <cstdint>
@@ -13,34 +13,34 @@
 
 namespace isoextract::cli {
 
-// One frame; the range of values where a field was read.
+// The results for one frame; ranges are set if a field was read.
 struct FrameSummary {
   std::int64_t frame = 0;
   std::string input;
   std::optional<double> min;
   std::optional<double> max;
   std::optional<field::SurfaceRange> passed;
-  std::optional<double> iso;  // the suggestion, where it separates inside from outside
-  std::string method;         // by which that was found
+  std::optional<double> iso;  // the suggested value, if it separates inside from outside
+  std::string method;         // that found the suggestion
   std::optional<Error> error;
 };
 
 [[nodiscard]] FrameSummary summary_of(std::int64_t frame, const InputReport& report);
 
 struct SequenceReport {
-  std::string input;                   // as it was given: a pattern or a folder
-  std::vector<FrameSummary> frames;    // by their numbers
-  std::vector<batch::FrameRun> gaps;   // numbers that are not there
+  std::string input;                   // as given: a pattern or a folder
+  std::vector<FrameSummary> frames;    // in ascending order
+  std::vector<batch::FrameRun> gaps;   // missing frame numbers
   std::vector<std::string> arguments;  // the input options, to repeat in an example
-  // What is told of the first frame that can be read; empty and null where there is none.
+  // The report of the first readable frame; empty and null if there is none.
   std::string first_text;
   convert::Json first_json;
 };
 
-// An iso value for all frames: the median of the suggestions.
+// A common iso value for all frames: the median of the suggestions.
 struct SequenceIso {
   double iso = 0;
-  std::size_t separates = 0;  // in so many frames
+  std::size_t separates = 0;  // number of frames in which it separates inside from outside
 };
 [[nodiscard]] std::optional<SequenceIso> iso_of(const SequenceReport& report);
 

@@ -1,4 +1,4 @@
-// isoextract simulate jet: a particle jet, frame by frame, as files.
+// `isoextract simulate jet`: writes a particle jet, frame by frame.
 #include <string>
 #include <utility>
 #include <vector>
@@ -79,7 +79,7 @@ class JetRun {
                                                        format_byte_size(bytes_)));
   }
 
-  // All frames on one grid, which only the same radius for all gives.
+  // Suggests one radius for all frames, since only this gives all frames the same grid.
   void tell_how_to_convert(double radius) const {
     messages_.summary(fmt::format(
         "to be converted with: isoextract {} --particles weight --iso {} --radius {:.12g} --animate "
@@ -90,7 +90,7 @@ class JetRun {
   const JetPlan& plan_;
   const Messages& messages_;
   Context work_;
-  Context shown_;  // the bar's: what the work counts are its own steps
+  Context shown_;  // for the progress bar, because the simulation counts its own steps
   double seconds_ = 0;
   std::uint64_t bytes_ = 0;
 };

@@ -28,7 +28,7 @@ Result<JetPlan> plan_jet(const JetFlags& flags) {
   jet.seed = flags.seed.value_or(jet.seed);
   if (flags.iterations) {
     constexpr std::uint64_t kMost = std::numeric_limits<int>::max();
-    jet.iterations = static_cast<int>(std::min(*flags.iterations, kMost));  // more than there may be, either way
+    jet.iterations = static_cast<int>(std::min(*flags.iterations, kMost));  // clamped values are refused as well
   }
   const std::uint64_t frames = flags.frames.value_or(kJetFrames);
   if (frames > batch::kMaxFrames) {

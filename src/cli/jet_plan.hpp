@@ -1,4 +1,4 @@
-// From the options of `simulate jet` to a plan.
+// Makes a plan from the options of `simulate jet`.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@ namespace isoextract::cli {
 struct JetPlan {
   simulate::JetOptions jet;
   particle_io::ParticleFileFormat format = particle_io::ParticleFileFormat::ply;
-  std::string pattern;    // by which all frames can be read again; empty where there is none
+  std::string pattern;    // pattern that reads all frames; empty if there is none
   SequencePlan sequence;  // a step is a frame of the jet
 };
 [[nodiscard]] Result<JetPlan> plan_jet(const JetFlags& flags);

@@ -1,5 +1,4 @@
-// Help as data, and its layout as plain text: the help pages and the man page are made from the same blocks. And the
-// lines of reports.
+// Help as data, and its layout as plain text; help pages and man page use the same blocks. Also the lines of reports.
 #pragma once
 
 #include <string>
@@ -9,7 +8,7 @@
 
 namespace isoextract::cli {
 
-// A term and what is said of it: an option, a format, an exit code.
+// A term and its explanation: an option, a format, an exit code.
 struct HelpRow {
   std::string term;
   std::string text;
@@ -21,10 +20,10 @@ struct HelpBlock {
   std::vector<HelpRow> rows;
 };
 
-// Lines of at most `width` characters, broken at spaces. A word longer than that has a line of its own.
+// Returns lines of at most `width` characters, broken at spaces. A longer word gets its own line.
 [[nodiscard]] std::vector<std::string> wrapped(std::string_view text, std::size_t width);
 
-// Collects "  name          text" lines under a heading, as reports on stdout have them.
+// Collects lines "  name          text" under a heading, for reports on stdout.
 class NamedLines {
  public:
   void add(std::string_view name, std::string_view text);
@@ -35,7 +34,7 @@ class NamedLines {
   std::string out_;
 };
 
-// Paragraph and list for a terminal of 80 columns; ends with a newline unless the block is empty.
+// Formats a block for a terminal of 80 columns; ends with a newline unless the block is empty.
 [[nodiscard]] std::string plain_text(const HelpBlock& block);
 
 }  // namespace isoextract::cli

@@ -1,4 +1,4 @@
-// The man page, in mdoc(7) macros.
+// Generates the man page in mdoc(7) macros.
 #include <cctype>
 #include <string_view>
 
@@ -12,10 +12,10 @@
 namespace isoextract::cli {
 namespace {
 
-constexpr std::string_view kDate = "November 22, 2026";  // of the last change to the texts
+constexpr std::string_view kDate = "November 22, 2026";  // date of the last change of the texts
 constexpr std::size_t kLineWidth = 72;                   // before escapes
 
-// Text that roff prints as it is.
+// Escapes text so that roff prints it unchanged.
 std::string roff_text(std::string_view text) {
   std::string out;
   for (const char c : text) {
@@ -36,7 +36,7 @@ std::string roff_text(std::string_view text) {
   return out;
 }
 
-// As a paragraph: a new line after each sentence, as roff wants it, and no line that looks like a macro.
+// Formats a paragraph with a new line after each sentence, as roff requires, and no line that looks like a macro.
 std::string paragraph(std::string_view text) {
   std::string out;
   while (!text.empty()) {
@@ -50,7 +50,7 @@ std::string paragraph(std::string_view text) {
   return out;
 }
 
-// ".It" takes macros; a word in quotes is none.
+// Quotes the terms, because ".It" would interpret their words as macros.
 std::string tagged_list(const std::vector<HelpRow>& rows) {
   std::string out = ".Bl -tag -width Ds\n";
   for (const HelpRow& row : rows) {

@@ -1,4 +1,4 @@
-// `isoextract merge`: the shards of a batch joined.
+// `isoextract merge`: joins the shards of a batch.
 #include <fmt/format.h>
 
 #include "base/printable.hpp"
@@ -22,7 +22,7 @@ class MergeCommand final : public CommandOf<MergeFlags> {
   MergeCommand()
       : CommandOf({"merge", "FOLDER", "Join the manifests of the shards of a batch, and check that all is there."}) {}
 
-  // ErrorCode::frames where all shards are done, but frames that were asked for have no input.
+  // Fails with ErrorCode::frames if all shards are done but requested frames have no input.
   Result<int> run(const std::vector<std::string>& /*arguments*/) override {
     if (!flags().folder || flags().folder->empty()) {
       return fail(ErrorCode::usage, "merge needs the folder of the shards' outputs", "isoextract merge FOLDER");

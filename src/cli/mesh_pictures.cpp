@@ -20,7 +20,7 @@ Result<MeshPictures> MeshPictures::open(std::vector<WrittenMesh> meshes, const r
   pictures.options_.up = convert::shown_up(up);
   std::optional<field::Box>& box = pictures.options_.box;
   for (const WrittenMesh& written : meshes) {
-    if (meshes.size() == 1) break;  // its own box frames it
+    if (meshes.size() == 1) break;  // a single mesh is framed by its own box
     for (const std::string& file : written.files) {
       auto read = TRY(mesh_io::read_mesh(file, context));
       if (read.mesh.triangles.empty()) continue;

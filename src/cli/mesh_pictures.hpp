@@ -1,4 +1,4 @@
-// Pictures of meshes that were written to files, all from one camera: for contact sheets and pages.
+// Draws meshes from files, all with one camera, for contact sheets and pages.
 #pragma once
 
 #include <cstddef>
@@ -17,14 +17,14 @@ namespace isoextract::cli {
 
 struct WrittenMesh {
   std::string label;               // "12"
-  std::vector<std::string> files;  // of one frame; each is read when it is drawn
-  std::string_view why_none = {};  // where there are no files, shown in their place: "failed"
+  std::vector<std::string> files;  // of one frame; read when drawn
+  std::string_view why_none = {};  // shown instead if there are no files: "failed"
 };
 
 class MeshPictures {
  public:
-  // Reads all files once where there are several meshes, for the box that holds every one. `up` is that of formats
-  // which prescribe none. Fails as mesh_io::read_mesh() does.
+  // If there are several meshes, reads all files once to find their common box. `up` is the up axis for formats that
+  // prescribe none. Fails as mesh_io::read_mesh() does.
   [[nodiscard]] static Result<MeshPictures> open(std::vector<WrittenMesh> meshes, const render::PictureSize& size,
                                                  convert::UpAxis up, const Context& context);
 
@@ -39,10 +39,10 @@ class MeshPictures {
   render::PreviewOptions options_;
 };
 
-// At most `most` of them, the first and the last among them, evenly spaced.
+// Returns at most `most` evenly spaced meshes, including the first and the last.
 [[nodiscard]] std::vector<WrittenMesh> some_of(std::vector<WrittenMesh> meshes, std::size_t most);
 
-// The meshes side by side, as a PNG file, whole or not at all.
+// Writes a PNG file with all meshes side by side; leaves no partial file on failure.
 [[nodiscard]] Result<void> write_contact_sheet(const std::string& path, const MeshPictures& meshes,
                                                const Context& context);
 

@@ -24,7 +24,7 @@ spdlog::level::level_enum level_of(Verbosity verbosity) {
   return spdlog::level::debug;
 }
 
-// Of text with lines of its own: names in it have none, for who puts them there shows them printable.
+// Makes each line of a text printable. Line breaks are those of the text itself, since callers make names printable.
 std::string printable_lines(std::string_view text) {
   std::string shown;
   while (true) {

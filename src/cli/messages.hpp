@@ -1,5 +1,5 @@
-// What the program says of its work: on stderr, one line each, hints apart, which can have a list. Whatever came into
-// the text from a file or a path, it is printable (base/printable.hpp). stdout carries data only.
+// Prints the program's messages to stderr, one line each; only hints can have a list. Text from files and paths is made
+// printable (base/printable.hpp). stdout carries data only.
 #pragma once
 
 #include <memory>
@@ -21,8 +21,8 @@ class Messages {
 
   void error(const Error& error) const;           // "isoextract: error: ..." and "  hint: ..."; never silent
   void note(std::string_view text) const;         // "isoextract: note: ..."; not when quiet
-  void summary(std::string_view text) const;      // what was done; not when quiet
-  void explanation(std::string_view text) const;  // for --explain, which asks for it; not when quiet
+  void summary(std::string_view text) const;      // results; not when quiet
+  void explanation(std::string_view text) const;  // only with --explain; not when quiet
   void detail(std::string_view text) const;       // only when verbose
 
   [[nodiscard]] Verbosity verbosity() const { return verbosity_; }
@@ -32,10 +32,10 @@ class Messages {
   std::shared_ptr<spdlog::logger> log_;
 };
 
-// The exception that is being handled, as an error: for use in a catch block.
+// Returns the exception being handled as an error. Call in a catch block.
 [[nodiscard]] Error error_of_exception();
 
-// Writes `text` to stdout as a whole. Fails with ErrorCode::output, for example on a closed pipe or a full disk.
+// Writes all of `text` to stdout. Fails with ErrorCode::output, for example on a closed pipe or a full disk.
 [[nodiscard]] Result<void> print_to_stdout(std::string_view text);
 
 }  // namespace isoextract::cli

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What is not there, or has nothing in it, is of no kind.
+// Missing and empty files have no kind.
 bool has_content(const std::string& path) {
   std::error_code none;
   return fs::is_regular_file(path, none) && fs::file_size(path, none) > 0;
@@ -39,7 +39,7 @@ Error about_volume_file(Error error, const std::string& path) {
     return error;
   }
   const auto format = mesh_io::mesh_format_by_path(path);
-  // Points are stored as PLY, too.
+  // PLY is excluded, because it may hold particles.
   if (error.code != ErrorCode::input || !format || *format == mesh_io::MeshFormat::ply || !has_content(path)) {
     return error;
   }

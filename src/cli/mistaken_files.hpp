@@ -1,4 +1,4 @@
-// Files of another kind than a command takes, and the command that is for them.
+// Hints for files of a kind that a command does not take: names the command for them.
 #pragma once
 
 #include <string>
@@ -7,11 +7,10 @@
 
 namespace isoextract::cli {
 
-// `error` of reading a mesh: where the file's name is that of a volume or of particles, the hint says what tells of
-// them.
+// Adds a hint to an error of reading a mesh, if the file's name is that of a volume or of particles.
 [[nodiscard]] Error about_mesh_file(Error error, const std::string& path);
 
-// `error` of reading a volume, and the same for a mesh.
+// Adds a hint to an error of reading a volume, if the file is a mesh.
 [[nodiscard]] Error about_volume_file(Error error, const std::string& path);
 
 }  // namespace isoextract::cli

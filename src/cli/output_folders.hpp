@@ -1,4 +1,4 @@
-// The folders that outputs go to.
+// Checks and makes the folders of outputs.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace isoextract::cli {
 // Returns whether `output` is an existing folder or ends with a slash.
 [[nodiscard]] bool is_folder(const std::string& output);
 
-// Sees that the folders of the files are there: makes them if `make` says so. Fails with ErrorCode::output.
+// Checks that the folders of the files exist, or makes them if `make`. Fails with ErrorCode::output.
 [[nodiscard]] Result<void> see_to_folders(std::span<const std::filesystem::path> files, bool make);
 
 }  // namespace isoextract::cli

@@ -1,4 +1,4 @@
-// What the files of a run are called: one conversion and the frames of a batch alike.
+// Names the output files of a run, for one conversion and for the frames of a batch.
 #pragma once
 
 #include <optional>
@@ -14,21 +14,21 @@
 
 namespace isoextract::cli {
 
-// Names the outputs of every source after -o, and checks them and `others` as one set (batch::name_outputs). Fails with
+// Names the outputs of every source by -o, and checks them together with `others` (batch::name_outputs). Fails with
 // ErrorCode::usage.
 [[nodiscard]] Result<std::vector<batch::OutputFiles>> plan_outputs(const ConvertFlags& flags,
                                                                    std::span<const batch::OutputSource> sources,
                                                                    mesh_io::MeshFormat format,
                                                                    const batch::OtherFiles& others);
 
-// Reads what --report names. Fails with ErrorCode::usage.
+// Parses the value of --report. Fails with ErrorCode::usage.
 [[nodiscard]] Result<batch::OutputTemplate> plan_report_name(const std::string& report);
 
-// The report of one source.
+// Returns the path of a source's report.
 [[nodiscard]] std::string report_path(const batch::OutputTemplate& name, const batch::OutputSource& source);
 
-// All files that the options name besides inputs and -o: those that are read, and those that are written, with a report
-// for each source where `report` says its name.
+// Returns all files that the options name besides inputs and -o: files to read and files to write. If `report` is set,
+// it includes a report for each source.
 [[nodiscard]] batch::OtherFiles other_files(const ConvertFlags& flags, std::span<const batch::OutputSource> sources,
                                             const std::optional<batch::OutputTemplate>& report);
 

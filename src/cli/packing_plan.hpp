@@ -1,4 +1,4 @@
-// How meshes are packed into their files: what the options of it make together.
+// Plans how meshes are packed, from all options about it.
 #pragma once
 
 #include "base/error.hpp"

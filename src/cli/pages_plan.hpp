@@ -1,4 +1,4 @@
-// What is written about a conversion, or all frames of it, besides its meshes: a page, a contact sheet.
+// Plans and writes the documents about a conversion or a batch: an HTML page, a contact sheet.
 #pragma once
 
 #include <span>
@@ -15,13 +15,12 @@
 
 namespace isoextract::cli {
 
-// `job` is what all frames share. Refuses names that make no sense, and outputs that are no meshes in files of their
-// own.
+// `job` is the job that all frames share. Refuses unusable names, and outputs that are not meshes in separate files.
 [[nodiscard]] Result<PagesPlan> plan_pages(const ConvertFlags& flags, const convert::ConversionJob& job);
 
-// Once all is converted: `rows` are all frames, with the files that they wrote. `page` knows what they did. Fails as
-// MeshPictures does, with ErrorCode::unavailable where there is no gnuplot to plot several frames, and with
-// ErrorCode::output.
+// Call after all conversions. `rows` has all frames with the files that they wrote; `page` has the facts about them.
+// Fails as MeshPictures does, with ErrorCode::unavailable if a plot of several frames needs gnuplot and there is none,
+// and with ErrorCode::output.
 [[nodiscard]] Result<void> write_pages(const PagesPlan& plan, std::span<const batch::FrameRow> rows,
                                        const HtmlPage& page, convert::UpAxis up,
                                        const std::vector<std::string>& arguments, const Context& context);

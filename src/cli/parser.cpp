@@ -9,7 +9,7 @@
 namespace isoextract::cli {
 namespace {
 
-// Takes a value, or more of them than the option takes, as text: what they are is the option's own business.
+// Accepts every value as text, also more than the option takes; the option checks them itself.
 CLI::Option* declare(CLI::App& command, const Option& option) {
   const std::string names = fmt::format("{}", fmt::join(option.row().names, ","));
   CLI::Option* declared = option.takes_value() ? command.add_option(names) : command.add_flag(names);
@@ -25,7 +25,7 @@ CLI::Option* declare(CLI::App& command, const Option& option) {
 
 ReadWords read_words(OptionSet& options, const std::vector<std::string>& words) {
   CLI::App program;
-  program.set_help_flag();  // CLI11's own
+  program.set_help_flag();  // removes CLI11's own help option
   program.allow_extras();
   program.require_subcommand(1);
   CLI::App& command = *program.add_subcommand("command");
@@ -33,7 +33,7 @@ ReadWords read_words(OptionSet& options, const std::vector<std::string>& words) 
   std::vector<std::pair<Option*, const CLI::Option*>> declared;
   for (Option* option : options.options()) declared.emplace_back(option, declare(command, *option));
 
-  std::vector<std::string> reversed(words.rbegin(), words.rend());  // as CLI11 wants them
+  std::vector<std::string> reversed(words.rbegin(), words.rend());  // CLI11 expects reverse order
   reversed.push_back(command.get_name());
   ReadWords read;
   try {

@@ -1,4 +1,4 @@
-// Words as texts of options: the one place that knows CLI11.
+// Assigns words of the command line to options. Only parser.cpp uses CLI11.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@
 namespace isoextract::cli {
 
 struct ReadWords {
-  std::vector<std::string> rest;  // which no option takes: further operands, and options that are not declared
-  std::string problem;            // what ended the reading early; empty where nothing did
+  std::vector<std::string> rest;  // words that no option takes: further operands and unknown options
+  std::string problem;            // why reading ended early; empty if it did not
 };
 
-// Adds to the texts of each option what `words` give for it.
+// Appends to the texts of each option those that `words` give for it.
 [[nodiscard]] ReadWords read_words(OptionSet& options, const std::vector<std::string>& words);
 
 }  // namespace isoextract::cli

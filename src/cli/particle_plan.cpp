@@ -12,7 +12,7 @@
 namespace isoextract::cli {
 namespace {
 
-// Options that do nothing with the method.
+// Refuses options that have no effect with the method.
 Result<void> check_method(const ParticleFlags& flags, points::Method method, bool has_attributes) {
   const bool weighs = method == points::Method::weight;
   const bool has_kernels = !weighs && method != points::Method::spheres;
@@ -21,7 +21,7 @@ Result<void> check_method(const ParticleFlags& flags, points::Method method, boo
                      fmt::format("{{}} is about --particles weight, and the method is {}", word_of(method)),
                      "give --particles weight"));
   }
-  // Attributes are interpolated by such kernels whatever makes the field.
+  // Attributes are interpolated with these kernels by every method.
   if (!has_kernels && flags.smoothing_length && !has_attributes) {
     return refuse_usage(
         fmt::format("--smoothing-length is about kernels, which --particles {} has not", word_of(method)),
@@ -74,7 +74,7 @@ Result<std::string> take_usual_iso(ConvertFlags& flags, const std::string& input
     source.particles = std::move(particles);
     const auto of_particles = convert::is_particles(source, context.beside());
     if (!of_particles && of_particles.error().code == ErrorCode::usage) return tl::unexpected(of_particles.error());
-    if (!of_particles.value_or(false)) return take_zero();  // what cannot be read is told where it is read
+    if (!of_particles.value_or(false)) return take_zero();  // the reader reports files that cannot be read
   }
   flags.isos.emplace_back(method.iso);
   return fmt::format("iso {}, the usual one of {}; --iso V takes another", method.iso, method.title);

@@ -1,4 +1,4 @@
-// The options of particles, as values of a job.
+// Plans the options of particles.
 #pragma once
 
 #include <optional>
@@ -10,18 +10,18 @@
 
 namespace isoextract::cli {
 
-// `nan` says what becomes of particles at places that are no numbers.
+// `nan` tells what to do with particles whose positions are NaN.
 [[nodiscard]] Result<convert::ParticleOptions> plan_particles(const ParticleFlags& flags,
                                                               std::optional<extract::NanPolicy> nan,
                                                               bool has_attributes = false);
 
-// Whether vertices are to get attributes, if only for their colours.
+// Returns whether vertices get attributes, if only for their colors.
 [[nodiscard]] bool has_attributes(const ConvertFlags& flags);
 
-// Where no iso value was given: gives the flags IsoChoice::zero(), or where `input` is of particles the value of their
-// method, and returns a note of that. Else the note is empty; who opens the input tells what is wrong with it. Looks
-// into the file where no option says that it is of particles, but not into standard input, which would have to be kept:
-// that is of particles where the format that it is read as is one of them.
+// If no iso value was given, sets IsoChoice::zero(), or for particles the usual value of their method, and returns a
+// note about it. Otherwise returns an empty note.
+// Opens the file if no option says that it holds particles; the reader later reports errors of the file. Does not read
+// standard input, which would have to be buffered: it counts as particles if its given format is a particle format.
 [[nodiscard]] Result<std::string> take_usual_iso(ConvertFlags& flags, const std::string& input, const Context& context);
 
 }  // namespace isoextract::cli

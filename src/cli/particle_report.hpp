@@ -1,4 +1,4 @@
-// What `info` found out about particles, and its two ways onto paper.
+// The results of `info` for particles, as text and as JSON.
 #pragma once
 
 #include <cstdint>
@@ -17,37 +17,37 @@
 
 namespace isoextract::cli {
 
-// The values of an attribute that are finite, over all its components.
+// The range of an attribute's finite values over all components.
 struct AttributeRange {
   particle_io::ParticleQuantity quantity;
-  bool read = false;  // it is made of numbers
+  bool read = false;  // it is numeric and was read
   std::uint64_t not_finite = 0;
-  std::optional<double> min;  // nothing where no value is finite
+  std::optional<double> min;  // unset if no value is finite
   std::optional<double> max;
 };
 
 struct ParticleReport {
   particle_io::ParticleInfo info;
   std::string title;                  // of the format
-  std::optional<std::int64_t> frame;  // that is described, where one was chosen or there are several
+  std::optional<std::int64_t> frame;  // the frame described, if one was chosen or there are several
   std::uint64_t particles = 0;
   points::ParticleStatistics statistics;
   std::vector<AttributeRange> attributes;
   points::Method method = points::Method::sph;
-  std::optional<points::FieldFigures> figures;  // of the field that would be extracted
-  std::optional<Error> no_field;                // why there is none
-  double read_seconds = 0;                      // what a conversion does before it extracts, as it took here
+  std::optional<points::FieldFigures> figures;  // of the field that a conversion would extract
+  std::optional<Error> no_field;                // why there is no field
+  double read_seconds = 0;                      // time of reading, as a conversion would need it
   double field_seconds = 0;
   std::vector<std::string> notes;
 };
 
-// The particles and the field that they make; the field is empty where there is none.
+// The results for particles and their field; `field` is unset if there is none.
 struct MeasuredParticles {
   ParticleReport report;
   std::optional<field::ScalarField> field;
 };
 
-// Particles at places that are no numbers are counted, and left out of the field.
+// Counts particles with NaN positions, and leaves them out of the field.
 [[nodiscard]] Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source, const Context& context);
 
 void add_particles(NamedLines& lines, const ParticleReport& report);

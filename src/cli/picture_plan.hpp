@@ -1,4 +1,4 @@
-// Outputs that are pictures of the surfaces, in place of meshes.
+// Plans outputs that are pictures of the surfaces instead of meshes.
 #pragma once
 
 #include <optional>
@@ -13,18 +13,17 @@ namespace isoextract::cli {
 
 inline constexpr std::string_view kPictureFormat = "png";  // also the extension, without its dot
 
-// By --format, and else by the name after -o.
+// Decides by --format, or else by the extension of -o.
 [[nodiscard]] bool writes_picture(const ConvertFlags& flags);
 
-// Nothing where a mesh or a field is written. Refuses what is about files of meshes where a picture is written, and
-// what is about pictures where none is.
+// Returns nullopt if the output is a mesh or a field. Refuses options for mesh files if the output is a picture, and
+// options for pictures if it is not.
 [[nodiscard]] Result<std::optional<convert::PictureFileOptions>> plan_picture(const ConvertFlags& flags);
 
-// Returns a note for pictures of several frames whose camera is not the same for all; empty where there is nothing to
-// tell.
+// Returns a note if the pictures of several frames have different cameras; otherwise empty.
 [[nodiscard]] std::string note_of_cameras(const convert::PictureFileOptions& picture);
 
-// The extension of outputs that are no meshes; empty where they are.
+// Returns the extension of outputs that are not meshes; empty for meshes.
 [[nodiscard]] std::string_view other_extension(const ConvertFlags& flags);
 
 }  // namespace isoextract::cli

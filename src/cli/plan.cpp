@@ -18,8 +18,8 @@
 namespace isoextract::cli {
 namespace {
 
-// What other programs take for the number of a frame or a tile, in a name that is that of no file: *, <UDIM>, <f4>,
-// $FF, a # within a word. Empty where there is nothing of the kind.
+// Returns a frame or tile placeholder of another program in a name that is no file: *, <UDIM>, <f4>, $FF, or # within a
+// word. Empty if there is none.
 std::string foreign_numbering(const std::string& input) {
   if (input.starts_with(field::kDemoPrefix)) return {};
   const std::size_t at = input.find_first_of("*<#$");
@@ -32,7 +32,7 @@ std::string foreign_numbering(const std::string& input) {
   return printable(input.substr(at, end == std::string::npos ? end : end - at + (input[at] == '<' ? 1 : 0)));
 }
 
-// Commands that can work through all volumes ask the flags before they come here.
+// Commands that support all volumes check the flags before they call this.
 Result<std::optional<std::int64_t>> plan_one_volume(const InputFlags& flags) {
   if (!flags.volume) return std::nullopt;
   if (const auto* number = std::get_if<std::int64_t>(&*flags.volume)) return *number;
@@ -128,7 +128,7 @@ Result<convert::Placement> plan_placement(const PlacementFlags& flags, mesh_io::
   if (flags.scale) placement.scale = *flags.scale;
   placement.center = flags.center;
   if (!flags.unit) return placement;
-  // Without a name, that of the file stays.
+  // Without --to-unit, the unit of the file stays.
   const std::optional<convert::LengthUnit> to = flags.to_unit     ? flags.to_unit
                                                 : is_gltf(format) ? std::optional(convert::metre())
                                                                   : flags.unit->unit;

@@ -1,5 +1,5 @@
-// From flags to a plan: defaults applied, combinations checked. Nothing is opened here, but an input of which it has to
-// be known whether it is of particles, for these have an iso value of their own.
+// Makes plans from flags: applies defaults and checks combinations. Opens no file, except an input that may hold
+// particles, since these have their own default iso value.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@
 
 namespace isoextract::cli {
 
-// What is written about a conversion, or all frames of it, besides its meshes.
+// The documents about a conversion or a batch.
 struct PagesPlan {
   std::optional<std::string> html;
   std::optional<std::string> contact_sheet;
@@ -30,40 +30,40 @@ struct PagesPlan {
 
 struct ConvertPlan {
   convert::ConversionJob job;
-  Context context;  // of all that is read for it
+  Context context;  // for everything that the conversion reads
   std::optional<int> threads;
   Verbosity verbosity = Verbosity::normal;
   bool explain = false;
   std::optional<std::string> report;  // the path of the JSON report
-  bool make_folders = false;          // of the outputs, where they are not there
+  bool make_folders = false;          // makes missing folders of outputs
   PagesPlan pages;
-  std::optional<std::string> if_on_side;  // what is wrong with the output where another axis is up than the default
-  std::vector<std::string> notes;         // what was asked for and changes nothing, one sentence each
+  std::optional<std::string> if_on_side;  // describes the output if the volume's up axis is not the default
+  std::vector<std::string> notes;         // options without an effect, one sentence each
 };
 
 struct InfoPlan {
   MemoryBudget memory;
   std::vector<std::string> inputs;
-  std::optional<batch::FrameRange> frames;  // of a sequence
+  std::optional<batch::FrameRange> frames;  // for a sequence
   volume_io::ReadOptions read;
   convert::ParticleOptions particles;
-  std::vector<std::string> input_arguments;  // the input options as they were given, to repeat in an example
+  std::vector<std::string> input_arguments;  // the input options as given, for the example command
   bool json = false;
 };
 
 struct VerifyPlan {
   Context context;
-  convert::ConversionJob job;       // what the mesh is to be as if made by; its one output is that mesh
-  std::optional<std::string> mesh;  // none: the backends are compared
-  bool is_placed = false;           // by options: what the mesh says of its placement does not count then
-  bool float32_world = false;       // the mesh's format has float32 world coordinates only
+  convert::ConversionJob job;       // the conversion that should have made the mesh; its only output is that mesh
+  std::optional<std::string> mesh;  // if unset, compares the backends
+  bool is_placed = false;           // placement options are given, so the mesh's own placement is ignored
+  bool float32_world = false;       // the mesh's format stores only float32 world coordinates
   bool json = false;
   std::vector<std::string> notes;
 };
 
 struct ComparePlan {
   std::array<std::string, 2> meshes;
-  std::optional<convert::UpAxis> up;  // in the mesh that is not glTF, where the other is; none: z
+  std::optional<convert::UpAxis> up;  // up axis of the mesh that is not glTF, if the other one is; default z
   std::optional<double> max_distance;
   MemoryBudget memory;
   bool json = false;
@@ -72,43 +72,43 @@ struct ComparePlan {
 struct BenchPlan {
   MemoryBudget memory;
   std::vector<std::string> inputs;
-  bool gpu_threads = false;                           // instead of inputs
-  std::optional<std::vector<NamedBackend>> backends;  // none: cpu, and gpu where there is one that is not software
-  gpu::GpuChoice gpu;                                 // of the default
+  bool gpu_threads = false;                           // measures GPU threads instead of inputs
+  std::optional<std::vector<NamedBackend>> backends;  // default: cpu, and gpu unless it renders in software
+  gpu::GpuChoice gpu;                                 // for the default backends
   volume_io::ReadOptions read;
-  std::optional<double> iso;    // none: each demo field's own
-  std::vector<int> sizes;       // of demo fields
-  std::vector<int> coarser;     // of files, falling, without 1; empty: as far as they allow
-  bench::BenchOptions options;  // without iso and backends
+  std::optional<double> iso;    // default: that of each demo field
+  std::vector<int> sizes;       // for demo fields
+  std::vector<int> coarser;     // coarsening factors for files, descending, without 1; empty: chosen by size
+  bench::BenchOptions options;  // all except iso and backends
   std::optional<std::string> csv;
   std::optional<std::string> json;
   std::optional<std::string> plot;
   PictureFormat picture = PictureFormat::svg;
 };
 
-// Ends the note that relaxing changed volumes.
+// The end of the note that relaxing changed volumes.
 inline constexpr std::string_view kHowToKeepVolumes = ": --relax 0 keeps the volumes of the voxels";
 
-// What --device and --gpu-memory say.
+// Plans --device and --gpu-memory.
 [[nodiscard]] gpu::GpuChoice plan_gpu(const DeviceFlags& flags);
-// The same for each backend of a list.
+// Applies --device and --gpu-memory to each backend of a list.
 [[nodiscard]] std::vector<NamedBackend> plan_backends(std::vector<NamedBackend> backends, const DeviceFlags& flags);
 [[nodiscard]] Result<Verbosity> plan_verbosity(const RunFlags& flags);
 [[nodiscard]] Result<ConvertPlan> plan_convert(const ConvertFlags& flags);
-// --inside away-from-zero is left to who makes a SourceOptions of the flags, or to refuse_two_sides().
+// Does not handle --inside away-from-zero: the caller puts it into SourceOptions, or calls refuse_two_sides().
 [[nodiscard]] Result<volume_io::ReadOptions> plan_read(const InputFlags& flags);
-// For the commands that read one grid.
+// For commands that read one grid.
 [[nodiscard]] Result<void> refuse_several_grids(const InputFlags& flags, std::string_view command);
-// For the commands that have no iso values of their own to turn each surface by.
+// For commands without iso values, which cannot orient each surface by its iso value.
 [[nodiscard]] Result<void> refuse_two_sides(const InputFlags& flags, std::string_view command);
-// All of it but which files are read and written: the job's input is empty, and it has no outputs. `isos` are
-// those of the first input, and `context` becomes the plan's.
+// Plans everything except the files: the job has no input and no outputs. `isos` are the iso values of the first input;
+// `context` becomes the plan's.
 [[nodiscard]] Result<ConvertPlan> plan_conversion(const ConvertFlags& flags,
                                                   const std::vector<convert::IsoChoice>& isos, const Context& context);
-// By the extension of a picture's name.
+// Finds the format by the extension.
 [[nodiscard]] Result<PictureFormat> picture_format_of(const std::string& path);
-// Of options that make no plan: what they name all the same, as a job an input with its files and nothing else. There
-// is one at least.
+// For options that plan_convert() refuses: returns one job per input, at least one, with only the files that the
+// options name.
 [[nodiscard]] std::vector<convert::ConversionJob> plan_files(const ConvertFlags& flags);
 [[nodiscard]] Result<BenchPlan> plan_bench(const BenchFlags& flags);
 [[nodiscard]] Result<InfoPlan> plan_info(const InfoFlags& flags);

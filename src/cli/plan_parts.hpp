@@ -1,4 +1,4 @@
-// What the plans of several commands are made of.
+// Functions that the plans of several commands share.
 #pragma once
 
 #include <cstdint>
@@ -20,14 +20,14 @@ namespace isoextract::cli {
   return fail(ErrorCode::usage, std::move(message), std::move(hint));
 }
 
-// `besides` is what else than formats of meshes is expected.
+// Finds the mesh format by the extension. `besides` names other expected kinds for the message.
 [[nodiscard]] Result<mesh_io::MeshFormat> format_of_path(const std::string& path, std::string hint,
                                                          std::string_view besides = "");
 
-// Of a name, in small letters and with its dot; empty where there is none.
+// Returns the extension in lower case with its dot; empty if there is none.
 [[nodiscard]] std::string extension_of(const std::string& path);
 
-// The format of files that is said by --format, or by the name after -o. `by_path` finds it by a name.
+// Returns the format of --format, or else of the extension of -o, which `by_path` looks up.
 template <class Format, class ByPath>
 [[nodiscard]] Result<Format> format_of_output(const std::optional<Format>& said, const std::string& output,
                                               const ByPath& by_path) {
@@ -39,19 +39,19 @@ template <class Format, class ByPath>
                       "or give --format");
 }
 
-// What --memory-limit says.
+// Plans --memory-limit.
 [[nodiscard]] MemoryBudget plan_memory(const std::optional<std::uint64_t>& limit);
 [[nodiscard]] convert::SurfaceOptions plan_surface(const SurfaceFlags& flags, const InputFlags& input);
-// What --roi, --roi-snap and --clip say.
+// Plans --roi, --roi-snap and --clip.
 [[nodiscard]] Result<void> plan_region(const SurfaceFlags& flags, convert::SourceOptions& source);
-// What --resolution, --voxel-size and --kernel say.
+// Plans --resolution, --voxel-size and --kernel.
 [[nodiscard]] Result<void> plan_resolution(const SurfaceFlags& flags, convert::SourceOptions& source);
-// Where no --nan is given: who says which samples are no data wants no error for them.
+// Returns the default of --nan: with --nodata, NaN samples are outside instead of an error.
 [[nodiscard]] extract::NanPolicy usual_nan(const InputFlags& input);
-// `draws_mesh`: pages or contact sheets show the mesh with its up axis, whatever its format.
+// `draws_mesh` tells whether pages or contact sheets show the mesh, which need its up axis in every format.
 [[nodiscard]] Result<convert::Placement> plan_placement(const PlacementFlags& flags, mesh_io::MeshFormat format,
                                                         bool draws_mesh, std::vector<std::string>& notes);
-// Refuses an iso value that is given twice.
+// Refuses repeated iso values.
 [[nodiscard]] Result<void> check_isos(const std::vector<convert::IsoChoice>& isos);
 
 }  // namespace isoextract::cli

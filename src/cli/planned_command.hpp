@@ -1,4 +1,4 @@
-// Commands whose options become a plan: all of it is checked before any work.
+// Commands whose options become a plan, which is checked completely before any work.
 #pragma once
 
 #include <string>
@@ -18,7 +18,7 @@ inline void choose_process(const InputFlags& input) {
   if (input.in_process) plugin_host::read_in_process();
 }
 
-// `plan_of` makes a plan of the flags, and `run_plan` gives nothing or the exit code.
+// `plan_of` makes a plan of the flags. `run_plan` returns nothing or the exit code.
 template <class Flags, auto plan_of, auto run_plan>
 class PlannedCommand : public CommandOf<Flags> {
  public:

@@ -27,8 +27,8 @@ int report(const Error& error) {
   return exit_code_of(error.code);
 }
 
-// Where a standard stream is closed, the next file opened would take its number, and messages would land in the mesh.
-// stdout is opened for reading, so that writing to it still fails.
+// Opens closed standard streams. Otherwise the next file opened would get such a descriptor, and messages could be
+// written into the mesh. Opens stdout for reading, so that writing to it still fails.
 void keep_standard_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(stream, F_GETFD) != -1 || errno != EBADF) continue;
@@ -60,15 +60,15 @@ int run_arguments(const std::vector<std::string>& arguments) {
   return code ? *code : report(code.error());
 }
 
-// Ends the process as the signal would have, but leaves no unfinished file.
+// Removes unfinished files, then ends the process by the signal's default action.
 extern "C" void on_end(int signal) {
   files::OutputFile::remove_unfinished();
   std::signal(signal, SIG_DFL);
   std::raise(signal);
 }
 
-// By all signals that are sent to end a process and can be caught: also those of batch queues (SIGXCPU, SIGUSR1,
-// SIGUSR2) and timers. What the shell told to ignore (nohup) stays ignored.
+// Handles all catchable signals that end a process, including those of batch queues (SIGXCPU, SIGUSR1, SIGUSR2) and
+// timers. Signals that the shell set to be ignored (nohup) stay ignored.
 void leave_nothing_when_interrupted() {
   for (const int signal : {SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXCPU, SIGALRM, SIGUSR1, SIGUSR2}) {
     if (std::signal(signal, on_end) == SIG_IGN) std::signal(signal, SIG_IGN);
@@ -79,7 +79,7 @@ void leave_nothing_when_interrupted() {
 
 int run(int argc, char** argv) {
   keep_standard_streams();
-  // A closed pipe and a file-size limit are errors of writing, with a message and an exit code.
+  // Ignored, so that a closed pipe or a file-size limit becomes a write error with a message and an exit code.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   leave_nothing_when_interrupted();

@@ -1,4 +1,4 @@
-// The program: arguments in, exit code out.
+// Runs the program and returns its exit code.
 #pragma once
 
 namespace isoextract::cli {

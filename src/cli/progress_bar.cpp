@@ -30,7 +30,7 @@ bool stderr_is_terminal() {
 std::string bar_text(const Progress& progress, const std::string& text) {
   const std::uint64_t total = progress.total();
   if (total == 0) return fmt::format("{}{} ...", kEraseLine, text);
-  // A stage may begin between the two reads; the bar then stands full for one redraw.
+  // If a stage begins between the two reads, the bar is full for one redraw.
   const double share = std::min(1.0, static_cast<double>(progress.done()) / static_cast<double>(total));
   const auto filled = static_cast<std::size_t>(share * static_cast<double>(kBarWidth));
   return fmt::format("{}[{}{}] {:3.0f} % {}", kEraseLine, std::string(filled, '#'),
@@ -50,7 +50,7 @@ ProgressBar::ProgressBar(const Progress& progress, bool wanted, std::function<st
   if (!wanted || (!draws && !lines)) return;
   try {
     thread_ = std::thread([this, draws] { draws ? draw_until_done() : print_until_done(); });
-  } catch (const std::system_error&) {  // the work does not need it
+  } catch (const std::system_error&) {  // no thread can be started; the work goes on without a bar
   }
 }
 

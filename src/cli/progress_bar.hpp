@@ -1,5 +1,5 @@
-// A bar on stderr for work that takes over a second, where stderr is a terminal and a thread can be had to draw it;
-// otherwise nothing, or a line every half a minute where that is asked for.
+// Shows a progress bar on stderr for work that takes over a second, if stderr is a terminal and a thread can be
+// started. Otherwise prints nothing or, if requested, a line every half minute.
 #pragma once
 
 #include <condition_variable>
@@ -12,18 +12,18 @@
 
 namespace isoextract::cli {
 
-// Lives as long as the work; draws from a thread of its own and erases itself at the end. Who writes to stderr
-// meanwhile does so within above().
+// Lives as long as the work. Draws in its own thread and erases the bar at the end. Write to stderr only within above()
+// meanwhile.
 class ProgressBar {
  public:
-  // `text` says what stands behind the bar, in place of the stage; it is called from the bar's thread. With `lines` it
-  // is printed as lines where stderr is no terminal.
+  // `text` replaces the name of the stage behind the bar; it is called in the bar's thread. With `lines`, prints it as
+  // lines if stderr is not a terminal.
   ProgressBar(const Progress& progress, bool wanted, std::function<std::string()> text = {}, bool lines = false);
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  // Erases the bar, calls `print` and lets the bar come back below.
+  // Erases the bar, calls `print`, and redraws the bar below it later.
   template <class Print>
   void above(Print&& print) {
     const std::lock_guard lock(mutex_);
@@ -41,7 +41,7 @@ class ProgressBar {
   std::mutex mutex_;
   std::condition_variable finished_;
   bool done_ = false;
-  bool drawn_ = false;  // it stands on the terminal
+  bool drawn_ = false;  // the bar is visible
   std::thread thread_;
 };
 

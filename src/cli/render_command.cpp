@@ -1,4 +1,4 @@
-// `isoextract render`: volumes and meshes in, pictures out.
+// `isoextract render`: draws pictures of volumes and meshes.
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -36,8 +36,7 @@ class RenderNotes final : public convert::Events {
   ProgressBar& bar_;
 };
 
-// A GPU that was asked for never turns into the processor; of its own accord only one that is none of software is
-// taken.
+// A requested GPU never falls back to the CPU. Automatic choice takes a GPU only if it does not render in software.
 Result<std::unique_ptr<render::Renderer>> open_renderer(const RenderPlan& plan, const Messages& messages) {
   if (plan.backend == convert::Backend::cpu) return render::make_cpu_renderer();
   auto gpu = render::make_gpu_renderer({plan.gpu.device, plan.gpu.memory_bytes});
@@ -92,7 +91,7 @@ convert::Json json_of(const PicturePlan& plan, const render::Rendered& rendered,
           {"fragments", statistics.fragments}};
 }
 
-// Whether the background is seen in every pixel.
+// Returns whether every pixel shows only the background.
 bool shows_nothing(const render::Picture& picture, const glm::dvec4& background) {
   constexpr float kUnseen = 1.0F / 1024;
   const glm::vec4 behind(glm::dvec3(background) * background.a, background.a);
@@ -101,7 +100,7 @@ bool shows_nothing(const render::Picture& picture, const glm::dvec4& background)
   });
 }
 
-// Lets a renderer keep what it makes of a volume for as long as that is there.
+// Makes a renderer keep the data of a volume for as long as the volume exists.
 class KeptVolume {
  public:
   explicit KeptVolume(render::Renderer& renderer) : renderer_(renderer) {}
@@ -116,7 +115,7 @@ class KeptVolume {
   render::Renderer& renderer_;
 };
 
-// All pictures of a plan; the camera of the first serves all, so that a sequence stands still.
+// Draws all pictures of a plan with the camera of the first one, so that it does not move during a sequence.
 class Pictures {
  public:
   Pictures(const RenderPlan& plan, const Messages& messages, render::Renderer& renderer, const Context& context)
@@ -126,10 +125,10 @@ class Pictures {
     ProgressBar bar(context_.progress(), messages_.verbosity() != Verbosity::quiet);
     RenderNotes notes(messages_, bar);
     auto source = TRY(SceneSource::open(plan_, context_, notes));
-    KeptVolume kept(renderer_);               // goes before its volume
-    std::optional<std::string> now;           // the volume that was read last
-    std::optional<Error> nothing;             // of the first frame that shows nothing
-    std::vector<const PicturePlan*> waiting;  // frames that show nothing, before the first that says what is in view
+    KeptVolume kept(renderer_);               // destroyed before its volume
+    std::optional<std::string> now;           // the current volume
+    std::optional<Error> nothing;             // for the first frame that shows nothing
+    std::vector<const PicturePlan*> waiting;  // empty frames before the first one that determines the camera
     for (const PicturePlan& picture : plan_.pictures) {
       StageTime reading;
       if (picture.input && now != picture.input) {
@@ -169,7 +168,7 @@ class Pictures {
   Result<void> draw(const SceneSource& source, const render::Scene& scene, const PicturePlan& picture,
                     const StageTime& reading, ProgressBar& bar) {
     const bool shows_something = scene.volume != nullptr || !scene.surfaces.empty();
-    if (!box_ || (plan_.camera.is_fixed() && shows_something)) {  // then it says only what is near and far
+    if (!box_ || (plan_.camera.is_fixed() && shows_something)) {  // the box then only determines near and far
       box_ = TRY(render::box_of(scene));
     }
     render::ViewAngles angles = plan_.camera;
@@ -214,13 +213,13 @@ class Pictures {
   convert::Json records_ = convert::Json::array();
 };
 
-// Before the work: whether what it comes to could be written.
+// Checks before the work whether all outputs can be written.
 Result<void> check_outputs(const RenderPlan& plan, const Context& context) {
   files::ReadFiles read;
   for (const std::string& mesh : plan.meshes) convert::add_read_mesh(read, mesh, context);
   if (plan.transfer_file) read.add(*plan.transfer_file, "holds the transfer function");
   convert::ConversionJob job = plan.job;
-  for (const PicturePlan& picture : plan.pictures) {  // those of a turn share their input
+  for (const PicturePlan& picture : plan.pictures) {  // pictures of a turn share their input
     if (!picture.input || *picture.input == job.source.input) continue;
     job.source.input = *picture.input;
     convert::add_read_files(read, job, Context());
@@ -239,7 +238,7 @@ Result<void> check_outputs(const RenderPlan& plan, const Context& context) {
   return {};
 }
 
-// One picture after the other; it ends with the first that cannot be drawn or written.
+// Draws picture by picture; stops at the first that cannot be drawn or written.
 Result<void> run_render(const RenderPlan& plan, const Messages& messages) {
   for (const std::string& note : plan.notes) messages.note(note);
   const Context context{plan.memory};

@@ -27,7 +27,8 @@ namespace {
 
 constexpr int kMostTurns = 100000;
 
-// What INPUT... stands for: by their names, as a volume's extension is no mesh's; standard input by its content.
+// The inputs by kind: decided by extension, since volumes and meshes have different ones; for standard input by its
+// content.
 struct Inputs {
   std::vector<std::string> volumes;
   std::vector<std::string> meshes;
@@ -42,13 +43,13 @@ Inputs sorted_inputs(const RenderFlags& flags, const MemoryBudget& memory) {
                                                                  mesh_io::holds_mesh(input, Context(memory)));
     (is_mesh ? inputs.meshes : inputs.volumes).push_back(input);
   }
-  // PLY and others may hold particles as well, where options say so.
+  // PLY and others may hold particles instead; then options say so.
   if (inputs.volumes.empty() && (flags.particles.method || flags.input.format))
     std::swap(inputs.volumes, inputs.meshes);
   return inputs;
 }
 
-// How many pictures a turn has.
+// Parses the number of pictures of a turn.
 Result<int> turns_of(const std::string& text) {
   int count = 0;
   const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), count);
@@ -60,7 +61,7 @@ Result<int> turns_of(const std::string& text) {
   return count;
 }
 
-// Into `plan`: its pictures, and which frames are not there.
+// Sets the plan's pictures and its missing frames.
 Result<void> plan_frames(const RenderFlags& flags, const Inputs& inputs, RenderPlan& plan) {
   std::vector<PicturePlan>& pictures = plan.pictures;
   const bool sequence = inputs.volumes.size() > 1 || (inputs.volumes.size() == 1 && names_frames(inputs.volumes[0]));

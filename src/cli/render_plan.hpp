@@ -1,5 +1,5 @@
-// From the options of `isoextract render` to what is drawn. Folders are read where inputs are frames; no file is
-// opened but standard input, of which only the content says whether it is a mesh.
+// Makes a plan from the options of `isoextract render`. Reads folders if inputs are frames. Opens no file except
+// standard input, whose content tells whether it is a mesh.
 #pragma once
 
 #include <array>
@@ -21,22 +21,22 @@ namespace isoextract::cli {
 
 struct PicturePlan {
   std::int64_t frame = 0;
-  std::optional<std::string> input;  // the volume; none: there are meshes only
-  double turn = 0;                   // degrees that the camera has gone around
+  std::optional<std::string> input;  // the volume; unset if there are only meshes
+  double turn = 0;                   // rotation of the camera in degrees
   std::string output;                // a path, or "-"
 };
 
 struct RenderPlan {
   MemoryBudget memory;
-  std::vector<PicturePlan> pictures;     // at least one; those of a turn follow each other with one input
-  bool is_sequence = false;              // of volumes, by their frames
-  std::vector<batch::FrameRun> missing;  // frames that were asked for and are not there
-  // How volumes are read, and their surfaces extracted: without an input and without outputs.
+  std::vector<PicturePlan> pictures;     // at least one; those of a turn are consecutive and share an input
+  bool is_sequence = false;              // pictures of several frames of volumes
+  std::vector<batch::FrameRun> missing;  // requested frames without an input
+  // How to read volumes and extract their surfaces; without input and outputs.
   convert::ConversionJob job;
   std::vector<convert::IsoChoice> isos;
   std::vector<std::string> meshes;
-  std::vector<glm::dvec3> mesh_colours;  // linear; of meshes in their order, or one for all; none: their own
-  std::vector<double> opacity;           // of surfaces and then meshes: one for each, or one for all, or none: opaque
+  std::vector<glm::dvec3> mesh_colours;  // linear; one per mesh, or one for all; empty: their own colors
+  std::vector<double> opacity;           // of surfaces, then meshes: one each, or one for all; empty: opaque
   render::Shading shading = render::Shading::smooth;
   bool draws_volume = true;
   std::optional<std::string> transfer_file;
@@ -45,7 +45,7 @@ struct RenderPlan {
   std::optional<double> unit_length;
   render::ViewAngles camera;
   double fovy = render::Camera::kDefaultFovy;
-  std::optional<render::UpAxis> up;  // none: y where all that is drawn are meshes that say so, and z else
+  std::optional<render::UpAxis> up;  // default: y if all inputs are meshes with y up, otherwise z
   render::RenderOptions options;
   glm::dvec4 background{0.0};
   convert::Backend backend = convert::Backend::automatic;
@@ -56,7 +56,7 @@ struct RenderPlan {
 
 [[nodiscard]] Result<RenderPlan> plan_render(const RenderFlags& flags);
 
-// Of a picture's name.
+// The format of a picture file, by its extension.
 enum class PictureFile { png, exr };
 constexpr auto words_of(PictureFile /*type*/) {
   return std::array{Word{PictureFile::png, "png"}, Word{PictureFile::exr, "exr"}};

@@ -1,4 +1,4 @@
-// The report of a conversion as a file.
+// Writes the report of a conversion.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@
 
 namespace isoextract::cli {
 
-// Whether `path` is none of the job's inputs and outputs; the hint names the option.
+// Fails if `path` is one of the job's inputs or outputs; the hint names the option.
 [[nodiscard]] Result<void> check_report_file(const std::string& path, const convert::ConversionJob& job,
                                              const Context& context);
 
-// `job` as convert::report_of() has it. `notes` come before those of the outcome.
+// `job` is passed to convert::report_of(). `notes` precede those of the outcome.
 [[nodiscard]] Result<void> write_report(const std::string& path, const convert::ConversionJob* job,
                                         const convert::Outcome& outcome, const std::vector<std::string>& notes,
                                         const std::vector<std::string>& arguments, std::uint64_t memory_limit);

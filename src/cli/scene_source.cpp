@@ -20,12 +20,12 @@
 namespace isoextract::cli {
 namespace {
 
-// A transfer function is text for people.
+// Transfer functions are short texts; larger files are a mistake.
 constexpr std::uint64_t kMostTransferBytes = 1U << 20U;
 
 struct PlacedMesh {
-  mesh::Mesh mesh;         // in the world of what it was made of
-  bool says_y_up = false;  // of that world
+  mesh::Mesh mesh;         // in the world of its source
+  bool says_y_up = false;  // the source's world is y up
 };
 
 Result<PlacedMesh> read_mesh(const std::string& path, const RenderPlan& plan, const Context& context,
@@ -50,7 +50,8 @@ Result<PlacedMesh> read_mesh(const std::string& path, const RenderPlan& plan, co
   return PlacedMesh{std::move(file.mesh), record && !in_voxels && record->placement.up == convert::UpAxis::y};
 }
 
-// The named function over the values that are inside: of a level set those below 0, the least of them most.
+// Returns the built-in function over the inside values. For a level set these are below 0, and the least value is the
+// most opaque.
 std::vector<render::ControlPoint> named_transfer(const RenderPlan& plan, const field::ScalarField& field,
                                                  const field::FieldStatistics& statistics) {
   std::array<double, 2> range{0, 1};
@@ -60,7 +61,7 @@ std::vector<render::ControlPoint> named_transfer(const RenderPlan& plan, const f
   } else {
     range = {statistics.min, below ? std::min(statistics.max, 0.0) : statistics.max};
   }
-  // Where all samples are alike nothing is seen.
+  // If all samples are equal, any range will do: nothing is visible.
   if (!(range[1] > range[0])) range[1] = range[0] + std::max(std::abs(range[0]), 1.0);
   if (!below) return render::built_in(plan.transfer, range[0], range[1]);
   auto points = render::built_in(plan.transfer, -range[1], -range[0]);
@@ -128,7 +129,7 @@ Result<void> SceneSource::read_volume(const std::string& input, const std::strin
     job.outputs = {{output, plan_->isos}};
     convert::Outcome outcome =
         convert::run(job, context, events, {.note_of_field = note_of_field}, nullptr, &collected);
-    if (outcome.error) {  // of a sequence, frames without a surface show the volume
+    if (outcome.error) {  // in a sequence, frames without a surface still show the volume
       const bool shows_volume = plan_->is_sequence && plan_->draws_volume;
       const bool goes_on = shows_volume && outcome.error->code == ErrorCode::no_surface;
       if (!goes_on) return tl::unexpected(std::move(*outcome.error));

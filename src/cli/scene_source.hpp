@@ -1,4 +1,4 @@
-// What `isoextract render` draws: read, extracted, and put together as a scene.
+// Reads volumes and meshes, extracts surfaces, and builds the scene for `isoextract render`.
 #pragma once
 
 #include <optional>
@@ -16,45 +16,45 @@
 
 namespace isoextract::cli {
 
-// One volume with its surfaces; meshes of files stay from one to the next, and so do the range of the transfer function
-// and the unit of its opacities, which the first volume says where options do not.
+// Holds one volume with its surfaces at a time. Mesh files are kept for all volumes. So are the range of the transfer
+// function and its unit length, which options or the first volume determine.
 class SceneSource {
  public:
-  // Reads the meshes and the transfer function. `plan` outlives this.
+  // Reads the meshes and the transfer function. `plan` must outlive the result.
   [[nodiscard]] static Result<SceneSource> open(const RenderPlan& plan, const Context& context,
                                                 convert::Events& events);
 
-  // In place of the volume before. `output` is what is to be drawn, for messages.
+  // Replaces the volume. `output` is the picture's path, for messages.
   [[nodiscard]] Result<void> read_volume(const std::string& input, const std::string& output, const Context& context,
                                          convert::Events& events);
 
-  // In place of the volume before: none.
+  // Removes the volume.
   void leave_volume_out();
 
-  // What there is now; it is lent until the next call of read_volume().
+  // Returns the current scene, which is valid until the next call of read_volume().
   [[nodiscard]] render::Scene scene() const;
-  // As asked for, or as the meshes of files say.
+  // Returns the up axis of the options, or else of the mesh files.
   [[nodiscard]] render::UpAxis up() const { return plan_->up.value_or(up_of_meshes_); }
-  // Fails where a part of the volume's file got lost meanwhile.
+  // Fails if reading the volume's file has failed meanwhile.
   [[nodiscard]] Result<void> check_not_lost() const;
 
  private:
   explicit SceneSource(const RenderPlan& plan) : plan_(&plan) {}
 
-  // Of the source; the first one says what a unit of length is.
+  // Sets the volume of the source. The first volume determines the unit length.
   [[nodiscard]] Result<void> place_volume(const Context& context, convert::Events& events);
   [[nodiscard]] Result<void> choose_transfer(const field::ScalarField& field, const field::FieldStatistics& statistics);
   void add_surface(render::Scene& scene, const mesh::Mesh& mesh) const;
 
   const RenderPlan* plan_;
-  std::vector<mesh::Mesh> meshes_;  // of files
+  std::vector<mesh::Mesh> meshes_;  // from files
   render::UpAxis up_of_meshes_ = render::UpAxis::z;
   std::optional<convert::Source> source_;
   std::optional<render::Volume> volume_;
   std::vector<mesh::Mesh> surfaces_;
   std::optional<render::TransferFunction> transfer_;
   std::optional<double> unit_length_;
-  bool told_up_axis_ = false;  // of a volume before
+  bool told_up_axis_ = false;  // the note about the up axis was printed for an earlier volume
 };
 
 }  // namespace isoextract::cli

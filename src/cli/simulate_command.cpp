@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Where nothing is asked for: a spring in the hills, and a basin that is not quite dry.
+// The default scene: a spring in the hills, and a basin with a little water.
 void add_default_scene(const simulate::TerrainOptions& terrain, simulate::WaterOptions& water, double& level) {
   water.sources.push_back({{terrain.size.x / 8, terrain.size.y / 2}, std::max(terrain.size.x, terrain.size.y) / 32.0});
   level = simulate::kLowestLand + terrain.relief / 12;
@@ -79,7 +79,7 @@ class WaterRun {
   Result<void> write(const simulate::WaterAutomaton& automaton, const SequenceFrame& frame) {
     if (plan_.what != simulate::WaterContent::heights) {
       const auto layers = TRY(simulate::layers_for(automaton));
-      // All frames alike, as long as the water lets them.
+      // All frames get the same number of layers, unless the water rises above it.
       if (layers > layers_) {
         layers_ = layers;
         grown_.emplace_back(frame.files.front().string(), layers_);
@@ -88,7 +88,7 @@ class WaterRun {
     const auto fields = TRY(simulate::water_fields(automaton, plan_.what, layers_, plan_.spacing, context_));
     const std::span all(fields);
     for (std::size_t f = 0; f < frame.files.size(); ++f) {
-      // Of several grids in one file there is one file.
+      // A single file holds all grids.
       const auto bytes = TRY(volume_io::write_volume(frame.files[f], frame.files.size() == 1 ? all : all.subspan(f, 1),
                                                      plan_.format, context_));
       bytes_ += bytes;
@@ -128,7 +128,7 @@ class WaterRun {
                                                format_byte_size(bytes_)));
   }
 
-  // What files without a header, or without a place in it, leave to options.
+  // Prints the options for reading files whose header lacks dimensions or placement.
   void tell_how_to_read(const std::vector<SequenceFrame>& frames) const {
     const bool raw = plan_.format == volume_io::VolumeFileFormat::raw;
     if (plan_.what == simulate::WaterContent::heights || (!raw && plan_.format != volume_io::VolumeFileFormat::npy))
@@ -147,7 +147,8 @@ class WaterRun {
   const Messages& messages_;
   Context context_;
   int layers_ = 1;
-  std::vector<std::pair<std::string, int>> grown_;  // the first file with so many layers; the first of all, too
+  // The first file with each number of layers, including the very first.
+  std::vector<std::pair<std::string, int>> grown_;
   double seconds_ = 0;
   std::uint64_t bytes_ = 0;
 };
@@ -156,7 +157,7 @@ struct SimulateFlags : OptionSet {
   RunFlags run{*this, RunFlags::Taken::help};
 };
 
-// Its commands say what.
+// Does nothing itself; its sub-commands do the work.
 class SimulateCommand final : public CommandOf<SimulateFlags> {
  public:
   SimulateCommand()

@@ -1,4 +1,4 @@
-// `isoextract simulate`: what the commands that simulate share.
+// Functions that the commands of `isoextract simulate` share.
 #pragma once
 
 #include <memory>
@@ -10,8 +10,9 @@
 
 namespace isoextract::cli {
 
-// Before the work: sees to the folders of the frames' files, and that these can be written. Says which frames are left
-// to be written, where files that are there are left alone; all of a frame's files, or none.
+// Checks before the work that the folders and files of the frames can be written, and makes folders if the plan allows
+// it. Returns the frames to write; with --no-clobber, skips frames of which any file exists. Each frame's files are
+// written together or not at all.
 [[nodiscard]] Result<std::vector<SequenceFrame>> check_sequence(const SequencePlan& plan);
 
 [[nodiscard]] std::unique_ptr<Command> make_jet_command();

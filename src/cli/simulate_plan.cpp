@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Whether the name is one of a sequence. Nothing that is wrong with it is wrong later.
+// Returns whether the name is that of a sequence, and refuses every invalid name.
 Result<bool> names_sequence(const std::string& output, const SequenceKind& kind) {
   if (is_folder(output)) return true;
   const auto name = TRY(batch::OutputTemplate::parse(output));

@@ -1,4 +1,4 @@
-// From the options of `simulate` to plans: defaults applied, names of files found, combinations checked.
+// Makes plans from the options of `simulate`: applies defaults, names files, checks combinations.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace isoextract::cli {
 
-// One state that is written: after so many steps, to these files, in the order of what they hold.
+// A state to write: its step, and its files in the order of their grids.
 struct SequenceFrame {
   std::uint64_t step = 0;
   std::vector<std::filesystem::path> files;
@@ -23,31 +23,32 @@ struct SequenceFrame {
 
 struct SequencePlan {
   std::uint64_t steps = 0;
-  std::vector<SequenceFrame> frames;  // by step
+  std::vector<SequenceFrame> frames;  // in ascending order of steps
   bool no_clobber = false;
   bool make_folders = false;
   MemoryBudget memory;
 };
 
-// What a sub-command brings along.
+// The properties of a sub-command.
 struct SequenceKind {
-  std::string stem;                // of files in a folder, and {stem}
-  std::string example;             // of -o
-  std::string extension;           // of files in a folder
-  std::vector<std::string> grids;  // a file each
-  std::uint64_t steps = 0;         // the defaults
+  std::string stem;                // stem of files in a folder, and the value of {stem}
+  std::string example;             // an example of -o
+  std::string extension;           // extension of files in a folder
+  std::vector<std::string> grids;  // one file per grid
+  std::uint64_t steps = 0;         // default number of steps
   std::uint64_t every = 1;
   std::uint64_t first = 0;  // the number of the first frame
 };
 
-// Every name once, and a place for the frame's number in it where there are several. Fails with ErrorCode::usage.
+// Plans the frames and their files. Fails with ErrorCode::usage if names repeat, or if several frames have no place for
+// their number in the name.
 [[nodiscard]] Result<SequencePlan> plan_sequence(const SequenceFlags& flags, const SequenceKind& kind);
 
 struct WaterPlan {
   simulate::TerrainOptions terrain;
   std::optional<double> level;
   std::optional<double> depth;
-  bool default_scene = false;  // a source in the hills and a little water are to be added
+  bool default_scene = false;  // adds a spring in the hills and a little water
   simulate::WaterOptions water;
   simulate::WaterContent what = simulate::WaterContent::water;
   volume_io::VolumeFileFormat format = volume_io::VolumeFileFormat::nrrd;

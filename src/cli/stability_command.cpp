@@ -1,4 +1,4 @@
-// `isoextract stability`: extreme fields on every method and backend, checked vertex by vertex.
+// `isoextract stability`: extracts extreme fields with every method and backend, and checks every vertex.
 #include <algorithm>
 #include <memory>
 
@@ -19,9 +19,9 @@
 namespace isoextract::cli {
 namespace {
 
-constexpr std::string_view kWaterCases = "water";  // all of them together, a table of their own
+constexpr std::string_view kWaterCases = "water";  // selects all water cases, which have their own table
 
-// Those that were asked for; otherwise the CPU, and a GPU where there is one.
+// Opens the backends given by option; by default the CPU, and a GPU if there is one.
 Result<std::vector<bench::BenchBackend>> choose_backends(const StabilityFlags& flags, const Messages& messages) {
   if (flags.backends) return open_backends(plan_backends(*flags.backends, flags.device));
   std::vector<bench::BenchBackend> backends{{"cpu", extract::make_cpu_extractor(), {}}};
@@ -55,7 +55,7 @@ bool wants_water(const std::vector<std::string>& names) {
   return names.empty() || std::ranges::find(names, kWaterCases) != names.end();
 }
 
-// Of all cases of water.
+// Returns a description of all water cases.
 std::string water_extremes() {
   std::vector<std::string> texts;
   for (const simulate::WaterStabilityScene& scene : simulate::water_stability_scenes()) {
@@ -90,7 +90,7 @@ std::size_t count_failed(const std::vector<bench::StabilityRow>& rows) {
       std::count_if(rows.begin(), rows.end(), [](const bench::StabilityRow& row) { return !row.failures.empty(); }));
 }
 
-// Of all rows, each reason once.
+// Returns each reason of all rows once.
 std::vector<std::string> not_applicable(const std::vector<bench::StabilityRow>& rows) {
   std::vector<std::string> reasons;
   for (const bench::StabilityRow& row : rows) {
@@ -101,7 +101,8 @@ std::vector<std::string> not_applicable(const std::vector<bench::StabilityRow>& 
   return reasons;
 }
 
-// "marching cubes: finite vertices, ...": of each method in the rows what is checked, in the order of the methods.
+// Returns a line per method in the rows with its checks, in the order of the methods: "marching cubes: finite vertices,
+// ...".
 std::vector<std::string> checked_methods(const std::vector<bench::StabilityRow>& rows) {
   std::vector<std::string> lines;
   for (const extract::MethodInfo& method : extract::kMethods) {
@@ -158,7 +159,7 @@ convert::Json row_json(const bench::StabilityRow& row) {
   return json;
 }
 
-// Of the cases by every method on every backend.
+// Extracts the cases with every method on every backend.
 Result<std::vector<bench::StabilityRow>> extracted_rows(const std::vector<const bench::StabilityCase*>& cases,
                                                         const StabilityFlags& flags, const Messages& messages) {
   const auto backends = TRY(choose_backends(flags, messages));
@@ -177,8 +178,8 @@ Result<std::vector<bench::StabilityRow>> extracted_rows(const std::vector<const 
   return rows;
 }
 
-// Prints the table, the JSON or the list of cases. Fails with ErrorCode::usage for a case that is not there, and with
-// ErrorCode::verification, after the table, where a case does not pass.
+// Prints the table, the JSON or the list of cases. Fails with ErrorCode::usage for an unknown case, and with
+// ErrorCode::verification, after the table, if a case fails.
 Result<void> run_stability(const StabilityFlags& flags, const Messages& messages) {
   const auto cases = TRY(chosen_cases(flags.cases));
   const bool water = wants_water(flags.cases);

@@ -17,7 +17,7 @@ std::string ends_text(const convert::WrittenOutput& output, const convert::Conve
   bool at_clip = false;
   bool closed = output.open_edges.value_or(0) == 0;
   std::uint64_t hole_cells = 0;
-  // By field and iso value: components of a surface are several meshes.
+  // Keyed by field and iso value, since the components of a surface can be several meshes.
   std::map<std::pair<std::string, convert::SurfaceId>, convert::SurfaceEnd> surfaces;
   for (const convert::WrittenOutput::Part& part : output.surfaces) surfaces[{part.label, part.id}] = part.end;
   const bool of_one_field = std::ranges::all_of(

@@ -1,5 +1,5 @@
-// Whether the surfaces of a file are closed, in words: from their extraction and cuts, and from a count of boundary
-// edges where these leave it open.
+// Describes whether the surfaces of a file are closed. Decides by the extraction and the cuts, or by counting boundary
+// edges if these do not tell.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace isoextract::cli {
 
-// "closed", or "open" with the places and the option that closes them.
+// Returns "closed", or "open" with where it is open and the option that closes it.
 [[nodiscard]] std::string ends_text(const convert::WrittenOutput& output, const convert::ConversionJob& job);
 
 }  // namespace isoextract::cli

@@ -12,13 +12,13 @@
 namespace isoextract::cli {
 Result<void> limit_threads(const std::optional<int>& threads) {
   if (threads) {
-    // Never taken back: what it held off would start when the work is done.
+    // Never released: oneTBB would start the missing threads at the end of the work.
     [[maybe_unused]] static const auto* const kept =
         new tbb::global_control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(*threads));
   }
   const int all = tbb::this_task_arena::max_concurrency();
   const int wanted = std::min(threads.value_or(all), all);
-  const StartedThreads others = try_threads(wanted - 1);  // as oneTBB has them
+  const StartedThreads others = try_threads(wanted - 1);  // threads like those of oneTBB
   if (others.refusal.empty()) return {};
   const int could = others.count + 1;
   return fail(ErrorCode::unavailable,

@@ -1,4 +1,4 @@
-// The threads that the program works on.
+// Limits the threads of the program.
 #pragma once
 
 #include <optional>
@@ -7,9 +7,10 @@
 
 namespace isoextract::cli {
 
-// Keeps oneTBB to so many threads, or to all of the machine, from now on until the program ends, and sees that they can
-// be had: where the system refuses oneTBB one, nothing of the work can be counted on. One thread needs no other. Called
-// once, before any work. Fails with ErrorCode::unavailable.
+// Limits oneTBB to that many threads, by default all of the machine, until the program ends. Call once, before any
+// work.
+// Fails with ErrorCode::unavailable if the system cannot start them, because oneTBB is unreliable without its threads.
+// One thread needs no other.
 [[nodiscard]] Result<void> limit_threads(const std::optional<int>& threads);
 
 }  // namespace isoextract::cli

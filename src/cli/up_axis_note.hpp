@@ -1,4 +1,4 @@
-// The note that a volume's creator has another axis up than the command takes.
+// Makes a note if the program that created a volume uses another up axis than the command.
 #pragma once
 
 #include <optional>
@@ -10,8 +10,8 @@
 
 namespace isoextract::cli {
 
-// Returns nothing where the axis of the creator is `up`, or is not known. `consequence` says what is wrong in the
-// output: "the mesh lies on its side".
+// Returns nullopt if the creator's up axis is `up` or unknown. `consequence` is the effect on the output: "the mesh
+// lies on its side".
 [[nodiscard]] std::optional<std::string> up_axis_note(const field::ScalarField& field, convert::UpAxis up,
                                                       std::string_view consequence);
 

@@ -41,13 +41,13 @@ std::vector<std::string_view> split(std::string_view text, std::string_view sepa
   }
 }
 
-// `count` finite numbers separated by commas; nothing if `text` is anything else.
+// Parses `count` finite numbers separated by commas; nullopt for anything else.
 std::optional<std::vector<double>> numbers_in(std::string_view text, std::size_t count) {
   auto numbers = parse_numbers(text);
   return numbers && numbers->size() == count ? numbers : std::nullopt;
 }
 
-// Whole numbers separated by commas, all different, sorted; `expected` says what they must be.
+// Parses distinct whole numbers separated by commas, and sorts them; `expected` describes them in messages.
 template <class Allowed>
 Result<std::vector<int>> whole_numbers(std::string_view text, std::string_view expected, const Allowed& allowed) {
   std::vector<int> numbers;
@@ -61,7 +61,7 @@ Result<std::vector<int>> whole_numbers(std::string_view text, std::string_view e
   return numbers;
 }
 
-// Three whole numbers, none below `least`, as in 48,62,42 or 48x62x42.
+// Parses three whole numbers of at least `least`: 48,62,42 or 48x62x42.
 std::optional<glm::ivec3> whole_vector(std::string_view text, int least) {
   const std::vector<std::string_view> parts = split(text, ",xX");
   if (parts.size() != 3) return std::nullopt;
@@ -74,7 +74,7 @@ std::optional<glm::ivec3> whole_vector(std::string_view text, int least) {
   return vector;
 }
 
-// Two whole numbers.
+// Parses two whole numbers.
 std::optional<glm::ivec2> whole_pair(std::string_view text, std::string_view separators, int least, int most) {
   const std::vector<std::string_view> parts = split(text, separators);
   if (parts.size() != 2) return std::nullopt;
@@ -87,7 +87,7 @@ std::optional<glm::ivec2> whole_pair(std::string_view text, std::string_view sep
   return pair;
 }
 
-// Three numbers above 0, or one for all.
+// Parses three numbers above 0, or one for all.
 std::optional<glm::dvec3> three_above_0(std::string_view text, std::string_view separators) {
   const std::vector<std::string_view> parts = split(text, separators);
   if (parts.size() != 1 && parts.size() != 3) return std::nullopt;
@@ -100,7 +100,7 @@ std::optional<glm::dvec3> three_above_0(std::string_view text, std::string_view 
   return numbers;
 }
 
-// Letters to insert, remove, replace or swap to get from a to b.
+// Returns the edit distance: insertions, deletions, replacements and swaps of letters from a to b.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::vector<std::size_t>> cost(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i) {
@@ -436,7 +436,7 @@ std::string nearest_name(std::string_view text, const std::vector<std::string>& 
 
 namespace {
 
-// $'...', which shells read as the same bytes, with octal escapes.
+// Quotes as $'...' with octal escapes, which shells read as the same bytes.
 std::string ansi_quoted(std::string_view text) {
   std::string quoted = "$'";
   for (const char c : text) {

@@ -1,5 +1,5 @@
-// The values of options: from text to checked values. Errors are ErrorCode::usage; their messages say what was
-// expected and what was found, and the caller puts the option's name in front.
+// Parses the values of options. Fails with ErrorCode::usage; messages say what was expected and found, and the caller
+// prepends the option's name.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@
 
 namespace isoextract::cli {
 
-// One volume of a file by its number, or each of them.
+// One volume of a file by its number, or all of them.
 struct AllVolumes {};
 using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
 
@@ -60,10 +60,10 @@ using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
 [[nodiscard]] Result<convert::SmoothChoice> parse_smoothing(std::string_view text);  // 20, 20:sinc, 20:taubin:0.05
 [[nodiscard]] Result<convert::BlurStep> parse_blur(std::string_view text);           // 2, 2voxel, 0.5world, median:1
 
-// Finite numbers separated by commas, at least one; nothing for what is anything else.
+// Parses finite numbers separated by commas, at least one; nullopt for anything else.
 [[nodiscard]] std::optional<std::vector<double>> parse_numbers(std::string_view text);
 
-// Lists, separated by commas and without repetition, in rising order.
+// Parse lists separated by commas, without repetition. The results are in ascending order unless noted.
 [[nodiscard]] Result<std::vector<int>> parse_thread_counts(std::string_view text);        // each as one
 [[nodiscard]] Result<std::vector<int>> parse_demo_sizes(std::string_view text);           // 8..2048
 [[nodiscard]] Result<std::vector<int>> parse_coarse_factors(std::string_view text);       // powers of two from 2 to 64
@@ -73,11 +73,12 @@ using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
 
 [[nodiscard]] Result<int> parse_repeats(std::string_view text);  // 1..1000
 
-// The candidate that `text` is most likely a slip of: it starts with `text`, or differs by few letters. Empty if none.
+// Returns the candidate that `text` most likely means: one that starts with `text` or differs by few letters. Empty if
+// there is none.
 [[nodiscard]] std::string nearest_name(std::string_view text, const std::vector<std::string>& candidates);
 
-// Returns `text` as one word of a POSIX shell, quoted only where that is needed. The word is printable: other
-// characters become escapes, as in $'a\nb'.
+// Returns `text` as one word of a POSIX shell, quoted only if needed. Characters that are not printable become escapes,
+// as in $'a\nb'.
 [[nodiscard]] std::string shell_quoted(std::string_view text);
 
 }  // namespace isoextract::cli

@@ -1,4 +1,4 @@
-// How a comparison of backends is told.
+// Formats a comparison of backends.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace isoextract::cli {
 
-// The table that `verify` prints.
+// Returns the table that `verify` prints.
 [[nodiscard]] std::string verification_table(const std::string& label, const convert::VerificationRecord& record);
 
 }  // namespace isoextract::cli

@@ -1,4 +1,4 @@
-// `isoextract verify`: one backend against the other, or a written mesh against its volume, triangle by triangle.
+// `isoextract verify`: compares two backends, or a mesh file with a new extraction of its volume, triangle by triangle.
 #include <span>
 #include <utility>
 
@@ -26,14 +26,14 @@
 namespace isoextract::cli {
 namespace {
 
-// What a mesh is compared with.
+// The new extraction that a mesh is compared with.
 struct MadeAnew {
-  std::string surface;              // as messages call it
-  std::string backend;              // that extracted it
-  std::vector<std::string> stages;  // that the job asks for, in their order
+  std::string surface;              // its name in messages
+  std::string backend;              // the backend that extracted it
+  std::vector<std::string> stages;  // the stages of the job, in order
 };
 
-// Tells notes alone: the rest is told by what is found.
+// Prints only notes; the comparison tells the rest.
 class Notes final : public convert::Events {
  public:
   Notes(const Messages& messages, ProgressBar& bar) : messages_(messages), bar_(bar) {}
@@ -72,14 +72,14 @@ MadeAnew made_anew(const convert::ConversionJob& job, const convert::Outcome& ou
   return anew;
 }
 
-// The samples of the source with the iso values that were asked for.
+// Opens the source with the requested iso values.
 Result<convert::Source> open_source(const VerifyPlan& plan, const Context& context, convert::Events& events) {
   auto source = convert::open_source(plan.job.source, convert::use_of(plan.job), context, events);
   if (source) source->isos = convert::each_once(source->isos);
   return source;
 }
 
-// Of one surface.
+// Compares one surface.
 Result<convert::VerificationRecord> compare_surface(const VerifyPlan& plan, double iso, convert::Source& source,
                                                     extract::Extractor& first, extract::Extractor& second,
                                                     const Context& context) {
@@ -92,7 +92,7 @@ Result<convert::VerificationRecord> compare_surface(const VerifyPlan& plan, doub
   return convert::compare_backends(source.field, options, method, extraction.mesh, first, second, context);
 }
 
-// One surface as an object, several as an array of them.
+// Returns an object for one surface, an array for several.
 std::string records_json(const std::vector<convert::VerificationRecord>& records) {
   const auto json_of = [](const convert::VerificationRecord& record) {
     const convert::StageReport report = convert::report_of(record, "");
@@ -156,7 +156,7 @@ std::string match_table(const std::string& path, const MadeAnew& anew, const acc
   return lines.take();
 }
 
-// What may have made the meshes different; pairs are of the file and of what was made anew.
+// Returns a likely cause of the difference. Pairs are (mesh file, new extraction).
 std::string hint_for(const convert::ConversionJob& job, const accuracy::MeshMatch& match) {
   const auto& [theirs, ours] = match.triangles.total;
   if (theirs == 0 || ours == 0) return "";
@@ -186,7 +186,7 @@ std::string hint_for(const convert::ConversionJob& job, const accuracy::MeshMatc
   return "";
 }
 
-// All surfaces that were asked for, as one mesh.
+// Extracts all requested surfaces as one mesh.
 Result<mesh::Mesh> make_anew(const VerifyPlan& plan, const Context& context, Notes& events, convert::Outcome& outcome) {
   convert::MeshCollector made{.checks_files = false};
   outcome = convert::run(plan.job, context, events, {}, nullptr, &made);

@@ -11,7 +11,7 @@
 namespace isoextract::cli {
 namespace {
 
-// Without a mesh, where the backends' surfaces are compared as they are extracted.
+// Refuses options that have no effect without a mesh, because backends are compared directly after extraction.
 Result<void> check_backends_only(const ConvertFlags& flags) {
   TRY(flags.refuse(About::edit,
                    "{} changes a surface after it is extracted, and without MESH the backends are compared, which only "
@@ -53,7 +53,7 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& given) {
   plan.mesh = given.mesh;
   plan.json = given.json;
   plan.is_placed = flags.placement.any_set();
-  mesh_io::MeshFormat format = mesh_io::MeshFormat::glb;  // backends are compared where the default output would be
+  mesh_io::MeshFormat format = mesh_io::MeshFormat::glb;  // default placement for comparing backends
   if (plan.mesh) {
     format = TRY(format_of_path(*plan.mesh, mesh_io::mesh_format_by_path(input)
                                                 ? "the volume comes first: isoextract verify INPUT MESH"
@@ -76,9 +76,9 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& given) {
   plan.job = std::move(conversion.job);
   plan.job.source.input = input;
   plan.job.verify = false;
-  plan.job.normals = convert::Normals::none;         // of which triangles do not depend
-  plan.job.empty = convert::EmptyPolicy::write;      // the mesh may be empty, too
-  plan.job.file = convert::MeshFileOptions{format};  // the mesh file says how it was packed
+  plan.job.normals = convert::Normals::none;         // triangles do not depend on normals
+  plan.job.empty = convert::EmptyPolicy::write;      // an empty mesh is allowed
+  plan.job.file = convert::MeshFileOptions{format};  // the mesh file tells its packing
   plan.job.outputs = {{plan.mesh.value_or(""), flags.isos}};
   return plan;
 }

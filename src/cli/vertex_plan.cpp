@@ -18,7 +18,7 @@
 namespace isoextract::cli {
 namespace {
 
-// The word that colours surfaces by their iso values.
+// The word that selects coloring by iso value.
 constexpr std::string_view kIso = "iso";
 
 std::vector<std::string> colormap_names() {
@@ -27,14 +27,14 @@ std::vector<std::string> colormap_names() {
   return names;
 }
 
-// Two numbers; nothing for what is none.
+// Parses two numbers; nullopt for anything else.
 std::optional<std::array<double, 2>> parse_range(std::string_view text) {
   const auto numbers = parse_numbers(text);
   if (!numbers || numbers->size() != 2) return std::nullopt;
   return std::array{(*numbers)[0], (*numbers)[1]};
 }
 
-// The settings of an attribute, which stand behind its name as KEY=VALUE.
+// The settings of an attribute, given after its name as KEY=VALUE.
 constexpr std::array<std::string_view, 5> kSettings{"spacing", "origin", "nodata", "volume", "component"};
 
 template <class T>
@@ -53,8 +53,8 @@ std::vector<std::string> kind_names() {
   return names;
 }
 
-// Whether `word` is a kind, which `choice` then has. What is nearly one is taken for a slip, as names rarely have
-// colons.
+// Returns whether `word` is a kind, and sets it in `choice`. Refuses words close to a kind as typing errors, since
+// names rarely have colons.
 Result<bool> take_kind(std::string_view word, convert::AttributeChoice& choice) {
   const auto kind = value_of<AttributeKind>(word);
   if (kind && choice.kind) return fail(ErrorCode::usage, "a kind was given twice");
@@ -67,7 +67,7 @@ Result<bool> take_kind(std::string_view word, convert::AttributeChoice& choice) 
               fmt::format("did you mean '{}'?", near));
 }
 
-// Whether `word` is a setting, which `choice` then has.
+// Returns whether `word` is a setting, and sets it in `choice`.
 Result<bool> take_setting(std::string_view word, convert::AttributeChoice& choice) {
   const std::size_t equals = word.find('=');
   if (equals == std::string_view::npos) return false;
@@ -95,7 +95,7 @@ Result<bool> take_setting(std::string_view word, convert::AttributeChoice& choic
   return true;
 }
 
-// Takes what stands behind the last colons of `text`, as long as take() knows it: take(word) is a Result<bool>.
+// Removes words after colons from the end of `text` as long as take(word), a Result<bool>, accepts them.
 template <class F>
 Result<void> take_from_end(std::string_view& text, F&& take) {
   for (std::size_t colon = text.rfind(':'); colon != std::string_view::npos; colon = text.rfind(':')) {
@@ -106,7 +106,7 @@ Result<void> take_from_end(std::string_view& text, F&& take) {
   return {};
 }
 
-// NAME[?][=FROM]
+// Parses NAME[?][=FROM].
 Result<void> take_name(std::string_view text, convert::AttributeChoice& choice) {
   const std::size_t equals = text.find('=');
   std::string_view name = text.substr(0, equals);
@@ -128,7 +128,7 @@ Result<void> take_name(std::string_view text, convert::AttributeChoice& choice) 
 Result<void> check_name_of_map(std::string_view text, edit::Colormap map) {
   const std::size_t colon = text.rfind(':');
   const std::string_view from = text.substr(std::min(text.find('='), text.size()));
-  // A path may have a colon, and demo fields have one.
+  // Paths and demo fields can contain colons.
   if (colon == std::string_view::npos || !from.empty()) return {};
   const std::string word(text.substr(colon + 1));
   if (parse_range(word)) {
@@ -247,7 +247,7 @@ Result<void> plan_vertices(const ConvertFlags& flags, std::size_t isos, convert:
     attributes.push_back(std::move(wanted));
     return {};
   }
-  // The name alone is what --attribute says of it.
+  // The name alone refers to the attribute of --attribute.
   convert::AttributeChoice name_alone;
   name_alone.name = name_alone.from = wanted.name;
   if (wanted == name_alone || wanted == *same) return {};
@@ -274,7 +274,7 @@ Result<void> number_attributes(std::vector<convert::AttributeChoice>& attributes
 
 std::string note_of_frames(const convert::ConversionJob& job) {
   if (!job.colour || !job.colour->attribute || job.colour->range) return {};
-  // With what else was said of it, so that it can be given again.
+  // Includes the attribute's other settings, so that the text can be given again.
   std::string name = *job.colour->attribute;
   const auto choice = std::ranges::find(job.source.attributes, name, &convert::AttributeChoice::name);
   if (choice != job.source.attributes.end() && !choice->written) {

@@ -1,4 +1,4 @@
-// The options of what vertices and surfaces look like: attributes, colours, opacity.
+// Plans the options for attributes, colors and opacity of vertices and surfaces.
 #pragma once
 
 #include <cstdint>
@@ -13,14 +13,14 @@
 
 namespace isoextract::cli {
 
-// What they say, into the job, whose format is known. Formats that have no place for it are refused. `isos` is how many
-// iso values the first file has.
+// Sets them in the job, whose format is already planned. Refuses formats that cannot store them. `isos` is the number
+// of iso values of the first file.
 [[nodiscard]] Result<void> plan_vertices(const ConvertFlags& flags, std::size_t isos, convert::ConversionJob& job);
 
-// For one frame: the number in place of a numbering in the names of other files, such as heat=heat_{:04}.vdb[t].
+// Inserts the frame number into the file names of attributes, such as heat=heat_{:04}.vdb[t].
 [[nodiscard]] Result<void> number_attributes(std::vector<convert::AttributeChoice>& attributes, std::int64_t frame);
 
-// What is to be told of many frames: colours that are not those of one range; empty if there is nothing.
+// Returns a note for several frames if each colors its surfaces over its own range; otherwise empty.
 [[nodiscard]] std::string note_of_frames(const convert::ConversionJob& job);
 
 }  // namespace isoextract::cli

@@ -81,7 +81,7 @@ Result<void> plan_voxels(const ConvertFlags& flags, std::vector<std::string>& no
                         "leave --t-junctions out");
   }
   if (flags.edits.smooth && surface.method == extract::Method::voxels && !flags.no_merge) {
-    // Of triangles as long as the mesh, smoothing leaves nothing.
+    // Merged faces can be as long as the mesh; smoothing such triangles would destroy the shape.
     surface.voxel_faces = extract::VoxelFaces::plain;
     notes.emplace_back("--smooth moves the faces of voxels one by one: they are not merged");
   }

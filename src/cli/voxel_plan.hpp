@@ -1,4 +1,4 @@
-// The options of voxels and of labels, as values of a job.
+// Plans the options of voxels and labels.
 #pragma once
 
 #include <string>
@@ -10,18 +10,19 @@
 
 namespace isoextract::cli {
 
-// --labels takes the place of --iso, and surface nets that of the usual method. Refused with a method that has none,
-// with iso values and with a pattern that cannot be filled in before the samples are read; and a table of their names
-// without them.
+// Turns --labels into iso choices, and makes surface nets the default method. Refuses --labels with methods without
+// label support, with iso values, and with name patterns that need samples to be known. Refuses a label table without
+// --labels.
 [[nodiscard]] Result<void> take_labels(ConvertFlags& flags);
 
-// Into `job`, whose resolution is planned: labels are never averaged. Refused with options that have no meaning for
-// them. The table of their names is read to see that it is one.
+// Sets the labels of `job`, whose resolution is already planned; labels are never averaged. Refuses options without a
+// meaning for labels. Reads the label table to check it.
 [[nodiscard]] Result<void> plan_labels(const ConvertFlags& flags, convert::ConversionJob& job);
 
 [[nodiscard]] bool has_all_labels(const ConvertFlags& flags);
 
-// Into `surface`, whose method is known. Refused where the method has none of it; what changes nothing is a note.
+// Sets the voxel options of `surface`, whose method is already planned. Refuses options that the method lacks; notes
+// options without an effect.
 [[nodiscard]] Result<void> plan_voxels(const ConvertFlags& flags, std::vector<std::string>& notes,
                                        convert::SurfaceOptions& surface);
 

@@ -15,7 +15,7 @@ std::string water_columns(const simulate::WaterFindings& found) {
 }
 
 convert::Json findings_json(const simulate::WaterFindings& found, const std::vector<std::string>& failures) {
-  // Numbers that are infinite have no place in JSON: they come out as null.
+  // Infinite numbers become null, since JSON cannot represent them.
   return {{"passed", failures.empty()},
           {"failures", failures},
           {"least_depth", found.least_depth},

@@ -1,4 +1,4 @@
-// What `stability` found about the two rules of water, as a table and as JSON.
+// Formats the results of `stability` for the two water rules, as a table and as JSON.
 #pragma once
 
 #include <string>
@@ -9,7 +9,8 @@
 
 namespace isoextract::cli {
 
-// The conservative rule decides what passes. The printed one is expected to fail: how is told beside.
+// The conservative rule decides whether a case passes. The rule as printed in the paper is expected to fail; the table
+// shows how.
 [[nodiscard]] std::string water_table(const std::vector<simulate::WaterStabilityRow>& rows);
 [[nodiscard]] convert::Json water_json(const std::vector<simulate::WaterStabilityRow>& rows);
 [[nodiscard]] std::size_t count_failed(const std::vector<simulate::WaterStabilityRow>& rows);
