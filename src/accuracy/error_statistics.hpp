@@ -26,7 +26,7 @@ struct ErrorStatistics {
   std::uint64_t outside = 0;     // beyond the outermost samples, where always-closed methods put triangles
   std::uint64_t unreached = 0;   // no surface, or no iteration reached it
 
-  // Those of `points` where |f - iso| / |grad f| alone is wrong by more than half.
+  // Points (of `points`) where |f - iso| / |grad f| alone is wrong by more than half.
   std::uint64_t corrected = 0;
 
   // Raises the maximum to that of other points of the same mesh; changes no other figure.

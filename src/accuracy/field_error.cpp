@@ -384,7 +384,7 @@ class FieldMeasurement {
   glm::dmat3 linear_;
   glm::dmat3 index_from_step_;
   std::optional<glm::ivec3> last_cell_;  // dense data only
-  glm::dvec3 width_{0.0};                // of a cell between opposite faces, in the mesh's units
+  glm::dvec3 width_{0.0};                // cell width between opposite faces, in the mesh's units
   double shortest_ = 0;                  // least length of a one-voxel step, in the mesh's units
   double diagonal_ = 0;                  // upper bound of the distance of two points of a cell
   int parts_ = 0;

@@ -24,11 +24,11 @@ namespace isoextract::accuracy {
 
 struct FieldErrorOptions {
   field::Interpolation interpolation = field::Interpolation::trilinear;  // its isosurface is the truth
-  // set if the mesh was extracted from a grid that resample() made of the field
+  // Set if the mesh was extracted from a grid that resample() made of the field.
   const field::ScalarField* grid = nullptr;
   bool vertices_on_edges = true;  // MethodTraits::vertices_on_edges; false: no `storage` error
   CapPlaces caps = {};
-  // half-spaces that the mesh was clipped to; isosurface outside them does not count
+  // Half-spaces that the mesh was clipped to; isosurface outside them does not count.
   std::span<const mesh::HalfSpace> clipped = {};
 };
 

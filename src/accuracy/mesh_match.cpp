@@ -160,7 +160,8 @@ Buffer<std::uint32_t> first_at_place(const mesh::Buckets<PlacedVertex>& buckets,
 
 struct Nearest {
   std::uint32_t vertex = kNoName;
-  double share = std::numeric_limits<double>::infinity();  // of the limit, along the axis where it is largest
+  double share =
+      std::numeric_limits<double>::infinity();  // fraction of the limit used, along the axis where it is largest
 };
 
 // Returns the nearest vertex within `allowed` along each axis; the first of equally near ones.

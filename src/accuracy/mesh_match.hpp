@@ -42,7 +42,7 @@ struct MeshMatch {
   TriangleDifference triangles;
   // For matched vertices, along each axis, in the mesh's unit.
   glm::dvec3 allowed{0.0};   // the limit
-  glm::dvec3 distance{0.0};  // of the pair that uses most of the limit along an axis
+  glm::dvec3 distance{0.0};  // between the pair that uses most of the limit along an axis
   glm::dvec3 farthest{0.0};  // place of that pair
 };
 

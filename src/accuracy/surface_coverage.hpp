@@ -22,7 +22,7 @@ struct SurfaceCoverage {
   // Upper bound for all points of the isosurface; distances.max covers the measured points only
   Length max_at_most;
   std::uint64_t components = 0;  // components of the isosurface
-  std::uint64_t lost = 0;        // those that the mesh lacks
+  std::uint64_t lost = 0;        // components that the mesh lacks
 };
 
 // Sets the counts of `coverage`. `surface` is the isosurface in whole cells; `tree` contains its triangles, null if

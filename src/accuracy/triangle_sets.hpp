@@ -23,7 +23,7 @@ struct NamedMesh {
   std::span<const std::uint32_t> names;  // one for each vertex: below the number of names, or kNoName
 };
 
-using MeshNames = std::array<std::string_view, 2>;  // of the first and the second mesh
+using MeshNames = std::array<std::string_view, 2>;  // names of the first and the second mesh
 
 struct TriangleDifference {
   std::array<std::uint64_t, 2> total{};                               // for the first and the second mesh

@@ -78,7 +78,7 @@ struct Setting {
   int threads;
   std::uint64_t triangles = 0;
   std::vector<double> seconds;
-  std::vector<extract::ExtractStats> stats;  // of the same runs
+  std::vector<extract::ExtractStats> stats;  // statistics of the same runs
 };
 
 Result<void> run_once(const field::ScalarField& field, const BenchOptions& options, bool timed, Setting& setting,

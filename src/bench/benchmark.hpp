@@ -96,7 +96,7 @@ struct BenchRow : BenchErrors {
 struct BenchOrders {
   extract::Method method = extract::Method::mc;
   std::string backend;
-  std::optional<ConvergenceOrder> position;  // of the rms error
+  std::optional<ConvergenceOrder> position;  // order of the rms error
   std::optional<ConvergenceOrder> smooth_normals;
   std::optional<ConvergenceOrder> flat_normals;
   std::optional<ConvergenceOrder> area;
@@ -107,7 +107,7 @@ struct BenchResult {
   std::string input;
   double iso = 0;
   std::string truth;               // reference of the errors, a sentence without full stop
-  std::vector<std::string> notes;  // what is missing or not applicable and why, likewise
+  std::vector<std::string> notes;  // missing or inapplicable parts and the reason, likewise
   std::vector<BenchLevel> levels;  // coarse to fine
   std::vector<BenchRow> rows;
   std::vector<BenchOrders> orders;

@@ -14,10 +14,10 @@ struct StabilityRow {
   std::string_view name;
   extract::Method method = extract::Method::mc;
   std::string backend;
-  StabilityFindings findings;  // of both meshes together
+  StabilityFindings findings;  // both meshes together
   double voxels_allowed = 0;
   std::vector<std::string> failures;        // empty if the case passes
-  std::vector<std::string> not_applicable;  // what was not checked and why, sentences without full stop
+  std::vector<std::string> not_applicable;  // unchecked claims and the reason, sentences without full stop
 };
 
 // Checks that all vertices are finite, inside their own grid edge and near the crossing. Checks that triangles have an

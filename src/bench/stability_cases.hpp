@@ -27,7 +27,7 @@ struct StabilityScene {
 
 struct StabilityCase {
   std::string_view name;
-  std::string_view extreme;  // what is extreme about the case
+  std::string_view extreme;  // the extreme property of the case
   std::string_view plain;    // the result of plain float32 crossings and positions
   bool plain_fails;          // a test shows this
   StabilityScene (*make)();

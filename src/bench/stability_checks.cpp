@@ -47,7 +47,7 @@ class Checker {
 
   [[nodiscard]] std::optional<GridEdge> edge(std::size_t vertex) const {
     const glm::vec3& local = mesh_.positions[vertex];
-    constexpr double kCoarsest = 0.1;  // of a voxel; a less exact position identifies no edge
+    constexpr double kCoarsest = 0.1;  // in voxels; a less exact position identifies no edge
     if (!is_finite(local) || std::max({whole_.x, whole_.y, whole_.z}) > kCoarsest) return std::nullopt;
     const Vector q = index_position(vertex);
     GridEdge edge;

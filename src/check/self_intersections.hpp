@@ -26,7 +26,7 @@ struct IntersectionOptions {
 };
 
 struct SelfIntersections {
-  std::uint64_t pairs = 0;         // of triangles; a triangle with n copies counts n times
+  std::uint64_t pairs = 0;         // pairs of triangles; a triangle with n copies counts n times
   bool at_least = false;           // there are more than `pairs`, which is then IntersectionOptions::most_pairs
   std::uint64_t in_one_plane = 0;  // pairs that overlap in one plane
   std::uint64_t neighbours = 0;    // pairs that share a corner or a side, and more

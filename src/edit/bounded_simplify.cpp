@@ -90,7 +90,7 @@ class Simplifier {
   // Sweeps with growing distances, so that flat regions in all patches go before curved ones are flattened. A larger
   // distance does more after the same start, so it never leaves more triangles.
   Result<void> within(double enough) {
-    constexpr double kFirst = 1.0 / 320;  // of the patch size: a tenth of a voxel
+    constexpr double kFirst = 1.0 / 320;  // fraction of the patch size: a tenth of a voxel
     constexpr double kSteps = 10;
     constexpr double kMuchLess = 0.5;
     std::vector<double> distances;
@@ -122,12 +122,12 @@ class Simplifier {
   // Runs rounds with growing distances until one patch can hold the rest; then collapses the cheapest edges first.
   // Where the samples underestimated a distance, undoes collapses for good and does others instead.
   Result<void> to_count(double enough) {
-    constexpr double kFirst = 1.0 / 2000;  // of the patch size
+    constexpr double kFirst = 1.0 / 2000;  // fraction of the patch size
     constexpr double kSteps = 1.5;
     constexpr double kAlmost = 1.5;
     constexpr std::size_t kFew = 8;
     const auto target = static_cast<double>(options_.triangles);
-    constexpr double kLeastGrowth = 1.2;  // where topology blocks collapses, too, few patches are left soon
+    constexpr double kLeastGrowth = 1.2;  // leaves few patches soon, even if topology blocks collapses
     const double farthest = std::min(enough, extent());
     double distance = kFirst * options_.patch_size;
     double size = options_.patch_size;
@@ -138,7 +138,7 @@ class Simplifier {
       std::fill(wanted_.begin(), wanted_.end(), 1);
       patches = TRY(round(size, {distance, enough, 0}, {.least_part = target / before}));
       distance *= kSteps;
-      // as many triangles a patch as before
+      // Keeps the number of triangles in a patch.
       size *= std::max(std::sqrt(before / static_cast<double>(left_)), kLeastGrowth);
     }
     TRY(cheapest(enough));
@@ -165,7 +165,7 @@ class Simplifier {
   Result<void> replace_worst(double enough) {
     constexpr int kTimes = 3;
     constexpr double kMuchMore = 2;
-    constexpr double kLeast = 1.0 / 320;  // of the patch size
+    constexpr double kLeast = 1.0 / 320;  // fraction of the patch size
     refused_.assign(mesh_.positions.size(), 0);
     const double distance = std::max(kMuchMore * std::sqrt(farthest_squared_), kLeast * options_.patch_size);
     for (int time = 0; time < kTimes && left_ <= options_.triangles && distance < enough; ++time) {
@@ -199,7 +199,7 @@ class Simplifier {
   };
 
   struct Share {
-    double least_part = 0;   // of the triangles of each patch that must stay
+    double least_part = 0;   // fraction of each patch's triangles that must stay
     std::uint64_t work = 0;  // progress that the round reports; 0: the number of removed triangles
   };
 
@@ -279,7 +279,7 @@ class Simplifier {
     const double largest = std::max({extent.x, extent.y, extent.z});
     if (!(size < largest)) return places;
     const double side = std::max(size, largest / kMostCells);
-    // above 0, so that cells of centroids outside the box are not negative
+    // Above 0, so that cells of centroids outside the box are not negative.
     const double shift = facts_.rounds % 2 == 0 ? 1.0 : 1.5;
     for_each_range(places.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
@@ -349,7 +349,7 @@ class Simplifier {
   std::vector<char> refused_;  // vertices that must stay to keep the distance; empty: none
   std::vector<std::uint32_t> patch_of_;
   std::vector<CollapseLog> logs_;
-  std::uint64_t numbers_ = 0;  // of collapses so far
+  std::uint64_t numbers_ = 0;  // collapses numbered so far
   std::size_t left_;
   double farthest_squared_ = 0;  // largest squared distance of samples and new triangles
 };

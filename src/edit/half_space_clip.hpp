@@ -22,7 +22,7 @@ struct ClipFacts {
   std::uint64_t triangles_before = 0;
   std::uint64_t triangles_cut = 0;  // triangles that a plane crosses
   std::uint64_t triangles_after = 0;
-  std::uint64_t cap_triangles = 0;  // of all caps, before later planes cut them
+  std::uint64_t cap_triangles = 0;  // in all caps, before later planes cut them
   // Cap triangles that overlap others by more than rounding: the surface intersects itself there.
   std::uint64_t caps_overlap = 0;
 };

@@ -17,13 +17,13 @@
 namespace isoextract::simulate {
 namespace {
 
-constexpr double kFullShare = 0.1;  // of the tank, filled by all particles
-constexpr double kFreeShare = 0.1;  // of the tank, always empty
+constexpr double kFullShare = 0.1;  // fraction of the tank that all particles fill
+constexpr double kFreeShare = 0.1;  // fraction of the tank that stays empty
 constexpr double kCourant = 0.8;    // largest move in a step, in spacings
 constexpr double kMostSpacings = 1 << 20;
 constexpr std::uint64_t kLeastLayer =
     5;                            // particles in a layer of a nozzle one spacing in radius, the smallest default
-constexpr double kHeight = 0.75;  // of the nozzle, relative to the tank
+constexpr double kHeight = 0.75;  // height of the nozzle, as a fraction of the tank's
 
 Result<void> check_positive(double value, std::string_view what) {
   if (std::isfinite(value) && value > 0) return {};

@@ -33,16 +33,16 @@ struct JetOptions {
   static constexpr double kMostSteps = 10000;  // per frame
 
   std::uint64_t count = 20000;  // 1 to kMostParticles
-  // Of a particle. Default: all particles together fill a tenth of the tank, but the radius is at most half the
+  // Particle radius. Default: all particles together fill a tenth of the tank, but the radius is at most half the
   // nozzle's.
   std::optional<double> radius;
   glm::dvec3 tank{60.0};         // lengths of its sides
   std::optional<double> nozzle;  // radius; default: a twelfth of the smaller of the tank's y and z sides
-  double speed = 60;             // of particles that leave the nozzle
+  double speed = 60;             // speed at the nozzle
   double gravity = 98.1;         // towards -z; 9.81 m/s^2 if the unit is a decimeter
   double fps = 24;               // frames per second
   double viscosity = 0.05;       // c of XSPH; 0 to 1/2
-  int iterations = 4;            // of the solver per step; 1 to 1000
+  int iterations = 4;            // solver iterations per step; 1 to 1000
   std::uint64_t seed = 0;
 };
 
@@ -55,9 +55,9 @@ struct JetFigures {
 
 class ParticleJet {
  public:
-  // Fails with ErrorCode::usage for options that are not finite or out of range, for a tank too small for nozzle or
-  // particles or wider than 2^20 spacings, or if a frame would take more than kMostSteps steps. Fails with
-  // ErrorCode::out_of_memory if memory is short.
+  // Fails with ErrorCode::usage for options that are not finite or out of range, and for a tank too small for nozzle or
+  // particles. Fails likewise for a tank wider than 2^20 spacings, or if a frame would take more than kMostSteps steps.
+  // Fails with ErrorCode::out_of_memory if memory is short.
   [[nodiscard]] static Result<ParticleJet> make(const JetOptions& options, const Context& context);
 
   ParticleJet(ParticleJet&&) noexcept;

@@ -11,7 +11,7 @@
 namespace isoextract::simulate {
 namespace {
 
-constexpr double kHillsAcross = 3.5;  // of the first octave, along the longer side
+constexpr double kHillsAcross = 3.5;  // hills of the first octave along the longer side
 constexpr double kHills = 0.42;       // amplitude of the noise, relative to the slope into the basin
 
 Result<void> check_terrain(const TerrainOptions& options) {

@@ -19,7 +19,7 @@ struct TerrainOptions {
   glm::ivec2 size{96, 96};  // cells along x and y; 2 to kMaxGridSize each
   std::uint64_t seed = 1;
   double relief = 24;  // highest minus lowest cell, in cells; 0 (flat) or more
-  int octaves = 5;     // of the noise; 1 to 16
+  int octaves = 5;     // octaves of noise; 1 to 16
 };
 
 // The lowest place, the middle of the basin, as a fraction of the size.

@@ -40,7 +40,7 @@ struct WaterStabilityRow {
 
 struct WaterStabilityScene {
   std::string name;
-  std::string extreme;  // what is extreme about the scene
+  std::string extreme;  // the extreme property of the scene
 };
 [[nodiscard]] std::vector<WaterStabilityScene> water_stability_scenes();
 

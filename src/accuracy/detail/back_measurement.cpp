@@ -77,7 +77,7 @@ void BackMeasurement::measure(const SubdividedSurface& surface, FieldFoot& foot,
 
     const std::array places{to_tree(corners[0]), to_tree(corners[1]), to_tree(corners[2])};
     double longest = 0;
-    double farthest = 0;  // of the corners
+    double farthest = 0;  // largest distance of the corners
     for (int corner = 0; corner < 3; ++corner) {
       longest = std::max(longest, glm::length(places[(corner + 1) % 3] - places[corner]));
       farthest = std::max(farthest, samples[triangle[corner]].distance);

@@ -54,7 +54,7 @@ class BackMeasurement {
   std::span<const mesh::HalfSpace> clipped_;
   glm::dmat3 linear_;
   glm::dmat3 inverse_;
-  glm::dvec3 offset_;  // of the frame of the tree
+  glm::dvec3 offset_;  // between index space and the frame of the tree
 };
 
 }  // namespace isoextract::accuracy

@@ -177,7 +177,7 @@ class GradientSearch {
   field::Interpolant::Cursor field_;
   glm::dmat3 linear_;
   double shortest_;
-  glm::dvec3 width_{0.0};  // of a cell between opposite faces, in the mesh's coordinates
+  glm::dvec3 width_{0.0};  // cell width between opposite faces, in the mesh's coordinates
   glm::dmat3 metric_;      // maps gradients in index space to index-space steps along the world's gradient
   std::optional<glm::ivec3> last_cell_;  // dense data only; sparse data have no border
   glm::dvec3 low_{-kInfinity};

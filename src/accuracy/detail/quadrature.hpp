@@ -9,7 +9,7 @@ namespace isoextract::accuracy {
 
 struct TrianglePoint {
   glm::dvec3 weights;  // barycentric
-  double share;        // of the triangle's area
+  double share;        // fraction of the triangle's area
 
   [[nodiscard]] glm::dvec3 in(const std::array<glm::dvec3, 3>& corners) const {
     return weights.x * corners[0] + weights.y * corners[1] + weights.z * corners[2];
@@ -39,7 +39,7 @@ inline constexpr double kLongestSide = 1.75;
 
 // A part of a triangle.
 struct TrianglePart {
-  // barycentric, of the part's corners
+  // Barycentric coordinates of the part's corners.
   std::array<glm::dvec3, 3> weights{glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)};
   double share = 1;
 };

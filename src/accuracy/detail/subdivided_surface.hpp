@@ -20,7 +20,7 @@ namespace isoextract::accuracy {
 struct Subdivision {
   field::FieldKind kind = field::FieldKind::density;
   glm::dmat3 linear{1.0};  // maps index steps to steps in the mesh's coordinates
-  int parts = 2;           // of a cell along an axis; at least 2
+  int parts = 2;           // parts of a cell along an axis; at least 2
 };
 
 class SubdividedSurface {

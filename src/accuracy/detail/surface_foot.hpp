@@ -53,7 +53,7 @@ class SurfaceFoot {
   // the last point, which is never farther from `p` than `start`.
   [[nodiscard]] glm::dvec3 approach(const glm::dvec3& p, const glm::dvec3& start, double reach) {
     constexpr int kMaxSteps = 8;
-    constexpr double kEnough = 0.02;  // of the distance; the remaining error is of its square
+    constexpr double kEnough = 0.02;  // fraction of the distance; the error falls with its square
     glm::dvec3 point = start;
     double distance = length(p - point);
     for (int step = 0; step < kMaxSteps; ++step) {

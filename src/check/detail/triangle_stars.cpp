@@ -97,7 +97,7 @@ FloatBox TriangleStars::seen(std::uint32_t star, const FloatBox& box) const {
   const glm::dvec3 middle(positions_[stars_[star].middle]);
   const glm::dvec3 low = glm::dvec3(box.min) - middle;
   const glm::dvec3 high = glm::dvec3(box.max) - middle;
-  glm::dvec3 least(0);  // of the absolute values
+  glm::dvec3 least(0);  // smallest absolute values in the box
   for (int axis = 0; axis < 3; ++axis) least[axis] = std::max({low[axis], -high[axis], 0.0});
   const glm::dvec3 most = glm::max(glm::abs(low), glm::abs(high));
   if (least == glm::dvec3(0)) return all;

@@ -18,7 +18,7 @@ namespace isoextract::edit {
 struct ProofOptions {
   double enough = 0;     // the distance to prove; finite
   bool once = false;     // undo once, do not measure again: proves nothing
-  double cell_size = 1;  // of the grid that finds triangles near changed ones; a few triangles wide
+  double cell_size = 1;  // cell width of the grid that finds triangles near changed ones
 };
 
 struct Proof {

@@ -54,7 +54,7 @@ class PatchCollapse : private PatchMesh {
     }
   };
   struct Near {
-    double distance_squared;  // of points of a new triangle, and of its samples
+    double distance_squared;  // largest for a new triangle and its samples
     std::uint32_t slot;       // a near slot in the tree of the original mesh
     KnownDistance known;
   };
@@ -117,7 +117,7 @@ class PatchCollapse : private PatchMesh {
 
   // Collapses now, or queues the candidate until its cost is among the lowest.
   void collapse_in_turn(const Candidate& candidate) {
-    constexpr double kMuchMore = 10;  // of the squared distance; strict order would cost many repeated searches
+    constexpr double kMuchMore = 10;  // factor of the squared distance; strict order would repeat many searches
     if (!queue_.empty() && candidate.cost > kMuchMore * queue_.top().cost) {
       queue_.push(candidate);
       return;
@@ -294,7 +294,7 @@ class PatchCollapse : private PatchMesh {
 
   // Returns whether every point of the new triangles is within `proven_`. Call look_from_new() first.
   [[nodiscard]] bool new_are_near() {
-    constexpr double kClearlyNear = 0.5;  // of the limit: nearer triangles are not measured
+    constexpr double kClearlyNear = 0.5;  // fraction of the limit: nearer triangles are not measured
     if (!std::isfinite(proven_)) return true;
     mesh::DistanceLimits limits;
     limits.tolerance = 0;
@@ -375,7 +375,7 @@ class PatchCollapse : private PatchMesh {
   std::size_t left_;
   CollapseLog log_;
   std::vector<Quadric> quadrics_;
-  std::vector<std::uint32_t> version_;  // of the surroundings of a vertex; candidates with an older one are void
+  std::vector<std::uint32_t> version_;  // counts changes around a vertex; candidates with an older version are void
   std::priority_queue<Candidate> queue_;
   Ring ring_;
   Ring pushed_;

@@ -15,7 +15,7 @@ namespace {
 struct Spoke {
   glm::dvec2 end;
   bool leaves;
-  std::uint32_t node;  // of consecutive nodes of a loop at this place, the last
+  std::uint32_t node;  // the last of consecutive nodes of a loop at this place
 };
 
 class NeckCutter {

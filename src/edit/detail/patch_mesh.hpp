@@ -106,7 +106,7 @@ class PatchMesh {
   std::vector<glm::dvec3> places_;
   std::vector<Corners> corners_;
   std::vector<char> removed_;                // 1: triangle removed
-  std::vector<std::uint32_t> first_corner_;  // of each vertex: 3 triangle + corner
+  std::vector<std::uint32_t> first_corner_;  // for each vertex: 3 * triangle + corner
   std::vector<std::uint32_t> next_corner_;
   std::vector<char> fixed_;   // 1: vertex must stay
   std::vector<char> border_;  // 1: vertex has a single open fan

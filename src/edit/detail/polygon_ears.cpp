@@ -126,7 +126,7 @@ class EarCutter {
   }
 
  private:
-  // What is known of a node, valid until it or its blocker changes.
+  // Cached facts about a node, valid until it or its blocker changes.
   struct NodeFacts {
     std::uint32_t version = 0;
     std::uint32_t blocker = kNoCorner;
@@ -237,7 +237,7 @@ class EarCutter {
   // Returns whether node q lies in the ear, or an edge at q enters the ear from the ear's border.
   [[nodiscard]] bool blocks(std::uint32_t q, const std::array<glm::dvec2, 3>& ear, EarKind kind) const {
     if (kind == EarKind::rough) return is_deep(places_[q], ear);
-    std::array<int, 3> side{};  // of the ear's three edges; the last is the one that cuts
+    std::array<int, 3> side{};  // side of q for each edge of the ear; the last edge is the cut
     for (std::size_t i = 0; i < 3; ++i) {
       side[i] = mesh::turn_of(ear[i], ear[(i + 1) % 3], places_[q]);
       if (side[i] < 0) return false;

@@ -31,7 +31,7 @@
 namespace isoextract::simulate {
 
 struct FluidOptions {
-  double spacing = 1;   // of particles at rest
+  double spacing = 1;   // distance of particles at rest
   glm::dvec3 low{0.0};  // the box; at least 1 and at most 2^20 spacings wide
   glm::dvec3 high{1.0};
   double gravity = 0;    // towards -z
@@ -66,7 +66,7 @@ class Fluid {
   explicit Fluid(const FluidOptions& options);
 
   struct Wall {
-    double share = 0;  // of the rest density
+    double share = 0;  // fraction of the rest density
     glm::dvec3 gradient{0.0};
   };
   [[nodiscard]] Wall wall_at(const glm::dvec3& place) const;

@@ -12,7 +12,7 @@ namespace isoextract::simulate {
 struct NozzleOptions {
   double spacing = 1;
   double radius = 1;       // largest distance of particle centers from the axis
-  glm::dvec3 middle{0.0};  // where particles leave, towards +x
+  glm::dvec3 middle{0.0};  // the outlet; particles leave towards +x
   double speed = 1;        // above 0
   double gravity = 0;      // towards -z
   std::uint64_t seed = 0;
