@@ -84,8 +84,8 @@ struct ParticleField {
 
 // check_options() fails with ErrorCode::usage if an option is out of range, and names the expected range.
 //
-// make_field() computes the density methods of method.hpp and fails with ErrorCode::usage for the others. It fails with
-// ErrorCode::input
+// make_field() computes the density methods of method.hpp. It fails with ErrorCode::usage for other methods and as
+// check_options() does. It fails with ErrorCode::input
 // - if a position is not finite (BadParticles::error),
 // - if no radius is given and none can be derived,
 // - if particles are too far apart or too far from 0 for the spacing,
