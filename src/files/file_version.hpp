@@ -20,7 +20,7 @@ struct FileVersion {
   std::uint64_t inode = 0;
   std::uint64_t bytes = 0;
   std::int64_t modified = 0;  // nanoseconds since 1970
-  std::int64_t changed = 0;   // likewise, for the inode (ctime): no program can set it back
+  std::int64_t changed = 0;   // time of the last change of the inode (ctime): no program can set it back
 
   // Returns whether any later write will give a different version. A write right after this one may fall into the same
   // clock tick, which is 2 s on file systems that store whole seconds.

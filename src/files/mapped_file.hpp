@@ -35,7 +35,7 @@ class MappedFile {
   // Returns the byte at the range's offset. It is aligned as the offset is, up to the page size.
   [[nodiscard]] const std::byte* data() const { return static_cast<const std::byte*>(pages_) + lead_; }
 
-  // Set if some of the data was missing. Lives as long as the mapping.
+  // Returns a flag that is set if some of the data was missing. It lives as long as the mapping.
   [[nodiscard]] const std::atomic<bool>& lost() const;
 
  private:

@@ -13,13 +13,13 @@
 
 namespace isoextract::particle_io {
 
-// What to read and how.
+// Selects the contents to read.
 struct ParticleReadOptions {
   std::optional<std::string> format;                  // id of a format; default: by content, then by extension
   std::optional<std::int64_t> frame;                  // for files with several frames, such as time steps; from 0
   bool all_attributes = false;                        // read every numeric attribute; otherwise only those named below
   std::vector<std::string> attributes;                // names of quantities (ParticleQuantity::name) or columns
-  std::vector<std::string> attributes_if_there = {};  // likewise, but ignored if missing
+  std::vector<std::string> attributes_if_there = {};  // more names, ignored if missing
   std::vector<std::string> first_of;                  // the first one that exists, as a scalar
   // The columns of x, y and z, by name or by number from 1. For formats with has_columns.
   std::optional<std::array<std::string, 3>> columns;

@@ -11,7 +11,7 @@ namespace isoextract::plugin_host {
 // the exit code. Programs that do not call it read files in their own process.
 [[nodiscard]] std::optional<int> run_as_plugin_reader(std::span<char* const> arguments);
 
-// From now on plug-ins read in this process, for trusted files. Call before reading the first file.
+// Makes plug-ins read in this process from now on, for trusted files. Call before reading the first file.
 void read_in_process();
 
 }  // namespace isoextract::plugin_host

@@ -17,7 +17,7 @@
 
 namespace isoextract::plugin_host {
 
-// From now on files are read in this process.
+// Makes plug-ins read files in this process from now on.
 void trust_files();
 
 // Samples as given by a plug-in.
@@ -74,7 +74,7 @@ struct WantedParticles {
                                                                      const files::InputFile& file,
                                                                      const WantedParticles& wanted);
 
-// Do the same in a child process; called by the two functions above.
+// Opens the file in a child process; the two functions above call it.
 [[nodiscard]] Result<std::unique_ptr<VolumeVisit>> visit_volume_apart(const PluginLibrary& library,
                                                                       const std::string& id,
                                                                       const files::InputFile& file);
@@ -83,7 +83,7 @@ struct WantedParticles {
                                                                            const files::InputFile& file,
                                                                            const WantedParticles& wanted);
 
-// Errors and messages that both ways share.
+// Makes the errors and messages that both ways share.
 [[nodiscard]] Error plugin_failed(const std::string& input, const std::string& text);
 [[nodiscard]] Error not_of_format(const std::string& input, const std::string& id, std::span<const std::byte> start);
 [[nodiscard]] std::string plugin_needs(const std::string& input, const std::string& id);

@@ -72,7 +72,7 @@ class Worker {
   std::int64_t microseconds_left_ = 0;
   Context context_;
   std::function<void()> kill_server_;
-  int waited_for_end_ = 0;  // number of waits since the worker was told to end
+  int waited_for_end_ = 0;  // number of waits since end_it()
   std::vector<std::byte> received_;
   std::string output_;
   std::optional<Ending::Reason> wanted_end_;
@@ -82,7 +82,7 @@ class Worker {
 // Why no worker could be started.
 struct Refusal {
   std::string what;    // the problem: "has version 1 of the interface, expected 2"
-  std::string advice;  // what to do about it; may be empty
+  std::string advice;  // suggested action; may be empty
 };
 
 // The workers of one library. A server process loads the library and forks the workers; it starts with the first worker

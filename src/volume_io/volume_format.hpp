@@ -61,7 +61,7 @@ struct VolumeBeside {
   friend bool operator==(const VolumeBeside&, const VolumeBeside&) = default;
 };
 
-// What to read and how.
+// Selects the contents to read, and replaces properties that the file states.
 struct ReadOptions {
   std::optional<std::string> format;         // id of a format; default: by content, then by extension
   std::optional<std::string> grid;           // a grid's label or name (GridInfo), for formats with grids

@@ -31,7 +31,7 @@ class OpenedFiles {
   // Also searches `before`, without changing it; may be null.
   explicit OpenedFiles(std::shared_ptr<OpenedFiles> before) : before_(std::move(before)) {}
 
-  // Returns the open file that the path names now, if nobody has written to it since it was opened; else null.
+  // Returns the open file that the path names now, if it was not written to since it was opened; else null.
   [[nodiscard]] std::shared_ptr<const OpenFile> find(const std::filesystem::path& path) const;
   void add(std::shared_ptr<const OpenFile> file);
 

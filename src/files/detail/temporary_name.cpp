@@ -27,7 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Names for the signal handler. Whoever removes a file takes its name out of the slot first, so only one does. Names
+// Names for the signal handler. A remover first takes the name out of its slot, so a file is removed once. Names
 // beyond the last slot are invisible to the handler and left to the next run.
 constexpr std::size_t kSlots = 256;
 constinit std::array<std::atomic<const std::string*>, kSlots> slots{};

@@ -59,7 +59,7 @@ class ParticleFormat {
   // Returns whether the start of a file proves that it holds particles in this format.
   [[nodiscard]] virtual bool probe(const files::FileStart& /*start*/) const { return false; }
 
-  // Likewise, for formats that the start of a file does not identify.
+  // Does the same for formats that the start of a file does not identify.
   [[nodiscard]] virtual bool claims(const files::InputFile& /*file*/, const files::FileStart& start,
                                     const ParticleReadOptions& /*options*/) const {
     return probe(start);

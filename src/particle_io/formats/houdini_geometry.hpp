@@ -37,7 +37,7 @@ struct HoudiniFile {
 // Reads the whole file for its counts and attributes, without their numbers.
 [[nodiscard]] HoudiniFile survey_houdini(const files::InputFile& file);
 
-// As ParticleFormat::info and read. Reads the numbers in a second pass, which must find the same attributes.
+// Implement ParticleFormat::info and read. Reading takes a second pass, which must find the same attributes.
 [[nodiscard]] ParticleInfo houdini_info(const files::InputFile& file, const ParticleReadOptions& options);
 [[nodiscard]] ParticleFile read_houdini(const files::InputFile& file, const HoudiniFile& surveyed,
                                         const ParticleReadOptions& options);

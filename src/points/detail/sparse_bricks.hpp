@@ -54,10 +54,10 @@ struct BrickCounts {
   std::uint64_t particles_left_out = 0;  // contribute to no stored brick
 };
 
-// If `iso` is given, replaces deep bricks by tiles of value `inside`, which must be above iso. A brick is deep if all
-// samples of it and of its 26 neighbors are proved to be above iso. A sample of such a brick is then at least eight
-// samples away from any sample not above iso. So the surface at `iso` stays bit-identical, as vertices and gradients
-// use samples at most two steps from a crossed cell.
+// Computes the bricks. If `iso` is given, replaces deep ones by tiles of value `inside`, which must be above iso. A
+// brick is deep if all samples of it and of its 26 neighbors are proved to be above iso. A sample of such a brick is
+// then at least eight samples away from any sample not above iso. So the surface at `iso` stays bit-identical, as
+// vertices and gradients use samples at most two steps from a crossed cell.
 //
 // Nonzero samples and tiles are the active voxels. Fails as Context::reserve() does, if more bricks are needed than
 // block indices can number, and if the context is cancelled.

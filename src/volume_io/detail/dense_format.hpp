@@ -37,7 +37,7 @@ struct DenseFile {
   bool interleaved = false;      // stored sample by sample: the first samples of all volumes, then the second ones;
                                  // else volume by volume
   std::uint64_t components = 1;  // components per sample, at least
-  bool components_interleaved = false;  // likewise for components
+  bool components_interleaved = false;  // the same for components
   bool component_before_volume = true;  // if both axes are on the same side of the spatial ones, components are the
                                         // faster
   std::string component_names;          // names of the components in order; may be empty

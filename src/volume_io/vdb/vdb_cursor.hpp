@@ -22,13 +22,13 @@ class VdbDamaged : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Likewise, for content that may be valid but is not supported.
+// Thrown for content that may be valid but is not supported.
 class VdbUnsupported : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// Likewise, for errors that are not the file's fault, such as cancellation.
+// Thrown for errors that are not the file's fault, such as cancellation.
 class VdbRefused : public std::runtime_error {
  public:
   explicit VdbRefused(Error why) : std::runtime_error(why.message), error(std::move(why)) {}

@@ -29,7 +29,7 @@ struct VdbGridRecord {
   std::uint64_t transform_position = 0;  // position in the file; the tree follows the transform
   std::string frame_problem;             // why the transform cannot be used; empty if it can
   bool in_frustum = false;               // the reason is a frustum
-  std::uint64_t end_position = 0;        // end of the grid, where the next description starts
+  std::uint64_t end_position = 0;        // position after the grid, where the next description starts
 };
 
 // Returns how the grid stores values of `value_size` bytes (`half_size` if saved as half). Throws VdbUnsupported for

@@ -44,7 +44,7 @@ VdbValueLayout layout_of(const VdbGridRecord& record) {
   return value_layout(record, sizeof(Value), std::is_floating_point_v<Value> ? sizeof(field::Half) : sizeof(Value));
 }
 
-// Leaves the cursor at the grid's tree, limited to the end of the grid.
+// Leaves the cursor at the grid's tree, limited to the grid's range of the file.
 Frame read_transform_of(VdbCursor& cursor, const VdbGridRecord& record) {
   cursor.set_end(record.end_position);
   cursor.seek(record.transform_position);
