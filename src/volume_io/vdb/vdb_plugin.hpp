@@ -22,8 +22,9 @@ struct PluginGrid {
   std::string reason;               // "'velocity' holds vec3s"
 };
 
-// Returns the grid that the plug-in must read; nothing if the built-in reader reads what `options` select or nobody
-// can. Throws VdbDamaged if the grid does not end within its range of the file, as OpenVDB does not validate its input.
+// Returns the grid that the plug-in must read; nothing if the built-in reader reads the selected grid or if no grid
+// fits. Throws VdbDamaged if the grid does not end within its range of the file, as OpenVDB does not validate its
+// input.
 [[nodiscard]] std::optional<PluginGrid> grid_for_plugin(VdbCursor& cursor, const VdbHeader& header,
                                                         std::span<const GridInfo> grids, const ReadOptions& options);
 

@@ -4,7 +4,7 @@ include(${PROJECT_SOURCE_DIR}/cmake/OpenVDB.cmake)
 set_target_properties(test_volume_io PROPERTIES UNITY_BUILD OFF)
 target_sources(test_volume_io PRIVATE support/plugin_reader_main.cpp)
 
-# OpenVDB's templates take the compiler longer than the tests take; without optimisation the tests take longer still.
+# OpenVDB's templates take the compiler longer than the tests take; without optimization the tests take longer still.
 file(GLOB vdb_reader_tests CONFIGURE_DEPENDS unit/volume_io/openvdb/*.cpp)
 add_library(vdb_reader_tests OBJECT ${vdb_reader_tests})
 target_compile_options(vdb_reader_tests PRIVATE -O1)

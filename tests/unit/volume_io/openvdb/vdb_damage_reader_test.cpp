@@ -219,8 +219,8 @@ struct OneLeafFile {
     return read_bytes(folder / "v.vdb");
   }
   std::string bytes = with_compression(COMPRESS_ACTIVE_MASK);
-  // From the end: the value, the code, the mask; the leaf's mask in the topology; each inner node has two masks, a code
-  // and no value; then the upper node's origin; the tile is an origin, a value and a flag.
+  // From the end: the value, the code, the mask, then the leaf's mask in the topology. Each inner node has two masks, a
+  // code and no value. Then follow the upper node's origin and the tile: an origin, a value and a flag.
   std::size_t code = bytes.size() - 5;
   std::size_t mask = code - 64;
   std::size_t lower = mask - 64 - 1 - 2 * 512;
