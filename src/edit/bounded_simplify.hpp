@@ -57,9 +57,9 @@ struct SimplifiedMesh {
 // Returns the simplified mesh and its figures.
 //
 // Keeps a subset of the vertices, in their order, with their normals and attributes; edge keys are dropped. Vertices of
-// open borders move along their border. A manifold stays a manifold with the same components, boundary loops and Euler
-// number; that can need more triangles than were asked for. Adds no zero-area triangle and no duplicate triangle.
-// Returns the mesh unchanged if no collapse is possible.
+// open borders collapse only along their border. A manifold stays a manifold with the same components, boundary loops
+// and Euler number; that can need more triangles than were asked for. Adds no zero-area triangle and no duplicate
+// triangle. Returns the mesh unchanged if no collapse is possible.
 //
 // Fails if the working memory (about 400 bytes a triangle) exceeds the budget, or if the context is cancelled.
 [[nodiscard]] Result<SimplifiedMesh> simplify_within(mesh::Mesh mesh, const SimplifyOptions& options,

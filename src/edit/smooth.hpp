@@ -69,7 +69,7 @@ struct SmoothFacts {
 // Moves the vertices of `mesh`. Recomputes existing normals from the triangles, weighted by angle (G. Thuermer and C.
 // Wuethrich, Computing vertex normals from polygonal facets, 1998). Drops edge keys, as vertices leave their grid
 // edges; keeps triangles and attributes, so closed manifolds stay closed manifolds. The result does not depend on the
-// number of threads. Fails if memory is short (about 56 bytes a vertex and 24 a triangle) or the context is cancelled.
+// number of threads. Fails if memory is short (about 53 bytes a vertex and 24 a triangle) or the context is cancelled.
 [[nodiscard]] Result<SmoothFacts> smooth(mesh::Mesh& mesh, const SmoothOptions& options, const Context& context);
 
 // Returns the filter's gain at a frequency from 0 to 2.

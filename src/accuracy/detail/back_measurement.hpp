@@ -33,8 +33,9 @@ class BackMeasurement {
                   std::span<const mesh::HalfSpace> clipped);
 
   // Adds the distances of the triangles of `surface` whose centers `counts` accepts: at their vertices and at their
-  // centers, moved onto the isosurface, weighted by area. Between these points, at_most bounds the distance of the
-  // whole triangle: to one triangle of the mesh, where it is greatest at a corner, or through the nearest corner.
+  // centers, moved onto the isosurface, weighted by area. Points outside `clipped` do not count. Between these points,
+  // at_most bounds the distance of each triangle whose center counts: to one triangle of the mesh, where it is greatest
+  // at a corner, or through the nearest corner. The move of the center stands for the curvature of the isosurface.
   void measure(const SubdividedSurface& surface, FieldFoot& foot, double reach,
                const std::function<bool(const glm::dvec3& index)>& counts, BackSums& sums) const;
 
