@@ -7,7 +7,7 @@
 //   farthest samples.
 // - Topology: a vertex collapses only if the link condition holds (Dey, Edelsbrunner, Guha, Nekhayev: Topology
 //   preserving edge contraction. Publ. Inst. Math. 66, 1999) and no triangle flips or loses its area. Vertices of open
-//   borders move along the border; planes through border edges, at right angles to their triangles, are part of the
+//   borders collapse along it; planes through border edges, at right angles to their triangles, are part of the
 //   quadrics.
 //
 // The limits hardly change the order: they only make a second target be tried, and `proven` rejects single collapses.
