@@ -133,7 +133,7 @@ class ReadmeTest(ProgramTest):
         self.assertGreater(outputs, 12)
 
     def test_the_examples_are_found(self):
-        self.assertEqual(len(commands_of("README.md")), 12)
+        self.assertEqual(len(commands_of("README.md")), 10)
 
 
 if __name__ == "__main__":

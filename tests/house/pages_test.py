@@ -12,7 +12,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 
 from rules import project_files  # noqa: E402
 
-README_LINES = 160
+README_LINES = 100
 # What only those knew who gave them these names.
 PRIVATE_NAMES = re.compile(r"\b[Ss]eeds?( papers?)? S[0-9]\b|\bDESIGN\b|\bS[1-5]'s\b")
 
@@ -28,7 +28,7 @@ def without_code(text):
 
 def links(path):
     """Targets of the links and pictures of a page that lie in the project: a path, and the heading after '#'."""
-    for target in re.findall(r"\]\(([^)\s]+)\)", without_code(path.read_text())):
+    for target in re.findall(r'(?:\]\(|<img src=")([^)"\s]+)', without_code(path.read_text())):
         if not re.match(r"[a-z]+:", target):
             file, _, heading = target.partition("#")
             yield target, (path.parent / file).resolve() if file else path, heading
