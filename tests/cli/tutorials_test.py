@@ -1,0 +1,106 @@
+"""The tutorials of docs: the blocks of a page run from top to bottom in one folder, as a reader pastes them.
+
+`sh` blocks run in bash, where each command must end with 0, or with N where its line ends with `# exit code N`. `python` blocks
+that follow one another are one program. The files that commands write by name must be there at the end of the page.
+"""
+
+import os
+import pathlib
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+
+from support import PROGRAM, SOURCE, ProgramTest, main
+
+PAGES = {"docs/get-started.md", *(f"docs/tutorials/{page.name}" for page in (SOURCE / "docs/tutorials").glob("*.md"))}
+OUTPUT_OPTIONS = ("-o", "--report", "--table", "--html", "--contact-sheet")
+HAS_OPENVDB = (pathlib.Path(PROGRAM).parent / "plugins" / "isoextract-grids-openvdb.so").exists()
+SECONDS = 600
+
+
+def python_with(modules):
+    """Returns a Python that has these modules, or nothing."""
+    for python in dict.fromkeys((sys.executable, "/usr/bin/python3")):
+        imports = subprocess.run([python, "-c", f"import {', '.join(modules)}"], capture_output=True, check=False)
+        if imports.returncode == 0:
+            return python
+    return None
+
+
+def blocks_of(page):
+    """(language, text) of the blocks that run, with consecutive Python blocks joined."""
+    blocks = []
+    for language, text in re.findall(r"^```(sh|python)\n(.*?)^```$", (SOURCE / page).read_text(), re.MULTILINE | re.DOTALL):
+        if blocks and language == "python" == blocks[-1][0]:
+            text = blocks.pop()[1] + text
+        blocks.append((language, text))
+    return blocks
+
+
+def with_exit_codes(text):
+    """Replaces `command  # exit code N` by a test of that exit code."""
+    return re.sub(r"^(.*\S)\s+# exit code (\d+)$", r"code=0; \1 || code=$?; test $code = \2", text, flags=re.MULTILINE)
+
+
+def outputs_of(text):
+    """The names that isoextract commands of a `sh` block write, as patterns of glob."""
+    for line in text.replace("\\\n", " ").splitlines():
+        if line.startswith("isoextract ") and "# exit code" not in line and "--dry-run" not in line:
+            words = shlex.split(line.partition("|")[0], comments=True)
+            for option, name in zip(words, words[1:]):
+                if option in OUTPUT_OPTIONS and name != "-":
+                    yield re.sub(r"\{[^}]*\}", "*", name)
+
+
+class TutorialsTest(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        (self.folder / "samples").symlink_to(SOURCE / "samples")
+        (self.folder / "bin").mkdir()
+        (self.folder / "bin" / "isoextract").symlink_to(PROGRAM)
+
+    def run_page(self, page):
+        text = (SOURCE / page).read_text()
+        if "plug-in around OpenVDB" in text and not HAS_OPENVDB:
+            self.skipTest(f"{page}: no plug-in around OpenVDB")
+        modules = sorted(set(re.findall(r"^import (numpy|pandas)\b", text, re.MULTILINE)))
+        python = python_with(modules or ["json"])
+        if python is None:
+            self.skipTest(f"{page}: no Python with {' and '.join(modules)}")
+        (self.folder / "bin" / "python3").write_text(f'#!/bin/sh\nexec "{python}" "$@"\n')
+        (self.folder / "bin" / "python3").chmod(0o755)
+
+        environment = {**os.environ, "PATH": f"{self.folder / 'bin'}:{os.environ['PATH']}"}
+        blocks = blocks_of(page)
+        self.assertTrue(blocks, page)
+        for language, block in blocks:
+            program = ["python3", "-c", block]
+            if language == "sh":
+                program = ["bash", "-e", "-o", "pipefail", "-c", with_exit_codes(block)]
+            run = subprocess.run(program, cwd=self.folder, env=environment, capture_output=True, text=True, check=False,
+                                 timeout=SECONDS)
+            self.assertEqual(run.returncode, 0, f"{page}:\n{block}\n{run.stdout[-2000:]}\n{run.stderr[-2000:]}")
+        for name in (name for language, block in blocks if language == "sh" for name in outputs_of(block)):
+            self.assertTrue(any(path.stat().st_size > 0 for path in self.folder.glob(name)), f"{page}: {name}")
+
+    def test_the_pages_run_from_top_to_bottom(self):
+        self.assertGreater(len(PAGES), 4)
+        for page in sorted(PAGES):
+            with self.subTest(page):
+                self.run_page(page)
+                for path in self.folder.iterdir():
+                    if path.name not in ("samples", "bin"):
+                        shutil.rmtree(path) if path.is_dir() else path.unlink()
+
+    def test_exit_codes_are_read_from_the_line(self):
+        self.assertEqual(with_exit_codes("a\nb x   # exit code 6\n"), "a\ncode=0; b x || code=$?; test $code = 6\n")
+
+    def test_outputs_are_read_from_commands(self):
+        found = list(outputs_of("isoextract a --iso 1 \\\n  -o 'b/{:04}.ply' --table t.csv\nls -o x\n"))
+        self.assertEqual(found, ["b/*.ply", "t.csv"])
+
+
+if __name__ == "__main__":
+    main()
