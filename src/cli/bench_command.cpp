@@ -202,8 +202,7 @@ class Bench {
 
 class BenchCommand final : public CommandOf<BenchFlags> {
  public:
-  BenchCommand()
-      : CommandOf({"bench", "[INPUT...] [options]", "Measure error against run time of all methods, and draw it."}) {}
+  BenchCommand() : CommandOf({"bench", "[INPUT...] [options]", "Measure error against run time, method by method."}) {}
 
   Result<int> run(const std::vector<std::string>& /*arguments*/) override {
     choose_process(flags().input);

@@ -127,7 +127,7 @@ Result<void> run_check(const CheckPlan& plan, const Messages& messages) {
 
 std::unique_ptr<Command> make_check_command() {
   return std::make_unique<PlannedCommand<CheckFlags, plan_check, run_check>>(
-      CommandWords{"check", "MESH [options]", "Say what is wrong with a mesh, for printing, engines and solvers."});
+      CommandWords{"check", "MESH [options]", "List the defects of a mesh, for printing or solvers."});
 }
 
 }  // namespace isoextract::cli

@@ -44,7 +44,15 @@ const Command& Command::program() const { return outer_ == nullptr ? *this : out
 
 bool Command::is_default() const { return outer_ != nullptr && this == &default_command(program()); }
 
-const Option& Command::help_option() const { return *options().find(split_names(kHelpNames).back()); }
+std::optional<HelpDetail> Command::help_asked() const {
+  const auto is_given = [this](std::string_view name) { return !options().find(name)->texts().empty(); };
+  if (is_given(kHelpAllName)) return HelpDetail::all;
+  return is_given(split_names(kHelpNames).back()) ? std::optional(HelpDetail::summaries) : std::nullopt;
+}
+
+bool Command::is_help(const Option& option) const {
+  return option.name() == split_names(kHelpNames).back() || option.name() == kHelpAllName;
+}
 
 std::string Command::hint_for_option_of_default(std::string_view option) const {
   return fmt::format("{} is an option of {}; {}", option, default_command(program()).name(), help_hint(*this));

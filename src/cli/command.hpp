@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -15,6 +16,12 @@
 namespace isoextract::cli {
 
 inline constexpr int kDone = 0;  // the exit code
+
+// How much the help of a command says.
+enum class HelpDetail {
+  summaries,  // a line an option: --help
+  all,        // the whole text of each option, and examples: --help-all
+};
 
 struct CommandWords {
   std::string name;
@@ -48,7 +55,10 @@ class Command {
   [[nodiscard]] virtual OptionSet& options() const = 0;
   // Resets all options to their defaults.
   virtual void forget() = 0;
-  [[nodiscard]] const Option& help_option() const;
+  // What the words that were given ask for, if they ask for help.
+  [[nodiscard]] std::optional<HelpDetail> help_asked() const;
+  // Whether the option is one of those that ask for help.
+  [[nodiscard]] bool is_help(const Option& option) const;
 
   // Checks the words of the command together, before anything else.
   [[nodiscard]] virtual Result<void> check_words() const { return {}; }

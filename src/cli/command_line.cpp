@@ -162,8 +162,8 @@ Result<void> take_values(OptionSet& options) {
 // Refuses an unknown sub-command.
 Result<void> check_inner_name(const Command& command, const std::vector<std::string>& words) {
   if (command.inner().empty() || words.empty()) return {};
-  const std::vector<std::string>& help = command.help_option().row().names;
-  if (std::ranges::find(help, words.front()) != help.end()) return {};
+  const Option* const option = command.options().find(words.front());
+  if (option != nullptr && command.is_help(*option)) return {};
   const std::vector<std::string> names = command.inner_names();
   const std::string near = nearest_name(words.front(), names);
   return fail(ErrorCode::usage,
@@ -180,8 +180,6 @@ Result<void> check_first_input(const Command& command) {
   return fail(ErrorCode::usage, fmt::format("'{}' is neither a command nor a file", inputs.front()),
               fmt::format("did you mean 'isoextract {}'?", near));
 }
-
-bool asks_for_help(const Command& command) { return !command.help_option().texts().empty(); }
 
 }  // namespace
 
@@ -205,18 +203,18 @@ std::vector<std::string> words_after_name(const Command& command, const std::vec
 Result<Parsed> parse_command_line(Command& program, const std::vector<std::string>& arguments) {
   if (program.options().find(arguments.front()) != nullptr) {
     TRY(check_equals_signs(program.options(), arguments));
-    return Parsed{&program, false};
+    return Parsed{&program, std::nullopt};
   }
   Command& command = innermost_command_of(program, arguments);
   const std::vector<std::string> words = words_after_name(command, arguments);
   TRY(check_inner_name(command, words));
   TRY(parse_words(command, words));
-  if (asks_for_help(command)) return Parsed{&command, true};
+  if (const auto help = command.help_asked()) return Parsed{&command, help};
   if (command.is_default()) {
     TRY(check_first_input(command));
   }
   TRY(command.check_words());
-  return Parsed{&command, false};
+  return Parsed{&command, std::nullopt};
 }
 
 Result<void> parse_words(Command& command, std::vector<std::string> words) {
@@ -229,7 +227,7 @@ Result<void> parse_words(Command& command, std::vector<std::string> words) {
     words.erase(dashes, words.end());
   }
   const ReadWords read = read_words(options, words);
-  if (asks_for_help(command)) return {};
+  if (command.help_asked()) return {};
   TRY(take_rest(command, read.rest));
   if (!read.problem.empty()) return explain(read.problem, command, words.back());
   TRY(take_values(options));

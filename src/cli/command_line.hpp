@@ -1,6 +1,7 @@
 // Turns the words of the command line into a command and its options, or into an error that names the wrong word.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,8 +19,8 @@ namespace isoextract::cli {
                                                         const std::vector<std::string>& arguments);
 
 struct Parsed {
-  Command* command = nullptr;  // the program itself if its own options are given
-  bool asks_for_help = false;  // show help instead of running the command
+  Command* command = nullptr;      // the program itself if its own options are given
+  std::optional<HelpDetail> help;  // show it instead of running the command
 };
 
 // Parses `arguments`, which lack the program's name and are not empty.

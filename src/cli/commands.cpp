@@ -39,19 +39,24 @@ constexpr std::array kCommands{
 };
 
 struct ProgramFlags : OptionSet {
-  Flag help{*this, kHelpNames, "Show an overview and exit."};
+  Flag help{*this, kHelpNames, "Show the first page of the help and exit."};
+  Flag help_all{*this, kHelpAllName, "Show all about each option of convert and exit."};
   Flag version{*this, "--version", "Show the version and exit."};
 };
 
 class Program final : public CommandOf<ProgramFlags> {
  public:
-  Program() : CommandOf({"isoextract", "", "Extract isosurfaces from volumes and particles as meshes."}) {
+  Program() : CommandOf({"isoextract", "", "extracts isosurfaces from volumes and particles."}) {
     for (MakeCommand* make : kCommands) add(make());
   }
 
   Result<int> run(const std::vector<std::string>& arguments) override {
-    const bool asks_version = std::ranges::find(arguments, flags().version.name()) != arguments.end();
-    TRY(print_to_stdout(asks_version ? fmt::format("{}\n", generator()) : help_overview(*this)));
+    const auto is_given = [&](const Option& option) {
+      return std::ranges::find(arguments, option.name()) != arguments.end();
+    };
+    TRY(print_to_stdout(is_given(flags().version)    ? fmt::format("{}\n", generator())
+                        : is_given(flags().help_all) ? help_of_command(default_command(*this), HelpDetail::all)
+                                                     : help_overview(*this)));
     return kDone;
   }
 };

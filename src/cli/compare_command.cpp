@@ -323,7 +323,7 @@ Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
 
 std::unique_ptr<Command> make_compare_command() {
   return std::make_unique<PlannedCommand<CompareFlags, plan_compare, run_compare>>(
-      CommandWords{"compare", "A B [options]", "Compare two meshes: their topology, and the distances between them."});
+      CommandWords{"compare", "A B [options]", "Measure how far two meshes are apart."});
 }
 
 }  // namespace isoextract::cli

@@ -5,6 +5,7 @@
 
 #include "cli/command.hpp"
 #include "cli/generate_docs.hpp"
+#include "cli/layout.hpp"
 #include "field/demo_field.hpp"
 
 namespace isoextract::cli {
@@ -22,11 +23,10 @@ std::vector<std::string> demo_names() {
   return names;
 }
 
-// Returns the first sentence, as completions have little space.
-std::string first_sentence(const std::string& description) {
-  const std::size_t stop = std::min({description.find(". "), description.find(" ("), description.find("; ")});
-  std::string text = description.substr(0, stop);
-  if (!text.empty() && text.back() == '.') text.pop_back();
+// Returns the summary of an option or a command, without a full stop.
+std::string short_text(std::string_view help) {
+  std::string text = first_sentence(help);
+  if (text.ends_with('.')) text.pop_back();
   return text;
 }
 
@@ -131,8 +131,7 @@ std::string zsh_command(const Command& command) {
     for (const std::string& word : dashed_names(*option)) {
       const bool has_equals = option->takes_value() && word.starts_with("--");
       out += fmt::format(" \\\n    '{}{}{}[{}]{}'", repeatable ? "*" : "", word, has_equals ? "=" : "",
-                         zsh_escaped(first_sentence(option->row().help)),
-                         option->takes_value() ? zsh_action(*option) : "");
+                         zsh_escaped(short_text(option->row().help)), option->takes_value() ? zsh_action(*option) : "");
     }
   }
   return out + "\n}\n\n";
@@ -155,7 +154,7 @@ std::string fish_option(const Command& command, const Option& option) {
   } else if (option.takes_value()) {
     line += option.takes_file() ? " -r -F" : " -x";
   }
-  return line + " -d " + fish_quoted(first_sentence(option.row().help)) + "\n";
+  return line + " -d " + fish_quoted(short_text(option.row().help)) + "\n";
 }
 
 std::string fish_positional(const Command& command, const Option& option) {
@@ -169,7 +168,7 @@ std::string fish_positional(const Command& command, const Option& option) {
 std::string bash_completion(const Command& program) {
   std::vector<std::string> other_options;  // options that are given without a command
   for (const Option* option : program.options().options()) {
-    if (option != &program.help_option()) other_options.push_back(option->name());
+    if (!program.is_help(*option)) other_options.push_back(option->name());
   }
   std::string commands;
   for (const Command* command : all_commands(program)) commands += bash_command(*command);
@@ -301,17 +300,17 @@ complete -c isoextract -f
                                 default_command(program).name());
   for (const auto& command : program.inner()) {
     out += fmt::format("complete -c isoextract -n __isoextract_first_word -a {} -d {}\n", command->name(),
-                       fish_quoted(first_sentence(command->summary())));
+                       fish_quoted(short_text(command->summary())));
   }
   for (const Option* option : program.options().options()) {
-    if (option == &program.help_option()) continue;
+    if (program.is_help(*option)) continue;
     out += fmt::format("complete -c isoextract -n __isoextract_first_word -l {} -d {}\n", option->key(),
-                       fish_quoted(first_sentence(option->row().help)));
+                       fish_quoted(short_text(option->row().help)));
   }
   for (const Command* command : all_commands(program)) {
     for (const auto& inner : command->inner()) {
       out += fmt::format("complete -c isoextract -n '__isoextract_command_is {}' -f -a {} -d {}\n",
-                         command->full_name(), inner->name(), fish_quoted(first_sentence(inner->summary())));
+                         command->full_name(), inner->name(), fish_quoted(short_text(inner->summary())));
     }
     for (const Option* option : command->options().options()) {
       out += option->is_positional() ? fish_positional(*command, *option) : fish_option(*command, *option);

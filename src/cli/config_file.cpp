@@ -68,7 +68,7 @@ class ConfigReader {
   }
 
   [[nodiscard]] bool may_stand_in_file(const Option& option) const {
-    return &option != &command_.help_option() && &option != &config_;
+    return !command_.is_help(option) && &option != &config_;
   }
 
   [[nodiscard]] tl::unexpected<Error> unknown(const std::string& key, const toml::node& node) const {

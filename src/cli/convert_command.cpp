@@ -327,7 +327,7 @@ class ConvertCommand final : public CommandOf<ConvertFlags> {
  public:
   ConvertCommand()
       : CommandOf({"convert", "INPUT... --iso V [-o FILE] [options]",
-                   "Extract a surface and write it as a mesh. The default command."}) {}
+                   "Extract surfaces and write them as meshes (default)."}) {}
 
   [[nodiscard]] Result<void> check_words() const override { return check_for_output_among_inputs(flags()); }
 

@@ -43,7 +43,7 @@ convert::Json device_json(const gl::GpuDevice& device) {
 
 class DevicesCommand final : public CommandOf<DevicesFlags> {
  public:
-  DevicesCommand() : CommandOf({"devices", "[options]", "List the GPUs that can be used without a display."}) {}
+  DevicesCommand() : CommandOf({"devices", "[options]", "List the GPUs that work without a display."}) {}
 
   // Lists unusable devices with the reason. Fails with ErrorCode::unavailable if there is no device at all.
   Result<int> run(const std::vector<std::string>& /*arguments*/) override {

@@ -17,22 +17,33 @@ namespace isoextract::cli {
 namespace {
 
 constexpr std::array kExamples{
-    Example{"isoextract smoke.vdb --iso 0.5 -o smoke.glb", "A density as a glTF file for Blender or a browser."},
-    Example{"isoextract info head.nii.gz", "What a scan holds, and an iso value to start with."},
-    Example{"isoextract head.nii.gz --iso 60 --cap -o head.stl", "A scan as a closed mesh, where the scanner says."},
-    Example{"isoextract fluid.vdb --grid density --iso 0.2 --iso 0.6 -o fluid.glb", "Two surfaces of one grid."},
-    Example{"isoextract head.raw --dims 48,62,42 --spacing 4 --iso 60 -o head.ply", "A file without a header."},
-    Example{"isoextract 'sim_{:04}.vdb' --iso 0.5 -o 'out/sim_{:04}.glb' --mkdir", "A sequence, a mesh a frame."},
-    Example{"isoextract 'sim_{:04}.vdb' --iso 0.5 -o sim.glb --animate", "The same as one file that plays."},
-    Example{"isoextract dam.bgeo --radius 0.025 --up y -o dam.glb",
-            "Particles of a fluid, as the surface around them."},
-    Example{"isoextract dam.bgeo --particles smooth --radius 0.025 -o dam.vdb", "Their level set, for other programs."},
-    Example{"isoextract verify smoke.vdb --iso 0.5 smoke.glb", "Whether a mesh is what its volume gives."},
-    Example{"isoextract compare a.glb b.ply --max-distance 0.1", "Whether two meshes are the same surface, to 0.1."},
-    Example{"isoextract check head.stl --require printable",
-            "What is wrong with a mesh; exit code 6 if a slicer minds."},
-    Example{"isoextract render smoke.vdb mesh.glb -o smoke.png", "A picture of a volume with a mesh in it."},
-    Example{"isoextract 'demo:gyroid?size=128' --iso 0 --format ply -o - > gyroid.ply", "No file at all, and a pipe."},
+    Example{"isoextract smoke.vdb --iso 0.5 -o smoke.glb", "a density",
+            "Converts a density to a glTF file for Blender or a browser."},
+    Example{"isoextract info head.nii.gz", "range, iso values",
+            "Shows size, placement and range of a scan, and suggests iso values."},
+    Example{"isoextract head.nii.gz --iso 60 --cap -o head.stl", "a closed scan",
+            "Converts a scan to a closed mesh in the scanner's coordinates."},
+    Example{"isoextract sim_*.vdb --iso 0.5 -o 'out/{stem}.glb' --mkdir", "a sequence",
+            "Converts a sequence to one mesh file a frame."},
+    Example{"isoextract dam.bgeo --radius 0.025 --up y -o dam.glb", "particles",
+            "Extracts the surface around the particles of a fluid."},
+    Example{"isoextract fluid.vdb --grid density --iso 0.2 --iso 0.6 -o fluid.glb", "",
+            "Extracts two surfaces of one grid into one file."},
+    Example{"isoextract head.raw --dims 48,62,42 --spacing 4 --iso 60 -o head.ply", "",
+            "Reads a file without a header."},
+    Example{"isoextract 'sim_{:04}.vdb' --iso 0.5 -o sim.glb --animate", "",
+            "Converts a sequence to one file that plays."},
+    Example{"isoextract dam.bgeo --particles smooth --radius 0.025 -o dam.vdb", "",
+            "Writes the level set around particles for other programs."},
+    Example{"isoextract verify smoke.vdb --iso 0.5 smoke.glb", "",
+            "Checks that a mesh is the surface of its volume, triangle by triangle."},
+    Example{"isoextract compare a.glb b.ply --max-distance 0.1", "",
+            "Checks that two meshes are at most 0.1 apart (exit code 6 if not)."},
+    Example{"isoextract check head.stl --require printable", "",
+            "Lists the defects of a mesh (exit code 6 if a slicer would fail)."},
+    Example{"isoextract render smoke.vdb mesh.glb -o smoke.png", "", "Draws a volume with a mesh in it."},
+    Example{"isoextract 'demo:gyroid?size=128' --iso 0 --format ply -o - > gyroid.ply", "",
+            "Needs no input file, and writes to a pipe."},
 };
 
 HelpTopic formats_topic() {
@@ -157,6 +168,25 @@ std::string examples_text() {
   return out;
 }
 
+// Those with a short text, a line each.
+std::string first_examples_text() {
+  std::string out = "Examples:\n";
+  for (const Example& example : examples()) {
+    if (!example.brief.empty()) out += fmt::format("  {:<57} # {}\n", example.command, example.brief);
+  }
+  return out;
+}
+
+HelpRow summary_of(const Option& option) { return {option.spelling(), first_sentence(option.row().help)}; }
+
+HelpBlock everyday_block(const Command& command) {
+  HelpBlock block;
+  for (const Option* option : command.options().options()) {
+    if (option->row().everyday) block.rows.push_back(summary_of(*option));
+  }
+  return block;
+}
+
 std::string help_of_group(const Command& program, const Word<OptionGroup>& group) {
   const Command& command = default_command(program);
   std::string out =
@@ -187,33 +217,26 @@ std::vector<std::string> help_names(const Command& program) {
   std::vector<std::string> names = program.inner_names();
   for (const Word<OptionGroup>& group : topic_groups(program)) names.push_back(lower_case(group.word));
   for (const HelpTopic& topic : help_topics()) names.emplace_back(topic.name);
+  names.emplace_back(kExamplesTopic);
   return names;
 }
 
 std::string help_overview(const Command& program) {
-  std::string out = fmt::format("{}: {}\n\n", generator(), program.summary());
+  const Command& command = default_command(program);
   HelpBlock commands;
-  const char* before = "Usage: ";
-  for (const auto& command : program.inner()) {
-    out += before + command->synopsis() + "\n";
-    before = "       ";
-    commands.rows.push_back({command->name(), command->summary()});
+  for (const auto& inner : program.inner()) commands.rows.push_back({inner->name(), inner->summary()});
+  std::vector<std::string> topics;
+  for (const std::string& name : help_names(program)) {
+    if (program.find(name) == nullptr) topics.push_back(name);
   }
-  out += "\nCommands ('isoextract COMMAND --help' lists their options):\n" + plain_text(commands);
-  HelpBlock topics;
-  for (const Word<OptionGroup>& group : topic_groups(program)) {
-    const std::string name = lower_case(group.word);
-    topics.rows.push_back({name, fmt::format("The {} options of {}.", name, default_command(program).name())});
-  }
-  for (const HelpTopic& topic : help_topics()) {
-    topics.rows.push_back({std::string(topic.name), std::string(topic.summary)});
-  }
-  out += "\nTopics ('isoextract help TOPIC'):\n" + plain_text(topics);
-  out += "\nOptions:\n" + plain_text(group_block(program, OptionGroup::run));
-  return out + "\n" + examples_text();
+  return fmt::format("{} {}\nUsage: {}\n\n", generator(), program.summary(), command.synopsis()) +
+         "Options that most runs need:\n" + plain_text(everyday_block(command)) + "\n" + first_examples_text() +
+         "\nCommands:\n" + plain_text(commands) +
+         "\nMore: isoextract COMMAND --help, isoextract --help-all, isoextract help TOPIC\n" +
+         plain_text({fmt::format("Topics: {}", fmt::join(topics, " ")), {}});
 }
 
-std::string help_of_command(const Command& command) {
+std::string help_of_command(const Command& command, HelpDetail detail) {
   std::string out = fmt::format("{}\n\nUsage: {}\n", command.summary(), command.synopsis());
   HelpBlock inner;
   for (const auto& of_it : command.inner()) inner.rows.push_back({of_it->full_name(), of_it->summary()});
@@ -222,15 +245,18 @@ std::string help_of_command(const Command& command) {
                        plain_text(inner));
   }
   for (const Word<OptionGroup>& group : words_of(OptionGroup{})) {
-    const HelpBlock block = group_block(command, group.value);
+    HelpBlock block = group_block(command, group.value);
+    if (detail == HelpDetail::summaries) {
+      for (HelpRow& row : block.rows) row.text = first_sentence(row.text);
+    }
     if (!block.rows.empty()) out += fmt::format("\n{}:\n{}", group.word, plain_text(block));
   }
-  if (command.is_default()) out += "\n" + examples_text();
-  return out;
+  return command.is_default() && detail == HelpDetail::all ? out + "\n" + examples_text() : out;
 }
 
 std::string help_of(const Command& program, std::string_view name) {
-  if (const Command* command = program.find(name)) return help_of_command(*command);
+  if (const Command* command = program.find(name)) return help_of_command(*command, HelpDetail::summaries);
+  if (name == kExamplesTopic) return examples_text();
   for (const Word<OptionGroup>& group : topic_groups(program)) {
     if (lower_case(group.word) == name) return help_of_group(program, group);
   }

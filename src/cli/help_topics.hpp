@@ -20,20 +20,24 @@ struct HelpTopic {
 };
 [[nodiscard]] std::vector<HelpTopic> help_topics();
 
+inline constexpr std::string_view kExamplesTopic = "examples";
+
 struct Example {
   std::string_view command;
-  std::string_view text;  // what it does
+  std::string_view brief;  // a few words for the overview; empty: the overview leaves it out
+  std::string_view text;   // a sentence
 };
 [[nodiscard]] std::span<const Example> examples();
 
 // The rows of a command's options in a group.
 [[nodiscard]] HelpBlock group_block(const Command& command, OptionGroup group);
 
-// Every word that 'isoextract help' takes: commands, groups, subjects.
+// Every word that 'isoextract help' takes: commands, groups, subjects, and "examples".
 [[nodiscard]] std::vector<std::string> help_names(const Command& program);
 
+// The first page: usage, the everyday options, a few examples, and where the rest is. Fits a screen of 40 lines.
 [[nodiscard]] std::string help_overview(const Command& program);
-[[nodiscard]] std::string help_of_command(const Command& command);
+[[nodiscard]] std::string help_of_command(const Command& command, HelpDetail detail);
 // `name` is one of help_names().
 [[nodiscard]] std::string help_of(const Command& program, std::string_view name);
 // A few lines for someone who gave no argument at all.

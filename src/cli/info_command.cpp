@@ -275,7 +275,7 @@ Result<int> run_info(const InfoPlan& plan, const Messages& messages) {
 
 std::unique_ptr<Command> make_info_command() {
   return std::make_unique<PlannedCommand<InfoFlags, plan_info, run_info>>(
-      CommandWords{"info", "INPUT... [options]", "Show what a volume or particles hold, and suggest an iso value."});
+      CommandWords{"info", "INPUT... [options]", "Show what a file holds, and suggest iso values."});
 }
 
 }  // namespace isoextract::cli

@@ -101,7 +101,7 @@ Result<void> run_jet(const JetPlan& plan, const Messages& messages) { return Jet
 
 std::unique_ptr<Command> make_jet_command() {
   return std::make_unique<PlannedCommand<JetFlags, plan_jet, run_jet>>(CommandWords{
-      "jet", "-o FILE [options]", "Let a jet of water into a tank, by position-based fluids, as particles."});
+      "jet", "-o FILE [options]", "Simulate a jet into a tank, by position-based fluids."});
 }
 
 }  // namespace isoextract::cli

@@ -7,9 +7,14 @@ namespace {
 
 constexpr std::size_t kWidth = 80;
 constexpr std::size_t kTermColumn = 2;
-constexpr std::size_t kTextColumn = 25;
+constexpr std::size_t kTextColumn = kWidth - kSummaryWidth;
 
 }  // namespace
+
+std::string first_sentence(std::string_view text) {
+  const std::size_t stop = text.find(". ");
+  return std::string(stop == std::string_view::npos ? text : text.substr(0, stop + 1));
+}
 
 std::vector<std::string> wrapped(std::string_view text, std::size_t width) {
   std::vector<std::string> lines;

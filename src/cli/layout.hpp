@@ -20,8 +20,14 @@ struct HelpBlock {
   std::vector<HelpRow> rows;
 };
 
+// The longest summary that plain_text() keeps on one line.
+inline constexpr std::size_t kSummaryWidth = 55;
+
 // Returns lines of at most `width` characters, broken at spaces. A longer word gets its own line.
 [[nodiscard]] std::vector<std::string> wrapped(std::string_view text, std::size_t width);
+
+// Returns the first sentence: "Sets the size." of "Sets the size. The default is 3."
+[[nodiscard]] std::string first_sentence(std::string_view text);
 
 // Collects lines "  name          text" under a heading, for reports on stdout.
 class NamedLines {

@@ -12,7 +12,7 @@
 namespace isoextract::cli {
 namespace {
 
-constexpr std::string_view kDate = "November 22, 2026";  // date of the last change of the texts
+constexpr std::string_view kDate = "November 26, 2026";  // date of the last change of the texts
 constexpr std::size_t kLineWidth = 72;                   // before escapes
 
 // Escapes text so that roff prints it unchanged.

@@ -13,14 +13,13 @@ namespace {
 
 struct MergeFlags : OptionSet {
   Value<std::string> folder{in(OptionGroup::input), "FOLDER", "FOLDER", parse_text,
-                            "The folder of the outputs, where the manifests of the shards are."};
+                            "Output folder with the manifests of the shards."};
   RunFlags run{*this, RunFlags::Taken::quiet};
 };
 
 class MergeCommand final : public CommandOf<MergeFlags> {
  public:
-  MergeCommand()
-      : CommandOf({"merge", "FOLDER", "Join the manifests of the shards of a batch, and check that all is there."}) {}
+  MergeCommand() : CommandOf({"merge", "FOLDER", "Join the manifests of the shards of a batch."}) {}
 
   // Fails with ErrorCode::frames if all shards are done but requested frames have no input.
   Result<int> run(const std::vector<std::string>& /*arguments*/) override {

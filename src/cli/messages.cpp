@@ -10,6 +10,7 @@
 #include "base/no_memory.hpp"
 #include "base/printable.hpp"
 #include "cli/remedies.hpp"
+#include "cli/terminal.hpp"
 #include "files/output_file.hpp"
 
 namespace isoextract::cli {
@@ -23,6 +24,12 @@ spdlog::level::level_enum level_of(Verbosity verbosity) {
   }
   return spdlog::level::debug;
 }
+
+// Escape sequences of a terminal.
+constexpr std::string_view kRed = "\x1b[1;31m";
+constexpr std::string_view kYellow = "\x1b[33m";
+constexpr std::string_view kCyan = "\x1b[36m";
+constexpr std::string_view kPlain = "\x1b[0m";
 
 // Makes each line of a text printable. Line breaks are those of the text itself, since callers make names printable.
 std::string printable_lines(std::string_view text) {
@@ -40,18 +47,25 @@ std::string printable_lines(std::string_view text) {
 
 Messages::Messages(Verbosity verbosity)
     : verbosity_(verbosity),
+      colors_(stderr_has_colors()),
       log_(std::make_shared<spdlog::logger>("isoextract", std::make_shared<spdlog::sinks::stderr_sink_mt>())) {
   log_->set_pattern("%v");
   log_->set_level(level_of(verbosity));
 }
 
-void Messages::error(const Error& error) const {
-  log_->error("isoextract: error: {}", printable(error.message));
-  const std::string hint = words_of(error.hint);
-  if (!hint.empty()) log_->error("  hint: {}", printable_lines(hint));
+std::string Messages::colored(std::string_view word, std::string_view color) const {
+  return colors_ ? fmt::format("{}{}{}", color, word, kPlain) : std::string(word);
 }
 
-void Messages::note(std::string_view text) const { log_->warn("isoextract: note: {}", printable(text)); }
+void Messages::error(const Error& error) const {
+  log_->error("isoextract: {} {}", colored("error:", kRed), printable(error.message));
+  const std::string hint = words_of(error.hint);
+  if (!hint.empty()) log_->error("  {} {}", colored("hint:", kCyan), printable_lines(hint));
+}
+
+void Messages::note(std::string_view text) const {
+  log_->warn("isoextract: {} {}", colored("note:", kYellow), printable(text));
+}
 void Messages::summary(std::string_view text) const { log_->info("{}", printable(text)); }
 void Messages::explanation(std::string_view text) const { log_->info("{}", printable(text)); }
 void Messages::detail(std::string_view text) const { log_->debug("{}", printable(text)); }

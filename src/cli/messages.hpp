@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <string_view>
 
 #include "base/error.hpp"
@@ -28,7 +29,11 @@ class Messages {
   [[nodiscard]] Verbosity verbosity() const { return verbosity_; }
 
  private:
+  // The word in a color where the terminal shows colors.
+  [[nodiscard]] std::string colored(std::string_view word, std::string_view color) const;
+
   Verbosity verbosity_;
+  bool colors_;
   std::shared_ptr<spdlog::logger> log_;
 };
 

@@ -84,7 +84,9 @@ Result<void> OptionSet::refuse(About what, std::string_view why, std::string_vie
   return fail(ErrorCode::usage, fmt::format(fmt::runtime(why), name), fmt::format(fmt::runtime(hint), name));
 }
 
-Option::Option(const Place& place, OptionRow row) : row_(std::make_shared<const OptionRow>(std::move(row))) {
+Option::Option(const Place& place, OptionRow row) {
+  row.everyday = place.everyday;
+  row_ = std::make_shared<const OptionRow>(std::move(row));
   if (place.set != nullptr) place.set->add(*this);
 }
 

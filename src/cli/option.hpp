@@ -83,7 +83,12 @@ class OptionSet;
 struct Place {
   OptionSet* set = nullptr;
   OptionGroup group = OptionGroup::run;
+  bool everyday = false;  // the overview of the help shows it: few options are
 };
+[[nodiscard]] inline Place everyday(Place place) {
+  place.everyday = true;
+  return place;
+}
 
 // The options of a command or of a part of it: the base of flags, whose members they are. A copy of flags has options
 // of its own: the set knows its options by their distance from itself, so it is copied as a part of all its flags only.
@@ -146,10 +151,11 @@ struct OptionRow {
   OptionGroup group = OptionGroup::run;
   std::vector<std::string> names;  // with their dashes, the long one last; one without dashes is positional
   std::string metavar;             // empty: takes no value
-  std::string help;
+  std::string help;                // the first sentence is the summary: at most kSummaryWidth characters
   About about = About::anything;
   std::size_t most = 1;                 // values
   std::optional<std::string> left_out;  // the value may be left out, and this one is meant
+  bool everyday = false;
 };
 
 class Option {

@@ -52,8 +52,8 @@ int run_arguments(const std::vector<std::string>& arguments) {
     command_of(*program, arguments).report_failure(arguments, parsed.error());
     return report(parsed.error());
   }
-  if (parsed->asks_for_help) {
-    const auto shown = print_to_stdout(help_of_command(*parsed->command));
+  if (parsed->help) {
+    const auto shown = print_to_stdout(help_of_command(*parsed->command, *parsed->help));
     return shown ? kDone : report(shown.error());
   }
   const auto code = parsed->command->run(arguments);

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
-#include <unistd.h>
+
+#include "cli/terminal.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -21,11 +21,6 @@ constexpr auto kRedrawEvery = 100ms;
 constexpr auto kPrintEvery = 30s;
 constexpr std::size_t kBarWidth = 30;
 constexpr std::string_view kEraseLine = "\r\x1b[K";
-
-bool stderr_is_terminal() {
-  const char* terminal = std::getenv("TERM");
-  return ::isatty(STDERR_FILENO) == 1 && terminal != nullptr && std::string_view(terminal) != "dumb";
-}
 
 std::string bar_text(const Progress& progress, const std::string& text) {
   const std::uint64_t total = progress.total();

@@ -259,8 +259,8 @@ Result<void> run_render(const RenderPlan& plan, const Messages& messages) {
 }  // namespace
 
 std::unique_ptr<Command> make_render_command() {
-  return std::make_unique<PlannedCommand<RenderFlags, plan_render, run_render>>(CommandWords{
-      "render", "INPUT... [-o FILE] [options]", "Draw volumes, surfaces and meshes as pictures, as PNG or OpenEXR."});
+  return std::make_unique<PlannedCommand<RenderFlags, plan_render, run_render>>(
+      CommandWords{"render", "INPUT... [-o FILE] [options]", "Draw volumes, surfaces and meshes as PNG or OpenEXR."});
 }
 
 }  // namespace isoextract::cli

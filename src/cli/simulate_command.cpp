@@ -160,8 +160,7 @@ struct SimulateFlags : OptionSet {
 // Does nothing itself; its sub-commands do the work.
 class SimulateCommand final : public CommandOf<SimulateFlags> {
  public:
-  SimulateCommand()
-      : CommandOf({"simulate", "", "Simulate what surfaces can be extracted from, and write it as a sequence."}) {}
+  SimulateCommand() : CommandOf({"simulate", "", "Simulate water or a jet, and write its frames."}) {}
 
   Result<int> run(const std::vector<std::string>& /*arguments*/) override {
     return fail(ErrorCode::usage, fmt::format("{} needs one of {} after it", name(), fmt::join(inner_names(), ", ")),
@@ -193,7 +192,7 @@ Result<std::vector<SequenceFrame>> check_sequence(const SequencePlan& plan) {
 std::unique_ptr<Command> make_simulate_command() {
   auto simulate = std::make_unique<SimulateCommand>();
   simulate->add(std::make_unique<PlannedCommand<WaterFlags, plan_water, run_water>>(CommandWords{
-      "water", "-o FILE [options]", "Let water run over hilly land, by a cellular automaton, as volumes."}));
+      "water", "-o FILE [options]", "Simulate water over hills, by a cellular automaton."}));
   simulate->add(make_jet_command());
   return simulate;
 }

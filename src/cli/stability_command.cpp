@@ -209,8 +209,7 @@ Result<void> run_stability(const StabilityFlags& flags, const Messages& messages
 
 class StabilityCommand final : public CommandOf<StabilityFlags> {
  public:
-  StabilityCommand()
-      : CommandOf({"stability", "[options]", "Extract extreme fields with every method, and check every vertex."}) {}
+  StabilityCommand() : CommandOf({"stability", "[options]", "Extract extreme fields and check every vertex."}) {}
 
   Result<int> run(const std::vector<std::string>& /*arguments*/) override {
     const Verbosity verbosity = TRY(plan_verbosity(flags().run));

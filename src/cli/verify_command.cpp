@@ -261,8 +261,8 @@ Result<void> run_verify(const VerifyPlan& plan, const Messages& messages) {
 class VerifyCommand final : public PlannedCommand<VerifyFlags, plan_verify, run_verify> {
  public:
   VerifyCommand()
-      : PlannedCommand({"verify", "INPUT --iso V [MESH] [options]",
-                        "Compare GPU and CPU, or a written mesh with its volume, triangle by triangle."}) {}
+      : PlannedCommand(
+            {"verify", "INPUT --iso V [MESH] [options]", "Check a mesh against its volume, or GPU against CPU."}) {}
 
   [[nodiscard]] std::string hint_for_option_of_default(std::string_view option) const override {
     return fmt::format("leave {} out: of {}'s options {} has those that decide about the triangles of a mesh", option,

@@ -29,9 +29,9 @@ class DocumentsTest(ProgramTest):
         for command in self.commands():
             options = self.options(command)
             self.assertIn("help", options)
-            page = self.text(*command.split(), "--help")
+            pages = [self.text(*command.split(), detail) for detail in ("--help", "--help-all")]
             for option in options:
-                for document in (page, man, *scripts):
+                for document in (*pages, man, *scripts):
                     self.assertIn(f"--{option}", document)
         self.assertGreater(len(self.options("convert")), 25)
 
@@ -44,15 +44,38 @@ class DocumentsTest(ProgramTest):
         overview = self.text("help")
         self.assertEqual(overview, self.text("--help"))
         self.assertEqual(overview, self.text("-h"))
-        for name in (*(name for name in self.commands() if " " not in name), "input", "particles", "frames", "surface", "pieces", "vertices", "placement", "output", "run", "formats", "demo", "coordinates",
-                     "exit-codes"):
-            self.assertRegex(overview, rf"\n  {name} ")
+        for name in self.commands():
+            if " " not in name:
+                self.assertRegex(overview, rf"\n  {name} ")
+                self.assertGreater(len(self.text("help", name)), 100)
+        topics = re.search(r"Topics: ([a-z \n-]+)", overview).group(1).split()
+        self.assertLessEqual({"input", "surface", "formats", "demo", "coordinates", "exit-codes", "examples"}, set(topics))
+        for name in topics:
             self.assertGreater(len(self.text("help", name)), 100)
+
+    def test_overview_fits_a_screen(self):
+        overview = self.text("--help")
+        self.assertLessEqual(len(overview.splitlines()), 40)
+        self.assertEqual(len(re.findall(r"\n  isoextract .* # ", overview)), 5)
+        self.assertEqual(len(re.findall(r"\n  (?:-o, )?--", overview)), 10)
+
+    def test_help_has_a_line_an_option_and_help_all_its_details(self):
+        """The first sentence, which is to say on one line what the option is."""
+        for command in self.commands():
+            lines = self.text(*command.split(), "--help").splitlines()
+            for line, after in zip(lines, lines[1:]):
+                if re.match(r"  \S", line):
+                    has_text = len(line) > 25 and line[24] == " "
+                    self.assertNotEqual(has_text, after.startswith(" " * 25), f"{command}: {line}")
+        all_texts = self.text("--help-all")
+        self.assertEqual(all_texts, self.text("convert", "--help-all"))
+        self.assertGreater(len(all_texts.splitlines()), 2 * len(self.text("convert", "--help").splitlines()))
 
     def test_help_of_a_command(self):
         self.assertEqual(self.text("help", "info"), self.text("info", "--help"))
         self.assertEqual(self.text("help", "convert"), self.text("x.vdb", "--iso", "abc", "-h"))
-        self.assertIn("Examples:", self.text("convert", "-h"))
+        self.assertIn("Examples:", self.text("convert", "--help-all"))
+        self.assertIn(self.text("help", "examples"), self.text("convert", "--help-all"))
 
     def test_topics_come_from_the_tables(self):
         formats = self.text("help", "formats")
@@ -72,7 +95,7 @@ class DocumentsTest(ProgramTest):
         man = self.text("generate", "man").replace("\\(aq", "'")
         pages = [(SOURCE / page).read_text() for page in ("README.md", *sorted((SOURCE / "docs").rglob("*.md")))]
         examples = 0
-        for text in (man, self.text("help"), self.text("convert", "--help"), *pages):
+        for text in (man, self.text("help"), self.text("convert", "--help-all"), *pages):
             for line in text.splitlines():
                 if not re.search(r"isoextract |--iso ", line):
                     continue
@@ -81,7 +104,7 @@ class DocumentsTest(ProgramTest):
         self.assertGreater(examples, 8)
 
     def test_help_fits_a_terminal(self):
-        for arguments in (("help",), ("convert", "--help"), ("info", "--help"), ("help", "formats"), ("help", "placement")):
+        for arguments in (("help",), ("convert", "--help"), ("convert", "--help-all"), ("info", "--help"), ("help", "formats"), ("help", "placement")):
             for line in self.text(*arguments).splitlines():
                 self.assertLessEqual(len(line), 80, line)
 

@@ -43,50 +43,51 @@ struct FramesOption : Value<batch::FrameRange> {
 struct BatchFlags : OptionSet {
   explicit BatchFlags(OptionSet* command = nullptr);
 
-  FramesOption frames{*this, "Frames to convert, such as 1-240, 1-240x2 or 1-10,20 (default: all that match INPUT)."};
+  FramesOption frames{everyday(*this),
+                      "Frames to convert, such as 1-240, 1-240x2 or 1-10,20. Default: all that match INPUT."};
   Value<MissingPolicy> missing{
       *this, "--missing",
-      "What to do where frames are not there: convert the others and exit with 5, or tell of it only "
-      "(default: error for those that --frames names, note for gaps in the numbering)."};
-  Value<std::string> iso_table{
-      *this,
-      "--iso-table",
-      "FILE",
-      parse_text,
-      "Iso values by frame, in place of --iso and in its words: a CSV file with the columns frame and iso.",
-      About::surface};
-  Flag animate{
-      *this, "--animate",
-      "Write all frames into one .glb that plays them, named after -o. The first frame is at 0 seconds, gaps in "
-      "the numbering keep their time, and a frame that fails is left out: the one before it is shown longer. "
-      "What does not fit into one file of 4 GiB goes on in NAME.part2.glb.",
-      About::surface | About::mesh_file};
+      "What to do where frames are missing. error converts the other frames and exits with code 5; note only prints a "
+      "note. Default: error for frames that --frames names, note for gaps in the numbering."};
+  Value<std::string> iso_table{*this,
+                               "--iso-table",
+                               "FILE",
+                               parse_text,
+                               "CSV file with an iso value for each frame. Its columns are frame and iso. Takes the "
+                               "place of --iso, and its values are written like those of --iso.",
+                               About::surface};
+  Flag animate{*this, "--animate",
+               "Write all frames into one .glb file that plays them. It is named after -o. The first frame starts at 0 "
+               "seconds, and gaps in the numbering keep their time. A frame that fails is left out, and the frame "
+               "before it is shown longer. An animation over 4 GiB continues in NAME.part2.glb.",
+               About::surface | About::mesh_file};
   Value<double> fps{*this, "--fps", "N", parse_positive,
-                    "Frames per second of --animate (default: 24). Blender 3.4 rounds it to a whole number when it "
-                    "opens the file."};
+                    "Frames per second of --animate (default: 24). Blender 3.4 rounds it to a whole number."};
   Value<int> jobs{*this, "--jobs", "N", parse_thread_count,
-                  "Frames to convert at a time, as far as --memory-limit lets them; they share --threads, and a GPU "
-                  "draws one after another (default: as many as threads). The output does not depend on it."};
+                  "Number of frames to convert at the same time. They share --threads and --memory-limit; a GPU draws "
+                  "one frame after another. Default: one for each thread. The output does not depend on it."};
   Flag resume{*this, "--resume",
-              "Do only what is not done: frames whose record, input and output are what the manifest in the folder of "
-              "the outputs says are left alone."};
-  Flag fail_fast{*this, "--fail-fast", "End with the first frame that fails (default: go on, and exit with 5)."};
-  Flag no_clobber{*this, "--no-clobber", "Leave out frames of which a file is there, whoever wrote it."};
-  Flag make_folders{*this, "--mkdir", "Make the folders of the outputs; so does a slash at the end of -o."};
-  Flag dry_run{*this, "--dry-run", "Show the frames, their files and an estimate of memory on stdout, and do nothing."};
-  Value<std::string> table{*this, "--table", "FILE", parse_text,
-                           "Write a table of all frames, .csv or .json: triangles, area, volume, time, memory."};
+              "Convert only frames that are not done. A frame is done if its manifest record matches its input and its "
+              "output files. The manifest is in the output folder."};
+  Flag fail_fast{*this, "--fail-fast",
+                 "Stop at the first frame that fails. Default: convert the others, then exit with code 5."};
+  Flag no_clobber{*this, "--no-clobber", "Skip frames whose output exists, whoever wrote it."};
+  Flag make_folders{*this, "--mkdir", "Create missing output folders. A slash at the end of -o does so, too."};
+  Flag dry_run{*this, "--dry-run", "Print frames, files and memory; convert nothing. The memory is an estimate."};
+  Value<std::string> table{
+      *this, "--table", "FILE", parse_text,
+      "Write a table of all frames, as .csv or .json. It has triangles, area, volume, time and memory of each frame."};
   Value<std::string> plot{
-      *this,         "--plot", "FILE", parse_text, "Draw the table over the frames with gnuplot, as .svg or .png.",
+      *this,         "--plot", "FILE", parse_text, "Plot the table over the frames, as .svg or .png. gnuplot draws it.",
       About::surface};
   Value<ProgressStyle> progress{
       *this, "--progress",
-      "How to tell on stderr how far it is: a bar on a terminal, a line of JSON an event, or not at all "
-      "(default: bar)."};
-  Value<batch::ShardChoice> shard{
-      *this, "--shard", "K/N|auto", [](std::string_view text) { return batch::parse_shard(std::string(text)); },
-      "Convert every N-th frame from the K-th on, for N machines; 'isoextract merge' joins what they did. auto "
-      "takes K and N from the variables of a Slurm array or an indexed Kubernetes job (default: all frames)."};
+      "How to show progress on stderr (default: bar). A bar on a terminal, a line of JSON for each event, or nothing."};
+  Value<batch::ShardChoice> shard{*this, "--shard", "K/N|auto",
+                                  [](std::string_view text) { return batch::parse_shard(std::string(text)); },
+                                  "Convert part K of N of the frames, for N machines. Part K has every N-th frame from "
+                                  "the K-th on; 'isoextract merge' joins the parts. auto takes K and N from the "
+                                  "variables of a Slurm array or an indexed Kubernetes job. Default: all frames."};
 };
 
 }  // namespace isoextract::cli

@@ -19,9 +19,8 @@ namespace isoextract::cli {
 struct InfoFlags : OptionSet {
   InfoFlags();
 
-  InputFlags input{*this,
-                   {"INPUT...", "The volumes or particles to look at, or patterns and folders of a sequence, each"}};
-  FramesOption frames{in(OptionGroup::input), "Frames of a sequence to look at, such as 1-240x20 (default: all)."};
+  InputFlags input{*this, {"INPUT...", "Volumes or particles; patterns or folders of sequences"}};
+  FramesOption frames{in(OptionGroup::input), "Frames of a sequence to read, such as 1-240x20. Default: all."};
   ParticleFlags particles{*this};
   JsonFlag json{in(OptionGroup::output), "Report as JSON, an array with one entry an input."};
   RunFlags run{*this};
@@ -35,48 +34,52 @@ struct BenchFlags : OptionSet {
 
   InputFlags input{*this,
                    {"INPUT...",
-                    "What to extract from (default: demo:torus), or gpu-threads for the cost of a GPU's threads "
-                    "(Timokhin and Mikhaylyuk), each"}};
+                    "Volumes or particles (default: demo:torus). gpu-threads measures the cost of a GPU's threads "
+                    "(Timokhin and Mikhaylyuk)"}};
   Value<std::vector<int>> sizes{in(OptionGroup::input), "--sizes", "N,N,...", parse_demo_sizes,
-                                "Samples along each axis of demo fields (default: 32,64,128,256)."};
+                                "Sizes of demo fields (default: 32,64,128,256). Samples along each axis."};
   Value<std::vector<int>> coarser{
       in(OptionGroup::input),
       "--coarser",
       "F,F,...",
       parse_coarse_factors,
-      "Of files besides the data themselves: one sample, their mean, for each F^3; powers of two (default: 2,4,8 "
-      "where that leaves 8 samples along each axis). The data's own surface is the truth.",
+      "Factors by which files are made coarser. Powers of two: F replaces F^3 samples by their mean. The surface of "
+      "the full data is the truth. Default: 2,4,8 as far as 8 samples remain along each axis.",
       About::extraction};
   Value<double> iso{in(OptionGroup::surface),
                     "--iso",
                     "V",
                     parse_number,
-                    "The value whose surface is extracted (default: the demo field's own). Files need it.",
+                    "Iso value of the surface; files need one. Default: the demo field's own.",
                     About::extraction};
   Value<std::vector<extract::Method>> methods{
       in(OptionGroup::surface),
       "--methods",
       "M,M,...",
       parse_methods,
-      fmt::format("Of {} (default: {}).", fmt::join(extract::method_ids(), ", "), following_method_ids()),
+      fmt::format("Methods to compare (default: {1}). Any of {0}.", fmt::join(extract::method_ids(), ", "),
+                  following_method_ids()),
       About::extraction};
   NanOption nan{in(OptionGroup::surface)};
-  Value<std::string> csv{in(OptionGroup::output), "--csv", "FILE", parse_text, "Write the rows of the table as CSV.",
-                         About::extraction};
-  Value<std::string> json{in(OptionGroup::output), "--json", "FILE", parse_text, "Write everything as JSON."};
-  Value<std::string> plot{
-      in(OptionGroup::output), "--plot", "FILE", parse_text, "Draw error over run time with gnuplot, as .svg or .png.",
-      About::extraction};
+  Value<std::string> csv{in(OptionGroup::output),   "--csv",          "FILE", parse_text,
+                         "Write the table as CSV.", About::extraction};
+  Value<std::string> json{in(OptionGroup::output), "--json", "FILE", parse_text, "Write all results as JSON."};
+  Value<std::string> plot{in(OptionGroup::output),
+                          "--plot",
+                          "FILE",
+                          parse_text,
+                          "Plot error over run time, as .svg or .png. gnuplot draws it.",
+                          About::extraction};
   BackendsOption backends{in(OptionGroup::run), "cpu, and gpu where there is one that is not software"};
   DeviceFlags device{*this};
   Value<std::vector<int>> threads{in(OptionGroup::run),
                                   "--threads",
                                   "N,N,...",
                                   parse_thread_counts,
-                                  "Numbers of threads to compare, none above that of the machine (default: 1 and all).",
+                                  "Numbers of threads to compare (default: 1 and all). None above the machine's.",
                                   About::extraction};
   Value<int> repeats{in(OptionGroup::run), "--repeats", "N", parse_repeats,
-                     "Times to run each setting after a warm-up; the median counts (default: 5)."};
+                     "Runs of each setting; the median counts (default: 5). A warm-up comes first."};
   RunFlags run{*this, RunFlags::Taken::verbosity};
 };
 
@@ -84,8 +87,8 @@ struct StabilityFlags : OptionSet {
   StabilityFlags();
 
   Values<std::string> cases{in(OptionGroup::input), "--case", "NAME", parse_text,
-                            "Run this case only; several times for several cases (default: all)."};  // all if empty
-  Flag list{in(OptionGroup::output), "--list", "List the cases, what is extreme about each, and run none."};
+                            "Run this case only (default: all). Several times for several cases."};  // all if empty
+  Flag list{in(OptionGroup::output), "--list", "List the cases and what is extreme; run none."};
   JsonFlag json{in(OptionGroup::output)};
   BackendsOption backends{in(OptionGroup::run), "cpu, and gpu where there is one"};
   DeviceFlags device{*this};

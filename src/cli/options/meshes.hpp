@@ -18,20 +18,20 @@ namespace isoextract::cli {
 struct CompareFlags : OptionSet {
   CompareFlags();
 
-  Values<std::string> meshes{in(OptionGroup::input), "FILE", "FILE", parse_text,
-                             fmt::format("The two meshes: {}. Corners without connectivity, as in stl, are welded "
-                                         "where their coordinates are equal.",
-                                         mesh_io::mesh_extensions())};
+  Values<std::string> meshes{
+      in(OptionGroup::input), "FILE", "FILE", parse_text,
+      fmt::format(
+          "The two meshes. {}. Vertices at equal coordinates are merged in formats without connectivity, such as stl.",
+          mesh_io::mesh_extensions())};
   Value<convert::UpAxis> up{
       in(OptionGroup::input), "--up",
-      "Where one mesh is glb or gltf and the other is not: the axis that points up in the other (default: z). "
-      "glTF prescribes y, and ply, obj, stl and drc nothing. With z the glTF mesh is turned, which the result "
-      "tells: (x, y, z) becomes (x, -z, y), as it was before convert turned it. With y nothing is turned: "
-      "for meshes that were written with --up y or --space index."};
+      "Up axis of the mesh that is not glTF (default: z). It counts where one mesh is glb or gltf and the other is "
+      "not: glTF prescribes y up, the other formats nothing. With z the glTF mesh is turned back, (x, y, z) to (x, -z, "
+      "y), and the result says so. Use y for meshes written with --up y or --space index."};
   MemoryLimit memory_limit{in(OptionGroup::input)};
   Value<double> max_distance{
       in(OptionGroup::output), "--max-distance", "D", parse_not_negative,
-      "Exit with code 6 unless no point of either mesh is farther than this from the other, in the meshes' unit."};
+      "Largest distance allowed; else exit with code 6. At any point of either mesh, in the unit of the meshes."};
   JsonFlag json{in(OptionGroup::output)};
   RunFlags run{*this};
 };
@@ -46,20 +46,20 @@ struct CheckFlags : OptionSet {
 
   Values<std::string> meshes{
       in(OptionGroup::input), "FILE", "FILE", parse_text,
-      fmt::format("The mesh: {}, or - for stdin. Corners without connectivity, as in stl, are welded where their "
-                  "coordinates are equal. Of a glTF file with several meshes each is checked, and then all of them as "
-                  "one.",
-                  mesh_io::mesh_extensions())};
-  Flag weld{in(OptionGroup::input), "--weld",
-            "Join vertices with the same coordinates first, as slicers do. Without it they are told apart, and the "
-            "report says what joining them would close."};
+      fmt::format(
+          "Mesh to check, or - for stdin. {}. Vertices at equal coordinates are merged in formats without "
+          "connectivity, such as stl. Of a glTF file with several meshes each is checked, then all of them as one.",
+          mesh_io::mesh_extensions())};
+  Flag weld{
+      in(OptionGroup::input), "--weld",
+      "Merge vertices at equal coordinates first. As slicers do. Without it the report says what merging would close."};
   MemoryLimit memory_limit{in(OptionGroup::input)};
   Value<std::vector<check::Requirement>> required{
       in(OptionGroup::output), "--require", "WORD,WORD,...", parse_requirements,
-      fmt::format("Exit with code 6 unless the mesh is all of these: {}.", requirement_list())};
+      fmt::format("Properties the mesh must have; else exit with code 6. Any of {}.", requirement_list())};
   JsonFlag json{in(OptionGroup::output)};
   Value<std::string> report{in(OptionGroup::output), "--report", "FILE", parse_text,
-                            "Write the same JSON into a file as well."};
+                            "Write the JSON into a file as well."};
   RunFlags run{*this};
 };
 

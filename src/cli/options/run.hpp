@@ -15,6 +15,7 @@
 namespace isoextract::cli {
 
 inline constexpr std::string_view kHelpNames = "-h,--help";
+inline constexpr std::string_view kHelpAllName = "--help-all";
 
 // The last options of every command.
 struct RunFlags : OptionSet {
@@ -28,11 +29,13 @@ struct RunFlags : OptionSet {
   Place from(Taken least) { return taken_ >= least ? Place(*this) : Place(); }
 
  public:
-  Value<int> threads{from(Taken::all), "--threads", "N", parse_thread_count,
-                     "Threads to use (default: all). The output does not depend on it. With 1 no other is started."};
-  Flag quiet{from(Taken::quiet), "-q,--quiet", "Say nothing but errors and, on stdout, results."};
-  Flag verbose{from(Taken::verbosity), "-v,--verbose", "Say also what each stage took, and the peak of memory."};
-  Flag help{*this, kHelpNames, "Show the options of this command and exit."};
+  Value<int> threads{
+      from(Taken::all), "--threads", "N", parse_thread_count,
+      "Number of threads (default: all). The output does not depend on it. With 1 the program starts no other thread."};
+  Flag quiet{from(Taken::quiet), "-q,--quiet", "Print errors and results only."};
+  Flag verbose{from(Taken::verbosity), "-v,--verbose", "Print the time of each stage and the peak memory."};
+  Flag help{*this, kHelpNames, "Show a line about each option and exit."};
+  Flag help_all{*this, kHelpAllName, "Show all about each option and exit."};
 };
 
 struct DeviceFlags : OptionSet {
@@ -43,28 +46,27 @@ struct DeviceFlags : OptionSet {
       "--device",
       "N|cuda:N|NAME",
       parse_device,
-      "The GPU to use: its number, its number in CUDA, or a part of its name; 'isoextract devices' lists them "
-      "(default: the first that is not software).",
+      "GPU to use, by number, CUDA number or name. A part of the name is enough; 'isoextract devices' lists the GPUs. "
+      "Default: the first that is not a software renderer.",
       About::gpu};
   Value<std::uint64_t> gpu_memory{
       *this,
       "--gpu-memory",
       "SIZE",
       parse_size,
-      "What samples and triangles may take on the GPU at a time; larger volumes pass through in slabs, and the "
-      "output does not depend on it (default: a quarter of what the GPU has, 1G where it does not tell).",
+      "Limit of GPU memory for samples and triangles. Larger volumes are extracted in slabs; the output does not "
+      "depend on it. Default: a quarter of the GPU's memory, 1G where the GPU does not tell.",
       About::gpu};
 };
 
 // Of a command that compares backends.
 struct BackendsOption : Value<std::vector<NamedBackend>> {
   BackendsOption(const Place& place, std::string_view by_default)
-      : Value(
-            place, "--backends", "B,B,...", parse_backends,
-            fmt::format("Of cpu, gpu, gpu:points (marching cubes without tessellation) and gpu:rows (cells row by row "
-                        "instead of in groups of 2 x 2 x 2) (default: {}).",
-                        by_default),
-            About::extraction) {}
+      : Value(place, "--backends", "B,B,...", parse_backends,
+              fmt::format("Backends to compare. Any of cpu, gpu, gpu:points (marching cubes without tessellation) and "
+                          "gpu:rows (cells row by row instead of in groups of 2 x 2 x 2). Default: {}.",
+                          by_default),
+              About::extraction) {}
 };
 
 struct JsonFlag : Flag {
@@ -76,8 +78,8 @@ struct JsonFlag : Flag {
 struct MemoryLimit : Value<std::uint64_t> {
   explicit MemoryLimit(const Place& place)
       : Value(place, "--memory-limit", "SIZE", parse_size,
-              "Refuse an input that needs more memory than this, such as 512M or 8G (default: the machine's memory). "
-              "Samples that are mapped from their file, not copied, need none.") {}
+              "Largest memory to use, such as 512M or 8G. An input that needs more is refused. Samples that are mapped "
+              "from their file do not count. Default: the machine's memory.") {}
 };
 
 }  // namespace isoextract::cli

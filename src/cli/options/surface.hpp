@@ -24,24 +24,22 @@ namespace isoextract::cli {
 // `before` and `after` are what is said of it besides.
 struct IsoOption : Values<convert::IsoChoice> {
   IsoOption(const Place& place, std::string_view before, std::string_view after)
-      : Values(
-            place, "--iso", "V", parse_iso,
-            fmt::format(
-                "{}The value whose surface is extracted: a number; p99, p0.5 and so on, the percentile of the input's "
-                "samples; or auto, what 'isoextract info INPUT' suggests, for particles the usual value of the "
-                "method. Percentiles are of all samples that are numbers, without the background of sparse grids, "
-                "whatever --roi and --resolution leave of them.{}",
-                before, after),
-            About::surface) {}
+      : Values(place, "--iso", "V", parse_iso,
+               fmt::format(
+                   "{}Iso value of the surface: a number, p99 or auto. p99 is the 99th percentile of the samples, "
+                   "without NaN and without the background of sparse grids; --roi and --resolution do not change it. "
+                   "auto is the value that 'isoextract info' suggests, for particles the usual value of the method.{}",
+                   before, after),
+               About::surface) {}
   using Values::operator=;
 };
 
 struct NanOption : Value<extract::NanPolicy> {
   explicit NanOption(const Place& place)
       : Value(place, "--nan",
-              "What a sample that is not a number means: the end, outside, or a hole in the surface, left by the cells "
-              "that touch it (default: error). With outside, particles at places that are no numbers are left out and "
-              "counted.",
+              "What a NaN sample means (default: error). error refuses the input; outside counts the sample as "
+              "outside; hole leaves the surface open around it. With outside, particles at NaN positions are left out "
+              "and counted.",
               About::extraction) {}
 };
 
@@ -49,58 +47,55 @@ struct NanOption : Value<extract::NanPolicy> {
 struct SurfaceFlags : OptionSet {
   explicit SurfaceFlags(OptionSet& command);
 
-  Value<extract::Method> method{*this, "--method",
-                                fmt::format("{} (default: {}).", method_help(), extract::method_ids()[0]),
-                                About::surface | About::drawn_surface};
-  Value<field::Box> roi{
-      *this,
-      "--roi",
-      "X0,Y0,Z0,X1,Y1,Z1",
-      parse_box,
-      "Only the part of the surface in this box, given by its smaller and larger corner in the input's world "
-      "coordinates (with --space index in voxel coordinates). Triangles are cut at faces that lie between samples, and "
-      "the surface is open there, or closed with --cap. Voxels and surface nets stay whole.",
+  Value<extract::Method> method{
+      *this, "--method", fmt::format("Extraction method (default: {1}). {0}.", method_help(), extract::method_ids()[0]),
       About::surface | About::drawn_surface};
-  Flag roi_snap{*this, "--roi-snap", "End the surface at the outermost samples in the --roi, and cut nothing.",
+  Value<field::Box> roi{*this,
+                        "--roi",
+                        "X0,Y0,Z0,X1,Y1,Z1",
+                        parse_box,
+                        "Box to extract, by its corners, in the input's world. With --space index the box is in voxel "
+                        "coordinates. Triangles are cut at its faces, and the surface is open there, or closed with "
+                        "--cap. Voxels and surface nets are not cut.",
+                        About::surface | About::drawn_surface};
+  Flag roi_snap{*this, "--roi-snap", "End the surface at the last samples inside --roi. Cuts no triangles.",
                 About::surface | About::drawn_surface};
-  Values<convert::ClipPlane> clip{
-      *this,
-      "--clip",
-      "NX,NY,NZ,D",
-      parse_clip_plane,
-      "Keep of the surface what lies on the side of a plane that its normal N points to: NX x + NY y + NZ z >= "
-      "D, in the same coordinates. Triangles are cut, and the surface is open there, or closed with --cap. Several "
-      "times for several planes.",
-      About::surface | About::edit};
+  Values<convert::ClipPlane> clip{*this,
+                                  "--clip",
+                                  "NX,NY,NZ,D",
+                                  parse_clip_plane,
+                                  "Plane that cuts the surface; keeps the side of N. N is the plane's normal: points "
+                                  "with NX x + NY y + NZ z >= D stay, in the coordinates of --roi. The surface is open "
+                                  "there, or closed with --cap. Several times for several planes.",
+                                  About::surface | About::edit};
   Value<glm::ivec3> resolution{
       *this, "--resolution", "NX,NY,NZ", parse_resolution,
-      "Extract from a grid of so many samples over the same box, or one number for all axes: means of the input's "
-      "samples along axes that get fewer, values between them along those that get more (default: the input's samples "
-      "themselves). A sparse grid becomes dense: its active voxels and one of background around them. Of --labels the "
-      "nearest samples. --space index and --roi keep the input's voxel coordinates, --error its voxels; those of "
-      "--simplify are the grid's."};
+      "Samples of the grid to extract from, along x, y and z. One number is for all axes. The grid covers the same "
+      "box; it takes means of the samples along axes that get coarser, and values between them (--kernel) along axes "
+      "that get finer. A sparse grid becomes dense: its active voxels and one layer of background. --labels takes the "
+      "nearest samples. --space index, --roi and --error count the input's voxels, --simplify those of the new grid. "
+      "Default: the input's samples."};
   Value<glm::dvec3> voxel_size{
       *this, "--voxel-size", "SX,SY,SZ", parse_spacing,
-      "In place of --resolution: the edges of that grid's voxels in units of the input's world, or one number for all, "
-      "such as 0.5. They are changed as little as makes them divide the box, and a note says so."};
+      "Voxel size of that grid, in place of --resolution. In units of the input's world; one number, such as 0.5, is "
+      "for all axes. The size is rounded so that voxels divide the box, with a note."};
   Value<field::ResampleKernel> kernel{
       *this, "--kernel",
-      "What is between the input's samples where that grid is finer: a line from one to the next; a smooth curve "
-      "through them (Catmull-Rom); or the cubic B-spline, which is smoother and not through them (default: linear). "
-      "nearest takes the nearest sample, also where that grid is coarser: no value is made that the input does not "
-      "have. It is the one kernel of --labels."};
+      "Interpolation of a finer grid (default: linear). cubic is a smooth curve through the samples (Catmull-Rom). "
+      "bspline, the cubic B-spline, is smoother and does not pass through the samples. nearest makes no new values, "
+      "also where the grid is coarser; it is the one kernel of --labels."};
   Values<convert::FilterStep> filters{
       *this, "--filter", "gaussian|median|mean", parse_filter,
-      "Smooth a level set, of a VDB file or of --particles spheres or smooth, before anything else is done with it: "
-      "each value is taken from those up to 1 voxel away or, as in gaussian:3, up to 3. Several times for several "
-      "filters, one after the other. Needs the plug-in around OpenVDB."};
+      "Filter a level set before extraction. For level sets of VDB files, and of --particles spheres and smooth. Each "
+      "value is taken from samples up to 1 voxel away, or up to 3 with gaussian:3. Several times for several filters, "
+      "in their order. Needs the OpenVDB plug-in."};
   Values<convert::BlurStep> blurs{
       *this, "--blur", "SIGMA|median:N", parse_blur,
-      "Blur the samples of any field, dense or sparse, before its surface is looked for: by a Gaussian with this "
-      "standard deviation, in voxels (1.5) or the input's units (0.7world), or by the median of the samples up to N "
-      "voxels away. Samples that are not numbers are left out of what is around them. Several times for several, "
-      "after --filter."};
-  Flag cap{*this, "--cap", "Close the surface where it leaves the data or the --roi, and where --clip cuts it.",
+      "Blur the field before extraction. SIGMA is the standard deviation of a Gaussian, in voxels (1.5) or the input's "
+      "units (0.7world); median:N takes the median of samples up to N voxels away. NaN samples are left out. For dense "
+      "and sparse fields. Several times for several blurs, after --filter."};
+  Flag cap{everyday(*this), "--cap",
+           "Close the surface at the data boundary and at cuts. Cuts are those of --roi and --clip.",
            About::surface | About::drawn_surface};
   NanOption nan{*this};
 };
@@ -109,39 +104,36 @@ struct SurfaceFlags : OptionSet {
 struct EditFlags : OptionSet {
   explicit EditFlags(OptionSet& command);
 
-  Value<convert::LeastPiece> least{
-      *this,
-      "--drop-components",
-      "MIN",
-      parse_least_piece,
-      "Drop components of fewer triangles than MIN (100), or of less area or volume (area:40, volume:5 in voxels, "
-      "volume:5world in the units of the written mesh). A body goes with the cavities in it; a cavity that goes is "
-      "filled.",
-      About::surface | About::edit};
-  Flag fill_cavities{*this, "--fill-cavities", "Drop the walls of all cavities, and what lies loose in them.",
+  Value<convert::LeastPiece> least{*this,
+                                   "--drop-components",
+                                   "MIN",
+                                   parse_least_piece,
+                                   "Remove components smaller than MIN. MIN counts triangles (100), or is an area or a "
+                                   "volume: area:40 and volume:5 in voxels, volume:5world in the units of the mesh. A "
+                                   "body goes together with its cavities; removing a cavity fills it.",
+                                   About::surface | About::edit};
+  Flag fill_cavities{*this, "--fill-cavities", "Remove all cavities, and the bodies inside them.",
                      About::surface | About::edit};
-  Value<std::uint64_t> largest{
-      *this,
-      "--largest",
-      "N",
-      parse_positive_count,
-      "Keep the N bodies of the largest area, with the cavities in them (default: 1). --drop-components and "
-      "--fill-cavities come first.",
-      About::surface | About::edit,
-      IfLeftOut{"1"}};
+  Value<std::uint64_t> largest{*this,
+                               "--largest",
+                               "N",
+                               parse_positive_count,
+                               "Keep the N bodies of largest area (default: 1). Their cavities stay. --drop-components "
+                               "and --fill-cavities come first.",
+                               About::surface | About::edit,
+                               IfLeftOut{"1"}};
   Flag split{*this, "--split-components",
-             "Write each body, with the cavities in it, as a mesh of its own, the largest first: in one file as "
-             "'NAME piece 1' and so on, or with {piece} in the name after -o as a file each.",
+             "Write each body as a mesh of its own. The largest comes first, each with its cavities. They are called "
+             "'NAME piece 1' and so on in one file, or {piece} in the name after -o gives each its own file.",
              About::surface | About::edit};
   Value<convert::SmoothChoice> smooth{
       *this,
       "--smooth",
       "N[:taubin|sinc[:BAND]]",
       parse_smoothing,
-      "Smooth the surface by N passes of Taubin's filter (the default) or of a windowed sinc, which keep its size. "
-      "BAND is what passes, between 0 and 1 (default: 0.1): a smaller one smooths more. Vertices of open borders stay "
-      "where they are, and those of caps in their plane. How far vertices moved, and by how much the volume changed, "
-      "is told.",
+      "Smooth the surface by N passes of a filter. taubin (the default) and sinc (a windowed sinc) keep its size. "
+      "BAND, from 0 to 1 (default: 0.1), is the pass band: a smaller one smooths more. Boundary vertices stay in "
+      "place, and those of caps in their plane. Reports how far vertices moved and how much the volume changed.",
       About::surface | About::edit};
 
   [[nodiscard]] convert::SurfaceEdits chosen() const {
