@@ -10,11 +10,11 @@ import time
 from support import PROGRAM, SPHERE, ProgramTest, main, read_glb, read_ply
 
 
-def output_on_terminal(arguments, folder, stdout=subprocess.DEVNULL, sleep=0.0):
+def output_on_terminal(arguments, folder, stdout=subprocess.DEVNULL, sleep=0.0, **variables):
     """What the program writes to stderr where that is a terminal, and its exit code. Early in its work it is made to
     sleep, so that the work takes long on fast machines too."""
     ours, theirs = pty.openpty()
-    environment = {**os.environ, "TERM": "xterm"}
+    environment = {**os.environ, "TERM": "xterm", **variables}
     options = {"stdout": theirs if stdout == "terminal" else stdout}
     with subprocess.Popen([PROGRAM, *arguments], cwd=folder, stdin=subprocess.DEVNULL, stderr=theirs, env=environment,
                           **options) as process:
@@ -162,6 +162,17 @@ class StreamsTest(ProgramTest):
         text, code = output_on_terminal([SPHERE, "--iso", "0"], self.folder)
         self.assertEqual(code, 0)
         self.assertNotIn("\x1b", text)
+
+    def test_colors_on_a_terminal_unless_refused(self):
+        arguments = ["none.vdb", "--iso", "0"]
+        text, code = output_on_terminal(arguments, self.folder)
+        self.assertEqual(code, 2)
+        self.assertIn("isoextract: \x1b[1;31merror:\x1b[0m none.vdb", text)
+        self.assertIn("\x1b[1;31m", output_on_terminal(arguments, self.folder, NO_COLOR="")[0])
+        for variables in ({"NO_COLOR": "1"}, {"TERM": "dumb"}):
+            text, code = output_on_terminal(arguments, self.folder, **variables)
+            self.assertIn("isoextract: error: none.vdb", text)
+            self.assertNotIn("\x1b", text)
 
     def test_binary_data_does_not_go_to_a_terminal(self):
         arguments = [SPHERE, "--iso", "0", "-o", "-", "--format"]
