@@ -100,8 +100,8 @@ Result<void> run_jet(const JetPlan& plan, const Messages& messages) { return Jet
 }  // namespace
 
 std::unique_ptr<Command> make_jet_command() {
-  return std::make_unique<PlannedCommand<JetFlags, plan_jet, run_jet>>(CommandWords{
-      "jet", "-o FILE [options]", "Simulate a jet into a tank, by position-based fluids."});
+  return std::make_unique<PlannedCommand<JetFlags, plan_jet, run_jet>>(
+      CommandWords{"jet", "-o FILE [options]", "Simulate a jet into a tank, by position-based fluids."});
 }
 
 }  // namespace isoextract::cli

@@ -191,8 +191,8 @@ Result<std::vector<SequenceFrame>> check_sequence(const SequencePlan& plan) {
 
 std::unique_ptr<Command> make_simulate_command() {
   auto simulate = std::make_unique<SimulateCommand>();
-  simulate->add(std::make_unique<PlannedCommand<WaterFlags, plan_water, run_water>>(CommandWords{
-      "water", "-o FILE [options]", "Simulate water over hills, by a cellular automaton."}));
+  simulate->add(std::make_unique<PlannedCommand<WaterFlags, plan_water, run_water>>(
+      CommandWords{"water", "-o FILE [options]", "Simulate water over hills, by a cellular automaton."}));
   simulate->add(make_jet_command());
   return simulate;
 }
