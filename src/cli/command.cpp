@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "cli/options/run.hpp"
-
 namespace isoextract::cli {
 
 std::vector<std::string> Command::path() const {
@@ -45,13 +43,11 @@ const Command& Command::program() const { return outer_ == nullptr ? *this : out
 bool Command::is_default() const { return outer_ != nullptr && this == &default_command(program()); }
 
 std::optional<HelpDetail> Command::help_asked() const {
-  const auto is_given = [this](std::string_view name) { return !options().find(name)->texts().empty(); };
-  if (is_given(kHelpAllName)) return HelpDetail::all;
-  return is_given(split_names(kHelpNames).back()) ? std::optional(HelpDetail::summaries) : std::nullopt;
-}
-
-bool Command::is_help(const Option& option) const {
-  return option.name() == split_names(kHelpNames).back() || option.name() == kHelpAllName;
+  std::optional<HelpDetail> asked;
+  for (const Option* option : options().options()) {
+    if (option->help() && !option->texts().empty()) asked = option->help();
+  }
+  return asked;
 }
 
 std::string Command::hint_for_option_of_default(std::string_view option) const {

@@ -17,12 +17,6 @@ namespace isoextract::cli {
 
 inline constexpr int kDone = 0;  // the exit code
 
-// How much the help of a command says.
-enum class HelpDetail {
-  summaries,  // a line an option: --help
-  all,        // the whole text of each option, and examples: --help-all
-};
-
 struct CommandWords {
   std::string name;
   std::string operands;  // in the synopsis, after the name: "INPUT... [options]"
@@ -57,8 +51,6 @@ class Command {
   virtual void forget() = 0;
   // What the words that were given ask for, if they ask for help.
   [[nodiscard]] std::optional<HelpDetail> help_asked() const;
-  // Whether the option is one of those that ask for help.
-  [[nodiscard]] bool is_help(const Option& option) const;
 
   // Checks the words of the command together, before anything else.
   [[nodiscard]] virtual Result<void> check_words() const { return {}; }

@@ -163,7 +163,7 @@ Result<void> take_values(OptionSet& options) {
 Result<void> check_inner_name(const Command& command, const std::vector<std::string>& words) {
   if (command.inner().empty() || words.empty()) return {};
   const Option* const option = command.options().find(words.front());
-  if (option != nullptr && command.is_help(*option)) return {};
+  if (option != nullptr && option->help()) return {};
   const std::vector<std::string> names = command.inner_names();
   const std::string near = nearest_name(words.front(), names);
   return fail(ErrorCode::usage,

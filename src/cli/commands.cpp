@@ -39,8 +39,7 @@ constexpr std::array kCommands{
 };
 
 struct ProgramFlags : OptionSet {
-  Flag help{*this, kHelpNames, "Show the first page of the help and exit."};
-  Flag help_all{*this, kHelpAllName, "Show all about each option of convert and exit."};
+  HelpOptions help{*this};
   Flag version{*this, "--version", "Show the version and exit."};
 };
 
@@ -55,7 +54,7 @@ class Program final : public CommandOf<ProgramFlags> {
       return std::ranges::find(arguments, option.name()) != arguments.end();
     };
     TRY(print_to_stdout(is_given(flags().version)    ? fmt::format("{}\n", generator())
-                        : is_given(flags().help_all) ? help_of_command(default_command(*this), HelpDetail::all)
+                        : is_given(flags().help.all) ? help_of_command(default_command(*this), HelpDetail::all)
                                                      : help_overview(*this)));
     return kDone;
   }

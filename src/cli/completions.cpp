@@ -168,7 +168,7 @@ std::string fish_positional(const Command& command, const Option& option) {
 std::string bash_completion(const Command& program) {
   std::vector<std::string> other_options;  // options that are given without a command
   for (const Option* option : program.options().options()) {
-    if (!program.is_help(*option)) other_options.push_back(option->name());
+    if (!option->help()) other_options.push_back(option->name());
   }
   std::string commands;
   for (const Command* command : all_commands(program)) commands += bash_command(*command);
@@ -303,7 +303,7 @@ complete -c isoextract -f
                        fish_quoted(short_text(command->summary())));
   }
   for (const Option* option : program.options().options()) {
-    if (program.is_help(*option)) continue;
+    if (option->help()) continue;
     out += fmt::format("complete -c isoextract -n __isoextract_first_word -l {} -d {}\n", option->key(),
                        fish_quoted(short_text(option->row().help)));
   }

@@ -67,9 +67,7 @@ class ConfigReader {
     return {};
   }
 
-  [[nodiscard]] bool may_stand_in_file(const Option& option) const {
-    return !command_.is_help(option) && &option != &config_;
-  }
+  [[nodiscard]] bool may_stand_in_file(const Option& option) const { return !option.help() && &option != &config_; }
 
   [[nodiscard]] tl::unexpected<Error> unknown(const std::string& key, const toml::node& node) const {
     std::vector<std::string> known{std::string(kInputKey)};

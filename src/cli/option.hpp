@@ -76,6 +76,12 @@ constexpr About operator&(About a, About b) {
   return static_cast<About>(static_cast<std::uint32_t>(a) & static_cast<std::uint32_t>(b));
 }
 
+// How much the help of a command says.
+enum class HelpDetail {
+  summaries,  // a line an option: --help
+  all,        // the whole text of each option, and examples: --help-all
+};
+
 class Option;
 class OptionSet;
 
@@ -178,6 +184,9 @@ class Option {
   [[nodiscard]] const std::vector<std::string>& texts() const { return texts_; }
   void add_text(std::string text) { texts_.push_back(std::move(text)); }
   [[nodiscard]] virtual Result<void> take() = 0;
+
+  // Which help the option asks for; none for all options but HelpFlag.
+  [[nodiscard]] virtual std::optional<HelpDetail> help() const { return std::nullopt; }
 
   // Whether it has a value now, whoever gave it.
   [[nodiscard]] virtual bool is_set() const = 0;
@@ -317,6 +326,18 @@ class Flag : public Option {
 
  private:
   bool on_ = false;
+};
+
+// An option that asks for help in place of a run.
+class HelpFlag : public Flag {
+ public:
+  HelpFlag(const Place& place, std::string_view names, HelpDetail detail, std::string help)
+      : Flag(place, names, std::move(help)), detail_(detail) {}
+
+  [[nodiscard]] std::optional<HelpDetail> help() const override { return detail_; }
+
+ private:
+  HelpDetail detail_;
 };
 
 }  // namespace isoextract::cli

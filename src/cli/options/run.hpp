@@ -14,8 +14,13 @@
 
 namespace isoextract::cli {
 
-inline constexpr std::string_view kHelpNames = "-h,--help";
-inline constexpr std::string_view kHelpAllName = "--help-all";
+// The options of every command, and of the program, that ask for help.
+struct HelpOptions : OptionSet {
+  explicit HelpOptions(OptionSet& command) : OptionSet(command, OptionGroup::run) {}
+
+  HelpFlag summaries{*this, "-h,--help", HelpDetail::summaries, "Show the help and exit."};
+  HelpFlag all{*this, "--help-all", HelpDetail::all, "Show the whole text of each option and exit."};
+};
 
 // The last options of every command.
 struct RunFlags : OptionSet {
@@ -34,8 +39,7 @@ struct RunFlags : OptionSet {
       "Number of threads (default: all). The output does not depend on it. With 1 the program starts no other thread."};
   Flag quiet{from(Taken::quiet), "-q,--quiet", "Print errors and results only."};
   Flag verbose{from(Taken::verbosity), "-v,--verbose", "Print the time of each stage and the peak memory."};
-  Flag help{*this, kHelpNames, "Show a line about each option and exit."};
-  Flag help_all{*this, kHelpAllName, "Show all about each option and exit."};
+  HelpOptions help{*this};
 };
 
 struct DeviceFlags : OptionSet {
