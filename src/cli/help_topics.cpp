@@ -172,7 +172,7 @@ std::string examples_text() {
 std::string first_examples_text() {
   std::string out = "Examples:\n";
   for (const Example& example : examples()) {
-    if (!example.brief.empty()) out += fmt::format("  {:<57} # {}\n", example.command, example.brief);
+    if (!example.brief.empty()) out += fmt::format("  {:<58} # {}\n", example.command, example.brief);
   }
   return out;
 }
