@@ -1,5 +1,10 @@
 // The report of one conversion stage: named figures, sentences about them, and the stage's time. JSON reports, tables,
 // pages and printed lines are all made from these reports.
+//
+// A new figure needs a value of Key; a stage without lines of its own prints its figures as they are. A new section of
+// the report is a stage with a `section` in kStages, and an optional property in report.schema.json, which rejects
+// properties that it does not know. tests/cli/report_test.py validates reports, and compares their figures with the
+// files. Work that a stage left out is a WorkFact (work_facts.hpp), so that --explain prints it as well.
 #pragma once
 
 #include <array>

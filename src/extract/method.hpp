@@ -3,6 +3,15 @@
 //
 // Code that measures or compares surfaces checks the traits first. It reports a question that does not apply to a
 // method by the sentences below, instead of measuring.
+//
+// A new method adds itself to Method and gets a row here. It keeps the promises of extractor.hpp, and skips bricks that
+// iso cannot cross. A method that works cell by cell has a case table (cell_tables.hpp): corner order, bit order and a
+// drawing at its top, and a test of all cases for orientation and closure. Papers and equations are cited at the top of
+// the file. If the GPU draws the method, pipeline_of (src/gpu/detail/drawn_surface.cpp) names its pipeline.
+//
+// method_traits_test.cpp measures every trait. The suites of tests/unit/extract run over all rows, or over the rows
+// with a trait (tests/support/methods.hpp). exact_topology_test.cpp compiles only after sample_joins defines what
+// decides the topology. Add tests of promises that only the new method makes.
 #pragma once
 
 #include <array>

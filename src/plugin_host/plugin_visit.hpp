@@ -1,5 +1,9 @@
 // Reads a file with a plug-in, in a child process or, for trusted files, in this one. Callers see the same interface,
 // and must validate the results in both cases.
+//
+// A plug-in that crashes, hangs or gives false sizes makes an error of the file. A new kind of plug-in that reads files
+// must use this header, too; tests/plugins/hostile_volume.cpp plays a broken library. A debugger wants --in-process, or
+// a program that does not call run_as_plugin_reader, such as a fuzz target: both read in their own process.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 // Conversions in which one allocation fails, on any thread: one run for each allocation. Each run ends with an error
 // about memory, or writes the same files in another way. It leaves no partial file, and leaks neither memory nor open
-// or mapped files.
+// or mapped files. Add each new stage of a conversion to one of these conversions.
 #include <cstdint>
 #include <exception>
 #include <filesystem>

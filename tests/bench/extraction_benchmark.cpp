@@ -1,5 +1,20 @@
 // isoextract's extractor beside VTK's and OpenVDB's, in one process, on the same samples in memory, in alternating
-// rounds; and beside plain reading and writing of as many bytes. CONTRIBUTING.md says how to run it.
+// rounds; and beside plain reading and writing of as many bytes.
+//
+//   scripts/setup.sh bench                                    VTK, OpenVDB and vdb_tool
+//   cmake --preset bench && cmake --build --preset bench
+//   build/bench/extraction_benchmark                          all inputs at 256^3 and 512^3
+//   build/bench/extraction_benchmark --fields sphere --sizes 1024 --types u8 --peers FlyingEdges3D
+//   build/bench/extraction_benchmark --self --fields gyroid --sizes 256,512,1024    threads, and growth with the bytes
+//
+// Each contestant first runs once, which is reported apart, then all run in turn, so that a disturbance hits all of
+// them. --runs sets the number of rounds (default: 7). The clock measures the extraction only; outputs are freed off
+// the clock. A ratio is the median of the ratios of all rounds, below 1 if isoextract was faster. A first run is cold
+// only for the first input of a process, because isoextract keeps memory for the next. The rows "read samples once" and
+// "write output once" only touch memory: an extraction takes at least their sum. --json writes every round.
+//
+// benchmark_inputs.cpp lists the inputs; another program is a Contestant (contestant.hpp). scripts/compare_speed.py
+// compares whole commands from file to file, and `isoextract bench` compares the program's own error and time.
 #include <algorithm>
 #include <charconv>
 #include <fstream>

@@ -1,4 +1,8 @@
-"""What the command-line tests share: running the program, and reading what it wrote."""
+"""What the command-line tests share: running the program, and reading what it wrote.
+
+A test limits the processor time, the memory or the calls of a run, never how long it takes: see processor_time_below. A
+test whose tool is missing fails and names the package (needs_program). Only tests on real volumes skip (needs_data).
+"""
 
 import contextlib
 import ctypes

@@ -1,5 +1,10 @@
 // Shared code of the particle readers: their exceptions, and the interface that particle_reader.cpp calls. Readers fail
 // by exceptions within this room, as any value deep inside a loop can be invalid.
+//
+// A format describes the columns of its rows as a ParticleTable; choose_columns finds position and attributes among
+// them, and a ColumnSink stores each number. It reads the file block by block and inflated, through ContentReader. It
+// compares counts of a header with the bytes that follow (check_count) before make_particles reserves memory. Messages
+// name the line or the byte.
 #pragma once
 
 #include <cstdint>
