@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "base/csv.hpp"
+#include "convert/json_documents.hpp"
 #include "convert/json_values.hpp"
 
 namespace isoextract::batch {
@@ -82,41 +83,46 @@ std::string table_csv(std::span<const FrameRow> rows) {
   return text;
 }
 
+Json row_json(const FrameRow& row) {
+  Json surfaces = Json::array();
+  for (const SurfaceFigures* figures : rows_of(row.figures)) {
+    const SurfaceFigures& surface = *figures;
+    surfaces.push_back({{"iso", surface.iso},
+                        {"asked", surface.asked.empty() ? Json(nullptr) : Json(surface.asked)},
+                        {"triangles", surface.triangles},
+                        {"vertices", convert::optional_json(surface.vertices)},
+                        {"area", convert::optional_json(surface.area)},
+                        {"volume", convert::optional_json(surface.volume)},
+                        {"closed", convert::optional_json(surface.closed)},
+                        {"components", convert::optional_json(surface.components)},
+                        {"output", surface.output.empty() ? Json(nullptr) : Json(surface.output)},
+                        {"bytes", convert::optional_json(surface.bytes)},
+                        {"error_rms", convert::optional_json(surface.error_rms)},
+                        {"error_max", convert::optional_json(surface.error_max)},
+                        {"coverage_rms", convert::optional_json(surface.coverage_rms)},
+                        {"coverage_max", convert::optional_json(surface.coverage_max)},
+                        {"grid", surface.grid.empty() ? Json(nullptr) : Json(surface.grid)}});
+  }
+  const bool known = has_figures(row);
+  return {{"frame", row.frame},
+          {"input", row.input},
+          {"outputs", row.outputs},
+          {"status", word_of(row.status)},
+          {"surfaces", std::move(surfaces)},
+          {"time_step", row.figures.time_step.empty() ? Json(nullptr) : Json(row.figures.time_step)},
+          {"lacked_attributes", row.figures.lacked_attributes},
+          {"unit", row.figures.unit.empty() ? Json(nullptr) : Json(row.figures.unit)},
+          {"seconds", known ? Json(row.figures.wall_seconds) : Json(nullptr)},
+          {"memory", known ? Json(row.figures.memory) : Json(nullptr)},
+          {"bytes", known ? Json(row.figures.bytes) : Json(nullptr)},
+          {"error", row.error.empty() ? Json(nullptr) : Json(row.error)}};
+}
+
 Json table_json(std::span<const FrameRow> rows) {
   Json list = Json::array();
   for (const FrameRow& row : rows) {
-    Json surfaces = Json::array();
-    for (const SurfaceFigures* figures : rows_of(row.figures)) {
-      const SurfaceFigures& surface = *figures;
-      surfaces.push_back({{"iso", surface.iso},
-                          {"asked", surface.asked.empty() ? Json(nullptr) : Json(surface.asked)},
-                          {"triangles", surface.triangles},
-                          {"vertices", convert::optional_json(surface.vertices)},
-                          {"area", convert::optional_json(surface.area)},
-                          {"volume", convert::optional_json(surface.volume)},
-                          {"closed", convert::optional_json(surface.closed)},
-                          {"components", convert::optional_json(surface.components)},
-                          {"output", surface.output.empty() ? Json(nullptr) : Json(surface.output)},
-                          {"bytes", convert::optional_json(surface.bytes)},
-                          {"error_rms", convert::optional_json(surface.error_rms)},
-                          {"error_max", convert::optional_json(surface.error_max)},
-                          {"coverage_rms", convert::optional_json(surface.coverage_rms)},
-                          {"coverage_max", convert::optional_json(surface.coverage_max)},
-                          {"grid", surface.grid.empty() ? Json(nullptr) : Json(surface.grid)}});
-    }
-    const bool known = has_figures(row);
-    list.push_back({{"frame", row.frame},
-                    {"input", row.input},
-                    {"outputs", row.outputs},
-                    {"status", word_of(row.status)},
-                    {"surfaces", std::move(surfaces)},
-                    {"time_step", row.figures.time_step.empty() ? Json(nullptr) : Json(row.figures.time_step)},
-                    {"lacked_attributes", row.figures.lacked_attributes},
-                    {"unit", row.figures.unit.empty() ? Json(nullptr) : Json(row.figures.unit)},
-                    {"seconds", known ? Json(row.figures.wall_seconds) : Json(nullptr)},
-                    {"memory", known ? Json(row.figures.memory) : Json(nullptr)},
-                    {"bytes", known ? Json(row.figures.bytes) : Json(nullptr)},
-                    {"error", row.error.empty() ? Json(nullptr) : Json(row.error)}});
+    Json& entry = list.emplace_back(Json{{"schema", word_of(convert::JsonDocument::table)}});
+    entry.update(row_json(row));
   }
   return list;
 }

@@ -17,6 +17,7 @@
 
 #include "base/version.hpp"
 #include "batch/frame_range.hpp"
+#include "convert/json_documents.hpp"
 #include "convert/json_values.hpp"
 #include "files/output_file.hpp"
 #include "files/text_file.hpp"
@@ -54,7 +55,8 @@ std::optional<Json> take_record_line(std::string_view& text) {
 }
 
 Json json_of(const ManifestHeader& header) {
-  return {{"isoextract_manifest", kManifestVersion},
+  return {{"schema", word_of(convert::JsonDocument::manifest)},
+          {"isoextract_manifest", kManifestVersion},
           {"program", header.program},
           {"batch", header.batch},
           {"frames", header.frames},

@@ -10,6 +10,7 @@
 #include "base/printable.hpp"
 #include "batch/frame_range.hpp"
 #include "cli/remedies.hpp"
+#include "convert/json_documents.hpp"
 #include "convert/json_values.hpp"
 
 namespace isoextract::cli {
@@ -36,7 +37,8 @@ std::string speed_text(std::uint64_t done, std::uint64_t total, double seconds) 
 BatchProgress::BatchProgress(ProgressStyle style, const Messages& messages, std::uint64_t frames)
     : style_(style), messages_(messages), frames_(frames) {
   progress_.begin("frames", frames);
-  if (style == ProgressStyle::json) line({{"event", "begin"}, {"frames", frames}});
+  if (style == ProgressStyle::json)
+    line({{"schema", word_of(convert::JsonDocument::progress)}, {"event", "begin"}, {"frames", frames}});
   const bool wanted = style == ProgressStyle::bar && messages.verbosity() != Verbosity::quiet;
   bar_.emplace(
       progress_, wanted,
@@ -110,7 +112,7 @@ void BatchProgress::over(const batch::FrameRow& row) {
   ++over_;
   if (style_ != ProgressStyle::json) return;
   convert::Json event{{"event", "frame"}, {"done", over_}, {"frames", frames_}, {"seconds_so_far", seconds()}};
-  event.update(batch::table_json({&row, 1}).front());
+  event.update(batch::row_json(row));
   line(event);
 }
 

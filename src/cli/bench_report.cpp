@@ -11,6 +11,7 @@
 #include "base/machine.hpp"
 #include "base/printable.hpp"
 #include "base/version.hpp"
+#include "convert/json_documents.hpp"
 #include "convert/json_values.hpp"
 
 namespace isoextract::cli {
@@ -248,8 +249,11 @@ convert::Json bench_json(const std::vector<bench::BenchResult>& results, int rep
                           {"rows", std::move(rows)},
                           {"orders", std::move(orders)}});
   }
-  return {
-      {"generator", generator()}, {"device", cpu_name()}, {"repeats", repeats}, {"benchmarks", std::move(benchmarks)}};
+  return {{"schema", word_of(convert::JsonDocument::bench)},
+          {"generator", generator()},
+          {"device", cpu_name()},
+          {"repeats", repeats},
+          {"benchmarks", std::move(benchmarks)}};
 }
 
 }  // namespace isoextract::cli

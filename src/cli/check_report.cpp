@@ -7,6 +7,7 @@
 
 #include "base/printable.hpp"
 #include "cli/layout.hpp"
+#include "convert/json_documents.hpp"
 #include "convert/json_values.hpp"
 
 namespace isoextract::cli {
@@ -300,7 +301,8 @@ Json check_json(const CheckReport& report) {
   }
   Json findings = Json::array();
   for (const Finding& finding : findings_of(report)) findings.push_back({{"who", finding.who}, {"text", finding.text}});
-  return {{"file", report.file},
+  return {{"schema", word_of(convert::JsonDocument::check)},
+          {"file", report.file},
           {"format", report.format},
           {"unit", report.unit ? Json(report.unit->name) : Json(nullptr)},
           {"welded", report.welded},

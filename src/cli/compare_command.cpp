@@ -18,6 +18,7 @@
 #include "cli/mistaken_files.hpp"
 #include "cli/planned_command.hpp"
 #include "cli/progress_bar.hpp"
+#include "convert/json_documents.hpp"
 #include "convert/json_values.hpp"
 #include "convert/placement_record.hpp"
 #include "mesh/metrics.hpp"
@@ -213,7 +214,8 @@ convert::Json direction_json(const accuracy::DirectedDistance& distance) {
 
 convert::Json comparison_json(const std::array<Side, 2>& sides, const accuracy::MeshDistance& distance,
                               const accuracy::AttributeMatches& attributes) {
-  return {{"a", side_json(sides[0])},
+  return {{"schema", word_of(convert::JsonDocument::compare)},
+          {"a", side_json(sides[0])},
           {"b", side_json(sides[1])},
           {"a_to_b", direction_json(distance.a_to_b)},
           {"b_to_a", direction_json(distance.b_to_a)},

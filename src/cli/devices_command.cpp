@@ -5,6 +5,7 @@
 #include "cli/command.hpp"
 #include "cli/messages.hpp"
 #include "cli/options/run.hpp"
+#include "convert/json_documents.hpp"
 #include "convert/json_values.hpp"
 #include "gl/gpu_device.hpp"
 
@@ -27,7 +28,8 @@ std::string device_text(const gl::GpuDevice& device) {
 }
 
 convert::Json device_json(const gl::GpuDevice& device) {
-  convert::Json json{{"index", device.index}, {"usable", !device.problem}};
+  convert::Json json{
+      {"schema", word_of(convert::JsonDocument::devices)}, {"index", device.index}, {"usable", !device.problem}};
   if (device.problem) {
     json["problem"] = device.problem->message;
     return json;

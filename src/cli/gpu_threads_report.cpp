@@ -7,6 +7,7 @@
 #include "base/byte_size.hpp"
 #include "base/version.hpp"
 #include "cli/bench_report.hpp"
+#include "convert/json_documents.hpp"
 #include "convert/json_values.hpp"
 
 namespace isoextract::cli {
@@ -72,7 +73,8 @@ convert::Json gpu_threads_json(const gpu::ThreadCreationResult& result, int repe
     }
     levels.push_back({{"size", level.size}, {"makers", std::move(makers)}});
   }
-  return {{"generator", generator()},
+  return {{"schema", word_of(convert::JsonDocument::gpu_threads)},
+          {"generator", generator()},
           {"device", describe(result.device)},
           {"repeats", repeats},
           {"copy_bytes_per_second", result.copy_bytes_per_second},

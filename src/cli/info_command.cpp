@@ -16,6 +16,7 @@
 #include "cli/mistaken_files.hpp"
 #include "cli/planned_command.hpp"
 #include "cli/progress_bar.hpp"
+#include "convert/json_documents.hpp"
 #include "convert/json_values.hpp"
 #include "convert/particle_source.hpp"
 #include "convert/source.hpp"
@@ -248,7 +249,8 @@ class InfoPage {
   template <class Report>
   void add(const Report& report, bool failed) {
     if (plan_.json) {
-      json_.push_back(json_of(report));
+      convert::Json& entry = json_.emplace_back(convert::Json{{"schema", word_of(convert::JsonDocument::info)}});
+      entry.update(json_of(report));
     } else if (!failed) {
       text_ += (text_.empty() ? "" : "\n") + text_of(report);
     }

@@ -13,6 +13,7 @@
 #include "cli/progress_bar.hpp"
 #include "cli/render_plan.hpp"
 #include "cli/scene_source.hpp"
+#include "convert/json_documents.hpp"
 #include "convert/json_values.hpp"
 #include "convert/output_checks.hpp"
 #include "convert/picture_file.hpp"
@@ -247,7 +248,9 @@ Result<void> run_render(const RenderPlan& plan, const Messages& messages) {
   Pictures pictures(plan, messages, *renderer, context);
   TRY(pictures.draw_all());
   if (plan.json) {
-    const convert::Json json{{"device", renderer->device()}, {"pictures", pictures.records()}};
+    const convert::Json json{{"schema", word_of(convert::JsonDocument::render)},
+                             {"device", renderer->device()},
+                             {"pictures", pictures.records()}};
     TRY(files::write_file(*plan.json, convert::json_text(json)));
   }
   if (plan.missing.empty()) return {};

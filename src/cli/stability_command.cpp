@@ -14,6 +14,7 @@
 #include "cli/plan.hpp"
 #include "cli/threads.hpp"
 #include "cli/water_report.hpp"
+#include "convert/json_documents.hpp"
 #include "convert/json_values.hpp"
 
 namespace isoextract::cli {
@@ -76,12 +77,17 @@ std::string list_text(const std::vector<const bench::StabilityCase*>& cases, boo
 convert::Json list_json(const std::vector<const bench::StabilityCase*>& cases, bool water) {
   convert::Json json = convert::Json::array();
   for (const bench::StabilityCase* test : cases) {
-    json.push_back({{"case", test->name},
+    json.push_back({{"schema", word_of(convert::JsonDocument::stability_cases)},
+                    {"case", test->name},
                     {"extreme", test->extreme},
                     {"plain_float32", test->plain},
                     {"plain_float32_fails", test->plain_fails}});
   }
-  if (water) json.push_back({{"case", kWaterCases}, {"extreme", water_extremes()}});
+  if (water) {
+    json.push_back({{"schema", word_of(convert::JsonDocument::stability_cases)},
+                    {"case", kWaterCases},
+                    {"extreme", water_extremes()}});
+  }
   return json;
 }
 
@@ -195,7 +201,8 @@ Result<void> run_stability(const StabilityFlags& flags, const Messages& messages
     water_rows = TRY(simulate::run_water_stability(simulate::kStabilitySteps, Context()));
   }
   const std::size_t failed = count_failed(rows) + cli::count_failed(water_rows);
-  convert::Json json{{"version", version()}, {"passed", failed == 0}};
+  convert::Json json{
+      {"schema", word_of(convert::JsonDocument::stability)}, {"version", version()}, {"passed", failed == 0}};
   json["rows"] = convert::Json::array();
   for (const bench::StabilityRow& row : rows) json["rows"].push_back(row_json(row));
   if (water) json["water"] = water_json(water_rows);

@@ -17,6 +17,7 @@
 #include "cli/verification_text.hpp"
 #include "convert/conversion.hpp"
 #include "convert/field_label.hpp"
+#include "convert/json_documents.hpp"
 #include "convert/json_values.hpp"
 #include "convert/placement_record.hpp"
 #include "convert/source.hpp"
@@ -96,7 +97,9 @@ Result<convert::VerificationRecord> compare_surface(const VerifyPlan& plan, doub
 std::string records_json(const std::vector<convert::VerificationRecord>& records) {
   const auto json_of = [](const convert::VerificationRecord& record) {
     const convert::StageReport report = convert::report_of(record, "");
-    return entry_of(report, report.entries.front());
+    convert::Json json{{"schema", word_of(convert::JsonDocument::verify)}};
+    json.update(entry_of(report, report.entries.front()));
+    return json;
   };
   if (records.size() == 1) return convert::json_text(json_of(records.front()));
   convert::Json array = convert::Json::array();
@@ -234,7 +237,8 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
   }
   const std::vector<std::string> found = accuracy::differences(match, {"the file", "the volume's surface"});
   if (plan.json) {
-    convert::Json json = convert::json_of(match, found);
+    convert::Json json{{"schema", word_of(convert::JsonDocument::verify)}};
+    json.update(convert::json_of(match, found));
     json["backend"] = anew.backend;
     json["stages"] = anew.stages;
     TRY(print_to_stdout(convert::json_text(json)));

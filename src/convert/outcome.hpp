@@ -1,6 +1,6 @@
-// The outcome of one conversion, and the JSON report of it (`--report FILE.json`). docs/report.schema.json describes
-// the report and must change with it. Raise kReportSchemaVersion if a reader of the old report would misread the new
-// one.
+// The outcome of one conversion, and the JSON report of it (`--report FILE.json`). docs/schemas/report.schema.json
+// describes the report and must change with it. Raise kReportSchemaVersion if a reader of the old report would misread
+// the new one.
 //
 // The report has one section for each stage with StageInfo::section (stages.hpp).
 #pragma once

@@ -16,7 +16,7 @@
 
 namespace isoextract::convert {
 
-// Words of the JSON report; docs/report.schema.json lists them.
+// Words of the JSON report; docs/schemas/report.schema.json lists them.
 enum class WorkTopic {
   grids,
   resolution,

@@ -17,7 +17,7 @@ except ImportError:
 MIB = 1 << 20
 # The program and its libraries, the stacks of its threads, and small things that nobody reserves.
 OVERHEAD = 64 * MIB
-SCHEMA = json.loads((SOURCE / "docs" / "check.schema.json").read_text())
+SCHEMA = json.loads((SOURCE / "docs" / "schemas" / "check.schema.json").read_text())
 FORMATS = ("glb", "gltf", "ply", "obj", "stl", "drc")
 CUBE = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
 FACES = [(0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4), (2, 6, 3), (3, 6, 7), (0, 4, 2), (2, 4, 6), (1, 3, 5),

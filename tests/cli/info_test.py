@@ -15,7 +15,7 @@ try:
 except ImportError:
     sys.exit(f"{sys.executable} has no module jsonschema: {INSTALL}, as python3-jsonschema, for Debian's own python3")
 
-SCHEMA = json.loads((SOURCE / "docs" / "info.schema.json").read_text())
+SCHEMA = json.loads((SOURCE / "docs" / "schemas" / "info.schema.json").read_text())
 
 RAMP = ("ramp.raw", "--dims", "4,5,6", "--dtype", "f32")
 

@@ -17,7 +17,7 @@ try:
 except ImportError:
     sys.exit(f"{sys.executable} has no module jsonschema: {INSTALL}, as python3-jsonschema, for Debian's own python3")
 
-SCHEMA = json.loads((SOURCE / "docs" / "report.schema.json").read_text())
+SCHEMA = json.loads((SOURCE / "docs" / "schemas" / "report.schema.json").read_text())
 PLUGIN = pathlib.Path(PROGRAM).parent / "plugins" / "isoextract-volume-openvdb.so"
 METABALLS = SOURCE / "samples" / "metaballs.vdb"
 
