@@ -63,7 +63,7 @@ struct FrameRow {
 // each of its rows.
 [[nodiscard]] std::string table_csv(std::span<const FrameRow> rows);
 
-// Returns a frame with a list of its surfaces or of the files of their pieces. Unknown values are null.
+// Returns a frame as an object with a list of its rows_of(). Unknown values are null.
 [[nodiscard]] convert::Json row_json(const FrameRow& row);
 // Returns a list of row_json() of the frames, each with the name and version of the document.
 [[nodiscard]] convert::Json table_json(std::span<const FrameRow> rows);

@@ -24,8 +24,7 @@ enum class JsonDocument {
   table,
   verify,
 };
-// The values of the member "schema": of the document; if that is an array, of each of its elements; if it is lines, of
-// the first line.
+// Returns the values of the member "schema". An array has it in each of its elements, lines in the first of them.
 constexpr auto words_of(JsonDocument /*type*/) {
   return std::array{Word{JsonDocument::bench, "isoextract/bench/1"},
                     Word{JsonDocument::check, "isoextract/check/1"},

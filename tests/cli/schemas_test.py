@@ -482,8 +482,6 @@ class SchemasTest(ProgramTest):
             self.assertEqual(run.returncode, 0, f"{block}\n{run.stderr}")
             self.assertTrue(run.stdout.strip() or run.stderr.strip(), block)
             self.assertNotIn("null", run.stdout, block)
-            if os.environ.get("SHOW_RECIPES"):
-                print(block, run.stdout, run.stderr)
 
 
 if __name__ == "__main__":
