@@ -298,7 +298,8 @@ class BatchFaultsTest(ProgramTest):
     def test_a_reader_of_the_progress_that_leaves(self):
         self.write_frames(6)
         whole = self.undisturbed()
-        for options, first in (("--progress json", b'{"event":"begin","frames":6}\n'), ("-v", b"frame 1: in_01.raw: ")):
+        begin = b'{"schema":"isoextract/progress/1","event":"begin","frames":6}\n'
+        for options, first in (("--progress json", begin), ("-v", b"frame 1: in_01.raw: ")):
             shutil.rmtree(self.folder / "out", ignore_errors=True)
             command = f'"$@" {options} 2>&1 | head -n 1; exit ${{PIPESTATUS[0]}}'
             done = subprocess.run(["bash", "-c", command, "-", PROGRAM, *self.arguments, "-o", "out/{:02}.ply"],
