@@ -1,4 +1,4 @@
-"""The tutorials of docs: the blocks of a page run from top to bottom in one folder, as a reader pastes them.
+"""The tutorials and recipes of docs: the blocks of a page run from top to bottom in one folder, as a reader pastes them.
 
 `sh` blocks run in bash, where each command must end with 0, or with N where its line ends with `# exit code N`. `python` blocks
 that follow one another are one program. The files that commands write by name must be there at the end of the page.
@@ -12,9 +12,9 @@ import shutil
 import subprocess
 import sys
 
-from support import PROGRAM, SOURCE, ProgramTest, main
+from support import PROGRAM, SOURCE, ProgramTest, main, needs_program
 
-PAGES = {"docs/get-started.md", *(f"docs/tutorials/{page.name}" for page in (SOURCE / "docs/tutorials").glob("*.md"))}
+PAGES = {"docs/get-started.md", "docs/json.md", *(f"docs/tutorials/{page.name}" for page in (SOURCE / "docs/tutorials").glob("*.md"))}
 OUTPUT_OPTIONS = ("-o", "--report", "--table", "--html", "--contact-sheet")
 HAS_OPENVDB = (pathlib.Path(PROGRAM).parent / "plugins" / "isoextract-grids-openvdb.so").exists()
 SECONDS = 600
@@ -57,7 +57,8 @@ def outputs_of(text):
 class TutorialsTest(ProgramTest):
     def setUp(self):
         super().setUp()
-        (self.folder / "samples").symlink_to(SOURCE / "samples")
+        for name in ("samples", "docs"):
+            (self.folder / name).symlink_to(SOURCE / name)
         (self.folder / "bin").mkdir()
         (self.folder / "bin" / "isoextract").symlink_to(PROGRAM)
 
@@ -65,7 +66,7 @@ class TutorialsTest(ProgramTest):
         text = (SOURCE / page).read_text()
         if "plug-in around OpenVDB" in text and not HAS_OPENVDB:
             self.skipTest(f"{page}: no plug-in around OpenVDB")
-        modules = sorted(set(re.findall(r"^import (numpy|pandas)\b", text, re.MULTILINE)))
+        modules = sorted(set(re.findall(r"^import (jsonschema|numpy|pandas)\b", text, re.MULTILINE)))
         python = python_with(modules or ["json"])
         if python is None:
             self.skipTest(f"{page}: no Python with {' and '.join(modules)}")
@@ -85,13 +86,14 @@ class TutorialsTest(ProgramTest):
         for name in (name for language, block in blocks if language == "sh" for name in outputs_of(block)):
             self.assertTrue(any(path.stat().st_size > 0 for path in self.folder.glob(name)), f"{page}: {name}")
 
+    @needs_program("jq")
     def test_the_pages_run_from_top_to_bottom(self):
         self.assertGreater(len(PAGES), 4)
         for page in sorted(PAGES):
             with self.subTest(page):
                 self.run_page(page)
                 for path in self.folder.iterdir():
-                    if path.name not in ("samples", "bin"):
+                    if path.name not in ("samples", "docs", "bin"):
                         shutil.rmtree(path) if path.is_dir() else path.unlink()
 
     def test_exit_codes_are_read_from_the_line(self):
