@@ -51,6 +51,7 @@ Result<Samples> coarsen_dense(const ScalarField& field, const DenseSamples& fine
   context.progress().begin("making the field coarser", static_cast<std::uint64_t>(coarse.dims.z));
   for_each_index(coarse.dims.z, [&](int k) {
     auto* row = values + static_cast<std::size_t>(coarse.dims.x) * static_cast<std::size_t>(coarse.dims.y) *
+    if (context.cancelled()) return;
                              static_cast<std::size_t>(k);
     for (int j = 0; j < coarse.dims.y; ++j) {
       for (int i = 0; i < coarse.dims.x; ++i) {
@@ -62,6 +63,7 @@ Result<Samples> coarsen_dense(const ScalarField& field, const DenseSamples& fine
     context.progress().advance(1);
   });
   coarse.data = values;
+  TRY(context.check());
   coarse.owner = std::move(made);
   return coarse;
 }
@@ -103,6 +105,7 @@ Result<Samples> coarsen_sparse(const ScalarField& field, const SparseSamples& fi
       const glm::ivec3 p = origins[b] + glm::ivec3(v >> 6, v >> 3 & 7, v & 7);
       values[b * kBlockSamples + static_cast<std::size_t>(v)] =
           static_cast<Coarse<T>>(mean(factor * p, factor, [&](const glm::ivec3& q) {
+    if (context.cancelled()) return;
             const glm::ivec3 origin = block_origin(q);
             const std::int32_t block = lookup.block(origin);
             return block >= 0 ? static_cast<double>(static_cast<const T*>(fine.blocks[block].values)[block_offset(q)])
@@ -115,6 +118,7 @@ Result<Samples> coarsen_sparse(const ScalarField& field, const SparseSamples& fi
     coarse.blocks.push_back({origins[b], values + b * kBlockSamples});
   }
   const IndexBox& active = fine.active_box;
+  TRY(context.check());
   if (!active.empty()) {
     for (int axis = 0; axis < 3; ++axis) {
       coarse.active_box.min[axis] = floor_divided(active.min[axis], factor);

@@ -12,7 +12,7 @@ namespace isoextract::field {
 //
 // Dense fields stay dense and lose the last samples of an axis if `factor` does not divide their number. Sparse fields
 // stay sparse, with blocks aligned to multiples of 8 * `factor` samples. Fails with ErrorCode::input if an axis would
-// have fewer than two samples, and with ErrorCode::out_of_memory.
+// have fewer than two samples, with ErrorCode::out_of_memory, and as Context::check() does.
 [[nodiscard]] Result<ScalarField> coarsen(const ScalarField& field, int factor, const Context& context);
 
 }  // namespace isoextract::field

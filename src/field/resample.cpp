@@ -327,6 +327,7 @@ void fill(const SourceRows<T>& source, const glm::ivec3& old_dims, const glm::iv
   const std::int64_t bands = (std::int64_t{dims.y} + kRows - 1) / kRows;
   context.progress().begin("resampling", static_cast<std::uint64_t>(bands * dims.z));
   for_each_index(bands * dims.z, [&](std::int64_t part) {
+    if (context.cancelled()) return;
     const auto k = static_cast<int>(part / bands);
     const int first = static_cast<int>(part % bands) * kRows;
     const int end = first + std::min(kRows, dims.y - first);
@@ -444,6 +445,7 @@ Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolu
   fill(SourceRows<T>(field.samples, box, nan), old_dims, resolution, weights, values->values.data(), context);
   samples.data = values->values.data();
   samples.owner = std::move(values);
+  TRY(context.check());
 
   Affine old_from_new = scaling(glm::dvec3(old_dims - 1) / glm::dvec3(resolution - 1));
   old_from_new.offset = box.min;

@@ -76,5 +76,17 @@ TEST(Coarsen, SparseKeepsTilesAndNegativeIndices) {
   EXPECT_EQ(at({0, 0, 0}).value, 0.5);
 }
 
+TEST(Coarsen, EndsEarlyWhenCancelled) {
+  const ScalarField dense = test::random_field<float>({16, 16, 16}, 3, 1000);
+  for (const ScalarField& field : {dense, test::sparse_copy<float>(dense, 0)}) {
+    const Context context;
+    context.cancel();
+    const auto made = coarsen(field, 2, context);
+    ASSERT_FALSE(made);
+    EXPECT_EQ(made.error().code, ErrorCode::cancelled);
+    EXPECT_EQ(context.progress().done(), 0U);
+  }
+}
+
 }  // namespace
 }  // namespace isoextract::field

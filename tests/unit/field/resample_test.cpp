@@ -420,5 +420,17 @@ TEST(Resample, DoesNotDependOnThreads) {
   }
 }
 
+TEST(Resample, EndsEarlyWhenCancelled) {
+  const ScalarField dense = test::random_field<float>({16, 16, 16}, 3, 1000);
+  for (const ScalarField& field : {dense, test::sparse_copy<float>(dense, 0)}) {
+    const Context context;
+    context.cancel();
+    const auto made = resample(field, {40, 40, 40}, kLinear, NanSamples::left_out, context);
+    ASSERT_FALSE(made);
+    EXPECT_EQ(made.error().code, ErrorCode::cancelled);
+    EXPECT_EQ(context.progress().done(), 0U);
+  }
+}
+
 }  // namespace
 }  // namespace isoextract::field
