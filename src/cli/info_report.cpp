@@ -197,8 +197,8 @@ void add_values(NamedLines& lines, const FieldReport& report) {
 
 void add_advice(NamedLines& lines, const FieldReport& report) {
   lines.add("memory", fmt::format("{} of samples", format_byte_size(report.size.sample_bytes)));
-  if (report.statistics.samples == 0) return;
   const field::IsoSuggestion& suggestion = report.suggestion;
+  if (report.statistics.samples == 0 && !suggestion.separates) return;
   if (!suggestion.separates) {
     const bool constant = report.statistics.min == report.statistics.max;
     lines.add("suggestion", constant ? std::string("none: the field is constant, and has no surface")

@@ -74,9 +74,11 @@ FrameSummary summary_of(std::int64_t frame, const InputReport& report) {
   summary.frame = frame;
   summary.input = report.input;
   summary.error = report.error;
-  if (!report.field || report.field->statistics.samples == 0) return summary;
-  summary.min = report.field->statistics.min;
-  summary.max = report.field->statistics.max;
+  if (!report.field) return summary;
+  if (report.field->statistics.samples > 0) {
+    summary.min = report.field->statistics.min;
+    summary.max = report.field->statistics.max;
+  }
   summary.passed = field::surface_range(report.field->field, report.field->statistics);
   if (report.field->suggestion.separates) {
     summary.iso = report.field->suggestion.iso;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -9,6 +10,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "base/parallel.hpp"
 #include "field/demo_field.hpp"
 #include "field/detail/sample_passes.hpp"
 #include "field/detail/value_tally.hpp"
@@ -261,14 +263,62 @@ double rounded_to_bin(double value, double bin_width) {
   return std::isfinite(rounded) ? rounded : value;
 }
 
-// Returns the range of the statistics and the background of a sparse field, which they leave out.
+template <class T>
+FieldStatistics statistics_of_samples(const ScalarField& field, Progress* progress, WithPercentiles percentiles) {
+  if constexpr (kCountable<T>) {
+    return statistics_of(Tally<T>(field, progress).values(field.scale), std::is_integral_v<T>);
+  } else {
+    FieldStatistics statistics;
+    const Range range = measure_range<T>(field, progress);
+    if constexpr (std::is_integral_v<T>) {
+      const bool is_narrow = range.finite > 0 && range.max - range.min < kCountedWidth;
+      if (is_narrow && field.scale.is_identity()) {
+        return statistics_of(count_values<T>(field, range, progress), true);
+      }
+    }
+    statistics.samples = range.finite;
+    statistics.nan = range.nan;
+    statistics.infinite = range.infinite;
+    if (range.finite == 0) return statistics;
+    const Histogram histogram = measure_histogram<T>(field, range, progress);
+    describe(range, histogram, statistics);
+    if (percentiles == WithPercentiles::yes) {
+      std::ranges::copy(percentiles_of(field, statistics.samples, told_percents(), progress),
+                        statistics.percentiles.begin());
+    }
+    return statistics;
+  }
+}
+
+// Returns whether a sparse level set has samples that are far inside.
+template <class T>
+bool has_far_inside(const ScalarField& field) {
+  const auto* sparse = std::get_if<SparseSamples>(&field.samples);
+  if (sparse == nullptr) return false;
+  const FarValues far(field, *sparse);
+  if (far.inside == far.background) return false;
+  if (std::ranges::find(sparse->tiles, far.inside, &SparseTile::value) != sparse->tiles.end()) return true;
+  std::atomic<bool> found{false};
+  for_each_index(sparse->blocks.size(), [&](std::size_t b) {
+    if (found) return;
+    const std::span values(static_cast<const T*>(sparse->blocks[b].values), kBlockSamples);
+    if (std::ranges::any_of(values, [&](T value) { return static_cast<double>(value) == far.inside; })) found = true;
+  });
+  return found;
+}
+
+// Returns the range of the statistics and the far values of a sparse field, which they leave out.
 Range whole_range(const ScalarField& field, const FieldStatistics& statistics) {
   Range range;
   if (statistics.samples > 0) {
     range.add(statistics.min, 1);
     range.add(statistics.max, 1);
   }
-  if (const auto* sparse = std::get_if<SparseSamples>(&field.samples)) range.add(field.scale(sparse->background), 1);
+  if (const auto* sparse = std::get_if<SparseSamples>(&field.samples)) {
+    const FarValues far(field, *sparse);
+    range.add(field.scale(far.background), 1);
+    if (statistics.far_inside) range.add(field.scale(far.inside), 1);
+  }
   return range;
 }
 
@@ -276,29 +326,9 @@ Range whole_range(const ScalarField& field, const FieldStatistics& statistics) {
 
 FieldStatistics measure_statistics(const ScalarField& field, Progress* progress, WithPercentiles percentiles) {
   return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
-    if constexpr (kCountable<T>) {
-      return statistics_of(Tally<T>(field, progress).values(field.scale), std::is_integral_v<T>);
-    } else {
-      FieldStatistics statistics;
-      const Range range = measure_range<T>(field, progress);
-      if constexpr (std::is_integral_v<T>) {
-        const bool is_narrow = range.finite > 0 && range.max - range.min < kCountedWidth;
-        if (is_narrow && field.scale.is_identity()) {
-          return statistics_of(count_values<T>(field, range, progress), true);
-        }
-      }
-      statistics.samples = range.finite;
-      statistics.nan = range.nan;
-      statistics.infinite = range.infinite;
-      if (range.finite == 0) return statistics;
-      const Histogram histogram = measure_histogram<T>(field, range, progress);
-      describe(range, histogram, statistics);
-      if (percentiles == WithPercentiles::yes) {
-        std::ranges::copy(percentiles_of(field, statistics.samples, told_percents(), progress),
-                          statistics.percentiles.begin());
-      }
-      return statistics;
-    }
+    FieldStatistics statistics = statistics_of_samples<T>(field, progress, percentiles);
+    statistics.far_inside = has_far_inside<T>(field);
+    return statistics;
   });
 }
 

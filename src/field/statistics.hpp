@@ -20,6 +20,7 @@ struct FieldStatistics {
   std::uint64_t samples = 0;  // number of finite samples
   std::uint64_t nan = 0;
   std::uint64_t infinite = 0;
+  bool far_inside = false;  // whether a sparse level set has samples equal to the negative of its background
   double min = 0;
   double max = 0;
   double mean = 0;
@@ -40,7 +41,8 @@ enum class WithPercentiles { yes, no };
 [[nodiscard]] FieldStatistics measure_statistics(const ScalarField& field, Progress* progress = nullptr,
                                                  WithPercentiles percentiles = WithPercentiles::yes);
 
-// The range of values that the surface can pass: the samples, and the background of a sparse field.
+// The range of values that the surface can pass: the samples, and the background of a sparse field and its negative in
+// a level set that has samples of that value.
 struct SurfaceRange {
   double min = 0;
   double max = 0;

@@ -8,7 +8,7 @@ import sys
 
 from support import DATA, INSTALL, PROGRAM, SOURCE, SPHERE, ProgramTest, main, needs_data
 
-from vdb_files import grid, vdb
+from vdb_files import counts, grid, vdb
 
 try:
     import jsonschema
@@ -195,6 +195,31 @@ class InfoTest(ProgramTest):
     def test_a_level_set_that_does_not_pass_zero_has_no_suggestion(self):
         text = self.info(*RAMP, "--inside", "below", "--origin", "0,0,0")
         self.assertIn("suggestion    none: no surface at 0, the zero of the level set\n", text)
+
+    def test_a_level_set_passes_zero_between_its_far_values(self):
+        """The statistics leave out the background and its negative, but the surface is between these."""
+        def write(name, voxels):
+            meta = {"class": ("string", b"level set"), **counts(voxels)}
+            (self.folder / name).write_bytes(vdb(grid(name="sdf", voxels=voxels, background=3.0, meta=meta)))
+
+        inside = {(x, y, z): -3.0 for x in range(4) for y in range(4) for z in range(4)}
+        write("set_1.vdb", inside | {(4, 0, 0): 1.0})
+        write("set_2.vdb", inside)
+        write("outside.vdb", {(4, 0, 0): 1.0})
+        for name, finite in (("set_1.vdb", 1), ("set_2.vdb", 0)):
+            self.assertIn("suggestion    --iso 0: the zero of the level set\n", self.info(name))
+            (report,) = self.json(name)
+            self.assertEqual((report["field"]["values"]["finite"], report["field"]["suggestion"]["iso"]), (finite, 0))
+            self.convert(name, "-o", "m.ply")
+        (report,) = self.json("set_{}.vdb")
+        self.assertEqual(report["suggestion"]["frames"], 2)
+        (report,) = self.json("outside.vdb")
+        self.assertIsNone(report["field"]["suggestion"])
+        self.assert_fails(2, self.run_program("set_1.vdb", "--iso", "5", "-o", "n.ply"),
+                          "no surface at iso 5", "values run from 1 to 1", "try --iso 0 (the zero of the level set)")
+        self.assert_fails(2, self.run_program("set_2.vdb", "--iso", "5", "-o", "n.ply"),
+                          "no surface at iso 5", "values run from -3 to 3", "try --iso 0 (the zero of the level set)")
+        self.assert_fails(2, self.run_program("set_1.vdb", "--roi", "40,40,40,50,50,50", "-o", "n.ply"), "--roi")
 
     def test_percentiles_of_integers_are_those_of_the_samples(self):
         for dtype, code, low, high in (("u8", "B", 0, 255), ("i16", "h", -3000, 3000), ("i32", "i", -(2**31), 2**31 - 1),

@@ -27,7 +27,8 @@ Error no_surface(const ConversionJob& job, const Source& source, const ResolvedI
             Remedy::allow_empty};
   }
   const field::FieldStatistics statistics = field::measure_statistics(source.field);
-  if (statistics.samples == 0) {
+  const auto passed = field::surface_range(source.field, statistics);
+  if (!passed || (statistics.samples == 0 && !statistics.far_inside)) {
     // Active voxels that have the background value are not stored, so statistics can be empty without NaN samples.
     const bool all_alike = statistics.nan == 0 && statistics.infinite == 0;
     return {ErrorCode::no_surface,
@@ -36,7 +37,9 @@ Error no_surface(const ConversionJob& job, const Source& source, const ResolvedI
             Remedy::allow_empty};
   }
   const double iso = asked.id.iso();
-  const bool region_hides_it = source.region && statistics.min <= iso && iso <= statistics.max;
+  const bool region_hides_it = source.region && passed->has_surface(iso);
+  const double min = statistics.samples > 0 ? statistics.min : passed->min;
+  const double max = statistics.samples > 0 ? statistics.max : passed->max;
   const field::IsoSuggestion suggestion = field::suggest_iso(source.field, statistics);
   const Hint other = suggestion.separates
                          ? Hint(Remedy::try_iso, fmt::format("{} ({})", suggestion.iso, suggestion.method))
@@ -45,7 +48,7 @@ Error no_surface(const ConversionJob& job, const Source& source, const ResolvedI
           fmt::format("{}: no surface at iso {}{}{}; the values {}run from {:.6g} to {:.6g}", source.label,
                       text_of(asked), source.region ? " in the region" : "",
                       job.source.resamples() ? " on the grid of another resolution" : "",
-                      source.region ? "of the whole field " : "", statistics.min, statistics.max),
+                      source.region ? "of the whole field " : "", min, max),
           region_hides_it ? Hint(Remedy::widen_region_or_skip) : other};
 }
 

@@ -359,5 +359,45 @@ TEST(SuggestIso, SuggestsIsoOfDemoField) {
   EXPECT_EQ(suggest_iso(*field, measure_statistics(*field)).iso, 0.5);
 }
 
+// A block of 3 with samples of -3 and one of 1, and tiles, over 3.
+template <class T>
+ScalarField level_set_with(std::size_t inside, std::vector<SparseTile> tiles) {
+  auto block = std::make_shared<std::vector<T>>(512, T(3.0F));
+  std::fill_n(block->begin(), inside, T(-3.0F));
+  (*block)[300] = T(1.0F);
+  SparseSamples sparse;
+  sparse.type = sample_type_of<T>();
+  sparse.blocks = {SparseBlock{glm::ivec3(0), block->data()}};
+  sparse.tiles = std::move(tiles);
+  sparse.background = 3;
+  sparse.owner = block;
+  ScalarField field;
+  field.kind = FieldKind::level_set;
+  field.samples = sparse;
+  return field;
+}
+
+// The statistics leave both far values of a level set out, but the surface passes between them.
+TEST(SuggestIso, SeparatesFarInsideFromBackground) {
+  const std::vector<SparseTile> tile{{glm::ivec3(8, 0, 0), 8, -3.0}};
+  const std::vector<SparseTile> other_tile{{glm::ivec3(8, 0, 0), 8, 2.0}};
+  for (const ScalarField& field : {level_set_with<float>(200, {}), level_set_with<Half>(200, {}),
+                                   level_set_with<float>(0, tile), level_set_with<Half>(0, tile)}) {
+    const FieldStatistics statistics = measure_statistics(field);
+    EXPECT_EQ(statistics.samples, 1U);
+    EXPECT_TRUE(suggest_iso(field, statistics).separates);
+    const auto range = surface_range(field, statistics);
+    ASSERT_TRUE(range);
+    EXPECT_EQ(range->min, -3);
+    EXPECT_EQ(range->max, 3);
+  }
+  for (const ScalarField& field : {level_set_with<float>(0, {}), level_set_with<Half>(0, other_tile)}) {
+    EXPECT_FALSE(suggest_iso(field, measure_statistics(field)).separates) << "no sample is inside";
+  }
+  ScalarField scaled = level_set_with<float>(200, {});
+  scaled.scale = {2, 10};
+  EXPECT_EQ(surface_range(scaled, measure_statistics(scaled))->min, 4);
+}
+
 }  // namespace
 }  // namespace isoextract::field
