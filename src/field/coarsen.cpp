@@ -77,8 +77,10 @@ Result<Samples> coarsen_sparse(const ScalarField& field, const SparseSamples& fi
   constexpr int kBlockSamples = kSize * kSize * kSize;
   SparseSamples coarse;
   coarse.type = sample_type_of<Coarse<T>>();
-  coarse.background = static_cast<double>(static_cast<Coarse<T>>(fine.background));
-  // A tile that fills coarse blocks stays a tile. Smaller tiles go into blocks.
+  const auto rounded = [](double value) { return static_cast<double>(static_cast<Coarse<T>>(value)); };
+  coarse.background = rounded(fine.background);
+  // A tile that fills coarse blocks stays a tile, unless rounding makes its value the background's. Smaller tiles go
+  // into blocks.
   std::vector<glm::ivec3> origins;
   const auto add_block = [&](const glm::ivec3& p) {
     origins.emplace_back(floor_divided(p.x, kSize * factor) * kSize, floor_divided(p.y, kSize * factor) * kSize,
@@ -88,8 +90,8 @@ Result<Samples> coarsen_sparse(const ScalarField& field, const SparseSamples& fi
   for (const SparseTile& tile : fine.tiles) {
     if (tile.size < kSize * factor) {
       add_block(tile.origin);
-    } else {
-      coarse.tiles.push_back({tile.origin / factor, tile.size / factor, tile.value});
+    } else if (const double value = rounded(tile.value); value != coarse.background) {
+      coarse.tiles.push_back({tile.origin / factor, tile.size / factor, value});
     }
   }
   const auto key = [](const glm::ivec3& p) { return std::tuple(p.x, p.y, p.z); };

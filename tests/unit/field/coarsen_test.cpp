@@ -88,5 +88,21 @@ TEST(Coarsen, EndsEarlyWhenCancelled) {
   }
 }
 
+// No tile may have the background's value, also not after both were rounded to f32.
+TEST(Coarsen, RoundsTilesAsBackground) {
+  SparseSamples samples;
+  samples.type = SampleType::i32;
+  samples.tiles = {{glm::ivec3(0), 64, 0x1p24 + 1}, {glm::ivec3(64, 0, 0), 64, 0x1p25 + 1}};
+  samples.background = 0x1p24;
+  ScalarField field;
+  field.samples = samples;
+  const ScalarField coarse = coarsen(field, 2, Context()).value();
+  const auto& result = std::get<SparseSamples>(coarse.samples);
+  EXPECT_EQ(result.background, 0x1p24);
+  ASSERT_EQ(result.tiles.size(), 1U);
+  EXPECT_EQ(result.tiles[0].origin, glm::ivec3(32, 0, 0));
+  EXPECT_EQ(result.tiles[0].value, 0x1p25);
+}
+
 }  // namespace
 }  // namespace isoextract::field
