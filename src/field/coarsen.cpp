@@ -7,6 +7,7 @@
 
 #include "base/parallel.hpp"
 #include "base/reserved_buffer.hpp"
+#include "field/detail/without_samples.hpp"
 #include "field/sparse_lookup.hpp"
 
 namespace isoextract::field {
@@ -141,15 +142,7 @@ Result<ScalarField> coarsen(const ScalarField& field, int factor, const Context&
     }
     return coarsen_sparse<T>(field, std::get<SparseSamples>(field.samples), factor, context);
   }));
-  ScalarField coarse;
-  coarse.name = field.name;
-  coarse.source = field.source;
-  coarse.format = field.format;
-  coarse.world_space = field.world_space;
-  coarse.length_unit = field.length_unit;
-  coarse.creator = field.creator;
-  coarse.kind = field.kind;
-  coarse.scale = field.scale;
+  ScalarField coarse = without_samples(field);
   coarse.index_to_world = coarse_transform(field.index_to_world, factor);
   coarse.index_to_file = coarse_transform(field.index_to_file, factor);
   coarse.samples = std::move(samples);

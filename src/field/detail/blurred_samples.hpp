@@ -13,6 +13,7 @@
 #include "base/parallel.hpp"
 #include "base/reserved_buffer.hpp"
 #include "field/detail/blurred_blocks.hpp"
+#include "field/detail/without_samples.hpp"
 #include "field/scalar_field.hpp"
 #include "field/sparse_lookup.hpp"
 
@@ -20,24 +21,6 @@ namespace isoextract::field {
 
 inline constexpr int kBlurBlockSide = SparseBlock::kSize;
 inline constexpr std::size_t kBlurBlockSamples = std::size_t{kBlurBlockSide} * kBlurBlockSide * kBlurBlockSide;
-
-// Returns a copy of everything but the samples and notes.
-inline ScalarField without_samples(const ScalarField& field) {
-  ScalarField other;
-  other.name = field.name;
-  other.source = field.source;
-  other.format = field.format;
-  other.world_space = field.world_space;
-  other.length_unit = field.length_unit;
-  other.creator = field.creator;
-  other.grids = field.grids;
-  other.grid = field.grid;
-  other.kind = field.kind;
-  other.scale = field.scale;
-  other.index_to_world = field.index_to_world;
-  other.index_to_file = field.index_to_file;
-  return other;
-}
 
 inline std::string work_on(const ScalarField& field) { return field.source + ": its blurred samples"; }
 

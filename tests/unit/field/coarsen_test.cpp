@@ -104,5 +104,14 @@ TEST(Coarsen, RoundsTilesAsBackground) {
   EXPECT_EQ(result.tiles[0].value, 0x1p25);
 }
 
+TEST(Coarsen, KeepsNameOfGrid) {
+  ScalarField field = test::random_field<float>({4, 4, 4}, 1, 10);
+  field.grids = 3;
+  field.grid = "density[1]";
+  const ScalarField coarse = coarsen(field, 2, Context()).value();
+  EXPECT_EQ(coarse.grids, 3U);
+  EXPECT_EQ(coarse.grid, "density[1]");
+}
+
 }  // namespace
 }  // namespace isoextract::field

@@ -1,0 +1,26 @@
+// Copies what a filter keeps of a field.
+#pragma once
+
+#include "field/scalar_field.hpp"
+
+namespace isoextract::field {
+
+// Returns a copy of everything but the samples and notes.
+inline ScalarField without_samples(const ScalarField& field) {
+  ScalarField other;
+  other.name = field.name;
+  other.source = field.source;
+  other.format = field.format;
+  other.world_space = field.world_space;
+  other.length_unit = field.length_unit;
+  other.creator = field.creator;
+  other.grids = field.grids;
+  other.grid = field.grid;
+  other.kind = field.kind;
+  other.scale = field.scale;
+  other.index_to_world = field.index_to_world;
+  other.index_to_file = field.index_to_file;
+  return other;
+}
+
+}  // namespace isoextract::field
