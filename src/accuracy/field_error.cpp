@@ -100,6 +100,11 @@ class FieldMeasurement {
     for (int axis = 0; axis < 3; ++axis) diagonal_ += glm::length(linear_[axis]);
   }
 
+  // Returns the memory of the two interpolants, which the caller reserves.
+  [[nodiscard]] static std::uint64_t interpolants_bytes(const field::ScalarField& field) {
+    return 2 * field::Interpolant::bytes(field);
+  }
+
   Result<FieldError> run() {
     TRY(extract_surface());
     parts_ = parts_for(surface_.triangles.size());
@@ -409,6 +414,7 @@ class FieldMeasurement {
 Result<FieldError> measure_field_error(const mesh::Mesh& mesh, const field::ScalarField& field,
                                        const extract::ExtractOptions& extracted, const FieldErrorOptions& options,
                                        const Context& context) {
+  const auto memory = TRY(context.reserve(FieldMeasurement::interpolants_bytes(field), "the error of the mesh"));
   return FieldMeasurement(mesh, field, extracted, options, context).run();
 }
 

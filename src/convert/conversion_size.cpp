@@ -81,7 +81,7 @@ ConversionSize size_of_samples(const field::ScalarField& field) {
     constexpr std::uint64_t kBlockSamples =
         std::uint64_t{field::SparseBlock::kSize} * field::SparseBlock::kSize * field::SparseBlock::kSize;
     size.samples = sparse.blocks.size() * kBlockSamples;
-    size.lookup_bytes = field::SparseLookup::node_origins(sparse).size() * sizeof(field::SparseLookup::Node);
+    size.lookup_bytes = field::SparseLookup::bytes(sparse);
   }
   size.sample_bytes = size.samples * field::sample_size(field.type());
   return size;

@@ -51,8 +51,8 @@ Result<Samples> coarsen_dense(const ScalarField& field, const DenseSamples& fine
   const auto* source = static_cast<const T*>(fine.data);
   context.progress().begin("making the field coarser", static_cast<std::uint64_t>(coarse.dims.z));
   for_each_index(coarse.dims.z, [&](int k) {
-    auto* row = values + static_cast<std::size_t>(coarse.dims.x) * static_cast<std::size_t>(coarse.dims.y) *
     if (context.cancelled()) return;
+    auto* row = values + static_cast<std::size_t>(coarse.dims.x) * static_cast<std::size_t>(coarse.dims.y) *
                              static_cast<std::size_t>(k);
     for (int j = 0; j < coarse.dims.y; ++j) {
       for (int i = 0; i < coarse.dims.x; ++i) {
@@ -63,8 +63,8 @@ Result<Samples> coarsen_dense(const ScalarField& field, const DenseSamples& fine
     }
     context.progress().advance(1);
   });
-  coarse.data = values;
   TRY(context.check());
+  coarse.data = values;
   coarse.owner = std::move(made);
   return coarse;
 }
@@ -101,14 +101,15 @@ Result<Samples> coarsen_sparse(const ScalarField& field, const SparseSamples& fi
   auto made = TRY(make_reserved_buffer<Coarse<T>>(origins.size() * kBlockSamples, context,
                                                   fmt::format("{}: one sample for each {}^3", field.source, factor)));
   Coarse<T>* const values = made->values.data();
+  const auto lookup_memory = TRY(context.reserve(SparseLookup::bytes(fine), field.source + ": places of blocks"));
   const SparseLookup lookup(fine);
   context.progress().begin("making the field coarser", origins.size());
   for_each_index(origins.size(), [&](std::size_t b) {
+    if (context.cancelled()) return;
     for (int v = 0; v < kBlockSamples; ++v) {
       const glm::ivec3 p = origins[b] + glm::ivec3(v >> 6, v >> 3 & 7, v & 7);
       values[b * kBlockSamples + static_cast<std::size_t>(v)] =
           static_cast<Coarse<T>>(mean(factor * p, factor, [&](const glm::ivec3& q) {
-    if (context.cancelled()) return;
             const glm::ivec3 origin = block_origin(q);
             const std::int32_t block = lookup.block(origin);
             return block >= 0 ? static_cast<double>(static_cast<const T*>(fine.blocks[block].values)[block_offset(q)])
@@ -117,11 +118,11 @@ Result<Samples> coarsen_sparse(const ScalarField& field, const SparseSamples& fi
     }
     context.progress().advance(1);
   });
+  TRY(context.check());
   for (std::size_t b = 0; b < origins.size(); ++b) {
     coarse.blocks.push_back({origins[b], values + b * kBlockSamples});
   }
   const IndexBox& active = fine.active_box;
-  TRY(context.check());
   if (!active.empty()) {
     for (int axis = 0; axis < 3; ++axis) {
       coarse.active_box.min[axis] = floor_divided(active.min[axis], factor);

@@ -81,6 +81,11 @@ Interpolant::Interpolant(const ScalarField& field, Interpolation interpolation, 
   if (const auto* sparse = std::get_if<SparseSamples>(&field.samples)) lookup_.emplace(*sparse);
 }
 
+std::uint64_t Interpolant::bytes(const ScalarField& field) {
+  const auto* sparse = std::get_if<SparseSamples>(&field.samples);
+  return sparse != nullptr ? SparseLookup::bytes(*sparse) : 0;
+}
+
 glm::ivec3 Interpolant::cell_of(const glm::dvec3& index) const {
   const auto* dense = std::get_if<DenseSamples>(&field_.samples);
   const glm::dvec3 low = dense != nullptr ? glm::dvec3(0) : glm::dvec3(-kMaxSparseIndex);

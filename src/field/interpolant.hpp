@@ -9,6 +9,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -39,9 +40,14 @@ class Interpolant {
  public:
   // `field` must outlive this object; a dense field needs two samples along each axis. `base` is subtracted from each
   // sample before the weighted sum, which preserves the digits of small differences from a large base.
+  // The caller reserves bytes().
   Interpolant(const ScalarField& field, Interpolation interpolation, double base = 0);
 
-  // Returns the lowest sample of the cell whose polynomial applies at `index`.
+  // Returns the memory that an Interpolant of `field` takes to find sparse blocks.
+  [[nodiscard]] static std::uint64_t bytes(const ScalarField& field);
+
+  // Returns the lowest sample of the cell whose polynomial applies at `index`; along an axis that is NaN, the first
+  // cell.
   [[nodiscard]] glm::ivec3 cell_of(const glm::dvec3& index) const;
 
   // Evaluates positions in index space, one after the other. Keeps the samples of the last cell, because consecutive

@@ -440,12 +440,14 @@ Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolu
                     field.source, dims_text(old_dims)));
   }
   auto weight_memory = TRY(reserve_weights(field, old_dims, resolution, context));
+  const auto lookup_memory =
+      TRY(context.reserve(sparse != nullptr ? SparseLookup::bytes(*sparse) : 0, field.source + ": places of blocks"));
   const auto along = [&](int axis) { return AxisWeights(old_dims[axis], resolution[axis], kernel, means); };
   const Weights weights{along(0), along(1), along(2)};
   fill(SourceRows<T>(field.samples, box, nan), old_dims, resolution, weights, values->values.data(), context);
+  TRY(context.check());
   samples.data = values->values.data();
   samples.owner = std::move(values);
-  TRY(context.check());
 
   Affine old_from_new = scaling(glm::dvec3(old_dims - 1) / glm::dvec3(resolution - 1));
   old_from_new.offset = box.min;

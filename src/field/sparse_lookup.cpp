@@ -33,6 +33,27 @@ std::int32_t OriginIndex::find(const glm::ivec3& origin) const {
   return slots_[slot].number;
 }
 
+TileIndex::TileIndex(const std::vector<SparseTile>& tiles, int least_size) {
+  for (std::size_t t = 0; t < tiles.size(); ++t) {
+    const SparseTile& tile = tiles[t];
+    if (tile.size < least_size) continue;
+    auto same_size = std::ranges::find(by_size_, tile.size, &std::pair<int, OriginIndex>::first);
+    if (same_size == by_size_.end()) {
+      const auto count = std::ranges::count(tiles, tile.size, &SparseTile::size);
+      same_size = by_size_.insert(same_size, {tile.size, OriginIndex(static_cast<std::size_t>(count))});
+    }
+    same_size->second.insert(tile.origin, static_cast<std::int32_t>(t));
+  }
+}
+
+std::int32_t TileIndex::find(const glm::ivec3& origin) const {
+  for (const auto& [size, index] : by_size_) {
+    // Tile sizes are powers of two.
+    if (const std::int32_t tile = index.find(origin & ~(size - 1)); tile >= 0) return tile;
+  }
+  return -1;
+}
+
 namespace {
 
 bool is_small(const SparseTile& tile) { return tile.size < SparseLookup::Node::kSize; }
@@ -55,7 +76,8 @@ std::vector<glm::ivec3> SparseLookup::node_origins(const SparseSamples& samples)
   return origins;
 }
 
-SparseLookup::SparseLookup(const SparseSamples& samples, const std::vector<glm::ivec3>& origins) : samples_(samples) {
+SparseLookup::SparseLookup(const SparseSamples& samples, const std::vector<glm::ivec3>& origins)
+    : samples_(samples), large_tiles_(samples.tiles, Node::kSize) {
   nodes_ = OriginIndex(origins.size());
   node_list_.resize(origins.size());
   for (std::size_t n = 0; n < origins.size(); ++n) {
@@ -85,14 +107,7 @@ SparseLookup::SparseLookup(const SparseSamples& samples, const std::vector<glm::
           }
         }
       }
-      continue;
     }
-    auto same_size = std::ranges::find(large_tiles_, tile.size, &std::pair<int, OriginIndex>::first);
-    if (same_size == large_tiles_.end()) {
-      const auto count = std::ranges::count(samples.tiles, tile.size, &SparseTile::size);
-      same_size = large_tiles_.insert(same_size, {tile.size, OriginIndex(static_cast<std::size_t>(count))});
-    }
-    same_size->second.insert(tile.origin, static_cast<std::int32_t>(t));
   }
 }
 
@@ -108,16 +123,6 @@ SparseLookup::Group SparseLookup::group(const glm::ivec3& origin) const {
     for (std::size_t n = 0; n < 8; ++n) group[n] = place(origin + kSize * away(n));
   }
   return group;
-}
-
-std::int32_t SparseLookup::large_tile(const glm::ivec3& origin) const {
-  for (const auto& [size, index] : large_tiles_) {
-    // Tile sizes are powers of two.
-    if (const std::int32_t tile = index.find(origin & ~(size - 1)); tile >= 0) {
-      return tile_place(static_cast<std::size_t>(tile));
-    }
-  }
-  return kBackground;
 }
 
 }  // namespace isoextract::field

@@ -34,6 +34,20 @@ class OriginIndex {
   std::vector<Slot> slots_;
 };
 
+// Finds tiles by the places that they cover. Takes at most 64 bytes for each tile.
+class TileIndex {
+ public:
+  TileIndex() = default;
+  // Indexes the tiles of at least this size.
+  TileIndex(const std::vector<SparseTile>& tiles, int least_size);
+
+  // Returns the tile that covers the place at `origin`, or -1.
+  [[nodiscard]] std::int32_t find(const glm::ivec3& origin) const;
+
+ private:
+  std::vector<std::pair<int, OriginIndex>> by_size_;
+};
+
 // Returns the origin of the block that contains sample `p`.
 [[nodiscard]] inline glm::ivec3 block_origin(const glm::ivec3& p) { return p & ~(SparseBlock::kSize - 1); }
 
@@ -60,6 +74,11 @@ class SparseLookup {
   // Returns the sorted origins of the nodes that `samples` needs. A node takes sizeof(Node) bytes, so scattered samples
   // need far more memory than their values.
   [[nodiscard]] static std::vector<glm::ivec3> node_origins(const SparseSamples& samples);
+
+  // Returns the memory of the nodes. The caller reserves it.
+  [[nodiscard]] static std::uint64_t bytes(const SparseSamples& samples) {
+    return node_origins(samples).size() * sizeof(Node);
+  }
 
   explicit SparseLookup(const SparseSamples& samples) : SparseLookup(samples, node_origins(samples)) {}
   SparseLookup(const SparseSamples& samples, const std::vector<glm::ivec3>& node_origins);
@@ -94,12 +113,15 @@ class SparseLookup {
   [[nodiscard]] const std::vector<Node>& nodes() const { return node_list_; }
 
  private:
-  [[nodiscard]] std::int32_t large_tile(const glm::ivec3& origin) const;
+  [[nodiscard]] std::int32_t large_tile(const glm::ivec3& origin) const {
+    const std::int32_t tile = large_tiles_.find(origin);
+    return tile >= 0 ? tile_place(static_cast<std::size_t>(tile)) : kBackground;
+  }
 
   const SparseSamples& samples_;
   OriginIndex nodes_;
   std::vector<Node> node_list_;
-  std::vector<std::pair<int, OriginIndex>> large_tiles_;  // tiles of a node's size or more, by size
+  TileIndex large_tiles_;  // of a node's size or more
 };
 
 }  // namespace isoextract::field

@@ -101,15 +101,12 @@ struct Passed {
   }
 };
 
-// Finds what a place stores. Without tiles it takes only a few bytes per block.
+// Finds what a place stores, as SparseLookup does: slower, but with at most 64 bytes for each block and tile, which
+// need no reservation beside the samples.
 class StoredPlaces {
  public:
-  explicit StoredPlaces(const SparseSamples& samples) {
-    if (!samples.tiles.empty()) {
-      lookup_.emplace(samples);
-      return;
-    }
-    blocks_ = OriginIndex(samples.blocks.size());
+  explicit StoredPlaces(const SparseSamples& samples)
+      : samples_(samples), blocks_(samples.blocks.size()), tiles_(samples.tiles, SparseBlock::kSize) {
     for (std::size_t b = 0; b < samples.blocks.size(); ++b) {
       blocks_.insert(samples.blocks[b].origin, static_cast<std::int32_t>(b));
     }
@@ -117,14 +114,19 @@ class StoredPlaces {
 
   // Returns the same as SparseLookup::place().
   [[nodiscard]] std::int32_t place(const glm::ivec3& origin) const {
-    return lookup_ ? lookup_->place(origin) : blocks_.find(origin);
+    if (const std::int32_t block = blocks_.find(origin); block >= 0) return block;
+    const std::int32_t tile = tiles_.find(origin);
+    return tile >= 0 ? SparseLookup::tile_place(static_cast<std::size_t>(tile)) : SparseLookup::kBackground;
   }
   // Returns the value of a tile from its place().
-  [[nodiscard]] double tile_value(std::int32_t place) const { return lookup_->constant_of(place); }
+  [[nodiscard]] double tile_value(std::int32_t place) const {
+    return samples_.tiles[SparseLookup::tile_of(place)].value;
+  }
 
  private:
-  std::optional<SparseLookup> lookup_;
+  const SparseSamples& samples_;
   OriginIndex blocks_;
+  TileIndex tiles_;
 };
 
 // Returns the first or last plane of samples in a block along `axis`.

@@ -89,4 +89,19 @@ field::ScalarField sparse_copy(const field::ScalarField& field, double backgroun
   return result;
 }
 
+// Returns a sparse field of zeros with a row of blocks, each with a single 1. From 128 samples apart, each needs a
+// SparseLookup::Node of its own.
+inline field::ScalarField row_of_blocks(int count, int apart) {
+  auto values = std::make_shared<std::vector<float>>(512, 0.0F);
+  (*values)[3 << 6 | 3 << 3 | 3] = 1;
+  field::SparseSamples sparse;
+  for (int b = 0; b < count; ++b) sparse.blocks.push_back({glm::ivec3(apart * b, 0, 0), values->data()});
+  sparse.active_box = {glm::ivec3(0), glm::ivec3(apart * (count - 1) + 7, 7, 7)};
+  sparse.owner = std::move(values);
+  field::ScalarField field;
+  field.source = "row of blocks";
+  field.samples = std::move(sparse);
+  return field;
+}
+
 }  // namespace isoextract::test

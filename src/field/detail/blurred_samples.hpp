@@ -101,8 +101,7 @@ template <class T, class Out, class Fill>
 Result<Samples> blur_sparse(const ScalarField& field, const SparseSamples& data, const glm::ivec3& reach,
                             std::size_t scratch_per_sample, const Context& context, const Fill& fill) {
   const std::string what = work_on(field);
-  const auto lookup_memory =
-      TRY(context.reserve(SparseLookup::node_origins(data).size() * sizeof(SparseLookup::Node), what));
+  const auto lookup_memory = TRY(context.reserve(SparseLookup::bytes(data), what));
   const SparseLookup lookup(data);
   auto places = TRY(find_blurred_blocks(data, lookup, std::max({reach.x, reach.y, reach.z}), what, context));
   const Surroundings<T> around(data, lookup, reach);

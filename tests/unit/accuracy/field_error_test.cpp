@@ -297,5 +297,20 @@ TEST(FieldError, IsIndependentOfThreadsAndLayout) {
   }
 }
 
+std::uint64_t most_reserved(const field::ScalarField& field) {
+  const OfField of = extract_at(field, 0.5);
+  const Context context;
+  EXPECT_TRUE(measure_field_error(of.mesh, field, of.options, {}, context));
+  return context.memory().peak();
+}
+
+// Two interpolants hold tables of the same sparse blocks.
+TEST(FieldError, ReservesMemoryForSparseBlocks) {
+  constexpr int kBlocks = 32;
+  const auto nodes = [](std::uint64_t count) { return count * sizeof(field::SparseLookup::Node); };
+  const std::uint64_t together = most_reserved(test::row_of_blocks(kBlocks, 8));  // in 2 nodes
+  EXPECT_GT(most_reserved(test::row_of_blocks(kBlocks, 128)), together + nodes(kBlocks - 2) * 3 / 2);
+}
+
 }  // namespace
 }  // namespace isoextract::accuracy

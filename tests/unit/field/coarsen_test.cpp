@@ -88,6 +88,12 @@ TEST(Coarsen, EndsEarlyWhenCancelled) {
   }
 }
 
+TEST(Coarsen, ReservesMemoryForSparseBlocks) {
+  const auto made = coarsen(test::row_of_blocks(20, 128), 2, Context(MemoryBudget(100'000)));
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().code, ErrorCode::out_of_memory);
+}
+
 // No tile may have the background's value, also not after both were rounded to f32.
 TEST(Coarsen, RoundsTilesAsBackground) {
   SparseSamples samples;

@@ -432,5 +432,12 @@ TEST(Resample, EndsEarlyWhenCancelled) {
   }
 }
 
+TEST(Resample, ReservesMemoryForSparseBlocks) {
+  const ScalarField field = test::row_of_blocks(20, 128);
+  const auto made = resample(field, {4, 4, 4}, kLinear, NanSamples::left_out, Context(MemoryBudget(100'000)));
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().code, ErrorCode::out_of_memory);
+}
+
 }  // namespace
 }  // namespace isoextract::field

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "field/sparse_lookup.hpp"
 
@@ -136,6 +137,34 @@ TEST(EstimatePlaces, CountsBlocksAndEmptyNeighbors) {
   EXPECT_EQ(estimate_surface(blocks_with({{glm::ivec3(0), {}}, {glm::ivec3(8, 0, 0), {{0, 3, 3}}}}), 0.5).places, 1U)
       << "what lies before is stored, and has nothing of its own";
   EXPECT_EQ(estimate_surface(blocks_with({{glm::ivec3(0), {glm::ivec3(3)}}}), 5).places, 0U);
+}
+
+// Returns the most memory that this process held at a time, in bytes.
+std::int64_t most_memory() {
+  rusage usage{};
+  EXPECT_EQ(getrusage(RUSAGE_SELF, &usage), 0);
+  return std::int64_t{usage.ru_maxrss} * 1024;
+}
+
+// Nobody reserves memory for the estimate. SparseLookup would take over 16 KiB for each of these tiles.
+TEST(EstimateVertices, TakesLittleMemoryForScatteredTiles) {
+  constexpr int kTiles = 20'000;
+  SparseSamples sparse;
+  for (int t = 0; t < kTiles; ++t) sparse.tiles.push_back({glm::ivec3(128 * (t % 100), 128 * (t / 100), 0), 8, 1.0});
+  ScalarField field;
+  field.samples = std::move(sparse);
+  const std::int64_t before = most_memory();
+  EXPECT_EQ(estimate_surface(field, 0.5).vertices, kTiles * 6U * 8 * 8);
+  EXPECT_LT(most_memory() - before, std::int64_t{64} << 20);
+}
+
+// Tiles of three sizes beside each other and beside a block.
+TEST(EstimateVertices, FindsTilesOfAnySize) {
+  ScalarField field = blocks_with({{glm::ivec3(-8, 0, 0), {glm::ivec3(3)}}});
+  auto& sparse = std::get<SparseSamples>(field.samples);
+  sparse.tiles = {{glm::ivec3(0), 128, 1.0}, {glm::ivec3(128, 0, 0), 8, 1.0}, {glm::ivec3(0, -16, 0), 16, 1.0}};
+  // The two smaller tiles cover 64 and 256 edges of the large one, and the block's side of it is not inside.
+  EXPECT_EQ(estimate_surface(field, 0.5).vertices, 6U + 6U * 128 * 128 + 4U * 64 + 4U * 256);
 }
 
 }  // namespace
