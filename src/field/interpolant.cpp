@@ -90,7 +90,8 @@ glm::ivec3 Interpolant::cell_of(const glm::dvec3& index) const {
   const auto* dense = std::get_if<DenseSamples>(&field_.samples);
   const glm::dvec3 low = dense != nullptr ? glm::dvec3(0) : glm::dvec3(-kMaxSparseIndex);
   const glm::dvec3 high = dense != nullptr ? glm::dvec3(dense->dims - 2) : glm::dvec3(kMaxSparseIndex);
-  return glm::clamp(glm::floor(index), low, high);
+  // glm::max(low, NaN) is low: no integer stands for NaN.
+  return glm::min(high, glm::max(low, glm::floor(index)));
 }
 
 bool Interpolant::load(const glm::ivec3& cell, std::span<double> values, SampleRange& range) const {

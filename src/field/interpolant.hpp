@@ -52,7 +52,7 @@ class Interpolant {
 
   // Evaluates positions in index space, one after the other. Keeps the samples of the last cell, because consecutive
   // positions often share it. Use one cursor per thread. Outside dense data it extends the polynomial of the boundary
-  // cell.
+  // cell. At NaN the value is NaN.
   class Cursor {
    public:
     explicit Cursor(const Interpolant& interpolant) : interpolant_(interpolant) {}

@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -29,7 +30,7 @@ class StoredValues {
     if (sparse_ != nullptr) lookup_.emplace(*sparse_, nodes);
   }
 
-  // Clamps a position to the range of the samples.
+  // Clamps a position without NaN to the range of the samples.
   [[nodiscard]] glm::dvec3 nearest(const glm::dvec3& index) const {
     const glm::dvec3 low = dense_ != nullptr ? glm::dvec3(0) : glm::dvec3(-kMaxSparseIndex);
     const glm::dvec3 high = dense_ != nullptr ? glm::dvec3(dense_->dims - 1) : glm::dvec3(kMaxSparseIndex - 1);
@@ -90,6 +91,11 @@ Result<PointCounts> sample_points(const ScalarField& field, std::span<const glm:
       std::uint64_t no_numbers = 0;
       for (std::size_t i = begin; i != end; ++i) {
         const glm::dvec3 index = index_of_world(places[i]);
+        if (glm::any(glm::isnan(index))) {
+          ++no_numbers;
+          values[stride * i] = std::numeric_limits<float>::quiet_NaN();
+          continue;
+        }
         const glm::dvec3 nearest = stored.nearest(index);
         if (dense && glm::any(glm::greaterThan(glm::abs(index - nearest), glm::dvec3(kBorder)))) ++beyond;
         const auto value = static_cast<float>(field.scale(stored(nearest)));

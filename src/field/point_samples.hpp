@@ -23,6 +23,7 @@ struct PointCounts {
 //
 // A position outside dense samples gets the value at the nearest position of their box; so does any position along an
 // axis of one sample. A sparse field has no bounds: positions outside its blocks and tiles get the background.
+// A position whose index has a NaN gives NaN.
 //
 // The result is the same for any number of threads. `values` needs at least stride * (places - 1) + 1 elements; the
 // others are not written. Reserves memory to find sparse blocks while it runs. Fails with ErrorCode::out_of_memory and

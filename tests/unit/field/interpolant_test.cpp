@@ -156,5 +156,16 @@ TEST(Interpolant, CellReturnsRangeAndGreatestBend) {
   EXPECT_FALSE(at.greatest_bend({1, 1, 1}));
 }
 
+TEST(Interpolant, ReturnsNanAtNan) {
+  const ScalarField dense = test::random_field<float>({8, 8, 8}, 1, 10);
+  for (const ScalarField& field : {dense, test::sparse_copy<float>(dense, 0)}) {
+    const Interpolant interpolant(field, Interpolation::trilinear);
+    const glm::dvec3 position(2.5, test::kNaN, 3.5);
+    const bool is_dense = std::holds_alternative<DenseSamples>(field.samples);
+    EXPECT_EQ(interpolant.cell_of(position), glm::ivec3(2, is_dense ? 0 : -kMaxSparseIndex, 3));
+    EXPECT_TRUE(std::isnan(Interpolant::Cursor(interpolant)(position).value));
+  }
+}
+
 }  // namespace
 }  // namespace isoextract::field

@@ -122,5 +122,17 @@ TEST(PointSamples, ReservesMemoryForSparseBlocks) {
   EXPECT_FALSE(sample_points(field, places, out, 1, Context{MemoryBudget(1000)}));
 }
 
+TEST(PointSamples, GivesNanAtNan) {
+  const ScalarField dense = test::random_field<float>({8, 8, 8}, 1, 10);
+  for (const ScalarField& field : {dense, test::sparse_copy<float>(dense, 0)}) {
+    PointCounts counts;
+    const std::vector<float> values = sampled(field, {{1, 1, 1}, {1, test::kNaN, 1}}, &counts);
+    EXPECT_FALSE(std::isnan(values[0]));
+    EXPECT_TRUE(std::isnan(values[1]));
+    EXPECT_EQ(counts.not_finite, 1U);
+    EXPECT_EQ(counts.outside, 0U);
+  }
+}
+
 }  // namespace
 }  // namespace isoextract::field
