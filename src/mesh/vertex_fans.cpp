@@ -1,9 +1,10 @@
 #include "mesh/vertex_fans.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <new>
+#include <numeric>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
@@ -14,7 +15,8 @@
 namespace isoextract::mesh {
 namespace {
 
-Result<void> part_fans(Mesh& mesh, const std::string& source) {
+// `what` says what the memory is for.
+Result<void> part_fans(Mesh& mesh, const std::string& source, const std::string& what, const Context& context) {
   const auto vertices = static_cast<std::uint32_t>(mesh.positions.size());
   const auto old_triangles = std::as_const(mesh.triangles).span();
   const Adjacency adjacency(old_triangles, vertices);
@@ -34,22 +36,25 @@ Result<void> part_fans(Mesh& mesh, const std::string& source) {
     }
   });
 
-  std::vector<std::uint32_t> source_of;  // the old vertex of each new one
-  source_of.reserve(vertices);
+  const std::uint64_t all = std::accumulate(first.begin(), first.end(), std::uint64_t{0});
+  if (all > std::numeric_limits<std::uint32_t>::max()) {
+    return fail(ErrorCode::input, fmt::format("{}: the surface has more vertices than a mesh can number", source),
+                Remedy::extract_part);
+  }
+  const auto memory = TRY(context.reserve(all * (vertex_bytes(mesh) + sizeof(std::uint32_t)), what));
+  Buffer<std::uint32_t> source_of(all);  // the old vertex of each new one
+  std::uint32_t number = 0;
   for (std::uint32_t v = 0; v < vertices; ++v) {
-    if (source_of.size() + first[v] > std::numeric_limits<std::uint32_t>::max()) {
-      return fail(ErrorCode::input, fmt::format("{}: the surface has more vertices than a mesh can number", source),
-                  Remedy::extract_part);
-    }
-    const auto number = static_cast<std::uint32_t>(source_of.size());
-    source_of.insert(source_of.end(), std::exchange(first[v], number), v);
+    const std::uint32_t fans = std::exchange(first[v], number);
+    std::fill_n(source_of.begin() + number, fans, v);
+    number += fans;
   }
   for_each_range(vertices, kVerticesAtOnce, [&](std::size_t begin, std::size_t end) {
     for (auto v = static_cast<std::uint32_t>(begin); v != end; ++v) {
       for (const Corner corner : adjacency.corners(v)) at_corner(corner) += first[v];
     }
   });
-  gather_vertices(mesh, source_of);
+  gather_vertices(mesh, source_of.span());
   mesh.triangles = std::move(triangles);
   return {};
 }
@@ -59,11 +64,11 @@ Result<void> part_fans(Mesh& mesh, const std::string& source) {
 Result<void> make_one_vertex_a_fan(Mesh& mesh, const std::string& source, const Context& context) {
   const std::uint64_t vertices = mesh.positions.size();
   const std::uint64_t bytes = Adjacency::bytes(mesh.triangles.size(), vertices) + mesh.triangles.size_bytes() +
-                              2 * vertices * (vertex_bytes(mesh) + sizeof(std::uint32_t));
+                              vertices * sizeof(std::uint32_t);
   const std::string what = fmt::format("{}: the holes of its surface", source);
   const auto memory = TRY(context.reserve(bytes, what));
   try {
-    return part_fans(mesh, source);
+    return part_fans(mesh, source, what, context);
   } catch (const std::bad_alloc&) {
     return tl::unexpected(no_memory(fmt::format("{} need more memory than there is", what), Remedy::extract_part));
   }

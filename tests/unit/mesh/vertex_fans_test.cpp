@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "mesh/adjacency.hpp"
 #include "mesh/topology.hpp"
 #include "unit/mesh/shapes.hpp"
 
@@ -48,6 +49,28 @@ TEST(VertexFans, KeepsToMemoryLimit) {
   const auto done = make_one_vertex_a_fan(mesh, "a.raw", Context(MemoryBudget(100)));
   ASSERT_FALSE(done);
   EXPECT_NE(done.error().message.find("a.raw"), std::string::npos);
+}
+
+// A Latin square: any two of the triangles share at most one vertex, so each of the vertices has many fans.
+TEST(VertexFans, ReservesMemoryForAllFans) {
+  constexpr std::uint32_t kSide = 40;
+  std::vector<glm::uvec3> triangles;
+  for (std::uint32_t i = 0; i < kSide; ++i) {
+    for (std::uint32_t j = 0; j < kSide; ++j) triangles.emplace_back(i, kSide + j, 2 * kSide + (i + j) % kSide);
+  }
+  Mesh mesh = make_mesh(std::vector<glm::vec3>(3 * kSide), triangles);
+  const std::uint64_t corners = 3 * triangles.size();
+  const std::uint64_t others = Adjacency::bytes(triangles.size(), 3 * kSide) + triangles.size() * sizeof(glm::uvec3);
+  const Context context(MemoryBudget(std::uint64_t{1} << 30));
+  ASSERT_TRUE(make_one_vertex_a_fan(mesh, "test", context));
+  EXPECT_EQ(mesh.positions.size(), corners);
+  EXPECT_GE(context.memory().peak(), others + corners * (sizeof(glm::vec3) + sizeof(std::uint32_t)));
+
+  Mesh again = make_mesh(std::vector<glm::vec3>(3 * kSide), triangles);
+  const auto done = make_one_vertex_a_fan(again, "a.raw", Context(MemoryBudget(context.memory().peak() - 1)));
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, ErrorCode::out_of_memory);
+  EXPECT_EQ(again.positions.size(), 3 * kSide) << "the mesh stays as it was";
 }
 
 }  // namespace
