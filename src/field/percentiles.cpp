@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
 
+#include "base/ascii.hpp"
 #include "field/detail/value_tally.hpp"
 
 namespace isoextract::field {
@@ -113,7 +114,6 @@ std::optional<Percent> Percent::parse(std::string_view text) {
   if (digits.empty() || (point < text.size() && decimals.empty()) || decimals.size() > kDecimals) return std::nullopt;
   decimals.resize(kDecimals, '0');
   digits += decimals;
-  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
   std::uint64_t parts = 0;
   const auto [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), parts);
   if (!std::ranges::all_of(digits, is_digit) || status != std::errc() || parts > 100U * std::uint64_t{kPart}) {

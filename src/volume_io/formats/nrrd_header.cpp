@@ -18,12 +18,6 @@ constexpr std::size_t kMaxHeader = std::size_t{16} << 20;
 constexpr std::size_t kMaxLine = 768;
 static_assert(kMaxLine + 200 < AIR_STRLEN_HUGE);
 
-std::string_view trim(std::string_view text) {
-  const std::size_t begin = std::min(text.find_first_not_of(" \t"), text.size());
-  text.remove_prefix(begin);
-  return text.substr(0, text.find_last_not_of(" \t\r") + 1);
-}
-
 // Reads lines from the start of a file on demand.
 class HeaderLines {
  public:
@@ -92,9 +86,9 @@ bool has_value_per_axis(int field) {
 
 std::size_t count_words(std::string_view text) {
   std::size_t count = 0;
-  for (text = trim(text); !text.empty(); ++count) {
+  for (text = trimmed(text); !text.empty(); ++count) {
     text.remove_prefix(std::min(text.find_first_of(" \t"), text.size()));
-    text = trim(text);
+    text = trimmed(text);
   }
   return count;
 }
@@ -114,7 +108,7 @@ Result<void> check_line(const files::InputFile& file, std::uint64_t number, cons
 
 template <class T>
 std::optional<T> parse_number(std::string_view& text) {
-  text = trim(text);
+  text = trimmed(text);
   T number{};
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (status != std::errc{}) return std::nullopt;
@@ -168,7 +162,7 @@ Result<NrrdDataFiles> read_list(HeaderLines& lines, std::string_view rest) {
   while (true) {
     auto line = TRY(lines.next());
     if (!line) return files;
-    if (!trim(*line).empty()) files.names.emplace_back(trim(*line));
+    if (!trimmed(*line).empty()) files.names.emplace_back(trimmed(*line));
   }
 }
 
@@ -176,8 +170,8 @@ Result<NrrdDataFiles> read_list(HeaderLines& lines, std::string_view rest) {
 bool is_data_file_field(std::string_view line, std::string_view& value) {
   const std::size_t colon = line.find(':');
   if (colon == std::string_view::npos || line.substr(colon).starts_with(":=")) return false;
-  const std::string field = lower_case(trim(line.substr(0, colon)));
-  value = trim(line.substr(colon + 1));
+  const std::string field = lower_case(trimmed(line.substr(0, colon)));
+  value = trimmed(line.substr(colon + 1));
   return field == "data file" || field == "datafile";
 }
 
