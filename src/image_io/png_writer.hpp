@@ -25,8 +25,8 @@ struct EncodedImage {
 // Encodes a picture with 8 bits per channel in sRGB. Divides the light by alpha, clamps it to [0, 1], encodes it and
 // rounds to nearest; NaN becomes 0. Alpha is straight and linear, and is omitted if it rounds to 255 everywhere. PNG
 // cannot store depth and normals.
-// Reserves the memory for encoding. `name` starts messages. Fails with ErrorCode::input if memory is short, and with
-// ErrorCode::output if encoding fails.
+// Reserves the memory for encoding. `name` starts messages. Fails with ErrorCode::out_of_memory if memory is short,
+// and with ErrorCode::output if encoding fails.
 [[nodiscard]] Result<EncodedImage> encode_png(const LightImage& image, const std::string& name, const Context& context);
 
 // Writes the PNG to `file` and does not commit it. Fails as encode_png() does, or if writing fails.

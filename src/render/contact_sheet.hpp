@@ -14,7 +14,7 @@ namespace isoextract::render {
 class ContactSheet {
  public:
   // Makes a white sheet for `count` pictures of size `cell`; `count` is at least 1. Fails with ErrorCode::usage if the
-  // sheet would exceed PictureSize::kMaxSide, and with ErrorCode::input if memory is short.
+  // sheet would exceed PictureSize::kMaxSide, and with ErrorCode::out_of_memory if memory is short.
   [[nodiscard]] static Result<ContactSheet> create(const PictureSize& cell, std::size_t count, const Context& context);
 
   // Places picture n, counted from 0 at the upper left; `picture` has the size of a cell. Truncates a label that is

@@ -26,7 +26,7 @@ struct Picture {
   static constexpr std::size_t kBytesPerPixel = sizeof(glm::vec4) + sizeof(float) + sizeof(glm::vec3);
 };
 
-// Makes a picture with uninitialized pixels. Fails with ErrorCode::input if memory is short.
+// Makes a picture with uninitialized pixels. Fails with ErrorCode::out_of_memory if memory is short.
 [[nodiscard]] Result<Picture> make_picture(int width, int height, const Context& context);
 
 }  // namespace isoextract::render

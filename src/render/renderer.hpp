@@ -83,8 +83,8 @@ class Renderer {
   Renderer& operator=(const Renderer&) = delete;
   virtual ~Renderer() = default;
 
-  // Draws a picture; reserves all memory from the context. Fails as check() does, with ErrorCode::input if memory is
-  // short, with ErrorCode::unavailable if the device fails, and as Context::check().
+  // Draws a picture; reserves all memory from the context. Fails as check() does, with ErrorCode::out_of_memory if
+  // memory is short, with ErrorCode::unavailable if the device fails, and as Context::check().
   // Afterwards the caller checks whether reading samples from a file failed meanwhile (DenseSamples::lost()).
   [[nodiscard]] virtual Result<Rendered> draw(const Scene& scene, const Camera& camera, const RenderOptions& options,
                                               const Context& context) = 0;

@@ -25,6 +25,7 @@ Result<void> check_error_memory(const ConversionJob& job, const Source& source, 
     if (source.data) surface = source.region ? 0 : field::count_vertices(data, iso.id.iso(), std::nullopt);
     std::uint64_t bytes = accuracy::field_error_bytes(as_extracted ? triangles_of(vertices) : 0, triangles_of(surface));
     if (as_extracted) bytes += vertices * sizeof(glm::vec3) + triangles_of(vertices) * sizeof(glm::uvec3);
+    // Not MemoryBudget::left(): other conversions of a batch may give their memory back before this one needs it.
     const std::uint64_t limit = context.memory().limit();
     const std::uint64_t used = std::min(limit, context.memory().reserved());
     if (bytes <= limit - used) continue;

@@ -24,8 +24,8 @@ class LabelLooks {
   [[nodiscard]] std::string name(const std::string& field, std::int64_t label) const;
 
   // Sets the label's color, from the table or a default: in glTF as a material, in PLY as vertex colors if there is a
-  // table. Does nothing for other formats, or if the job colors by something else. Fails with ErrorCode::input if
-  // memory runs out.
+  // table. Does nothing for other formats, or if the job colors by something else. Fails with
+  // ErrorCode::out_of_memory.
   [[nodiscard]] Result<void> colour(const ConversionJob& job, std::int64_t label, mesh::Mesh& mesh,
                                     const Context& context) const;
 
