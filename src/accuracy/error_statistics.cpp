@@ -75,7 +75,8 @@ double ErrorAccumulator::percentile(const std::vector<double>& bins, double larg
   double below = 0;
   for (std::size_t b = 0; b < bins.size(); ++b) {
     below += bins[b];
-    if (below >= fraction * weight_) return std::min(upper_edge(b), largest);
+    // The last bin has no upper edge.
+    if (below >= fraction * weight_) return b + 1 < bins.size() ? std::min(upper_edge(b), largest) : largest;
   }
   return largest;
 }
@@ -84,12 +85,15 @@ ErrorStatistics ErrorAccumulator::result() const {
   ErrorStatistics result = counts;
   if (counts.points == 0) return result;
   constexpr double kFraction = 0.99;
-  const double weight = weight_ > 0 ? weight_ : 1;
-  result.rms = {std::sqrt(squares_.voxels / weight), std::sqrt(squares_.world / weight)};
-  result.percentile99 = {percentile(voxel_bins_, max_.voxels, kFraction),
-                         world_voxel_ * percentile(world_bins_, max_.world / world_voxel_, kFraction)};
   result.max = max_;
   result.worst = worst_;
+  if (!(weight_ > 0)) {  // points of triangles without area have no mean: the largest stands for all of them
+    result.rms = result.percentile99 = max_;
+    return result;
+  }
+  result.rms = {std::sqrt(squares_.voxels / weight_), std::sqrt(squares_.world / weight_)};
+  result.percentile99 = {percentile(voxel_bins_, max_.voxels, kFraction),
+                         world_voxel_ * percentile(world_bins_, max_.world / world_voxel_, kFraction)};
   return result;
 }
 
