@@ -19,7 +19,8 @@ namespace isoextract::accuracy {
 struct SurfaceCoverage {
   // From points on the isosurface to the mesh, weighted by area; no points if the isosurface or the mesh is empty.
   ErrorStatistics distances;
-  // Upper bound for all points of the isosurface; distances.max covers the measured points only
+  // Upper bound for all points of the isosurface in small triangles. How far it bulges out of these is estimated.
+  // distances.max covers the measured points only.
   Length max_at_most;
   std::uint64_t components = 0;  // components of the isosurface
   std::uint64_t lost = 0;        // components that the mesh lacks

@@ -83,7 +83,7 @@ class ErrorTest(ProgramTest):
     def test_the_way_back_is_not_that_of_vertices(self):
         run = self.convert("demo:random?size=12", "--iso", "0", "--error", "-o", "a.ply", "--explain")
         back = re.search(r"from the surface of the data to the mesh: rms (\S+), 99 % \S+, max (\S+) voxels, nowhere more than "
-                         r"(\S+); ", run.err)
+                         r"about (\S+); ", run.err)
         self.assertTrue(back, run.err)
         rms, most, at_most = map(float, back.groups())
         self.assertTrue(0.02 < rms < most <= at_most < 1.5, run.err)

@@ -17,6 +17,7 @@ BackMeasurement::BackMeasurement(const mesh::Mesh& mesh, const mesh::TriangleTre
       clipped_(clipped),
       linear_(placed.output_from_index().linear),
       inverse_(glm::inverse(linear_)),
+      origin_(mesh.origin),
       offset_(placed.output_from_index().offset - mesh.origin) {}
 
 mesh::TriangleTree::Nearest BackMeasurement::add(const glm::dvec3& index, double weight, std::uint32_t hint,
@@ -29,6 +30,23 @@ mesh::TriangleTree::Nearest BackMeasurement::add(const glm::dvec3& index, double
                        world);
   }
   return nearest;
+}
+
+void BackMeasurement::clip(const std::array<glm::dvec3, 3>& triangle, std::vector<glm::dvec3>& polygon,
+                           std::vector<glm::dvec3>& before) const {
+  polygon.assign(triangle.begin(), triangle.end());
+  for (const mesh::HalfSpace& space : clipped_) {
+    polygon.swap(before);
+    polygon.clear();
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const glm::dvec3& here = before[i];
+      const glm::dvec3& next = before[(i + 1) % before.size()];
+      const double depth = space.depth(here + origin_);
+      const double next_depth = space.depth(next + origin_);
+      if (depth >= 0) polygon.push_back(here);
+      if ((depth >= 0) != (next_depth >= 0)) polygon.push_back(here + (next - here) * (depth / (depth - next_depth)));
+    }
+  }
 }
 
 void BackMeasurement::measure(const SubdividedSurface& surface, FieldFoot& foot, double reach,
@@ -58,6 +76,8 @@ void BackMeasurement::measure(const SubdividedSurface& surface, FieldFoot& foot,
       sample.used = true;
     }
   }
+  std::vector<glm::dvec3> polygon;
+  std::vector<glm::dvec3> polygon_before;
   std::uint32_t hint = 0;
   for (std::size_t v = 0; v < samples.size(); ++v) {
     Sample& sample = samples[v];
@@ -70,12 +90,18 @@ void BackMeasurement::measure(const SubdividedSurface& surface, FieldFoot& foot,
     const glm::uvec3& triangle = mesh.triangles[t];
     const auto corners = corners_of(triangle);
     const glm::dvec3 center = center_of(corners);
-    if (!is_kept(placed_.output_from_index()(center), clipped_)) continue;
+    const std::array places{to_tree(corners[0]), to_tree(corners[1]), to_tree(corners[2])};
+    std::span<const glm::dvec3> kept = places;
+    if (!clipped_.empty()) {
+      clip(places, polygon, polygon_before);
+      kept = polygon;
+    }
+    if (kept.empty()) continue;
+    const bool center_is_kept = is_kept(placed_.output_from_index()(center), clipped_);
     const double area = glm::length(placed_.area_vector(corners)) / 2;
     const glm::dvec3 landed = foot.land(center, reach).value_or(center);
-    const auto at_center = add(landed, kCenterShare * area, samples[triangle.x].slot, sums);
+    const auto at_center = add(landed, center_is_kept ? kCenterShare * area : 0, samples[triangle.x].slot, sums);
 
-    const std::array places{to_tree(corners[0]), to_tree(corners[1]), to_tree(corners[2])};
     double longest = 0;
     double farthest = 0;  // largest distance of the corners
     for (int corner = 0; corner < 3; ++corner) {
@@ -86,7 +112,7 @@ void BackMeasurement::measure(const SubdividedSurface& surface, FieldFoot& foot,
     double bound = farthest + longest / std::sqrt(3.0);
     for (const std::uint32_t slot :
          {at_center.slot, samples[triangle.x].slot, samples[triangle.y].slot, samples[triangle.z].slot}) {
-      bound = std::min(bound, std::sqrt(tree_.farthest_squared_in(slot, places)));
+      bound = std::min(bound, std::sqrt(tree_.farthest_squared_in(slot, kept)));
     }
     sums.at_most = std::max(sums.at_most, bound + foot.length(landed - center));
   }

@@ -1,8 +1,10 @@
 // Measures distances from points on the isosurface to a mesh.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <span>
+#include <vector>
 
 #include "accuracy/detail/subdivided_surface.hpp"
 #include "accuracy/detail/surface_foot.hpp"
@@ -18,7 +20,7 @@ using FieldFoot = SurfaceFoot<field::Interpolant::Cursor>;
 
 struct BackSums {
   ErrorAccumulator distances;
-  double at_most = 0;  // upper bound for all points of the isosurface, in the mesh's units
+  double at_most = 0;  // estimated upper bound for all points of the isosurface, in the mesh's units
 
   void merge(const BackSums& other) {
     distances.merge(other.distances);
@@ -34,8 +36,9 @@ class BackMeasurement {
 
   // Adds the distances of the triangles of `surface` whose centers `counts` accepts: at their vertices and at their
   // centers, moved onto the isosurface, weighted by area. Points outside `clipped` do not count. Between these points,
-  // at_most bounds the distance of each triangle whose center counts: to one triangle of the mesh, where it is greatest
-  // at a corner, or through the nearest corner. The move of the center stands for the curvature of the isosurface.
+  // at_most bounds the distance of each triangle's part within `clipped`. That is the distance to one triangle of the
+  // mesh, which is greatest at a corner of the part, or the distance through the triangle's nearest corner. The move of
+  // the center stands for the curvature of the isosurface: it is an estimate.
   void measure(const SubdividedSurface& surface, FieldFoot& foot, double reach,
                const std::function<bool(const glm::dvec3& index)>& counts, BackSums& sums) const;
 
@@ -47,6 +50,9 @@ class BackMeasurement {
     bool used = false;
   };
 
+  // Sets `polygon` to the part of a triangle of the tree's frame that is within the half-spaces. `before` is scratch.
+  void clip(const std::array<glm::dvec3, 3>& triangle, std::vector<glm::dvec3>& polygon,
+            std::vector<glm::dvec3>& before) const;
   [[nodiscard]] glm::dvec3 to_tree(const glm::dvec3& index) const { return linear_ * index + offset_; }
   mesh::TriangleTree::Nearest add(const glm::dvec3& index, double weight, std::uint32_t hint, BackSums& sums) const;
 
@@ -55,6 +61,7 @@ class BackMeasurement {
   std::span<const mesh::HalfSpace> clipped_;
   glm::dmat3 linear_;
   glm::dmat3 inverse_;
+  glm::dvec3 origin_;  // of the mesh
   glm::dvec3 offset_;  // between index space and the frame of the tree
 };
 

@@ -128,7 +128,7 @@ std::string coverage_text(double iso, const accuracy::SurfaceCoverage& coverage)
   const accuracy::ErrorStatistics& distances = coverage.distances;
   std::string sizes;
   if (distances.points > 0) {
-    sizes = fmt::format("{}, nowhere more than {:.3g}; {}; ", sizes_text(distances), coverage.max_at_most.voxels,
+    sizes = fmt::format("{}, nowhere more than about {:.3g}; {}; ", sizes_text(distances), coverage.max_at_most.voxels,
                         world_text(distances));
   }
   return fmt::format("error at iso {} from the surface of the data to the mesh: {}{}", iso, sizes,

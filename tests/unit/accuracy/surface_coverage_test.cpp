@@ -180,5 +180,15 @@ TEST(SurfaceCoverage, ReservesMemory) {
   EXPECT_FALSE(measure_field_error(mesh, field, options_of(field), {}, Context(MemoryBudget(20000))));
 }
 
+// The mesh ends at x = 3, the cut is at 3.06: the triangles between have their centers outside.
+TEST(SurfaceCoverage, BoundsPartsOfTrianglesInsideClip) {
+  const field::ScalarField field = test::dense_field<double>({9, 9, 9}, [](int, int, int k) { return 4.75 - k; });
+  const float z = 4.25F;
+  const mesh::Mesh mesh = test::make_mesh("half", {{-6, 4, z}, {3, -12, z}, {3, 20, z}}, {{0, 1, 2}});
+  const SurfaceCoverage coverage = coverage_of(mesh, field, nullptr, {{{-1, 0, 0}, -3.06}});
+  EXPECT_LT(coverage.distances.max.voxels, 1e-4);
+  EXPECT_NEAR(coverage.max_at_most.voxels, 0.06, 1e-4);
+}
+
 }  // namespace
 }  // namespace isoextract::accuracy
