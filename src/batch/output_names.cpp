@@ -206,6 +206,11 @@ Result<void> check_piece_files(std::span<const OutputSource> sources, std::span<
       if (output.path.find(convert::kPieceWord) == std::string::npos) continue;
       any = true;
       for (const fs::path& file : convert::mesh_files(output, format)) {
+        if (file.string().find(convert::kPieceWord) == std::string::npos) {
+          return fail(ErrorCode::usage,
+                      fmt::format("{}: all components would share this file", printable(file.string())),
+                      "put {piece} before the extension");
+        }
         const auto first = names.add(places.by_name(file), i);
         if (!first) continue;
         if (*first == i) {

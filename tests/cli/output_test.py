@@ -9,6 +9,12 @@ FORMATS = ("glb", "gltf", "ply", "obj", "stl")
 
 
 class OutputTest(ProgramTest):
+    def test_pieces_need_data_files_of_their_own(self):
+        run = self.run_program("demo:gyroid?size=24", "--iso", "0.8", "--cap", "--split-components", "--format", "gltf",
+                               "-o", "a.{piece}")
+        self.assert_fails(1, run, "a.bin: all components would share this file", "put {piece} before the extension")
+        self.assertEqual(self.files(), [])
+
     def test_inputs_that_cannot_be_read(self):
         (self.folder / "text.vdb").write_text("This is not a volume.\n")
         (self.folder / "empty.nrrd").write_bytes(b"")
