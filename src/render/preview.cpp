@@ -66,7 +66,7 @@ Camera close_framing(const field::Box& box, ViewAngles angles, UpAxis up, const 
   if (angles.distance || box.min == box.max) return far;
   const double high = kFilled * std::tan(far.fovy / 2);
   const double wide = high * size.width / size.height;
-  double distance = 0;
+  double distance = 1e-3 * glm::length(box.max - box.min);  // if all of the box is behind the target
   for (int corner = 0; corner < 8; ++corner) {
     const glm::dvec3 place{(corner & 1) != 0 ? box.max.x : box.min.x, (corner & 2) != 0 ? box.max.y : box.min.y,
                            (corner & 4) != 0 ? box.max.z : box.min.z};

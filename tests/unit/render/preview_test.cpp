@@ -203,5 +203,20 @@ TEST(ContactSheet, PlacesPicturesInOrder) {
   EXPECT_FALSE(ContactSheet::create({9000, 9000}, 9, Context()).has_value());
 }
 
+// The target is between the eye and the box, so that no corner asks for a distance.
+TEST(Preview, DrawsBoxFarBehindTarget) {
+  const mesh::Mesh mesh = test::box_mesh(glm::vec3(-1), glm::vec3(1));
+  PreviewOptions options;
+  options.size = {120, 90};
+  options.scale_bar = false;
+  options.angles.azimuth = 0;
+  options.angles.elevation = 0;
+  const Camera camera = framing({glm::dvec3(-1), glm::dvec3(1)}, options.angles, options.up, options.size);
+  options.angles.look_at = glm::transpose(camera.rotation()) * glm::dvec3(0, 0, 4);
+  const Picture picture = preview_of(mesh, options);
+  ASSERT_EQ(picture.width, 120);
+  EXPECT_TRUE(std::isfinite(picture.depth[60 + 120 * 45]));
+}
+
 }  // namespace
 }  // namespace isoextract::render
