@@ -195,6 +195,18 @@ class CheckTest(ProgramTest):
         normals = self.json("facets.stl")["mesh"]["normals"]
         self.assertEqual(normals, {"corners": 33, "against": 3, "missing": 3, "not_unit": 0})
 
+    def test_seams_beside_an_extension_that_leaves_positions_alone(self):
+        self.convert("demo:gyroid?size=12", "--iso", 0, "--cap", "-o", "seams.gltf")
+        model = json.loads((self.folder / "seams.gltf").read_text())
+        model["extensionsUsed"] = [*model.get("extensionsUsed", []), "KHR_materials_variants"]
+        model["extensions"] = {**model.get("extensions", {}), "KHR_materials_variants": {"variants": [{"name": "one"}]}}
+        for primitive in model["meshes"][0]["primitives"]:
+            primitive["extensions"] = {"KHR_materials_variants": {"mappings": []}}
+        (self.folder / "variants.gltf").write_text(json.dumps(model))
+        found = [self.json(name)["mesh"] for name in ("seams.gltf", "variants.gltf")]
+        self.assertTrue(found[0]["closed"])
+        self.assertEqual(found[0], found[1])
+
     def test_normals_turn_with_the_nodes_of_gltf(self):
         self.convert("demo:torus?size=24", "--iso", 0, "-o", "torus.gltf")
         model = json.loads((self.folder / "torus.gltf").read_text())

@@ -381,7 +381,9 @@ class ModelReader {
     require_vertex_count(first_vertex + places.count);
     const std::vector<GltfView> views = attribute_views(*attributes, places.count);
     const bool is_indexed = primitive.contains("indices") && !is_soup;
-    const bool is_exact = places.component == kGltfFloat && !primitive.contains("extensions");
+    const auto extensions = primitive.find("extensions");
+    const bool is_draco = extensions != primitive.end() && extensions->contains(kDracoExtension);
+    const bool is_exact = places.component == kGltfFloat && !is_draco;
     surface_.is_quantised = surface_.is_quantised || !is_exact;
     if (is_indexed) {
       // Rounded positions can be equal although no vertex was duplicated.
