@@ -56,6 +56,15 @@ class ParticlesTest(ProgramTest):
             self.assertAlmostEqual(low[axis], at[axis] - STEP / 2, delta=STEP / 2)
             self.assertAlmostEqual(high[axis], at[axis] + STEP * (n - 0.5), delta=STEP / 2)
 
+    def test_decimal_commas_between_spaces_without_names(self):
+        rows = [(x * STEP, y * STEP, 0.5) for x in range(4) for y in range(4)]
+        text = "".join(" ".join(f"{value:.3f}" for value in row) + "\n" for row in rows)
+        (self.folder / "points.csv").write_text(text)
+        (self.folder / "commas.csv").write_text(text.replace(".", ","))
+        for name in ("points", "commas"):
+            self.convert(f"{name}.csv", "--radius", STEP, "-o", f"{name}.ply")
+        self.assertEqual((self.folder / "points.ply").read_bytes(), (self.folder / "commas.ply").read_bytes())
+
     def test_chosen_columns_of_lammps_are_scaled_as_what_they_are(self):
         """Fractions along a box of 4 x 4 x 4 from (2, 10, -3), whichever axis they become."""
         points = [(0.25 + 0.1 * i, 0.5, 0.75) for i in range(5)]

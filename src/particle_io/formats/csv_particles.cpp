@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "base/ascii.hpp"
 #include "base/printable.hpp"
 #include "particle_io/detail/particle_columns.hpp"
 #include "particle_io/detail/text_rows.hpp"
@@ -125,11 +126,24 @@ std::string_view without_utf8_mark(std::string_view line) {
   return line.starts_with("\xEF\xBB\xBF") ? line.substr(3) : line;
 }
 
+// Returns whether a line has three or more numbers between spaces, with decimal commas: "1,5 2,5 3".
+bool has_decimal_commas(std::string_view line) {
+  std::vector<std::string_view> words;
+  split_words(line, words);
+  DecimalReader decimals;
+  return words.size() >= 3 &&
+         std::ranges::all_of(
+             words,
+             [&](std::string_view word) { return is_digit(word.back()) && decimals.number(word).has_value(); }) &&
+         decimals.found_commas();
+}
+
 // Returns the first delimiter that splits the first line into at least three fields, and the second line into as many,
 // or one more or less.
 std::optional<char> find_delimiter(std::string_view first, const std::optional<std::string>& second) {
   std::vector<std::string_view> fields;
   for (const char delimiter : {'\t', ';', ',', '|', kWords}) {
+    if (delimiter == ',' && has_decimal_commas(first)) continue;
     FieldSplitter splitter(delimiter);
     if (!splitter.split(first, fields) || fields.size() < 3) continue;
     const std::size_t count = fields.size();
