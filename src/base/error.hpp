@@ -2,12 +2,14 @@
 // and the only exception that crosses a room's border is std::bad_alloc. `cli` prints the Error on stderr and exits
 // with exit_code_of().
 //
-// No room below `cli` knows the name of an option: an error suggests a Remedy, and `cli` words it.
+// No room below `cli` knows the name of an option: a hint is steps of a Remedy and a Setting, and `cli` words them.
 #pragma once
 
+#include <initializer_list>
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include <tl/expected.hpp>
 
@@ -49,76 +51,104 @@ enum class ErrorCode {
   return code == ErrorCode::empty_grid || code == ErrorCode::no_surface;
 }
 
-// What helps. A code with a list behind it expects that in Hint::text, as a clause of its own.
+// The action of a step. The comment names the content of Step::text, if the action takes one.
 enum class Remedy {
-  none,
-  raise_memory_limit,    // the machine may have more memory than the limit
-  extract_part,          // a region needs less memory
-  widen_region,          // the region asked for holds no cell
-  choose_grid,           // text: the grids there are
-  choose_grid_number,    // likewise, where names repeat
-  leave_out_grid,        // the format has one volume a file
-  describe_raw,          // a raw file needs dims and a type
-  check_raw,             // what was said of a raw file does not go with its size
-  retype_raw,            // text: the types of sample with which it would
-  skip_in_raw,           // text: how many bytes to skip, with which it would
-  read_as_raw,           // the bytes of any file can be read
-  place_by_hand,         // spacing and origin in place of the file's frame
-  rescale,               // another spacing, scale, unit or space
-  place_nearer,          // a place nearer to the origin; text: the formats that keep the mesh where it is, if any
-  choose_nan_policy,     // NaN outside, or as holes
-  use_cpu,               // the CPU backend needs no GPU; text: what else helps, before it
-  less_gpu_memory,       // the GPU takes less at a time
-  more_gpu_memory,       // the GPU may take more
-  other_gpu,             // that one is not there; one can be chosen by itself
-  choose_mesh_format,    // text: the formats' names
-  ascii_formats,         // text: the formats that can be text
-  one_file_per_surface,  // text: the formats that hold several; or a file each
-  region_is_in_voxels,   // the region was asked for in voxel coordinates
-  region_is_in_world,    // in the input's world, before scales and turns
-  choose_scale,          // another scale or unit
-  name_unit,             // the file does not say which unit its world is in
-  other_output_name,     // for a file that is written
-  move_cut,              // cutting planes leave nothing of the surface; or an empty one is no error
-  widen_region_or_skip,  // the region hides the surface; or an empty one is no error
-  try_iso,               // text: another value and what it was found by; or an empty surface is no error
-  other_iso,             // text: another value
-  leave_out_coarsest,    // of several resolutions, or another value
-  no_surface_or_skip,    // no value has a surface worth suggesting; or an empty surface is no error
-  allow_empty,           // an empty surface is no error, or is written
-  list_demo_fields,      // their names and keys
-  list_gpus,             // their numbers and names
-  name_frames,           // which frames are meant
-  number_outputs,        // the frame's number, and what else tells the files apart, in the names of outputs
-  report_gpu,            // what the GPU did is a fault of it or of ours; the CPU backend needs none
-  choose_volume,         // text: the numbers that the file's volumes have
-  leave_out_volume,      // there is one volume in the file
-  read_as_particles,     // rows of an array that is no volume may be particles
-  leave_out_particles,   // options of particles do nothing for a volume
-  choose_frame,          // of several in a file of particles
-  leave_out_volumes,     // options of volumes do nothing for particles
-  choose_radius,         // the particles do not tell how large they are
-  skip_particles,        // those at places that are no numbers can be left out
-  fewer_attributes,      // of particles, for vertices
-  smaller_cells,         // samples nearer to each other, of particles
-  leave_out_filters,     // they are for level sets
-  store_floats,          // half floats do not reach so far
-  read_in_process,       // a file that is trusted needs no process of its own for its plug-in
+  say,        // the text is the whole step
+  raise,      // give a larger value
+  lower,      // give a smaller value
+  give,       // give the missing value; text: a reason
+  choose,     // choose one of several; text: "from 0 to 4", or a line break and the list
+  change,     // give another value; text: which one
+  leave_out,  // text: a reason
+  use,
+  set,        // text: the value and its effect
+  try_value,  // text: the value and its source
+  check,      // the given value may be wrong; text: a reason
+  see,        // read a list of the possible values
+  report,     // report a fault of the driver or of this program
 };
 
-struct Hint {
-  Remedy remedy = Remedy::none;
-  std::string text;  // a sentence without a full stop that names no option; may be empty
+// The option of a step, or several options that belong together.
+enum class Setting {
+  none,
+  // Of the input.
+  input_format,
+  grid,
+  volume,  // the number of a volume or of a frame of particles
+  component,
+  raw_layout,     // dims and sample type of a raw file
+  sample_type,    // of a raw file
+  skipped_bytes,  // the header of a raw file
+  axis_order,
+  spacing_and_origin,
+  frames,
+  demo_fields,
+  in_process,  // run a plug-in without a child process
+  attribute,
+  attribute_volume,  // the next three belong to the file of an attribute
+  attribute_component,
+  attribute_spacing_and_origin,
+  volume_options,  // all options of volumes
+  // Of particles.
+  particle_options,  // all options of particles
+  particle_method,
+  radius,
+  cell_size,
+  // Of the surface.
+  iso,
+  region,
+  parts,  // one region after another in place of the whole grid
+  clip,
+  nan_policy,
+  empty_policy,
+  level_set_filter,
+  blur,
+  resolutions,  // the resolutions of a benchmark
+  // Of the output.
+  mesh_format,
+  half_floats,
+  output_name,
+  animation,
+  unit,
+  scale,     // all options that scale the mesh
+  position,  // all options that move the mesh
+  // Of the run.
+  memory_limit,
+  cpu_backend,
+  gpu_memory,
+  device,
+  devices,  // the list of devices
+};
 
-  // Implicit, so that fail(code, message, "...") and fail(code, message, Remedy::...) read as they are meant.
+struct Step {
+  Remedy remedy = Remedy::say;
+  Setting setting = Setting::none;
+  std::string text;  // without a full stop and without the name of an option
+
+  // Implicit, so that a list of steps can contain a string.
+  // NOLINTBEGIN(google-explicit-constructor)
+  Step(std::string words) : text(std::move(words)) {}
+  Step(const char* words) : text(words) {}
+  // NOLINTEND(google-explicit-constructor)
+  Step(Remedy what, Setting of, std::string words = {}) : remedy(what), setting(of), text(std::move(words)) {}
+
+  friend bool operator==(const Step&, const Step&) = default;
+};
+
+// Alternative steps, the best one first.
+struct Hint {
+  std::vector<Step> steps;
+
+  // Implicit, so that fail() takes a string, one step in braces, or a list of steps.
   // NOLINTBEGIN(google-explicit-constructor)
   Hint() = default;
-  Hint(std::string words) : text(std::move(words)) {}
-  Hint(const char* words) : text(words) {}
-  Hint(Remedy code, std::string words = {}) : remedy(code), text(std::move(words)) {}
+  Hint(std::initializer_list<Step> several) : steps(several) {}
+  Hint(std::string words);  // no step if `words` is empty
+  Hint(const char* words) : Hint(std::string(words)) {}
+  Hint(Remedy remedy, Setting setting, std::string text = {});
   // NOLINTEND(google-explicit-constructor)
 
-  [[nodiscard]] bool empty() const { return remedy == Remedy::none && text.empty(); }
+  [[nodiscard]] bool empty() const { return steps.empty(); }
   friend bool operator==(const Hint&, const Hint&) = default;
 };
 
@@ -131,7 +161,8 @@ struct Error {
 template <class T>
 using Result = tl::expected<T, Error>;
 
-// Example: return fail(ErrorCode::input, "a.nrrd: expected ..., found ...", Remedy::place_by_hand);
+// Example: return fail(ErrorCode::input, "a.nrrd: expected ..., found ...", {Remedy::give,
+// Setting::spacing_and_origin});
 [[nodiscard]] inline tl::unexpected<Error> fail(ErrorCode code, std::string message, Hint hint = {}) {
   return tl::unexpected<Error>(Error{code, std::move(message), std::move(hint)});
 }

@@ -149,7 +149,7 @@ Result<Reservation> MemoryBudget::reserve(std::uint64_t bytes, const std::string
     std::string message =
         fmt::format("{} would take {}, the limit is {}", what, format_byte_size(bytes), format_byte_size(top.limit));
     if (used > 0) message += fmt::format(", of which {} are in use", format_byte_size(used));
-    return fail(ErrorCode::out_of_memory, std::move(message), Remedy::raise_memory_limit);
+    return fail(ErrorCode::out_of_memory, std::move(message), {Remedy::raise, Setting::memory_limit});
   }
   detail::keep_blocks_within(top.limit - used - bytes);
   account_->add(bytes);

@@ -51,9 +51,9 @@ class MemoryBudget {
   // conversion of a batch has one.
   [[nodiscard]] MemoryBudget part() const;
 
-  // Fails with ErrorCode::out_of_memory and Remedy::raise_memory_limit if `bytes` exceed the memory left. `what` starts
-  // the message, for example "in.nrrd: 4096x4096x4096 f32 samples". Frees blocks that Buffer keeps for reuse, down to
-  // the memory left.
+  // Fails with ErrorCode::out_of_memory and the hint to raise the limit if `bytes` exceed the memory left. `what`
+  // starts the message, for example "in.nrrd: 4096x4096x4096 f32 samples". Frees blocks that Buffer keeps for reuse,
+  // down to the memory left.
   [[nodiscard]] Result<Reservation> reserve(std::uint64_t bytes, const std::string& what) const;
 
   [[nodiscard]] std::uint64_t limit() const;

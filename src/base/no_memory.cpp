@@ -19,7 +19,7 @@ Error no_memory(std::string message, Hint hint) {
   if (!limit) return {ErrorCode::out_of_memory, std::move(message), std::move(hint)};
   return {ErrorCode::out_of_memory,
           fmt::format("{}: the address space of the process is limited to {}", message, format_byte_size(*limit)),
-          Hint(Remedy::extract_part, kRaiseAddressSpace)};
+          {kRaiseAddressSpace, {Remedy::use, Setting::parts}}};
 }
 
 }  // namespace isoextract

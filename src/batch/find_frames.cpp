@@ -84,7 +84,7 @@ Result<Frames> without_files(const FramePattern& pattern, const std::optional<Fr
   if (!range) {
     return fail(ErrorCode::usage,
                 fmt::format("{}: there is no folder in which to look for the frames", printable(input)),
-                Remedy::name_frames);
+                {Remedy::give, Setting::frames});
   }
   Frames frames;
   for (const std::int64_t number : range->numbers()) frames.frames.push_back({number, pattern.expand(number), {}});

@@ -60,7 +60,7 @@ class FileUses {
   // Adds a file to write. Fails with ErrorCode::usage if it is read, already written, or named like a manifest.
   Result<void> add_written(const fs::path& file, const FileUse& use) {
     const std::string shown = printable(files::shown_output_name(file));
-    const Hint hint = use.source != nullptr ? Hint(Remedy::other_output_name) : use.other->hint;
+    const Hint hint = use.source != nullptr ? Hint(Remedy::change, Setting::output_name) : use.other->hint;
     if (is_manifest_name(file.filename().string())) {
       return fail(ErrorCode::usage, fmt::format("{}: a batch keeps its record in files of this name", shown), hint);
     }
@@ -95,7 +95,9 @@ class FileUses {
                 first.source == second.source
                     ? fmt::format("{}: two outputs of {} would be this file", shown, label)
                     : fmt::format("{}: {} and {} would both write it", shown, label_of_source(*first.source), label),
-                Remedy::number_outputs);
+                {{Remedy::change, Setting::output_name,
+                  "that tells them apart: with {frame:04}, {}, {stem}, {grid} or {iso} in it"},
+                 {Remedy::use, Setting::animation}});
   }
 
   files::PlaceKeys& places_;
@@ -173,7 +175,8 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
   return fail(ErrorCode::usage,
               fmt::format("{}: one {} file holds one surface, found {} {}", label_of_source(source), info.name,
                           source.isos.size(), source.isos.front().is_label() ? "labels" : "iso values"),
-              {Remedy::one_file_per_surface, fmt::format("{}", fmt::join(others, ", "))});
+              {{Remedy::set, Setting::mesh_format, fmt::format("{}", fmt::join(others, ", "))},
+               {Remedy::change, Setting::output_name, "with {iso} in it, for a file of each"}});
 }
 
 OutputFiles files_of(const OutputSource& source, const OutputTemplate& names) {
@@ -243,7 +246,7 @@ Result<void> check_piece_files(std::span<const OutputSource> sources, std::span<
     return fail(ErrorCode::usage,
                 fmt::format("{}: a piece of {} may have this name, and {}; it is not overwritten",
                             printable(sources[i].input), label_of_source(sources[*writer]), reader),
-                Remedy::other_output_name);
+                {Remedy::change, Setting::output_name});
   }
   return {};
 }

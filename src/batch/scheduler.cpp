@@ -161,7 +161,7 @@ class Scheduler {
       }
       return {};
     } catch (const std::bad_alloc&) {
-      return tl::unexpected(no_memory("not enough memory to write the frame", Remedy::extract_part));
+      return tl::unexpected(no_memory("not enough memory to write the frame", {Remedy::use, Setting::parts}));
     }
   }
 

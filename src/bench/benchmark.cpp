@@ -73,7 +73,7 @@ std::vector<Contestant> contestants(const BenchOptions& options) {
 }
 
 // One contestant with one number of threads at one resolution.
-struct Setting {
+struct Trial {
   Contestant contestant;
   int threads;
   std::uint64_t triangles = 0;
@@ -81,19 +81,19 @@ struct Setting {
   std::vector<extract::ExtractStats> stats;  // statistics of the same runs
 };
 
-Result<void> run_once(const field::ScalarField& field, const BenchOptions& options, bool timed, Setting& setting,
+Result<void> run_once(const field::ScalarField& field, const BenchOptions& options, bool timed, Trial& trial,
                       const Context& context) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                  static_cast<std::size_t>(setting.threads));
+                                  static_cast<std::size_t>(trial.threads));
   const Stopwatch watch;
-  const auto& [method, backend] = setting.contestant;
+  const auto& [method, backend] = trial.contestant;
   const auto extraction = backend.extractor->extract(field, extract_options(field, method.method, options), context);
   const double seconds = watch.elapsed().wall_seconds;
   if (!extraction) return tl::unexpected(extraction.error());
-  setting.triangles = extraction->mesh.triangles.size();
+  trial.triangles = extraction->mesh.triangles.size();
   if (timed) {
-    setting.seconds.push_back(seconds);
-    setting.stats.push_back(extraction->stats);
+    trial.seconds.push_back(seconds);
+    trial.stats.push_back(extraction->stats);
   }
   return {};
 }
@@ -118,34 +118,34 @@ std::optional<BenchDeviceTimes> device_times(const std::vector<extract::ExtractS
 
 Result<std::vector<BenchRow>> time_level(const field::ScalarField& field, std::size_t level,
                                          const BenchOptions& options, const Context& context) {
-  std::vector<Setting> settings;
+  std::vector<Trial> trials;
   for (const Contestant& contestant : contestants(options)) {
-    for (const int threads : options.threads) settings.push_back({contestant, threads, 0, {}, {}});
+    for (const int threads : options.threads) trials.push_back({contestant, threads, 0, {}, {}});
   }
   const auto rounds = static_cast<std::size_t>(options.repeats) + 1;
-  context.progress().begin("timing", rounds * settings.size());
+  context.progress().begin("timing", rounds * trials.size());
   const Context untold(context.memory());  // the progress bar shows rounds only
   for (std::size_t round = 0; round < rounds; ++round) {
-    for (Setting& setting : settings) {
-      TRY(run_once(field, options, round > 0, setting, untold));
+    for (Trial& trial : trials) {
+      TRY(run_once(field, options, round > 0, trial, untold));
       context.progress().advance(1);
       TRY(context.check());
     }
-    std::ranges::reverse(settings);
+    std::ranges::reverse(trials);
   }
-  if (rounds % 2 != 0) std::ranges::reverse(settings);
+  if (rounds % 2 != 0) std::ranges::reverse(trials);
   std::vector<BenchRow> rows;
-  for (Setting& setting : settings) {
+  for (Trial& trial : trials) {
     BenchRow row;
     row.level = level;
-    row.method = setting.contestant.method.method;
-    row.backend = setting.contestant.backend.name;
-    row.threads = setting.threads;
-    row.triangles = setting.triangles;
-    row.min_seconds = std::ranges::min(setting.seconds);
-    row.max_seconds = std::ranges::max(setting.seconds);
-    row.median_seconds = median(setting.seconds);
-    row.device = device_times(setting.stats);
+    row.method = trial.contestant.method.method;
+    row.backend = trial.contestant.backend.name;
+    row.threads = trial.threads;
+    row.triangles = trial.triangles;
+    row.min_seconds = std::ranges::min(trial.seconds);
+    row.max_seconds = std::ranges::max(trial.seconds);
+    row.median_seconds = median(trial.seconds);
+    row.device = device_times(trial.stats);
     rows.push_back(std::move(row));
   }
   return rows;
@@ -169,8 +169,8 @@ tl::unexpected<Error> no_surface(const field::ScalarField& field, double iso, bo
       ErrorCode::input,
       fmt::format("{}: no surface at iso {} with {} samples along an axis; the values run from {:.6g} to {:.6g}",
                   field.source, iso, size_text(field), statistics.min, statistics.max),
-      in_finer ? Hint(Remedy::leave_out_coarsest)
-               : Hint(Remedy::other_iso, fmt::format("{}", field::suggest_iso(field, statistics).iso)));
+      in_finer ? Hint{{Remedy::change, Setting::resolutions, "without the coarsest"}, {Remedy::change, Setting::iso}}
+               : Hint(Remedy::try_value, Setting::iso, fmt::format("{}", field::suggest_iso(field, statistics).iso)));
 }
 
 // Sets all errors except `rounding`; `number` is the number of the contestant.

@@ -74,7 +74,7 @@ Error error_of_exception() {
   try {
     throw;
   } catch (const std::bad_alloc&) {
-    return no_memory("not enough memory", Remedy::extract_part);
+    return no_memory("not enough memory", {Remedy::use, Setting::parts});
   } catch (const std::exception& error) {
     return {ErrorCode::input, fmt::format("unexpected: {}", error.what()), ""};
   }

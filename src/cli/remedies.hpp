@@ -1,4 +1,4 @@
-// What helps, in the program's own words: the one place that knows which option stands behind a Remedy.
+// Words hints. Only this file knows the options of a Setting.
 #pragma once
 
 #include <string>
@@ -8,11 +8,12 @@
 
 namespace isoextract::cli {
 
-// "raise it with --memory-limit SIZE if the machine has the memory"; empty where nothing is known to help.
-// Parts of a hint that name options which the command has not are left out.
+// Returns, for example, "give a larger --memory-limit SIZE if the machine has the memory"; empty without a hint.
+// Leaves out steps whose options the command does not have.
 [[nodiscard]] std::string words_of(const Hint& hint);
 
-// Names, with their dashes, of the options of the command that runs, for words_of(); all options until it is called.
+// Sets the options that words_of() may name: those of the running command, with their dashes. Without a call it may
+// name all.
 void set_options_of_hints(std::vector<std::string> names);
 
 }  // namespace isoextract::cli

@@ -218,26 +218,20 @@ Result<VolumeAttribute> read_volume_attribute(const SourceOptions& options, cons
 
 // Rewords hints about options of the input as hints about the settings of an attribute, which are different ones.
 Hint hint_of_attribute(Hint hint) {
-  // Other rooms write "{component N}" for the input's option; an attribute has the setting component=N.
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kSettings{
-      {{"{component N}", "NAME=FILE:component=N"},
-       {"{component length}", "NAME=FILE:component=length"},
-       {"{component}", ":component="}}};
-  for (const auto& [mark, setting] : kSettings) {
-    for (std::size_t at = hint.text.find(mark); at != std::string::npos; at = hint.text.find(mark)) {
-      hint.text.replace(at, mark.size(), setting);
+  for (Step& step : hint.steps) {
+    switch (step.setting) {
+      case Setting::grid:
+        step = step.remedy == Remedy::choose ? "an attribute is one of the file's grids" + step.text
+                                             : "leave the name of a grid out: " + step.text;
+        break;
+      case Setting::raw_layout: step = "attributes are read from files that say what is in them"; break;
+      case Setting::volume: step.setting = Setting::attribute_volume; break;
+      case Setting::component: step.setting = Setting::attribute_component; break;
+      case Setting::spacing_and_origin: step.setting = Setting::attribute_spacing_and_origin; break;
+      default: break;
     }
   }
-  switch (hint.remedy) {
-    case Remedy::choose_grid:
-    case Remedy::choose_grid_number: return "an attribute is one of the file's grids" + hint.text;
-    case Remedy::leave_out_grid: return "leave the name of a grid out: there is one volume in the file";
-    case Remedy::place_by_hand: return "state its place behind its name: NAME=FILE:spacing=SX,SY,SZ:origin=X,Y,Z";
-    case Remedy::choose_volume: return "choose one of them with NAME=FILE:volume=K, K " + hint.text;
-    case Remedy::leave_out_volume: return "leave :volume= out: there is one volume in the file";
-    case Remedy::describe_raw: return "attributes are read from files that say what is in them";
-    default: return hint;
-  }
+  return hint;
 }
 
 }  // namespace

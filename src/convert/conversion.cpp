@@ -260,7 +260,7 @@ class Conversion {
     if (!extractor_->has(job_.surface.method)) {
       const Error error{ErrorCode::unavailable,
                         fmt::format("the {} backend does not have {}", extractor_->name(), method().title),
-                        Remedy::use_cpu};
+                        {Remedy::use, Setting::cpu_backend}};
       if (!gave_way(error)) return tl::unexpected(error);
     }
     auto found = TRY(extract::LabelVoxels::find(source_.field, extract_options_of(job_, source_, 0), choice, context_));
@@ -269,8 +269,9 @@ class Conversion {
     for (const std::string& note : labels_->notes()) events_.note(note);
     if (!labels_->labels().empty() || job_.empty != EmptyPolicy::error) return {};
     return tl::unexpected(source_.empty ? empty_source(source_)
-                                        : Error{ErrorCode::no_surface, source_.label + ": no sample has a label but 0",
-                                                Remedy::allow_empty});
+                                        : Error{ErrorCode::no_surface,
+                                                source_.label + ": no sample has a label but 0",
+                                                {Remedy::use, Setting::empty_policy}});
   }
 
   // Returns nullopt if the surface is empty and the job skips empty surfaces.
@@ -484,7 +485,7 @@ Outcome run(const ConversionJob& job, const Context& context, Events& events, co
     done = Conversion(job, context, outcome, events, extras, kept, collector).run();
   } catch (const std::bad_alloc&) {
     done = tl::unexpected(no_memory(fmt::format("{}: not enough memory", files::shown_input_name(job.source.input)),
-                                    Remedy::extract_part));
+                                    {Remedy::use, Setting::parts}));
   } catch (const std::exception& error) {
     done = fail(ErrorCode::input,
                 fmt::format("{}: unexpected: {}", files::shown_input_name(job.source.input), error.what()));

@@ -34,10 +34,12 @@ Result<ResolvedIso> suggested_iso(const IsoChoice& choice, const field::ScalarFi
                   statistics.min == statistics.max
                       ? fmt::format("{:.6g} everywhere", statistics.min)
                       : fmt::format("values from {:.6g} to {:.6g}", statistics.min, statistics.max)),
-      Remedy::no_surface_or_skip});
+      {"try another input: this one has no surface worth suggesting", {Remedy::use, Setting::empty_policy}}});
 }
 
-Hint suggested_by_info() { return {Remedy::other_iso, "auto, the value that 'isoextract info' suggests"}; }
+Hint suggested_by_info() {
+  return {Remedy::try_value, Setting::iso, "auto, the value that 'isoextract info' suggests"};
+}
 
 Result<ResolvedIso> zero_of(const IsoChoice& choice, const field::ScalarField& field) {
   if (field.kind == field::FieldKind::level_set) return ResolvedIso{choice, 0, "the zero of the level set"};

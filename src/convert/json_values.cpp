@@ -54,12 +54,12 @@ Json json_of(const field::Affine& map) {
   return rows;
 }
 
-Json json_of(const Error& error) {
+Json json_of(const Error& error, const std::string& hint) {
   return {{"kind", kind_of(error.code)},
           {"exit_code", exit_code_of(error.code)},
           {"reason", reason_of(error.code)},
           {"message", error.message},
-          {"hint", error.hint.text}};
+          {"hint", hint}};
 }
 
 Json json_of(const StageTime& time) { return {{"wall_seconds", time.wall_seconds}, {"cpu_seconds", time.cpu_seconds}}; }

@@ -80,7 +80,7 @@ Result<StageReport> drop_pieces(Surface& surface, const StageContext& stage) {
     report.error = Error{ErrorCode::no_surface,
                          fmt::format("{}: none of the {} components at {} is as large as asked for", stage.source.label,
                                      facts.before.components, surface.id.name()),
-                         Remedy::allow_empty};
+                         {Remedy::use, Setting::empty_policy}};
   }
   return report;
 }

@@ -114,10 +114,7 @@ Json report_of(const ConversionJob* job, const Outcome& report, const std::vecto
   Json json{{"schema_version", kReportSchemaVersion},
             {"program", {{"name", "isoextract"}, {"version", version()}}},
             {"status", report.error ? "failed" : "done"}};
-  if (report.error) {
-    json["error"] = json_of(*report.error);
-    json["error"]["hint"] = hint;
-  }
+  if (report.error) json["error"] = json_of(*report.error, hint);
   json["arguments"] = arguments;
   json["options"] = job != nullptr ? options_of(*job, memory_limit) : Json(nullptr);
   json["device"] = device_of(report);

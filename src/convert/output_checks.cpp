@@ -123,14 +123,14 @@ Result<void> check_other_file(const fs::path& file, const ConversionJob& job, co
     if (may_be_piece(file, output, format)) {
       return fail(ErrorCode::usage,
                   fmt::format("{}: a piece of {} may have this name", file.string(), job.source.input),
-                  Remedy::other_output_name);
+                  {Remedy::change, Setting::output_name});
     }
     for (const fs::path& mesh : mesh_files(output, format)) {
       if (!files::same_place(file, mesh)) continue;
       return fail(ErrorCode::usage,
                   fmt::format("{}: this is {} as well as the report", file.string(),
                               mesh == "-" ? "standard output, where the mesh goes," : "the mesh"),
-                  Remedy::other_output_name);
+                  {Remedy::change, Setting::output_name});
     }
   }
   files::ReadFiles read;

@@ -41,7 +41,7 @@ Result<points::ParticleField> make_level_set(const points::ParticleSet& particle
                   fmt::format("{}: expected particles of a radius of at least {} samples, which are {:.6g} apart; all "
                               "{} are smaller",
                               particles.label, points::kLeastSphere, figures.spacing, field->left_out),
-                  Remedy::smaller_cells);
+                  {{Remedy::lower, Setting::cell_size}, {Remedy::raise, Setting::radius}});
     }
     if (!figures.radius_attribute.empty()) {
       made.field.notes.push_back(

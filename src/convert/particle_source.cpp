@@ -28,7 +28,7 @@ Result<void> check_no_volume_options(const SourceOptions& options, const Format&
       fmt::format("{}: this is read as particles, which have no grid, layout, component, order of axes, value for no "
                   "data, spacing, origin or inside to be chosen",
                   files::shown_input_name(options.input)),
-      Remedy::leave_out_volumes);
+      {Remedy::leave_out, Setting::volume_options});
 }
 
 Format particle_format(const std::string& id) {
@@ -58,7 +58,7 @@ Result<bool> is_particles(const SourceOptions& options, const Context& context) 
     return fail(ErrorCode::usage,
                 fmt::format("{}: this is a volume, and options of particles were given",
                             files::shown_input_name(options.input)),
-                Remedy::leave_out_particles);
+                {Remedy::leave_out, Setting::particle_options});
   }
   if (!particles && !expected) return false;  // the reader's message says best what the file is not
   TRY(check_no_volume_options(options, particles));
@@ -141,7 +141,7 @@ Result<FoundAttributes> find_attributes(const points::ParticleSet& particles,
       return fail(ErrorCode::input,
                   fmt::format("{}: expected attributes of at most {} components, which a vertex can carry; '{}' has {}",
                               particles.label, mesh::kMaxComponents, printable(name), at->components),
-                  Remedy::fewer_attributes);
+                  {Remedy::leave_out, Setting::attribute});
     }
     found.choices.push_back(choice);
     found.attributes.push_back(static_cast<std::size_t>(at - particles.attributes.begin()));

@@ -63,7 +63,7 @@ Result<Placement> with_unit_of_file(const field::ScalarField& field, const Place
     return fail(ErrorCode::usage,
                 fmt::format("{}: the unit that the file states was asked for, and it {}{}", field_label(field), found,
                             field.length_unit.empty() ? "" : ", which is none of those that are known"),
-                Remedy::name_unit);
+                {Remedy::give, Setting::unit});
   }
   const auto to = placement.to_unit.empty() ? unit : find_length_unit(placement.to_unit);
   with_unit.unit = unit->name;
@@ -164,7 +164,9 @@ Result<field::IndexBox> samples_in_box(const field::ScalarField& field, const fi
                 fmt::format("{}: the region {} holds {} along {}; the data is at {}", field.source, box_text(box),
                             covering ? "no cell of the data" : "fewer than two samples", "xyz"[axis],
                             box_text(bounds_in(field, space))),
-                space == Space::index ? Remedy::region_is_in_voxels : Remedy::region_is_in_world);
+                {Remedy::check, Setting::region,
+                 space == Space::index ? "it is in voxel coordinates, as those of the mesh are"
+                                       : "it is in the input's world coordinates, not in those of the mesh"});
   }
   return samples;
 }
@@ -273,7 +275,7 @@ Result<PlacedField> place_field(const field::ScalarField& field, const Placement
     return fail(ErrorCode::usage,
                 fmt::format("{}: scaled by {}, coordinates leave the range of numbers", field_label(field),
                             resolved.placement.scale),
-                Remedy::choose_scale);
+                {Remedy::change, Setting::scale});
   }
   const field::IndexBox samples = field.extents();
   field::Box kept{glm::dvec3(samples.min), glm::dvec3(samples.max)};

@@ -413,7 +413,7 @@ Result<SimplifiedMesh> simplify_within(mesh::Mesh mesh, const SimplifyOptions& o
   try {
     return simplified(std::move(mesh), options, context);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(what + " need more memory than there is", Remedy::extract_part));
+    return tl::unexpected(no_memory(what + " need more memory than there is", {Remedy::use, Setting::parts}));
   }
 }
 

@@ -396,7 +396,7 @@ auto with_memory(const std::string& name, const Work& work) -> decltype(work()) 
     return work();
   } catch (const std::bad_alloc&) {
     return tl::unexpected(
-        no_memory(name + ": the pieces of its surface need more memory than there is", Remedy::extract_part));
+        no_memory(name + ": the pieces of its surface need more memory than there is", {Remedy::use, Setting::parts}));
   }
 }
 

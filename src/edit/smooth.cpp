@@ -271,7 +271,7 @@ Result<SmoothFacts> smooth(mesh::Mesh& mesh, const SmoothOptions& options, const
   try {
     return smooth_mesh(mesh, options, context);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(what + " needs more memory than there is", Remedy::extract_part));
+    return tl::unexpected(no_memory(what + " needs more memory than there is", {Remedy::use, Setting::parts}));
   }
 }
 

@@ -16,7 +16,7 @@ Result<Extraction> Extractor::extract(const field::ScalarField& field, const Ext
   const MethodInfo& method = method_info(options.method);
   if (!has(options.method)) {
     return fail(ErrorCode::unavailable, fmt::format("the {} backend does not have {}", name(), method.title),
-                Remedy::use_cpu);
+                {Remedy::use, Setting::cpu_backend});
   }
   TRY(check_method(method, options));
   TRY(context.check());
@@ -25,9 +25,11 @@ Result<Extraction> Extractor::extract(const field::ScalarField& field, const Ext
     if (result) result->mesh.name = field.name;
     return result;
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(field.source + ": not enough memory for the surface", Remedy::extract_part));
+    return tl::unexpected(
+        no_memory(field.source + ": not enough memory for the surface", {Remedy::use, Setting::parts}));
   } catch (const std::length_error&) {
-    return fail(ErrorCode::input, field.source + ": the surface is larger than memory can be", Remedy::extract_part);
+    return fail(ErrorCode::input, field.source + ": the surface is larger than memory can be",
+                {Remedy::use, Setting::parts});
   }
 }
 

@@ -17,7 +17,7 @@ Result<void> check_request(const field::ScalarField& field, const ExtractOptions
   }
   if (!options.output_from_index.is_regular()) {
     return fail(ErrorCode::input, fmt::format("{}: its transform flattens space or is not finite", field.source),
-                Remedy::place_by_hand);
+                {Remedy::give, Setting::spacing_and_origin});
   }
   return {};
 }
@@ -39,7 +39,7 @@ Result<field::IndexBox> clip_region(const field::ScalarField& field, const field
   return fail(ErrorCode::input,
               fmt::format("{}: the region holds no cell of the field, whose samples are ({}, {}, {}) to ({}, {}, {})",
                           field.source, box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z),
-              Remedy::widen_region);
+              {{Remedy::raise, Setting::region}, {Remedy::leave_out, Setting::region}});
 }
 
 Result<void> check_placement(const field::ScalarField& field, const OutputFrame& placement) {
@@ -49,11 +49,11 @@ Result<void> check_placement(const field::ScalarField& field, const OutputFrame&
                 fmt::format("{}: its samples reach too far, more than about 2^20 of them along an axis, for float32 "
                             "positions to hold them apart",
                             field.source),
-                Remedy::extract_part);
+                {Remedy::use, Setting::parts});
   }
   return fail(ErrorCode::input,
               fmt::format("{}: its placed coordinates leave what float32 positions can hold apart", field.source),
-              Remedy::rescale);
+              {Remedy::change, Setting::scale});
 }
 
 Result<Reservation> reserve_mesh(const field::ScalarField& field, const MeshSizes& sizes, const ExtractOptions& options,
@@ -62,7 +62,7 @@ Result<Reservation> reserve_mesh(const field::ScalarField& field, const MeshSize
     return fail(ErrorCode::input,
                 fmt::format("{}: the surface has {} vertices, a mesh holds {}", field.source, sizes.vertices,
                             std::numeric_limits<std::uint32_t>::max()),
-                Remedy::extract_part);
+                {Remedy::use, Setting::parts});
   }
   const std::uint64_t vertex_bytes =
       sizeof(glm::vec3) * (options.smooth_normals ? 2 : 1) + (options.edge_keys ? sizeof(mesh::EdgeKey) : 0);
@@ -92,7 +92,8 @@ tl::unexpected<Error> nan_error(const field::ScalarField& field, std::uint64_t c
   return fail(ErrorCode::input,
               fmt::format("{}: {} of the samples {} not a number (NaN), the first at index ({:.10g}, {:.10g}, {:.10g})",
                           field.source, count, count == 1 ? "is" : "are", voxel.x, voxel.y, voxel.z),
-              Remedy::choose_nan_policy);
+              {{Remedy::set, Setting::nan_policy, "outside to take them as outside"},
+               {Remedy::set, Setting::nan_policy, "hole to leave the surface open around them"}});
 }
 
 void allocate_mesh(mesh::Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const ExtractOptions& options) {

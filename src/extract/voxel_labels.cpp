@@ -204,7 +204,7 @@ tl::unexpected<Error> refuse_sample(const field::ScalarField& field, double valu
                   field.source, text_of_sample(most), text_of_sample(most),
                   is_double ? "f64, or integers of 64 bits" : field::sample_type_name(field.type()),
                   text_of_sample(value), place),
-      std::isnan(value)       ? Hint("give {nan outside}: then they are outside, and no label")
+      std::isnan(value)       ? Hint(Remedy::set, Setting::nan_policy, "outside to take them as outside, and no label")
       : is_large && is_double ? Hint("renumber the labels: beyond 2^53 doubles do not tell every id from the next")
       : is_large              ? Hint("write the labels as integers")
                               : Hint());

@@ -171,7 +171,7 @@ Result<void> set_time(std::string_view spec, std::string_view text, DemoSpec& de
     return fail(ErrorCode::usage,
                 fmt::format("{}: {} does not move, so it has no time; those that do are {}", spec, demo.name,
                             fmt::join(moving, ", ")),
-                Remedy::list_demo_fields);
+                {Remedy::see, Setting::demo_fields});
   }
   const auto time = parse_number<double>(text);
   if (!time || !std::isfinite(*time)) {
@@ -192,7 +192,7 @@ Result<void> parse_settings(std::string_view spec, std::string_view settings, De
     const std::string_view key = setting.substr(0, equals);
     if (equals == setting.size() || (key != "size" && key != "time")) {
       return fail(ErrorCode::usage, fmt::format("{}: expected size=N or time=T, found '{}'", spec, setting),
-                  Remedy::list_demo_fields);
+                  {Remedy::see, Setting::demo_fields});
     }
     const std::string_view text = setting.substr(equals + 1);
     auto set = key == "size" ? set_size(spec, text, demo) : set_time(spec, text, demo);
@@ -218,7 +218,7 @@ Result<DemoSpec> parse_demo_spec(std::string_view spec) {
     for (const DemoDescription& demo : kDescriptions) names.push_back(demo.name);
     return fail(ErrorCode::usage,
                 fmt::format("{}: no demo field '{}'; there are {}", spec, name, fmt::join(names, ", ")),
-                Remedy::list_demo_fields);
+                {Remedy::see, Setting::demo_fields});
   }
   DemoSpec demo{name, kDefaultSize, 0};
   TRY(parse_settings(spec, settings, demo));

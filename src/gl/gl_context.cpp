@@ -21,7 +21,7 @@ namespace {
 constexpr int kMajor = 4;
 constexpr int kMinor = 3;
 
-tl::unexpected<Error> unavailable(std::string message, Hint hint = Remedy::use_cpu) {
+tl::unexpected<Error> unavailable(std::string message, Hint hint = {Remedy::use, Setting::cpu_backend}) {
   return fail(ErrorCode::unavailable, std::move(message), std::move(hint));
 }
 
@@ -71,7 +71,7 @@ Result<void> load_libraries() {
     if (found) continue;
     return unavailable(
         fmt::format("there is no GPU backend on this machine: {} could not be loaded ({})", library.what, why),
-        {Remedy::use_cpu, fmt::format("on Debian the package is {}", library.package)});
+        {fmt::format("on Debian the package is {}", library.package), {Remedy::use, Setting::cpu_backend}});
   }
   return {};
 }
@@ -86,7 +86,7 @@ Result<void> check_threads() {
   return unavailable(
       fmt::format("the drivers of GPUs need threads of their own, and no more than {} can be started: {}",
                   started.count, started.refusal),
-      {Remedy::use_cpu, "raise the limit (ulimit -u)"});
+      {"raise the limit (ulimit -u)", {Remedy::use, Setting::cpu_backend}});
 }
 
 Result<std::vector<EGLDeviceEXT>> egl_devices() {
@@ -96,7 +96,7 @@ Result<std::vector<EGLDeviceEXT>> egl_devices() {
       !(has_client_extension("EGL_EXT_device_enumeration") || has_client_extension("EGL_EXT_device_base"))) {
     return unavailable(
         "EGL cannot list devices here (EGL_EXT_device_enumeration): no driver for headless drawing is installed",
-        {Remedy::use_cpu, "on Debian install libegl-mesa0, or the GPU's own driver"});
+        {"on Debian install libegl-mesa0, or the GPU's own driver", {Remedy::use, Setting::cpu_backend}});
   }
   EGLint count = 0;
   if (eglQueryDevicesEXT(0, nullptr, &count) == EGL_FALSE) {
@@ -344,11 +344,11 @@ Result<void> GlContext::check(const std::string& doing) const {
     if (!result) continue;
     if (code == GL_OUT_OF_MEMORY) {
       result = unavailable(fmt::format("{}: not enough GPU memory while {}", device_.renderer, doing),
-                           Remedy::less_gpu_memory);
+                           {{Remedy::lower, Setting::gpu_memory}, {Remedy::use, Setting::cpu_backend}});
     } else {
       result = unavailable(
           fmt::format("{}: {} while {} (OpenGL error 0x{:04X})", device_.renderer, gl_error_words(code), doing, code),
-          {Remedy::use_cpu, "please report it"});
+          {{Remedy::report, Setting::devices}, {Remedy::use, Setting::cpu_backend}});
     }
   }
   return result;
@@ -357,7 +357,7 @@ Result<void> GlContext::check(const std::string& doing) const {
 Error GlContext::lost(std::string_view why, const std::string& doing) const {
   return {ErrorCode::unavailable,
           fmt::format("{}: the GPU was reset {} while {}", device_.renderer, why, doing),
-          {Remedy::use_cpu, "try again"}};
+          {"try again", {Remedy::use, Setting::cpu_backend}}};
 }
 
 const std::vector<std::string>& GlContext::debug_messages() const { return context_->messages(); }

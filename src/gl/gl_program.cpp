@@ -20,8 +20,9 @@ std::string log_of(GLuint object, decltype(glGetShaderiv) parameter, decltype(gl
 }
 
 Error broken(const GlContext& context, std::string_view what, const std::string& log) {
-  return {ErrorCode::unavailable, fmt::format("{}: the driver refused {}: {}", context.device().renderer, what, log),
-          Hint(Remedy::use_cpu, "please report it")};
+  return {ErrorCode::unavailable,
+          fmt::format("{}: the driver refused {}: {}", context.device().renderer, what, log),
+          {{Remedy::report, Setting::devices}, {Remedy::use, Setting::cpu_backend}}};
 }
 
 }  // namespace

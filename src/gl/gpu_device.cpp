@@ -38,11 +38,13 @@ std::string words(const DeviceChoice& choice) {
 
 Result<DeviceChoice> parse_device_choice(const std::string& text) {
   constexpr std::string_view kCuda = "cuda:";
-  if (text.empty()) return fail(ErrorCode::usage, "expected a number, cuda:N or a name", Remedy::list_gpus);
+  if (text.empty())
+    return fail(ErrorCode::usage, "expected a number, cuda:N or a name", {Remedy::see, Setting::devices});
   if (text.starts_with(kCuda)) {
     const auto number = parse_index(std::string_view(text).substr(kCuda.size()));
     if (!number) {
-      return fail(ErrorCode::usage, fmt::format("expected a number after cuda:, found '{}'", text), Remedy::list_gpus);
+      return fail(ErrorCode::usage, fmt::format("expected a number after cuda:, found '{}'", text),
+                  {Remedy::see, Setting::devices});
     }
     return CudaIndex{*number};
   }
@@ -69,7 +71,7 @@ Result<GpuDevice> choose_device(std::span<const GpuDevice> devices, const Device
     list += fmt::format("{}{}: {}", list.empty() ? "" : ", ", device.index, describe(device));
   }
   return fail(ErrorCode::unavailable, fmt::format("there is no device {}; there are {}", words(choice), list),
-              Remedy::other_gpu);
+              {{Remedy::see, Setting::devices}, {Remedy::leave_out, Setting::device, "then one is chosen for you"}});
 }
 
 std::string describe(const GpuDevice& device) {

@@ -37,7 +37,7 @@ class DrawingThread::Owner {
       thread_ = std::thread([this] { work(); });
     } catch (const std::system_error& error) {
       return fail(ErrorCode::unavailable, fmt::format("the thread that draws cannot be started: {}", error.what()),
-                  Remedy::use_cpu);
+                  {Remedy::use, Setting::cpu_backend});
     }
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return opened_.has_value() || thrown_ != nullptr; });

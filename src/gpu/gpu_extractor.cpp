@@ -194,7 +194,7 @@ Result<GpuExtractorAndDevice> make_gpu_extractor(const GpuOptions& options) {
     return fail(ErrorCode::usage,
                 fmt::format("the GPU's share of memory: expected 1 MiB or more, found {}",
                             format_byte_size(*options.memory_bytes)),
-                Remedy::more_gpu_memory);
+                {{Remedy::raise, Setting::gpu_memory}, {Remedy::use, Setting::cpu_backend}});
   }
   auto context = TRY(gl::GlContext::open({options.device, options.debug}));
   gl::GpuDevice device = context->device();

@@ -298,7 +298,7 @@ class Shading {
     }
     if (vertices_ + all > std::numeric_limits<std::uint32_t>::max()) {
       return fail(ErrorCode::input, fmt::format("{}: the surface has more vertices than a mesh can number", source_),
-                  Remedy::extract_part);
+                  {Remedy::use, Setting::parts});
     }
     const std::uint64_t row = vertex_bytes(mesh_) + (had_normals ? 0 : sizeof(glm::vec3));
     auto kept = TRY(reserve(all * row + (had_normals ? 0 : vertices_ * sizeof(glm::vec3))));
@@ -401,7 +401,7 @@ Result<std::uint64_t> shade_by_triangles(Mesh& mesh, const ShadingOptions& optio
     return Shading(mesh, options, source, context).run();
   } catch (const std::bad_alloc&) {
     return tl::unexpected(
-        no_memory(fmt::format("{}: normals: there is not enough memory", source), Remedy::extract_part));
+        no_memory(fmt::format("{}: normals: there is not enough memory", source), {Remedy::use, Setting::parts}));
   }
 }
 

@@ -39,7 +39,7 @@ Result<void> part_fans(Mesh& mesh, const std::string& source, const std::string&
   const std::uint64_t all = std::accumulate(first.begin(), first.end(), std::uint64_t{0});
   if (all > std::numeric_limits<std::uint32_t>::max()) {
     return fail(ErrorCode::input, fmt::format("{}: the surface has more vertices than a mesh can number", source),
-                Remedy::extract_part);
+                {Remedy::use, Setting::parts});
   }
   const auto memory = TRY(context.reserve(all * (vertex_bytes(mesh) + sizeof(std::uint32_t)), what));
   Buffer<std::uint32_t> source_of(all);  // the old vertex of each new one
@@ -70,7 +70,8 @@ Result<void> make_one_vertex_a_fan(Mesh& mesh, const std::string& source, const 
   try {
     return part_fans(mesh, source, what, context);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(fmt::format("{} need more memory than there is", what), Remedy::extract_part));
+    return tl::unexpected(
+        no_memory(fmt::format("{} need more memory than there is", what), {Remedy::use, Setting::parts}));
   }
 }
 

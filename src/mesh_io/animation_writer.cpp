@@ -103,7 +103,7 @@ Result<void> AnimationWriter::State::check() const {
                 fmt::format("{}: expected {} for an animation, found {}{}", path.string(),
                             mesh_format_info(MeshFormat::glb).name, mesh_format_info(options.format).name,
                             options.ascii ? " as text" : ""),
-                {Remedy::choose_mesh_format, std::string(mesh_format_info(MeshFormat::glb).name)});
+                {Remedy::set, Setting::mesh_format, std::string(mesh_format_info(MeshFormat::glb).name)});
   }
   if (!std::isfinite(frames_per_second) || frames_per_second <= 0) {
     return unusable(fmt::format("expected a number of frames per second above 0, found {}", frames_per_second),

@@ -45,19 +45,19 @@ Result<void> check(std::size_t meshes, const fs::path& path, const MeshWriteOpti
   }
   if (options.ascii && !info.has_ascii) {
     return fail(ErrorCode::usage, fmt::format("{}: the format {} cannot be text", path.string(), info.name),
-                {Remedy::ascii_formats, names_of_formats(&MeshFormatInfo::has_ascii)});
+                {Remedy::set, Setting::mesh_format, names_of_formats(&MeshFormatInfo::has_ascii)});
   }
   if (meshes != 1 && !info.holds_several_meshes) {
     return fail(ErrorCode::usage,
                 fmt::format("{}: the format {} holds one mesh, found {}", path.string(), info.name, meshes),
-                {Remedy::one_file_per_surface, names_of_formats(&MeshFormatInfo::holds_several_meshes)});
+                {Remedy::set, Setting::mesh_format, names_of_formats(&MeshFormatInfo::holds_several_meshes)});
   }
   if (info.can_stream) return {};
   if (files::is_stream(path)) {
     return fail(
         ErrorCode::usage,
         fmt::format("{}: the format {} makes two files and cannot be written to a stream", path.string(), info.name),
-        {Remedy::choose_mesh_format, names_of_formats(&MeshFormatInfo::can_stream)});
+        {Remedy::set, Setting::mesh_format, names_of_formats(&MeshFormatInfo::can_stream)});
   }
   if (path.extension() == ".bin") {
     return fail(ErrorCode::usage,
@@ -132,13 +132,13 @@ Result<void> check_packing(const MeshPacking& packing, MeshFormat format) {
   const bool draco = packing.compression == Compression::draco || format == MeshFormat::drc;
   if (packing.compression == Compression::draco && !is_gltf(format) && format != MeshFormat::drc) {
     return fail(ErrorCode::usage, fmt::format("the format {} has no Draco compression", name),
-                {Remedy::choose_mesh_format, "glb, gltf or drc"});
+                {Remedy::set, Setting::mesh_format, "glb, gltf or drc"});
   }
   if ((packing.quantize || packing.compression == Compression::meshopt) && !is_gltf(format)) {
     return fail(ErrorCode::usage,
                 fmt::format("the format {} has no {}", name,
                             packing.quantize ? "quantised positions of 16 bits" : "compression by meshoptimizer"),
-                {Remedy::choose_mesh_format, "glb or gltf"});
+                {Remedy::set, Setting::mesh_format, "glb or gltf"});
   }
   if (draco && packing.quantize) return fail(ErrorCode::usage, "Draco quantises by itself, with bits of its own");
   if (draco && packing.optimize_order) return fail(ErrorCode::usage, "Draco has an order of its own");

@@ -83,10 +83,11 @@ void check_options(const files::InputFile& file, const ParticleFormatDescription
     throw Refused{{ErrorCode::usage, fmt::format("{}: {}; this is read as {}", file.name(), what, about.id), hint}};
   };
   if (options.frame && !about.has_frames) {
-    refuse("the number of a frame is for files that may hold several", Remedy::leave_out_volume);
+    refuse("the number of a frame is for files that may hold several",
+           {Remedy::leave_out, Setting::volume, "there is one frame in the file"});
   }
   if (options.grid && !about.has_grids) {
-    refuse("the name of a grid is for files that may hold several", Remedy::leave_out_grid);
+    refuse("the name of a grid is for files that may hold several", {Remedy::leave_out, Setting::grid});
   }
   if (options.columns && !about.has_columns)
     refuse("columns of x, y and z are for tables", "the file itself says which of its numbers are x, y and z");
@@ -150,7 +151,10 @@ void refuse_frame(const ParticleReadOptions& options, std::uint64_t frames) {
   const std::string there_are = frames == 1
                                     ? "there is one frame in the file, 0"
                                     : fmt::format("there are {} frames in the file, from 0 to {}", frames, frames - 1);
-  if (!options.frame) throw DamagedParticles(there_are, Remedy::choose_frame);
+  if (!options.frame)
+    throw DamagedParticles(there_are,
+                           {{Remedy::choose, Setting::volume},
+                            {Remedy::set, Setting::volume, "all to take each of them, which goes with one file"}});
   throw DamagedParticles(fmt::format("there is no frame {}", *options.frame), there_are);
 }
 

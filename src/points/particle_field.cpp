@@ -69,8 +69,8 @@ Result<void> check_crowding(const ParticleSet& particles, const CellGrid& grid, 
               fmt::format("{}: a particle radius of {:.6g}, whose neighbours are up to {:.6g} away, gives each of {} "
                           "particles more than {} neighbours on average; expected at most that many",
                           particles.label, figures.radius, widening * figures.support, figures.particles, kMostNear),
-              Hint(Remedy::choose_radius,
-                   usual ? fmt::format(": {:.6g} is half the median distance to the nearest particle", *usual) : ""));
+              Hint(Remedy::give, Setting::radius,
+                   usual ? fmt::format("{:.6g} is half the median distance to the nearest particle", *usual) : ""));
 }
 
 Result<field::SparseSamples> sum_kernels(const CellGrid& grid, double support, const FieldOptions& options,

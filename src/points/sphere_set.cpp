@@ -34,7 +34,7 @@ Result<std::shared_ptr<ReservedBuffer<float>>> radii_at(const ParticleSet& parti
       return fail(ErrorCode::input,
                   fmt::format("{}: expected radii of 0 and more as '{}', found {} at particle {}", particles.label,
                               printable(radii.name), radius, i),
-                  Remedy::choose_radius);
+                  {Remedy::give, Setting::radius});
     }
     (*kept)->values[n++] = radius;
   }

@@ -30,7 +30,7 @@ class GpuRenderer final : public Renderer {
     if (rendered && options_.debug && gl_->debug_messages().size() > known_messages) {
       return fail(ErrorCode::unavailable,
                   fmt::format("{}: {}", gl_->device().renderer, gl_->debug_messages()[known_messages]),
-                  Remedy::report_gpu);
+                  {{Remedy::report, Setting::devices}, {Remedy::use, Setting::cpu_backend}});
     }
     return rendered;
   }

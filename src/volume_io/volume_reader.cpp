@@ -20,39 +20,40 @@ namespace {
 // Rejects options that have no effect on this format.
 Result<void> check_options(const std::string& input, const FormatDescription& about, const ReadOptions& options) {
   if (options.raw && !about.needs_layout) {
-    return fail(ErrorCode::usage,
-                fmt::format("{}: dims, type, byte order and bytes to skip are for raw files, this is read as {}", input,
-                            about.id),
-                about.prefix.empty() ? Remedy::read_as_raw : Remedy::none);
+    return fail(
+        ErrorCode::usage,
+        fmt::format("{}: dims, type, byte order and bytes to skip are for raw files, this is read as {}", input,
+                    about.id),
+        about.prefix.empty() ? Hint(Remedy::set, Setting::input_format, "raw to read the bytes of any file") : Hint());
   }
   if (options.grid && !about.has_grids) {
     return fail(ErrorCode::usage,
                 fmt::format("{}: the name of a grid is for files that have grids, such as VDB; this is read as {}",
                             input, about.id),
-                Remedy::leave_out_grid);
+                {Remedy::leave_out, Setting::grid, "there is one volume in the file"});
   }
   if (options.volume && !about.has_volumes) {
     return fail(ErrorCode::usage,
                 fmt::format("{}: the number of a volume is for files that may hold several; this is read as {}", input,
                             about.id),
-                Remedy::leave_out_volume);
+                {Remedy::leave_out, Setting::volume, "there is one volume in the file"});
   }
   if (options.component && !about.has_components) {
     return fail(ErrorCode::usage,
                 fmt::format("{}: a component is chosen of files that may hold several numbers a sample; this is read "
                             "as {}",
                             input, about.id),
-                "leave {component} out");
+                {Remedy::leave_out, Setting::component});
   }
   if (options.axis_order && !about.has_axis_order) {
     return fail(ErrorCode::usage,
                 fmt::format("{}: the order of axes is for arrays, which do not say theirs; this is read as {}", input,
                             about.id),
-                "leave {axis-order} out");
+                {Remedy::leave_out, Setting::axis_order});
   }
   if (about.needs_layout && !options.raw) {
     return fail(ErrorCode::usage, fmt::format("{}: a raw file does not say what is in it", input),
-                Remedy::describe_raw);
+                {Remedy::give, Setting::raw_layout});
   }
   if (options.spacing) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -119,7 +120,7 @@ Result<std::string> grid_label(const std::string& input, const ReadOptions& opti
     }
     if (is_part || grid.parts.empty()) return *options.grid;
     return fail(ErrorCode::input, chosen.error().message,
-                Hint(Remedy::choose_grid, fmt::format("\n  {}", fmt::join(grid.parts, "\n  "))));
+                Hint(Remedy::choose, Setting::grid, fmt::format("\n  {}", fmt::join(grid.parts, "\n  "))));
   }
   return tl::unexpected(chosen.error());
 }

@@ -87,11 +87,11 @@ class ArraysTest(ProgramTest):
         (self.folder / "z.npy").write_bytes(npy("<c8", (2, 3, 4), bytes(192)))
         (self.folder / "five.npy").write_bytes(npy("|u1", (2, 3, 3, 3, 2), bytes(108)))
         (self.folder / "six.npy").write_bytes(npy("|u1", (2, 2, 3, 3, 3, 2), bytes(216)))
-        for name, option in (("z.npy", "--component N, N from 0 to 1: the real and the imaginary part"),
+        for name, option in (("z.npy", "--component K, K from 0 to 1: the real and the imaginary part"),
                              ("z.npy", "--component length"),
-                             ("v.npy", "--volume K, K from 0 to 9; if the last axis, of 3, counts the components of a vector"),
-                             ("v.npy", "one of them with --component N, or --component length"),
-                             ("five.npy", "--component N, N from 0 on, or --component length"),
+                             ("v.npy", "--volume K, K from 0 to 9; use --component 0 to 2 or length, if the last axis, of 3, counts the components of a vector"),
+                             ("v.npy", "choose one of them with --volume K"),
+                             ("five.npy", "use --component 0 to 1 or length, if the last axis, of 2, counts the components"),
                              ("six.npy", "take a part with fewer axes in NumPy first, for example a[0]")):
             self.assert_fails(2, self.run_program(name, "--iso", "1", "-o", "a.ply"), "hint: ", option)
         self.assert_fails(2, self.run_program("r.npy", "--component", "1", "--iso", "1"), "leave --component out")
@@ -152,7 +152,7 @@ class ArraysTest(ProgramTest):
         self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "--clip", "0,0,0,1"), "--clip: expected a normal")
         run = self.run_program(SPHERE, "--iso", "0", "--clip", "0,0,1,9", "-o", "a.ply")
         self.assert_fails(2, run, "nothing of the surface at iso 0 is where it is kept; it is in (-0.697284, -0.697284,")
-        self.assertIn("hint: --clip NX,NY,NZ,D keeps where", run.err)
+        self.assertIn("hint: check --clip NX,NY,NZ,D, which keeps where", run.err)
         # Where a plane passes between components nothing is cut, and nothing is open.
         self.write_raw("two.raw", (24, 8, 8), lambda x, y, z: float(x in (4, 19) and (y, z) == (4, 4)))
         run = self.convert("two.raw", "--dims", "24,8,8", "--dtype", "f32", "--iso", "0.5", "--clip", "1,0,0,12", "-o",

@@ -273,11 +273,11 @@ class PartTest(FilesTest):
 
     def test_hints_name_what_works(self):
         for setting, message, hint in (
-                ("pet.nrrd", "there are 3 volumes", "choose one of them with NAME=FILE:volume=K, K from 0 to 2"),
-                ("pet.nrrd:volume=3", "there is no volume 3", "NAME=FILE:volume=K, K from 0 to 2"),
+                ("pet.nrrd", "there are 3 volumes", "choose one of them with :volume=K behind NAME=FILE, K from 0 to 2"),
+                ("pet.nrrd:volume=3", "there is no volume 3", ":volume=K behind NAME=FILE, K from 0 to 2"),
                 ("ct.nrrd:volume=1", "there is no volume 1", "leave :volume= out"),
-                ("disp.nrrd", "found 3 components", "NAME=FILE:component=N, N from 0 to 2, or the length of all with NAME=FILE:component=length"),
-                ("disp.nrrd:component=3", "there is no component 3", "NAME=FILE:component=N"),
+                ("disp.nrrd", "found 3 components", ":component=K behind NAME=FILE, K from 0 to 2; use :component=length to take the length of all"),
+                ("disp.nrrd:component=3", "there is no component 3", ":component=K"),
                 ("ct.nrrd:component=1", "expected several numbers", "leave :component= out")):
             run = self.run_program("ct.nrrd", "--iso", "0.5", "--attribute", f"a={setting}", "-o", "no.ply")
             self.assert_fails(2, run, message, hint)

@@ -86,7 +86,7 @@ class FarTest(ProgramTest):
             self.assert_fails(4, run, f"{name}: expected ", "--origin X,Y,Z or --space index", *hints)
             self.assertEqual(self.files(), [])
 
-        refused("1e7,-2e7,3e7", "a.stl", "hint: use --format glb, gltf, ply, obj; or place")
+        refused("1e7,-2e7,3e7", "a.stl", "hint: use --format glb, gltf, ply, obj; use --center, ")
         for origin in ("1e16,0,0", "0,1e17,0", "0,0,-1e40", "1e300,0,0", "1e300,1e300,1e300"):
             for form in ("glb", "gltf", "ply", "obj", "stl"):
                 with self.subTest(origin=origin, form=form):
@@ -96,7 +96,7 @@ class FarTest(ProgramTest):
                     self.assertTrue(run.err.startswith("isoextract: error: "), run.err)
                     self.assertIn("  hint: ", run.err)
                     self.assertEqual(self.files(), [])
-        refused("1e16,0,0", "a.ply", "hint: place the volume nearer")
+        refused("1e16,0,0", "a.ply", "to place the volume nearer to the origin")
         refused("0,0,-1e40", "a.glb", "float32")
 
     def test_scans_in_millimetres_are_written_in_every_format(self):

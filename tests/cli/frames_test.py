@@ -118,7 +118,7 @@ class FramesTest(ProgramTest):
             iso = 0 if name.startswith("demo") else 0.5
             run = self.run_program(name, "--iso", iso, "--unit", "file", "-o", "out.ply")
             self.assert_fails(1, run, said)
-            self.assertIn("hint: name it with --unit, for example --unit mm", run.err)
+            self.assertIn("hint: give --unit UNIT, for example --unit mm", run.err)
             self.assertFalse((self.folder / "out.ply").exists())
         run = self.run_program("unknown.nii", "--iso", 0.5, "--to-unit", "mm", "-o", "out.ply")
         self.assert_fails(1, run, "--to-unit needs the unit")

@@ -187,7 +187,7 @@ class ParticlesTest(ProgramTest):
     def test_frames_in_one_file(self):
         self.write_xyz("a.xyz", [block(3), block(4), block(5, (10, 0, 0))])
         self.assert_fails(2, self.run_program("a.xyz", "--radius", "0.25", "-o", "a.ply"), "3 frames",
-                          "choose one of them with --volume K, or take each of them with --volume all")
+                          "choose one of them with --volume K; use --volume all to take each of them")
         self.assert_fails(2, self.run_program("a.xyz", "--radius", "0.25", "--volume", "3", "-o", "a.ply"),
                           "there is no frame 3")
         self.convert("a.xyz", "--radius", "0.25", "--volume", "2", "-o", "a.ply")

@@ -103,7 +103,7 @@ class RegionTest(ProgramTest):
                           "holds no cell of the data along x", "(0, 0, 0) .. (3, 3, 3)")
         # The surface is in a cell that the box touches, and not in the box.
         self.assert_fails(2, self.run_program(*ramp, "--roi", "1.6,1,1,3,2,2", "-o", "b.ply"),
-                          "nothing of the surface at iso 1.5", "widen the --roi")
+                          "nothing of the surface at iso 1.5", "give a larger --roi X0,Y0,Z0,X1,Y1,Z1")
 
     def test_axes_that_are_exchanged_and_mirrored(self):
         header = ("NRRD0004\ntype: float\ndimension: 3\nsizes: 6 7 8\nencoding: raw\nendian: little\n"

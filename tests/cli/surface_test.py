@@ -165,7 +165,7 @@ class SurfaceTest(ProgramTest):
 
     def test_an_empty_part_of_a_full_field_points_to_the_roi(self):
         run = self.run_program("demo:sphere?size=41", "--iso", "0", "--roi", "-0.2,-0.2,-0.2,0.2,0.2,0.2")
-        self.assert_fails(2, run, "in the region", "widen the --roi")
+        self.assert_fails(2, run, "in the region", "give a larger --roi X0,Y0,Z0,X1,Y1,Z1")
 
 
 if __name__ == "__main__":

@@ -227,7 +227,7 @@ def check_reservations(root):
 
 
 def check_option_names(root):
-    """Below cli nobody knows what an option is called: hints are a Remedy, which cli puts into words."""
+    """Below cli nobody knows what an option is called: hints are steps of a Remedy and a Setting, which cli puts into words."""
     for path in sorted((root / "src").rglob("*.[ch]pp")):
         if path.relative_to(root / "src").parts[0] == "cli":
             continue
@@ -332,17 +332,16 @@ def check_machine_paths(root):
 
 
 def check_remedies(root):
-    """Every remedy is given by a room below cli, and cli has words for it."""
+    """Every remedy and every setting is in a hint of a room below cli, and cli has words for it."""
     code_of = {path.relative_to(root / "src").as_posix(): code for _, path, code in room_sources(root)}
-    declared = re.search(r"\benum class Remedy \{(.*?)\}", code_of.get("base/error.hpp", ""), re.DOTALL)
     given = " ".join(code for name, code in code_of.items() if not name.startswith("cli/"))
-    for remedy in re.findall(r"\w+", declared.group(1)) if declared else []:
-        if remedy == "none":
-            continue
-        if not re.search(rf"\bRemedy::{remedy}\b", given):
-            yield f"src/base/error.hpp: nobody gives the remedy {remedy}"
-        if not re.search(rf"\bRemedy::{remedy}\b", code_of.get("cli/remedies.cpp", "")):
-            yield f"src/cli/remedies.cpp: no words for the remedy {remedy}"
+    enums = re.findall(r"\benum class (Remedy|Setting) \{(.*?)\}", code_of.get("base/error.hpp", ""), re.DOTALL)
+    for enum, names in enums:
+        for name in re.findall(r"\w+", names)[1:]:  # the first is that of steps that are words
+            if not re.search(rf"\b{enum}::{name}\b", given):
+                yield f"src/base/error.hpp: no hint has {enum}::{name}"
+            if not re.search(rf"\b{enum}::{name}\b", code_of.get("cli/remedies.cpp", "")):
+                yield f"src/cli/remedies.cpp: no words for {enum}::{name}"
 
 
 STAGE_AS_STRING = re.compile(

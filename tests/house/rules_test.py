@@ -217,17 +217,18 @@ class RulesTest(unittest.TestCase):
         self.expect_one("docs/notes.md:2", "absolute path")
 
     def test_remedies(self):
-        error = "// one_in_a_comment\nenum class Remedy {\n  none,\n  one,  // text\n  two\n};\n"
+        error = ("// one_in_a_comment\nenum class Remedy {\n  none,\n  one,  // text\n  two\n};\n"
+                 "enum class Setting {\n  none,\n  four,\n};\n")
         self.plant("src/base/error.hpp", error)
-        self.plant_in_room("volume_io", "f(Remedy::one); g(Remedy::two);\n")
-        words = "switch (r) {\n  case Remedy::none: break;\n  case Remedy::one: return x;\n  case Remedy::two: return y;\n}\n"
+        self.plant_in_room("volume_io", "f(Remedy::one, Setting::four); g(Remedy::two);\n")
+        words = "switch (r) {\n  case Remedy::none: break;\n  case Remedy::one: return x;\n  case Remedy::two: return y;\n}\nx = Setting::four;\n"
         self.plant("src/cli/remedies.cpp", words)
         self.assertEqual(self.findings(), [])
-        self.plant("src/volume_io/planted.cpp", "f(Remedy::one);  // Remedy::two\n")
-        self.expect_one("base/error.hpp", "nobody gives the remedy two")
-        self.plant("src/volume_io/planted.cpp", "f(Remedy::one); g(Remedy::two);\n")
+        self.plant("src/volume_io/planted.cpp", "f(Remedy::one, Setting::four);  // Remedy::two\n")
+        self.expect_one("base/error.hpp", "no hint has Remedy::two")
+        self.plant("src/volume_io/planted.cpp", "f(Remedy::one, Setting::four); g(Remedy::two);\n")
         self.plant("src/cli/remedies.cpp", words.replace("Remedy::one", "Remedy::One"))
-        self.expect_one("cli/remedies.cpp", "no words for the remedy one")
+        self.expect_one("cli/remedies.cpp", "no words for Remedy::one")
 
     def test_stages_compared_as_strings(self):
         for code in ('if (word_of(report.stage) == "smooth") f();', 'if (stage != "smooth") f();', 'x = "a" == r->stage_;',

@@ -35,7 +35,7 @@ Result<void> check_error_memory(const ConversionJob& job, const Source& source, 
                     "of which {} are in use",
                     source.label, iso.id.iso(), format_byte_size(bytes), format_byte_size(limit),
                     format_byte_size(used)),
-        Remedy::raise_memory_limit);
+        {Remedy::raise, Setting::memory_limit});
   }
   return {};
 }

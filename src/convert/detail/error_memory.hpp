@@ -11,7 +11,8 @@
 namespace isoextract::convert {
 
 // Checks, before any surface is extracted, that the budget has room for what extracting and measuring `source`
-// needs at least beside what this conversion holds. Fails with ErrorCode::out_of_memory and Remedy::raise_memory_limit.
+// needs at least beside what this conversion holds. Fails with ErrorCode::out_of_memory and the hint to raise the
+// limit.
 [[nodiscard]] Result<void> check_error_memory(const ConversionJob& job, const Source& source, const Context& context);
 
 // Returns the estimated memory for measuring besides the mesh, at an iso value.

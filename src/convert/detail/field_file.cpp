@@ -64,7 +64,7 @@ Result<mesh_io::WrittenFile> write_field(const Source& source, const ConversionJ
   context.progress().begin("writing", 0);
   const Stopwatch watch;
   if (as_half) {
-    TRY(check_range(field, source.label, kLargestHalf, "half floats", Remedy::store_floats));
+    TRY(check_range(field, source.label, kLargestHalf, "half floats", {Remedy::leave_out, Setting::half_floats}));
   } else if (!fits_float(field)) {
     TRY(check_range(field, source.label, std::numeric_limits<float>::max(), "floats", {}));
   }

@@ -1,13 +1,22 @@
 #include "convert/detail/no_surface.hpp"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "field/statistics.hpp"
 
 namespace isoextract::convert {
+namespace {
+
+Hint or_allow_empty(Step step) { return {std::move(step), {Remedy::use, Setting::empty_policy}}; }
+
+}  // namespace
 
 Error empty_source(const Source& source) {
-  return {ErrorCode::empty_grid, fmt::format("{}: {}", source.label, source.why_empty()), Remedy::allow_empty};
+  return {ErrorCode::empty_grid,
+          fmt::format("{}: {}", source.label, source.why_empty()),
+          {Remedy::use, Setting::empty_policy}};
 }
 
 Error no_surface(const ConversionJob& job, const Source& source, const ResolvedIso& asked, bool are_labels,
@@ -20,11 +29,13 @@ Error no_surface(const ConversionJob& job, const Source& source, const ResolvedI
             fmt::format("{}: nothing of the surface at {} is where it is kept; it is in {}", source.label,
                         surface_text(asked.asked),
                         box_text(field::image_of(given_from_output, {cut_away->min, cut_away->max}))),
-            job.source.clip.empty() ? Remedy::widen_region_or_skip : Remedy::move_cut};
+            or_allow_empty(job.source.clip.empty() ? Step(Remedy::raise, Setting::region)
+                                                   : Step(Remedy::check, Setting::clip))};
   }
   if (are_labels) {
-    return {ErrorCode::no_surface, fmt::format("{}: no sample has {}", source.label, text_of(asked)),
-            Remedy::allow_empty};
+    return {ErrorCode::no_surface,
+            fmt::format("{}: no sample has {}", source.label, text_of(asked)),
+            {Remedy::use, Setting::empty_policy}};
   }
   const field::FieldStatistics statistics = field::measure_statistics(source.field);
   const auto passed = field::surface_range(source.field, statistics);
@@ -34,22 +45,22 @@ Error no_surface(const ConversionJob& job, const Source& source, const ResolvedI
     return {ErrorCode::no_surface,
             fmt::format("{}: there is no surface: {}", source.label,
                         all_alike ? "every voxel has the background's value" : "no sample is a finite number"),
-            Remedy::allow_empty};
+            {Remedy::use, Setting::empty_policy}};
   }
   const double iso = asked.id.iso();
   const bool region_hides_it = source.region && passed->has_surface(iso);
   const double min = statistics.samples > 0 ? statistics.min : passed->min;
   const double max = statistics.samples > 0 ? statistics.max : passed->max;
   const field::IsoSuggestion suggestion = field::suggest_iso(source.field, statistics);
-  const Hint other = suggestion.separates
-                         ? Hint(Remedy::try_iso, fmt::format("{} ({})", suggestion.iso, suggestion.method))
-                         : Hint(Remedy::no_surface_or_skip);
+  const Step other = suggestion.separates ? Step(Remedy::try_value, Setting::iso,
+                                                 fmt::format("{} ({})", suggestion.iso, suggestion.method))
+                                          : Step("try another input: this one has no surface worth suggesting");
   return {ErrorCode::no_surface,
           fmt::format("{}: no surface at iso {}{}{}; the values {}run from {:.6g} to {:.6g}", source.label,
                       text_of(asked), source.region ? " in the region" : "",
                       job.source.resamples() ? " on the grid of another resolution" : "",
                       source.region ? "of the whole field " : "", min, max),
-          region_hides_it ? Hint(Remedy::widen_region_or_skip) : other};
+          or_allow_empty(region_hides_it ? Step(Remedy::raise, Setting::region) : other)};
 }
 
 }  // namespace isoextract::convert

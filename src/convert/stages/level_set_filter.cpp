@@ -20,7 +20,9 @@ Result<void> filter_field(const std::vector<FilterStep>& steps, const std::strin
     const char* found = field.kind != field::FieldKind::level_set ? "a density" : "samples of a full box";
     return fail(ErrorCode::input,
                 fmt::format("{}: expected the narrow band of a level set to filter, found {}", label, found),
-                Remedy::leave_out_filters);
+                {{Remedy::leave_out, Setting::level_set_filter,
+                  "it is for level sets: of VDB files, and of particles as spheres or smooth"},
+                 {Remedy::use, Setting::blur}});
   }
   for (const FilterStep& step : steps) {
     const Stopwatch watch;

@@ -241,7 +241,7 @@ Result<void> NetPoints::list_chunks(const LabelChunks& labels, const Context& co
   if (points > ~std::uint32_t{0}) {
     return fail(ErrorCode::input,
                 what + ": more places where labels meet than can be numbered, " + std::to_string(points),
-                Remedy::extract_part);
+                {Remedy::use, Setting::parts});
   }
   held = context.reserve(points * sizeof(glm::vec3), what);
   if (!held) return tl::unexpected(held.error());

@@ -45,7 +45,7 @@ Result<field::IndexBox> voxel_region(const field::ScalarField& field, const fiel
   return fail(ErrorCode::input,
               fmt::format("{}: the region holds no sample of the field, whose samples are ({}, {}, {}) to ({}, {}, {})",
                           field.source, box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z),
-              Remedy::widen_region);
+              {{Remedy::raise, Setting::region}, {Remedy::leave_out, Setting::region}});
 }
 
 OutputFrame voxel_frame(const field::ScalarField& field, const ExtractOptions& options, const field::IndexBox& stored,

@@ -124,7 +124,7 @@ Result<void> CellCapture::draw(const gl::CellPass& pass, std::span<const glm::iv
         return fail(
             ErrorCode::unavailable,
             fmt::format("{}: counted {} triangles and captured {}", context_.device().renderer, triangles, written),
-            {Remedy::use_cpu, "please report it"});
+            {{Remedy::report, Setting::devices}, {Remedy::use, Setting::cpu_backend}});
       }
       watch.restart();
       if (soup_.size() < words) soup_ = Buffer<std::uint32_t>(words);

@@ -21,7 +21,7 @@ tl::unexpected<Error> too_few_bytes(std::uint64_t bytes, std::uint64_t least) {
   return fail(ErrorCode::usage,
               fmt::format("the GPU's share of memory: {} for samples are too few, expected {} or more",
                           format_byte_size(bytes), format_byte_size(least)),
-              Remedy::more_gpu_memory);
+              {{Remedy::raise, Setting::gpu_memory}, {Remedy::use, Setting::cpu_backend}});
 }
 
 }  // namespace isoextract::gpu

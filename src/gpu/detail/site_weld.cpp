@@ -197,7 +197,8 @@ Result<extract::MeshSizes> SiteWeld::number() {
     });
   });
   if (!sound) {
-    return fail(ErrorCode::unavailable, "the GPU captured triangles that cannot be", Remedy::report_gpu);
+    return fail(ErrorCode::unavailable, "the GPU captured triangles that cannot be",
+                {{Remedy::report, Setting::devices}, {Remedy::use, Setting::cpu_backend}});
   }
   for (const auto& part : late) late_.insert(late_.end(), part.begin(), part.end());
   std::ranges::sort(late_, {}, [](const LateVertex& v) { return std::pair(v.site, v.vertex); });

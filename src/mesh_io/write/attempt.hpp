@@ -28,7 +28,7 @@ template <class Step>
     if (!done) failure = done.error();
     return done;
   } catch (const std::bad_alloc&) {
-    failure = no_memory(fmt::format("{}: not enough memory to write it", path.string()), Remedy::extract_part);
+    failure = no_memory(fmt::format("{}: not enough memory to write it", path.string()), {Remedy::use, Setting::parts});
   } catch (const std::exception& error) {  // thrown by a library
     failure = Error{ErrorCode::output, fmt::format("{}: cannot write: {}", path.string(), error.what()), {}};
   }

@@ -58,7 +58,7 @@ class GlbWriter final : public FormatWriter {
     if (length <= std::numeric_limits<std::uint32_t>::max()) return {};
     return fail(ErrorCode::output,
                 fmt::format("{}: a .glb holds less than 4 GiB, this one needs {} bytes", file_.shown_name(), length),
-                {Remedy::choose_mesh_format, "gltf or ply"});
+                {Remedy::set, Setting::mesh_format, "gltf or ply"});
   }
 
   MeshWriteOptions options_;

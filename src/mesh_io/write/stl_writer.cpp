@@ -104,7 +104,7 @@ Result<void> write_stl(const mesh::Mesh& mesh, const MeshWriteOptions& options, 
     return fail(ErrorCode::output,
                 fmt::format("{}: {} triangles, binary STL holds at most {}", file.shown_name(), mesh.triangles.size(),
                             kMaxTriangles),
-                {Remedy::choose_mesh_format, "ply"});
+                {Remedy::set, Setting::mesh_format, "ply"});
   }
   if (mesh.origin != glm::dvec3(0)) notes.push_back(precision_note(mesh));
   return visit_positions(mesh, [&](auto position) {

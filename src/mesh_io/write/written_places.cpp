@@ -124,7 +124,9 @@ Result<std::uint64_t> check_places(const mesh::Mesh& mesh, const std::filesystem
       others += fmt::format("{}{}", others.empty() ? "" : ", ", info.name);
     }
   }
-  return fail(ErrorCode::output, fmt::format("{}: {}", path.string(), loss.failure), {Remedy::place_nearer, others});
+  const Step nearer(Remedy::use, Setting::position);
+  return fail(ErrorCode::output, fmt::format("{}: {}", path.string(), loss.failure),
+              others.empty() ? Hint{nearer} : Hint{{Remedy::set, Setting::mesh_format, others}, nearer});
 }
 
 }  // namespace isoextract::mesh_io

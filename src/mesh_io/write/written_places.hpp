@@ -27,8 +27,8 @@
 
 namespace isoextract::mesh_io {
 
-// Returns how many triangles get two corners at the same coordinates in the file. Fails with ErrorCode::output and
-// Remedy::place_nearer if rounding would destroy the mesh.
+// Returns how many triangles get two corners at the same coordinates in the file. Fails with ErrorCode::output if
+// rounding would destroy the mesh; the hint has the formats that keep it.
 // Returns at once for origin 0, visits only the vertices if the file's rounding is no coarser than that of the mesh's
 // own numbers, and visits the triangles otherwise.
 [[nodiscard]] Result<std::uint64_t> check_places(const mesh::Mesh& mesh, const std::filesystem::path& path,

@@ -59,7 +59,7 @@ Result<SharedMemory> share_memory(const std::string& name, std::uint64_t bytes) 
   return fail(ErrorCode::unavailable,
               fmt::format("{}: the system gives no shared memory of {} (memfd_create) for the process that reads it",
                           name, format_byte_size(bytes)),
-              Remedy::read_in_process);
+              {Remedy::use, Setting::in_process});
 }
 
 // A conversation with the worker that reads one file; turns every way it can end into an error.
@@ -90,7 +90,7 @@ class Talk {
     if (worker_->finish().lacked_memory) {
       failed.message += fmt::format("; {} are left for it", format_byte_size(limits_.memory));
       failed.code = ErrorCode::out_of_memory;
-      failed.hint = Remedy::raise_memory_limit;
+      failed.hint = {Remedy::raise, Setting::memory_limit};
     }
     return tl::unexpected(std::move(failed));
   }
@@ -135,14 +135,15 @@ class Talk {
             ErrorCode::input, fmt::format("{} was stopped after {} s: {}", who, limits_.seconds, kDamaged),
             fmt::format("if the file is sound, give it more time with the environment variable {}", kSecondsVariable)};
       case Ending::Reason::lost:
-        return {ErrorCode::unavailable, fmt::format("{} could not be started, or was lost", who),
-                Remedy::read_in_process};
+        return {ErrorCode::unavailable,
+                fmt::format("{} could not be started, or was lost", who),
+                {Remedy::use, Setting::in_process}};
       case Ending::Reason::signal:
         if (ending.lacked_memory) {
           return {ErrorCode::out_of_memory,
                   fmt::format("{} needs more memory than the {} that are left for it", who,
                               format_byte_size(limits_.memory)),
-                  Remedy::raise_memory_limit};
+                  {Remedy::raise, Setting::memory_limit}};
         }
         return {ErrorCode::input, fmt::format("{} crashed (signal {}): {}", who, ending.signal, kDamaged),
                 "write the file anew, or in another format"};

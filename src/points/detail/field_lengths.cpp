@@ -18,7 +18,7 @@ Result<void> check_places(const ParticleSet& particles, const ParticleBounds& bo
   return fail(ErrorCode::input,
               fmt::format("{}: expected finite positions, found ({}, {}, {}) at particle {}", particles.label, p.x, p.y,
                           p.z, *bounds.first_broken),
-              Remedy::skip_particles);
+              {Remedy::set, Setting::nan_policy, "outside to leave such particles out"});
 }
 
 Result<void> settle_lengths(const ParticleSet& particles, const FieldOptions& options, FieldFigures& figures,
@@ -33,7 +33,7 @@ Result<void> settle_lengths(const ParticleSet& particles, const FieldOptions& op
                   fmt::format("{}: expected particles at two places at least, to take their radius from, or a radius; "
                               "found {} at one place",
                               particles.label, statistics.bounds.finite),
-                  Remedy::choose_radius);
+                  {Remedy::give, Setting::radius});
     }
     figures.radius = *radius;
     figures.radius_suggested = true;
@@ -52,7 +52,7 @@ Result<void> settle_lengths(const ParticleSet& particles, const FieldOptions& op
                 fmt::format("{}: expected samples at most as far apart as a kernel reaches, {:.6g}; found a spacing of "
                             "{:.6g}",
                             particles.label, figures.support, figures.spacing),
-                Remedy::smaller_cells);
+                {{Remedy::lower, Setting::cell_size}, {Remedy::raise, Setting::radius}});
   }
   return {};
 }

@@ -13,7 +13,7 @@ Result<GpuArray> GpuArray::make(const gl::GlContext& context, GLenum format, std
   if (count > static_cast<std::uint64_t>(most)) {
     return fail(ErrorCode::unavailable,
                 fmt::format("{}: expected at most {} {}, found {}", context.device().renderer, most, what, count),
-                Remedy::use_cpu);
+                {Remedy::use, Setting::cpu_backend});
   }
   GpuArray array;
   array.element_bytes_ = element_bytes;

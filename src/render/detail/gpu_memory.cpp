@@ -20,7 +20,8 @@ Result<void> GpuMemory::take(std::uint64_t bytes, const std::string& what) {
         ErrorCode::unavailable,
         fmt::format("{}: expected at most {} on the GPU, found {} for {} besides {} for the rest", device_.renderer,
                     format_byte_size(*limit_), format_byte_size(bytes), what, format_byte_size(taken_)),
-        is_told_ ? Remedy::more_gpu_memory : Remedy::use_cpu);
+        is_told_ ? Hint{{Remedy::raise, Setting::gpu_memory}, {Remedy::use, Setting::cpu_backend}}
+                 : Hint(Remedy::use, Setting::cpu_backend));
   }
   if (device_.software) {
     auto memory = TRY(context_.reserve(bytes, what));

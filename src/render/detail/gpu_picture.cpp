@@ -140,7 +140,7 @@ Result<void> GpuPicture::draw_tile(const PixelBox& tile, Rendered& rendered) {
         return fail(ErrorCode::unavailable,
                     fmt::format("{}: expected at most {} surfaces behind each other in a pixel, found {}",
                                 task_.gl.device().renderer, most_fragments_, count),
-                    Remedy::use_cpu);
+                    {Remedy::use, Setting::cpu_backend});
       }
       for (const PixelBox& half : halves(tile)) {
         TRY(draw_tile(half, rendered));
@@ -170,7 +170,7 @@ Result<void> GpuPicture::draw_tile(const PixelBox& tile, Rendered& rendered) {
               fmt::format("{}: a ray has more samples, or more surfaces behind each other, than the driver lets a loop "
                           "have rounds",
                           task_.gl.device().renderer),
-              Remedy::use_cpu);
+              {Remedy::use, Setting::cpu_backend});
 }
 
 Result<void> GpuPicture::draw_opaque(const PixelBox& tile) {

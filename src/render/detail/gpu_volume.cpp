@@ -113,7 +113,7 @@ Result<void> GpuVolume::make_atlas(const gl::GlContext& gl, const std::string& s
   const std::string what = fmt::format("{} bricks of {}", slots, source);
   if (layers > along) {
     return fail(ErrorCode::unavailable, fmt::format("{}: no texture has room for {}", gl.device().renderer, what),
-                Remedy::use_cpu);
+                {Remedy::use, Setting::cpu_backend});
   }
   const std::uint64_t bytes = row * rows * layers * kBrickSamples * sizeof(float);
   TRY(memory.take(bytes, what));
@@ -137,7 +137,7 @@ Result<GpuVolume> GpuVolume::upload(const gl::GlContext& gl, const Volume& volum
     return fail(
         ErrorCode::unavailable,
         fmt::format("{}: expected at most {:g} samples along a ray, found {:g}", source, kMostSlabs, way / made.step_),
-        Remedy::use_cpu);
+        {Remedy::use, Setting::cpu_backend});
   }
 
   auto samples = TRY(VolumeSamples::open(volume, context));
@@ -160,7 +160,7 @@ Result<GpuVolume> GpuVolume::upload(const gl::GlContext& gl, const Volume& volum
         ErrorCode::unavailable,
         fmt::format("{}: {}: expected at most {} voxels along an axis, found {:g} x {:g} x {:g}", gl.device().renderer,
                     source, std::int64_t{most} * VolumeNodes::kCells, extent.x, extent.y, extent.z),
-        Remedy::use_cpu);
+        {Remedy::use, Setting::cpu_backend});
   }
   TRY(memory.take(nodes.nodes().size() * sizeof(std::int32_t), source + ": places of bricks"));
   made.nodes_ = make_texture(GL_R32I, dims);

@@ -46,7 +46,7 @@ class VolumeNodes::Lister {
     const std::uint64_t bricks = std::max(count, 1) * std::uint64_t{kBricks};
     if (bricks > std::numeric_limits<std::int32_t>::max()) {
       return fail(ErrorCode::unavailable, fmt::format("{}: its bricks are too many for a GPU", source_),
-                  Remedy::use_cpu);
+                  {Remedy::use, Setting::cpu_backend});
     }
     TRY(take(bricks * sizeof(std::int32_t), "places of bricks"));
     list_.bricks_.assign(bricks, kUnseen);

@@ -81,41 +81,39 @@ std::string grid_table(std::span<const GridInfo> grids) {
 
 Result<std::size_t> choose_grid(const std::string& file, std::span<const GridInfo> grids,
                                 const std::optional<std::string>& wanted) {
-  const auto listed = [&](Remedy remedy) { return Hint(remedy, "\n" + grid_table(grids)); };
   if (grids.empty()) return fail(ErrorCode::input, file + ": there is no grid in the file");
+  const auto listed = [&] { return Hint(Remedy::choose, Setting::grid, "\n" + grid_table(grids)); };
   const auto found =
       wanted ? grids_called(grids, *wanted) : indices_where(grids, [](const GridInfo& grid) { return grid.scalar; });
   if (!wanted) {
     if (found.size() == 1) return found.front();
     const auto message = found.empty() ? fmt::format("{}: expected a grid of float, double or int32, found none", file)
                                        : fmt::format("{}: {} of its grids are scalar", file, found.size());
-    return fail(ErrorCode::input, message,
-                found.empty() ? Hint("its grids are\n" + grid_table(grids)) : listed(Remedy::choose_grid));
+    return fail(ErrorCode::input, message, found.empty() ? Hint("its grids are\n" + grid_table(grids)) : listed());
   }
   if (found.empty()) {
     return fail(ErrorCode::input, fmt::format("{}: there is no grid '{}'", file, printable(*wanted, kMaxLabel)),
-                listed(Remedy::choose_grid));
+                listed());
   }
   if (found.size() > 1) {
     return fail(ErrorCode::input,
                 fmt::format("{}: {} grids are named '{}'", file, found.size(), printable(*wanted, kMaxLabel)),
-                listed(Remedy::choose_grid_number));
+                listed());
   }
   if (!grids[found.front()].scalar) {
     return fail(ErrorCode::input,
                 fmt::format("{}: expected a grid of float, double or int32, '{}' holds {}", file,
                             grids[found.front()].label, grids[found.front()].type),
-                listed(Remedy::choose_grid));
+                listed());
   }
   return found.front();
 }
 
 Result<std::uint64_t> choose_volume(const std::string& file, std::uint64_t count, std::optional<std::int64_t> wanted,
                                     const Hint& otherwise) {
-  const Remedy choose = otherwise.remedy == Remedy::none ? Remedy::choose_volume : otherwise.remedy;
-  const Hint hint = count == 1 ? Hint(Remedy::leave_out_volume)
-                               : Hint(choose, fmt::format("from 0 to {}{}{}", count - 1,
-                                                          otherwise.text.empty() ? "" : "; ", otherwise.text));
+  Hint hint = count == 1 ? Hint(Remedy::leave_out, Setting::volume, "there is one volume in the file")
+                         : Hint(Remedy::choose, Setting::volume, fmt::format("from 0 to {}", count - 1));
+  if (count > 1) hint.steps.insert(hint.steps.end(), otherwise.steps.begin(), otherwise.steps.end());
   if (!wanted) {
     if (count == 1) return 0;
     return fail(ErrorCode::input, fmt::format("{}: there are {} volumes in the file", file, count), hint);
@@ -133,10 +131,9 @@ Result<std::uint64_t> choose_volume(const std::string& file, std::uint64_t count
 Result<std::optional<std::uint64_t>> choose_component(const std::string& file, std::uint64_t count,
                                                       const std::optional<ComponentChoice>& wanted,
                                                       const std::string& names) {
-  const std::string choice = fmt::format(
-      "choose one of them with {{component N}}, N from 0 to {}{}{}, or the length of all with {{component "
-      "length}}",
-      count - 1, names.empty() ? "" : ": ", names);
+  const Hint choice{{Remedy::choose, Setting::component,
+                     fmt::format("from 0 to {}{}{}", count - 1, names.empty() ? "" : ": ", names)},
+                    {Remedy::set, Setting::component, "length to take the length of all"}};
   if (!wanted) {
     if (count == 1) return 0;
     return fail(ErrorCode::input, fmt::format("{}: expected one number a sample, found {} components", file, count),
@@ -145,7 +142,7 @@ Result<std::optional<std::uint64_t>> choose_component(const std::string& file, s
   if (count == 1) {
     if (wanted->number == 0) return 0;
     return fail(ErrorCode::input, fmt::format("{}: expected several numbers a sample, found one", file),
-                "leave {component} out");
+                {Remedy::leave_out, Setting::component});
   }
   if (!wanted->number) return std::nullopt;
   if (std::cmp_less(*wanted->number, 0) || std::cmp_greater_equal(*wanted->number, count)) {

@@ -26,7 +26,7 @@ void label_grids(std::span<GridInfo> grids);
                                               const std::optional<std::string>& wanted);
 
 // Returns the wanted one of `count` volumes; without a wish, the only one. The hint of a failure lists the choices and
-// `otherwise`, another interpretation of the file: its text, or a remedy that replaces Remedy::choose_volume.
+// `otherwise`, another interpretation of the file.
 [[nodiscard]] Result<std::uint64_t> choose_volume(const std::string& file, std::uint64_t count,
                                                   std::optional<std::int64_t> wanted, const Hint& otherwise = {});
 

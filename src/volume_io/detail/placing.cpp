@@ -46,7 +46,8 @@ Result<field::Affine> place_alone(field::ScalarField& field, const Frame& frame,
     }
     affine.linear = field::scaling(*options.spacing).linear;
   } else if (!frame.problem.empty()) {
-    return fail(ErrorCode::input, fmt::format("{}: {}", field.source, frame.problem), Remedy::place_by_hand);
+    return fail(ErrorCode::input, fmt::format("{}: {}", field.source, frame.problem),
+                {Remedy::give, Setting::spacing_and_origin});
   }
   if (options.origin) affine.offset = *options.origin;
   return affine;
@@ -61,7 +62,7 @@ Result<void> set_frame(field::ScalarField& field, const Frame& frame, const Read
   const field::Affine& affine = placed;
   if (!affine.is_regular()) {
     return fail(ErrorCode::input, field.source + ": the axes of the volume are flat or not finite in the world",
-                Remedy::place_by_hand);
+                {Remedy::give, Setting::spacing_and_origin});
   }
   field.index_to_world = affine;
   return {};

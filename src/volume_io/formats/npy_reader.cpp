@@ -60,6 +60,13 @@ struct NpyAxes {
   std::optional<std::uint64_t> components;
 };
 
+Hint read_as_vectors(const NpyHeader& header) {
+  const std::uint64_t count = header.shape.back();
+  return {
+      Remedy::set, Setting::component,
+      fmt::format("0 to {} or length, if the last axis, of {}, counts the components of a vector", count - 1, count)};
+}
+
 Result<NpyAxes> find_axes(const std::string& name, const NpyHeader& header, bool has_component, AxisOrder order,
                           std::vector<std::string>& notes) {
   std::vector<std::uint64_t> shape = header.shape;
@@ -72,9 +79,8 @@ Result<NpyAxes> find_axes(const std::string& name, const NpyHeader& header, bool
     return fail(ErrorCode::input,
                 fmt::format("{}: expected an array with {} axes [{}{}], or {} [t, {}{}], found shape ({})", name,
                             wanted, letters, c, wanted + 1, letters, c, fmt::join(header.shape, ", ")),
-                kept <= 2                     ? Hint(Remedy::read_as_particles)
-                : kept == 5 && !has_component ? Hint("if the last axis counts the components of a vector, choose one "
-                                                     "of them with {component N}, N from 0 on, or {component length}")
+                kept <= 2 ? Hint{"a height field is no volume", {Remedy::use, Setting::particle_method}}
+                : kept == 5 && !has_component ? read_as_vectors(header)
                                               : Hint("take a part with fewer axes in NumPy first, for example a[0]"));
   }
   if (header.shape.size() > kept) {
@@ -124,7 +130,7 @@ Result<DenseFile> npy_volume(const std::string& name, const NpyHeader& header, c
                             "found {}",
                             name, printable(header.descr, 40)),
                 header.fields.empty() ? Hint("convert the array in NumPy, for example with a.astype('f4')")
-                                      : Hint(Remedy::read_as_particles));
+                                      : Hint(Remedy::use, Setting::particle_method));
   }
   DenseFile dense;
   const AxisOrder order = options.axis_order.value_or(AxisOrder::zyx);
@@ -142,10 +148,7 @@ Result<DenseFile> npy_volume(const std::string& name, const NpyHeader& header, c
   const bool looks_like_vectors = header.shape.back() <= kFewComponents && dense.volumes > kFewComponents &&
                                   std::ranges::min(header.shape) == header.shape.back();
   if (looks_like_vectors && !options.component && !is_complex) {
-    dense.other_reading = fmt::format(
-        "if the last axis, of {}, counts the components of a vector, choose one of them with "
-        "{{component N}}, or {{component length}}",
-        header.shape.back());
+    dense.other_reading = read_as_vectors(header);
   }
   dense.format = "NPY";
   dense.type = type->type;

@@ -24,11 +24,12 @@ std::string fitting_types(std::uint64_t count, std::uint64_t bytes) {
 Hint fitting_layout(const files::InputFile& file, const RawLayout& layout, std::uint64_t expected) {
   const std::uint64_t found = file.size() - std::min(file.size(), layout.skip);
   const std::string types = fitting_types(expected / field::sample_size(layout.type), found);
-  if (!types.empty()) return {Remedy::retype_raw, types};
+  if (!types.empty()) return {Remedy::try_value, Setting::sample_type, types + " (the size would fit)"};
   if (file.size() > expected) {
-    return {Remedy::skip_in_raw, std::to_string(file.size() - expected)};
+    return {Remedy::try_value, Setting::skipped_bytes,
+            fmt::format("{} (if that many bytes of header come first)", file.size() - expected)};
   }
-  return Remedy::check_raw;
+  return {Remedy::check, Setting::raw_layout};
 }
 
 Result<DenseFile> open_raw(const files::InputFile& file, const RawLayout& layout, AxisOrder order) {
@@ -59,7 +60,7 @@ Result<DenseFile> open_raw(const files::InputFile& file, const RawLayout& layout
   TRY(check_volume_count(file.name(), dims, layout.type, dense.volumes));
   if (dense.volumes > 1) {
     const std::string types = fitting_types(expected / field::sample_size(layout.type), found);
-    if (!types.empty()) dense.other_reading = fmt::format("as one volume, its samples would be {}", types);
+    if (!types.empty()) dense.other_reading = {Remedy::try_value, Setting::sample_type, types + " (as one volume)"};
   }
   dense.format = "raw";
   dense.type = layout.type;

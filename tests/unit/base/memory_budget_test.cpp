@@ -22,7 +22,7 @@ TEST(MemoryBudget, SharesLimitAmongReservations) {
   EXPECT_EQ(refused.error().code, ErrorCode::out_of_memory);
   EXPECT_EQ(refused.error().message,
             "in.raw: 41 samples would take 41 B, the limit is 100 B, of which 60 B are in use");
-  EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(refused.error().hint, Hint(Remedy::raise, Setting::memory_limit));
   EXPECT_TRUE(budget.reserve(40, "b"));
   first->release();
   EXPECT_TRUE(budget.reserve(100, "c"));

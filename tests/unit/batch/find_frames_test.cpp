@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "support/hints.hpp"
 #include "support/temp_folder.hpp"
 
 namespace isoextract::batch {
@@ -104,7 +105,7 @@ TEST_F(FindFrames, FailsWithoutMatches) {
   EXPECT_EQ(found({"x\n{}"}), "2: x\\n{}: no file has such a name");
   const auto near = find({"a_{:04}.vdb"});
   ASSERT_FALSE(near);
-  EXPECT_EQ(near.error().hint.text, "{} would match a_001.vdb");
+  EXPECT_EQ(test::text_of(near.error().hint), "{} would match a_001.vdb");
 }
 
 TEST_F(FindFrames, FailsForRepeatedNumber) {
@@ -208,7 +209,7 @@ TEST_F(FindFrames, RefusesPatternInsideDecimals) {
   EXPECT_EQ(found({"t_0.{}.npy"}),
             "1: t_0.{}.npy: expected whole numbers of frames, found parts of decimal numbers: t_0.25.npy and "
             "t_0.75.npy");
-  EXPECT_EQ(find({"t_0.{}.npy"}, "5-25").error().hint.text,
+  EXPECT_EQ(test::text_of(find({"t_0.{}.npy"}, "5-25").error().hint),
             "list the files, without quotes: t_0.*.npy; they are ordered by their decimal numbers");
   EXPECT_EQ(found({"t_1e-{}.npy"}),
             "1: t_1e-{}.npy: expected whole numbers of frames, found parts of decimal numbers: t_1e-1.npy and "
@@ -287,7 +288,7 @@ TEST_F(FindFrames, NumbersDemoFieldByRange) {
   const auto frames = find({"demo:sphere?size={}"});
   ASSERT_FALSE(frames);
   EXPECT_EQ(frames.error().code, ErrorCode::usage);
-  EXPECT_EQ(frames.error().hint.remedy, Remedy::name_frames);
+  EXPECT_EQ(frames.error().hint, Hint(Remedy::give, Setting::frames));
 }
 
 TEST_F(FindFrames, FollowsLinks) {

@@ -251,7 +251,7 @@ TEST(Scheduler, RepeatsOnlyFramesThatLackedMemory) {
   const BatchJob batch = spheres(folder, 6, "demo:gyroid?size=48");
   const Context context;
   Basket basket(context);
-  basket.first_error = Error{ErrorCode::input, "more vertices than a mesh can number", Remedy::extract_part};
+  basket.first_error = Error{ErrorCode::input, "more vertices than a mesh can number", {Remedy::use, Setting::parts}};
   Watcher watcher;
   const BatchCounts counts = run(batch, every_frame(batch), {.jobs = 3, .threads = 2}, context, watcher, &basket);
   EXPECT_EQ(counts.done, 5U);

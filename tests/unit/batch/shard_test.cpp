@@ -6,6 +6,7 @@
 
 #include "batch/manifest.hpp"
 #include "batch/merge_shards.hpp"
+#include "support/hints.hpp"
 #include "support/temp_folder.hpp"
 
 namespace isoextract::batch {
@@ -50,7 +51,7 @@ TEST(Shard, ReadsJobSchedulerVariables) {
   EXPECT_FALSE(shard_told_by({{"SLURM_ARRAY_TASK_ID", "3"}})) << "of how many is not said";
   const auto without_count = shard_told_by({{"JOB_COMPLETION_INDEX", "0"}});
   ASSERT_FALSE(without_count);
-  EXPECT_NE(without_count.error().hint.text.find("spec.completions"), std::string::npos);
+  EXPECT_NE(test::text_of(without_count.error().hint).find("spec.completions"), std::string::npos);
   EXPECT_FALSE(shard_told_by({{"JOB_COMPLETION_INDEX", "2"}, {"JOB_COMPLETIONS", "2"}}));
   EXPECT_FALSE(shard_told_by({{"JOB_COMPLETION_INDEX", "x"}, {"JOB_COMPLETIONS", "2"}}));
   EXPECT_FALSE(shard_told_by({{"SLURM_ARRAY_TASK_ID", "21"},

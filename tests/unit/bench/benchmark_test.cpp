@@ -75,16 +75,18 @@ TEST(Benchmark, MeasuresRequestedRows) {
 }
 
 TEST(Benchmark, FailsWithoutSurface) {
+  const Hint without_coarsest{{Remedy::change, Setting::resolutions, "without the coarsest"},
+                              {Remedy::change, Setting::iso}};
   const Error none = bench_demo("sphere", {16, 32}, quick(9), Context()).error();
   EXPECT_EQ(none.code, ErrorCode::input);
   EXPECT_NE(none.message.find("the values run from -1.03"), std::string::npos) << none.message;
-  EXPECT_EQ(none.hint, Hint(Remedy::other_iso, "0"));
+  EXPECT_EQ(none.hint, Hint(Remedy::try_value, Setting::iso, "0"));
   const Error coarse = bench_demo("sphere", {8, 32}, quick(0.6), Context()).error();
   EXPECT_NE(coarse.message.find("with 8 samples"), std::string::npos) << coarse.message;
-  EXPECT_EQ(coarse.hint, Hint(Remedy::leave_out_coarsest));
+  EXPECT_EQ(coarse.hint, without_coarsest);
   const field::ScalarField field = field::make_demo_field("demo:sphere?size=32", Context()).value();
-  EXPECT_EQ(bench_field(field, {4, 1}, quick(9), Context()).error().hint, Hint(Remedy::other_iso, "0"));
-  EXPECT_EQ(bench_field(field, {4, 1}, quick(0.6), Context()).error().hint, Hint(Remedy::leave_out_coarsest));
+  EXPECT_EQ(bench_field(field, {4, 1}, quick(9), Context()).error().hint, Hint(Remedy::try_value, Setting::iso, "0"));
+  EXPECT_EQ(bench_field(field, {4, 1}, quick(0.6), Context()).error().hint, without_coarsest);
 }
 
 bool has_note(const BenchResult& result, std::string_view text) {

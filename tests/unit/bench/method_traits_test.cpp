@@ -272,7 +272,7 @@ TEST(NotApplicable, BenchSkipsBackendsWithoutMethod) {
   const auto refused = Without().extract(torus, placed(torus, extract::Method::mt), Context());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::unavailable);
-  EXPECT_EQ(refused.error().hint, Hint(Remedy::use_cpu));
+  EXPECT_EQ(refused.error().hint, Hint(Remedy::use, Setting::cpu_backend));
 }
 
 TEST(NotApplicable, RejectsOptionsTheMethodLacks) {

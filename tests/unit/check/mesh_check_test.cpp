@@ -356,7 +356,7 @@ TEST(MeshCheckTest, ObeysCancellationAndMemoryBudget) {
   for (const std::uint64_t limit : {std::uint64_t{1000}, std::uint64_t{100000}, std::uint64_t{500000}}) {
     const auto refused = check_mesh(mesh, Context(MemoryBudget(limit)));
     ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
+    EXPECT_EQ(refused.error().hint, Hint(Remedy::raise, Setting::memory_limit));
   }
   const Context counted;
   { const auto found = check_mesh(mesh, counted); }

@@ -349,7 +349,7 @@ TEST(SelfIntersectionsTest, ObeysCancellationAndMemoryBudget) {
   const auto refused = find_self_intersections(mesh, {}, Context(MemoryBudget(10000)));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::out_of_memory);
-  EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(refused.error().hint, Hint(Remedy::raise, Setting::memory_limit));
 }
 
 }  // namespace

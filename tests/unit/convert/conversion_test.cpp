@@ -195,7 +195,7 @@ TEST_F(ConversionTest, ReturnsErrorOnBadAlloc) {
   ASSERT_FALSE(outcome.done());
   EXPECT_EQ(outcome.error->code, ErrorCode::out_of_memory);
   EXPECT_EQ(outcome.error->message, "demo:sphere?size=16: not enough memory");
-  EXPECT_EQ(outcome.error->hint.remedy, Remedy::extract_part);
+  EXPECT_EQ(outcome.error->hint, Hint(Remedy::use, Setting::parts));
   EXPECT_TRUE(folder_.names().empty());
 }
 

@@ -110,7 +110,7 @@ TEST(ResolveIsos, ReservesMemoryFirst) {
   const Context small{MemoryBudget(1000)};
   const auto refused = resolve_isos(std::vector{choice("p50")}, two_heaps(), false, small);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(refused.error().hint, Hint(Remedy::raise, Setting::memory_limit));
   EXPECT_TRUE(resolve_isos(std::vector<IsoChoice>{0.5}, two_heaps(), false, small));
 }
 

@@ -298,7 +298,7 @@ TEST(BoundedSimplify, ObeysCancellationAndMemoryBudget) {
   const Context small{MemoryBudget(100000)};
   const auto refused = simplify_within(test::sphere(40, true), options, small);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(refused.error().hint, Hint(Remedy::raise, Setting::memory_limit));
   EXPECT_EQ(small.memory().reserved(), 0U);
   const Context cancelled;
   cancelled.cancel();

@@ -262,7 +262,7 @@ TEST(Pieces, IsIndependentOfThreadsAndReservesMemory) {
   test::expect_sound(results[0].mesh, true);
   const auto little = keep_pieces(copy(mesh), choice, Context(MemoryBudget(1000)));
   ASSERT_FALSE(little);
-  EXPECT_EQ(little.error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(little.error().hint, Hint(Remedy::raise, Setting::memory_limit));
 }
 
 }  // namespace

@@ -188,7 +188,7 @@ TEST(Smooth, LeavesMeshUnchangedIfMemoryIsShort) {
   const mesh::Mesh before = copy(mesh);
   const auto little = smooth(mesh, {}, Context(MemoryBudget(1000)));
   ASSERT_FALSE(little);
-  EXPECT_EQ(little.error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(little.error().hint, Hint(Remedy::raise, Setting::memory_limit));
   EXPECT_TRUE(std::ranges::equal(mesh.positions, before.positions));
   const Context cancelled;
   cancelled.cancel();

@@ -90,7 +90,7 @@ TEST_P(Memory, RefusesLimitBelowPeak) {
   const auto refused = make_cpu_extractor()->extract(field_, options_, little);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::out_of_memory);
-  EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit) << refused.error().message;
+  EXPECT_EQ(refused.error().hint, Hint(Remedy::raise, Setting::memory_limit)) << refused.error().message;
   EXPECT_EQ(little.memory().reserved(), 0U);
 }
 

@@ -97,14 +97,14 @@ TEST_P(Placement, RefusesPositionsBeyondFloat32) {
     const auto result = make_cpu_extractor()->extract(sphere(8), placing, Context());
     ASSERT_FALSE(result) << scale;
     EXPECT_EQ(result.error().code, ErrorCode::input);
-    EXPECT_EQ(result.error().hint.remedy, Remedy::rescale);
+    EXPECT_EQ(result.error().hint, Hint(Remedy::change, Setting::scale));
   }
 }
 
 TEST_P(Placement, RefusesMeshesBeyondTheMemoryLimit) {
   const auto result = make_cpu_extractor()->extract(sphere(16), options(0), Context(MemoryBudget(1000)));
   ASSERT_FALSE(result);
-  EXPECT_EQ(result.error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(result.error().hint, Hint(Remedy::raise, Setting::memory_limit));
 }
 
 TEST_P(Placement, RefusesFlatTransforms) {

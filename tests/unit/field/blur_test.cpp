@@ -232,8 +232,8 @@ TEST(Blur, RefusesInvalidSizesAndFailsCleanly) {
   EXPECT_EQ(blur_median(field, 0, Context()).error().code, ErrorCode::usage);
   for (const ScalarField& data : {field, test::sparse_copy<float>(field, 0)}) {
     const Context little{MemoryBudget(1000)};
-    EXPECT_EQ(blur_gaussian(data, glm::dvec3(1), little).error().hint.remedy, Remedy::raise_memory_limit);
-    EXPECT_EQ(blur_median(data, 1, little).error().hint.remedy, Remedy::raise_memory_limit);
+    EXPECT_EQ(blur_gaussian(data, glm::dvec3(1), little).error().hint, Hint(Remedy::raise, Setting::memory_limit));
+    EXPECT_EQ(blur_median(data, 1, little).error().hint, Hint(Remedy::raise, Setting::memory_limit));
     const Context cancelled;
     cancelled.cancel();
     EXPECT_EQ(blur_gaussian(data, glm::dvec3(1), cancelled).error().code, ErrorCode::cancelled);

@@ -141,7 +141,7 @@ TEST(DemoField, ReservesItsSamples) {
   const auto large = make_demo_field("demo:sphere?size=512", context);
   ASSERT_FALSE(large);
   EXPECT_EQ(large.error().code, ErrorCode::out_of_memory);
-  EXPECT_EQ(large.error().hint, Hint(Remedy::raise_memory_limit));
+  EXPECT_EQ(large.error().hint, Hint(Remedy::raise, Setting::memory_limit));
   {
     const auto small = make_demo_field("demo:sphere?size=16", context);
     ASSERT_TRUE(small);

@@ -397,7 +397,7 @@ TEST(Resample, FailsForInvalidSizesAndLowMemory) {
   const Error large =
       resample(field, {100, 100, 100}, kLinear, NanSamples::left_out, Context(MemoryBudget(4'000'000 - 1))).error();
   EXPECT_EQ(large.code, ErrorCode::out_of_memory);
-  EXPECT_EQ(large.hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(large.hint, Hint(Remedy::raise, Setting::memory_limit));
   EXPECT_TRUE(resample(field, {100, 100, 100}, kLinear, NanSamples::left_out, Context(MemoryBudget(4'000'000))));
   EXPECT_TRUE(resample(field, {4, 4, 4}, kLinear, NanSamples::left_out, Context(MemoryBudget(0))))
       << "nothing is allocated";

@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/hints.hpp"
 #include "support/temp_folder.hpp"
 #include "unit/files/output_process.hpp"
 
@@ -184,7 +185,7 @@ TEST(OutputFile, RepeatsTheErrorOfAFullDevice) {
   ASSERT_FALSE(first);
   EXPECT_EQ(first.error().code, ErrorCode::output);
   EXPECT_EQ(first.error().message, "/dev/full: cannot write: no space left on the device");
-  EXPECT_EQ(first.error().hint.text, "free some space or choose another place for the file");
+  EXPECT_EQ(test::text_of(first.error().hint), "free some space or choose another place for the file");
   const auto later = file.write("y");
   ASSERT_FALSE(later);
   EXPECT_EQ(later.error().message, first.error().message);
@@ -270,7 +271,7 @@ TEST(OutputFile, ExplainsInvalidPaths) {
     EXPECT_EQ(file.error().code, ErrorCode::output);
     EXPECT_TRUE(file.error().message.starts_with((folder / bad.path).string() + ": ")) << file.error().message;
     EXPECT_NE(file.error().message.find(bad.expected), std::string::npos) << file.error().message;
-    EXPECT_NE(file.error().hint.text.find("file"), std::string::npos) << file.error().message;
+    EXPECT_NE(test::text_of(file.error().hint).find("file"), std::string::npos) << file.error().message;
   }
   EXPECT_EQ(folder.names(), (Names{"file", "inner", "loop"}));
 }

@@ -133,7 +133,7 @@ TEST(StandardInput, RespectsTheMemoryLimit) {
   ::close(ends[0]);
   ASSERT_FALSE(input);
   EXPECT_EQ(input.error().code, ErrorCode::out_of_memory);
-  EXPECT_EQ(input.error().hint, Hint(Remedy::raise_memory_limit));
+  EXPECT_EQ(input.error().hint, Hint(Remedy::raise, Setting::memory_limit));
   EXPECT_TRUE(input.error().message.starts_with("standard input: "));
   EXPECT_EQ(little.memory().reserved(), 0U);
 }
@@ -233,7 +233,7 @@ TEST(StandardInput, KeepsAFailure) {
                        [] {
                          if (InputFile::open("-", Context(MemoryBudget(10)))) return 1;
                          const auto again = InputFile::open("-", Context());
-                         return !again && again.error().hint.remedy == Remedy::raise_memory_limit ? 0 : 2;
+                         return !again && again.error().hint == Hint(Remedy::raise, Setting::memory_limit) ? 0 : 2;
                        }),
             0);
 }

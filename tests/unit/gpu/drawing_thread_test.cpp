@@ -85,7 +85,7 @@ TEST(DrawingThread, UsesContextOfCaller) {
   const Context narrow{MemoryBudget(1000)};
   const auto failed = extractor->extract(field, half(), narrow);
   ASSERT_FALSE(failed);
-  EXPECT_EQ(failed.error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(failed.error().hint, Hint(Remedy::raise, Setting::memory_limit));
   const Context over;
   over.cancel();
   const auto cancelled = extractor->extract(field, half(), over);

@@ -93,7 +93,7 @@ TEST(ExrWriter, ReservesMemory) {
   const Context small{MemoryBudget(10000)};
   const auto written = write_exr(file, {kAcross, kDown, light.colours, light.depths, light.normals}, small);
   ASSERT_FALSE(written);
-  EXPECT_EQ(written.error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(written.error().hint, Hint(Remedy::raise, Setting::memory_limit));
   EXPECT_EQ(small.memory().reserved(), 0U);
 }
 

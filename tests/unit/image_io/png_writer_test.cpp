@@ -70,7 +70,7 @@ TEST_F(PngWriter, ReservesMemory) {
   const Context small{MemoryBudget(40000)};
   const auto written = write_png(file, {100, 100, colours, {}, {}}, small);
   ASSERT_FALSE(written);
-  EXPECT_EQ(written.error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(written.error().hint, Hint(Remedy::raise, Setting::memory_limit));
   EXPECT_EQ(small.memory().reserved(), 0U);
 }
 

@@ -197,7 +197,7 @@ TEST(Shells, DoesNotDependOnThreadsAndKeepsToMemory) {
   EXPECT_GT(most, 10U);
   const auto little = find_surroundings(mesh, components, question, Context(MemoryBudget(1000)));
   ASSERT_FALSE(little);
-  EXPECT_EQ(little.error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(little.error().hint, Hint(Remedy::raise, Setting::memory_limit));
   const Context cancelled;
   cancelled.cancel();
   const auto ended = find_surroundings(mesh, components, question, cancelled);

@@ -3,6 +3,7 @@
 
 #include "base/version.hpp"
 #include "mesh_io/mesh_writer.hpp"
+#include "support/hints.hpp"
 #include "support/sample_meshes.hpp"
 #include "support/temp_folder.hpp"
 #include "unit/mesh_io/glb_chunks.hpp"
@@ -213,7 +214,7 @@ TEST(GltfWriterFiles, RefusesGlbOfFourGibibytesBeforeWriting) {
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, ErrorCode::output);
   EXPECT_NE(result.error().message.find("4 GiB"), std::string::npos);
-  EXPECT_NE(result.error().hint.text.find("gltf or ply"), std::string::npos);
+  EXPECT_NE(test::text_of(result.error().hint).find("gltf or ply"), std::string::npos);
   EXPECT_TRUE(folder.names().empty());
 }
 

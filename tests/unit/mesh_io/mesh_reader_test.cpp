@@ -401,7 +401,7 @@ TEST_F(MeshReaderTest, RefusesOtherFilesAndLowMemory) {
     const auto read = read_mesh(path, Context(MemoryBudget(100)));
     ASSERT_FALSE(read) << info.name;
     EXPECT_NE(read.error().message.find("the limit is 100 B"), std::string::npos) << read.error().message;
-    EXPECT_EQ(read.error().hint.remedy, Remedy::raise_memory_limit);
+    EXPECT_EQ(read.error().hint, Hint(Remedy::raise, Setting::memory_limit));
   }
 }
 
@@ -415,7 +415,7 @@ TEST_F(MeshReaderTest, KeepsMemoryLimit) {
     ASSERT_FALSE(read) << name;
     EXPECT_NE(read.error().message.find("its bytes, vertices and triangles would take"), std::string::npos)
         << read.error().message;
-    EXPECT_EQ(read.error().hint.remedy, Remedy::raise_memory_limit);
+    EXPECT_EQ(read.error().hint, Hint(Remedy::raise, Setting::memory_limit));
   };
   constexpr std::uint64_t kMega = 1 << 20;
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "support/hints.hpp"
 #include "support/sample_attributes.hpp"
 #include "support/sample_meshes.hpp"
 #include "support/temp_folder.hpp"
@@ -58,7 +59,8 @@ TEST_P(MeshWriterRefusal, GivesUsageErrorWithRemedy) {
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, ErrorCode::usage);
   EXPECT_TRUE(result.error().message.starts_with(path.string() + ": ")) << result.error().message;
-  EXPECT_NE(result.error().hint.text.find(refusal.hint), std::string::npos) << result.error().hint.text;
+  EXPECT_NE(test::text_of(result.error().hint).find(refusal.hint), std::string::npos)
+      << test::text_of(result.error().hint);
   EXPECT_TRUE(folder.names().empty());
 }
 

@@ -399,7 +399,7 @@ TEST_F(PackedReader, RefusesInvalidDracoStreams) {
   test::write_bytes(folder_ / "seams.drc", edgebreaker('\xC8'));
   const auto refused = read_mesh(folder_ / "seams.drc", limited);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit) << refused.error().message;
+  EXPECT_EQ(refused.error().hint, Hint(Remedy::raise, Setting::memory_limit)) << refused.error().message;
   EXPECT_EQ(limited.memory().reserved(), 0U);
   expect_error("a.drc", edgebreaker('\2'), "the Draco bit stream is damaged");
   // Announces four billion triangles.

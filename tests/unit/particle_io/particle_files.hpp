@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "particle_io/particle_reader.hpp"
+#include "support/hints.hpp"
 #include "unit/volume_io/volume_files.hpp"
 
 namespace isoextract::test {
@@ -29,7 +30,7 @@ inline Result<particle_io::ParticleFile> try_particles(const ParticleInput& inpu
 inline particle_io::ParticleFile must_read_particles(const ParticleInput& input,
                                                      const particle_io::ParticleReadOptions& options = {}) {
   auto read = try_particles(input, options);
-  if (!read) throw std::runtime_error(read.error().message + "\n" + read.error().hint.text);
+  if (!read) throw std::runtime_error(read.error().message + "\n" + test::text_of(read.error().hint));
   return std::move(*read);
 }
 
@@ -47,7 +48,7 @@ inline particle_io::ParticleInfo must_inform(const ParticleInput& input,
   const TempFolder folder;
   write_bytes(folder / input.name, input.bytes);
   auto info = particle_io::particle_info((folder / input.name).string(), options, Context());
-  if (!info) throw std::runtime_error(info.error().message + "\n" + info.error().hint.text);
+  if (!info) throw std::runtime_error(info.error().message + "\n" + test::text_of(info.error().hint));
   return std::move(*info);
 }
 

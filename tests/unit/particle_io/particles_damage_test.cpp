@@ -1,6 +1,7 @@
 // Tests shared behavior of the particle readers: detection, damaged files, memory.
 #include <filesystem>
 
+#include "support/hints.hpp"
 #include "unit/particle_io/particle_files.hpp"
 
 namespace isoextract::test {
@@ -74,7 +75,7 @@ TEST(ParticlesDamage, ReservesMemoryBeforeAllocating) {
   ASSERT_LT(bomb.bytes.size(), 20000U);
   const Error error = particle_refusal(bomb, {}, with_memory(std::uint64_t{4} << 20));
   expect_in(error.message, "100000 particles");
-  EXPECT_EQ(error.hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(error.hint, Hint(Remedy::raise, Setting::memory_limit));
   const Context enough = with_memory(std::uint64_t{8} << 20);
   const auto read = try_particles(bomb, with_attributes({"velocity"}), enough);
   ASSERT_TRUE(read);
@@ -122,7 +123,7 @@ TEST(ParticlesDamage, ReservesPageFlags) {
   // Positions need 2.4 MB, flags 12.5 MB.
   const Error error = particle_refusal({"a.bgeo", gzip(bytes)}, {}, with_memory(std::uint64_t{8} << 20));
   expect_in(error.message, "flags of pages");
-  EXPECT_EQ(error.hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(error.hint, Hint(Remedy::raise, Setting::memory_limit));
   // With enough memory the error is the missing data.
   expect_in(particle_refusal({"a.bgeo", gzip(bytes)}).message, "expected the values of an attribute");
 }
@@ -149,7 +150,7 @@ TEST(ParticlesFormat, DetectsByContentThenByName) {
 
   const Error unknown = particle_refusal({"a.what", "hello, this is nothing"});
   expect_in(unknown.message, "not a format of particles that isoextract reads; it starts with 'hello, this is n'");
-  expect_in(unknown.hint.text, "LAMMPS");
+  expect_in(test::text_of(unknown.hint), "LAMMPS");
   particle_io::ParticleReadOptions options;
   options.format = "csv";
   EXPECT_EQ(must_read_particles({"a.what", "1 2 3\n"}, options).particles.size(), 1U);
@@ -160,7 +161,7 @@ TEST(ParticlesFormat, DetectsByContentThenByName) {
 TEST(ParticlesFormat, RejectsOptionsOfOtherFormats) {
   const Error frame = particle_refusal({"a.csv", "1 2 3\n"}, of_frame(0));
   EXPECT_EQ(frame.code, ErrorCode::usage);
-  EXPECT_EQ(frame.hint.remedy, Remedy::leave_out_volume);
+  EXPECT_EQ(frame.hint, Hint(Remedy::leave_out, Setting::volume, "there is one frame in the file"));
   particle_io::ParticleReadOptions options;
   options.columns = {"1", "2", "3"};
   const Error columns = particle_refusal({"a.bgeo", bgeo_classic()}, options);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <thread>
 
+#include "support/hints.hpp"
 #include "unit/particle_io/particle_files.hpp"
 
 namespace isoextract::test {
@@ -50,7 +51,7 @@ TEST(ParticlesCsv, ReadsUnitsAttributesAndText) {
   expect_in(particle_refusal(input, with_attributes({"name"})).message, "expected numbers as 'name', found text");
   const Error missing = particle_refusal(input, with_attributes({"heat"}));
   expect_in(missing.message, "there is no attribute 'heat'");
-  expect_in(missing.hint.text, "id, Velocity, v, id[1]");
+  expect_in(test::text_of(missing.hint), "id, Velocity, v, id[1]");
 }
 
 // The form of Houdini's geometry spreadsheet.
@@ -337,7 +338,7 @@ std::uint64_t bytes_for_all_frames(const std::string& name, const std::vector<st
   const auto beyond =
       particle_io::read_particles(folder / name, of_frame(static_cast<std::int64_t>(frames.size())), Context());
   if (beyond) throw std::runtime_error("read beyond the last frame");
-  expect_in(beyond.error().hint.text, fmt::format("there are {} frames in the file", frames.size()));
+  expect_in(test::text_of(beyond.error().hint), fmt::format("there are {} frames in the file", frames.size()));
   return bytes;
 }
 

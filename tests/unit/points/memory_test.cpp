@@ -55,7 +55,7 @@ TEST_P(FieldMemory, StaysReservedWhileTheFieldLives) {
   const Context little(MemoryBudget(peak - 1));
   const auto refused = make_field(particles, options_, little);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit) << refused.error().message;
+  EXPECT_EQ(refused.error().hint, Hint(Remedy::raise, Setting::memory_limit)) << refused.error().message;
   EXPECT_NE(refused.error().message.find("test.ply"), std::string::npos) << refused.error().message;
   EXPECT_EQ(little.memory().reserved(), 0U);
 }
@@ -70,7 +70,7 @@ TEST_P(FieldMemory, RefusesTooManySamplesBeforeWork) {
     const Context context(MemoryBudget(std::uint64_t{1} << 30));
     const auto refused = make_field(particles, options_, context);
     ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit) << refused.error().message;
+    EXPECT_EQ(refused.error().hint, Hint(Remedy::raise, Setting::memory_limit)) << refused.error().message;
     EXPECT_NE(refused.error().message.find("around each particle"), std::string::npos) << refused.error().message;
     EXPECT_LT(context.memory().peak(), std::uint64_t{1} << 16);
   }

@@ -57,7 +57,8 @@ TEST(SphereSet, TakesRadiiFromOptionAttributeOrDistances) {
 
 TEST(SphereSet, DropsNonFiniteParticlesWithTheirRadii) {
   const ParticleSet set = with_radii({{0, 0, 0}, {kNaN, 0, 0}, {4, 0, 0}}, "pscale", {1, 7, 3});
-  EXPECT_EQ(make_spheres(set, spheres(), Context()).error().hint.remedy, Remedy::skip_particles);
+  EXPECT_EQ(make_spheres(set, spheres(), Context()).error().hint,
+            Hint(Remedy::set, Setting::nan_policy, "outside to leave such particles out"));
   FieldOptions skip = spheres();
   skip.bad = BadParticles::skip;
   const Context context;

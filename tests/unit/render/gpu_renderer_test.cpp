@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gl/gl_object.hpp"
+#include "support/hints.hpp"
 #include "unit/render/gpu_drawing.hpp"
 
 namespace isoextract::render {
@@ -79,7 +80,7 @@ TEST(GpuRenderer, KeepsMemoryLimit) {
   const auto refused = draw_with(how, {64, 48});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::unavailable);
-  EXPECT_EQ(refused.error().hint.remedy, Remedy::more_gpu_memory);
+  EXPECT_TRUE(test::has_step(refused.error().hint, Remedy::raise, Setting::gpu_memory));
   EXPECT_NE(refused.error().message.find("expected at most 64 KiB on the GPU"), std::string::npos)
       << refused.error().message;
 }
@@ -88,7 +89,7 @@ TEST(GpuRenderer, ReservesHostMemoryOnSoftwareDevice) {
   const auto refused = draw_with({}, {64, 48}, Context(MemoryBudget(1 << 18)));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::out_of_memory);
-  EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(refused.error().hint, Hint(Remedy::raise, Setting::memory_limit));
 }
 
 TEST(GpuRenderer, StopsWhenCancelled) {
@@ -116,7 +117,7 @@ TEST(GpuRenderer, FailsIfDriverCutsRaysOff) {
     EXPECT_LE(test::pixels_off(test::draw(scene, camera, options).picture, drawn->picture), 0U);
   } else {
     EXPECT_EQ(drawn.error().code, ErrorCode::unavailable);
-    EXPECT_EQ(drawn.error().hint.remedy, Remedy::use_cpu);
+    EXPECT_EQ(drawn.error().hint, Hint(Remedy::use, Setting::cpu_backend));
   }
 }
 

@@ -181,7 +181,7 @@ TEST(Skipping, StopsWhenCancelledOrOutOfMemory) {
   const Context small{MemoryBudget(70 * 50 * Picture::kBytesPerPixel - 1)};
   const auto refused = renderer->draw(ball.scene(), ball.camera(), {kFrame}, small);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(refused.error().hint, Hint(Remedy::raise, Setting::memory_limit));
   EXPECT_EQ(small.memory().reserved(), 0U);
 }
 
@@ -202,7 +202,7 @@ TEST(Skipping, ReservesFragmentLists) {
   const Context small{MemoryBudget(300U * 32 * 32 * 16)};
   const auto refused = renderer->draw(scene, camera, {{32, 32}}, small);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(refused.error().hint, Hint(Remedy::raise, Setting::memory_limit));
 }
 
 }  // namespace

@@ -129,7 +129,7 @@ TEST(VolumeNodes, FailsIfMemoryIsShort) {
   const auto nodes = VolumeNodes::list(*samples, nullptr, glm::ivec3(0), glm::ivec3(38), small);
   ASSERT_FALSE(nodes);
   EXPECT_EQ(nodes.error().code, ErrorCode::out_of_memory);
-  EXPECT_EQ(nodes.error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(nodes.error().hint, Hint(Remedy::raise, Setting::memory_limit));
 }
 
 }  // namespace

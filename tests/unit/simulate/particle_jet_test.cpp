@@ -225,7 +225,7 @@ TEST(ParticleJet, ObeysMemoryBudgetAndCancellation) {
   const Context poor(MemoryBudget(std::uint64_t{1} << 16));
   const auto refused = ParticleJet::make(small_jet(), poor);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(refused.error().hint, Hint(Remedy::raise, Setting::memory_limit));
   EXPECT_EQ(poor.memory().reserved(), 0U);
 
   const Context context;

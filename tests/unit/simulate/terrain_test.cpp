@@ -99,7 +99,7 @@ TEST(Terrain, RejectsInvalidOptions) {
   options = {};
   options.octaves = 17;
   EXPECT_EQ(make_terrain(options, Context()).error().code, ErrorCode::usage);
-  EXPECT_EQ(make_terrain({}, Context(MemoryBudget(1000))).error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(make_terrain({}, Context(MemoryBudget(1000))).error().hint, Hint(Remedy::raise, Setting::memory_limit));
 }
 
 }  // namespace

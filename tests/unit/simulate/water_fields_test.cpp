@@ -94,7 +94,7 @@ TEST(WaterFields, RejectHeightsThatDoNotFit) {
   EXPECT_EQ(layers_for(tower).error().code, ErrorCode::output);
   const WaterAutomaton low = columns({1, 1, 1, 1}, {});
   const auto poor = water_fields(low, WaterContent::water, 1000, glm::dvec3(1), Context(MemoryBudget(1000)));
-  EXPECT_EQ(poor.error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(poor.error().hint, Hint(Remedy::raise, Setting::memory_limit));
 }
 
 }  // namespace

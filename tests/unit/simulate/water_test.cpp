@@ -323,7 +323,7 @@ TEST(Water, RejectsInvalidOptions) {
   EXPECT_NE(with([](Options& o) { o.sources = {{{4, 0}, 1}}; }).find("0,0 to 3,2, found 4,0"), std::string::npos);
   EXPECT_NE(with([](Options& o) { o.drains = {{{0, 0}, 0}}; }).find("a rate above 0"), std::string::npos);
   const auto poor = WaterAutomaton::create({4, 3}, flat, {}, {}, Context(MemoryBudget(100)));
-  EXPECT_EQ(poor.error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(poor.error().hint, Hint(Remedy::raise, Setting::memory_limit));
 }
 
 }  // namespace

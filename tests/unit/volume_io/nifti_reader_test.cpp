@@ -208,7 +208,7 @@ TEST(NiftiReaderPlace, RequiresASpacingForInvalidFrames) {
     write_bytes(folder / "v.nii", header + kSamples);
     const Error error = refusal(folder / "v.nii");
     EXPECT_EQ(error.code, ErrorCode::input);
-    EXPECT_EQ(error.hint.remedy, Remedy::place_by_hand);
+    EXPECT_EQ(error.hint, Hint(Remedy::give, Setting::spacing_and_origin));
     volume_io::ReadOptions options;
     options.spacing = glm::dvec3(2, 2, 2);
     options.origin = glm::dvec3(0, 0, 0);

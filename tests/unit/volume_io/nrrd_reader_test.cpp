@@ -228,7 +228,7 @@ TEST(NrrdReaderPlace, RequiresASpacingForInvalidFrames) {
     write_bytes(folder / "v.nrrd", nrrd(fields, kSamples));
     const Error error = refusal(folder / "v.nrrd");
     EXPECT_EQ(error.code, ErrorCode::input);
-    EXPECT_EQ(error.hint.remedy, Remedy::place_by_hand);
+    EXPECT_EQ(error.hint, Hint(Remedy::give, Setting::spacing_and_origin));
     volume_io::ReadOptions options;
     options.spacing = glm::dvec3(2, 3, 4);
     options.origin = glm::dvec3(1, 1, 1);

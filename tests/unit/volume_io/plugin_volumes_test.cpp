@@ -68,8 +68,8 @@ TEST(PluginHost, ValidatesPluginResults) {
 }
 
 TEST(PluginHost, ReservesMemoryBeforeReading) {
-  EXPECT_EQ(refused("textvolume\nv 2 1 1\n1 2\n", text_format(), with_memory(7)).hint.remedy,
-            Remedy::raise_memory_limit);
+  EXPECT_EQ(refused("textvolume\nv 2 1 1\n1 2\n", text_format(), with_memory(7)).hint,
+            Hint(Remedy::raise, Setting::memory_limit));
 }
 
 TEST(PluginHost, RejectsOtherVersions) {

@@ -30,11 +30,12 @@ TEST(RawReaderSize, ReportsExpectedAndFoundSizeAndFittingLayouts) {
   const Error smaller = refusal(folder / "v.raw", raw_options(field::SampleType::f32));
   expect_in(smaller.message, "expected 240 bytes");
   expect_in(smaller.message, "found 120");
-  EXPECT_EQ(smaller.hint, Hint(Remedy::retype_raw, "u16, i16, f16"));
+  EXPECT_EQ(smaller.hint, Hint(Remedy::try_value, Setting::sample_type, "u16, i16, f16 (the size would fit)"));
   const Error larger = refusal(folder / "v.raw", raw_options(field::SampleType::u16, std::endian::little, 2));
   expect_in(larger.message, "expected 122 bytes");
   write_bytes(folder / "v.raw", "12345678" + ramp_bytes<std::uint16_t>());
-  EXPECT_EQ(refusal(folder / "v.raw", raw_options(field::SampleType::u16)).hint, Hint(Remedy::skip_in_raw, "8"));
+  EXPECT_EQ(refusal(folder / "v.raw", raw_options(field::SampleType::u16)).hint,
+            Hint(Remedy::try_value, Setting::skipped_bytes, "8 (if that many bytes of header come first)"));
 }
 
 TEST(RawReaderSize, ReadsSeveralVolumes) {
@@ -49,7 +50,8 @@ TEST(RawReaderSize, ReadsSeveralVolumes) {
   EXPECT_EQ(*count, 2U);
   const Error error = refusal(folder / "v.raw", options);
   expect_in(error.message, "there are 2 volumes in the file");
-  EXPECT_EQ(error.hint, Hint(Remedy::choose_volume, "from 0 to 1; as one volume, its samples would be u32, i32, f32"));
+  EXPECT_EQ(error.hint, (Hint{{Remedy::choose, Setting::volume, "from 0 to 1"},
+                              {Remedy::try_value, Setting::sample_type, "u32, i32, f32 (as one volume)"}}));
   options.volume = 0;
   expect_ramp<std::int16_t>(must_read(folder / "v.raw", options));
   options.volume = 1;
@@ -93,7 +95,7 @@ TEST(RawReaderSize, RespectsTheMemoryLimit) {
   const volume_io::ReadOptions options = raw_options(field::SampleType::f32, std::endian::big);
   const Error error = refusal(folder / "v.raw", options, with_memory(239));
   EXPECT_EQ(error.code, ErrorCode::out_of_memory);
-  EXPECT_EQ(error.hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(error.hint, Hint(Remedy::raise, Setting::memory_limit));
   expect_ramp<float>(must_read(folder / "v.raw", options, with_memory(240)));
 }
 
@@ -105,7 +107,7 @@ TEST(RawReaderSize, ReservesMemoryWhileTheSamplesLive) {
   {
     const field::ScalarField field = must_read(folder / "v.raw", options, context);
     EXPECT_EQ(context.memory().reserved(), 240U);
-    EXPECT_EQ(refusal(folder / "v.raw", options, context).hint.remedy, Remedy::raise_memory_limit);
+    EXPECT_EQ(refusal(folder / "v.raw", options, context).hint, Hint(Remedy::raise, Setting::memory_limit));
   }
   EXPECT_EQ(context.memory().reserved(), 0U);
   must_read(folder / "v.raw", options, context);

@@ -1,5 +1,6 @@
 // Tests volumes of other programs against the data folder's own description.
 #include "support/data_folder.hpp"
+#include "support/hints.hpp"
 #include "unit/volume_io/volume_files.hpp"
 
 namespace isoextract::test {
@@ -162,9 +163,9 @@ TEST(RealFiles, ListGridsAndReadDensityOfGasSequence) {
     }
     const Error error = refusal(data_file(name));
     EXPECT_EQ(error.code, ErrorCode::input);
-    expect_in(error.hint.text, "\n  density");
-    expect_in(error.hint.text, "empty");
-    expect_in(error.hint.text, "not scalar");
+    expect_in(test::text_of(error.hint), "\n  density");
+    expect_in(test::text_of(error.hint), "empty");
+    expect_in(test::text_of(error.hint), "not scalar");
   }
 }
 

@@ -1,5 +1,6 @@
 // Tests files with several volumes: NPY, NIfTI and NRRD. For every format, volume K must equal a file of that volume
 // alone, bit for bit.
+#include "support/hints.hpp"
 #include "unit/volume_io/volume_files.hpp"
 
 namespace isoextract::test {
@@ -88,11 +89,11 @@ void expect_series(const std::filesystem::path& path) {
   const Error none = refusal(path);
   EXPECT_EQ(none.code, ErrorCode::input);
   expect_in(none.message, "there are 4 volumes");
-  EXPECT_EQ(none.hint, Hint(Remedy::choose_volume, "from 0 to 3"));
+  EXPECT_EQ(none.hint, Hint(Remedy::choose, Setting::volume, "from 0 to 3"));
   for (const std::int64_t wrong : {std::int64_t{-1}, std::int64_t{4}, INT64_MAX, INT64_MIN}) {
     const Error error = refusal(path, volume(wrong));
     expect_in(error.message, "there is no volume " + std::to_string(wrong));
-    EXPECT_EQ(error.hint.remedy, Remedy::choose_volume);
+    EXPECT_TRUE(test::has_step(error.hint, Remedy::choose, Setting::volume));
     EXPECT_FALSE(volume_io::list_grids(path.string(), volume(wrong), Context()));
   }
   const auto grids = volume_io::list_grids(path.string(), {}, Context());
@@ -265,7 +266,7 @@ TEST(Series, NumbersASingleVolumeZero) {
     expect_ramp<std::uint8_t>(must_read(folder / name, volume(0)));
     const Error error = refusal(folder / name, volume(1));
     expect_in(error.message, "there is no volume 1");
-    EXPECT_EQ(error.hint.remedy, Remedy::leave_out_volume);
+    EXPECT_EQ(error.hint, Hint(Remedy::leave_out, Setting::volume, "there is one volume in the file"));
     EXPECT_EQ(volume_io::count_volumes((folder / name).string(), {}, Context()).value(), 1U);
   }
 }
@@ -274,7 +275,7 @@ TEST(Series, RejectsAChoiceForFormatsWithoutVolumes) {
   const auto field = volume_io::read_volume("demo:sphere?size=8", volume(0), Context());
   ASSERT_FALSE(field);
   EXPECT_EQ(field.error().code, ErrorCode::usage);
-  EXPECT_EQ(field.error().hint.remedy, Remedy::leave_out_volume);
+  EXPECT_EQ(field.error().hint, Hint(Remedy::leave_out, Setting::volume, "there is one volume in the file"));
   EXPECT_EQ(volume_io::count_volumes("demo:sphere?size=8", {}, Context()).value(), 1U);
   EXPECT_FALSE(volume_io::count_volumes("missing.npy", {}, Context()));
 }

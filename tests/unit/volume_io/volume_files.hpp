@@ -13,6 +13,7 @@
 #include <glm/glm.hpp>
 
 #include "support/fields.hpp"
+#include "support/hints.hpp"
 #include "support/temp_folder.hpp"
 #include "volume_io/volume_reader.hpp"
 
@@ -73,7 +74,7 @@ inline std::string gzip(const std::string& bytes) {
 inline field::ScalarField must_read(const std::filesystem::path& path, const volume_io::ReadOptions& options = {},
                                     const Context& context = Context()) {
   auto field = volume_io::read_volume(path.string(), options, context);
-  if (!field) throw std::runtime_error(field.error().message + "\n" + field.error().hint.text);
+  if (!field) throw std::runtime_error(field.error().message + "\n" + test::text_of(field.error().hint));
   return std::move(*field);
 }
 

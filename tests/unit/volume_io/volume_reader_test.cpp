@@ -2,6 +2,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "support/hints.hpp"
 #include "unit/volume_io/volume_files.hpp"
 
 namespace isoextract::test {
@@ -47,7 +48,8 @@ TEST(VolumeReader, ListsFormatsForUnknownContent) {
   const Error error = refusal(folder / "v.txt");
   EXPECT_EQ(error.code, ErrorCode::input);
   expect_in(error.message, "not a volume format that isoextract reads; it starts with 'x,y,z\\n1,2,3\\n'");
-  for (const char* format : {"vdb", "nrrd", "nifti", "npy", "raw", ".nhdr"}) expect_in(error.hint.text, format);
+  for (const char* format : {"vdb", "nrrd", "nifti", "npy", "raw", ".nhdr"})
+    expect_in(test::text_of(error.hint), format);
   write_bytes(folder / "v.gz", gzip(kNrrd));
   expect_in(refusal(folder / "v.gz").message, "not a volume format");
 }
@@ -73,7 +75,7 @@ TEST(VolumeReader, RequiresALayoutForRawFiles) {
   write_bytes(folder / "v.raw", "12345678");
   const Error error = refusal(folder / "v.raw");
   EXPECT_EQ(error.code, ErrorCode::usage);
-  EXPECT_EQ(error.hint.remedy, Remedy::describe_raw);
+  EXPECT_EQ(error.hint, Hint(Remedy::give, Setting::raw_layout));
 }
 
 TEST(VolumeReader, ReadsUnknownFilesAsRawWithALayout) {

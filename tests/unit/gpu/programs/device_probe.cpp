@@ -10,8 +10,11 @@ int main() {
     return 0;
   }
   const isoextract::Error& error = extractor.error();
-  std::printf("error %d|%s|%s%s\n", exit_code_of(error.code), error.message.c_str(), error.hint.text.c_str(),
-              error.hint.remedy == isoextract::Remedy::use_cpu ? "|use_cpu" : "");
+  std::printf("error %d|%s", exit_code_of(error.code), error.message.c_str());
+  for (const isoextract::Step& step : error.hint.steps) {
+    std::printf("|%s", step.setting == isoextract::Setting::cpu_backend ? "use_cpu" : step.text.c_str());
+  }
+  std::printf("\n");
   // An unusable device is listed, too, and must be marked as such.
   const auto devices = isoextract::gl::list_gpu_devices();
   if (!devices) return 0;

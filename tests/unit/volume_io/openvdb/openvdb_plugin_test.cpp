@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <openvdb/tools/Interpolation.h>
 
+#include "support/hints.hpp"
 #include "unit/volume_io/vdb_files.hpp"
 #include "unit/volume_io/volume_files.hpp"
 #include "volume_io/detail/formats.hpp"
@@ -28,7 +29,7 @@ Result<field::ScalarField> try_grid(const std::filesystem::path& path, const std
 
 field::ScalarField must_grid(const std::filesystem::path& path, const std::string& grid = "") {
   auto field = try_grid(path, grid);
-  if (!field) throw std::runtime_error(field.error().message + "\n" + field.error().hint.text);
+  if (!field) throw std::runtime_error(field.error().message + "\n" + test::text_of(field.error().hint));
   return std::move(*field);
 }
 
@@ -85,7 +86,7 @@ TEST(OpenVdbVolume, ReadsVectorsByComponentAndLength) {
   EXPECT_EQ(sparse_value<double>(sparse_of(must_grid(folder / "v.vdb", "count[length]")), {1, 2, 3}), 3);
   const auto whole = try_grid(folder / "v.vdb", "velocity");
   ASSERT_FALSE(whole);
-  expect_in(whole.error().hint.text, "velocity[length]");
+  expect_in(test::text_of(whole.error().hint), "velocity[length]");
 }
 
 TEST(OpenVdbVolume, RequiresTheNameOfABoolGridBesideAFloatGrid) {
@@ -156,7 +157,7 @@ TEST(OpenVdbVolume, ReservesAndReleasesMemory) {
   write_vdb(folder / "v.vdb", {two_voxels<openvdb::BoolGrid>("flags", true, true)});
   const auto refused = try_grid(folder / "v.vdb", "flags", with_memory(1000));
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(refused.error().hint, Hint(Remedy::raise, Setting::memory_limit));
   const Context context;
   {
     const auto field = try_grid(folder / "v.vdb", "flags", context);

@@ -125,7 +125,7 @@ TEST(OpenVdbTools, WritesDenseFieldsAtomically) {
   EXPECT_EQ(sparse_value<float>(samples, {9, 0, 0}), 9);
   const auto refused = volume_io::write_vdb(folder / "e.vdb", field, {}, with_memory(100));
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(refused.error().hint, Hint(Remedy::raise, Setting::memory_limit));
   EXPECT_FALSE(std::filesystem::exists(folder / "e.vdb"));
 }
 
@@ -140,7 +140,7 @@ TEST(OpenVdbTools, ReservesNodesAboveScatteredBricks) {
   // Each has a lower node with 16^3 pointers and an upper node with 32^3.
   const auto refused = volume_io::write_vdb(folder / "w.vdb", field, {}, with_memory(std::uint64_t{12} << 20));
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(refused.error().hint, Hint(Remedy::raise, Setting::memory_limit));
   EXPECT_TRUE(volume_io::write_vdb(folder / "w.vdb", field, {}, with_memory(std::uint64_t{40} << 20)));
 }
 

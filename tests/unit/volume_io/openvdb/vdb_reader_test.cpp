@@ -1,5 +1,6 @@
 #include <random>
 
+#include "support/hints.hpp"
 #include "unit/volume_io/vdb_files.hpp"
 #include "unit/volume_io/volume_files.hpp"
 #include "volume_io/detail/formats.hpp"
@@ -269,10 +270,10 @@ TEST(VdbReaderGrids, RequireAChoiceAndListGrids) {
   const Error error = refusal(file.path);
   EXPECT_EQ(error.code, ErrorCode::input);
   expect_in(error.message, "5 of its grids are scalar");
-  EXPECT_EQ(error.hint.remedy, Remedy::choose_grid);
+  EXPECT_TRUE(test::has_step(error.hint, Remedy::choose, Setting::grid));
   for (const char* line : {"\n  velocity  vec3s", "not scalar", "\n  flags", "empty", "\n  twin[0]", "\n  twin[1]",
                            "level set", "active voxels in [-12,-12,-12]..[12,12,12]"}) {
-    expect_in(error.hint.text, line);
+    expect_in(test::text_of(error.hint), line);
   }
 }
 
@@ -292,7 +293,7 @@ TEST(VdbReaderGrids, FindNamesAndRepeatedNames) {
     options.grid = grid;
     const Error error = refusal(file.path, options);
     EXPECT_EQ(error.code, ErrorCode::input);
-    expect_in(error.hint.text, "\n  surface");
+    expect_in(test::text_of(error.hint), "\n  surface");
     return error.message;
   };
   expect_in(message("twin"), "2 grids are named 'twin'");
@@ -365,7 +366,7 @@ TEST(VdbReaderLimits, CheckMemoryBeforeFillingLeaves) {
   write_vdb(folder / "v.vdb", {ball("density")});
   const Error error = refusal(folder / "v.vdb", {}, with_memory(56 * 512 * sizeof(float)));
   expect_in(error.message, "the 56 leaf nodes of grid 'density' would take");
-  EXPECT_EQ(error.hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(error.hint, Hint(Remedy::raise, Setting::memory_limit));
 }
 
 TEST(VdbReaderLimits, ReserveMemoryWhileTheSamplesLive) {
