@@ -85,7 +85,7 @@ enum class Setting {
   demo_fields,
   in_process,  // run a plug-in without a child process
   attribute,
-  attribute_volume,  // the next three belong to the file of an attribute
+  attribute_volume,  // these three are about the file of an attribute
   attribute_component,
   attribute_spacing_and_origin,
   volume_options,  // all options of volumes

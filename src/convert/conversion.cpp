@@ -268,10 +268,9 @@ class Conversion {
     labels_ = std::move(found);
     for (const std::string& note : labels_->notes()) events_.note(note);
     if (!labels_->labels().empty() || job_.empty != EmptyPolicy::error) return {};
-    return tl::unexpected(source_.empty ? empty_source(source_)
-                                        : Error{ErrorCode::no_surface,
-                                                source_.label + ": no sample has a label but 0",
-                                                {Remedy::use, Setting::empty_policy}});
+    if (source_.empty) return tl::unexpected(empty_source(source_));
+    return fail(ErrorCode::no_surface, source_.label + ": no sample has a label but 0",
+                {Remedy::use, Setting::empty_policy});
   }
 
   // Returns nullopt if the surface is empty and the job skips empty surfaces.
