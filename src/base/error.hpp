@@ -71,7 +71,7 @@ enum class Remedy {
 // The option of a step, or several options that belong together.
 enum class Setting {
   none,
-  // Of the input.
+  // The input
   input_format,
   grid,
   volume,  // the number of a volume or of a frame of particles
@@ -89,12 +89,12 @@ enum class Setting {
   attribute_component,
   attribute_spacing_and_origin,
   volume_options,  // all options of volumes
-  // Of particles.
+  // Particles
   particle_options,  // all options of particles
   particle_method,
   radius,
   cell_size,
-  // Of the surface.
+  // The surface
   iso,
   region,
   parts,  // one region after another in place of the whole grid
@@ -104,7 +104,7 @@ enum class Setting {
   level_set_filter,
   blur,
   resolutions,  // the resolutions of a benchmark
-  // Of the output.
+  // The output
   mesh_format,
   half_floats,
   output_name,
@@ -112,7 +112,7 @@ enum class Setting {
   unit,
   scale,     // all options that scale the mesh
   position,  // all options that move the mesh
-  // Of the run.
+  // The run
   memory_limit,
   cpu_backend,
   gpu_memory,

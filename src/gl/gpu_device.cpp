@@ -71,7 +71,7 @@ Result<GpuDevice> choose_device(std::span<const GpuDevice> devices, const Device
     list += fmt::format("{}{}: {}", list.empty() ? "" : ", ", device.index, describe(device));
   }
   return fail(ErrorCode::unavailable, fmt::format("there is no device {}; there are {}", words(choice), list),
-              {{Remedy::see, Setting::devices}, {Remedy::leave_out, Setting::device, "then one is chosen for you"}});
+              {{Remedy::see, Setting::devices}, {Remedy::leave_out, Setting::device, "the program then chooses one"}});
 }
 
 std::string describe(const GpuDevice& device) {
