@@ -100,11 +100,6 @@ class FieldMeasurement {
     for (int axis = 0; axis < 3; ++axis) diagonal_ += glm::length(linear_[axis]);
   }
 
-  // Returns the memory of the two interpolants, which the caller reserves.
-  [[nodiscard]] static std::uint64_t interpolants_bytes(const field::ScalarField& field) {
-    return 2 * field::Interpolant::bytes(field);
-  }
-
   Result<FieldError> run() {
     TRY(extract_surface());
     parts_ = parts_for(surface_.triangles.size());
@@ -409,18 +404,22 @@ class FieldMeasurement {
   std::optional<Error> error_;
 };
 
+// Returns the memory of the two interpolants.
+std::uint64_t interpolants_bytes(const field::ScalarField& field) { return 2 * field::Interpolant::bytes(field); }
+
 }  // namespace
 
 Result<FieldError> measure_field_error(const mesh::Mesh& mesh, const field::ScalarField& field,
                                        const extract::ExtractOptions& extracted, const FieldErrorOptions& options,
                                        const Context& context) {
-  const auto memory = TRY(context.reserve(FieldMeasurement::interpolants_bytes(field), "the error of the mesh"));
+  const auto memory = TRY(context.reserve(interpolants_bytes(field), "the error of the mesh"));
   return FieldMeasurement(mesh, field, extracted, options, context).run();
 }
 
-std::uint64_t field_error_bytes(std::uint64_t mesh_triangles, std::uint64_t surface_triangles) {
+std::uint64_t field_error_bytes(const field::ScalarField& field, std::uint64_t mesh_triangles,
+                                std::uint64_t surface_triangles) {
   const std::uint64_t surface_vertices = surface_triangles / 2;
-  return surface_triangles * sizeof(glm::uvec3) + surface_vertices * sizeof(glm::vec3) +
+  return interpolants_bytes(field) + surface_triangles * sizeof(glm::uvec3) + surface_vertices * sizeof(glm::vec3) +
          working_bytes(mesh_triangles, mesh_triangles / 2, surface_triangles, surface_vertices);
 }
 

@@ -60,8 +60,9 @@ struct FieldError {
                                                      const extract::ExtractOptions& extracted,
                                                      const FieldErrorOptions& options, const Context& context);
 
-// Returns the least memory that measure_field_error() needs beside the mesh, for a mesh and an isosurface (in whole
-// cells) of these sizes.
-[[nodiscard]] std::uint64_t field_error_bytes(std::uint64_t mesh_triangles, std::uint64_t surface_triangles);
+// Returns the least memory that measure_field_error() needs beside the mesh and the field, for a mesh and an isosurface
+// (in whole cells) of these sizes.
+[[nodiscard]] std::uint64_t field_error_bytes(const field::ScalarField& field, std::uint64_t mesh_triangles,
+                                              std::uint64_t surface_triangles);
 
 }  // namespace isoextract::accuracy

@@ -43,7 +43,7 @@ constexpr std::array kExamples{
             "Lists the defects of a mesh (exit code 6 if a slicer would fail)."},
     Example{"isoextract render smoke.vdb mesh.glb -o smoke.png", "", "Draws a volume with a mesh in it."},
     Example{"isoextract 'demo:gyroid?size=128' --iso 0 --format ply -o - > gyroid.ply", "",
-            "Needs no input file, and writes to a pipe."},
+            "Needs no input file, and writes to stdout."},
 };
 
 HelpTopic formats_topic() {
@@ -232,7 +232,7 @@ std::string help_overview(const Command& program) {
   return fmt::format("{} {}\nUsage: {}\n\n", generator(), program.summary(), command.synopsis()) +
          "Options that most runs need:\n" + plain_text(everyday_block(command)) + "\n" + first_examples_text() +
          "\nCommands:\n" + plain_text(commands) +
-         "\nMore: isoextract COMMAND --help, isoextract --help-all, isoextract help TOPIC\n" +
+         "\nMore: isoextract COMMAND --help | --help-all | --version | help TOPIC\n" +
          plain_text({fmt::format("Topics: {}", fmt::join(topics, " ")), {}});
 }
 

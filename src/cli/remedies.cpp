@@ -121,7 +121,7 @@ std::string step_words(const Step& step) {
     case Remedy::use: return "use " + one;
     case Remedy::set: return "use " + named;
     case Remedy::try_value: return "try " + named;
-    case Remedy::check: return fmt::format("check {}{}", all, reason);
+    case Remedy::check: return fmt::format("check {}{}", listed(options, "and"), reason);
     case Remedy::see: return "see " + one;
     case Remedy::report: return "please report it with " + one;
   }

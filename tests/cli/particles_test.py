@@ -65,6 +65,14 @@ class ParticlesTest(ProgramTest):
             self.convert(f"{name}.csv", "--radius", STEP, "-o", f"{name}.ply")
         self.assertEqual((self.folder / "points.ply").read_bytes(), (self.folder / "commas.ply").read_bytes())
 
+    def test_a_comma_behind_a_space_is_no_decimal_comma(self):
+        rows = [(x, y, 3) for x in range(4) for y in range(4)]
+        for name, between in (("tight", ","), ("loose", " ,")):
+            text = "".join(between.join(str(value) for value in row) + "\n" for row in rows)
+            (self.folder / f"{name}.csv").write_text(text)
+            self.convert(f"{name}.csv", "--radius", "1", "-o", f"{name}.ply")
+        self.assertEqual((self.folder / "tight.ply").read_bytes(), (self.folder / "loose.ply").read_bytes())
+
     def test_chosen_columns_of_lammps_are_scaled_as_what_they_are(self):
         """Fractions along a box of 4 x 4 x 4 from (2, 10, -3), whichever axis they become."""
         points = [(0.25 + 0.1 * i, 0.5, 0.75) for i in range(5)]

@@ -10,7 +10,6 @@ namespace isoextract::batch {
 // A queue of frames by position, 0 to count - 1. Each frame starts, and then ends or runs again. Not safe to use from
 // several threads without a lock.
 //
-//
 // Frames start in order. A frame that ran out of memory beside others runs again alone: at the end if frames are handed
 // over in any order. With `in_order`, converted frames wait for their turn and hold memory, so it runs again at once.
 // All later unfinished frames are then turned away: they free their memory and run again after it.

@@ -81,7 +81,8 @@ struct ConvertFlags : OptionSet {
       "--labels",
       "all|L,...",
       parse_labels,
-      "Labels of a label map to extract, in place of --iso. all but 0, or a list; each becomes a mesh of its own, "
+      "Labels of a label map to extract, in place of --iso. all takes every label but 0; or list them. Each becomes a "
+      "mesh of its own, "
       "called label L. Samples must be integers. With --method surface-nets (the default then) or voxels.",
       About::surface};
   Value<std::string> label_names{only_convert(OptionGroup::surface),
@@ -120,8 +121,8 @@ struct ConvertFlags : OptionSet {
       "ERR",
       parse_simplify_bound,
       "Remove triangles within a distance of ERR. No point of either mesh is farther than ERR from the other: 0.1 or "
-      "0.1voxel in voxels, 0.5world in the units of the mesh. The distance is measured and reported. Boundaries stay "
-      "within ERR, too.",
+      "0.1voxel in voxels, 0.5world in the units of the mesh. The distance is measured and reported. Boundaries get "
+      "fewer vertices and stay within ERR, too.",
       About::surface | About::edit};
   Value<convert::TriangleCount> triangles{
       in(OptionGroup::surface),
@@ -155,20 +156,21 @@ struct ConvertFlags : OptionSet {
       "--color-by",
       "NAME[?][=FROM][:KEY=V...][:MAP][:MIN,MAX]",
       parse_colour,
-      fmt::format("Color the vertices by an attribute, or iso. MIN to MAX is the range of the colors (default: the "
-                  "range over each surface); an attribute of several components counts by its length in the input. iso "
-                  "gives each surface of a glb or gltf a color by its iso value, and outer surfaces become "
-                  "transparent. MAP is one of {} (default: {}).",
-                  colormap_list(), word_of(edit::Colormap{})),
+      fmt::format(
+          "Color the vertices by an attribute or by iso value. MIN to MAX is the range of the colors (default: the "
+          "range over each surface); an attribute of several components counts by its length in the input. iso "
+          "gives each surface of a glb or gltf a color by its iso value, and outer surfaces become "
+          "transparent. MAP is one of {} (default: {}).",
+          colormap_list(), word_of(edit::Colormap{})),
       About::surface};
-  Value<std::vector<double>> opacity{
-      only_convert(OptionGroup::vertices),
-      "--opacity",
-      "A[,B...]",
-      parse_opacity,
-      "Opacity of the surfaces of a glb or gltf, above 0 to 1. One for all, or one for each --iso in order. Default: "
-      "opaque; with --color-by iso from 0.25 for the outermost to 1 for the innermost.",
-      About::surface};
+  Value<std::vector<double>> opacity{only_convert(OptionGroup::vertices),
+                                     "--opacity",
+                                     "A[,B...]",
+                                     parse_opacity,
+                                     "Opacity of the surfaces of glb or gltf, above 0, at most 1. One for all, or one "
+                                     "for each --iso in order. Default: "
+                                     "opaque; with --color-by iso from 0.25 for the outermost to 1 for the innermost.",
+                                     About::surface};
 
   BatchFlags batch{of_ == Of::convert ? this : nullptr};
 

@@ -50,9 +50,10 @@ struct RenderFlags : OptionSet {
                            parse_colour,
                            "Color the surfaces of --iso by iso value. Outer surfaces become transparent.",
                            About::drawn_surface};
-  Value<std::vector<double>> opacity{in(OptionGroup::vertices), "--opacity", "A[,B...]", parse_opacity,
-                                     "Opacity of surfaces and meshes, above 0 to 1. One for all, or one for each: "
-                                     "surfaces of --iso first, then meshes. Default: opaque."};
+  Value<std::vector<double>> opacity{
+      in(OptionGroup::vertices), "--opacity", "A[,B...]", parse_opacity,
+      "Opacity of surfaces and meshes, above 0, at most 1. One for all, or one for each: "
+      "surfaces of --iso first, then meshes. Default: opaque."};
   Value<std::string> output{in(OptionGroup::output), "-o,--output", "FILE", parse_text,
                             "Picture to write (default: INPUT.png). .png, or .exr with linear light, depth and "
                             "normals; - is stdout, as PNG. Several pictures need a pattern, such as turn_{:04}.png."};

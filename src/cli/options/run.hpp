@@ -82,7 +82,8 @@ struct JsonFlag : Flag {
 struct MemoryLimit : Value<std::uint64_t> {
   explicit MemoryLimit(const Place& place)
       : Value(place, "--memory-limit", "SIZE", parse_size,
-              "Largest memory to use, such as 512M or 8G. An input that needs more is refused. Samples that are mapped "
+              "Limit for samples and meshes, such as 512M or 8G. An input that needs more is refused. Samples that are "
+              "mapped "
               "from their file do not count. Default: the machine's memory.") {}
 };
 

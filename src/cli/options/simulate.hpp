@@ -50,9 +50,10 @@ struct SequenceFlags : OptionSet {
           example_, formats_)};
   Flag no_clobber{*this, "--no-clobber", "Leave existing files alone, whoever wrote them."};
   Flag make_folders{*this, "--mkdir", "Create missing output folders. A slash at the end of -o does so, too."};
-  Value<std::uint64_t> memory_limit{*this, "--memory-limit", "SIZE", parse_size,
-                                    "Largest memory to use, such as 512M or 8G. A simulation that needs more is "
-                                    "refused. Default: the machine's memory."};
+  Value<std::uint64_t> memory_limit{
+      *this, "--memory-limit", "SIZE", parse_size,
+      "Limit for cells and particles, such as 512M or 8G. A simulation that needs more is "
+      "refused. Default: the machine's memory."};
 };
 
 struct WaterFlags : OptionSet {
@@ -102,7 +103,7 @@ struct WaterFlags : OptionSet {
       in(OptionGroup::output), "--what",
       "What to write (default: water). water, terrain and both are volumes of the filled share of each voxel, 0 to 1, "
       "z up: extract them at iso value 0.5. heights is the height of the land and the depth of the water, as NPY "
-      "arrays [y, x] of f64; a .vdb file holds both as two grids."};
+      "arrays [y, x] of f64. With both, a .vdb file has two grids."};
   Value<glm::dvec3> spacing{in(OptionGroup::output), "--spacing", "SX,SY,SZ", parse_spacing,
                             "Voxel size in the output (default: 1). One number is for all axes."};
   RunFlags run{*this};

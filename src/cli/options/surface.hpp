@@ -26,8 +26,9 @@ struct IsoOption : Values<convert::IsoChoice> {
   IsoOption(const Place& place, std::string_view before, std::string_view after)
       : Values(place, "--iso", "V", parse_iso,
                fmt::format(
-                   "{}Iso value of the surface: a number, p99 or auto. p99 is the 99th percentile of the samples, "
-                   "without NaN and without the background of sparse grids; --roi and --resolution do not change it. "
+                   "{}Iso value of the surface: a number, p99 or auto. p99, p0.5 and so on are percentiles of the "
+                   "samples, without NaN and without the background of sparse grids; --roi and --resolution do not "
+                   "change it. "
                    "auto is the value that 'isoextract info' suggests, for particles the usual value of the method.{}",
                    before, after),
                About::surface) {}
@@ -50,14 +51,15 @@ struct SurfaceFlags : OptionSet {
   Value<extract::Method> method{
       *this, "--method", fmt::format("Extraction method (default: {1}). {0}.", method_help(), extract::method_ids()[0]),
       About::surface | About::drawn_surface};
-  Value<field::Box> roi{*this,
-                        "--roi",
-                        "X0,Y0,Z0,X1,Y1,Z1",
-                        parse_box,
-                        "Box to extract, by its corners, in the input's world. With --space index the box is in voxel "
-                        "coordinates. Triangles are cut at its faces, and the surface is open there, or closed with "
-                        "--cap. Voxels and surface nets are not cut.",
-                        About::surface | About::drawn_surface};
+  Value<field::Box> roi{
+      *this,
+      "--roi",
+      "X0,Y0,Z0,X1,Y1,Z1",
+      parse_box,
+      "Box to extract: smaller, then larger corner. In the input's world; with --space index the box is in voxel "
+      "coordinates. Triangles are cut at its faces, and the surface is open there, or closed with "
+      "--cap. Voxels and surface nets are not cut.",
+      About::surface | About::drawn_surface};
   Flag roi_snap{*this, "--roi-snap", "End the surface at the last samples inside --roi. Cuts no triangles.",
                 About::surface | About::drawn_surface};
   Values<convert::ClipPlane> clip{*this,
@@ -132,7 +134,7 @@ struct EditFlags : OptionSet {
       "N[:taubin|sinc[:BAND]]",
       parse_smoothing,
       "Smooth the surface by N passes of a filter. taubin (the default) and sinc (a windowed sinc) keep its size. "
-      "BAND, from 0 to 1 (default: 0.1), is the pass band: a smaller one smooths more. Boundary vertices stay in "
+      "BAND, between 0 and 1 (default: 0.1), is the pass band: a smaller one smooths more. Boundary vertices stay in "
       "place, and those of caps in their plane. Reports how far vertices moved and how much the volume changed.",
       About::surface | About::edit};
 

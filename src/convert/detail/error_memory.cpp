@@ -23,7 +23,8 @@ Result<void> check_error_memory(const ConversionJob& job, const Source& source, 
     const std::uint64_t vertices = field::count_vertices(source.field, iso.id.iso(), source.region);
     std::uint64_t surface = vertices;
     if (source.data) surface = source.region ? 0 : field::count_vertices(data, iso.id.iso(), std::nullopt);
-    std::uint64_t bytes = accuracy::field_error_bytes(as_extracted ? triangles_of(vertices) : 0, triangles_of(surface));
+    std::uint64_t bytes =
+        accuracy::field_error_bytes(data, as_extracted ? triangles_of(vertices) : 0, triangles_of(surface));
     if (as_extracted) bytes += vertices * sizeof(glm::vec3) + triangles_of(vertices) * sizeof(glm::uvec3);
     // Not MemoryBudget::left(): other conversions of a batch may give their memory back before this one needs it.
     const std::uint64_t limit = context.memory().limit();
@@ -42,7 +43,7 @@ Result<void> check_error_memory(const ConversionJob& job, const Source& source, 
 
 std::uint64_t estimated_error_bytes(const Source& source, double iso) {
   const std::uint64_t triangles = 2 * field::estimate_surface(source.field, iso).vertices;
-  return accuracy::field_error_bytes(triangles,
+  return accuracy::field_error_bytes(source.data ? *source.data : source.field, triangles,
                                      source.data ? 2 * field::estimate_surface(*source.data, iso).vertices : triangles);
 }
 

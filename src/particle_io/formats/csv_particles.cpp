@@ -126,15 +126,17 @@ std::string_view without_utf8_mark(std::string_view line) {
   return line.starts_with("\xEF\xBB\xBF") ? line.substr(3) : line;
 }
 
-// Returns whether a line has three or more numbers between spaces, with decimal commas: "1,5 2,5 3".
+// Returns whether a line has three or more numbers between spaces, with decimal commas: "1,5 2,5 3". Those of "1 ,2 ,3"
+// are no decimal commas: a number begins with a digit or a sign.
 bool has_decimal_commas(std::string_view line) {
   std::vector<std::string_view> words;
   split_words(line, words);
   DecimalReader decimals;
   return words.size() >= 3 &&
-         std::ranges::all_of(
-             words,
-             [&](std::string_view word) { return is_digit(word.back()) && decimals.number(word).has_value(); }) &&
+         std::ranges::all_of(words,
+                             [&](std::string_view word) {
+                               return word.front() != ',' && is_digit(word.back()) && decimals.number(word).has_value();
+                             }) &&
          decimals.found_commas();
 }
 

@@ -15,7 +15,7 @@ std::string fitting_types(std::uint64_t count, std::uint64_t bytes) {
                                        field::SampleType::i16, field::SampleType::u32, field::SampleType::i32,
                                        field::SampleType::f16, field::SampleType::f32, field::SampleType::f64}) {
     if (count * field::sample_size(type) == bytes)
-      types += fmt::format("{}{}", types.empty() ? "" : ", ", field::sample_type_name(type));
+      types += fmt::format("{}{}", types.empty() ? "" : " or ", field::sample_type_name(type));
   }
   return types;
 }

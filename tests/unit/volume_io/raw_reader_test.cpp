@@ -30,7 +30,7 @@ TEST(RawReaderSize, ReportsExpectedAndFoundSizeAndFittingLayouts) {
   const Error smaller = refusal(folder / "v.raw", raw_options(field::SampleType::f32));
   expect_in(smaller.message, "expected 240 bytes");
   expect_in(smaller.message, "found 120");
-  EXPECT_EQ(smaller.hint, Hint(Remedy::try_value, Setting::sample_type, "u16, i16, f16 (the size would fit)"));
+  EXPECT_EQ(smaller.hint, Hint(Remedy::try_value, Setting::sample_type, "u16 or i16 or f16 (the size would fit)"));
   const Error larger = refusal(folder / "v.raw", raw_options(field::SampleType::u16, std::endian::little, 2));
   expect_in(larger.message, "expected 122 bytes");
   write_bytes(folder / "v.raw", "12345678" + ramp_bytes<std::uint16_t>());
