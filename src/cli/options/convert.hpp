@@ -167,7 +167,7 @@ struct ConvertFlags : OptionSet {
                                      "--opacity",
                                      "A[,B...]",
                                      parse_opacity,
-                                     "Opacity of the surfaces of glb or gltf, above 0, at most 1. One for all, or one "
+                                     "Opacity of glb or gltf surfaces, above 0, at most 1. One for all, or one "
                                      "for each --iso in order. Default: "
                                      "opaque; with --color-by iso from 0.25 for the outermost to 1 for the innermost.",
                                      About::surface};
