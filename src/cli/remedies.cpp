@@ -117,7 +117,8 @@ std::string step_words(const Step& step) {
     case Remedy::change: return fmt::format("choose another {}{}{}", one, text.empty() ? "" : " ", text);
     case Remedy::leave_out:
       std::ranges::transform(options, options.begin(), name_of);
-      return fmt::format("leave {} out{}", listed(options, "and"), reason);
+      return options.size() == 1 ? fmt::format("leave {} out{}", options.front(), reason)
+                                 : fmt::format("leave out {}{}", listed(options, "and"), reason);
     case Remedy::use: return "use " + one;
     case Remedy::set: return "use " + named;
     case Remedy::try_value: return "try " + named;

@@ -168,7 +168,7 @@ class FramesTest(ProgramTest):
     def test_far_coordinates_come_near(self):
         """What is beyond the numbers of STL is not, once it is at the origin."""
         far = (*self.raw()[:5], "--spacing", "1", "--origin", "1e9,0,0", "--iso", 0.5)
-        self.assert_fails(4, self.run_program(*far, "-o", "out.stl"), "with --center")
+        self.assert_fails(4, self.run_program(*far, "-o", "out.stl"), "use --center")
         self.convert(*far, "--center", "-o", "out.stl")
         self.convert(*far, "-o", "far.ply")
         self.convert(*far, "--center", "-o", "near.ply")

@@ -128,8 +128,8 @@ class UsageTest(ProgramTest):
                 (("--ascii", "obj"), ("--ascii", "-o", "a.obj")),
                 (("--normals smooth", "stl"), ("--normals", "smooth", "-o", "a.stl")),
                 (("--normals none", "stl"), ("--normals", "none", "-o", "a.stl")),
-                (("ply", "2 iso values", "put {iso} into the name"), ("--iso", "0.1", "-o", "a.ply")),
-                (("stl", "2 iso values", "put {iso} into the name"), ("--iso", "0.1", "--format", "stl"))):
+                (("ply", "2 iso values", "with {iso} in it"), ("--iso", "0.1", "-o", "a.ply")),
+                (("stl", "2 iso values", "with {iso} in it"), ("--iso", "0.1", "--format", "stl"))):
             err = self.refused(SPHERE, "--iso", "0", *arguments)
             for part in parts:
                 self.assertIn(part, err)

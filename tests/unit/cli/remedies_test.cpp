@@ -63,6 +63,7 @@ TEST(Remedies, AreOneClauseAStep) {
   EXPECT_EQ(words(Remedy::change, Setting::output_name), "choose another name after -o");
   EXPECT_EQ(words(Remedy::leave_out, Setting::attribute_volume, "there is one"), "leave :volume= out: there is one");
   EXPECT_EQ(words(Remedy::leave_out, Setting::grid), "leave --grid out");
+  EXPECT_EQ(words(Remedy::leave_out, Setting::scale), "leave out --spacing, --scale, --unit, --to-unit and --space");
   EXPECT_EQ(words(Remedy::use, Setting::position),
             "use --center, --origin X,Y,Z or --space index to place the volume nearer to the origin");
   EXPECT_EQ(words(Remedy::set, Setting::attribute_component, "length"), "use :component=length");
