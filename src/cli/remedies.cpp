@@ -49,7 +49,7 @@ SettingWords setting_words(Setting setting) {
     case Setting::iso: return {{"--iso V"}, ""};
     case Setting::region: return {{"--roi X0,Y0,Z0,X1,Y1,Z1"}, ""};
     case Setting::parts: return {{"--roi X0,Y0,Z0,X1,Y1,Z1"}, " to extract it in parts"};
-    case Setting::clip: return {{"--clip NX,NY,NZ,D"}, ", which keeps where NX x + NY y + NZ z >= D"};
+    case Setting::clip: return {{"--clip NX,NY,NZ,D"}, ""};
     case Setting::nan_policy: return {{"--nan POLICY"}, ""};
     case Setting::empty_policy: return {{"--empty skip", "--empty write"}, " if an empty surface is no error"};
     case Setting::level_set_filter: return {{"--filter FILTER"}, ""};
@@ -105,14 +105,14 @@ std::string step_words(const Step& step) {
   const std::string_view value = options.front().substr(options.front().find_last_of(" =") + 1);
   const std::string named = fmt::format("{}{}{}", name, name.ends_with('=') ? "" : " ", text);
   const std::string one = listed(options, "or").append(note);
-  const std::string all = listed(options, "and").append(note);
+  const std::string all = listed(options, "and");
   const std::string choice = text.starts_with('\n') ? text : fmt::format(", {} {}", value, text);
   const std::string reason = text.empty() ? "" : ": " + text;
   switch (step.remedy) {
     case Remedy::say: break;
     case Remedy::raise: return "give a larger " + one;
     case Remedy::lower: return "give a smaller " + one;
-    case Remedy::give: return fmt::format("give {}{}", all, reason);
+    case Remedy::give: return fmt::format("give {}{}{}", all, note, reason);
     case Remedy::choose: return fmt::format("choose one of them with {}{}", one, text.empty() ? "" : choice);
     case Remedy::change: return fmt::format("choose another {}{}{}", one, text.empty() ? "" : " ", text);
     case Remedy::leave_out:
@@ -122,7 +122,7 @@ std::string step_words(const Step& step) {
     case Remedy::use: return "use " + one;
     case Remedy::set: return "use " + named;
     case Remedy::try_value: return "try " + named;
-    case Remedy::check: return fmt::format("check {}{}", listed(options, "and"), reason);
+    case Remedy::check: return fmt::format("check {}{}", all, reason);
     case Remedy::see: return "see " + one;
     case Remedy::report: return "please report it with " + one;
   }

@@ -152,7 +152,7 @@ class ArraysTest(ProgramTest):
         self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "--clip", "0,0,0,1"), "--clip: expected a normal")
         run = self.run_program(SPHERE, "--iso", "0", "--clip", "0,0,1,9", "-o", "a.ply")
         self.assert_fails(2, run, "nothing of the surface at iso 0 is where it is kept; it is in (-0.697284, -0.697284,")
-        self.assertIn("hint: check --clip NX,NY,NZ,D, which keeps where", run.err)
+        self.assertIn("hint: check --clip NX,NY,NZ,D: it keeps where", run.err)
         # Where a plane passes between components nothing is cut, and nothing is open.
         self.write_raw("two.raw", (24, 8, 8), lambda x, y, z: float(x in (4, 19) and (y, z) == (4, 4)))
         run = self.convert("two.raw", "--dims", "24,8,8", "--dtype", "f32", "--iso", "0.5", "--clip", "1,0,0,12", "-o",

@@ -130,7 +130,7 @@ class LabelsTest(ProgramTest):
 
     def test_a_label_that_is_cut_away_is_told_of(self):
         run = self.run_program(*self.map, "--labels", "5", "--clip", "1,0,0,1000", "-o", "a.ply")
-        self.assert_fails(2, run, "nothing of the surface at label 5 is where it is kept", "hint: check --clip NX,NY,NZ,D, which keeps")
+        self.assert_fails(2, run, "nothing of the surface at label 5 is where it is kept", "hint: check --clip NX,NY,NZ,D: it keeps")
 
     def test_what_is_done_to_a_mesh_is_told_by_label(self):
         run = self.convert(*self.map, "--labels", "5", "--smooth", "5", "--simplify", "0.2", "--largest", "-o", "a.ply")

@@ -29,8 +29,9 @@ Error no_surface(const ConversionJob& job, const Source& source, const ResolvedI
             fmt::format("{}: nothing of the surface at {} is where it is kept; it is in {}", source.label,
                         surface_text(asked.asked),
                         box_text(field::image_of(given_from_output, {cut_away->min, cut_away->max}))),
-            or_allow_empty(job.source.clip.empty() ? Step(Remedy::raise, Setting::region)
-                                                   : Step(Remedy::check, Setting::clip))};
+            or_allow_empty(job.source.clip.empty()
+                               ? Step(Remedy::raise, Setting::region)
+                               : Step(Remedy::check, Setting::clip, "it keeps where NX x + NY y + NZ z >= D"))};
   }
   if (are_labels) {
     return {ErrorCode::no_surface,

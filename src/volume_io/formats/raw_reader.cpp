@@ -29,7 +29,8 @@ Hint fitting_layout(const files::InputFile& file, const RawLayout& layout, std::
     return {Remedy::try_value, Setting::skipped_bytes,
             fmt::format("{} (if that many bytes of header come first)", file.size() - expected)};
   }
-  return {Remedy::check, Setting::raw_layout};
+  if (layout.skip == 0) return {Remedy::check, Setting::raw_layout};
+  return {{Remedy::check, Setting::raw_layout}, {Remedy::lower, Setting::skipped_bytes}};
 }
 
 Result<DenseFile> open_raw(const files::InputFile& file, const RawLayout& layout, AxisOrder order) {

@@ -68,7 +68,8 @@ TEST(Remedies, AreOneClauseAStep) {
             "use --center, --origin X,Y,Z or --space index to place the volume nearer to the origin");
   EXPECT_EQ(words(Remedy::set, Setting::attribute_component, "length"), "use :component=length");
   EXPECT_EQ(words(Remedy::try_value, Setting::iso, "0.3 (midway)"), "try --iso 0.3 (midway)");
-  EXPECT_EQ(words(Remedy::check, Setting::clip), "check --clip NX,NY,NZ,D, which keeps where NX x + NY y + NZ z >= D");
+  EXPECT_EQ(words(Remedy::check, Setting::clip, "a reason"), "check --clip NX,NY,NZ,D: a reason");
+  EXPECT_EQ(words(Remedy::check, Setting::raw_layout), "check --dims NX,NY,NZ and --dtype TYPE");
   EXPECT_EQ(words(Remedy::see, Setting::devices), "see 'isoextract devices'");
   EXPECT_EQ(words(Remedy::report, Setting::devices), "please report it with 'isoextract devices'");
   EXPECT_EQ(words_of(Hint{"try again", {Remedy::use, Setting::cpu_backend}}),
