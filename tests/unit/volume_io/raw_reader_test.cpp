@@ -51,7 +51,7 @@ TEST(RawReaderSize, ReadsSeveralVolumes) {
   const Error error = refusal(folder / "v.raw", options);
   expect_in(error.message, "there are 2 volumes in the file");
   EXPECT_EQ(error.hint, (Hint{{Remedy::choose, Setting::volume, "from 0 to 1"},
-                              {Remedy::try_value, Setting::sample_type, "u32, i32, f32 (as one volume)"}}));
+                              {Remedy::try_value, Setting::sample_type, "u32 or i32 or f32 (as one volume)"}}));
   options.volume = 0;
   expect_ramp<std::int16_t>(must_read(folder / "v.raw", options));
   options.volume = 1;
