@@ -29,7 +29,7 @@ spdlog::level::level_enum level_of(Verbosity verbosity) {
 constexpr std::string_view kRed = "\x1b[1;31m";
 constexpr std::string_view kYellow = "\x1b[33m";
 constexpr std::string_view kCyan = "\x1b[36m";
-constexpr std::string_view kPlain = "\x1b[0m";
+constexpr std::string_view kUncolored = "\x1b[0m";
 
 // Makes each line of a text printable. Line breaks are those of the text itself, since callers make names printable.
 std::string printable_lines(std::string_view text) {
@@ -54,7 +54,7 @@ Messages::Messages(Verbosity verbosity)
 }
 
 std::string Messages::colored(std::string_view word, std::string_view color) const {
-  return colors_ ? fmt::format("{}{}{}", color, word, kPlain) : std::string(word);
+  return colors_ ? fmt::format("{}{}{}", color, word, kUncolored) : std::string(word);
 }
 
 void Messages::error(const Error& error) const {

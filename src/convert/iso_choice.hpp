@@ -32,7 +32,7 @@ class SurfaceId {
   [[nodiscard]] std::string name() const;  // "iso 0.3", "label 5"
 
   friend bool operator==(const SurfaceId&, const SurfaceId&) = default;
-  // there is no pointer here to replace
+  // NOLINTNEXTLINE(modernize-use-nullptr): there is no pointer here to replace
   friend auto operator<=>(const SurfaceId&, const SurfaceId&) = default;
 
  private:
@@ -67,7 +67,7 @@ struct IsoChoice {
   }
 
   friend bool operator==(const IsoChoice&, const IsoChoice&) = default;
-  // there is no pointer here to replace
+  // NOLINTNEXTLINE(modernize-use-nullptr): there is no pointer here to replace
   friend auto operator<=>(const IsoChoice&, const IsoChoice&) = default;
 
  private:
