@@ -1,4 +1,4 @@
-// What stderr is connected to.
+// Tells whether stderr is a terminal and shows colors.
 #pragma once
 
 namespace isoextract::cli {

@@ -97,7 +97,7 @@ struct ClipPlane {
   friend bool operator==(const ClipPlane&, const ClipPlane&) = default;
 };
 
-// Where surfaces end at the sides of a region.
+// Chooses the place where a region ends its surfaces.
 enum class RegionEnds {
   faces,  // at the faces of the box: surfaces are cut at faces that lie between samples
   // At samples: the region is the box of samples inside the box; with oblique axes, of the samples that cover it.

@@ -49,7 +49,7 @@ struct FileSurfaceNormals {
   std::vector<glm::uvec3> numbers;
 };
 
-// Where one of several meshes of a file begins.
+// One of several meshes of a file: its name and the index of its first vertex and triangle.
 struct FilePart {
   std::string name;
   std::uint64_t first_vertex = 0;
