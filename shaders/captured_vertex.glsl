@@ -88,7 +88,7 @@ double number_at(Site site, ivec3 p) { return stored_number(sample_bits(site, p)
 
 double infinity() { return packDouble2x32(uvec2(0u, 0x7FF00000u)); }
 
-// Returns the derivative along an axis, as sample_derivative() and border_derivative() do: central differences, or
+// Returns the derivative along an axis, as sample_derivative() and boundary_derivative() do: central differences, or
 // one-sided ones of the same order at the data boundary. Skips NaN neighbors; a difference of equal infinities is
 // infinite.
 double derivative(Site site, ivec3 p, int axis) {
@@ -135,7 +135,7 @@ bool has_nan(dvec3 v) { return is_nan(v.x) || is_nan(v.y) || is_nan(v.z); }
 
 // Returns the outward unit normal. If the gradient is zero or not finite, it is the direction of `out_step`, which
 // leads outside. If NaN leaves no gradient, its length of 2 tells the CPU to find a normal
-// (OutputFrame::unknown_normal()).
+// (OutputPlacement::placeholder_normal()).
 vec3 gradient_normal(Site site, ivec3 p, ivec3 step, double t, ivec3 out_step) {
   dvec3 along = local_x * double(out_step.x) + local_y * double(out_step.y) + local_z * double(out_step.z);
   vec3 outward = vec3(along / sqrt(dot(along, along)));

@@ -4,7 +4,7 @@ struct Surface {
   uint first_triangle;
   int vertex_base;
   int normal_base;  // -1: flat shading
-  int colour_base;  // -1: the color of the surface
+  int color_base;  // -1: the color of the surface
   float red, green, blue, opacity;
 };
 
@@ -69,8 +69,8 @@ Shade shade(uint number, dvec3 direction) {
   }
 
   vec4 base = vec4(surface.red, surface.green, surface.blue, 1.0);
-  if (surface.colour_base >= 0) {
-    ivec3 at = ivec3(corners) + surface.colour_base;
+  if (surface.color_base >= 0) {
+    ivec3 at = ivec3(corners) + surface.color_base;
     base = share.x * texelFetch(vertex_colours, at.x) + share.y * texelFetch(vertex_colours, at.y) +
            share.z * texelFetch(vertex_colours, at.z);
   }

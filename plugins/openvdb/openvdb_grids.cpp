@@ -48,7 +48,7 @@ void visit_samples(std::int32_t type, const void* data, F&& use) {
     case ISOEXTRACT_F16: return as(std::type_identity<openvdb::math::half>{});
     case ISOEXTRACT_F32: return as(std::type_identity<float>{});
     case ISOEXTRACT_F64: return as(std::type_identity<double>{});
-    default: throw Problem("expected samples of a known type, found type " + std::to_string(type));
+    default: throw PluginError("expected samples of a known type, found type " + std::to_string(type));
   }
 }
 
@@ -168,7 +168,7 @@ class GridBuilder {
     std::array<int, 3> dims{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (input_.dims[axis] == 0 || input_.dims[axis] >= static_cast<std::uint64_t>(kMostIndex)) {
-        throw Problem("expected fewer than 2^29 samples along each axis");
+        throw PluginError("expected fewer than 2^29 samples along each axis");
       }
       dims[axis] = static_cast<int>(input_.dims[axis]);
     }
@@ -221,7 +221,7 @@ class GridBuilder {
 
 void give(const FloatGrid& grid, std::int32_t kind, Reserved& memory, isoextract_grid_output* output) {
   auto store = std::make_unique<SparseStore>();
-  store_tree<float>(grid.tree(), ISOEXTRACT_F32, memory, *store, [](float value) { return value; });
+  copy_tree_to_store<float>(grid.tree(), ISOEXTRACT_F32, memory, *store, [](float value) { return value; });
   output->samples = store->samples;
   put_transform(grid.transform(), output->index_to_world);
   output->kind = kind;
@@ -243,12 +243,12 @@ class Particles {
     for (std::uint64_t i = 0; i < job.count; ++i) {
       const double radius = radius_of(i);
       if (!(std::isfinite(radius) && radius >= 0)) {
-        throw Problem("expected radii of 0 and more, found " + std::to_string(radius));
+        throw PluginError("expected radii of 0 and more, found " + std::to_string(radius));
       }
       const openvdb::Vec3d at = position_of(i);
       for (int axis = 0; axis < 3; ++axis) {
         if (!(std::abs(at[axis]) + radius < (kMostIndex - 64) * job.voxel)) {
-          throw Problem("expected particles within 2^29 voxels of the origin, found one at " + at.str());
+          throw PluginError("expected particles within 2^29 voxels of the origin, found one at " + at.str());
         }
       }
       if (radius >= job.least_radius * job.voxel) kept_.push_back(i);
@@ -302,8 +302,8 @@ class TableMemory {
 
 // Returns an upper bound for the leaves that the narrow band and its construction touch. Particles in one leaf count
 // once, with the largest reach among them. Stops counting at `kMost`.
-std::uint64_t leaves_touched(const Particles& particles, const isoextract_sphere_job& job,
-                             const isoextract_plugin_host& host) {
+std::uint64_t max_touched_leaves(const Particles& particles, const isoextract_sphere_job& job,
+                                 const isoextract_plugin_host& host) {
   constexpr std::size_t kMost = std::size_t{1} << 24;
   TableMemory memory(host);
   std::unordered_map<openvdb::Coord, int> reach;  // of a leaf's particles, in leaves
@@ -329,7 +329,8 @@ std::uint64_t leaves_touched(const Particles& particles, const isoextract_sphere
   return touched.size();
 }
 
-FloatGrid::Ptr united_spheres(const Particles& particles, const isoextract_sphere_job& job, Interrupter& interrupter) {
+FloatGrid::Ptr united_spheres(const Particles& particles, const isoextract_sphere_job& job,
+                              HostInterrupter& interrupter) {
   FloatGrid::Ptr grid = openvdb::createLevelSet<FloatGrid>(job.voxel, job.half_band);
   openvdb::tools::ParticlesToLevelSet<FloatGrid> raster(*grid, &interrupter);
   raster.setRmin(0);
@@ -340,8 +341,8 @@ FloatGrid::Ptr united_spheres(const Particles& particles, const isoextract_spher
   return grid;
 }
 
-FloatGrid::Ptr smooth_spheres(const Particles& particles, const isoextract_sphere_job& job, Interrupter& interrupter,
-                              Reserved& memory) {
+FloatGrid::Ptr smooth_spheres(const Particles& particles, const isoextract_sphere_job& job,
+                              HostInterrupter& interrupter, Reserved& memory) {
   namespace points = openvdb::points;
   constexpr std::uint64_t kBytesPerPoint = 64;  // index, position and radius, and intermediate lists
   memory.take(particles.size() * kBytesPerPoint);
@@ -362,29 +363,29 @@ FloatGrid::Ptr smooth_spheres(const Particles& particles, const isoextract_spher
 
 void check_spheres(const isoextract_sphere_job& job) {
   const auto positive = [](double value) { return std::isfinite(value) && value > 0; };
-  if (!positive(job.voxel)) throw Problem("expected voxels of a size above 0");
+  if (!positive(job.voxel)) throw PluginError("expected voxels of a size above 0");
   if (!(job.half_band >= 2 && job.half_band < 1000)) {
-    throw Problem("expected a band of 2 to 1000 voxels on either side of the surface");
+    throw PluginError("expected a band of 2 to 1000 voxels on either side of the surface");
   }
   if (job.method == ISOEXTRACT_SMOOTH_SPHERES && !positive(job.search_radius)) {
-    throw Problem("expected a search radius above 0");
+    throw PluginError("expected a search radius above 0");
   }
 }
 
 int spheres(const isoextract_sphere_job* job, const isoextract_plugin_host* host, isoextract_grid_output* output) {
-  return guarded([&] {
+  return catch_exceptions([&] {
     *output = {};
     check_spheres(*job);
     Reserved for_work(*host);
     Reserved for_samples(*host);
-    Interrupter interrupter(*host);
+    HostInterrupter interrupter(*host);
     const Particles particles(*job, for_work);
     output->left_out = particles.left_out();
     FloatGrid::Ptr grid = openvdb::createLevelSet<FloatGrid>(job->voxel, job->half_band);
     if (particles.size() > 0) {
       // Each thread has its own grid; they overlap where their particles do.
       Reserved for_grid(*host);
-      for_grid.take(2 * leaves_touched(particles, *job, *host) * kLeafBytes);
+      for_grid.take(2 * max_touched_leaves(particles, *job, *host) * kLeafBytes);
       grid = job->method == ISOEXTRACT_SMOOTH_SPHERES ? smooth_spheres(particles, *job, interrupter, for_work)
                                                       : united_spheres(particles, *job, interrupter);
       for_work.take(grid->memUsage());
@@ -401,16 +402,17 @@ int spheres(const isoextract_sphere_job* job, const isoextract_plugin_host* host
 // Filters.
 
 int filter(const isoextract_filter_job* job, const isoextract_plugin_host* host, isoextract_grid_output* output) {
-  return guarded([&] {
+  return catch_exceptions([&] {
     *output = {};
     Reserved for_work(*host);
     Reserved for_samples(*host);
-    Interrupter interrupter(*host);
-    if (job->grid.kind != ISOEXTRACT_LEVEL_SET) throw Problem("expected a level set, found a density");
+    HostInterrupter interrupter(*host);
+    if (job->grid.kind != ISOEXTRACT_LEVEL_SET) throw PluginError("expected a level set, found a density");
     FloatGrid::Ptr grid = GridBuilder(job->grid, for_work).build();
-    if (!grid->hasUniformVoxels()) throw Problem("expected cubic voxels");
+    if (!grid->hasUniformVoxels()) throw PluginError("expected cubic voxels");
     if (!(grid->background() > 0)) {
-      throw Problem("expected a level set that is positive far outside, found " + std::to_string(grid->background()));
+      throw PluginError("expected a level set that is positive far outside, found " +
+                        std::to_string(grid->background()));
     }
     // Two buffers besides the grid's own, and new leaves of the moving band.
     for_work.take(3 * grid->memUsage());
@@ -421,7 +423,7 @@ int filter(const isoextract_filter_job* job, const isoextract_plugin_host* host,
         case ISOEXTRACT_GAUSSIAN: work.gaussian(width); break;
         case ISOEXTRACT_MEDIAN: work.median(width); break;
         case ISOEXTRACT_MEAN: work.mean(width); break;
-        default: throw Problem("expected a known filter, found " + std::to_string(job->filter));
+        default: throw PluginError("expected a known filter, found " + std::to_string(job->filter));
       }
       interrupter.check();
     }
@@ -434,7 +436,7 @@ void free_output(isoextract_grid_output* output) { delete static_cast<SparseStor
 // Files.
 
 int write_vdb(const isoextract_vdb_job* job, const isoextract_plugin_host* host) {
-  return guarded([&] {
+  return catch_exceptions([&] {
     Reserved memory(*host);
     std::vector<FloatGrid::Ptr> grids;
     for (std::uint64_t g = 0; g < job->count; ++g) {
@@ -450,7 +452,7 @@ int write_vdb(const isoextract_vdb_job* job, const isoextract_plugin_host* host)
     } catch (const std::ios_base::failure&) {
       if (!buffer.failed()) throw;
     }
-    if (buffer.failed()) throw Problem("the file cannot be written");
+    if (buffer.failed()) throw PluginError("the file cannot be written");
   });
 }
 

@@ -60,8 +60,8 @@ void check_bytes(const points::AttributeArray& array, const std::string& name) {
   const char* data = array.constDataAsByteArray();
   const std::size_t there = data == nullptr ? 0 : ::malloc_usable_size(const_cast<char*>(data));
   if (!array.hasConstantStride() || values > there / array.storageTypeSize()) {
-    throw Problem("the file is damaged: expected " + std::to_string(values) + " values of '" + name +
-                  "' in a leaf, found " + std::to_string(there / array.storageTypeSize()));
+    throw PluginError("the file is damaged: expected " + std::to_string(values) + " values of '" + name +
+                      "' in a leaf, found " + std::to_string(there / array.storageTypeSize()));
   }
 }
 
@@ -86,10 +86,10 @@ std::string chosen_grid(openvdb::io::File& file, const char* wanted) {
     sets.push_back(*name);
   }
   if (sets.empty()) {
-    throw Problem("expected a grid of points, found " + (others.empty() ? std::string("no grid") : others));
+    throw PluginError("expected a grid of points, found " + (others.empty() ? std::string("no grid") : others));
   }
-  if (wanted != nullptr) throw Problem("there is no grid of points '" + std::string(wanted) + "'; there is " + all);
-  if (sets.size() > 1) throw Problem("expected the name of one of its grids of points: " + all);
+  if (wanted != nullptr) throw PluginError("there is no grid of points '" + std::string(wanted) + "'; there is " + all);
+  if (sets.size() > 1) throw PluginError("expected the name of one of its grids of points: " + all);
   return sets.front();
 }
 
@@ -126,19 +126,19 @@ std::unique_ptr<Opened> open_points(const char* path, const char* wanted) {
   auto opened = std::make_unique<Opened>();
   const auto grid = file.readGrid(chosen_grid(file, wanted));
   opened->grid = openvdb::gridPtrCast<points::PointDataGrid>(grid);
-  if (opened->grid == nullptr) throw Problem("expected a grid of points, found " + grid->type());
+  if (opened->grid == nullptr) throw PluginError("expected a grid of points, found " + grid->type());
   for (auto leaf = opened->grid->tree().cbeginLeaf(); leaf; ++leaf) {
     // Invalid offsets in a damaged file would lead to reads beyond the arrays.
     const points::AttributeArray* places = leaf->attributeSet().getConst(kPosition);
-    if (places == nullptr || places->type().first != "vec3s") throw Problem("expected positions P of vec3s");
+    if (places == nullptr || places->type().first != "vec3s") throw PluginError("expected positions P of vec3s");
     openvdb::Index32 before = 0;
     for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) {
       const auto end = static_cast<openvdb::Index32>(leaf->getValue(i));
-      if (end < before || end > places->size()) throw Problem("the file is damaged: points that are not there");
+      if (end < before || end > places->size()) throw PluginError("the file is damaged: points that are not there");
       before = end;
     }
-    if (before != places->size()) throw Problem("the file is damaged: points of no voxel");
-    if (places->stride() != 1) throw Problem("the file is damaged: expected one position a point");
+    if (before != places->size()) throw PluginError("the file is damaged: points of no voxel");
+    if (places->stride() != 1) throw PluginError("the file is damaged: expected one position a point");
     check_bytes(*places, kPosition);
   }
   describe_attributes(*opened);
@@ -148,7 +148,7 @@ std::unique_ptr<Opened> open_points(const char* path, const char* wanted) {
 Opened& opened_of(const isoextract_particle_file* file) { return *static_cast<Opened*>(file->owner); }
 
 int open(const char* path, const char* grid, std::uint64_t frame, isoextract_particle_file* file) {
-  return guarded([&] {
+  return catch_exceptions([&] {
     *file = {};
     file->frames = 1;
     file->frame_name = file->length_unit = "";
@@ -170,7 +170,7 @@ void close(isoextract_particle_file* file) { delete static_cast<Opened*>(file->o
 
 // Writes positions leaf by leaf in the tree's order, voxel by voxel within a leaf.
 int positions(const isoextract_particle_file* file, double* values) {
-  return guarded([&] {
+  return catch_exceptions([&] {
     const points::PointDataGrid& grid = *opened_of(file).grid;
     for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
       const points::AttributeHandle<openvdb::Vec3f> place(leaf->constAttributeArray(kPosition));
@@ -184,7 +184,7 @@ int positions(const isoextract_particle_file* file, double* values) {
 }
 
 int quantity(const isoextract_particle_file* file, std::size_t number, float* values) {
-  return guarded([&] {
+  return catch_exceptions([&] {
     const Opened& opened = opened_of(file);
     const std::string& name = opened.attributes[number];
     const std::string& type = opened.types[number];
@@ -193,12 +193,12 @@ int quantity(const isoextract_particle_file* file, std::size_t number, float* va
       const points::AttributeArray* array = leaf->attributeSet().getConst(name);
       // The file states a size for each array, and OpenVDB does not check indices against it.
       if (array != nullptr && array->size() != leaf->attributeSet().getConst(kPosition)->size()) {
-        throw Problem("the file is damaged: expected a value of '" + name + "' for each point of a leaf");
+        throw PluginError("the file is damaged: expected a value of '" + name + "' for each point of a leaf");
       }
       const bool known = array != nullptr && array->type().first == type &&
                          visit_attribute(type, [&]<class Value>(Value, std::uint64_t in_value) {
                            if (array->stride() * in_value != components) {
-                             throw Problem("expected as many values of '" + name + "' at every point");
+                             throw PluginError("expected as many values of '" + name + "' at every point");
                            }
                            check_bytes(*array, name);
                            const points::AttributeHandle<Value> handle(*array);
@@ -206,7 +206,7 @@ int quantity(const isoextract_particle_file* file, std::size_t number, float* va
                              for (openvdb::Index i = 0; i < handle.stride(); ++i) put(values, handle.get(*index, i));
                            }
                          });
-      if (!known) throw Problem("expected '" + name + "' of " + type + " at every point");
+      if (!known) throw PluginError("expected '" + name + "' of " + type + " at every point");
     }
   });
 }

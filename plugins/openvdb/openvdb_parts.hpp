@@ -19,20 +19,20 @@ namespace isoextract_openvdb {
 
 inline thread_local std::string problem;  // of this thread's last call
 
-struct Problem : std::exception {
-  explicit Problem(std::string words) : text(std::move(words)) {}
+struct PluginError : std::exception {
+  explicit PluginError(std::string words) : text(std::move(words)) {}
   [[nodiscard]] const char* what() const noexcept override { return text.c_str(); }
   std::string text;
 };
 
 // Calls work(); turns its exceptions into one-line texts. Returns 0 on success.
 template <class F>
-int guarded(F&& work) {
+int catch_exceptions(F&& work) {
   try {
     openvdb::initialize();
     work();
     return 0;
-  } catch (const Problem& found) {
+  } catch (const PluginError& found) {
     problem = found.text;
   } catch (const std::bad_alloc&) {
     problem = "not enough memory";
@@ -54,7 +54,8 @@ class Reserved {
   ~Reserved() { host_.release(host_.self, bytes_); }
 
   void take(std::uint64_t bytes) {
-    if (host_.reserve(host_.self, bytes) != 0) throw Problem("not enough memory: it needs " + std::to_string(bytes));
+    if (host_.reserve(host_.self, bytes) != 0)
+      throw PluginError("not enough memory: it needs " + std::to_string(bytes));
     bytes_ += bytes;
   }
   // Changes the total to `bytes`.
@@ -67,7 +68,7 @@ class Reserved {
   [[nodiscard]] void* allocate(std::uint64_t bytes) const {
     if (bytes == 0) return nullptr;
     void* memory = host_.allocate(host_.self, bytes);
-    if (memory == nullptr) throw Problem("not enough memory: the samples need " + std::to_string(bytes));
+    if (memory == nullptr) throw PluginError("not enough memory: the samples need " + std::to_string(bytes));
     return memory;
   }
   // Leaves the reservation to the call's results.
@@ -80,12 +81,12 @@ class Reserved {
 
 // Cancels OpenVDB's loops when the host asks for it. Pass it to OpenVDB as its base type, for which the library has
 // template instances.
-class Interrupter : public openvdb::util::NullInterrupter {
+class HostInterrupter : public openvdb::util::NullInterrupter {
  public:
-  explicit Interrupter(const isoextract_plugin_host& host) : host_(host) {}
+  explicit HostInterrupter(const isoextract_plugin_host& host) : host_(host) {}
   bool wasInterrupted(int /*percent*/ = -1) override { return host_.is_cancelled(host_.self) != 0; }
   void check() {
-    if (wasInterrupted()) throw Problem("cancelled");
+    if (wasInterrupted()) throw PluginError("cancelled");
   }
 
  private:
@@ -122,7 +123,8 @@ void visit_tiles(const Tree& tree, F&& use) {
 
 // Copies a tree into `store`, with convert(value) as samples of type T. Reserves the memory.
 template <class T, class Tree, class Convert>
-void store_tree(const Tree& tree, std::int32_t sample_type, Reserved& memory, SparseStore& store, Convert&& convert) {
+void copy_tree_to_store(const Tree& tree, std::int32_t sample_type, Reserved& memory, SparseStore& store,
+                        Convert&& convert) {
   using Leaf = typename Tree::LeafNodeType;
   const std::uint64_t leaf_count = tree.leafCount();
   memory.take(leaf_count * (sizeof(isoextract_sparse_block) + sizeof(const Leaf*)));

@@ -106,7 +106,7 @@ struct Entry {
   std::string type;
   Part part = Part::all;
   std::int32_t sample_type = kNotScalar;
-  bool in_frustum = false;
+  bool is_in_frustum = false;
   double spacing = 0;  // of the grid that replaces a frustum
 };
 
@@ -133,19 +133,19 @@ void add_grid(Listed& listed, const std::string& stored_name, const openvdb::Gri
                                                                                     // in the grid
     entry.type = grid.valueType();
     entry.part = part;
-    entry.in_frustum = !grid.transform().isLinear();
-    if (entry.in_frustum) {
+    entry.is_in_frustum = !grid.transform().isLinear();
+    if (entry.is_in_frustum) {
       entry.spacing = frustum_spacing(grid.transform());
       if (entry.spacing == 0) {
         entry.type += " in a place that is not known";
         sample_type = kNotScalar;
       }
     }
-    entry.sample_type = entry.in_frustum && sample_type != kNotScalar ? kFloat : sample_type;
+    entry.sample_type = entry.is_in_frustum && sample_type != kNotScalar ? kFloat : sample_type;
     isoextract_volume_grid told{};
     told.kind = grid.getGridClass() == openvdb::GRID_LEVEL_SET ? ISOEXTRACT_LEVEL_SET : ISOEXTRACT_DENSITY;
     told.is_sparse = 1;
-    if (entry.in_frustum) {
+    if (entry.is_in_frustum) {
       for (int axis = 0; axis < 3; ++axis) told.index_to_world[5 * axis] = entry.spacing;
     } else {
       put_transform(grid.transform(), told.index_to_world);
@@ -233,7 +233,7 @@ class Resampling {
   }
 
   openvdb::FloatGrid::Ptr run(const isoextract_plugin_host& host, Reserved& memory) {
-    Interrupter interrupter(host);
+    HostInterrupter interrupter(host);
     memory.take(bytes());
     visit_source([&](const openvdb::CoordBBox& box) {
       interrupter.check();
@@ -293,7 +293,7 @@ class Resampling {
       const openvdb::BBoxd image = image_of(box);
       for (int axis = 0; axis < 3; ++axis) {
         if (!(image.min()[axis] > -kMostIndex && image.max()[axis] < kMostIndex)) {
-          throw Problem("expected a frustum within 2^29 voxels of the world's origin");
+          throw PluginError("expected a frustum within 2^29 voxels of the world's origin");
         }
       }
       const openvdb::Vec3d size = image.extents() + openvdb::Vec3d(2.0);
@@ -348,17 +348,17 @@ void read_grid(openvdb::io::File& file, const char* path, const Entry& entry, co
   bool rounded = false;
   visit_grid_type(*grid, [&]<class Grid>(std::type_identity<Grid>, std::int32_t) {
     const auto& typed = static_cast<const Grid&>(*grid);
-    if (entry.in_frustum) {
+    if (entry.is_in_frustum) {
       Reserved for_floats(host);
       Reserved for_target(host);
       const auto floats = as_floats(typed, {entry.part, &rounded}, for_floats);
       const auto target = Resampling(*floats, entry.spacing).run(host, for_target);
-      store_tree<float>(target->tree(), ISOEXTRACT_F32, for_samples, store, [](float value) { return value; });
+      copy_tree_to_store<float>(target->tree(), ISOEXTRACT_F32, for_samples, store, [](float value) { return value; });
       store.note = spacing_note(entry);
       return;
     }
     const auto put = [&]<class T>(T) {
-      store_tree<T>(typed.tree(), entry.sample_type, for_samples, store, Conversion<T>{entry.part, &rounded});
+      copy_tree_to_store<T>(typed.tree(), entry.sample_type, for_samples, store, Conversion<T>{entry.part, &rounded});
     };
     if constexpr (std::is_same_v<Grid, openvdb::Vec3IGrid>) {
       if (entry.part == Part::length) return put(double{});
@@ -375,7 +375,7 @@ int probe(const unsigned char* start, std::size_t bytes, const char* /*path*/) {
 }
 
 int list(const char* path, isoextract_volume_list* list) {
-  return guarded([&] {
+  return catch_exceptions([&] {
     openvdb::io::File file(path);
     file.setCopyMaxBytes(0);
     file.open(false);
@@ -388,12 +388,12 @@ int list(const char* path, isoextract_volume_list* list) {
 void free_list(isoextract_volume_list* list) { delete static_cast<Listed*>(list->owner); }
 
 int open(const char* path, std::size_t grid, const isoextract_plugin_host* host, isoextract_volume_samples* samples) {
-  return guarded([&] {
+  return catch_exceptions([&] {
     openvdb::io::File file(path);
     file.setCopyMaxBytes(0);
     file.open(false);
     const auto listed = list_file(file);
-    if (grid >= listed->entries.size()) throw Problem("the file has become another one meanwhile");
+    if (grid >= listed->entries.size()) throw PluginError("the file has become another one meanwhile");
     auto store = std::make_unique<SparseStore>();
     read_grid(file, path, listed->entries[grid], *host, *store);
     *samples = {nullptr, 0, &store->samples, store->note.c_str(), store.get()};

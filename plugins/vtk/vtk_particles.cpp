@@ -32,8 +32,8 @@
 
 namespace {
 
-thread_local std::string problem;     // of this thread's last call
-thread_local std::string complaints;  // VTK's messages during this call
+thread_local std::string problem;       // of this thread's last call
+thread_local std::string vtk_messages;  // VTK's messages during this call
 
 // Captures VTK's messages.
 class SilentWindow : public vtkOutputWindow {
@@ -45,7 +45,7 @@ class SilentWindow : public vtkOutputWindow {
   }
   void DisplayText(const char* text) override {  // NOLINT(readability-identifier-naming)
     constexpr std::size_t kMost = 2000;
-    if (text != nullptr && complaints.size() < kMost) complaints += text;
+    if (text != nullptr && vtk_messages.size() < kMost) vtk_messages += text;
   }
 };
 
@@ -57,13 +57,13 @@ void silence_vtk() {
   });
 }
 
-struct Problem : std::exception {
-  explicit Problem(std::string words) : text(std::move(words)) {}
+struct PluginError : std::exception {
+  explicit PluginError(std::string words) : text(std::move(words)) {}
   std::string text;
 };
 
 // Returns the sentence of VTK's message "ERROR: In file.cxx, line 12\nvtkClass (0x55..): sentence\n\n".
-std::string sentence_of(const std::string& complaint) {
+std::string last_sentence(const std::string& complaint) {
   std::size_t at = complaint.find("): ");
   at = at == std::string::npos ? 0 : at + 3;
   std::string text = complaint.substr(at, complaint.find('\n', at) - at);
@@ -92,20 +92,20 @@ void check_point_count(std::string_view start, std::uint64_t bytes) {
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), count);
   // A coordinate has at least a digit and a separator in text, and at least a byte in a binary file.
   if (status != std::errc{} || count > bytes / 3) {
-    throw Problem("expected as many points as the file has room for, found POINTS " +
-                  std::string(text.substr(0, text.find('\n'))).substr(0, 40));
+    throw PluginError("expected as many points as the file has room for, found POINTS " +
+                      std::string(text.substr(0, text.find('\n'))).substr(0, 40));
   }
 }
 
 vtkSmartPointer<vtkPointSet> read_points(const char* path) {
   const std::string start = start_of(path);
-  complaints.clear();
+  vtk_messages.clear();
   vtkSmartPointer<vtkPointSet> points;
   const auto read = [&](auto reader) {
     reader->SetFileName(path);
     reader->Update();
     points = vtkPointSet::SafeDownCast(reader->GetOutputDataObject(0));
-    if (reader->GetErrorCode() != 0 && complaints.empty()) complaints = "the file is damaged";
+    if (reader->GetErrorCode() != 0 && vtk_messages.empty()) vtk_messages = "the file is damaged";
   };
   if (start.starts_with("# vtk")) {
     check_point_count(start, size_of(path));
@@ -121,8 +121,8 @@ vtkSmartPointer<vtkPointSet> read_points(const char* path) {
   } else {
     read(vtkSmartPointer<vtkXMLUnstructuredGridReader>::New());
   }
-  if (!complaints.empty()) throw Problem("VTK cannot read it: " + sentence_of(complaints));
-  if (points == nullptr) throw Problem("expected an unstructured grid or poly data of VTK, found neither");
+  if (!vtk_messages.empty()) throw PluginError("VTK cannot read it: " + last_sentence(vtk_messages));
+  if (points == nullptr) throw PluginError("expected an unstructured grid or poly data of VTK, found neither");
   return points;
 }
 
@@ -157,7 +157,7 @@ std::unique_ptr<Opened> open_points(const char* path) {
   auto opened = std::make_unique<Opened>();
   opened->points = read_points(path);
   if (const vtkIdType cells = other_cells(opened->points); cells > 0) {
-    throw Problem("expected particles, found a grid with " + std::to_string(cells) + " cells that are no points");
+    throw PluginError("expected particles, found a grid with " + std::to_string(cells) + " cells that are no points");
   }
   vtkPointData* data = opened->points->GetPointData();
   const int count = data->GetNumberOfArrays();
@@ -165,8 +165,8 @@ std::unique_ptr<Opened> open_points(const char* path) {
   for (int i = 0; i < count; ++i) {
     vtkAbstractArray* array = data->GetAbstractArray(i);
     if (array->GetNumberOfTuples() != opened->points->GetNumberOfPoints()) {
-      throw Problem("expected " + std::to_string(opened->points->GetNumberOfPoints()) +
-                    " values of each array, found " + std::to_string(array->GetNumberOfTuples()));
+      throw PluginError("expected " + std::to_string(opened->points->GetNumberOfPoints()) +
+                        " values of each array, found " + std::to_string(array->GetNumberOfTuples()));
     }
     const std::string& name = opened->names.emplace_back(array->GetName() == nullptr ? "" : array->GetName());
     const std::string& type = opened->names.emplace_back(array->GetDataTypeAsString());
@@ -180,12 +180,12 @@ std::unique_ptr<Opened> open_points(const char* path) {
 
 // Calls work(); turns its exceptions into texts. Returns 0 on success.
 template <class F>
-int guarded(F&& work) {
+int catch_exceptions(F&& work) {
   try {
     silence_vtk();
     work();
     return 0;
-  } catch (const Problem& found) {
+  } catch (const PluginError& found) {
     problem = found.text;
   } catch (const std::bad_alloc&) {
     problem = "not enough memory to read it";
@@ -198,7 +198,7 @@ int guarded(F&& work) {
 Opened& opened_of(const isoextract_particle_file* file) { return *static_cast<Opened*>(file->owner); }
 
 int open(const char* path, const char* /*grid*/, std::uint64_t frame, isoextract_particle_file* file) {
-  return guarded([&] {
+  return catch_exceptions([&] {
     *file = {};
     file->frames = 1;
     file->frame_name = file->length_unit = "";
@@ -217,16 +217,16 @@ int open(const char* path, const char* /*grid*/, std::uint64_t frame, isoextract
 void close(isoextract_particle_file* file) { delete static_cast<Opened*>(file->owner); }
 
 int positions(const isoextract_particle_file* file, double* values) {
-  return guarded([&] {
+  return catch_exceptions([&] {
     vtkPointSet* points = opened_of(file).points;
     for (vtkIdType i = 0; i < points->GetNumberOfPoints(); ++i) points->GetPoint(i, values + 3 * i);
   });
 }
 
 int quantity(const isoextract_particle_file* file, std::size_t index, float* values) {
-  return guarded([&] {
+  return catch_exceptions([&] {
     vtkDataArray* array = opened_of(file).points->GetPointData()->GetArray(static_cast<int>(index));
-    if (array == nullptr) throw Problem("expected an array of numbers");
+    if (array == nullptr) throw PluginError("expected an array of numbers");
     const int components = array->GetNumberOfComponents();
     std::vector<double> tuple(static_cast<std::size_t>(components));
     for (vtkIdType i = 0; i < array->GetNumberOfTuples(); ++i) {

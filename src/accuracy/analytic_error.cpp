@@ -92,7 +92,7 @@ class ClosestPoint {
     if (!near) return iterate(p, p);
     const auto at = [&](const glm::dvec3& q) { return field_.value_and_gradient(q); };
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    SurfaceFoot on_surface(at, iso_, glm::dmat3(1.0), glm::dvec3(-kInfinity), glm::dvec3(kInfinity));
+    FootFinder on_surface(at, iso_, glm::dmat3(1.0), glm::dvec3(-kInfinity), glm::dvec3(kInfinity));
     const double reach = 2 * mesh_->spacing();
     Foot foot;
     glm::dvec3 start = *near;
@@ -132,7 +132,7 @@ class ClosestPoint {
   const FormulaMesh* mesh_;
 };
 
-class AngleSums {
+class AngleAccumulator {
  public:
   void add(const glm::dvec3& a, const glm::dvec3& b, double weight) {
     const double angle = std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
@@ -141,7 +141,7 @@ class AngleSums {
     squares_ += weight * angle * angle;
     max_ = std::max(max_, angle);
   }
-  void merge(const AngleSums& other) {
+  void merge(const AngleAccumulator& other) {
     points_ += other.points_;
     weight_ += other.weight_;
     squares_ += other.squares_;
@@ -161,8 +161,8 @@ class AngleSums {
 
 struct FormulaSums {
   ErrorAccumulator distance;
-  AngleSums smooth;
-  AngleSums flat;
+  AngleAccumulator smooth;
+  AngleAccumulator flat;
   double area = 0;
   std::uint64_t cap_triangles = 0;
 
@@ -229,7 +229,7 @@ class AnalyticMeasurement {
                                         }
                                       })
                           .result();
-    result.interior.raise_max(result.vertices);
+    result.interior.include_max(result.vertices);
     if (!extracted_.region && (extracted_.cap || result.closed_form)) result.volume = mesh::measure_size(mesh_).volume;
     return result;
   }
@@ -292,9 +292,9 @@ class AnalyticMeasurement {
 
 Result<std::optional<AnalyticError>> measure_analytic_error(const mesh::Mesh& mesh, const field::ScalarField& field,
                                                             const extract::ExtractOptions& extracted,
-                                                            const field::ScalarField* grid, const CapPlaces& caps,
+                                                            const field::ScalarField* grid, const CapPlanes& caps,
                                                             const Context& context) {
-  const field::AnalyticField* formula = field::formula_of(field);
+  const field::AnalyticField* formula = field::find_formula(field);
   if (formula == nullptr) return std::nullopt;
   IndexMesh placed(mesh, field, extracted, grid);
   placed.add_caps(caps);

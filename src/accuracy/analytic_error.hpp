@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include "accuracy/cap_places.hpp"
+#include "accuracy/cap_planes.hpp"
 #include "accuracy/error_statistics.hpp"
 #include "base/context.hpp"
 #include "base/error.hpp"
@@ -44,6 +44,6 @@ struct AnalyticError {
 // Fails if memory is short. The result does not depend on the number of threads.
 [[nodiscard]] Result<std::optional<AnalyticError>> measure_analytic_error(
     const mesh::Mesh& mesh, const field::ScalarField& field, const extract::ExtractOptions& extracted,
-    const field::ScalarField* grid, const CapPlaces& caps, const Context& context);
+    const field::ScalarField* grid, const CapPlanes& caps, const Context& context);
 
 }  // namespace isoextract::accuracy

@@ -14,7 +14,7 @@ double component_of(const mesh::Attribute& attribute, std::size_t vertex, std::s
   const std::byte* at =
       attribute.values.data() + vertex * attribute.stride() + component * mesh::component_size(attribute.type);
   // Colors count as normalized: PLY does not store that flag as glTF does.
-  return component_value(at, attribute.type, attribute.normalised || attribute.role == AttributeRole::colour);
+  return component_value(at, attribute.type, attribute.normalized || attribute.role == AttributeRole::color);
 }
 
 bool have_same_vertices(const mesh::Mesh& a, const mesh::Mesh& b, double tolerance) {
@@ -54,7 +54,7 @@ AttributeMatch::Difference difference_of(const mesh::Attribute& a, const mesh::A
 
 bool are_one(const mesh::Attribute& a, const mesh::Attribute& b) {
   if (a.role != b.role) return false;
-  return a.role == AttributeRole::colour || a.name == b.name;
+  return a.role == AttributeRole::color || a.name == b.name;
 }
 
 }  // namespace
@@ -73,7 +73,7 @@ double coordinate_rounding(const mesh::Mesh& mesh) {
   return std::max({rounded.x, rounded.y, rounded.z}) * std::numeric_limits<float>::epsilon();
 }
 
-AttributeMatches match_attributes(const mesh::Mesh& a, const mesh::Mesh& b, bool colours, double tolerance) {
+AttributeMatches match_attributes(const mesh::Mesh& a, const mesh::Mesh& b, bool colors, double tolerance) {
   AttributeMatches matches;
   matches.same_vertices = have_same_vertices(a, b, tolerance);
   const auto partner = [](const mesh::Attribute& wanted, const mesh::Mesh& other) {
@@ -87,7 +87,7 @@ AttributeMatches match_attributes(const mesh::Mesh& a, const mesh::Mesh& b, bool
     }
     AttributeMatch& match =
         matches.both.emplace_back(AttributeMatch{mine.name, {mine.components, other->components}, {}});
-    const bool means_the_same = colours || mine.role != AttributeRole::colour;
+    const bool means_the_same = colors || mine.role != AttributeRole::color;
     if (matches.same_vertices && mine.components == other->components && means_the_same) {
       match.difference = difference_of(mine, *other, a.positions.size());
     }

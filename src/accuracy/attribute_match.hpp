@@ -40,7 +40,7 @@ struct AttributeMatches {
 
 // Compares all attributes. `colours` says whether color values mean the same in both meshes; if not, they are not
 // compared. Vertices correspond if no coordinate differs by more than `tolerance`.
-[[nodiscard]] AttributeMatches match_attributes(const mesh::Mesh& a, const mesh::Mesh& b, bool colours,
+[[nodiscard]] AttributeMatches match_attributes(const mesh::Mesh& a, const mesh::Mesh& b, bool colors,
                                                 double tolerance = 0);
 
 }  // namespace isoextract::accuracy

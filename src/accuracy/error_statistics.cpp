@@ -43,7 +43,7 @@ void ErrorAccumulator::add(const Length& length, double weight, const glm::dvec3
   world_bins_[bin_of(length.world / world_voxel_)] += weight;
 }
 
-void ErrorStatistics::raise_max(const ErrorStatistics& other) {
+void ErrorStatistics::include_max(const ErrorStatistics& other) {
   if (points == 0 || other.points == 0) return;
   if (other.max.world > max.world) {
     max.world = other.max.world;

@@ -30,7 +30,7 @@ struct ErrorStatistics {
   std::uint64_t corrected = 0;
 
   // Raises the maximum to that of other points of the same mesh; changes no other figure.
-  void raise_max(const ErrorStatistics& other);
+  void include_max(const ErrorStatistics& other);
   [[nodiscard]] std::uint64_t unmeasured() const { return not_finite + outside + unreached; }
 };
 

@@ -46,7 +46,7 @@ double ulps_apart(const mesh::Mesh& a, std::uint32_t in_a, const mesh::Mesh& b, 
   if (!std::isfinite(away.x) || !std::isfinite(away.y) || !std::isfinite(away.z)) {
     return std::numeric_limits<double>::infinity();
   }
-  return largest_coordinate(away) / float_spacing(std::max(largest_coordinate(p), largest_coordinate(q)));
+  return max_abs_coordinate(away) / float_spacing(std::max(max_abs_coordinate(p), max_abs_coordinate(q)));
 }
 
 double degrees_apart(const glm::vec3& n, const glm::vec3& m) {
@@ -189,14 +189,14 @@ Result<ExtractionComparison> compare_extractions(const mesh::Mesh& a, const mesh
   result.ulps = sums.position.amount;
   result.farthest = sums.position.edge;
   result.degrees = sums.normal.amount;
-  result.most_turned = sums.normal.edge;
+  result.largest_angle_edge = sums.normal.edge;
   return result;
 }
 
-std::vector<std::string> differences(const ExtractionComparison& comparison, const MeshNames& names) {
+std::vector<std::string> differences(const ExtractionComparison& comparison, const MeshLabels& names) {
   std::vector<std::string> found;
   const auto add = [&](std::string sentence) { found.push_back(std::move(sentence)); };
-  add_sentences(comparison.triangles, names, found);
+  add_difference_sentences(comparison.triangles, names, found);
   for (std::size_t side = 0; side < 2; ++side) {
     if (const auto& example = comparison.vertex_example[side]) {
       add(fmt::format("{} of {} vertices are in {} only, one of them at sample {}", comparison.vertices_only[side],
@@ -211,7 +211,7 @@ std::vector<std::string> differences(const ExtractionComparison& comparison, con
   }
   if (!(comparison.degrees <= kNormalDegrees)) {
     add(fmt::format("a normal is turned by {:.3g} degrees, allowed {:.3g}, at sample {}", comparison.degrees,
-                    kNormalDegrees, edge_text(*comparison.most_turned)));
+                    kNormalDegrees, edge_text(*comparison.largest_angle_edge)));
   }
   return found;
 }

@@ -43,7 +43,7 @@ struct ExtractionComparison {
   double ulps = 0;
   std::optional<mesh::EdgeKey> farthest;
   double degrees = 0;  // largest angle between normals
-  std::optional<mesh::EdgeKey> most_turned;
+  std::optional<mesh::EdgeKey> largest_angle_edge;
 };
 
 // Compares the meshes. Vertices that a hole duplicates share a key; their number is compared, not which triangles use
@@ -55,7 +55,7 @@ struct ExtractionComparison {
 // Returns one sentence (without full stop) for each difference beyond the limits, none if the meshes are equal: equal
 // triangles, vertices and origins, positions within kStabilityUlps, normals within kNormalDegrees. `names` are the
 // names of the meshes.
-[[nodiscard]] std::vector<std::string> differences(const ExtractionComparison& comparison, const MeshNames& names);
+[[nodiscard]] std::vector<std::string> differences(const ExtractionComparison& comparison, const MeshLabels& names);
 
 // Formats an edge as "(3, 4, 5) along xz", a cap vertex as "(3, 4, 5)".
 [[nodiscard]] std::string edge_text(const mesh::EdgeKey& edge);

@@ -11,12 +11,12 @@
 
 #include <tbb/task_arena.h>
 
-#include "accuracy/detail/back_measurement.hpp"
 #include "accuracy/detail/brick_members.hpp"
 #include "accuracy/detail/gradient_search.hpp"
 #include "accuracy/detail/quadrature.hpp"
 #include "accuracy/detail/subdivided_surface.hpp"
 #include "accuracy/detail/surface_foot.hpp"
+#include "accuracy/detail/surface_to_mesh.hpp"
 #include "accuracy/index_mesh.hpp"
 #include "base/reduction.hpp"
 #include "mesh/triangle_tree.hpp"
@@ -58,7 +58,7 @@ struct FieldSums {
   ErrorAccumulator interior;
   ErrorAccumulator vertices;
   ErrorAccumulator storage;
-  BackSums back;
+  SurfaceToMeshSums back;
   std::uint64_t cap_triangles = 0;
 
   void merge(const FieldSums& other) {
@@ -134,7 +134,7 @@ class FieldMeasurement {
   struct Brick {
     SubdividedSurface surface;
     field::IndexBox box;  // the samples of the surface's cells
-    FieldFoot foot;
+    FieldFootFinder foot;
     GradientSearch search;
     std::uint32_t near = 0;        // slot of the last nearest triangle
     std::uint32_t near_whole = 0;  // the same for the surface in whole cells
@@ -197,7 +197,7 @@ class FieldMeasurement {
       }
       bricks_.push_back({brick, triangles});
       if (bricks_.size() < most) return;
-      join_bricks(bricks_);
+      merge_bricks(bricks_);
       most = std::max(most, 2 * bricks_.size());
     };
     for (const auto* members : {&triangles_, &vertices_}) {
@@ -217,7 +217,7 @@ class FieldMeasurement {
         }
       }
     }
-    join_bricks(bricks_);
+    merge_bricks(bricks_);
   }
 
   void measure_brick(const glm::ivec3& at, FieldSums& sums) {
@@ -233,7 +233,7 @@ class FieldMeasurement {
       low = glm::dvec3(0);
       high = glm::dvec3(*last_cell_ + 1);
     }
-    FieldFoot foot(field::Interpolant::Cursor(chosen_), 0, linear_, low, high);
+    FieldFootFinder foot(field::Interpolant::Cursor(chosen_), 0, linear_, low, high);
     const Subdivision how{field_.kind, linear_, parts_};
     // Keeps this thread from starting another brick while it waits for its own loops: each brick holds memory.
     auto made = tbb::this_task_arena::isolate([&] { return SubdividedSurface::make(foot.function(), cells, how); });
@@ -246,7 +246,7 @@ class FieldMeasurement {
     tbb::this_task_arena::isolate([&] {
       for (const BrickMember& member : members_of(triangles_, at)) measure_triangle(member.id, brick, sums);
       measure_vertices(at, brick, sums);
-      if (counted_ && mesh_tree_) measure_back(at, brick, sums);
+      if (counted_ && mesh_tree_) measure_from_surface(at, brick, sums);
     });
   }
 
@@ -267,8 +267,8 @@ class FieldMeasurement {
     }
     std::optional<glm::dvec3> step = first->step;
     const bool done = step && (first->is_nearest || glm::length(*step) <= kNearEnough);
-    if (!done) look_in_brick(index, brick, step);
-    if (!step || brick.foot.length(*step) > distance_inside(index, brick.box)) look_everywhere(index, brick, step);
+    if (!done) search_in_brick(index, brick, step);
+    if (!step || brick.foot.length(*step) > distance_inside(index, brick.box)) search_all_data(index, brick, step);
     if (!step) {
       ++into.counts.unreached;
       return;
@@ -290,25 +290,25 @@ class FieldMeasurement {
     return nearest;
   }
 
-  void look_in_brick(const glm::dvec3& index, Brick& brick, std::optional<glm::dvec3>& step) const {
+  void search_in_brick(const glm::dvec3& index, Brick& brick, std::optional<glm::dvec3>& step) const {
     if (brick.surface.mesh().triangles.empty()) return;
     const auto found = brick.surface.tree().nearest(brick.surface.local(index), brick.near);
     brick.near = found.slot;
-    take_foot(index, brick.surface.index(found.point), diagonal_ / parts_, brick.foot, step);
+    keep_nearer_foot(index, brick.surface.index(found.point), diagonal_ / parts_, brick.foot, step);
   }
 
-  void look_everywhere(const glm::dvec3& index, Brick& brick, std::optional<glm::dvec3>& step) const {
+  void search_all_data(const glm::dvec3& index, Brick& brick, std::optional<glm::dvec3>& step) const {
     if (!surface_tree_) return;
     const field::Affine& output = placed_.output_from_index();
     const glm::dvec3 p = linear_ * index + (output.offset - surface_.origin);
     const auto found = surface_tree_->nearest(p, brick.near_whole);
     brick.near_whole = found.slot;
-    take_foot(index, index_from_step_ * (found.point - p) + index, diagonal_, brick.foot, step);
+    keep_nearer_foot(index, index_from_step_ * (found.point - p) + index, diagonal_, brick.foot, step);
   }
 
   // Replaces `step` by the way to the foot of `index` found from `near`, if that is shorter.
-  static void take_foot(const glm::dvec3& index, const glm::dvec3& near, double reach, FieldFoot& foot,
-                        std::optional<glm::dvec3>& step) {
+  static void keep_nearer_foot(const glm::dvec3& index, const glm::dvec3& near, double reach, FieldFootFinder& foot,
+                               std::optional<glm::dvec3>& step) {
     glm::dvec3 point = near;
     if (const auto landed = foot.land(near, reach)) point = foot.approach(index, *landed, reach);
     if (!step || foot.length(point - index) < foot.length(*step)) step = point - index;
@@ -346,8 +346,8 @@ class FieldMeasurement {
     }
   }
 
-  void measure_back(const glm::ivec3& at, Brick& brick, FieldSums& sums) const {
-    const BackMeasurement back(mesh_, *mesh_tree_, placed_, options_.clipped);
+  void measure_from_surface(const glm::ivec3& at, Brick& brick, FieldSums& sums) const {
+    const SurfaceToMesh back(mesh_, *mesh_tree_, placed_, options_.clipped);
     const auto counts = [&](const glm::dvec3& center) {
       const glm::ivec3 cell = cell_of(center);
       return brick_of(cell) == at && (!region_ || (glm::all(glm::greaterThanEqual(cell, region_->min)) &&
@@ -362,7 +362,7 @@ class FieldMeasurement {
     result.parts = parts_;
     result.interior = sums.interior.result();
     result.vertices = sums.vertices.result();
-    result.interior.raise_max(result.vertices);
+    result.interior.include_max(result.vertices);
     result.storage = sums.storage.result();
     result.cap_triangles = sums.cap_triangles;
     if (!counted_) return result;

@@ -11,7 +11,7 @@
 #include <optional>
 #include <span>
 
-#include "accuracy/cap_places.hpp"
+#include "accuracy/cap_planes.hpp"
 #include "accuracy/error_statistics.hpp"
 #include "accuracy/surface_coverage.hpp"
 #include "base/context.hpp"
@@ -27,7 +27,7 @@ struct FieldErrorOptions {
   // Set if the mesh was extracted from a grid that resample() made of the field.
   const field::ScalarField* grid = nullptr;
   bool vertices_on_edges = true;  // MethodTraits::vertices_on_edges; false: no `storage` error
-  CapPlaces caps = {};
+  CapPlanes caps = {};
   // Half-spaces that the mesh was clipped to; isosurface outside them does not count.
   std::span<const mesh::HalfSpace> clipped = {};
 };

@@ -18,7 +18,7 @@ namespace isoextract::accuracy {
 }
 
 // Returns the largest absolute coordinate, which sets the spacing at a point.
-[[nodiscard]] inline double largest_coordinate(const glm::dvec3& v) {
+[[nodiscard]] inline double max_abs_coordinate(const glm::dvec3& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 

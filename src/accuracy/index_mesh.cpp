@@ -24,7 +24,7 @@ IndexMesh::IndexMesh(const mesh::Mesh& mesh, const field::ScalarField& field, co
   extract::ExtractOptions placed = extracted;
   placed.output_from_index = output_from_index_;
   // Half the margin that keeps vertices off edge ends: closer ones come from rounding only.
-  tolerance_ = extract::output_frame(field, placed, samples, region).margin() / 2;
+  tolerance_ = extract::output_placement(field, placed, samples, region).margin() / 2;
   const bool always_closed = extract::method_info(extracted.method).traits.always_closed;
   if (!extracted.cap && !always_closed) return;
   std::optional<field::IndexBox> cap = extracted.region;
@@ -34,12 +34,12 @@ IndexMesh::IndexMesh(const mesh::Mesh& mesh, const field::ScalarField& field, co
     cap = cap ? field::IndexBox{glm::max(all.min, cap->min), glm::min(all.max, cap->max)} : all;
   }
   if (!cap) return;
-  (always_closed ? closed_around_ : cap_) =
+  (always_closed ? outermost_samples_ : cap_) =
       field::image_of(field_from_grid, {glm::dvec3(cap->min), glm::dvec3(cap->max)});
 }
 
 std::vector<std::uint8_t> IndexMesh::surface_vertices() const {
-  const bool may_have_caps = cap_ || closed_around_ || !caps_.cuts.empty();
+  const bool may_have_caps = cap_ || outermost_samples_ || !caps_.cuts.empty();
   std::vector<std::uint8_t> used(mesh_.positions.size(), may_have_caps ? 0 : 1);
   if (!may_have_caps) return used;
   for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {

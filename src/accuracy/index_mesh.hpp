@@ -11,7 +11,7 @@
 
 #include <glm/glm.hpp>
 
-#include "accuracy/cap_places.hpp"
+#include "accuracy/cap_planes.hpp"
 #include "extract/extractor.hpp"
 
 namespace isoextract::accuracy {
@@ -42,19 +42,19 @@ class IndexMesh {
   }
 
   // Also treats triangles in these planes (mesh coordinates) as caps. The planes must outlive this object.
-  void add_caps(const CapPlaces& caps) { caps_ = caps; }
+  void add_caps(const CapPlanes& caps) { caps_ = caps; }
 
   // Returns whether a point is beyond the outermost samples, where always-closed methods put triangles.
   [[nodiscard]] bool is_outside(const glm::dvec3& index) const {
-    return closed_around_ && (glm::any(glm::lessThan(index, closed_around_->min - tolerance_)) ||
-                              glm::any(glm::greaterThan(index, closed_around_->max + tolerance_)));
+    return outermost_samples_ && (glm::any(glm::lessThan(index, outermost_samples_->min - tolerance_)) ||
+                                  glm::any(glm::greaterThan(index, outermost_samples_->max + tolerance_)));
   }
 
   // Returns whether all corners lie in one face of the capped box, in one capped cut plane, or beyond one face of the
   // outermost samples.
   [[nodiscard]] bool is_cap(const std::array<glm::dvec3, 3>& corners) const {
     if (is_in_cut(corners)) return true;
-    if (closed_around_ && is_beyond(corners, *closed_around_)) return true;
+    if (outermost_samples_ && is_beyond(corners, *outermost_samples_)) return true;
     if (!cap_) return false;
     for (int axis = 0; axis < 3; ++axis) {
       glm::dvec3 along(0);
@@ -118,8 +118,8 @@ class IndexMesh {
   glm::dvec3 local_offset_;
   double tolerance_;  // how far rounding may move a vertex, in voxels
   std::optional<field::Box> cap_;
-  std::optional<field::Box> closed_around_;  // outermost samples, for always-closed methods
-  CapPlaces caps_;
+  std::optional<field::Box> outermost_samples_;  // outermost samples, for always-closed methods
+  CapPlanes caps_;
 };
 
 }  // namespace isoextract::accuracy

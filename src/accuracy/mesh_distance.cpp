@@ -30,7 +30,7 @@ glm::dvec2 spread(std::uint64_t n) {
 
 // Returns the limit of tree leaves for one triangle of so many: a share of the total, but enough for a triangle that
 // depends only on its surroundings.
-std::size_t most_leaves(std::size_t triangles) {
+std::size_t max_leaves(std::size_t triangles) {
   constexpr std::size_t kTogether = std::size_t{1} << 26;
   constexpr std::size_t kLeast = std::size_t{1} << 16;
   constexpr std::size_t kMost = std::size_t{1} << 22;
@@ -47,12 +47,12 @@ class Direction {
         tree_(tree),
         options_(options),
         shift_(a.origin - b.origin),
-        in_both_(triangles_in_both(a, b, shift_)),
-        search_({a.positions.span(), a.triangles.span(), in_both_, shift_}, tree,
+        common_(mark_common_triangles(a, b, shift_)),
+        search_({a.positions.span(), a.triangles.span(), common_, shift_}, tree,
                 {.tolerance = options.tolerance,
                  .floor = floor,
                  .enough = options.enough,
-                 .most_leaves = most_leaves(a.triangles.size())},
+                 .max_leaves = max_leaves(a.triangles.size())},
                 context) {}
 
   // Returns the peak memory, with the tree of B and with the samples, which outlive this object.
@@ -99,7 +99,7 @@ class Direction {
         const double area = (static_cast<double>(k) + 0.5) * share;
         const auto after = std::upper_bound(area_up_to.begin() + 1, area_up_to.end() - 1, area);
         const auto triangle = static_cast<std::size_t>(after - area_up_to.begin() - 1);
-        if (in_both_[triangle] != 0) continue;
+        if (common_[triangle] != 0) continue;
         const glm::uvec3& t = a_.triangles[triangle];
         glm::dvec2 uv = spread(k);
         if (uv.x + uv.y > 1) uv = glm::dvec2(1) - uv;
@@ -111,7 +111,7 @@ class Direction {
     });
     const auto farthest = std::max_element(samples_.begin(), samples_.end());
     if (*farthest > search_.lower()) {
-      search_.take_nearest_of(places[static_cast<std::size_t>(farthest - samples_.begin())], 0);
+      search_.add_point(places[static_cast<std::size_t>(farthest - samples_.begin())], 0);
     }
   }
 
@@ -120,7 +120,7 @@ class Direction {
   const mesh::TriangleTree& tree_;
   const DistanceOptions& options_;
   glm::dvec3 shift_;
-  std::vector<char> in_both_;  // 1: B has the triangle of A, too
+  std::vector<char> common_;  // 1: B has the triangle of A, too
   std::vector<double> samples_;
   mesh::GreatestDistanceSearch search_;
 };

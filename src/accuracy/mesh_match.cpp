@@ -27,13 +27,13 @@ struct Reach {
     if (mesh.positions.empty()) return;
     const mesh::LocalBounds bounds = mesh::measure_local_bounds(mesh);
     for (const glm::vec3& corner : {bounds.min, bounds.max}) {
-      local = std::max(local, largest_coordinate(glm::dvec3(corner)));
+      local = std::max(local, max_abs_coordinate(glm::dvec3(corner)));
       world = glm::max(world, glm::abs(mesh.origin + glm::dvec3(corner)));
     }
   }
 };
 
-glm::dvec3 near_enough(const mesh::Mesh& written, const mesh::Mesh& extracted, bool float32_world) {
+glm::dvec3 match_tolerance(const mesh::Mesh& written, const mesh::Mesh& extracted, bool float32_world) {
   constexpr double kSums = 4;
   const Reach ours(extracted);
   const Reach theirs(written);
@@ -68,19 +68,19 @@ double step_of(const mesh::Mesh& mesh) {
 // Divides space into boxes sixteen times as wide as the limit, so few vertices are near a neighboring box.
 class Cells {
  public:
-  Cells(const glm::dvec3& allowed, const glm::dvec3& centre, double reach, std::size_t vertices)
-      : size_(16.0 * allowed), centre_(centre) {
+  Cells(const glm::dvec3& allowed, const glm::dvec3& center, double reach, std::size_t vertices)
+      : size_(16.0 * allowed), center_(center) {
     // A bucket holds a block of 2^shift cells a side, about four edges of such a surface wide: neighbors in the mesh
     // are then neighbors in the cache.
     const double edges = 4 * reach / std::sqrt(static_cast<double>(vertices) + 1);
-    while (shift_ < kMaxShift && std::ldexp(largest_coordinate(size_), shift_ + 1) <= edges) ++shift_;
+    while (shift_ < kMaxShift && std::ldexp(max_abs_coordinate(size_), shift_ + 1) <= edges) ++shift_;
     buckets_ = vertices / 16 + 1;
   }
 
   // The extracted mesh spans about 2^20 cells; everything far beyond it falls into one cell.
   [[nodiscard]] glm::ivec3 of(const glm::dvec3& place) const {
     constexpr double kFarthest = 0x1p30;
-    return glm::ivec3(glm::clamp(glm::floor((place - centre_) / size_), -kFarthest, kFarthest));
+    return glm::ivec3(glm::clamp(glm::floor((place - center_) / size_), -kFarthest, kFarthest));
   }
   [[nodiscard]] std::size_t bucket_of(const glm::ivec3& cell) const {
     const glm::ivec3 block = cell >> shift_;
@@ -91,7 +91,7 @@ class Cells {
  private:
   static constexpr int kMaxShift = 30;
   glm::dvec3 size_;
-  glm::dvec3 centre_;
+  glm::dvec3 center_;
   int shift_ = 0;
   std::size_t buckets_ = 1;
 };
@@ -178,7 +178,7 @@ Nearest nearest_to(const glm::dvec3& place, const glm::dvec3& allowed, const Pla
         const auto order = [](const glm::ivec3& c) { return std::tuple(c.x, c.y, c.z); };
         auto v = std::ranges::lower_bound(all, order(cell), {}, [&](const PlacedVertex& p) { return order(p.cell); });
         for (; v != all.end() && v->cell == cell; ++v) {
-          const double share = largest_coordinate((places.place(v->stored) - place) / allowed);
+          const double share = max_abs_coordinate((places.place(v->stored) - place) / allowed);
           if (share > 1 || std::tie(share, v->vertex) >= std::tie(nearest.share, nearest.vertex)) continue;
           nearest = {v->vertex, share};
         }
@@ -195,8 +195,8 @@ std::uint64_t matching_bytes(std::uint64_t vertices) {
 
 }  // namespace
 
-Result<MeshMatch> match_meshes(const mesh::Mesh& written, const mesh::Mesh& extracted, bool float32_world,
-                               const Context& context, bool quantised) {
+Result<MeshMatch> match_written_mesh(const mesh::Mesh& written, const mesh::Mesh& extracted, bool float32_world,
+                                     const Context& context, bool quantized) {
   const std::uint64_t vertices = written.positions.size() + extracted.positions.size();
   const std::uint64_t triangles = written.triangles.size() + extracted.triangles.size();
   const std::uint64_t bytes =
@@ -205,8 +205,8 @@ Result<MeshMatch> match_meshes(const mesh::Mesh& written, const mesh::Mesh& extr
 
   MeshMatch result;
   result.vertices = {written.positions.size(), extracted.positions.size()};
-  const double step = quantised ? step_of(written) : 0;
-  result.allowed = near_enough(written, extracted, float32_world) + step;
+  const double step = quantized ? step_of(written) : 0;
+  result.allowed = match_tolerance(written, extracted, float32_world) + step;
   const Places theirs(written, false, 0);
   const Places ours(extracted, float32_world, step);
   const Cells cells(result.allowed, extracted.origin, Reach(extracted).local,
@@ -267,9 +267,9 @@ Result<MeshMatch> match_meshes(const mesh::Mesh& written, const mesh::Mesh& extr
   return result;
 }
 
-std::vector<std::string> differences(const MeshMatch& match, const MeshNames& names) {
+std::vector<std::string> differences(const MeshMatch& match, const MeshLabels& names) {
   std::vector<std::string> found;
-  add_sentences(match.triangles, names, found);
+  add_difference_sentences(match.triangles, names, found);
   for (std::size_t side = 0; side < 2; ++side) {
     if (!match.vertex_example[side]) continue;
     found.push_back(fmt::format("{} of {} vertices are in {} only, one of them at {}", match.vertices_only[side],

@@ -15,9 +15,9 @@
 // - One step, if positions were quantized to multiples of a power of two (mesh_io/mesh_packing.hpp). The extracted ones
 //   are quantized likewise here, but another backend's may have gone to the next step.
 //
-// Extractors keep vertices of different edges at least four ulps of the local coordinates apart (OutputFrame), so the
-// nearest vertex is the right one; only STL far from the world origin may resolve less. Vertices that are not on edges
-// (MethodTraits) can be closer: one of two such vertices may then count as missing.
+// Extractors keep vertices of different edges at least four ulps of the local coordinates apart (OutputPlacement), so
+// the nearest vertex is the right one; only STL far from the world origin may resolve less. Vertices that are not on
+// edges (MethodTraits) can be closer: one of two such vertices may then count as missing.
 #pragma once
 
 #include <array>
@@ -48,11 +48,11 @@ struct MeshMatch {
 
 // Matches the meshes. `float32_world`: the file's format has float32 world coordinates only. `quantised`: its positions
 // were quantized. Fails with ErrorCode::out_of_memory if memory is short.
-[[nodiscard]] Result<MeshMatch> match_meshes(const mesh::Mesh& written, const mesh::Mesh& extracted, bool float32_world,
-                                             const Context& context, bool quantised = false);
+[[nodiscard]] Result<MeshMatch> match_written_mesh(const mesh::Mesh& written, const mesh::Mesh& extracted,
+                                                   bool float32_world, const Context& context, bool quantized = false);
 
 // Returns one sentence (without full stop) for each difference, none if the meshes are equal. `names` are the names of
 // the meshes.
-[[nodiscard]] std::vector<std::string> differences(const MeshMatch& match, const MeshNames& names);
+[[nodiscard]] std::vector<std::string> differences(const MeshMatch& match, const MeshLabels& names);
 
 }  // namespace isoextract::accuracy

@@ -15,7 +15,7 @@ namespace {
 std::tuple<std::uint32_t, std::uint32_t, std::uint32_t> ordered(const glm::uvec3& t) { return {t.x, t.y, t.z}; }
 
 // Returns the names of a triangle, starting with the rotation that sorts first.
-std::optional<glm::uvec3> named(const NamedMesh& mesh, std::size_t triangle) {
+std::optional<glm::uvec3> named(const LabeledVertices& mesh, std::size_t triangle) {
   glm::uvec3 names;
   for (int corner = 0; corner < 3; ++corner) {
     const std::uint32_t vertex = mesh.mesh.triangles[triangle][corner];
@@ -37,7 +37,7 @@ struct Rest {
   }
 };
 
-mesh::Buckets<Rest> by_first_name(const NamedMesh& mesh, std::uint64_t names) {
+mesh::Buckets<Rest> by_first_name(const LabeledVertices& mesh, std::uint64_t names) {
   return {mesh.mesh.triangles.size(), names, [&](std::size_t t, const auto& put) {
             if (const auto corners = named(mesh, t)) put(corners->x, Rest{{corners->y, corners->z}, t});
           }};
@@ -89,8 +89,8 @@ std::array<glm::dvec3, 3> corners_of(const mesh::Mesh& mesh, std::uint64_t trian
 
 }  // namespace
 
-TriangleDifference compare_triangle_sets(const NamedMesh& a, const NamedMesh& b, std::uint64_t names) {
-  const std::array<const NamedMesh*, 2> sides{&a, &b};
+TriangleDifference compare_triangle_sets(const LabeledVertices& a, const LabeledVertices& b, std::uint64_t names) {
+  const std::array<const LabeledVertices*, 2> sides{&a, &b};
   const std::array buckets{by_first_name(a, names), by_first_name(b, names)};
   Sums sums = reduce_in_order(names, Sums{}, nullptr, [&](const PointRange& range, Sums& part) {
     for (std::size_t name = range.begin(); name != range.end(); ++name) {
@@ -99,7 +99,7 @@ TriangleDifference compare_triangle_sets(const NamedMesh& a, const NamedMesh& b,
   });
   TriangleDifference result;
   for (std::size_t side = 0; side < 2; ++side) {
-    const NamedMesh& named_mesh = *sides[side];
+    const LabeledVertices& named_mesh = *sides[side];
     const mesh::Mesh& mesh = named_mesh.mesh;
     result.total[side] = mesh.triangles.size();
     if (buckets[side].total() < mesh.triangles.size()) {
@@ -115,7 +115,8 @@ TriangleDifference compare_triangle_sets(const NamedMesh& a, const NamedMesh& b,
   return result;
 }
 
-void add_sentences(const TriangleDifference& difference, const MeshNames& names, std::vector<std::string>& sentences) {
+void add_difference_sentences(const TriangleDifference& difference, const MeshLabels& names,
+                              std::vector<std::string>& sentences) {
   for (std::size_t side = 0; side < 2; ++side) {
     const auto& example = difference.example[side];
     if (!example) continue;

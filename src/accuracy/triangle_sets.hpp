@@ -18,12 +18,12 @@ namespace isoextract::accuracy {
 inline constexpr std::uint32_t kNoName = std::numeric_limits<std::uint32_t>::max();
 
 // A mesh whose vertices have names: equal vertices of two meshes have equal names.
-struct NamedMesh {
+struct LabeledVertices {
   const mesh::Mesh& mesh;
   std::span<const std::uint32_t> names;  // one for each vertex: below the number of names, or kNoName
 };
 
-using MeshNames = std::array<std::string_view, 2>;  // names of the first and the second mesh
+using MeshLabels = std::array<std::string_view, 2>;  // names of the first and the second mesh
 
 struct TriangleDifference {
   std::array<std::uint64_t, 2> total{};                               // for the first and the second mesh
@@ -33,10 +33,12 @@ struct TriangleDifference {
 
 // Compares the triangles of both meshes. Triangles are equal if they name the same vertices in the same cyclic order;
 // duplicates must occur equally often. A triangle with an unnamed or nonexistent vertex belongs to its mesh only.
-[[nodiscard]] TriangleDifference compare_triangle_sets(const NamedMesh& a, const NamedMesh& b, std::uint64_t names);
+[[nodiscard]] TriangleDifference compare_triangle_sets(const LabeledVertices& a, const LabeledVertices& b,
+                                                       std::uint64_t names);
 
 // Adds a sentence for each mesh that has triangles of its own.
-void add_sentences(const TriangleDifference& difference, const MeshNames& names, std::vector<std::string>& sentences);
+void add_difference_sentences(const TriangleDifference& difference, const MeshLabels& names,
+                              std::vector<std::string>& sentences);
 
 // Formats a point as "(1, 2.5, -3)".
 [[nodiscard]] std::string point_text(const glm::dvec3& point);

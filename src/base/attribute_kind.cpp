@@ -58,7 +58,7 @@ std::optional<AttributeKind> kind_where(const Names& names, Matches&& matches) {
 }  // namespace
 
 std::optional<AttributeKind> kind_by_name(std::string_view name) {
-  const std::string lower = lower_case(name);
+  const std::string lower = to_lower(name);
   const auto has = [&](std::string_view part) { return lower.find(part) != std::string::npos; };
   if (has(kAngular)) return std::nullopt;
   if (const auto kind = kind_where(kNames, [&](std::string_view whole) { return lower == whole; })) return kind;

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-#include "base/words.hpp"
+#include "base/enum_words.hpp"
 
 namespace isoextract {
 
@@ -24,7 +24,7 @@ constexpr auto words_of(AttributeKind /*type*/) {
 }
 
 // Returns whether attributes of this kind are transformed with the mesh. Only attributes of three components are.
-[[nodiscard]] constexpr bool changes_with_mesh(AttributeKind kind) {
+[[nodiscard]] constexpr bool is_transformed_with_mesh(AttributeKind kind) {
   return kind == AttributeKind::vector || kind == AttributeKind::point || kind == AttributeKind::normal;
 }
 

@@ -30,7 +30,7 @@ constexpr std::size_t kSlack = 2 * kHugePage;  // the most that rounding and ali
 
 // Freed large blocks, kept for reuse. Repeated extractions (several iso values, benchmark rounds) need blocks of
 // similar sizes, and the system takes longer to clear the pages of a mesh than an extraction takes.
-class KeptBlocks {
+class BlockCache {
  public:
   // Returns a kept block of `bytes` or slightly more. Without one, returns null and frees all smaller blocks, because
   // the sizes have changed.
@@ -69,7 +69,7 @@ class KeptBlocks {
   }
 
   // Frees the oldest blocks until at most `bytes` are left. Returns false if there was nothing to free.
-  bool release_to(std::size_t bytes) {
+  bool trim_to(std::size_t bytes) {
     const std::scoped_lock lock(mutex_);
     const bool any = total_ > bytes;
     for (std::size_t tried = 0; tried < blocks_.size() && total_ > bytes; ++tried) {
@@ -107,32 +107,32 @@ class KeptBlocks {
 };
 
 // Never destroyed, because a buffer may outlive every static object.
-KeptBlocks& kept_blocks() {
-  static auto* const kept = new KeptBlocks;
+BlockCache& block_cache() {
+  static auto* const kept = new BlockCache;
   return *kept;
 }
 
 }  // namespace
 
-void* allocate_pages(std::size_t count, std::size_t size) {
+void* allocate_block(std::size_t count, std::size_t size) {
   if (count == 0) return nullptr;
   std::size_t bytes = 0;
   if (__builtin_mul_overflow(count, size, &bytes) || bytes > PTRDIFF_MAX - kHugePage) throw std::bad_alloc();
   const bool large = bytes >= kLarge;
   if (large) {
-    if (void* const kept = kept_blocks().take(bytes); kept != nullptr) return kept;
+    if (void* const kept = block_cache().take(bytes); kept != nullptr) return kept;
   }
   const std::size_t alignment = large ? kHugePage : kCacheLine;
   const std::size_t rounded = (bytes + alignment - 1) / alignment * alignment;
   void* block = std::aligned_alloc(alignment, rounded);
-  if (block == nullptr && kept_blocks().release_to(0)) block = std::aligned_alloc(alignment, rounded);
+  if (block == nullptr && block_cache().trim_to(0)) block = std::aligned_alloc(alignment, rounded);
   if (block == nullptr) throw std::bad_alloc();
   // Only advice: without huge pages the block works as well.
   if (large) static_cast<void>(::madvise(block, bytes, MADV_HUGEPAGE));
   return block;
 }
 
-void free_pages(void* block) {
+void free_block(void* block) {
   const std::size_t bytes = ::malloc_usable_size(block);
 #ifdef ISOEXTRACT_ADDRESS_SANITIZER
   const bool keep = false;  // so that the sanitizer finds uses after free
@@ -140,12 +140,12 @@ void free_pages(void* block) {
   const bool keep = bytes >= kLarge && reinterpret_cast<std::uintptr_t>(block) % kHugePage == 0;
 #endif
   if (keep) {
-    kept_blocks().keep(block, bytes);
+    block_cache().keep(block, bytes);
   } else {
     std::free(block);
   }
 }
 
-void keep_blocks_within(std::uint64_t bytes) { kept_blocks().release_to(bytes); }
+void trim_kept_blocks(std::uint64_t bytes) { block_cache().trim_to(bytes); }
 
 }  // namespace isoextract::detail

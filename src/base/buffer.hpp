@@ -13,12 +13,12 @@ namespace isoextract {
 
 namespace detail {
 // Allocates count * size bytes, aligned at least to a cache line. Returns null for 0 bytes. Throws std::bad_alloc.
-// Blocks of 4 MiB and more use huge pages where the system allows them, and free_pages() keeps up to 512 MiB of them
+// Blocks of 4 MiB and more use huge pages where the system allows them, and free_block() keeps up to 512 MiB of them
 // for later calls.
-[[nodiscard]] void* allocate_pages(std::size_t count, std::size_t size);
-void free_pages(void* block);
+[[nodiscard]] void* allocate_block(std::size_t count, std::size_t size);
+void free_block(void* block);
 // Frees kept blocks until at most `bytes` of them are left.
-void keep_blocks_within(std::uint64_t bytes);
+void trim_kept_blocks(std::uint64_t bytes);
 }  // namespace detail
 
 template <class T>
@@ -31,7 +31,7 @@ class Buffer {
   Buffer() = default;
 
   // Throws std::bad_alloc. Reserve sizes that come from outside first (Context::reserve).
-  explicit Buffer(std::size_t size) : data_(static_cast<T*>(detail::allocate_pages(size, sizeof(T)))), size_(size) {}
+  explicit Buffer(std::size_t size) : data_(static_cast<T*>(detail::allocate_block(size, sizeof(T)))), size_(size) {}
 
   Buffer(Buffer&& other) noexcept : data_(std::move(other.data_)), size_(std::exchange(other.size_, 0)) {}
   Buffer& operator=(Buffer&& other) noexcept {
@@ -60,7 +60,7 @@ class Buffer {
 
  private:
   struct Free {
-    void operator()(T* p) const { detail::free_pages(p); }
+    void operator()(T* p) const { detail::free_block(p); }
   };
 
   std::unique_ptr<T, Free> data_;

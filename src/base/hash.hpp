@@ -20,7 +20,7 @@ inline constexpr std::uint64_t kGoldenRatio = 0x9E3779B97F4A7C15U;  // odd, next
 
 // Returns a 44-bit hash of three integers for a table index; cast negative integers. This is multiplicative hashing
 // with odd constants: the high bits are mixed best. No output may depend on the hash.
-[[nodiscard]] constexpr std::uint64_t hash_of_three(std::uint64_t x, std::uint64_t y, std::uint64_t z) {
+[[nodiscard]] constexpr std::uint64_t hash_coordinates(std::uint64_t x, std::uint64_t y, std::uint64_t z) {
   const std::uint64_t mixed = (x * detail::kGoldenRatio + y) * 0xC2B2AE3D27D4EB4FU + z;
   return mixed * detail::kGoldenRatio >> 20U;
 }

@@ -28,8 +28,8 @@ std::uint64_t peak_memory() {
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
-StartedThreads try_threads(int wanted) {
-  StartedThreads started;
+StartableThreads start_threads_together(int wanted) {
+  StartableThreads started;
   std::latch enough(1);
   std::vector<std::jthread> threads;
   try {

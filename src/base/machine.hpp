@@ -14,10 +14,10 @@ namespace isoextract {
 [[nodiscard]] std::uint64_t peak_memory();
 
 // Starts up to `wanted` threads that all live at the same time, ends them, and returns how many the system allowed.
-struct StartedThreads {
+struct StartableThreads {
   int count = 0;
   std::string refusal;  // the system's reason if it allowed fewer; else empty
 };
-[[nodiscard]] StartedThreads try_threads(int wanted);
+[[nodiscard]] StartableThreads start_threads_together(int wanted);
 
 }  // namespace isoextract

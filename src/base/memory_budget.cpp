@@ -151,7 +151,7 @@ Result<Reservation> MemoryBudget::reserve(std::uint64_t bytes, const std::string
     if (used > 0) message += fmt::format(", of which {} are in use", format_byte_size(used));
     return fail(ErrorCode::out_of_memory, std::move(message), {Remedy::raise, Setting::memory_limit});
   }
-  detail::keep_blocks_within(top.limit - used - bytes);
+  detail::trim_kept_blocks(top.limit - used - bytes);
   account_->add(bytes);
   return Reservation(account_, bytes);
 }

@@ -7,7 +7,7 @@
 
 namespace isoextract {
 
-void give_back_pages(const void* begin, std::size_t bytes) {
+void release_pages(const void* begin, std::size_t bytes) {
   static const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
   const auto within = static_cast<std::size_t>(reinterpret_cast<std::uintptr_t>(begin) % page);
   const std::size_t lead = (page - within) % page;  // before the first whole page

@@ -16,11 +16,11 @@ using Range = tbb::blocked_range<std::size_t>;
 
 // Keeps the first exception until the loop has ended. An exception that leaves a join or a split damages TBB's tree,
 // and an exception that leaves a body stops the loops inside other bodies halfway.
-class KeptException {
+class FirstException {
  public:
   [[nodiscard]] bool any() const { return any_; }
   template <class Work>
-  void keep_from(const Work& work) {
+  void run_and_keep(const Work& work) {
     try {
       work();
     } catch (...) {
@@ -39,12 +39,12 @@ class KeptException {
 // The body that TBB's reduction splits and joins.
 class SplitReduction {
  public:
-  SplitReduction(Reduction& all, KeptException& kept) : all_(all), kept_(kept), part_(&all) {}
+  SplitReduction(Reduction& all, FirstException& kept) : all_(all), kept_(kept), part_(&all) {}
   SplitReduction(SplitReduction& other, tbb::split /*unused*/) : all_(other.all_), kept_(other.kept_) {}
 
   void operator()(const Range& range) {
     if (kept_.any()) return;
-    kept_.keep_from([&] {
+    kept_.run_and_keep([&] {
       if (part_ == nullptr) {
         own_ = all_.fresh();
         part_ = own_.get();
@@ -54,12 +54,12 @@ class SplitReduction {
   }
   void join(SplitReduction& later) {
     if (part_ == nullptr || later.part_ == nullptr || kept_.any()) return;  // an exception left no result
-    kept_.keep_from([&] { part_->join(*later.part_); });
+    kept_.run_and_keep([&] { part_->join(*later.part_); });
   }
 
  private:
   const Reduction& all_;
-  KeptException& kept_;
+  FirstException& kept_;
   std::unique_ptr<Reduction> own_;
   Reduction* part_ = nullptr;
 };
@@ -78,7 +78,7 @@ void fixed_ranges(std::size_t count, std::size_t grain, RangeBody body) {
 }
 
 void reduce_ranges(std::size_t count, std::size_t grain, Reduction& all) {
-  KeptException kept;
+  FirstException kept;
   SplitReduction split(all, kept);
   tbb::parallel_deterministic_reduce(Range(0, count, grain), split);
   kept.rethrow();

@@ -33,7 +33,7 @@ std::optional<Character> first_character(std::string_view text) {
 
 // Returns whether a terminal acts on the character: a control character, a line or paragraph separator, or an
 // embedding, override or isolate of the writing direction.
-bool is_obeyed(char32_t code) {
+bool controls_terminal(char32_t code) {
   return code < 0x20 || (code >= 0x7f && code < 0xa0) || (code >= 0x2028 && code <= 0x202e) ||
          (code >= 0x2066 && code <= 0x2069);
 }
@@ -60,7 +60,7 @@ std::string printable(std::string_view text, std::size_t max_bytes) {
     if (bytes > max_bytes - at) return shown + "...";
     if (!character) {
       shown += fmt::format("\\x{:02x}", static_cast<unsigned char>(text[at]));
-    } else if (is_obeyed(character->code)) {
+    } else if (controls_terminal(character->code)) {
       shown += escaped(character->code);
     } else {
       shown += text.substr(at, bytes);

@@ -7,7 +7,7 @@
 // The vectorized loops are classify_samples, cell_rows, site_cells and vertex_batch in extract, spline_sums in points,
 // and slab_batch in render. Each has a scalar version in the code (InsideClassifier, edge_crossing, Placement) or in a
 // test. Tests compare the two bit for bit with every instruction set of the machine:
-// `tests/unit/extract/vectorised_test.cpp`, `points/kernel_test.cpp` and `render/vectorised_test.cpp`. Only the
+// `tests/unit/extract/vectorized_test.cpp`, `points/kernel_test.cpp` and `render/vectorized_test.cpp`. Only the
 // exponentials of rays may differ, in the last digits of a double. Sums keep their order, and the compiler fuses no
 // operations (-ffp-contract=off), because the GPU and the tests rely on equal bits. Measure changes with
 // build/bench/extraction_benchmark, one input at a time, on a quiet machine.

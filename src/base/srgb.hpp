@@ -7,10 +7,10 @@
 namespace isoextract {
 
 // Both functions convert one channel in [0, 1].
-[[nodiscard]] inline double linear_of_srgb(double channel) {
+[[nodiscard]] inline double srgb_to_linear(double channel) {
   return channel <= 0.04045 ? channel / 12.92 : std::pow((channel + 0.055) / 1.055, 2.4);
 }
-[[nodiscard]] inline double srgb_of_linear(double channel) {
+[[nodiscard]] inline double linear_to_srgb(double channel) {
   return channel <= 0.0031308 ? channel * 12.92 : 1.055 * std::pow(channel, 1 / 2.4) - 0.055;
 }
 

@@ -20,8 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-files::ReadFiles read_files_of(const BatchJob& batch, const OtherFiles& others, const Context& context) {
-  files::ReadFiles read;
+files::InputFileSet read_files_of(const BatchJob& batch, const OtherFiles& others, const Context& context) {
+  files::InputFileSet read;
   for (const NamedFile& file : others.read) read.add(file.path, file.what);
   const convert::SourceOptions* before = nullptr;
   for (const FrameJob& frame : batch.frames) {
@@ -61,7 +61,7 @@ struct BatchRun::State final : FrameEvents {
   bool finished(std::size_t frame, const convert::Outcome& outcome) override;
 
   // Keeps the frames that are already done, and returns the others.
-  std::vector<std::size_t> keep_what_is_done();
+  std::vector<std::size_t> keep_finished_frames();
   void keep(std::size_t frame, const FrameRecord* record);
   void begin_record(std::size_t frame, const Context& own);
   std::optional<Error> record(std::size_t frame, const convert::Outcome& outcome);
@@ -84,7 +84,7 @@ struct BatchRun::State final : FrameEvents {
   std::vector<char> is_missing;
   std::mutex mutex;  // guards the manifest and the members below
   std::vector<std::string> set_aside;
-  std::optional<Error> unkept;  // set if the manifest or the animation could not be written
+  std::optional<Error> fatal_error;  // set if the manifest or the animation could not be written
 };
 
 void BatchRun::State::keep(std::size_t frame, const FrameRecord* record) {
@@ -97,10 +97,10 @@ void BatchRun::State::keep(std::size_t frame, const FrameRecord* record) {
   events->over(frame, row, nullptr, nullptr);
 }
 
-std::vector<std::size_t> BatchRun::State::keep_what_is_done() {
-  const bool resumes = manifest && options.earlier == EarlierFrames::kept_if_unchanged;
+std::vector<std::size_t> BatchRun::State::keep_finished_frames() {
+  const bool resumes = manifest && options.earlier == ResumePolicy::keep_unchanged;
   std::optional<std::vector<FrameRecord>> all;
-  if (animation && resumes) all = kept_animation(*manifest, batch);
+  if (animation && resumes) all = find_animation_record(*manifest, batch);
   // The contents of reports are not recorded, so a frame without a report is converted again.
   const auto lacks_report = [&](std::size_t i) { return !events->has_report(i); };
   if (all && std::ranges::any_of(frames, lacks_report)) all.reset();
@@ -109,10 +109,10 @@ std::vector<std::size_t> BatchRun::State::keep_what_is_done() {
     const FrameJob& frame = batch.frames[i];
     const FrameRecord* record = all ? &(*all)[i] : nullptr;
     if (!animation && resumes) record = manifest->find(convert::hash_of(frame.job));
-    const bool is_done = options.earlier == EarlierFrames::kept_if_there
+    const bool is_done = options.earlier == ResumePolicy::keep_existing
                              ? std::ranges::any_of(files_of(frame.job), files::is_there)
                              : record != nullptr && events->has_report(i) &&
-                                   (animation.has_value() || why_again(*record, frame).empty());
+                                   (animation.has_value() || reason_to_reconvert(*record, frame).empty());
     if (is_done) {
       keep(i, record);
     } else {
@@ -133,7 +133,7 @@ void BatchRun::State::begin_record(std::size_t frame, const Context& own) {
   if (states) inputs[frame] = std::move(*states);
   const std::string job = convert::hash_of(batch.frames[frame].job);
   const std::lock_guard lock(mutex);
-  if (auto begun = manifest->begin(job); !begun) unkept = begun.error();
+  if (auto begun = manifest->begin(job); !begun) fatal_error = begun.error();
 }
 
 bool BatchRun::State::finished(std::size_t frame, const convert::Outcome& outcome) {
@@ -147,8 +147,8 @@ bool BatchRun::State::finished(std::size_t frame, const convert::Outcome& outcom
   {
     auto lost = animation ? animation->lost() : std::nullopt;
     const std::lock_guard lock(mutex);
-    if (lost) unkept = std::move(lost);
-    goes_on = !unkept;
+    if (lost) fatal_error = std::move(lost);
+    goes_on = !fatal_error;
   }
   row.figures = figures_of(outcome);
   for (const mesh_io::WrittenFile& file : outcome.files) row.outputs.push_back(file.path);
@@ -168,11 +168,11 @@ bool BatchRun::State::finished(std::size_t frame, const convert::Outcome& outcom
 }
 
 std::string BatchRun::State::set_aside_meshes(const convert::ConversionJob& job, const convert::Outcome& outcome) {
-  const files::ReadFiles* read = options.scheduler.extras.read;
+  const files::InputFileSet* read = options.scheduler.extras.read;
   if (animation || read == nullptr) return {};
   std::string text;
   for (const convert::OutputFileJob& output : job.outputs) {
-    const auto names = convert::set_aside_old_meshes(output, job.meshes().format, *read, outcome.files, context);
+    const auto names = convert::rename_old_meshes(output, job.meshes().format, *read, outcome.files, context);
     if (!names) {
       text += fmt::format("; {}", names.error().message);
       continue;
@@ -194,7 +194,7 @@ std::optional<Error> BatchRun::State::record(std::size_t frame, const convert::O
   const std::lock_guard lock(mutex);
   auto added = manifest->add(*made);
   if (added) return std::nullopt;
-  unkept = added.error();
+  fatal_error = added.error();
   return added.error();
 }
 
@@ -216,35 +216,33 @@ Result<mesh_io::MeshWriteResult> BatchRun::State::finish_animation() {
     if (row.status != FrameStatus::done) continue;
     for (const mesh_io::WrittenFile& file : written.files) row.outputs.push_back(file.path);
   }
-  if (!missing.empty()) written.notes.push_back(left_out_text(batch, missing));
+  if (!missing.empty()) written.notes.push_back(missing_frames_note(batch, missing));
   if (failed > 0 || !manifest) return written;
-  TRY(keep_animation(*manifest, batch, std::move(records), written));
+  TRY(record_animation(*manifest, batch, std::move(records), written));
   return written;
 }
 
 RunResult BatchRun::State::run(RunEvents& the_events) {
   events = &the_events;
-  options.scheduler.extras.note_of_field = [this](const field::ScalarField& field) {
-    return events->note_of_field(field);
-  };
-  const std::vector<std::size_t> others = keep_what_is_done();
+  options.scheduler.extras.field_note = [this](const field::ScalarField& field) { return events->field_note(field); };
+  const std::vector<std::size_t> others = keep_finished_frames();
   batch::run(batch, others, options.scheduler, context, *this, animation ? &*animation : nullptr);
   mesh_io::MeshWriteResult animated;
   if (animation && others.empty()) {
     animated.notes.push_back(fmt::format("{} is left as it is", batch.animation->path));
-  } else if (animation && !unkept) {
+  } else if (animation && !fatal_error) {
     auto finished = finish_animation();
     if (finished) {
       animated = std::move(*finished);
     } else {
-      unkept = finished.error();
+      fatal_error = finished.error();
     }
   }
   RunResult result;
   for (const std::size_t i : frames) result.rows.push_back(std::move(rows[i]));
   result.set_aside = std::move(set_aside);
   result.animation = std::move(animated);
-  result.error = std::move(unkept);
+  result.error = std::move(fatal_error);
   return result;
 }
 
@@ -267,8 +265,8 @@ fs::path manifest_folder(const BatchJob& batch) {
   return common.value_or(fs::path());
 }
 
-Result<std::optional<files::ReadFiles>> check_written_files(const BatchJob& batch, const Shard& shard,
-                                                            const OtherFiles& others, const Context& context) {
+Result<std::optional<files::InputFileSet>> check_written_files(const BatchJob& batch, const Shard& shard,
+                                                               const OtherFiles& others, const Context& context) {
   std::vector<fs::path> there;  // files to write that exist already
   std::unordered_set<std::string> meshes;
   for (const FrameJob& frame : batch.frames) {
@@ -283,7 +281,7 @@ Result<std::optional<files::ReadFiles>> check_written_files(const BatchJob& batc
   }
   const bool splits =
       std::ranges::any_of(batch.frames, [](const FrameJob& frame) { return frame.job.edits.pieces.split; });
-  std::optional<files::ReadFiles> read;
+  std::optional<files::InputFileSet> read;
   if (splits || !there.empty()) read = read_files_of(batch, others, context);
   for (const fs::path& file : there) TRY(read->check(file));
   return read;
@@ -297,7 +295,7 @@ Result<BatchRun> BatchRun::open(const BatchJob& batch, RunOptions options, const
     for (const std::size_t i : frames_of(batch, options.shard)) jobs.insert(convert::hash_of(batch.frames[i].job));
     ManifestHeader header = header_of(batch, options.shard, options.arguments);
     header.absent = options.absent;
-    const bool resumes = options.earlier == EarlierFrames::kept_if_unchanged;
+    const bool resumes = options.earlier == ResumePolicy::keep_unchanged;
     manifest = TRY(Manifest::open(manifest_folder(batch), header, resumes, jobs));
   }
   options.scheduler.extras.hash_files = options.keeps_records;

@@ -18,26 +18,26 @@
 #include "batch/shard.hpp"
 #include "convert/events.hpp"
 #include "field/scalar_field.hpp"
-#include "files/read_files.hpp"
+#include "files/input_file_set.hpp"
 #include "mesh_io/mesh_writer.hpp"
 
 namespace isoextract::batch {
 
 // Frames of an earlier run that this run keeps instead of converting them again.
-enum class EarlierFrames {
-  converted_again,
-  kept_if_unchanged,  // frames whose job is in the manifest and whose files are unchanged (why_again())
-  kept_if_there,      // frames of which an output file exists, whatever it contains
+enum class ResumePolicy {
+  reconvert,
+  keep_unchanged,  // frames whose job is in the manifest and whose files are unchanged (reason_to_reconvert())
+  keep_existing,   // frames of which an output file exists, whatever it contains
 };
 
 struct RunOptions {
   Shard shard = {};  // only this shard's frames are converted
-  EarlierFrames earlier = EarlierFrames::converted_again;
+  ResumePolicy earlier = ResumePolicy::reconvert;
   std::vector<std::string> arguments = {};  // of the command line, stored in the manifest for its readers
   std::string absent = {};                  // requested frames without input, as FrameRange text (ManifestHeader)
   bool keeps_records = true;                // keep records in the manifest, for later runs
   bool keeps_figures = true;                // keep figures in RunResult::rows, which takes memory for each frame
-  SchedulerOptions scheduler = {};          // BatchRun replaces its note_of_field by RunEvents::note_of_field
+  SchedulerOptions scheduler = {};          // BatchRun replaces its field_note by RunEvents::field_note
 };
 
 // Events of a run. The converting threads call them concurrently, so a listener must guard its data.
@@ -47,8 +47,8 @@ class RunEvents {
 
   // Called before a frame is converted; see FrameEvents::started().
   [[nodiscard]] virtual convert::Events* started(std::size_t /*frame*/, const Context& /*context*/) { return nullptr; }
-  // Returns a note about the field of a frame (convert::OutcomeExtras).
-  [[nodiscard]] virtual std::optional<std::string> note_of_field(const field::ScalarField& /*field*/) {
+  // Returns a note about the field of a frame (convert::ConversionOptions).
+  [[nodiscard]] virtual std::optional<std::string> field_note(const field::ScalarField& /*field*/) {
     return std::nullopt;
   }
   // Returns whether the report of a frame, as write_report() writes it, exists. A frame without one is not kept.
@@ -80,9 +80,9 @@ struct RunResult {
 // overwritten: no file to write exists yet, and no output has names that are known late (pieces).
 //
 // Fails with ErrorCode::usage if a file to write is also read. Fails as check_replaced_shard() does.
-[[nodiscard]] Result<std::optional<files::ReadFiles>> check_written_files(const BatchJob& batch, const Shard& shard,
-                                                                          const OtherFiles& others,
-                                                                          const Context& context);
+[[nodiscard]] Result<std::optional<files::InputFileSet>> check_written_files(const BatchJob& batch, const Shard& shard,
+                                                                             const OtherFiles& others,
+                                                                             const Context& context);
 
 class BatchRun {
  public:

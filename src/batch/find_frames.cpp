@@ -218,7 +218,7 @@ tl::unexpected<Error> fail_no_names(const std::string& folder, const std::string
   std::string message = fmt::format("{}: no file in the folder is named like a volume or particles", printable(folder));
   Hint hint("files of any name are found by a pattern, with the folder before it");
   if (const auto known =
-          first.empty() ? std::nullopt : volume_io::known_but_unread(fs::path(folder) / first, Context())) {
+          first.empty() ? std::nullopt : volume_io::unsupported_format_error(fs::path(folder) / first, Context())) {
     message += fmt::format("; {}", known->message);
     hint = known->hint;
   }
@@ -336,7 +336,7 @@ Result<Frames> find_frames(std::span<const std::string> inputs, const std::optio
                             printable(input), text_of(range->runs(), kShownRuns)),
                 "{} or {:04} in the name stands for the number");
   }
-  const std::int64_t number = is_file_name(input) ? single_number(input).value_or(1) : 1;
+  const std::int64_t number = is_file_name(input) ? trailing_number(input).value_or(1) : 1;
   return Frames{{{number, input, {}}}, {}, {}};
 }
 

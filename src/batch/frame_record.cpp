@@ -27,14 +27,14 @@ Result<FileRecord> file_record_of(const mesh_io::WrittenFile& file, const Contex
   if (file.hash && version && version->bytes == file.bytes) {
     return FileRecord{file.path, {file.bytes, version->modified, *file.hash}};
   }
-  const files::FileState state = TRY(files::state_of_file(file.path, context));
+  const files::ContentState state = TRY(files::hash_file(file.path, context));
   return FileRecord{file.path, state};
 }
 
 // Returns a message about the first file whose bytes (or `with_times` modification time) changed; empty if none has.
-std::string changed_one(const std::vector<FileRecord>& before, bool with_times) {
+std::string first_changed_file(const std::vector<FileRecord>& before, bool with_times) {
   for (const FileRecord& file : before) {
-    const auto now = files::state_of_file(file.path, Context());
+    const auto now = files::hash_file(file.path, Context());
     if (!now) return fmt::format("{} cannot be read", file.path);
     const bool same = now->bytes == file.state.bytes && now->hash == file.state.hash;
     if (!same || (with_times && now->modified != file.state.modified)) return fmt::format("{} has changed", file.path);
@@ -260,7 +260,7 @@ void add_files(const convert::Outcome& outcome, SurfaceFigures& surface) {
 }
 
 // Adds the optional attributes that the input lacks. One may be requested twice: to be written, and for colors.
-void add_lacked(const StageReport& report, std::vector<std::string>& lacked) {
+void add_missing_attributes(const StageReport& report, std::vector<std::string>& lacked) {
   for (const Figures& attribute : report.entries) {
     const auto name = value_at<std::string>(attribute, {Key::attribute}).value_or("");
     if (std::ranges::find(lacked, name) == lacked.end()) lacked.push_back(name);
@@ -277,7 +277,7 @@ std::string text_at(const convert::Outcome& outcome, StageName stage, Key key) {
 FrameFigures figures_of(const convert::Outcome& outcome) {
   FrameFigures figures;
   for (const StageReport& report : outcome.reports) {
-    if (report.stage == StageName::read_attributes) add_lacked(report, figures.lacked_attributes);
+    if (report.stage == StageName::read_attributes) add_missing_attributes(report, figures.lacked_attributes);
     if (report.stage != StageName::extract) continue;
     SurfaceFigures& surface = figures.surfaces.emplace_back();
     surface.iso = report.id->figure();
@@ -309,7 +309,7 @@ Result<std::vector<FileRecord>> input_states(const FrameJob& frame, const Contex
   std::vector<FileRecord> records;
   const auto paths = TRY(input_paths(frame, context));
   for (const std::string& path : paths) {
-    auto state = TRY(files::state_of_file(path, context));
+    auto state = TRY(files::hash_file(path, context));
     records.push_back({path, std::move(state)});
   }
   return records;
@@ -328,12 +328,12 @@ Result<FrameRecord> record_of(const FrameJob& frame, std::vector<FileRecord> inp
 
 bool knows_inputs(const FrameRecord& record, const FrameJob& frame) { return !record.inputs.empty() || is_demo(frame); }
 
-std::string what_changed(const FrameRecord& record) {
-  std::string changed = changed_one(record.inputs, true);
-  return changed.empty() ? changed_one(record.outputs, false) : changed;
+std::string find_changed_file(const FrameRecord& record) {
+  std::string changed = first_changed_file(record.inputs, true);
+  return changed.empty() ? first_changed_file(record.outputs, false) : changed;
 }
 
-std::string what_came(const FrameRecord& record, const FrameJob& frame) {
+std::string find_added_input(const FrameRecord& record, const FrameJob& frame) {
   const auto paths = input_paths(frame, Context());
   if (!paths) return "its inputs cannot be listed";
   for (const std::string& path : *paths) {
@@ -343,11 +343,11 @@ std::string what_came(const FrameRecord& record, const FrameJob& frame) {
   return {};
 }
 
-std::string why_again(const FrameRecord& record, const FrameJob& frame) {
+std::string reason_to_reconvert(const FrameRecord& record, const FrameJob& frame) {
   if (record.job != convert::hash_of(frame.job)) return "its options have changed";
   if (!knows_inputs(record, frame)) return "its inputs are not known";
-  std::string changed = what_changed(record);
-  return changed.empty() ? what_came(record, frame) : changed;
+  std::string changed = find_changed_file(record);
+  return changed.empty() ? find_added_input(record, frame) : changed;
 }
 
 convert::Json json_of(const FrameRecord& record) {

@@ -58,7 +58,7 @@ struct FrameFigures {
 
 struct FileRecord {
   std::string path;
-  files::FileState state;
+  files::ContentState state;
 
   friend bool operator==(const FileRecord&, const FileRecord&) = default;
 };
@@ -84,7 +84,7 @@ struct FrameRecord {
 
 // Returns an input of the frame that exists now but not in the record, such as the file of an optional attribute:
 // "h_03.npy was not there". Empty if there is none.
-[[nodiscard]] std::string what_came(const FrameRecord& record, const FrameJob& frame);
+[[nodiscard]] std::string find_added_input(const FrameRecord& record, const FrameJob& frame);
 
 // Returns false if the inputs could not be read before the conversion but could during it: then the record does not
 // know them.
@@ -92,11 +92,11 @@ struct FrameRecord {
 
 // Returns the first file of the record that has changed: "in.vdb has changed". Empty if none has. Compares the bytes of
 // all files, and for inputs also the modification time.
-[[nodiscard]] std::string what_changed(const FrameRecord& record);
+[[nodiscard]] std::string find_changed_file(const FrameRecord& record);
 
 // Returns why a recorded frame must be converted again: "in.vdb has changed". Empty if its options are unchanged,
-// what_changed() finds no change, and no input was added. A record without inputs is trusted only for demo fields.
-[[nodiscard]] std::string why_again(const FrameRecord& record, const FrameJob& frame);
+// find_changed_file() finds no change, and no input was added. A record without inputs is trusted only for demo fields.
+[[nodiscard]] std::string reason_to_reconvert(const FrameRecord& record, const FrameJob& frame);
 
 [[nodiscard]] convert::Json json_of(const FrameRecord& record);
 // Parses a record. Returns nullopt if the JSON is none.

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "base/words.hpp"
+#include "base/enum_words.hpp"
 #include "batch/frame_record.hpp"
 
 namespace isoextract::batch {

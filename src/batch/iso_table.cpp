@@ -116,7 +116,7 @@ Result<TableColumns> columns_of(std::string_view header, const std::string& plac
   if (fields) {
     columns.count = fields->size();
     for (std::size_t i = 0; i < fields->size(); ++i) {
-      const std::string name = lower_case((*fields)[i]);
+      const std::string name = to_lower((*fields)[i]);
       if (name == "frame") columns.frame = i, ++frames;
       if (name == "iso") columns.iso = i, ++isos;
     }
@@ -132,7 +132,7 @@ Result<TableColumns> columns_of(std::string_view header, const std::string& plac
 
 Result<IsoTable> IsoTable::read(const std::filesystem::path& path, const Context& context) {
   const auto text = TRY(files::read_text_file(path, "a table", kMaxTableBytes, context));
-  return parse(text, files::shown_input_name(path));
+  return parse(text, files::input_label(path));
 }
 
 Result<IsoTable> IsoTable::parse(std::string_view text, const std::string& name) {

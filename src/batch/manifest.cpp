@@ -31,7 +31,7 @@ using convert::Json;
 constexpr int kManifestVersion = 1;
 constexpr std::size_t kHashDigits = 32;
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 28;  // a frame takes about a thousand bytes
-constexpr const char* kBegun = "begun_anew";
+constexpr const char* kRevocationKey = "begun_anew";
 
 tl::unexpected<Error> output_error(const fs::path& path, std::string_view action, int code) {
   return fail(ErrorCode::output,
@@ -81,10 +81,10 @@ std::optional<ManifestHeader> header_of(const Json& json) {
   }
 }
 
-Json json_of_begun(const std::string& job) { return {{kBegun, job}}; }
+Json revocation_json(const std::string& job) { return {{kRevocationKey, job}}; }
 
-std::optional<std::string> begun_of(const Json& json) {
-  const auto job = json.is_object() ? json.find(kBegun) : json.end();
+std::optional<std::string> revoked_job(const Json& json) {
+  const auto job = json.is_object() ? json.find(kRevocationKey) : json.end();
   if (!json.is_object() || job == json.end() || !job->is_string()) return std::nullopt;
   return job->get<std::string>();
 }
@@ -98,7 +98,7 @@ std::optional<ManifestContent> content_of(std::string_view text) {
   std::vector<std::optional<FrameRecord>> records;
   while (const auto line = take_record_line(text)) {
     auto record = record_of(*line);
-    const auto begun = record ? record->job : begun_of(*line);
+    const auto begun = record ? record->job : revoked_job(*line);
     if (!begun) break;
     const auto [place, is_new] = place_of.try_emplace(*begun, records.size());
     if (is_new) records.emplace_back();
@@ -111,13 +111,13 @@ std::optional<ManifestContent> content_of(std::string_view text) {
 }
 
 // Returns whether the text can be a truncated manifest: it begins with the hash of a header, or a part of the hash.
-bool may_be_torn(std::string_view text) {
+bool may_be_truncated(std::string_view text) {
   return text.substr(0, kHashDigits).find_first_not_of("0123456789abcdef") == std::string_view::npos;
 }
 
 // Adds records of these jobs from other manifests in the folder: the joined one, and those of other numbers of shards.
-void add_records_of_others(const fs::path& folder, const fs::path& own, const ManifestHeader& header,
-                           const std::unordered_set<std::string>& jobs, std::vector<FrameRecord>& records) {
+void add_other_manifests(const fs::path& folder, const fs::path& own, const ManifestHeader& header,
+                         const std::unordered_set<std::string>& jobs, std::vector<FrameRecord>& records) {
   std::unordered_set<std::string> known;
   for (const FrameRecord& record : records) known.insert(record.job);
   const auto paths = manifest_paths(folder);
@@ -245,7 +245,7 @@ Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& he
   const auto text = status.st_size == 0 ? Result<std::string>("") : text_of_file(state->path);
   if (!text) return fail(ErrorCode::output, text.error().message, "choose another folder, or move the file away");
   auto old = content_of(*text);
-  if (!old && !may_be_torn(*text)) {
+  if (!old && !may_be_truncated(*text)) {
     return fail(ErrorCode::output,
                 fmt::format("{}: it is no manifest of a batch; it is not overwritten", state->path.string()),
                 "choose another folder, or move the file away");
@@ -258,7 +258,7 @@ Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& he
       return header.shard.is_all() || old->header.batch == header.batch || jobs.contains(record.job);
     });
   }
-  if (resume) add_records_of_others(folder, state->path, header, jobs, kept);
+  if (resume) add_other_manifests(folder, state->path, header, jobs, kept);
   // Records of this batch go last, so that merge_shards() can tell them from those of other batches.
   std::stable_partition(kept.begin(), kept.end(),
                         [&](const FrameRecord& record) { return !jobs.contains(record.job); });
@@ -289,7 +289,7 @@ const FrameRecord* Manifest::find(const std::string& job) const {
 }
 
 Result<void> Manifest::begin(const std::string& job) {
-  return state_->records.erase(job) == 0 ? Result<void>() : state_->append(line_of(json_of_begun(job)));
+  return state_->records.erase(job) == 0 ? Result<void>() : state_->append(line_of(revocation_json(job)));
 }
 
 Result<void> Manifest::add(const FrameRecord& record) { return state_->append(line_of(json_of(record))); }

@@ -104,7 +104,7 @@ void add_joined_records(const ManifestHeader& header, const JoinedManifest& join
   std::map<std::int64_t, FrameRecord> filled = found;
   for (const std::int64_t number : range->numbers()) {
     const FrameRecord* const record = filled.contains(number) ? nullptr : joined.last_of(number);
-    if (record == nullptr || (wanted == Wanted::unchanged && !what_changed(*record).empty())) continue;
+    if (record == nullptr || (wanted == Wanted::unchanged && !find_changed_file(*record).empty())) continue;
     filled.emplace(number, *record);
   }
   std::vector<FrameHash> frames;
@@ -134,7 +134,7 @@ Result<std::vector<ShardGroup>> read_groups(const fs::path& folder) {
 }
 
 // Returns one group of each batch: the complete one, else the newest.
-std::vector<ShardGroup> one_of_each_batch(std::vector<ShardGroup> groups) {
+std::vector<ShardGroup> best_group_per_batch(std::vector<ShardGroup> groups) {
   std::ranges::stable_sort(groups, [](const ShardGroup& a, const ShardGroup& b) {
     return std::pair(a.is_complete(), a.written) > std::pair(b.is_complete(), b.written);
   });
@@ -165,7 +165,7 @@ bool is_joined(const ShardGroup& group, const JoinedManifest& joined) {
 // its files again. Returns nullopt if there is no group.
 Result<std::optional<ShardGroup>> choose_group(const fs::path& folder, const JoinedManifest& joined) {
   auto read = TRY(read_groups(folder));
-  std::vector<ShardGroup> groups = one_of_each_batch(std::move(read));
+  std::vector<ShardGroup> groups = best_group_per_batch(std::move(read));
   if (groups.empty()) return std::nullopt;
   std::ranges::stable_sort(groups, std::ranges::greater(), &ShardGroup::written);
   if (groups.size() == 1) return std::move(groups.front());
@@ -199,7 +199,7 @@ std::string missing_text(const ManifestHeader& header, const std::map<std::int64
 
 Result<void> check_outputs(const FrameRecord& record) {
   for (const FileRecord& output : record.outputs) {
-    const auto now = TRY(files::state_of_file(output.path, Context()));
+    const auto now = TRY(files::hash_file(output.path, Context()));
     if (now.hash != output.state.hash) return bad(output.path, "it is not what its shard has written");
   }
   return {};
@@ -253,8 +253,8 @@ Result<MergedShards> merge_shards(const fs::path& folder) {
     for (FrameRecord& record : content.records) {
       // A later run without shards may have converted the frame again.
       const FrameRecord* const other = joined.find(record.job);
-      const bool is_old = other != nullptr && *other != record && !what_changed(record).empty();
-      if (is_old && what_changed(*other).empty()) record = *other;
+      const bool is_old = other != nullptr && *other != record && !find_changed_file(record).empty();
+      if (is_old && find_changed_file(*other).empty()) record = *other;
       TRY(check_outputs(record));
       const std::int64_t frame = record.frame;
       if (!found.emplace(frame, std::move(record)).second) {

@@ -18,8 +18,8 @@
 #include "batch/output_template.hpp"
 #include "convert/output_checks.hpp"
 #include "files/file_bytes.hpp"
+#include "files/location_keys.hpp"
 #include "files/output_file.hpp"
-#include "files/place_keys.hpp"
 
 namespace isoextract::batch {
 namespace {
@@ -53,13 +53,13 @@ std::string mesh_text(const OutputSource& source) {
 // All files of a run in one set, by their place on disk.
 class FileUses {
  public:
-  explicit FileUses(files::PlaceKeys& places) : places_(places) {}
+  explicit FileUses(files::LocationKeys& places) : places_(places) {}
 
   void add_read(const fs::path& file, const FileUse& use) { readers_.try_emplace(places_.key(file), use); }
 
   // Adds a file to write. Fails with ErrorCode::usage if it is read, already written, or named like a manifest.
   Result<void> add_written(const fs::path& file, const FileUse& use) {
-    const std::string shown = printable(files::shown_output_name(file));
+    const std::string shown = printable(files::output_label(file));
     const Hint hint = use.source != nullptr ? Hint(Remedy::change, Setting::output_name) : use.other->hint;
     if (is_manifest_name(file.filename().string())) {
       return fail(ErrorCode::usage, fmt::format("{}: a batch keeps its record in files of this name", shown), hint);
@@ -69,7 +69,7 @@ class FileUses {
       return fail(ErrorCode::usage, over_read(shown, use, reader_text(reader->second)), hint);
     }
     const auto [writer, fresh] = writers_.try_emplace(key, use);
-    const bool is_lost = !files::same_place(file, file);  // a device such as /dev/null
+    const bool is_lost = !files::is_same_output(file, file);  // a device such as /dev/null
     return fresh || is_lost ? Result<void>() : twice(shown, writer->second, use);
   }
 
@@ -100,7 +100,7 @@ class FileUses {
                  {Remedy::use, Setting::animation}});
   }
 
-  files::PlaceKeys& places_;
+  files::LocationKeys& places_;
   std::unordered_map<std::string, FileUse> readers_;
   std::unordered_map<std::string, FileUse> writers_;
 };
@@ -154,7 +154,7 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
                 fmt::format("{}: which labels there are is known once they are read", label_of_source(source)),
                 "list the labels, which 'isoextract info' shows, or write all into a glb");
   }
-  if (info.holds_several_meshes) return {};
+  if (info.can_hold_several_meshes) return {};
   if (!source.more_grids.empty() && !names.uses(OutputWord::grid)) {
     return fail(ErrorCode::usage,
                 fmt::format("{}: one {} file holds one surface, found {} grids", label_of_source(source), info.name,
@@ -170,7 +170,7 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
   }
   std::vector<std::string_view> others;
   for (const mesh_io::MeshFormatInfo& other : mesh_io::mesh_formats()) {
-    if (other.holds_several_meshes) others.push_back(other.name);
+    if (other.can_hold_several_meshes) others.push_back(other.name);
   }
   return fail(ErrorCode::usage,
               fmt::format("{}: one {} file holds one surface, found {} {}", label_of_source(source), info.name,
@@ -192,7 +192,7 @@ OutputFiles files_of(const OutputSource& source, const OutputTemplate& names) {
       continue;
     }
     for (const convert::IsoChoice& iso : source.isos) {
-      words.iso = name_part_of(iso);
+      words.iso = file_name_part(iso);
       files.push_back({names.expand(words), {iso}, only});
     }
   }
@@ -201,15 +201,15 @@ OutputFiles files_of(const OutputSource& source, const OutputTemplate& names) {
 
 // Checks the files whose names contain {piece}.
 Result<void> check_piece_files(std::span<const OutputSource> sources, std::span<const OutputFiles> outputs,
-                               mesh_io::MeshFormat format, const OtherFiles& others, files::PlaceKeys& places) {
+                               mesh_io::MeshFormat format, const OtherFiles& others, files::LocationKeys& places) {
   PieceNames names;
   bool any = false;
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     for (const convert::OutputFileJob& output : outputs[i]) {
-      if (output.path.find(convert::kPieceWord) == std::string::npos) continue;
+      if (output.path.find(convert::kPiecePlaceholder) == std::string::npos) continue;
       any = true;
       for (const fs::path& file : convert::mesh_files(output, format)) {
-        if (file.string().find(convert::kPieceWord) == std::string::npos) {
+        if (file.string().find(convert::kPiecePlaceholder) == std::string::npos) {
           return fail(ErrorCode::usage,
                       fmt::format("{}: all components would share this file", printable(file.string())),
                       "put {piece} before the extension");
@@ -229,7 +229,7 @@ Result<void> check_piece_files(std::span<const OutputSource> sources, std::span<
     }
   }
   for (std::size_t i = 0; any && i < others.written.size(); ++i) {
-    const auto writer = names.could_be(places.by_name(others.written[i].path));
+    const auto writer = names.find_collision(places.by_name(others.written[i].path));
     if (!writer) continue;
     return fail(
         ErrorCode::usage,
@@ -239,7 +239,7 @@ Result<void> check_piece_files(std::span<const OutputSource> sources, std::span<
   }
   for (std::size_t i = 0; any && i < sources.size(); ++i) {
     if (!is_file_name(sources[i].input) || files::is_standard_input(sources[i].input)) continue;
-    const auto writer = names.could_be(places.by_name(sources[i].input));
+    const auto writer = names.find_collision(places.by_name(sources[i].input));
     if (!writer) continue;
     const std::string reader =
         sources[i].alone ? "this is the input" : "it is the input of " + label_of_source(sources[i]);
@@ -253,9 +253,9 @@ Result<void> check_piece_files(std::span<const OutputSource> sources, std::span<
 
 }  // namespace
 
-Result<std::vector<OutputFiles>> unchecked_outputs(std::span<const OutputSource> sources,
-                                                   const std::optional<std::string>& output, mesh_io::MeshFormat format,
-                                                   std::string_view extension) {
+Result<std::vector<OutputFiles>> name_outputs_unchecked(std::span<const OutputSource> sources,
+                                                        const std::optional<std::string>& output,
+                                                        mesh_io::MeshFormat format, std::string_view extension) {
   const auto names =
       TRY(template_of(sources, output, extension.empty() ? mesh_io::mesh_format_info(format).name : extension));
   std::vector<OutputFiles> outputs;
@@ -270,7 +270,7 @@ Result<std::vector<OutputFiles>> unchecked_outputs(std::span<const OutputSource>
 Result<std::vector<OutputFiles>> name_outputs(std::span<const OutputSource> sources,
                                               const std::optional<std::string>& output, mesh_io::MeshFormat format,
                                               std::string_view extension, const OtherFiles& others) {
-  auto outputs = unchecked_outputs(sources, output, format, extension);
+  auto outputs = name_outputs_unchecked(sources, output, format, extension);
   if (!outputs) return outputs;
   TRY(check_outputs(sources, *outputs, format, others));
   return outputs;
@@ -278,7 +278,7 @@ Result<std::vector<OutputFiles>> name_outputs(std::span<const OutputSource> sour
 
 Result<void> check_outputs(std::span<const OutputSource> sources, std::span<const OutputFiles> outputs,
                            mesh_io::MeshFormat format, const OtherFiles& others) {
-  files::PlaceKeys places;
+  files::LocationKeys places;
   FileUses uses(places);
   for (const NamedFile& file : others.read) uses.add_read(file.path, {nullptr, &file});
   for (const OutputSource& source : sources) {

@@ -61,10 +61,10 @@ using OutputFiles = std::vector<convert::OutputFileJob>;  // of one conversion
                                                             const OtherFiles& others = {});
 
 // Returns the same names without check_outputs().
-[[nodiscard]] Result<std::vector<OutputFiles>> unchecked_outputs(std::span<const OutputSource> sources,
-                                                                 const std::optional<std::string>& output,
-                                                                 mesh_io::MeshFormat format,
-                                                                 std::string_view extension);
+[[nodiscard]] Result<std::vector<OutputFiles>> name_outputs_unchecked(std::span<const OutputSource> sources,
+                                                                      const std::optional<std::string>& output,
+                                                                      mesh_io::MeshFormat format,
+                                                                      std::string_view extension);
 
 // Checks that every file is written once, that no file is both written and read, and that no file has a manifest's
 // name. `outputs` are those of `sources`; `others` are checked together with them. Files are compared by their place on

@@ -42,11 +42,11 @@ std::string OutputTemplate::expand(const OutputWords& words) const {
   for (const Part& part : parts_) {
     name += part.text;
     switch (part.word) {
-      case OutputWord::stem: name += safe_in_file_names(words.stem); break;
+      case OutputWord::stem: name += safe_file_name(words.stem); break;
       case OutputWord::frame: name += frame_digits(words.frame, part.width); break;
-      case OutputWord::grid: name += safe_in_file_names(words.grid); break;
+      case OutputWord::grid: name += safe_file_name(words.grid); break;
       case OutputWord::iso: name += words.iso; break;
-      case OutputWord::piece: name += convert::kPieceWord; break;
+      case OutputWord::piece: name += convert::kPiecePlaceholder; break;
     }
   }
   return name + end_;
@@ -54,7 +54,7 @@ std::string OutputTemplate::expand(const OutputWords& words) const {
 
 std::string template_of(std::string_view name) { return escaped_name(name); }
 
-std::string safe_in_file_names(std::string_view text) {
+std::string safe_file_name(std::string_view text) {
   constexpr std::string_view kUnsafe = "/\\:*?\"<>|";
   std::string safe;
   for (std::size_t at = 0; at < text.size();) {

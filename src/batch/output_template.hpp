@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/enum_words.hpp"
 #include "base/error.hpp"
-#include "base/words.hpp"
 
 namespace isoextract::batch {
 
@@ -23,7 +23,7 @@ struct OutputWords {
   std::string stem;
   std::int64_t frame = 0;
   std::string grid;
-  std::string iso;  // in the form of convert::name_part_of()
+  std::string iso;  // in the form of convert::file_name_part()
 };
 
 class OutputTemplate {
@@ -35,7 +35,7 @@ class OutputTemplate {
 
   [[nodiscard]] bool uses(OutputWord word) const;
 
-  // Returns the name. Stem and grid are made safe by safe_in_file_names(). {piece} stays as convert::kPieceWord,
+  // Returns the name. Stem and grid are made safe by safe_file_name(). {piece} stays as convert::kPieceWord,
   // because piece numbers are known only when pieces exist.
   [[nodiscard]] std::string expand(const OutputWords& words) const;
 
@@ -55,6 +55,6 @@ class OutputTemplate {
 // Makes a text from a file safe as part of one file name, visible and valid on other systems, too. Replaces these by _:
 // slashes, backslashes, any of : * ? " < > |, control characters, invalid UTF-8, characters that change the writing
 // direction, and leading dots.
-[[nodiscard]] std::string safe_in_file_names(std::string_view text);
+[[nodiscard]] std::string safe_file_name(std::string_view text);
 
 }  // namespace isoextract::batch

@@ -13,7 +13,7 @@
 
 #include <tbb/task_arena.h>
 
-#include "base/no_memory.hpp"
+#include "base/allocation_error.hpp"
 #include "base/stopwatch.hpp"
 #include "batch/detail/frame_queue.hpp"
 #include "convert/mesh_packing.hpp"
@@ -33,7 +33,7 @@ class Scheduler {
         backends_(which.size() > 1 ? &kept_backends_ : nullptr),
         receiver_(receiver),
         queue_(which.size(), receiver != nullptr),
-        memory_of_one_(options.memory_of_one) {}
+        memory_of_one_(options.memory_per_frame) {}
 
   BatchCounts run() {
     {
@@ -107,7 +107,7 @@ class Scheduler {
     });
     lock.lock();
     memory_of_one_ = std::max(memory_of_one_, outcome.reserved_memory);
-    const bool turned_away = receiver_ != nullptr && outcome.done() && !hand_over(place, held, outcome, lock);
+    const bool turned_away = receiver_ != nullptr && outcome.done() && !wait_and_hand_over(place, held, outcome, lock);
     // Packing in the receiver may have run out of memory, too.
     const bool for_memory =
         running->beside_others && outcome.error && outcome.error->code == ErrorCode::out_of_memory && !ended();
@@ -127,8 +127,8 @@ class Scheduler {
 
   // Waits for the frame's turn and hands its meshes over. Returns false if it is turned away. Frees the meshes in any
   // case.
-  bool hand_over(std::size_t place, convert::MeshCollector& held, convert::Outcome& outcome,
-                 std::unique_lock<std::mutex>& lock) {
+  bool wait_and_hand_over(std::size_t place, convert::MeshCollector& held, convert::Outcome& outcome,
+                          std::unique_lock<std::mutex>& lock) {
     using Turn = FrameQueue::Turn;
     changed_.wait(lock, [&] { return ended() || queue_.turn(place) != Turn::later; });
     const bool ends = ended();
@@ -161,7 +161,7 @@ class Scheduler {
       }
       return {};
     } catch (const std::bad_alloc&) {
-      return tl::unexpected(no_memory("not enough memory to write the frame", {Remedy::use, Setting::parts}));
+      return tl::unexpected(allocation_error("not enough memory to write the frame", {Remedy::use, Setting::parts}));
     }
   }
 
@@ -175,8 +175,8 @@ class Scheduler {
   SchedulerOptions options_;
   const Context& context_;
   FrameEvents& events_;
-  convert::KeptBackends kept_backends_;
-  convert::KeptBackends* backends_;  // null for a single frame, which has nobody to keep a device for
+  convert::BackendCache kept_backends_;
+  convert::BackendCache* backends_;  // null for a single frame, which has nobody to keep a device for
   FrameReceiver* receiver_;
 
   std::mutex mutex_;  // guards the members below

@@ -1,5 +1,5 @@
 // Runs conversions side by side within one memory budget and one number of threads. The results do not depend on how
-// many run at a time. One GPU device serves all conversions (convert::KeptBackends): while it extracts one frame, other
+// many run at a time. One GPU device serves all conversions (convert::BackendCache): while it extracts one frame, other
 // frames are read, measured and written.
 #pragma once
 
@@ -19,8 +19,8 @@ struct SchedulerOptions {
   int jobs = 1;     // largest number of conversions at a time
   int threads = 1;  // in all; each conversion gets its share, and more when few are left
   bool fail_fast = false;
-  std::uint64_t memory_of_one = 0;  // estimated reservation of one conversion, until some are measured; 0: unknown
-  convert::OutcomeExtras extras = {};
+  std::uint64_t memory_per_frame = 0;  // estimated reservation of one conversion, until some are measured; 0: unknown
+  convert::ConversionOptions extras = {};
 };
 
 // Events of frames; they do nothing unless overridden. The converting threads call them concurrently, so a listener

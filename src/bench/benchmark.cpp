@@ -152,7 +152,7 @@ Result<std::vector<BenchRow>> time_level(const field::ScalarField& field, std::s
 }
 
 // The mesh of one method and backend at one resolution, for measuring errors.
-struct Specimen {
+struct MeasuredMesh {
   const field::ScalarField& field;
   const extract::ExtractOptions& extracted;
   const mesh::Mesh& mesh;
@@ -174,10 +174,12 @@ tl::unexpected<Error> no_surface(const field::ScalarField& field, double iso, bo
 }
 
 // Sets all errors except `rounding`; `number` is the number of the contestant.
-using Judge = std::function<Result<void>(const Specimen& specimen, std::size_t number, BenchErrors& errors)>;
+using ErrorMeasurement =
+    std::function<Result<void>(const MeasuredMesh& specimen, std::size_t number, BenchErrors& errors)>;
 
-Result<void> judge_level(const field::ScalarField& field, const BenchOptions& options, const Judge& judge,
-                         bool in_finer, std::vector<BenchRow>& rows, const Context& context) {
+Result<void> measure_level_errors(const field::ScalarField& field, const BenchOptions& options,
+                                  const ErrorMeasurement& judge, bool in_finer, std::vector<BenchRow>& rows,
+                                  const Context& context) {
   std::size_t number = 0;
   for (const Contestant& contestant : contestants(options)) {
     const extract::MethodInfo& method = contestant.method;
@@ -202,9 +204,9 @@ Result<void> judge_level(const field::ScalarField& field, const BenchOptions& op
 }
 
 Result<void> add_level(BenchResult& result, const field::ScalarField& field, const BenchOptions& options,
-                       const Judge& judge, bool in_finer, const Context& context) {
+                       const ErrorMeasurement& judge, bool in_finer, const Context& context) {
   auto rows = TRY(time_level(field, result.levels.size(), options, context));
-  TRY(judge_level(field, options, judge, in_finer, rows, context));
+  TRY(measure_level_errors(field, options, judge, in_finer, rows, context));
   result.levels.push_back({size_text(field), cells_of(field), spacing_of(field), false});
   result.rows.insert(result.rows.end(), rows.begin(), rows.end());
   return {};
@@ -231,7 +233,8 @@ std::optional<ConvergenceOrder> order_of(const BenchResult& result, const BenchO
 }
 
 // `uncertainty`: relative uncertainty of the true area and volume.
-void conclude(BenchResult& result, const BenchOptions& options, const field::SurfaceSize& uncertainty = {}) {
+void add_orders_and_front(BenchResult& result, const BenchOptions& options,
+                          const field::SurfaceSize& uncertainty = {}) {
   double rounding = 0;
   for (const BenchRow& row : result.rows) rounding = std::max(rounding, row.rounding);
   const field::SurfaceSize floor{std::max(kRounding, uncertainty.area), std::max(kRounding, uncertainty.volume)};
@@ -274,7 +277,7 @@ field::SurfaceSize relative_uncertainty(const ReferenceSize& reference) {
   return {reference.uncertainty.area / reference.size.area, reference.uncertainty.volume / reference.size.volume};
 }
 
-std::string truth_of(const ReferenceSize& reference) {
+std::string describe_reference(const ReferenceSize& reference) {
   const field::SurfaceSize uncertainty = relative_uncertainty(reference);
   if (reference.closed_form) return "the formula, all in closed form";
   return fmt::format(
@@ -284,7 +287,7 @@ std::string truth_of(const ReferenceSize& reference) {
 }
 
 // One contestant's surface of the data that are the truth.
-struct FinestSurface {
+struct ReferenceSurface {
   field::SurfaceSize size;
   bool closed = false;
   glm::dvec3 low{std::numeric_limits<double>::infinity()};  // bounding box in index space
@@ -293,13 +296,13 @@ struct FinestSurface {
 
 bool is_closed(const mesh::Mesh& mesh) { return mesh::measure_topology(mesh).open_edges == 0; }
 
-Result<FinestSurface> finest_surface(const field::ScalarField& field, const Contestant& contestant,
-                                     const BenchOptions& options, const Context& context) {
+Result<ReferenceSurface> extract_reference_surface(const field::ScalarField& field, const Contestant& contestant,
+                                                   const BenchOptions& options, const Context& context) {
   extract::Extractor& extractor = *contestant.backend.extractor;
   extract::ExtractOptions extract = extract_options(field, contestant.method.method, options);
   const auto open = TRY(extractor.extract(field, extract, Context(context.memory())));
   if (open.mesh.triangles.empty()) return no_surface(field, options.iso, false);
-  FinestSurface surface;
+  ReferenceSurface surface;
   surface.size.area = mesh::measure_size(open.mesh).area;
   surface.closed = is_closed(open.mesh);
   const accuracy::IndexMesh placed(open.mesh, field, extract);
@@ -314,7 +317,7 @@ Result<FinestSurface> finest_surface(const field::ScalarField& field, const Cont
 }
 
 // Returns whether the samples of `coarse`, the finest data coarsened by `factor`, contain the whole surface.
-bool covers(const field::ScalarField& coarse, int factor, const FinestSurface& surface) {
+bool covers(const field::ScalarField& coarse, int factor, const ReferenceSurface& surface) {
   const auto* dense = std::get_if<field::DenseSamples>(&coarse.samples);
   if (dense == nullptr) return true;
   const glm::dvec3 low((factor - 1) / 2.0);
@@ -323,7 +326,7 @@ bool covers(const field::ScalarField& coarse, int factor, const FinestSurface& s
 }
 
 // Returns a note about the samples that coarsen() drops; empty if none.
-std::string dropped_samples(const field::ScalarField& field, int factor) {
+std::string dropped_samples_note(const field::ScalarField& field, int factor) {
   const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
   if (dense == nullptr) return "";
   const glm::ivec3 rest = dense->dims % factor;
@@ -339,7 +342,7 @@ std::vector<std::string> missing_methods(std::span<const BenchBackend> backends,
   std::vector<std::string> missing;
   for (const BenchBackend& backend : backends) {
     for (const extract::MethodInfo& method : methods) {
-      if (!backend.concerns(method.method) || backend.extractor->has(method.method)) continue;
+      if (!backend.applies_to(method.method) || backend.extractor->has(method.method)) continue;
       missing.push_back(fmt::format("not applicable: {} does not have {}", backend.name, method.title));
     }
   }
@@ -370,10 +373,11 @@ Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& si
   BenchResult result;
   result.input = fmt::format("{}{}", field::kDemoPrefix, name);
   result.iso = options.iso;
-  result.truth = truth_of(reference);
+  result.truth = describe_reference(reference);
   for (const int size : sizes) {
     const auto field = TRY(field::make_demo_field(fmt::format("{}?size={}", result.input, size), context));
-    const Judge judge = [&](const Specimen& specimen, std::size_t /*number*/, BenchErrors& errors) -> Result<void> {
+    const ErrorMeasurement judge = [&](const MeasuredMesh& specimen, std::size_t /*number*/,
+                                       BenchErrors& errors) -> Result<void> {
       const auto measured = TRY(
           accuracy::measure_analytic_error(specimen.mesh, specimen.field, specimen.extracted, nullptr, {}, context));
       const std::optional<accuracy::AnalyticError>& error = measured;
@@ -389,7 +393,7 @@ Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& si
     const bool in_finer = size != sizes.back() && reference.size.area > 0;
     TRY(add_level(result, field, options, judge, in_finer, context));
   }
-  conclude(result, options, relative_uncertainty(reference));
+  add_orders_and_front(result, options, relative_uncertainty(reference));
   return result;
 }
 
@@ -403,9 +407,9 @@ Result<BenchResult> bench_field(const field::ScalarField& field, const std::vect
       "the trilinear interpolant of the finest data ({}); area and volume against its meshes; it "
       "counts in no order of convergence",
       size_text(field));
-  std::vector<FinestSurface> finest;  // by contestant number
+  std::vector<ReferenceSurface> finest;  // by contestant number
   for (const Contestant& contestant : contestants(options)) {
-    auto surface = TRY(finest_surface(field, contestant, options, context));
+    auto surface = TRY(extract_reference_surface(field, contestant, options, context));
     finest.push_back(surface);
   }
   std::vector<std::string> not_comparable;  // sizes
@@ -413,12 +417,13 @@ Result<BenchResult> bench_field(const field::ScalarField& field, const std::vect
     std::optional<field::ScalarField> coarse;
     if (factor > 1) {
       coarse = TRY(field::coarsen(field, factor, context));
-      if (std::string dropped = dropped_samples(field, factor); !dropped.empty()) {
+      if (std::string dropped = dropped_samples_note(field, factor); !dropped.empty()) {
         result.notes.push_back(std::move(dropped));
       }
     }
-    const Judge judge = [&](const Specimen& specimen, std::size_t number, BenchErrors& errors) -> Result<void> {
-      const FinestSurface& exact = finest[number];
+    const ErrorMeasurement judge = [&](const MeasuredMesh& specimen, std::size_t number,
+                                       BenchErrors& errors) -> Result<void> {
+      const ReferenceSurface& exact = finest[number];
       extract::ExtractOptions of_finest = specimen.extracted;
       of_finest.output_from_index = field.index_to_world;
       const auto measured = TRY(accuracy::measure_field_error(specimen.mesh, field, of_finest, {}, context));
@@ -444,7 +449,7 @@ Result<BenchResult> bench_field(const field::ScalarField& field, const std::vect
                     "the finest data leaves the smaller box that the coarser data cover",
                     fmt::join(not_comparable, ", ")));
   }
-  conclude(result, options);
+  add_orders_and_front(result, options);
   return result;
 }
 

@@ -25,8 +25,8 @@ struct BenchBackend {
   std::shared_ptr<extract::Extractor> extractor;
   std::optional<extract::Method> only{};  // set if the variant affects one method only
 
-  [[nodiscard]] bool concerns(extract::Method method) const { return only.value_or(method) == method; }
-  [[nodiscard]] bool runs(extract::Method method) const { return concerns(method) && extractor->has(method); }
+  [[nodiscard]] bool applies_to(extract::Method method) const { return only.value_or(method) == method; }
+  [[nodiscard]] bool runs(extract::Method method) const { return applies_to(method) && extractor->has(method); }
 };
 
 // Returns one sentence (without full stop) for each method that a backend concerns but does not have.

@@ -51,9 +51,9 @@ StabilityRow run_stability_case(const StabilityCase& test, const extract::Method
   row.method = method.method;
   row.backend = extractor.name();
   row.voxels_allowed = scene.voxels;
-  row.findings = no_findings(method.traits);
-  for (std::string reason :
-       {extract::why_no_edges(method), extract::why_no_crossings(method), extract::why_no_gradient_normals(method)}) {
+  row.findings = empty_findings(method.traits);
+  for (std::string reason : {extract::why_no_edge_keys(method), extract::why_no_crossings(method),
+                             extract::why_no_gradient_normals(method)}) {
     if (!reason.empty()) row.not_applicable.push_back(std::move(reason));
   }
   if (scene.options.nan == extract::NanPolicy::hole && method.traits.always_closed) {

@@ -72,7 +72,7 @@ field::Affine moved(field::Affine frame, const glm::dvec3& offset) {
 const field::Affine kOblique{glm::dmat3(1, 0.25, 0, -0.5, 2, 0, 0.3, 0.125, 0.5), glm::dvec3(3, -4, 5)};
 
 // Puts NaN and both infinities among ordinary values.
-StabilityScene holey_ball(extract::NanPolicy policy) {
+StabilityScene ball_with_nan(extract::NanPolicy policy) {
   StabilityScene result = scene<float>(0, [](const glm::ivec3& p) {
     const int lot = scattered(p, 40);
     return lot == 0 ? kNan : lot == 1 ? kInfinity : lot == 2 ? -kInfinity : ball(p);
@@ -211,9 +211,9 @@ constexpr std::array kCases{
                   [] { return scene<float>(0, [](auto p) { return kInfinity * side(p); }); }},
     StabilityCase{"nan-outside", "Scattered NaN and infinities, NaN taken as outside.",
                   "t is not a number beside NaN and infinities", true,
-                  [] { return holey_ball(extract::NanPolicy::outside); }},
+                  [] { return ball_with_nan(extract::NanPolicy::outside); }},
     StabilityCase{"nan-hole", "Scattered NaN and infinities, NaN left as holes.", "t is not a number beside infinities",
-                  true, [] { return holey_ball(extract::NanPolicy::hole); }},
+                  true, [] { return ball_with_nan(extract::NanPolicy::hole); }},
     StabilityCase{"all-nan", "Every sample is NaN, taken as outside.", kSurvives, false,
                   [] {
                     StabilityScene result = scene<float>(0, [](auto) { return kNan; });

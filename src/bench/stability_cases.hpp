@@ -29,7 +29,7 @@ struct StabilityCase {
   std::string_view name;
   std::string_view extreme;  // the extreme property of the case
   std::string_view plain;    // the result of plain float32 crossings and positions
-  bool plain_fails;          // a test shows this
+  bool float32_fails;        // a test shows this
   StabilityScene (*make)();
 };
 

@@ -30,9 +30,9 @@ class Checker {
         options_(options),
         traits_(traits),
         index_from_output_(glm::inverse(options.output_from_index.linear)),
-        margin_(
-            extract::OutputFrame(options.output_from_index, {glm::ivec3(0), samples_.dims - 1}, field.kind, field.scale)
-                .margin()),
+        margin_(extract::OutputPlacement(options.output_from_index, {glm::ivec3(0), samples_.dims - 1}, field.kind,
+                                         field.scale)
+                    .margin()),
         whole_(0) {
     for (const glm::vec3& p : mesh.positions) {
       if (is_finite(p)) largest_ = glm::max(largest_, glm::abs(glm::dvec3(p)));
@@ -166,7 +166,7 @@ void StabilityFindings::add(const StabilityFindings& other) {
   voxels = std::max(voxels, other.voxels);
 }
 
-StabilityFindings no_findings(const extract::MethodTraits& traits) {
+StabilityFindings empty_findings(const extract::MethodTraits& traits) {
   StabilityFindings findings;
   findings.edges_checked = traits.vertices_on_edges;
   findings.crossings_checked = traits.vertices_on_edges && traits.follows_interpolant;
@@ -184,7 +184,7 @@ std::vector<std::optional<GridEdge>> grid_edges(const mesh::Mesh& mesh, const fi
 
 StabilityFindings check_stability(const mesh::Mesh& mesh, const field::ScalarField& field,
                                   const extract::ExtractOptions& options, const extract::MethodTraits& traits) {
-  StabilityFindings findings = no_findings(traits);
+  StabilityFindings findings = empty_findings(traits);
   findings.vertices = mesh.positions.size();
   findings.triangles = mesh.triangles.size();
   if (mesh.positions.empty()) return findings;

@@ -45,7 +45,7 @@ struct StabilityFindings {
 };
 
 // Returns empty findings that say what will be checked for a method.
-[[nodiscard]] StabilityFindings no_findings(const extract::MethodTraits& traits);
+[[nodiscard]] StabilityFindings empty_findings(const extract::MethodTraits& traits);
 
 // Checks a mesh. The reference crossing is (iso - f0) / (f1 - f0) in long double; next to an infinite sample it is the
 // finite end, between two infinite samples or at NaN the middle. Ulps are measured to the reference kept inside the

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "base/no_memory.hpp"
-#include "check/detail/places.hpp"
+#include "base/allocation_error.hpp"
+#include "check/detail/coincident_vertices.hpp"
 #include "mesh/components.hpp"
 
 namespace isoextract::check {
@@ -16,7 +16,7 @@ namespace {
 constexpr const char* kPlacesText = "the vertices at one place";
 
 // Copies positions and name; the triangles refer to the first vertex at each place.
-mesh::Mesh with_joined_triangles(const mesh::Mesh& mesh, const VertexPlaces& places) {
+mesh::Mesh with_joined_triangles(const mesh::Mesh& mesh, const CoincidentVertices& places) {
   mesh::Mesh joined;
   joined.name = mesh.name;
   joined.positions = Buffer<glm::vec3>(mesh.positions.size());
@@ -27,10 +27,10 @@ mesh::Mesh with_joined_triangles(const mesh::Mesh& mesh, const VertexPlaces& pla
   return joined;
 }
 
-Result<void> look_at_places(const mesh::Mesh& mesh, const Context& context, MeshCheck& check) {
+Result<void> find_coincident_vertices(const mesh::Mesh& mesh, const Context& context, MeshCheck& check) {
   const std::string what = fmt::format("{}: {}", mesh.name, kPlacesText);
-  auto memory = TRY(context.reserve(VertexPlaces::bytes(mesh.positions.size()), what));
-  const VertexPlaces places(mesh.positions.span());
+  auto memory = TRY(context.reserve(CoincidentVertices::bytes(mesh.positions.size()), what));
+  const CoincidentVertices places(mesh.positions.span());
   check.repeated_vertices = places.repeated();
   if (check.repeated_vertices == 0 || check.topology.open_edges == 0) return {};
   const auto copy = TRY(context.reserve(mesh.positions.size_bytes() + mesh.triangles.size_bytes(), what));
@@ -38,13 +38,14 @@ Result<void> look_at_places(const mesh::Mesh& mesh, const Context& context, Mesh
   return {};
 }
 
-Result<void> look_at_components(const mesh::Mesh& mesh, const Context& context, MeshCheck& check) {
+Result<void> check_components(const mesh::Mesh& mesh, const Context& context, MeshCheck& check) {
   const auto memory = TRY(
       context.reserve(mesh::Components::bytes(mesh.positions.size()), fmt::format("{}: its components", mesh.name)));
   const mesh::Components components(mesh.triangles.span(), mesh.positions.size());
-  auto borders = TRY(find_borders(mesh, check.topology, components, context));
-  check.memory = TRY(context.reserve(components.count() * sizeof(Component) + borders.loops.size() * sizeof(BorderLoop),
-                                     fmt::format("{}: the table of its components", mesh.name)));
+  auto borders = TRY(find_boundary_defects(mesh, check.topology, components, context));
+  check.memory =
+      TRY(context.reserve(components.count() * sizeof(Component) + borders.loops.size() * sizeof(BoundaryLoop),
+                          fmt::format("{}: the table of its components", mesh.name)));
   auto described = TRY(describe_components(mesh, components, borders, context));
   // Only vertices of triangles count: an unused vertex is not on the surface.
   for (const Component& component : described) {
@@ -56,14 +57,14 @@ Result<void> look_at_components(const mesh::Mesh& mesh, const Context& context, 
   return {};
 }
 
-Result<MeshCheck> look_at_all(const mesh::Mesh& mesh, const Context& context) {
+Result<MeshCheck> run_checks(const mesh::Mesh& mesh, const Context& context) {
   MeshCheck check;
   check.vertices = mesh.positions.size();
   check.triangles = mesh.triangles.size();
   context.progress().begin("checking edges and vertices", 0);
   check.topology = TRY(mesh::measure_topology(mesh, context));
   check.size = mesh::measure_size(mesh);
-  for (auto* const look : {look_at_places, look_at_components}) {
+  for (auto* const look : {find_coincident_vertices, check_components}) {
     TRY(context.check());
     TRY(look(mesh, context, check));
   }
@@ -82,7 +83,7 @@ std::string both(const std::string& a, std::uint64_t a_count, const std::string&
   return b_count == 0 ? a : fmt::format("{}, {}", a, b);
 }
 
-std::uint64_t offending(Requirement requirement, const MeshCheck& check) {
+std::uint64_t count_violations(Requirement requirement, const MeshCheck& check) {
   switch (requirement) {
     case Requirement::closed: return check.topology.open_edges;
     case Requirement::manifold: return check.topology.nonmanifold_edges + check.topology.nonmanifold_vertices;
@@ -134,19 +135,19 @@ std::uint64_t MeshCheck::count(Shell shell) const {
 
 Result<MeshCheck> check_mesh(const mesh::Mesh& mesh, const Context& context) {
   try {
-    return look_at_all(mesh, context);
+    return run_checks(mesh, context);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(fmt::format("{}: checking it needs more memory than there is", mesh.name)));
+    return tl::unexpected(allocation_error(fmt::format("{}: checking it needs more memory than there is", mesh.name)));
   }
 }
 
-Result<void> join_repeated_vertices(mesh::Mesh& mesh, const Context& context) {
+Result<void> weld_coincident_vertices(mesh::Mesh& mesh, const Context& context) {
   const std::string what = fmt::format("{}: {}", mesh.name, kPlacesText);
   const std::uint64_t vertices = mesh.positions.size();
   const auto memory = TRY(context.reserve(
-      VertexPlaces::bytes(vertices) + vertices * (2 * sizeof(std::uint32_t) + mesh::vertex_bytes(mesh)), what));
+      CoincidentVertices::bytes(vertices) + vertices * (2 * sizeof(std::uint32_t) + mesh::vertex_bytes(mesh)), what));
   try {
-    const VertexPlaces places(mesh.positions.span());
+    const CoincidentVertices places(mesh.positions.span());
     if (places.repeated() == 0) return {};
     std::vector<std::uint32_t> old_of_new;
     old_of_new.reserve(vertices);
@@ -160,13 +161,13 @@ Result<void> join_repeated_vertices(mesh::Mesh& mesh, const Context& context) {
     for (glm::uvec3& t : mesh.triangles) t = {new_of_old[t.x], new_of_old[t.y], new_of_old[t.z]};
     return {};
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(what + " need more memory than there is"));
+    return tl::unexpected(allocation_error(what + " need more memory than there is"));
   }
 }
 
-std::optional<std::string> why_not(Requirement requirement, const MeshCheck& check) {
+std::optional<std::string> unmet_reason(Requirement requirement, const MeshCheck& check) {
   if (check.triangles == 0) return "no triangles";
-  const std::uint64_t count = offending(requirement, check);
+  const std::uint64_t count = count_violations(requirement, check);
   if (count == 0 && (requirement != Requirement::one_component || check.topology.components == 1)) return std::nullopt;
   return reason(requirement, check, count);
 }

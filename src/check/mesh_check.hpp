@@ -8,7 +8,7 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
-#include "check/mesh_borders.hpp"
+#include "check/boundary_defects.hpp"
 #include "check/mesh_requirement.hpp"
 #include "check/normal_check.hpp"
 #include "check/self_intersections.hpp"
@@ -28,11 +28,11 @@ struct MeshCheck {
   std::optional<mesh::Topology> joined;
   mesh::MeshSize size;
   mesh::Bounds bounds;
-  std::vector<BorderLoop> loops;
+  std::vector<BoundaryLoop> loops;
   std::vector<Component> components;
   SelfIntersections intersections;
-  std::optional<NormalFacts> normals;  // only if the file has normals
-  Reservation memory;                  // for loops and components
+  std::optional<NormalFigures> normals;  // only if the file has normals
+  Reservation memory;                    // for loops and components
 
   // Returns the number of components of this kind.
   [[nodiscard]] std::uint64_t count(Shell shell) const;
@@ -44,10 +44,10 @@ struct MeshCheck {
 
 // Merges all vertices with equal coordinates into the first of them, which keeps its attributes. Fails as check_mesh()
 // does.
-[[nodiscard]] Result<void> join_repeated_vertices(mesh::Mesh& mesh, const Context& context);
+[[nodiscard]] Result<void> weld_coincident_vertices(mesh::Mesh& mesh, const Context& context);
 
 // Returns why the mesh does not meet the requirement ("12 open edges in 2 loops"), or nothing if it does. A mesh
 // without triangles meets none.
-[[nodiscard]] std::optional<std::string> why_not(Requirement requirement, const MeshCheck& check);
+[[nodiscard]] std::optional<std::string> unmet_reason(Requirement requirement, const MeshCheck& check);
 
 }  // namespace isoextract::check

@@ -1,9 +1,9 @@
-// Requirements that a mesh can be tested for; why_not() of mesh_check.hpp tests them.
+// Requirements that a mesh can be tested for; unmet_reason() of mesh_check.hpp tests them.
 #pragma once
 
 #include <array>
 
-#include "base/words.hpp"
+#include "base/enum_words.hpp"
 
 namespace isoextract::check {
 

@@ -7,7 +7,7 @@
 namespace isoextract::check {
 namespace {
 
-struct NormalSums : NormalFacts {
+struct NormalSums : NormalFigures {
   void merge(const NormalSums& other) {
     corners += other.corners;
     against += other.against;
@@ -18,8 +18,8 @@ struct NormalSums : NormalFacts {
 
 }  // namespace
 
-NormalFacts check_normals(const mesh::Mesh& mesh, std::span<const glm::vec3> normals,
-                          std::span<const glm::uvec3> numbers) {
+NormalFigures check_normals(const mesh::Mesh& mesh, std::span<const glm::vec3> normals,
+                            std::span<const glm::uvec3> numbers) {
   return reduce_in_order(mesh.triangles.size(), NormalSums(), nullptr, [&](const PointRange& range, NormalSums& sums) {
     for (std::size_t t = range.begin(); t != range.end(); ++t) {
       const glm::uvec3& triangle = mesh.triangles[t];

@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
 
-#include "base/no_memory.hpp"
-#include "check/detail/places.hpp"
+#include "base/allocation_error.hpp"
+#include "check/detail/coincident_vertices.hpp"
 #include "check/detail/triangle_boxes.hpp"
 #include "check/detail/triangle_overlap.hpp"
 
@@ -24,7 +24,7 @@ struct FoundPairs {
   std::uint64_t looked_at = 0;
   std::uint64_t pairs = 0;
   std::uint64_t in_one_plane = 0;
-  std::uint64_t neighbours = 0;
+  std::uint64_t neighbors = 0;
   std::vector<TrianglePair> first;  // heap with the last of the first pairs on top
 
   void add_example(const TrianglePair& pair, std::size_t most) {
@@ -45,12 +45,12 @@ class IntersectionSearch {
         options_(options),
         context_(context),
         places_(mesh.positions.span()),
-        distinct_(find_distinct_triangles(mesh.positions.span(), mesh.triangles.span(), places_)) {}
+        distinct_(find_unique_triangles(mesh.positions.span(), mesh.triangles.span(), places_)) {}
 
   // Returns the peak memory.
   [[nodiscard]] static std::uint64_t bytes(const mesh::Mesh& mesh) {
     const std::uint64_t triangles = mesh.triangles.size();
-    return VertexPlaces::bytes(mesh.positions.size()) + TriangleStars::bytes(mesh.positions.size()) +
+    return CoincidentVertices::bytes(mesh.positions.size()) + CrowdedStars::bytes(mesh.positions.size()) +
            std::max(distinct_triangle_bytes(triangles),
                     triangles * (2 * sizeof(std::uint32_t) + 1) + TriangleBoxes::bytes(triangles));
   }
@@ -59,15 +59,15 @@ class IntersectionSearch {
     result_.zero_area_triangles = distinct_.zero_area;
     result_.duplicate_triangles = distinct_.duplicates;
     if (distinct_.triangles.empty()) return result_;
-    const TriangleStars stars(mesh_.positions.span(), distinct_.triangles.span(),
-                              [&](std::uint32_t triangle) { return places_.of_triangle(mesh_.triangles[triangle]); });
+    const CrowdedStars stars(mesh_.positions.span(), distinct_.triangles.span(),
+                             [&](std::uint32_t triangle) { return places_.of_triangle(mesh_.triangles[triangle]); });
     const std::uint64_t count = stars.empty() ? 0 : mesh_.triangles.size();
-    const auto memory = TRY(context_.reserve(TriangleStars::crowded_bytes(count) + TriangleBoxes::star_bytes(count),
+    const auto memory = TRY(context_.reserve(CrowdedStars::crowded_bytes(count) + TriangleBoxes::star_bytes(count),
                                              mesh_.name + ": corners with many triangles"));
     const TriangleBoxes boxes(mesh_.positions.span(), mesh_.triangles.span(), distinct_.triangles.span(), stars);
     met_ = Buffer<std::uint8_t>(mesh_.triangles.size());
     std::fill(met_.begin(), met_.end(), std::uint8_t{0});
-    boxes.for_near_pairs(
+    boxes.for_each_near_pair(
         stopped_, [&](std::uint32_t i, std::uint32_t j) { look_at(i, j); },
         [&](std::size_t triangles) { advance(triangles); });
     TRY(context_.check());
@@ -105,7 +105,7 @@ class IntersectionSearch {
     const std::uint64_t pairs = copies_of(i) * copies_of(j);
     found.pairs += pairs;
     found.in_one_plane += overlap.in_one_plane ? pairs : 0;
-    found.neighbours += overlap.neighbours ? pairs : 0;
+    found.neighbors += overlap.neighbors ? pairs : 0;
     found.add_example({std::min(i, j), std::max(i, j)}, options_.examples);
     mark(i);
     mark(j);
@@ -123,14 +123,14 @@ class IntersectionSearch {
       all.looked_at += part.looked_at;
       all.pairs += part.pairs;
       all.in_one_plane += part.in_one_plane;
-      all.neighbours += part.neighbours;
+      all.neighbors += part.neighbors;
       for (const TrianglePair& pair : part.first) all.add_example(pair, options_.examples);
     }
     std::ranges::sort(all.first);
     result_.looked_at = all.looked_at;
     result_.pairs = all.pairs;
     result_.in_one_plane = all.in_one_plane;
-    result_.neighbours = all.neighbours;
+    result_.neighbors = all.neighbors;
     result_.examples = std::move(all.first);
     result_.triangles = std::accumulate(met_.begin(), met_.end(), std::uint64_t{0});
   }
@@ -156,8 +156,8 @@ class IntersectionSearch {
   const mesh::Mesh& mesh_;
   const IntersectionOptions& options_;
   const Context& context_;
-  VertexPlaces places_;
-  DistinctTriangles distinct_;
+  CoincidentVertices places_;
+  UniqueTriangles distinct_;
   Buffer<std::uint8_t> met_;  // 1: the triangle is in a pair
   std::atomic<bool> stopped_{false};
   std::atomic<std::uint64_t> total_{0};
@@ -175,7 +175,7 @@ Result<SelfIntersections> find_self_intersections(const mesh::Mesh& mesh, const 
     context.progress().begin("looking for self-intersections", mesh.triangles.size());
     return IntersectionSearch(mesh, options, context).run();
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(what + " needs more memory than there is"));
+    return tl::unexpected(allocation_error(what + " needs more memory than there is"));
   }
 }
 

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "base/no_memory.hpp"
+#include "base/allocation_error.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/shells.hpp"
 
@@ -37,14 +37,14 @@ glm::dvec3 area_vector(const mesh::Mesh& mesh, const glm::uvec3& t) {
 
 // Adds in the order of vertices and triangles, so that sums do not depend on threads.
 std::vector<Component> measure_components(const mesh::Mesh& mesh, const mesh::Components& components,
-                                          const MeshBorders& borders) {
+                                          const BoundaryDefects& borders) {
   std::vector<Component> result(components.count());
   const std::vector<std::uint32_t> apexes = rightmost_vertices(mesh, components);
   for (std::size_t c = 0; c < result.size(); ++c) {
     result[c].edges = borders.components[c];
     result[c].bounds = {glm::dvec3(kBoundless), glm::dvec3(-kBoundless)};
   }
-  for (const BorderLoop& loop : borders.loops) ++result[loop.component].loops;
+  for (const BoundaryLoop& loop : borders.loops) ++result[loop.component].loops;
   for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
     const std::uint32_t c = components.of_vertex(v);
     if (c == mesh::Components::kNone) continue;
@@ -55,7 +55,7 @@ std::vector<Component> measure_components(const mesh::Mesh& mesh, const mesh::Co
     component.bounds.max = glm::max(component.bounds.max, place);
   }
   for (const glm::uvec3& t : mesh.triangles) {
-    if (mesh::repeats_index(t)) continue;
+    if (mesh::has_repeated_index(t)) continue;
     const std::uint32_t number = components.of_vertex(t.x);
     Component& component = result[number];
     ++component.triangles;
@@ -92,16 +92,16 @@ Shell shell_of(const Component& component) {
 }  // namespace
 
 Result<std::vector<Component>> describe_components(const mesh::Mesh& mesh, const mesh::Components& components,
-                                                   const MeshBorders& borders, const Context& context) {
+                                                   const BoundaryDefects& borders, const Context& context) {
   const std::string what = fmt::format("{}: its components", mesh.name);
   const std::uint64_t of_one = sizeof(Component) + sizeof(mesh::Surroundings) + sizeof(std::uint32_t);
   const auto memory = TRY(context.reserve(components.count() * of_one, what));
   try {
     std::vector<Component> all = measure_components(mesh, components, borders);
-    mesh::ShellQuestion question;
+    mesh::ShellQuery question;
     for (const Component& component : all) question.facing.push_back(facing_of(component));
     if (all.size() - std::ranges::count(question.facing, mesh::Facing::open) > 1) {
-      const auto surroundings = TRY(find_surroundings(mesh, components, question, context));
+      const auto surroundings = TRY(find_enclosing_shells(mesh, components, question, context));
       for (std::size_t c = 0; c < all.size(); ++c) {
         all[c].within = static_cast<std::uint32_t>(surroundings[c].around.size());
       }
@@ -109,7 +109,7 @@ Result<std::vector<Component>> describe_components(const mesh::Mesh& mesh, const
     for (Component& component : all) component.shell = shell_of(component);
     return all;
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(what + " need more memory than there is"));
+    return tl::unexpected(allocation_error(what + " need more memory than there is"));
   }
 }
 

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "base/context.hpp"
+#include "base/enum_words.hpp"
 #include "base/error.hpp"
-#include "base/words.hpp"
-#include "check/mesh_borders.hpp"
+#include "check/boundary_defects.hpp"
 #include "mesh/components.hpp"
 #include "mesh/mesh.hpp"
 #include "mesh/metrics.hpp"
@@ -49,6 +49,7 @@ struct Component {
 // ErrorCode::cancelled.
 [[nodiscard]] Result<std::vector<Component>> describe_components(const mesh::Mesh& mesh,
                                                                  const mesh::Components& components,
-                                                                 const MeshBorders& borders, const Context& context);
+                                                                 const BoundaryDefects& borders,
+                                                                 const Context& context);
 
 }  // namespace isoextract::check

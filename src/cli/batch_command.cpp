@@ -29,8 +29,8 @@
 #include "cli/threads.hpp"
 #include "cli/up_axis_note.hpp"
 #include "convert/json_values.hpp"
+#include "files/input_file_set.hpp"
 #include "files/output_file.hpp"
-#include "files/read_files.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -54,15 +54,16 @@ std::string reason_of(const convert::ConversionJob& job, const Error& error) {
 bool shows_rows(const BatchPlan& plan) { return plan.flags.table || plan.flags.plot || plan.common.pages.any(); }
 
 // Prints what happens to the frames, and writes their reports.
-class FrameTeller final : public batch::RunEvents {
+class FramePrinter final : public batch::RunEvents {
  public:
-  FrameTeller(const BatchPlan& plan, const std::vector<std::string>& arguments, BatchProgress& progress, HtmlPage& page)
+  FramePrinter(const BatchPlan& plan, const std::vector<std::string>& arguments, BatchProgress& progress,
+               HtmlPage& page)
       : plan_(plan), arguments_(arguments), progress_(progress), page_(page) {}
 
-  std::optional<std::string> note_of_field(const field::ScalarField& field) override {
-    if (!plan_.common.if_on_side) return std::nullopt;
-    auto note = up_axis_note(field, plan_.common.job.source.placement.up, *plan_.common.if_on_side);
-    if (note) progress_.note_once(*note);
+  std::optional<std::string> field_note(const field::ScalarField& field) override {
+    if (!plan_.common.on_side_text) return std::nullopt;
+    auto note = up_axis_note(field, plan_.common.job.source.placement.up, *plan_.common.on_side_text);
+    if (note) progress_.print_note_once(*note);
     return note;
   }
 
@@ -79,7 +80,7 @@ class FrameTeller final : public batch::RunEvents {
   void over(std::size_t frame, const batch::FrameRow& row, const convert::Outcome* outcome,
             const Error* error) override {
     for (const std::string& name : row.figures.lacked_attributes) {
-      progress_.remark(row.frame, fmt::format("without the optional attribute '{}'", printable(name)));
+      progress_.add_remark(row.frame, fmt::format("without the optional attribute '{}'", printable(name)));
     }
     if (outcome != nullptr) tell(plan_.batch.frames[frame].job, row, *outcome, error);
     progress_.over(row);
@@ -88,7 +89,8 @@ class FrameTeller final : public batch::RunEvents {
  private:
   void tell(const convert::ConversionJob& job, const batch::FrameRow& row, const convert::Outcome& outcome,
             const Error* error) {
-    if (outcome.empty_picture) progress_.remark(row.frame, "in whose picture the camera sees nothing of the surfaces");
+    if (outcome.empty_picture)
+      progress_.add_remark(row.frame, "in whose picture the camera sees nothing of the surfaces");
     if (plan_.common.pages.html) {
       const std::lock_guard lock(mutex_);
       page_.add(row.frame, outcome);
@@ -169,7 +171,7 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
       .threads = plan.common.threads.value_or(tbb::this_task_arena::max_concurrency()),
       .fail_fast = plan.flags.fail_fast,
       .extras = {.mesh_facts = plan.flags.table || plan.flags.plot || plan.report || plan.common.pages.html,
-                 .how_to_keep_volumes = std::string(kHowToKeepVolumes),
+                 .volume_hint = std::string(kHowToKeepVolumes),
                  .read = read ? &*read : nullptr}};
   auto run = TRY(batch::BatchRun::open(plan.batch, std::move(options), context));
   const auto tell = [&](const std::string& note) {
@@ -181,7 +183,7 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
 
   BatchProgress progress(plan.progress, messages, plan.frames.size());
   HtmlPage page;
-  FrameTeller teller(plan, arguments, progress, page);
+  FramePrinter teller(plan, arguments, progress, page);
   const batch::RunResult result = run.run(teller);
   using Status = batch::FrameStatus;
   const std::size_t failed = result.count(Status::failed);
@@ -204,7 +206,7 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
     tell_animation(*plan.batch.animation, result.animation, messages);
   }
   if (plan.flags.table || plan.flags.plot || plan.common.pages.html) {
-    if (const std::string note = note_of_units(result.rows); !note.empty()) tell(note);
+    if (const std::string note = units_note(result.rows); !note.empty()) tell(note);
   }
   if (plan.flags.table || plan.flags.plot) {
     TRY(write_tables(plan, result.rows));

@@ -26,21 +26,21 @@ Result<void> make_folders(const BatchPlan& plan) {
   }
   // A shard without frames also writes a manifest.
   if (plan.frames.empty()) files.push_back(batch::manifest_folder(plan.batch) / batch::manifest_name(plan.shard));
-  return see_to_folders(files, plan.make_folders);
+  return check_or_make_folders(files, plan.make_folders);
 }
 
-Result<std::optional<files::ReadFiles>> check_batch_files(const BatchPlan& plan) {
+Result<std::optional<files::InputFileSet>> check_batch_files(const BatchPlan& plan) {
   auto read = TRY(batch::check_written_files(plan.batch, plan.shard, plan.others, plan.common.context));
   const PagesPlan& pages = plan.common.pages;
   for (const std::optional<std::string>* file : std::initializer_list<const std::optional<std::string>*>{
            &plan.flags.table, &plan.flags.plot, &pages.html, &pages.contact_sheet}) {
     if (!*file) continue;
-    TRY(convert::check_output_file(**file, read.value_or(files::ReadFiles())));
+    TRY(convert::check_output_file(**file, read.value_or(files::InputFileSet())));
   }
   return read;
 }
 
-std::string note_of_units(std::span<const batch::FrameRow> rows) {
+std::string units_note(std::span<const batch::FrameRow> rows) {
   std::map<std::string, std::size_t> frames;
   for (const batch::FrameRow& row : rows) {
     if (!row.figures.surfaces.empty()) ++frames[row.figures.unit.empty() ? "unknown" : row.figures.unit];

@@ -9,7 +9,7 @@
 #include "base/error.hpp"
 #include "batch/frame_table.hpp"
 #include "cli/batch_plan.hpp"
-#include "files/read_files.hpp"
+#include "files/input_file_set.hpp"
 
 namespace isoextract::cli {
 
@@ -22,9 +22,9 @@ namespace isoextract::cli {
 // could be replaced.
 // Fails with ErrorCode::usage if an output is also an input, and as convert::check_output_file() for tables, plots and
 // pages.
-[[nodiscard]] Result<std::optional<files::ReadFiles>> check_batch_files(const BatchPlan& plan);
+[[nodiscard]] Result<std::optional<files::InputFileSet>> check_batch_files(const BatchPlan& plan);
 
 // Returns a sentence that lists the length units if frames with meshes have more than one unit; otherwise empty.
-[[nodiscard]] std::string note_of_units(std::span<const batch::FrameRow> rows);
+[[nodiscard]] std::string units_note(std::span<const batch::FrameRow> rows);
 
 }  // namespace isoextract::cli

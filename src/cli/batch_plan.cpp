@@ -82,7 +82,7 @@ Result<batch::Frames> volumes_of(const ConvertFlags& flags, const volume_io::Rea
   if (inputs.size() > 1) {
     return refuse_usage("--volume all takes the volumes of one file, and several were given", one_file);
   }
-  if (names_frames(inputs.front())) {
+  if (is_frame_pattern(inputs.front())) {
     return refuse_usage(
         fmt::format("--volume all takes the volumes of one file, and {} stands for several", printable(inputs.front())),
         one_file);
@@ -140,8 +140,8 @@ Result<void> plan_tables(const BatchFlags& flags, BatchPlan& plan) {
 Result<void> check_piece_folders(const std::vector<batch::OutputFiles>& outputs) {
   for (const batch::OutputFiles& files : outputs) {
     for (const convert::OutputFileJob& output : files) {
-      if (fs::path(output.path).parent_path().string().find(convert::kPieceWord) == std::string::npos) continue;
-      return refuse_usage(fmt::format("-o {}: {} is in the name of a folder", output.path, convert::kPieceWord),
+      if (fs::path(output.path).parent_path().string().find(convert::kPiecePlaceholder) == std::string::npos) continue;
+      return refuse_usage(fmt::format("-o {}: {} is in the name of a folder", output.path, convert::kPiecePlaceholder),
                           "put it into the name of the file");
     }
   }
@@ -231,10 +231,10 @@ bool is_batch(const ConvertFlags& flags) {
   const std::vector<std::string>& inputs = flags.input.inputs;
   if (inputs.empty()) return false;
   if (inputs.size() > 1 || wants_all_volumes(flags) || flags.batch.any_set()) return true;
-  return names_frames(inputs.front());
+  return is_frame_pattern(inputs.front());
 }
 
-bool names_frames(const std::string& input) {
+bool is_frame_pattern(const std::string& input) {
   if (!input.starts_with(field::kDemoPrefix) && files::is_there(input)) {
     std::error_code none;
     return fs::is_directory(input, none);
@@ -263,7 +263,7 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
                                             : batch::find_frames(flags.input.inputs, flags.batch.frames));
   std::string usual_iso;
   if (!flags.batch.iso_table && !writes_field(flags)) {
-    usual_iso = TRY(take_usual_iso(one, found.frames.front().input, context));
+    usual_iso = TRY(set_default_iso(one, found.frames.front().input, context));
     if (!usual_iso.empty()) found.notes.push_back(usual_iso);
     flags.isos = one.isos;
   }
@@ -274,7 +274,7 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   if (!usual_iso.empty()) plan.frame_notes.push_back(std::move(usual_iso));
   if (std::string note = changing_isos(flags, sources.size()); !note.empty()) found.notes.push_back(std::move(note));
   for (std::string& note : found.notes) plan.common.notes.push_back(std::move(note));
-  if (std::string note = note_of_frames(plan.common.job); !note.empty()) plan.common.notes.push_back(std::move(note));
+  if (std::string note = color_range_note(plan.common.job); !note.empty()) plan.common.notes.push_back(std::move(note));
   if (flags.placement.center && !flags.surface.roi) {
     plan.common.notes.emplace_back(
         "--center: each frame is moved by the middle of its own samples; of sparse volumes and particles, whose box "
@@ -282,7 +282,7 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   }
   const auto* picture = plan.common.job.writes<convert::PictureFileOptions>();
   if (picture != nullptr && sources.size() > 1) {
-    std::string note = note_of_cameras(*picture);
+    std::string note = cameras_note(*picture);
     if (!note.empty()) plan.common.notes.push_back(std::move(note));
   }
   TRY(plan_report(flags, plan));
@@ -314,8 +314,8 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   plan.jobs = flags.batch.jobs.value_or(threads);
   plan.flags = flags.batch;
   TRY(refuse_both(plan.flags.resume, plan.flags.no_clobber, "", "--resume does only what is not done yet"));
-  if (plan.flags.resume) plan.earlier = batch::EarlierFrames::kept_if_unchanged;
-  if (plan.flags.no_clobber) plan.earlier = batch::EarlierFrames::kept_if_there;
+  if (plan.flags.resume) plan.earlier = batch::ResumePolicy::keep_unchanged;
+  if (plan.flags.no_clobber) plan.earlier = batch::ResumePolicy::keep_existing;
   plan.make_folders = flags.batch.make_folders || (flags.output && flags.output->ends_with('/'));
   plan.progress = flags.batch.progress.value_or(ProgressStyle::bar);
   return plan;

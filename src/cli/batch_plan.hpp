@@ -27,7 +27,7 @@ struct BatchPlan {
   std::vector<batch::FrameRun> gaps;  // missing frames
   bool needs_all = false;             // missing frames are an error
   batch::Shard shard;
-  batch::EarlierFrames earlier = batch::EarlierFrames::converted_again;
+  batch::ResumePolicy earlier = batch::ResumePolicy::reconvert;
   BatchFlags flags;  // as given; the members below take precedence
   int jobs = 1;
   bool make_folders = false;
@@ -40,7 +40,7 @@ struct BatchPlan {
 // Returns whether the inputs and options ask for a batch of frames instead of one conversion.
 [[nodiscard]] bool is_batch(const ConvertFlags& flags);
 // Returns whether this input names the frames of a sequence: a folder or a pattern.
-[[nodiscard]] bool names_frames(const std::string& input);
+[[nodiscard]] bool is_frame_pattern(const std::string& input);
 
 // `environment` is std::getenv, or a replacement in tests: job schedulers set variables that say which shard this
 // process has.

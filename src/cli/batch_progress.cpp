@@ -87,13 +87,13 @@ void BatchProgress::detail(const std::string& text) {
   bar_->above([&] { messages_.detail(text); });
 }
 
-void BatchProgress::note_once(const std::string& text) {
+void BatchProgress::print_note_once(const std::string& text) {
   const std::lock_guard lock(mutex_);
   if (std::exchange(noted_, true) || style_ == ProgressStyle::json) return;
   bar_->above([&] { messages_.note(text); });
 }
 
-void BatchProgress::remark(std::int64_t frame, const std::string& text) {
+void BatchProgress::add_remark(std::int64_t frame, const std::string& text) {
   const std::lock_guard lock(mutex_);
   remarks_[text].insert(frame);
 }

@@ -43,9 +43,9 @@ class BatchProgress {
   void failed(std::int64_t frame, const Error& error, const std::string& reason);
   void detail(const std::string& text);
   // Prints only the first note it is called with, since other frames have the same one.
-  void note_once(const std::string& text);
+  void print_note_once(const std::string& text);
   // Records a remark about a frame. end() prints each remark once for all its frames: "2 of 3 frames TEXT: 1-2".
-  void remark(std::int64_t frame, const std::string& text);
+  void add_remark(std::int64_t frame, const std::string& text);
   // Records a finished frame, whatever its outcome.
   void over(const batch::FrameRow& row);
   // Call once, last.

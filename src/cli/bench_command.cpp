@@ -44,7 +44,7 @@ class Bench {
   // Checks before the work what would otherwise fail at its end.
   [[nodiscard]] Result<void> check() const {
     std::vector<std::string> files;
-    files::ReadFiles read;
+    files::InputFileSet read;
     for (const std::string& input : plan_.inputs) {
       convert::ConversionJob job;
       job.source.input = input;
@@ -55,7 +55,7 @@ class Bench {
       if (!file) continue;
       TRY(convert::check_output_file(*file, read));
       for (const std::string& other : files) {
-        if (!files::same_place(*file, other)) continue;
+        if (!files::is_same_output(*file, other)) continue;
         return fail(ErrorCode::usage, fmt::format("{}: this is the name of two files to write", *file),
                     "choose another name for one");
       }
@@ -117,7 +117,7 @@ class Bench {
     return fail(ErrorCode::usage,
                 fmt::format("{}: expected a volume, found particles: bench compares resolutions of a volume's samples, "
                             "and particles have none",
-                            printable(files::shown_input_name(input))),
+                            printable(files::input_label(input))),
                 "--report FILE of a conversion has the time of each stage, and --error measures its mesh");
   }
 

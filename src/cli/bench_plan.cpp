@@ -29,7 +29,7 @@ static Result<BenchPlan> plan_gpu_threads(const BenchFlags& flags, BenchPlan pla
 
 Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   BenchPlan plan;
-  TRY(refuse_two_sides(flags.input, "bench"));
+  TRY(refuse_away_from_zero(flags.input, "bench"));
   TRY(refuse_several_grids(flags.input, "bench"));
   plan.read = TRY(plan_read(flags.input));
   plan.memory = plan_memory(flags.input.memory_limit);
@@ -72,11 +72,11 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   plan.sizes = flags.sizes.value_or(std::vector<int>{32, 64, 128, 256});
   plan.coarser = flags.coarser.value_or(std::vector<int>{});
   std::ranges::reverse(plan.coarser);
-  plan.options.nan = flags.nan.value_or(usual_nan(flags.input));
+  plan.options.nan = flags.nan.value_or(default_nan_policy(flags.input));
   if (flags.methods) {
     for (const extract::Method method : *flags.methods) plan.options.methods.push_back(extract::method_info(method));
   } else {
-    plan.options.methods = extract::following_methods();
+    plan.options.methods = extract::interpolant_methods();
   }
   if (flags.backends) plan.backends = plan_backends(*flags.backends, flags.device);
   plan.gpu = plan_gpu(flags.device);

@@ -11,9 +11,9 @@
 #include "base/stopwatch.hpp"
 #include "cli/check_plan.hpp"
 #include "cli/check_report.hpp"
-#include "cli/mistaken_files.hpp"
 #include "cli/planned_command.hpp"
 #include "cli/progress_bar.hpp"
+#include "cli/wrong_file_kind.hpp"
 #include "convert/json_values.hpp"
 #include "convert/placement_record.hpp"
 #include "files/file_bytes.hpp"
@@ -27,7 +27,7 @@ namespace {
 Result<check::MeshCheck> check_one(mesh::Mesh& mesh, const mesh_io::FileNormals& normals,
                                    std::span<const glm::uvec3> normal_numbers, bool weld, const Context& context) {
   if (weld) {
-    TRY(check::join_repeated_vertices(mesh, context));
+    TRY(check::weld_coincident_vertices(mesh, context));
   }
   auto check = check::check_mesh(mesh, context);
   if (check && !normals.empty()) {
@@ -69,22 +69,22 @@ Result<void> check_parts(const CheckPlan& plan, const mesh_io::MeshFile& file, c
 
 Result<CheckReport> make_report(const CheckPlan& plan, const Messages& messages, const Context& context) {
   CheckReport report;
-  report.file = files::shown_input_name(plan.mesh);
+  report.file = files::input_label(plan.mesh);
   report.welded = plan.weld;
   report.required = plan.required;
   ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
   context.progress().begin("reading the mesh", 0);
   auto file = mesh_io::read_mesh(plan.mesh, context, {.normals = true});
-  if (!file) return tl::unexpected(about_mesh_file(std::move(file.error()), plan.mesh));
+  if (!file) return tl::unexpected(add_mesh_file_hint(std::move(file.error()), plan.mesh));
   bar.above([&] {
     for (const std::string& note : file->notes) messages.note(note);
   });
   file->mesh.name = report.file;
   report.format = file->format;
   report.is_gltf = file->y_up;  // glTF is the only format that prescribes y up, and meters
-  const auto record = convert::read_record(file->placement);
+  const auto record = convert::parse_placement_record(file->placement);
   if (record) report.unit = convert::find_length_unit(record->placement.to_unit);
-  if (report.is_gltf) report.unit = convert::metre();
+  if (report.is_gltf) report.unit = convert::meter();
   report.has_normals = !file->normals.empty();
   TRY(check_parts(plan, *file, context, report));
   report.whole = TRY(check_one(file->mesh, file->normals, file->normals.numbers.span(), plan.weld, context));
@@ -95,7 +95,7 @@ Result<void> meet_requirements(const CheckReport& report) {
   std::vector<std::string_view> words;
   std::vector<std::string> found;
   for (const check::Requirement one : report.required) {
-    const auto why = check::why_not(one, report.whole);
+    const auto why = check::unmet_reason(one, report.whole);
     if (!why) continue;
     words.push_back(word_of(one));
     if (std::ranges::find(found, *why) == found.end()) found.push_back(*why);

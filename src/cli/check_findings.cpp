@@ -54,7 +54,7 @@ class Findings {
       slicer("It joins vertices at one place, and then the mesh is closed; with --weld this report is about that.");
       engine("It keeps vertices at one place apart: seams of colours, textures or normals.");
     } else if (topology.open_edges > 0) {
-      const auto* longest = &*std::ranges::max_element(check_.loops, {}, &check::BorderLoop::length);
+      const auto* longest = &*std::ranges::max_element(check_.loops, {}, &check::BoundaryLoop::length);
       slicer(fmt::format("It fills {} in its own way, the longest {:.4g} around, or refuses the mesh.",
                          amount(check_.loops.size(), "hole", "holes"), longest->length));
       engine("It shows the back of the surface through the holes, or nothing: draw both sides of its triangles.");
@@ -123,7 +123,7 @@ class Findings {
     }
     if (check_.normals && check_.normals->against > 0) {
       engine(fmt::format("It shades {:.2g} % of the corners from the wrong side: their normals point into the mesh.",
-                         100 * check_.normals->fraction_against()));
+                         100 * check_.normals->flipped_fraction()));
     }
     if (!report_.has_normals) {
       engine("It makes normals of its own: the file has none.");

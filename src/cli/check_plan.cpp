@@ -15,7 +15,7 @@ Result<CheckPlan> plan_check(const CheckFlags& flags) {
                         "isoextract check MESH");
   }
   if (flags.report) {
-    files::ReadFiles read;
+    files::InputFileSet read;
     convert::add_read_mesh(read, flags.meshes.front(), Context(plan_memory(flags.memory_limit)));
     if (auto checked = convert::check_output_file(*flags.report, read); !checked) {
       if (checked.error().code == ErrorCode::usage) checked.error().hint = "choose another name with --report";

@@ -13,7 +13,7 @@
 namespace isoextract::cli {
 namespace {
 
-using check::BorderLoop;
+using check::BoundaryLoop;
 using check::Component;
 using check::MeshCheck;
 using check::Requirement;
@@ -41,18 +41,18 @@ std::vector<std::size_t> largest_components(const MeshCheck& check, std::size_t 
 }
 
 std::vector<std::size_t> longest_loops(const MeshCheck& check, std::size_t most) {
-  return largest(check.loops, most, [](const BorderLoop& loop) { return loop.length; });
+  return largest(check.loops, most, [](const BoundaryLoop& loop) { return loop.length; });
 }
 
 // Returns "yes", or "no: 12 open edges in 2 loops".
 std::string answer(Requirement requirement, const MeshCheck& check) {
-  const auto why = check::why_not(requirement, check);
+  const auto why = check::unmet_reason(requirement, check);
   return why ? "no: " + *why : "yes";
 }
 
 // Returns "none", or "12 triangles without area".
 std::string none_or(Requirement requirement, const MeshCheck& check) {
-  return check::why_not(requirement, check).value_or("none");
+  return check::unmet_reason(requirement, check).value_or("none");
 }
 
 std::string point_in_words(const glm::dvec3& v) { return fmt::format("({:.9g}, {:.9g}, {:.9g})", v.x, v.y, v.z); }
@@ -60,7 +60,7 @@ std::string point_in_words(const glm::dvec3& v) { return fmt::format("({:.9g}, {
 std::string closed_line(const MeshCheck& check) {
   std::string text = answer(Requirement::closed, check);
   if (check.loops.empty()) return text;
-  const BorderLoop& loop = check.loops[longest_loops(check, 1).front()];
+  const BoundaryLoop& loop = check.loops[longest_loops(check, 1).front()];
   text += fmt::format("; the longest of {} edges, {:.6g}", loop.edges, loop.length);
   if (check.joined) {
     text += check.joined->open_edges == 0
@@ -78,7 +78,7 @@ std::string intersection_line(const MeshCheck& check) {
   if (!found.at_least) {
     text += fmt::format(", {} triangles in all", found.triangles);
     if (found.in_one_plane > 0) text += fmt::format("; {} pairs in one plane", found.in_one_plane);
-    if (found.neighbours > 0) text += fmt::format("; {} of neighbours", found.neighbours);
+    if (found.neighbors > 0) text += fmt::format("; {} of neighbours", found.neighbors);
   }
   const auto& [first, second] = found.examples.front();
   return text + fmt::format("; the first are {} and {}", first, second);
@@ -100,7 +100,7 @@ std::string normals_line(const MeshCheck& check) {
   if (!check.normals) return "none in the file";
   const auto& normals = *check.normals;
   std::string text = fmt::format("{} of {} corners point against their triangle ({:.3g} %)", normals.against,
-                                 normals.corners, 100 * normals.fraction_against());
+                                 normals.corners, 100 * normals.flipped_fraction());
   if (normals.missing > 0) text += fmt::format("; {} have none", normals.missing);
   if (normals.not_unit > 0) text += fmt::format("; {} are not of length 1", normals.not_unit);
   return text;
@@ -204,12 +204,12 @@ Json intersections_json(const check::SelfIntersections& found) {
   return {{"pairs", found.pairs},
           {"more", found.at_least},
           {"in_one_plane", counted(found.in_one_plane)},
-          {"neighbours", counted(found.neighbours)},
+          {"neighbours", counted(found.neighbors)},
           {"triangles", counted(found.triangles)},
           {"examples", std::move(examples)}};
 }
 
-Json normals_json(const std::optional<check::NormalFacts>& normals) {
+Json normals_json(const std::optional<check::NormalFigures>& normals) {
   if (!normals) return nullptr;
   return {{"corners", normals->corners},
           {"against", normals->against},
@@ -228,7 +228,7 @@ Json mesh_json(const MeshCheck& check) {
   const bool closed = topology.is_closed_oriented_manifold();
   Json loops = Json::array();
   for (const std::size_t row : longest_loops(check, kRowsOfJson)) {
-    const BorderLoop& loop = check.loops[row];
+    const BoundaryLoop& loop = check.loops[row];
     loops.push_back({{"edges", loop.edges}, {"length", loop.length}, {"component", loop.component}});
   }
   Json components = Json::array();
@@ -269,7 +269,7 @@ Json mesh_json(const MeshCheck& check) {
 Json required_json(const CheckReport& report) {
   Json required = Json::array();
   for (const Requirement one : report.required) {
-    const auto why = check::why_not(one, report.whole);
+    const auto why = check::unmet_reason(one, report.whole);
     required.push_back({{"requirement", word_of(one)}, {"met", !why}, {"found", convert::optional_json(why)}});
   }
   return required;

@@ -50,7 +50,7 @@ std::optional<HelpDetail> Command::help_asked() const {
   return asked;
 }
 
-std::string Command::hint_for_option_of_default(std::string_view option) const {
+std::string Command::hint_for_default_command_option(std::string_view option) const {
   return fmt::format("{} is an option of {}; {}", option, default_command(program()).name(), help_hint(*this));
 }
 

@@ -59,7 +59,7 @@ class Command {
   // Called instead of run() if the options cannot be parsed.
   virtual void report_failure(const std::vector<std::string>& /*arguments*/, const Error& /*error*/) {}
   // Returns a hint about an option that the default command has and this one lacks.
-  [[nodiscard]] virtual std::string hint_for_option_of_default(std::string_view option) const;
+  [[nodiscard]] virtual std::string hint_for_default_command_option(std::string_view option) const;
 
  private:
   CommandWords words_;

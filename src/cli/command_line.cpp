@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "cli/foreign_words.hpp"
+#include "cli/foreign_options.hpp"
 #include "cli/parser.hpp"
 #include "cli/values.hpp"
 
@@ -111,9 +111,9 @@ tl::unexpected<Error> unknown_option(const Command& command, const std::string& 
   const std::string near = name.starts_with("--") ? nearest_name(name, known) : "";
   std::error_code none;
   const bool is_file = takes_files(command.options()) && std::filesystem::exists(word, none);
-  std::string meant = hint_for_foreign_option(command.options(), name);
+  std::string meant = hint_for_other_programs_option(command.options(), name);
   if (meant.empty() && near.empty() && default_command(command.program()).options().find(name) != nullptr) {
-    meant = command.hint_for_option_of_default(name);
+    meant = command.hint_for_default_command_option(name);
   }
   return fail(ErrorCode::usage, fmt::format("unknown option '{}' for '{}'", name, command.full_name()),
               is_file          ? fmt::format("the file of that name is written {}", shell_quoted("./" + word))
@@ -183,18 +183,18 @@ Result<void> check_first_input(const Command& command) {
 
 }  // namespace
 
-Command& command_of(const Command& program, const std::vector<std::string>& arguments) {
+Command& find_command(const Command& program, const std::vector<std::string>& arguments) {
   Command* const named = arguments.empty() ? nullptr : program.find(arguments.front());
   return named != nullptr ? *named : *program.inner().front();
 }
 
-Command& innermost_command_of(const Command& program, const std::vector<std::string>& arguments) {
-  Command& command = command_of(program, arguments);
+Command& find_subcommand(const Command& program, const std::vector<std::string>& arguments) {
+  Command& command = find_command(program, arguments);
   Command* const inner = arguments.size() > 1 ? command.find(arguments[1]) : nullptr;
   return inner != nullptr ? *inner : command;
 }
 
-std::vector<std::string> words_after_name(const Command& command, const std::vector<std::string>& arguments) {
+std::vector<std::string> arguments_after_command(const Command& command, const std::vector<std::string>& arguments) {
   const std::vector<std::string> path = command.path();
   const auto [after, end] = std::ranges::mismatch(arguments, path);
   return {end == path.end() ? after : arguments.begin(), arguments.end()};
@@ -205,8 +205,8 @@ Result<Parsed> parse_command_line(Command& program, const std::vector<std::strin
     TRY(check_equals_signs(program.options(), arguments));
     return Parsed{&program, std::nullopt};
   }
-  Command& command = innermost_command_of(program, arguments);
-  const std::vector<std::string> words = words_after_name(command, arguments);
+  Command& command = find_subcommand(program, arguments);
+  const std::vector<std::string> words = arguments_after_command(command, arguments);
   TRY(check_inner_name(command, words));
   TRY(parse_words(command, words));
   if (const auto help = command.help_asked()) return Parsed{&command, help};
@@ -235,7 +235,7 @@ Result<void> parse_words(Command& command, std::vector<std::string> words) {
   return take_values(options);
 }
 
-void read_refused_words(Command& command, const std::vector<std::string>& words) {
+void read_words_leniently(Command& command, const std::vector<std::string>& words) {
   OptionSet& options = command.options();
   std::vector<std::string> readable;
   std::vector<std::string> rest;

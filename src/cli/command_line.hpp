@@ -11,12 +11,12 @@
 namespace isoextract::cli {
 
 // Returns the command that the first word names, or the default command. `arguments` lack the program's name.
-[[nodiscard]] Command& command_of(const Command& program, const std::vector<std::string>& arguments);
-// Returns the sub-command that the arguments name, such as `simulate water`; the result of command_of() if they name
+[[nodiscard]] Command& find_command(const Command& program, const std::vector<std::string>& arguments);
+// Returns the sub-command that the arguments name, such as `simulate water`; the result of find_command() if they name
 // none.
-[[nodiscard]] Command& innermost_command_of(const Command& program, const std::vector<std::string>& arguments);
-[[nodiscard]] std::vector<std::string> words_after_name(const Command& command,
-                                                        const std::vector<std::string>& arguments);
+[[nodiscard]] Command& find_subcommand(const Command& program, const std::vector<std::string>& arguments);
+[[nodiscard]] std::vector<std::string> arguments_after_command(const Command& command,
+                                                               const std::vector<std::string>& arguments);
 
 struct Parsed {
   Command* command = nullptr;      // the program itself if its own options are given
@@ -30,6 +30,6 @@ struct Parsed {
 [[nodiscard]] Result<void> parse_words(Command& command, std::vector<std::string> words);
 // Reads as much as possible from words that parse_words() refused. Skips values that their options refuse. All other
 // words become operands.
-void read_refused_words(Command& command, const std::vector<std::string>& words);
+void read_words_leniently(Command& command, const std::vector<std::string>& words);
 
 }  // namespace isoextract::cli

@@ -15,9 +15,9 @@
 #include "base/stopwatch.hpp"
 #include "cli/attribute_text.hpp"
 #include "cli/layout.hpp"
-#include "cli/mistaken_files.hpp"
 #include "cli/planned_command.hpp"
 #include "cli/progress_bar.hpp"
+#include "cli/wrong_file_kind.hpp"
 #include "convert/json_documents.hpp"
 #include "convert/json_values.hpp"
 #include "convert/placement_record.hpp"
@@ -44,7 +44,7 @@ struct Side {
 
 Result<Side> read_side(const std::string& path, const Context& context) {
   auto file = mesh_io::read_mesh(path, context);
-  if (!file) return tl::unexpected(about_mesh_file(std::move(file.error()), path));
+  if (!file) return tl::unexpected(add_mesh_file_hint(std::move(file.error()), path));
   Side side;
   side.path = path;
   side.file = std::move(*file);
@@ -88,16 +88,16 @@ Result<void> bring_into_one_frame(std::array<Side, 2>& sides, const std::optiona
                                   const Messages& messages) {
   bool asked = false;
   for (Side& side : sides) {
-    const auto record = convert::read_record(side.file.placement);
+    const auto record = convert::parse_placement_record(side.file.placement);
     if (!record && !side.file.placement.empty()) {
       messages.note(fmt::format("{}: what it says of its placement cannot be read, and is left aside", side.path));
     }
     asked = asked || (!record && side.file.y_up);
-    side.placement = record.value_or(convert::usual_placement(side.file.y_up, up.value_or(convert::UpAxis::z)));
+    side.placement = record.value_or(convert::default_placement(side.file.y_up, up.value_or(convert::UpAxis::z)));
   }
   // Other programs do not keep the placement that isoextract stores.
-  for (std::size_t i = 0; i < 2 && sides[0].file.is_ours != sides[1].file.is_ours; ++i) {
-    if (sides[i].file.is_ours) continue;
+  for (std::size_t i = 0; i < 2 && sides[0].file.is_by_isoextract != sides[1].file.is_by_isoextract; ++i) {
+    if (sides[i].file.is_by_isoextract) continue;
     sides[i].placement = TRY(placement_from(sides[i], sides[1 - i], up));
     asked = asked || sides[i].file.y_up != sides[1 - i].file.y_up;
   }
@@ -122,7 +122,7 @@ Result<void> bring_into_one_frame(std::array<Side, 2>& sides, const std::optiona
     const field::Affine map = side.placement.output_from_world();
     side.rounding = accuracy::coordinate_rounding(side.file.mesh) / std::cbrt(std::abs(map.determinant()));
     if (map == field::Affine()) continue;
-    const auto kinds = convert::kinds_of(side.file.mesh, side.file.is_ours, side.file.placement);
+    const auto kinds = convert::kinds_of(side.file.mesh, side.file.is_by_isoextract, side.file.placement);
     convert::move_mesh(side.file.mesh, map.inverse(), kinds);
     side.undone = convert::placement_text(side.placement);
   }
@@ -252,7 +252,7 @@ void look_closer(const std::array<Side, 2>& sides, double limit, accuracy::Dista
 // Adds a hint if a mesh without triangles was written by isoextract, which explains how it came about.
 Error measuring_failed(Error error, const std::array<Side, 2>& sides) {
   for (const Side& side : sides) {
-    if (!side.file.mesh.triangles.empty() || !side.file.is_ours || !error.hint.empty()) continue;
+    if (!side.file.mesh.triangles.empty() || !side.file.is_by_isoextract || !error.hint.empty()) continue;
     error.hint =
         "'isoextract info' shows the range of the data; a surface is empty where the iso value lies outside of it";
   }

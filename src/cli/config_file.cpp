@@ -188,7 +188,7 @@ Result<std::vector<std::string>> with_config(CommandOf<ConvertFlags>& command,
     return tl::unexpected(std::move(error));
   }
 
-  const std::vector<std::string> given = words_after_name(command, arguments);
+  const std::vector<std::string> given = arguments_after_command(command, arguments);
   std::vector<std::string> configured(arguments.begin(), arguments.end() - std::ssize(given));
   append(configured, words);
   append(words, given);

@@ -19,10 +19,11 @@
 #include "batch/manifest.hpp"
 #include "cli/batch_command.hpp"
 #include "cli/batch_plan.hpp"
+#include "cli/closed_text.hpp"
 #include "cli/command_line.hpp"
 #include "cli/config_file.hpp"
 #include "cli/field_plan.hpp"
-#include "cli/foreign_words.hpp"
+#include "cli/foreign_options.hpp"
 #include "cli/messages.hpp"
 #include "cli/output_folders.hpp"
 #include "cli/output_plan.hpp"
@@ -33,12 +34,11 @@
 #include "cli/progress_bar.hpp"
 #include "cli/remedies.hpp"
 #include "cli/report_file.hpp"
-#include "cli/surface_ends.hpp"
 #include "cli/threads.hpp"
 #include "cli/up_axis_note.hpp"
 #include "convert/output_checks.hpp"
+#include "files/input_file_set.hpp"
 #include "files/output_file.hpp"
-#include "files/read_files.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -62,7 +62,7 @@ std::string_view surface_word(const convert::ConversionJob& job) {
 
 // Returns the values without repetitions, in the order of first occurrence.
 template <class T>
-std::vector<T> each_once(const std::vector<T>& values) {
+std::vector<T> without_repeats(const std::vector<T>& values) {
   std::vector<T> once;
   for (const T& value : values) {
     if (std::ranges::find(once, value) == once.end()) once.push_back(value);
@@ -71,9 +71,9 @@ std::vector<T> each_once(const std::vector<T>& values) {
 }
 
 // Prints the progress of a conversion to stderr: notes and summaries, and stages with --explain or --verbose.
-class Narrator final : public convert::Events {
+class ConversionPrinter final : public convert::Events {
  public:
-  Narrator(const ConvertPlan& plan, const Messages& messages, ProgressBar& bar)
+  ConversionPrinter(const ConvertPlan& plan, const Messages& messages, ProgressBar& bar)
       : plan_(plan), messages_(messages), bar_(bar), word_(surface_word(plan.job)) {}
 
   void note(const std::string& text) override {
@@ -125,9 +125,9 @@ class Narrator final : public convert::Events {
         ids.push_back(part.id.text());
       }
       line = fmt::format("{} {} {} -> {}: {} triangles, {} vertices, {}; {}; {}; {:.2f} s",
-                         fmt::join(each_once(labels), ", "), word_, fmt::join(each_once(ids), ", "), path,
-                         output.triangles, output.vertices, bytes, ends_text(output, plan_.job), output.placement,
-                         seconds);
+                         fmt::join(without_repeats(labels), ", "), word_, fmt::join(without_repeats(ids), ", "), path,
+                         output.triangles, output.vertices, bytes, closed_or_open_text(output, plan_.job),
+                         output.placement, seconds);
     }
     std::ranges::stable_sort(lines_, {}, &Line::rank);
     if (!line.empty()) {
@@ -204,10 +204,10 @@ Result<void> report_no_plan(const ConvertFlags& flags, const std::vector<std::st
   const std::string path = report_path(*name, {1, inputs.empty() ? "" : inputs.front(), flags.input.grid().value_or(""),
                                                flags.isos, true, flags.input.more_grids()});
   if (batch::is_manifest_name(std::filesystem::path(path).filename().string())) return {};
-  files::ReadFiles read;
+  files::InputFileSet read;
   for (const batch::NamedFile& file : other_files(flags, {}, {}).read) read.add(file.path, file.what);
   TRY(read.check(path));
-  for (const convert::ConversionJob& job : plan_files(flags)) {
+  for (const convert::ConversionJob& job : plan_named_files(flags)) {
     TRY(check_report_file(path, job, Context()));
   }
   return write_report(path, nullptr, failed(error), {}, arguments, 0);
@@ -222,10 +222,10 @@ class Conversion final : public batch::RunEvents {
     bar_.emplace(context.progress(), messages_.verbosity() != Verbosity::quiet);
     return &narrator_.emplace(plan_, messages_, *bar_);
   }
-  std::optional<std::string> note_of_field(const field::ScalarField& field) override {
-    if (!plan_.if_on_side || told_axis_) return std::nullopt;
-    auto note = up_axis_note(field, plan_.job.source.placement.up, *plan_.if_on_side);
-    told_axis_ = note.has_value();  // once, even if there are several grids
+  std::optional<std::string> field_note(const field::ScalarField& field) override {
+    if (!plan_.on_side_text || printed_axis_note_) return std::nullopt;
+    auto note = up_axis_note(field, plan_.job.source.placement.up, *plan_.on_side_text);
+    printed_axis_note_ = note.has_value();  // once, even if there are several grids
     return note;
   }
   void over(std::size_t /*frame*/, const batch::FrameRow& /*row*/, const convert::Outcome* outcome,
@@ -241,8 +241,8 @@ class Conversion final : public batch::RunEvents {
   const ConvertPlan& plan_;
   const Messages& messages_;
   std::optional<ProgressBar> bar_;
-  std::optional<Narrator> narrator_;
-  bool told_axis_ = false;
+  std::optional<ConversionPrinter> narrator_;
+  bool printed_axis_note_ = false;
 };
 
 struct Converted {
@@ -260,7 +260,7 @@ Converted convert_as_planned(const ConvertPlan& plan, const Messages& messages) 
     batch::RunOptions options{.keeps_records = false};
     options.scheduler.threads = tbb::this_task_arena::max_concurrency();
     options.scheduler.extras = {.mesh_facts = plan.report || plan.pages.html,
-                                .how_to_keep_volumes = std::string(kHowToKeepVolumes)};
+                                .volume_hint = std::string(kHowToKeepVolumes)};
     auto run = TRY(batch::BatchRun::open(one, std::move(options), plan.context));
     Conversion conversion(plan, messages);
     converted.rows = run.run(conversion).rows;
@@ -276,7 +276,7 @@ bool names_report_twice(const ConvertFlags& flags) {
   for (const Option* option : flags.options()) {
     if (option == &flags.report || !option->takes_value()) continue;
     for (const std::string& text : option->texts()) {
-      if (files::same_place(*flags.report, text)) return true;
+      if (files::is_same_output(*flags.report, text)) return true;
     }
   }
   return false;
@@ -296,7 +296,7 @@ Result<void> run_convert(const ConvertFlags& flags, const std::vector<std::strin
   if (plan->make_folders) {
     std::vector<std::filesystem::path> files;
     for (const convert::OutputFileJob& output : plan->job.outputs) files.emplace_back(output.path);
-    TRY(see_to_folders(files, true));
+    TRY(check_or_make_folders(files, true));
   }
   for (const auto& page : {plan->pages.html, plan->pages.contact_sheet}) {
     if (!page) continue;
@@ -329,7 +329,7 @@ class ConvertCommand final : public CommandOf<ConvertFlags> {
       : CommandOf({"convert", "INPUT... --iso V [-o FILE] [options]",
                    "Extract surfaces and write them as meshes (default)."}) {}
 
-  [[nodiscard]] Result<void> check_words() const override { return check_for_output_among_inputs(flags()); }
+  [[nodiscard]] Result<void> check_words() const override { return refuse_output_among_inputs(flags()); }
 
   Result<int> run(const std::vector<std::string>& arguments) override {
     if (!flags().config) return run_configured(arguments);
@@ -342,7 +342,7 @@ class ConvertCommand final : public CommandOf<ConvertFlags> {
   // Writes the requested report, unless another word may name the same file. Prints an error if that fails.
   void report_failure(const std::vector<std::string>& arguments, const Error& error) override {
     forget();
-    read_refused_words(*this, words_after_name(*this, arguments));
+    read_words_leniently(*this, arguments_after_command(*this, arguments));
     const auto reported = attempt([&]() -> Result<void> {
       if (flags().report && names_report_twice(flags())) return {};
       return report_no_plan(flags(), arguments, error);

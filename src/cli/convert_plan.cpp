@@ -101,7 +101,7 @@ Result<void> check_grids(const ConvertFlags& flags, const convert::ConversionJob
 }
 
 // Returns how the output would look for a volume with y up, if the output depends on the up axis and no option sets it.
-std::optional<std::string> if_on_side(const ConvertFlags& flags, const convert::ConversionJob& job) {
+std::optional<std::string> on_side_text(const ConvertFlags& flags, const convert::ConversionJob& job) {
   const convert::Placement& placement = job.source.placement;
   if (flags.placement.up || placement.space == convert::Space::index) return std::nullopt;
   if (job.writes<convert::PictureFileOptions>() != nullptr) return "the picture shows it on its side";
@@ -180,7 +180,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   plan.explain = flags.explain;
   plan.report = flags.report;
   plan.pages = TRY(plan_pages(flags, job));
-  plan.if_on_side = if_on_side(flags, job);
+  plan.on_side_text = on_side_text(flags, job);
   TRY(check_grids(flags, job));
   job.source.more_grids = flags.input.more_grids();
   return plan;
@@ -192,7 +192,7 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
   ConvertFlags flags = given;
   TRY(take_labels(flags));
   const Context context(plan_memory(flags.input.memory_limit));
-  auto note = TRY(writes_field(flags) ? std::string() : take_usual_iso(flags, inputs.front(), context));
+  auto note = TRY(writes_field(flags) ? std::string() : set_default_iso(flags, inputs.front(), context));
   auto plan = plan_conversion(flags, flags.isos, context);
   if (!plan) return plan;
   if (!note.empty()) plan->notes.push_back(std::move(note));
@@ -215,7 +215,7 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
   return plan;
 }
 
-std::vector<convert::ConversionJob> plan_files(const ConvertFlags& flags) {
+std::vector<convert::ConversionJob> plan_named_files(const ConvertFlags& flags) {
   std::vector<std::string> inputs = flags.input.inputs;
   if (inputs.empty()) inputs.emplace_back();
   const auto by_name = flags.output ? mesh_io::mesh_format_by_path(*flags.output) : std::nullopt;
@@ -229,7 +229,7 @@ std::vector<convert::ConversionJob> plan_files(const ConvertFlags& flags) {
     job.file = convert::MeshFileOptions{format};
     const batch::OutputSource source{1,          input, flags.input.grid().value_or(""),
                                      flags.isos, true,  flags.input.more_grids()};
-    auto named = batch::unchecked_outputs({&source, 1}, flags.output, format, other_extension(flags));
+    auto named = batch::name_outputs_unchecked({&source, 1}, flags.output, format, other_extension(flags));
     if (named) job.outputs = std::move(named->front());
     if (flags.output) job.outputs.push_back({*flags.output, {}});
   }

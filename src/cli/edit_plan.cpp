@@ -28,19 +28,19 @@ Result<void> plan_edits(const ConvertFlags& flags, convert::ConversionJob& job) 
 
 Result<void> check_piece_outputs(const ConvertFlags& flags, const std::string& path,
                                  const mesh_io::MeshFormatInfo& format) {
-  const bool has_word = path.find(convert::kPieceWord) != std::string::npos;
+  const bool has_word = path.find(convert::kPiecePlaceholder) != std::string::npos;
   if (!flags.edits.split) {
     if (!has_word) return {};
-    return refuse_usage(
-        fmt::format("-o {}: {} stands for pieces of a surface, which is written whole", path, convert::kPieceWord),
-        "give --split-components");
+    return refuse_usage(fmt::format("-o {}: {} stands for pieces of a surface, which is written whole", path,
+                                    convert::kPiecePlaceholder),
+                        "give --split-components");
   }
   if (!has_word) {
-    if (format.holds_several_meshes) return {};
+    if (format.can_hold_several_meshes) return {};
     return refuse_usage(fmt::format("one {} file holds one mesh, and --split-components may give several", format.name),
                         fmt::format("write one file each with -o {}_{}.{}, or all into a glb",
                                     printable(batch::template_of(batch::stem_of(flags.input.inputs.front()))),
-                                    convert::kPieceWord, format.name));
+                                    convert::kPiecePlaceholder, format.name));
   }
   if (has_all_labels(flags) || (flags.isos.size() > 1 && path.find("{iso}") == std::string::npos)) {
     return refuse_usage(fmt::format("-o {}: pieces of several surfaces would have the same names", path),

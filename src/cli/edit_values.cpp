@@ -36,16 +36,16 @@ tl::unexpected<Error> expected_but(const std::string& expected, std::string_view
 
 }  // namespace
 
-Result<convert::LeastPiece> parse_least_piece(std::string_view text) {
+Result<convert::MinComponentSize> parse_least_piece(std::string_view text) {
   const std::size_t colon = text.find(':');
   if (colon == std::string_view::npos) {
     if (const auto triangles = parse_positive_count(text)) {
-      return convert::LeastPiece{edit::PieceMeasure::triangles, static_cast<double>(*triangles), false};
+      return convert::MinComponentSize{edit::ComponentMeasure::triangles, static_cast<double>(*triangles), false};
     }
-  } else if (const auto measure = value_of<edit::PieceMeasure>(text.substr(0, colon))) {
+  } else if (const auto measure = value_of<edit::ComponentMeasure>(text.substr(0, colon))) {
     const auto least = measure_of(text.substr(colon + 1));
-    if (least && *measure != edit::PieceMeasure::triangles) {
-      return convert::LeastPiece{*measure, least->amount, least->in_world_units};
+    if (least && *measure != edit::ComponentMeasure::triangles) {
+      return convert::MinComponentSize{*measure, least->amount, least->in_world_units};
     }
   }
   return expected_but(

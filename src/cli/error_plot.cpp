@@ -123,12 +123,12 @@ std::string error_plot_script(const std::vector<bench::BenchResult>& results, in
   for (std::size_t l = 0; l < lines.size(); ++l) {
     const Line& line = lines[l];
     script += fmt::format("$line{} << END\n{}END\n", l, line.data);
-    const std::string_view colour = plot_colour(place_of(hues, line.hue));
+    const std::string_view color = plot_color(place_of(hues, line.hue));
     const std::size_t shape = place_of(threads, line.threads);
     plots.push_back(
         fmt::format("$line{} using 1:2 with linespoints linecolor '{}' linewidth 2 dashtype {} pointtype {} "
                     "pointsize 0.8 title {}",
-                    l, colour, shape % 4 + 1, kPoints[shape % kPoints.size()], gnuplot_quoted(line.title)));
+                    l, color, shape % 4 + 1, kPoints[shape % kPoints.size()], gnuplot_quoted(line.title)));
     // Lines of one hue have the same sizes at the same errors, so only one of them gets labels. Hues alternate: labels
     // on the left and below, then on the right and above.
     const std::size_t hue = place_of(hues, line.hue);
@@ -137,7 +137,7 @@ std::string error_plot_script(const std::vector<bench::BenchResult>& results, in
     const bool last = l + 1 == lines.size() || lines[l + 1].hue != line.hue;
     if (left ? !last : !first) continue;
     plots.push_back(fmt::format("$line{} using 1:2:3 with labels noenhanced {} textcolor '{}' font ',12' notitle", l,
-                                left ? "right offset -1.1,-0.8" : "left offset 1.1,0.8", colour));
+                                left ? "right offset -1.1,-0.8" : "left offset 1.1,0.8", color));
   }
   script += fmt::format("$front << END\n{}END\n", front_of(results));
   plots.emplace_back(

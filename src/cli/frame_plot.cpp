@@ -28,7 +28,7 @@ constexpr double kMostTics = 4;
 
 struct Figure {
   std::string_view name;
-  std::string_view why_none;  // text if no surface has this figure
+  std::string_view text_if_empty;  // text if no surface has this figure
   bool is_count;
 };
 constexpr std::array<Figure, kFigures> kFigureNames{
@@ -39,7 +39,7 @@ constexpr std::array<Figure, kFigures> kFigureNames{
 // A kind of frames without a surface: failed or not started.
 struct Ended {
   batch::FrameStatus status;
-  std::string_view colour;
+  std::string_view color;
 };
 constexpr std::array<Ended, 3> kEnded{Ended{batch::FrameStatus::failed, "#a61b1b"},
                                       Ended{batch::FrameStatus::cancelled, "#b08030"},
@@ -201,21 +201,21 @@ std::string frame_plot_script(std::span<const batch::FrameRow> rows, PictureForm
     script += fmt::format("set ylabel '{}' offset screen -0.01,0\n", kFigureNames[figure].name);
     script += axis.script;
     if (figure + 1 == kFigures) script += "set format x '%.0f'\nset xlabel 'frame'\n";
-    script += fmt::format("set label 1 {}\n", gnuplot_quoted(range ? "" : kFigureNames[figure].why_none));
+    script += fmt::format("set label 1 {}\n", gnuplot_quoted(range ? "" : kFigureNames[figure].text_if_empty));
     std::vector<std::string> plots;
     for (std::size_t e = 0; e < kEnded.size(); ++e) {
       if (std::ranges::find(rows, kEnded[e].status, &batch::FrameRow::status) == rows.end()) continue;
       plots.push_back(
           fmt::format("$ended{} using 1:({:.9g}):(0):({:.9g}) with vectors nohead linewidth 1.5 dashtype "
                       "2 linecolor '{}' {}",
-                      e, axis.range.low, axis.range.high - axis.range.low, kEnded[e].colour,
+                      e, axis.range.low, axis.range.high - axis.range.low, kEnded[e].color,
                       figure == 0 ? fmt::format("title '{}'", word_of(kEnded[e].status)) : "notitle"));
     }
     for (std::size_t n = 0; range && n < surfaces; ++n) {
       const bool titled = figure == 0 && n < kMostTitles;
       plots.push_back(fmt::format(
           "$surface{} using 1:{} with linespoints pointtype 7 pointsize 0.4 linewidth 2 linecolor '{}' {}", n,
-          figure + 2, plot_colour(n), titled ? fmt::format("title {}", gnuplot_quoted(title_of(rows, n))) : "notitle"));
+          figure + 2, plot_color(n), titled ? fmt::format("title {}", gnuplot_quoted(title_of(rows, n))) : "notitle"));
     }
     if (plots.empty()) plots.emplace_back("1/0 notitle");
     script += fmt::format("plot {}\n", fmt::join(plots, ", \\\n     "));

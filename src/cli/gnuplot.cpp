@@ -150,10 +150,10 @@ std::string plot_terminal(PictureFormat format) {
              : "set terminal pngcairo size 1350,900 font 'Sans,16' background '#ffffff'\n";
 }
 
-std::string_view plot_colour(std::size_t n) {
+std::string_view plot_color(std::size_t n) {
   // Okabe and Ito, "Color universal design", 2008.
-  constexpr std::array<std::string_view, 6> kColours{"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"};
-  return kColours[n % kColours.size()];
+  constexpr std::array<std::string_view, 6> kColors{"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"};
+  return kColors[n % kColors.size()];
 }
 
 }  // namespace isoextract::cli

@@ -25,6 +25,6 @@ enum class PictureFormat { svg, png };
 [[nodiscard]] std::string plot_terminal(PictureFormat format);
 
 // Returns the color of line n. The palette suits all kinds of color vision, and repeats.
-[[nodiscard]] std::string_view plot_colour(std::size_t n);
+[[nodiscard]] std::string_view plot_color(std::size_t n);
 
 }  // namespace isoextract::cli

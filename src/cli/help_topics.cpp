@@ -70,7 +70,7 @@ HelpTopic formats_topic() {
                     {}};
   for (const mesh_io::MeshFormatInfo& info : mesh_io::mesh_formats()) {
     std::string text(info.title);
-    text += info.holds_several_meshes ? "; several surfaces a file" : "; one surface a file";
+    text += info.can_hold_several_meshes ? "; several surfaces a file" : "; one surface a file";
     if (!info.can_stream) text += "; not to stdout";
     written.rows.push_back({std::string(info.name), text});
   }
@@ -215,7 +215,7 @@ HelpBlock group_block(const Command& command, OptionGroup group) {
 
 std::vector<std::string> help_names(const Command& program) {
   std::vector<std::string> names = program.inner_names();
-  for (const Word<OptionGroup>& group : topic_groups(program)) names.push_back(lower_case(group.word));
+  for (const Word<OptionGroup>& group : topic_groups(program)) names.push_back(to_lower(group.word));
   for (const HelpTopic& topic : help_topics()) names.emplace_back(topic.name);
   names.emplace_back(kExamplesTopic);
   return names;
@@ -258,7 +258,7 @@ std::string help_of(const Command& program, std::string_view name) {
   if (const Command* command = program.find(name)) return help_of_command(*command, HelpDetail::summaries);
   if (name == kExamplesTopic) return examples_text();
   for (const Word<OptionGroup>& group : topic_groups(program)) {
-    if (lower_case(group.word) == name) return help_of_group(program, group);
+    if (to_lower(group.word) == name) return help_of_group(program, group);
   }
   std::string out;
   for (const HelpTopic& topic : help_topics()) {

@@ -132,7 +132,7 @@ void HtmlPage::add(std::int64_t frame, const convert::Outcome& outcome) {
     }
   }
   const auto take = [&](const convert::WorkFact& fact) {
-    LeftOut& all = left_out_[{std::string(word_of(fact.what)), std::string(word_of(fact.done))}];
+    SkippedWork& all = left_out_[{std::string(word_of(fact.what)), std::string(word_of(fact.done))}];
     all.count += fact.count.value_or(0);
     all.total += fact.total.value_or(0);
     if (++all.times == 1) all.first = fact.text;

@@ -40,7 +40,7 @@ class HtmlPage {
     double voxels = 0;  // the largest error in voxels
   };
   // Skipped work, summed over all frames.
-  struct LeftOut {
+  struct SkippedWork {
     std::uint64_t count = 0;
     std::uint64_t total = 0;
     std::size_t times = 0;
@@ -52,8 +52,8 @@ class HtmlPage {
   [[nodiscard]] std::string stage_section() const;
 
   std::vector<MeasuredError> errors_;
-  std::map<std::pair<std::string, std::string>, LeftOut> left_out_;  // by topic and action
-  std::map<std::string, double> stages_;                             // seconds, summed over all frames
+  std::map<std::pair<std::string, std::string>, SkippedWork> left_out_;  // by topic and action
+  std::map<std::string, double> stages_;                                 // seconds, summed over all frames
   std::set<std::string> devices_;
   std::vector<std::pair<std::int64_t, std::string>> notes_;
 };

@@ -13,9 +13,9 @@
 #include "cli/batch_plan.hpp"
 #include "cli/info_report.hpp"
 #include "cli/info_sequence.hpp"
-#include "cli/mistaken_files.hpp"
 #include "cli/planned_command.hpp"
 #include "cli/progress_bar.hpp"
+#include "cli/wrong_file_kind.hpp"
 #include "convert/json_documents.hpp"
 #include "convert/json_values.hpp"
 #include "convert/particle_source.hpp"
@@ -54,7 +54,7 @@ bool fits_one_mesh(const field::ScalarField& field) {
   const field::IndexBox stored = sparse != nullptr ? extract::stored_box(*sparse) : field.extents();
   extract::ExtractOptions options;
   options.output_from_index = field.index_to_world;
-  return stored.empty() || extract::output_frame(field, options, stored, stored).fits_float32();
+  return stored.empty() || extract::output_placement(field, options, stored, stored).fits_float32();
 }
 
 // Completes the report of a field whose iso value is suggested.
@@ -137,13 +137,13 @@ InputReport look_at(const InfoPlan& plan, const std::string& input, const Messag
   report.input = input;
   const auto of_particles = convert::is_particles(source_of(plan, input), Context(plan.memory));
   if (!of_particles) {
-    report.error = about_volume_file(of_particles.error(), input);
+    report.error = add_volume_file_hint(of_particles.error(), input);
     return report;
   }
   if (*of_particles) return look_at_particles(plan, input, messages);
   auto grids = volume_io::list_grids(input, plan.read, Context(plan.memory));
   if (!grids) {
-    report.error = about_volume_file(std::move(grids.error()), input);
+    report.error = add_volume_file_hint(std::move(grids.error()), input);
     return report;
   }
   report.grids = std::move(*grids);
@@ -242,7 +242,7 @@ class InfoPage {
   }
 
   void tell_time(const std::string& input, const Stopwatch& watch) const {
-    messages_.detail(fmt::format("{}: {:.2f} s, peak memory {}", files::shown_input_name(input),
+    messages_.detail(fmt::format("{}: {:.2f} s, peak memory {}", files::input_label(input),
                                  watch.elapsed().wall_seconds, format_byte_size(peak_memory())));
   }
 
@@ -267,7 +267,7 @@ class InfoPage {
 Result<int> run_info(const InfoPlan& plan, const Messages& messages) {
   InfoPage page(plan, messages);
   for (const std::string& input : plan.inputs) {
-    plan.frames || names_frames(input) ? page.add_sequence(input) : page.add_input(input);
+    plan.frames || is_frame_pattern(input) ? page.add_sequence(input) : page.add_input(input);
   }
   const std::optional<Error> failure = page.print();
   return failure ? exit_code_of(failure->code) : kDone;

@@ -47,7 +47,7 @@ std::string several_text(const volume_io::GridInfo& grid) {
 std::string reader_text(const volume_io::GridInfo& grid) {
   if (grid.plugin.empty()) {
     if (!grid.scalar) return "; no surface can be extracted from this type";
-    return grid.frame_problem.empty() ? "" : "; its place cannot be used: " + grid.frame_problem;
+    return grid.placement_problem.empty() ? "" : "; its place cannot be used: " + grid.placement_problem;
   }
   if (grid.plugin_is_missing) return fmt::format("; needs the plug-in for {}, which is not there", grid.plugin);
   return fmt::format("; the plug-in for {} reads it{}", grid.plugin,
@@ -222,8 +222,8 @@ convert::Json json_of(const volume_io::GridInfo& grid) {
   json["volumes"] = grid.volumes;
   json["components"] = grid.components;
   json["creator"] = grid.creator;
-  const bool has_problem = !grid.frame_problem.empty() && !grid.is_readable();
-  json["problem"] = has_problem ? convert::Json(grid.frame_problem) : convert::Json(nullptr);
+  const bool has_problem = !grid.placement_problem.empty() && !grid.is_readable();
+  json["problem"] = has_problem ? convert::Json(grid.placement_problem) : convert::Json(nullptr);
   json["plugin"] = nullptr;
   if (!grid.plugin.empty()) {
     json["plugin"] = {{"id", grid.plugin}, {"is_there", !grid.plugin_is_missing}, {"grids", grid.parts}};
@@ -306,7 +306,7 @@ bool has_several_components(const volume_io::GridInfo& grid) { return grid.compo
 
 std::string text_of(const InputReport& report) {
   NamedLines lines;
-  lines.plain(printable(files::shown_input_name(report.input)));
+  lines.plain(printable(files::input_label(report.input)));
   add_grids(lines, report);
   add_volumes(lines, report);
   if (report.particles) {

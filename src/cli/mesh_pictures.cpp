@@ -17,7 +17,7 @@ Result<MeshPictures> MeshPictures::open(std::vector<WrittenMesh> meshes, const r
                                         convert::UpAxis up, const Context& context) {
   MeshPictures pictures;
   pictures.options_.size = size;
-  pictures.options_.up = convert::shown_up(up);
+  pictures.options_.up = convert::render_up_axis(up);
   std::optional<field::Box>& box = pictures.options_.box;
   for (const WrittenMesh& written : meshes) {
     if (meshes.size() == 1) break;  // a single mesh is framed by its own box
@@ -48,13 +48,13 @@ Result<render::Picture> MeshPictures::draw(std::size_t n, const Context& context
   auto drawn = TRY(render::draw_preview(surfaces, options, *renderer, context));
   render::Picture& picture = drawn.picture;
   const int dot = std::max(1, picture.height / 120);
-  const glm::ivec2 size = render::text_size(meshes_[n].why_none, dot);
-  render::draw_text(picture, {(picture.width - size.x) / 2, (picture.height - size.y) / 2}, meshes_[n].why_none, dot,
-                    render::kInk);
+  const glm::ivec2 size = render::text_size(meshes_[n].text_if_empty, dot);
+  render::draw_text(picture, {(picture.width - size.x) / 2, (picture.height - size.y) / 2}, meshes_[n].text_if_empty,
+                    dot, render::kTextColor);
   return std::move(picture);
 }
 
-std::vector<WrittenMesh> some_of(std::vector<WrittenMesh> meshes, std::size_t most) {
+std::vector<WrittenMesh> evenly_spaced(std::vector<WrittenMesh> meshes, std::size_t most) {
   if (meshes.size() <= most) return meshes;
   std::vector<WrittenMesh> some;
   for (std::size_t i = 0; i < most; ++i) some.push_back(std::move(meshes[i * (meshes.size() - 1) / (most - 1)]));

@@ -16,9 +16,9 @@
 namespace isoextract::cli {
 
 struct WrittenMesh {
-  std::string label;               // "12"
-  std::vector<std::string> files;  // of one frame; read when drawn
-  std::string_view why_none = {};  // shown instead if there are no files: "failed"
+  std::string label;                    // "12"
+  std::vector<std::string> files;       // of one frame; read when drawn
+  std::string_view text_if_empty = {};  // shown instead if there are no files: "failed"
 };
 
 class MeshPictures {
@@ -40,7 +40,7 @@ class MeshPictures {
 };
 
 // Returns at most `most` evenly spaced meshes, including the first and the last.
-[[nodiscard]] std::vector<WrittenMesh> some_of(std::vector<WrittenMesh> meshes, std::size_t most);
+[[nodiscard]] std::vector<WrittenMesh> evenly_spaced(std::vector<WrittenMesh> meshes, std::size_t most);
 
 // Writes a PNG file with all meshes side by side; leaves no partial file on failure.
 [[nodiscard]] Result<void> write_contact_sheet(const std::string& path, const MeshPictures& meshes,

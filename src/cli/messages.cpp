@@ -7,7 +7,7 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
-#include "base/no_memory.hpp"
+#include "base/allocation_error.hpp"
 #include "base/printable.hpp"
 #include "cli/remedies.hpp"
 #include "cli/terminal.hpp"
@@ -74,7 +74,7 @@ Error error_of_exception() {
   try {
     throw;
   } catch (const std::bad_alloc&) {
-    return no_memory("not enough memory", {Remedy::use, Setting::parts});
+    return allocation_error("not enough memory", {Remedy::use, Setting::parts});
   } catch (const std::exception& error) {
     return {ErrorCode::input, fmt::format("unexpected: {}", error.what()), ""};
   }

@@ -20,8 +20,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/enum_words.hpp"
 #include "base/error.hpp"
-#include "base/words.hpp"
 
 namespace isoextract::cli {
 

@@ -15,7 +15,7 @@ bool is_folder(const std::string& output) {
   return output.ends_with('/') || fs::is_directory(output, none);
 }
 
-Result<void> see_to_folders(std::span<const fs::path> files, bool make) {
+Result<void> check_or_make_folders(std::span<const fs::path> files, bool make) {
   std::set<fs::path> folders;
   for (const fs::path& file : files) folders.insert(file.parent_path());
   for (const fs::path& folder : folders) {

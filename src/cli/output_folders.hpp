@@ -13,6 +13,6 @@ namespace isoextract::cli {
 [[nodiscard]] bool is_folder(const std::string& output);
 
 // Checks that the folders of the files exist, or makes them if `make`. Fails with ErrorCode::output.
-[[nodiscard]] Result<void> see_to_folders(std::span<const std::filesystem::path> files, bool make);
+[[nodiscard]] Result<void> check_or_make_folders(std::span<const std::filesystem::path> files, bool make);
 
 }  // namespace isoextract::cli

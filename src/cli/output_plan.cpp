@@ -27,7 +27,7 @@ Result<batch::OutputTemplate> plan_report_name(const std::string& report) {
 
 std::string report_path(const batch::OutputTemplate& name, const batch::OutputSource& source) {
   return name.expand({batch::stem_of(source.input), source.frame, source.grid,
-                      source.isos.empty() ? "" : name_part_of(source.isos.front())});
+                      source.isos.empty() ? "" : file_name_part(source.isos.front())});
 }
 
 batch::OtherFiles other_files(const ConvertFlags& flags, std::span<const batch::OutputSource> sources,

@@ -28,9 +28,9 @@ std::vector<WrittenMesh> meshes_of(std::span<const batch::FrameRow> rows) {
     }
     if (mesh.files.empty()) {
       if (rows.size() == 1) continue;
-      mesh.why_none = row.status == batch::FrameStatus::done || row.status == batch::FrameStatus::kept
-                          ? "no surface"
-                          : word_of(row.status);
+      mesh.text_if_empty = row.status == batch::FrameStatus::done || row.status == batch::FrameStatus::kept
+                               ? "no surface"
+                               : word_of(row.status);
     }
     meshes.push_back(std::move(mesh));
   }
@@ -66,7 +66,8 @@ Result<PagesPlan> plan_pages(const ConvertFlags& flags, const convert::Conversio
 Result<void> write_pages(const PagesPlan& plan, std::span<const batch::FrameRow> rows, const HtmlPage& page,
                          convert::UpAxis up, const std::vector<std::string>& arguments, const Context& context) {
   if (plan.contact_sheet) {
-    const auto pictures = TRY(MeshPictures::open(some_of(meshes_of(rows), kPicturesOfSheet), kOnSheet, up, context));
+    const auto pictures =
+        TRY(MeshPictures::open(evenly_spaced(meshes_of(rows), kPicturesOfSheet), kOnSheet, up, context));
     if (pictures.count() == 0) {
       return fail(ErrorCode::output, fmt::format("{}: there is no mesh to draw", *plan.contact_sheet));
     }
@@ -77,8 +78,8 @@ Result<void> write_pages(const PagesPlan& plan, std::span<const batch::FrameRow>
   if (rows.size() > 1) {
     svg = TRY(run_gnuplot(frame_plot_script(rows, PictureFormat::svg)));
   }
-  const auto pictures = TRY(
-      MeshPictures::open(some_of(meshes_of(rows), kPicturesOfPage), rows.size() == 1 ? kAlone : kOnPage, up, context));
+  const auto pictures = TRY(MeshPictures::open(evenly_spaced(meshes_of(rows), kPicturesOfPage),
+                                               rows.size() == 1 ? kAlone : kOnPage, up, context));
   const auto text = TRY(page.text(rows, pictures, svg, arguments, context));
   return files::write_file(*plan.html, text);
 }

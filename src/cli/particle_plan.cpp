@@ -42,7 +42,8 @@ Result<convert::ParticleOptions> plan_particles(const ParticleFlags& flags, std:
     return refuse_usage("--nan hole is about samples of a volume, and particles leave no holes",
                         "--nan outside leaves out particles at places that are no numbers");
   }
-  options.bad = nan == extract::NanPolicy::outside ? points::BadParticles::skip : points::BadParticles::error;
+  options.bad =
+      nan == extract::NanPolicy::outside ? points::NonFiniteParticles::skip : points::NonFiniteParticles::error;
   options.radius = flags.radius;
   options.cell_size = flags.cell_size;
   options.smoothing_length = flags.smoothing_length.value_or(options.smoothing_length);
@@ -53,10 +54,10 @@ Result<convert::ParticleOptions> plan_particles(const ParticleFlags& flags, std:
 }
 
 bool has_attributes(const ConvertFlags& flags) {
-  return !flags.attributes.empty() || (flags.colour && flags.colour->attribute);
+  return !flags.attributes.empty() || (flags.color && flags.color->attribute);
 }
 
-Result<std::string> take_usual_iso(ConvertFlags& flags, const std::string& input, const Context& context) {
+Result<std::string> set_default_iso(ConvertFlags& flags, const std::string& input, const Context& context) {
   if (!flags.isos.empty()) return std::string();
   auto read = TRY(plan_read(flags.input));
   auto particles = TRY(plan_particles(flags.particles, flags.surface.nan, has_attributes(flags)));

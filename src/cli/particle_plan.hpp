@@ -22,6 +22,7 @@ namespace isoextract::cli {
 // note about it. Otherwise returns an empty note.
 // Opens the file if no option says that it holds particles; the reader later reports errors of the file. Does not read
 // standard input, which would have to be buffered: it counts as particles if its given format is a particle format.
-[[nodiscard]] Result<std::string> take_usual_iso(ConvertFlags& flags, const std::string& input, const Context& context);
+[[nodiscard]] Result<std::string> set_default_iso(ConvertFlags& flags, const std::string& input,
+                                                  const Context& context);
 
 }  // namespace isoextract::cli

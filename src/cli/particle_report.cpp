@@ -102,7 +102,7 @@ Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source
   });
   report.statistics = TRY(points::measure_statistics(file.particles, context));
   report.method = asked.particles.method;
-  asked.particles.bad = points::BadParticles::skip;
+  asked.particles.bad = points::NonFiniteParticles::skip;
   Stopwatch making;
   auto made = convert::make_particle_field(file.particles, asked.particles, std::nullopt, context);
   if (!made) {
@@ -132,9 +132,9 @@ void add_particles(NamedLines& lines, const ParticleReport& report) {
   if (bounds.not_finite > 0) {
     lines.add("not finite", fmt::format("{} particles; --nan outside leaves them out", bounds.not_finite));
   }
-  if (const auto& neighbours = report.statistics.neighbours) {
+  if (const auto& neighbors = report.statistics.neighbors) {
     lines.add("neighbours", fmt::format("{:.6g} .. {:.6g} to the nearest, median {:.6g}, of {} particles",
-                                        neighbours->min, neighbours->max, neighbours->median, neighbours->asked));
+                                        neighbors->min, neighbors->max, neighbors->median, neighbors->asked));
     lines.add("radius",
               fmt::format("{:.6g}: half that median; --radius R says another, and so do radii that the particles have",
                           *report.statistics.suggested_radius()));
@@ -156,11 +156,9 @@ convert::Json json_of(const ParticleReport& report) {
                      {"read_seconds", report.read_seconds}};
   json["bounds"] = bounds.finite > 0 ? convert::json_of(bounds.box) : convert::Json(nullptr);
   json["neighbours"] = nullptr;
-  if (const auto& neighbours = report.statistics.neighbours) {
-    json["neighbours"] = {{"asked", neighbours->asked},
-                          {"min", neighbours->min},
-                          {"median", neighbours->median},
-                          {"max", neighbours->max}};
+  if (const auto& neighbors = report.statistics.neighbors) {
+    json["neighbours"] = {
+        {"asked", neighbors->asked}, {"min", neighbors->min}, {"median", neighbors->median}, {"max", neighbors->max}};
   }
   json["suggested_radius"] = convert::optional_json(report.statistics.suggested_radius());
   json["attributes"] = convert::Json::array();

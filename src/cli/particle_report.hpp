@@ -34,9 +34,9 @@ struct ParticleReport {
   points::ParticleStatistics statistics;
   std::vector<AttributeRange> attributes;
   points::Method method = points::Method::sph;
-  std::optional<points::FieldFigures> figures;  // of the field that a conversion would extract
-  std::optional<Error> no_field;                // why there is no field
-  double read_seconds = 0;                      // time of reading, as a conversion would need it
+  std::optional<points::ParticleFieldStatistics> figures;  // of the field that a conversion would extract
+  std::optional<Error> no_field;                           // why there is no field
+  double read_seconds = 0;                                 // time of reading, as a conversion would need it
   double field_seconds = 0;
   std::vector<std::string> notes;
 };

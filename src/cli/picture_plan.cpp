@@ -29,7 +29,7 @@ Result<std::optional<convert::PictureFileOptions>> plan_picture(const ConvertFla
   return picture;
 }
 
-std::string note_of_cameras(const convert::PictureFileOptions& picture) {
+std::string cameras_note(const convert::PictureFileOptions& picture) {
   if (picture.angles.is_fixed()) return {};
   return fmt::format(
       "each picture {} its own surfaces, so it does not show how they {}: for one camera give --camera "

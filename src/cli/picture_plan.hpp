@@ -21,7 +21,7 @@ inline constexpr std::string_view kPictureFormat = "png";  // also the extension
 [[nodiscard]] Result<std::optional<convert::PictureFileOptions>> plan_picture(const ConvertFlags& flags);
 
 // Returns a note if the pictures of several frames have different cameras; otherwise empty.
-[[nodiscard]] std::string note_of_cameras(const convert::PictureFileOptions& picture);
+[[nodiscard]] std::string cameras_note(const convert::PictureFileOptions& picture);
 
 // Returns the extension of outputs that are not meshes; empty for meshes.
 [[nodiscard]] std::string_view other_extension(const ConvertFlags& flags);

@@ -57,7 +57,7 @@ Result<mesh_io::MeshFormat> format_of_path(const std::string& path, std::string 
 convert::SurfaceOptions plan_surface(const SurfaceFlags& flags, const InputFlags& input) {
   convert::SurfaceOptions surface;
   surface.method = flags.method.value_or(surface.method);
-  surface.nan = flags.nan.value_or(usual_nan(input));
+  surface.nan = flags.nan.value_or(default_nan_policy(input));
   surface.cap = flags.cap;
   return surface;
 }
@@ -87,13 +87,11 @@ Result<void> plan_resolution(const SurfaceFlags& flags, convert::SourceOptions& 
   return {};
 }
 
-extract::NanPolicy usual_nan(const InputFlags& input) {
+extract::NanPolicy default_nan_policy(const InputFlags& input) {
   return input.no_data ? extract::NanPolicy::outside : extract::NanPolicy::error;
 }
 
-std::string extension_of(const std::string& path) {
-  return lower_case(std::filesystem::path(path).extension().string());
-}
+std::string extension_of(const std::string& path) { return to_lower(std::filesystem::path(path).extension().string()); }
 
 Result<convert::Placement> plan_placement(const PlacementFlags& flags, mesh_io::MeshFormat format, bool draws_mesh,
                                           std::vector<std::string>& notes) {
@@ -130,12 +128,12 @@ Result<convert::Placement> plan_placement(const PlacementFlags& flags, mesh_io::
   if (!flags.unit) return placement;
   // Without --to-unit, the unit of the file stays.
   const std::optional<convert::LengthUnit> to = flags.to_unit     ? flags.to_unit
-                                                : is_gltf(format) ? std::optional(convert::metre())
+                                                : is_gltf(format) ? std::optional(convert::meter())
                                                                   : flags.unit->unit;
   if (to) placement.to_unit = to->name;
-  placement.unit = flags.unit->unit ? flags.unit->unit->name : convert::kUnitOfFile;
+  placement.unit = flags.unit->unit ? flags.unit->unit->name : convert::kFileUnit;
   if (flags.unit->unit) placement.scale = convert::unit_ratio(*flags.unit->unit, *to);
-  if (is_gltf(format) && placement.to_unit != convert::metre().name) {
+  if (is_gltf(format) && placement.to_unit != convert::meter().name) {
     notes.push_back(fmt::format("--to-unit {}: {} prescribes metres, which other programs take its numbers for",
                                 placement.to_unit, format_name));
   }
@@ -209,7 +207,7 @@ Result<void> refuse_several_grids(const InputFlags& flags, std::string_view comm
                       "run it once for each grid; a conversion takes several");
 }
 
-Result<void> refuse_two_sides(const InputFlags& flags, std::string_view command) {
+Result<void> refuse_away_from_zero(const InputFlags& flags, std::string_view command) {
   if (flags.inside != InsideChoice::away_from_zero) return {};
   return refuse_usage(fmt::format("--inside away-from-zero does not go with {}, whose field has one side", command),
                       "give --inside above or below");
@@ -223,7 +221,7 @@ Result<Verbosity> plan_verbosity(const RunFlags& flags) {
 Result<InfoPlan> plan_info(const InfoFlags& flags) {
   if (flags.input.inputs.empty()) return refuse_usage("no INPUT was given", "isoextract info INPUT");
   InfoPlan plan;
-  TRY(refuse_two_sides(flags.input, "info"));
+  TRY(refuse_away_from_zero(flags.input, "info"));
   TRY(refuse_several_grids(flags.input, "info"));
   auto read = TRY(plan_read(flags.input));
   auto particles = TRY(plan_particles(flags.particles, std::nullopt));

@@ -37,8 +37,8 @@ struct ConvertPlan {
   std::optional<std::string> report;  // the path of the JSON report
   bool make_folders = false;          // makes missing folders of outputs
   PagesPlan pages;
-  std::optional<std::string> if_on_side;  // describes the output if the volume's up axis is not the default
-  std::vector<std::string> notes;         // options without an effect, one sentence each
+  std::optional<std::string> on_side_text;  // describes the output if the volume's up axis is not the default
+  std::vector<std::string> notes;           // options without an effect, one sentence each
 };
 
 struct InfoPlan {
@@ -95,12 +95,12 @@ inline constexpr std::string_view kHowToKeepVolumes = ": --relax 0 keeps the vol
 [[nodiscard]] std::vector<NamedBackend> plan_backends(std::vector<NamedBackend> backends, const DeviceFlags& flags);
 [[nodiscard]] Result<Verbosity> plan_verbosity(const RunFlags& flags);
 [[nodiscard]] Result<ConvertPlan> plan_convert(const ConvertFlags& flags);
-// Does not handle --inside away-from-zero: the caller puts it into SourceOptions, or calls refuse_two_sides().
+// Does not handle --inside away-from-zero: the caller puts it into SourceOptions, or calls refuse_away_from_zero().
 [[nodiscard]] Result<volume_io::ReadOptions> plan_read(const InputFlags& flags);
 // For commands that read one grid.
 [[nodiscard]] Result<void> refuse_several_grids(const InputFlags& flags, std::string_view command);
 // For commands without iso values, which cannot orient each surface by its iso value.
-[[nodiscard]] Result<void> refuse_two_sides(const InputFlags& flags, std::string_view command);
+[[nodiscard]] Result<void> refuse_away_from_zero(const InputFlags& flags, std::string_view command);
 // Plans everything except the files: the job has no input and no outputs. `isos` are the iso values of the first input;
 // `context` becomes the plan's.
 [[nodiscard]] Result<ConvertPlan> plan_conversion(const ConvertFlags& flags,
@@ -109,7 +109,7 @@ inline constexpr std::string_view kHowToKeepVolumes = ": --relax 0 keeps the vol
 [[nodiscard]] Result<PictureFormat> picture_format_of(const std::string& path);
 // For options that plan_convert() refuses: returns one job per input, at least one, with only the files that the
 // options name.
-[[nodiscard]] std::vector<convert::ConversionJob> plan_files(const ConvertFlags& flags);
+[[nodiscard]] std::vector<convert::ConversionJob> plan_named_files(const ConvertFlags& flags);
 [[nodiscard]] Result<BenchPlan> plan_bench(const BenchFlags& flags);
 [[nodiscard]] Result<InfoPlan> plan_info(const InfoFlags& flags);
 [[nodiscard]] Result<VerifyPlan> plan_verify(const VerifyFlags& flags);

@@ -47,7 +47,7 @@ template <class Format, class ByPath>
 // Plans --resolution, --voxel-size and --kernel.
 [[nodiscard]] Result<void> plan_resolution(const SurfaceFlags& flags, convert::SourceOptions& source);
 // Returns the default of --nan: with --nodata, NaN samples are outside instead of an error.
-[[nodiscard]] extract::NanPolicy usual_nan(const InputFlags& input);
+[[nodiscard]] extract::NanPolicy default_nan_policy(const InputFlags& input);
 // `draws_mesh` tells whether pages or contact sheets show the mesh, which need its up axis in every format.
 [[nodiscard]] Result<convert::Placement> plan_placement(const PlacementFlags& flags, mesh_io::MeshFormat format,
                                                         bool draws_mesh, std::vector<std::string>& notes);

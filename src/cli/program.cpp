@@ -43,13 +43,13 @@ int run_arguments(const std::vector<std::string>& arguments) {
     return exit_code_of(ErrorCode::usage);
   }
   std::vector<std::string> names;
-  for (const Option* option : innermost_command_of(*program, arguments).options().options()) {
+  for (const Option* option : find_subcommand(*program, arguments).options().options()) {
     if (!option->is_positional()) names.push_back(option->name());
   }
   set_options_of_hints(std::move(names));
   const auto parsed = parse_command_line(*program, arguments);
   if (!parsed) {
-    command_of(*program, arguments).report_failure(arguments, parsed.error());
+    find_command(*program, arguments).report_failure(arguments, parsed.error());
     return report(parsed.error());
   }
   if (parsed->help) {

@@ -84,7 +84,7 @@ std::string_view name_of(std::string_view option) {
   return option.starts_with("--") ? option.substr(0, option.find(' ')) : option;
 }
 
-bool is_unknown(std::string_view option) {
+bool is_placeholder_normal(std::string_view option) {
   return known_options() && option.starts_with("--") &&
          std::ranges::find(*known_options(), name_of(option)) == known_options()->end();
 }
@@ -99,7 +99,7 @@ std::string step_words(const Step& step) {
   const std::string& text = step.text;
   if (step.remedy == Remedy::say) return text;
   auto [options, note] = setting_words(step.setting);
-  std::erase_if(options, is_unknown);
+  std::erase_if(options, is_placeholder_normal);
   if (options.empty()) return "";
   const std::string_view name = name_of(options.front());
   const std::string_view value = options.front().substr(options.front().find_last_of(" =") + 1);

@@ -96,18 +96,18 @@ convert::Json json_of(const PicturePlan& plan, const render::Rendered& rendered,
 bool shows_nothing(const render::Picture& picture, const glm::dvec4& background) {
   constexpr float kUnseen = 1.0F / 1024;
   const glm::vec4 behind(glm::dvec3(background) * background.a, background.a);
-  return std::ranges::all_of(picture.colour, [&](const glm::vec4& colour) {
-    return glm::all(glm::lessThan(glm::abs(colour - behind), glm::vec4(kUnseen)));
+  return std::ranges::all_of(picture.color, [&](const glm::vec4& color) {
+    return glm::all(glm::lessThan(glm::abs(color - behind), glm::vec4(kUnseen)));
   });
 }
 
 // Makes a renderer keep the data of a volume for as long as the volume exists.
-class KeptVolume {
+class VolumeKeeper {
  public:
-  explicit KeptVolume(render::Renderer& renderer) : renderer_(renderer) {}
-  KeptVolume(const KeptVolume&) = delete;
-  KeptVolume& operator=(const KeptVolume&) = delete;
-  ~KeptVolume() { forget(); }
+  explicit VolumeKeeper(render::Renderer& renderer) : renderer_(renderer) {}
+  VolumeKeeper(const VolumeKeeper&) = delete;
+  VolumeKeeper& operator=(const VolumeKeeper&) = delete;
+  ~VolumeKeeper() { forget(); }
 
   void be(const render::Volume* volume) { renderer_.keep(volume); }
   void forget() { renderer_.keep(nullptr); }
@@ -126,7 +126,7 @@ class Pictures {
     ProgressBar bar(context_.progress(), messages_.verbosity() != Verbosity::quiet);
     RenderNotes notes(messages_, bar);
     auto source = TRY(SceneSource::open(plan_, context_, notes));
-    KeptVolume kept(renderer_);               // destroyed before its volume
+    VolumeKeeper kept(renderer_);             // destroyed before its volume
     std::optional<std::string> now;           // the current volume
     std::optional<Error> nothing;             // for the first frame that shows nothing
     std::vector<const PicturePlan*> waiting;  // empty frames before the first one that determines the camera
@@ -140,7 +140,7 @@ class Pictures {
           if (!plan_.is_sequence || !has_no_surface(read.error().code)) return read;
           notes.note(fmt::format("frame {}: {}: the picture shows none of it", picture.frame, read.error().message));
           if (!nothing) nothing = read.error();
-          source.leave_volume_out();
+          source.remove_volume();
         }
         now = picture.input;
         kept.be(source.scene().volume);
@@ -174,22 +174,22 @@ class Pictures {
     }
     render::ViewAngles angles = plan_.camera;
     angles.azimuth += picture.turn;
-    const render::Camera camera = render::framing(*box_, angles, source.up(), plan_.options.size, plan_.fovy);
+    const render::Camera camera = render::frame_box(*box_, angles, source.up(), plan_.options.size, plan_.fovy);
     const Stopwatch watch;
     const auto rendered = TRY(renderer_.draw(scene, camera, plan_.options, context_));
-    TRY(source.check_not_lost());
+    TRY(source.check_mapping_intact());
     const StageTime drawing = watch.elapsed();
     const Stopwatch write_watch;
     TRY(write_picture(rendered.picture, picture.output, context_));
     const StageTime writing = write_watch.elapsed();
     const bool is_empty = shows_something && shows_nothing(rendered.picture, plan_.background);
     const render::RenderStatistics& statistics = rendered.statistics;
-    const std::string name = files::shown_output_name(picture.output);
+    const std::string name = files::output_label(picture.output);
     bar.above([&] {
-      messages_.summary(fmt::format(
-          "{} -> {}: {} x {} pixels; drawn in {:.2f} s",
-          picture.input ? files::shown_input_name(*picture.input) : files::shown_input_name(plan_.meshes.front()), name,
-          rendered.picture.width, rendered.picture.height, drawing.wall_seconds));
+      messages_.summary(
+          fmt::format("{} -> {}: {} x {} pixels; drawn in {:.2f} s",
+                      picture.input ? files::input_label(*picture.input) : files::input_label(plan_.meshes.front()),
+                      name, rendered.picture.width, rendered.picture.height, drawing.wall_seconds));
       if (is_empty)
         messages_.note(
             fmt::format("{}: the picture is empty: what is drawn is not before the camera, or the transfer function "
@@ -216,7 +216,7 @@ class Pictures {
 
 // Checks before the work whether all outputs can be written.
 Result<void> check_outputs(const RenderPlan& plan, const Context& context) {
-  files::ReadFiles read;
+  files::InputFileSet read;
   for (const std::string& mesh : plan.meshes) convert::add_read_mesh(read, mesh, context);
   if (plan.transfer_file) read.add(*plan.transfer_file, "holds the transfer function");
   convert::ConversionJob job = plan.job;
@@ -231,7 +231,7 @@ Result<void> check_outputs(const RenderPlan& plan, const Context& context) {
   for (const PicturePlan& picture : plan.pictures) {
     if (picture.output == "-") continue;
     TRY(convert::check_output_file(picture.output, read));
-    if (plan.json && files::same_place(*plan.json, picture.output)) {
+    if (plan.json && files::is_same_output(*plan.json, picture.output)) {
       return fail(ErrorCode::usage,
                   fmt::format("{}: it would be written twice, as a picture and by --json", *plan.json));
     }

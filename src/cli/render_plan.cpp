@@ -64,7 +64,8 @@ Result<int> turns_of(const std::string& text) {
 // Sets the plan's pictures and its missing frames.
 Result<void> plan_frames(const RenderFlags& flags, const Inputs& inputs, RenderPlan& plan) {
   std::vector<PicturePlan>& pictures = plan.pictures;
-  const bool sequence = inputs.volumes.size() > 1 || (inputs.volumes.size() == 1 && names_frames(inputs.volumes[0]));
+  const bool sequence =
+      inputs.volumes.size() > 1 || (inputs.volumes.size() == 1 && is_frame_pattern(inputs.volumes[0]));
   if (!sequence) {
     int count = 1;
     if (flags.frames) {
@@ -122,9 +123,9 @@ Result<void> name_pictures(const RenderFlags& flags, const Inputs& inputs, std::
                        flags.input.grid().value_or(""),
                        {}});
   }
-  if (flags.output && flags.output->find(convert::kPieceWord) != std::string::npos) {
+  if (flags.output && flags.output->find(convert::kPiecePlaceholder) != std::string::npos) {
     return refuse_usage(fmt::format("-o {}: a picture shows a whole mesh", *flags.output),
-                        fmt::format("leave {} out", convert::kPieceWord));
+                        fmt::format("leave {} out", convert::kPiecePlaceholder));
   }
   const auto names = TRY(batch::name_outputs(sources, flags.output, mesh_io::MeshFormat::glb, "png"));
   for (std::size_t i = 0; i < pictures.size(); ++i) {
@@ -146,7 +147,7 @@ Result<void> check_useful(const RenderFlags& flags, const Inputs& inputs, const 
   if (flags.opacity && !surfaces && inputs.meshes.empty()) {
     return refuse_usage("--opacity is for surfaces and meshes, and there are none");
   }
-  if (flags.colour && flags.colour->attribute) {
+  if (flags.color && flags.color->attribute) {
     return refuse_usage("--color-by: render colours surfaces by their iso values", "give --color-by iso");
   }
   const std::size_t parts = plan.isos.size() + inputs.meshes.size();
@@ -196,8 +197,8 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
   const bool gradients = extract::method_info(plan.job.surface.method).traits.gradient_normals;
   plan.job.normals =
       plan.shading == render::Shading::smooth && gradients ? convert::Normals::smooth : convert::Normals::none;
-  if (flags.colour) {
-    plan.job.colour = convert::ColourChoice{std::nullopt, flags.colour->map, flags.colour->range};
+  if (flags.color) {
+    plan.job.color = convert::ColorChoice{std::nullopt, flags.color->map, flags.color->range};
   }
   plan.opacity = flags.opacity.value_or(plan.opacity);
   plan.draws_volume = !inputs.volumes.empty();
@@ -228,17 +229,17 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
   plan.camera = flags.camera.value_or(plan.camera);
   plan.camera.look_at = flags.look_at;
   if (flags.field_of_view) plan.fovy = *flags.field_of_view * std::numbers::pi / 180;
-  if (flags.up) plan.up = convert::shown_up(*flags.up);
+  if (flags.up) plan.up = convert::render_up_axis(*flags.up);
   plan.options.size = flags.size.value_or(plan.options.size);
   plan.options.samples_per_voxel = flags.samples.value_or(plan.options.samples_per_voxel);
   plan.options.early_termination = flags.termination != 0.0;
   if (flags.termination.value_or(0) > 0) plan.options.termination = *flags.termination;
   plan.options.empty_space_skipping = !flags.no_skipping;
   plan.background = flags.background.value_or(plan.background);
-  plan.mesh_colours = flags.mesh_colours.value_or(plan.mesh_colours);
-  if (plan.mesh_colours.size() > 1 && plan.mesh_colours.size() != plan.meshes.size()) {
+  plan.mesh_colors = flags.mesh_colors.value_or(plan.mesh_colors);
+  if (plan.mesh_colors.size() > 1 && plan.mesh_colors.size() != plan.meshes.size()) {
     return refuse_usage(fmt::format("--mesh-color: expected one colour or one for each mesh, found {} for {}",
-                                    plan.mesh_colours.size(), plan.meshes.size()));
+                                    plan.mesh_colors.size(), plan.meshes.size()));
   }
   plan.backend = flags.backend.value_or(plan.backend);
   plan.gpu = plan_gpu(flags.device);

@@ -35,12 +35,12 @@ struct RenderPlan {
   convert::ConversionJob job;
   std::vector<convert::IsoChoice> isos;
   std::vector<std::string> meshes;
-  std::vector<glm::dvec3> mesh_colours;  // linear; one per mesh, or one for all; empty: their own colors
-  std::vector<double> opacity;           // of surfaces, then meshes: one each, or one for all; empty: opaque
+  std::vector<glm::dvec3> mesh_colors;  // linear; one per mesh, or one for all; empty: their own colors
+  std::vector<double> opacity;          // of surfaces, then meshes: one each, or one for all; empty: opaque
   render::Shading shading = render::Shading::smooth;
   bool draws_volume = true;
   std::optional<std::string> transfer_file;
-  render::BuiltInTransfer transfer = render::BuiltInTransfer::grey;
+  render::BuiltInTransfer transfer = render::BuiltInTransfer::gray;
   std::optional<std::array<double, 2>> transfer_range;
   std::optional<double> unit_length;
   render::ViewAngles camera;

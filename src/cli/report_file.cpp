@@ -10,7 +10,7 @@
 namespace isoextract::cli {
 
 Result<void> check_report_file(const std::string& path, const convert::ConversionJob& job, const Context& context) {
-  auto checked = convert::check_other_file(path, job, context);
+  auto checked = convert::check_extra_output(path, job, context);
   if (!checked && checked.error().code == ErrorCode::usage) checked.error().hint = "choose another name with --report";
   return checked;
 }

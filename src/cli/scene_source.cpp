@@ -33,19 +33,19 @@ Result<PlacedMesh> read_mesh(const std::string& path, const RenderPlan& plan, co
   context.progress().begin("reading meshes", 0);
   auto file = TRY(mesh_io::read_mesh(path, context));
   for (const std::string& note : file.notes) events.note(note);
-  const auto record = convert::read_record(file.placement);
+  const auto record = convert::parse_placement_record(file.placement);
   if (!record && !file.placement.empty()) {
-    events.note(fmt::format("{}: what it says of its placement cannot be read, and is left aside",
-                            files::shown_input_name(path)));
+    events.note(
+        fmt::format("{}: what it says of its placement cannot be read, and is left aside", files::input_label(path)));
   }
   const bool in_voxels = record && record->placement.space == convert::Space::index;
   const bool has_volume = plan.pictures.front().input.has_value();
   if (in_voxels && has_volume && plan.job.source.placement.space == convert::Space::world) {
     events.note(fmt::format("{}: it is in voxel coordinates, and the volume is drawn in those of the world",
-                            files::shown_input_name(path)));
+                            files::input_label(path)));
   }
   const bool y_up = plan.up == render::UpAxis::y;
-  const auto usual = convert::usual_placement(file.y_up, y_up ? convert::UpAxis::y : convert::UpAxis::z);
+  const auto usual = convert::default_placement(file.y_up, y_up ? convert::UpAxis::y : convert::UpAxis::z);
   convert::move_mesh(file.mesh, record.value_or(usual).output_from_world().inverse());
   return PlacedMesh{std::move(file.mesh), record && !in_voxels && record->placement.up == convert::UpAxis::y};
 }
@@ -63,8 +63,8 @@ std::vector<render::ControlPoint> named_transfer(const RenderPlan& plan, const f
   }
   // If all samples are equal, any range will do: nothing is visible.
   if (!(range[1] > range[0])) range[1] = range[0] + std::max(std::abs(range[0]), 1.0);
-  if (!below) return render::built_in(plan.transfer, range[0], range[1]);
-  auto points = render::built_in(plan.transfer, -range[1], -range[0]);
+  if (!below) return render::built_in_points(plan.transfer, range[0], range[1]);
+  auto points = render::built_in_points(plan.transfer, -range[1], -range[0]);
   for (render::ControlPoint& point : points) point.value = -point.value;
   std::ranges::reverse(points);
   return points;
@@ -72,7 +72,7 @@ std::vector<render::ControlPoint> named_transfer(const RenderPlan& plan, const f
 
 Result<render::TransferFunction> read_transfer(const std::string& path, const Context& context) {
   const auto text = TRY(files::read_text_file(path, "a transfer function", kMostTransferBytes, context));
-  const std::string name = files::shown_input_name(path);
+  const std::string name = files::input_label(path);
   const auto points = TRY(render::parse_transfer_function(text, name));
   auto transfer = render::TransferFunction::create(points);
   if (!transfer) return fail(ErrorCode::input, fmt::format("{}: {}", name, transfer.error().message));
@@ -107,7 +107,7 @@ Result<void> SceneSource::choose_transfer(const field::ScalarField& field, const
   return {};
 }
 
-void SceneSource::leave_volume_out() {
+void SceneSource::remove_volume() {
   volume_.reset();
   source_.reset();
   surfaces_.clear();
@@ -115,20 +115,19 @@ void SceneSource::leave_volume_out() {
 
 Result<void> SceneSource::read_volume(const std::string& input, const std::string& output, const Context& context,
                                       convert::Events& events) {
-  leave_volume_out();
+  remove_volume();
   convert::ConversionJob job = plan_->job;
   job.source.input = input;
-  const auto note_of_field = [&](const field::ScalarField& field) -> std::optional<std::string> {
-    if (plan_->up || told_up_axis_) return std::nullopt;
+  const auto field_note = [&](const field::ScalarField& field) -> std::optional<std::string> {
+    if (plan_->up || printed_up_axis_note_) return std::nullopt;
     auto note = up_axis_note(field, convert::UpAxis::z, "the picture shows it on its side");
-    told_up_axis_ = note.has_value();
+    printed_up_axis_note_ = note.has_value();
     return note;
   };
   if (!plan_->isos.empty()) {
     convert::MeshCollector collected{.wants_source = plan_->draws_volume};
     job.outputs = {{output, plan_->isos}};
-    convert::Outcome outcome =
-        convert::run(job, context, events, {.note_of_field = note_of_field}, nullptr, &collected);
+    convert::Outcome outcome = convert::run(job, context, events, {.field_note = field_note}, nullptr, &collected);
     if (outcome.error) {  // in a sequence, frames without a surface still show the volume
       const bool shows_volume = plan_->is_sequence && plan_->draws_volume;
       const bool goes_on = shows_volume && outcome.error->code == ErrorCode::no_surface;
@@ -140,7 +139,7 @@ Result<void> SceneSource::read_volume(const std::string& input, const std::strin
   }
   if (plan_->draws_volume && !source_) {
     source_ = TRY(convert::open_source(job.source, {}, context, events));
-    if (const auto note = note_of_field(source_->field)) events.note(*note);
+    if (const auto note = field_note(source_->field)) events.note(*note);
   }
   if (plan_->shading == render::Shading::smooth) {
     for (mesh::Mesh& mesh : surfaces_) {
@@ -151,7 +150,7 @@ Result<void> SceneSource::read_volume(const std::string& input, const std::strin
 }
 
 Result<void> SceneSource::place_volume(const Context& context, convert::Events& events) {
-  const auto box = TRY(render::box_of_volume(source_->field));
+  const auto box = TRY(render::volume_box(source_->field));
   const auto statistics = field::measure_statistics(source_->field, &context.progress(), field::WithPercentiles::no);
   if (statistics.nan > 0) {
     events.note(fmt::format("{}: {} of {} samples are not numbers (NaN): nothing is drawn in cells that touch them",
@@ -180,17 +179,17 @@ render::Scene SceneSource::scene() const {
   render::Scene scene;
   if (volume_) scene.volume = &*volume_;
   for (const mesh::Mesh& mesh : surfaces_) add_surface(scene, mesh);
-  const std::vector<glm::dvec3>& colours = plan_->mesh_colours;
+  const std::vector<glm::dvec3>& colors = plan_->mesh_colors;
   for (std::size_t m = 0; m < meshes_.size(); ++m) {
     add_surface(scene, meshes_[m]);
-    if (!colours.empty()) scene.surfaces.back().colour = colours[std::min(m, colours.size() - 1)];
+    if (!colors.empty()) scene.surfaces.back().color = colors[std::min(m, colors.size() - 1)];
   }
   scene.background = plan_->background;
   return scene;
 }
 
-Result<void> SceneSource::check_not_lost() const {
-  return source_ ? volume_io::check_not_lost(source_->field) : Result<void>();
+Result<void> SceneSource::check_mapping_intact() const {
+  return source_ ? volume_io::check_mapping_intact(source_->field) : Result<void>();
 }
 
 }  // namespace isoextract::cli

@@ -29,14 +29,14 @@ class SceneSource {
                                          convert::Events& events);
 
   // Removes the volume.
-  void leave_volume_out();
+  void remove_volume();
 
   // Returns the current scene, which is valid until the next call of read_volume().
   [[nodiscard]] render::Scene scene() const;
   // Returns the up axis of the options, or else of the mesh files.
   [[nodiscard]] render::UpAxis up() const { return plan_->up.value_or(up_of_meshes_); }
   // Fails if reading the volume's file has failed meanwhile.
-  [[nodiscard]] Result<void> check_not_lost() const;
+  [[nodiscard]] Result<void> check_mapping_intact() const;
 
  private:
   explicit SceneSource(const RenderPlan& plan) : plan_(&plan) {}
@@ -54,7 +54,7 @@ class SceneSource {
   std::vector<mesh::Mesh> surfaces_;
   std::optional<render::TransferFunction> transfer_;
   std::optional<double> unit_length_;
-  bool told_up_axis_ = false;  // the note about the up axis was printed for an earlier volume
+  bool printed_up_axis_note_ = false;  // the note about the up axis was printed for an earlier volume
 };
 
 }  // namespace isoextract::cli

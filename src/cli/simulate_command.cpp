@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 // The default scene: a spring in the hills, and a basin with a little water.
 void add_default_scene(const simulate::TerrainOptions& terrain, simulate::WaterOptions& water, double& level) {
   water.sources.push_back({{terrain.size.x / 8, terrain.size.y / 2}, std::max(terrain.size.x, terrain.size.y) / 32.0});
-  level = simulate::kLowestLand + terrain.relief / 12;
+  level = simulate::kMinLandHeight + terrain.relief / 12;
 }
 
 class WaterRun {
@@ -77,8 +77,8 @@ class WaterRun {
   }
 
   Result<void> write(const simulate::WaterAutomaton& automaton, const SequenceFrame& frame) {
-    if (plan_.what != simulate::WaterContent::heights) {
-      const auto layers = TRY(simulate::layers_for(automaton));
+    if (plan_.what != simulate::WaterOutput::heights) {
+      const auto layers = TRY(simulate::count_layers(automaton));
       // All frames get the same number of layers, unless the water rises above it.
       if (layers > layers_) {
         layers_ = layers;
@@ -108,11 +108,11 @@ class WaterRun {
         fmt::format("water: {:.6g} at the start, {:.6g} poured, {:.6g} drained, {:.6g} there; out of balance by {:.1e} "
                     "of it; depths {:.4g} to {:.4g}",
                     balance.at_start, balance.poured, balance.drained, balance.there, balance.drift(),
-                    found.least_depth, found.most_depth));
+                    found.least_depth, found.max_depth));
     if (found.below_zero > 0) {
       messages_.note(fmt::format("{} of {} cells have a depth below 0, as the printed rule leaves them{}",
                                  found.below_zero, std::int64_t{size.x} * size.y,
-                                 plan_.what == simulate::WaterContent::heights ? "" : "; in a volume they are empty"));
+                                 plan_.what == simulate::WaterOutput::heights ? "" : "; in a volume they are empty"));
     }
     for (std::size_t g = 1; g < grown_.size(); ++g) {
       messages_.note(fmt::format("{}: the water stands higher, so volumes have {} layers in place of {} from here on",
@@ -131,7 +131,7 @@ class WaterRun {
   // Prints the options for reading files whose header lacks dimensions or placement.
   void tell_how_to_read(const std::vector<SequenceFrame>& frames) const {
     const bool raw = plan_.format == volume_io::VolumeFileFormat::raw;
-    if (plan_.what == simulate::WaterContent::heights || (!raw && plan_.format != volume_io::VolumeFileFormat::npy))
+    if (plan_.what == simulate::WaterOutput::heights || (!raw && plan_.format != volume_io::VolumeFileFormat::npy))
       return;
     const glm::dvec3& s = plan_.spacing;
     std::string options;
@@ -181,7 +181,7 @@ Result<std::vector<SequenceFrame>> check_sequence(const SequencePlan& plan) {
     frames.push_back(frame);
     files.insert(files.end(), frame.files.begin(), frame.files.end());
   }
-  TRY(see_to_folders(files, plan.make_folders));
+  TRY(check_or_make_folders(files, plan.make_folders));
   for (const fs::path& file : files) {
     if (file == "-") continue;
     TRY(convert::check_output_file(file, {}));

@@ -64,8 +64,8 @@ Result<std::vector<std::uint64_t>> frame_steps(const SequenceFlags& flags, const
   return frames;
 }
 
-Result<void> check_taps(const std::vector<simulate::Tap>& taps, glm::ivec2 size, std::string_view option) {
-  for (const simulate::Tap& tap : taps) {
+Result<void> check_taps(const std::vector<simulate::WaterTap>& taps, glm::ivec2 size, std::string_view option) {
+  for (const simulate::WaterTap& tap : taps) {
     if (tap.cell.x >= 0 && tap.cell.y >= 0 && tap.cell.x < size.x && tap.cell.y < size.y) continue;
     return refuse_usage(fmt::format("{} {},{},{}: expected a cell of the grid of {} x {}, counted from 0,0", option,
                                     tap.cell.x, tap.cell.y, tap.rate, size.x, size.y));
@@ -128,9 +128,9 @@ Result<WaterPlan> plan_water(const WaterFlags& flags) {
     plan.format = format;
     kind.extension = word_of(plan.format);
     kind.example = std::string(fs::path(kWaterExample).replace_extension(kind.extension));
-    if (plan.format == volume_io::VolumeFileFormat::vdb && plan.what == simulate::WaterContent::both) kind.grids = {""};
+    if (plan.format == volume_io::VolumeFileFormat::vdb && plan.what == simulate::WaterOutput::both) kind.grids = {""};
   }
-  if (plan.what == simulate::WaterContent::heights) {
+  if (plan.what == simulate::WaterOutput::heights) {
     if (flags.sequence.output && plan.format != volume_io::VolumeFileFormat::npy) {
       return refuse_usage("--what heights writes NPY arrays", "name the output .npy");
     }

@@ -50,7 +50,7 @@ struct WaterPlan {
   std::optional<double> depth;
   bool default_scene = false;  // adds a spring in the hills and a little water
   simulate::WaterOptions water;
-  simulate::WaterContent what = simulate::WaterContent::water;
+  simulate::WaterOutput what = simulate::WaterOutput::water;
   volume_io::VolumeFileFormat format = volume_io::VolumeFileFormat::nrrd;
   glm::dvec3 spacing{1.0};
   SequencePlan sequence;

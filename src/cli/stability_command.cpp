@@ -81,7 +81,7 @@ convert::Json list_json(const std::vector<const bench::StabilityCase*>& cases, b
                     {"case", test->name},
                     {"extreme", test->extreme},
                     {"plain_float32", test->plain},
-                    {"plain_float32_fails", test->plain_fails}});
+                    {"plain_float32_fails", test->float32_fails}});
   }
   if (water) {
     json.push_back({{"schema", word_of(convert::JsonDocument::stability_cases)},
@@ -113,7 +113,7 @@ std::vector<std::string> checked_methods(const std::vector<bench::StabilityRow>&
   std::vector<std::string> lines;
   for (const extract::MethodInfo& method : extract::kMethods) {
     if (std::ranges::find(rows, method.method, &bench::StabilityRow::method) == rows.end()) continue;
-    const bench::StabilityFindings checked = bench::no_findings(method.traits);
+    const bench::StabilityFindings checked = bench::empty_findings(method.traits);
     std::string line = fmt::format("{}: finite vertices", method.title);
     if (checked.edges_checked) line += ", each within its own edge of the grid";
     if (checked.crossings_checked) line += " and at its crossing";

@@ -6,8 +6,8 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include "base/allocation_error.hpp"
 #include "base/machine.hpp"
-#include "base/no_memory.hpp"
 
 namespace isoextract::cli {
 Result<void> limit_threads(const std::optional<int>& threads) {
@@ -18,7 +18,7 @@ Result<void> limit_threads(const std::optional<int>& threads) {
   }
   const int all = tbb::this_task_arena::max_concurrency();
   const int wanted = std::min(threads.value_or(all), all);
-  const StartedThreads others = try_threads(wanted - 1);  // threads like those of oneTBB
+  const StartableThreads others = start_threads_together(wanted - 1);  // threads like those of oneTBB
   if (others.refusal.empty()) return {};
   const int could = others.count + 1;
   return fail(ErrorCode::unavailable,

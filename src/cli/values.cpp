@@ -205,13 +205,13 @@ Result<glm::dvec3> parse_sides(std::string_view text) {
   return *sides;
 }
 
-Result<simulate::Tap> parse_tap(std::string_view text) {
+Result<simulate::WaterTap> parse_tap(std::string_view text) {
   const std::vector<std::string_view> parts = split(text, ",");
   if (parts.size() == 3) {
     const auto x = whole_text_as<int>(parts[0]);
     const auto y = whole_text_as<int>(parts[1]);
     const auto rate = parse_positive(parts[2]);
-    if (x && y && rate) return simulate::Tap{{*x, *y}, *rate};
+    if (x && y && rate) return simulate::WaterTap{{*x, *y}, *rate};
   }
   return expected_found("X,Y,RATE: a cell, counted from 0, and a depth a step above 0", text);
 }

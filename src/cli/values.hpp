@@ -39,12 +39,12 @@ using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
 [[nodiscard]] Result<std::uint64_t> parse_relaxations(std::string_view text);              // 0..10000
 [[nodiscard]] Result<std::uint64_t> parse_positive_count(std::string_view text);           // likewise, 1 or above
 [[nodiscard]] Result<glm::ivec2> parse_grid_size(std::string_view text);                   // NXxNY or NX,NY, 2 or above
-[[nodiscard]] Result<glm::dvec3> parse_sides(std::string_view text);       // AxBxC or one for all, above 0
-[[nodiscard]] Result<simulate::Tap> parse_tap(std::string_view text);      // X,Y,RATE
-[[nodiscard]] Result<glm::dvec3> parse_vector(std::string_view text);      // X,Y,Z
-[[nodiscard]] Result<glm::dvec3> parse_spacing(std::string_view text);     // SX,SY,SZ or one for all, above 0
-[[nodiscard]] Result<glm::ivec3> parse_dims(std::string_view text);        // NX,NY,NZ or NXxNYxNZ, above 0
-[[nodiscard]] Result<glm::ivec3> parse_resolution(std::string_view text);  // as dims or one for all, 2 or above
+[[nodiscard]] Result<glm::dvec3> parse_sides(std::string_view text);        // AxBxC or one for all, above 0
+[[nodiscard]] Result<simulate::WaterTap> parse_tap(std::string_view text);  // X,Y,RATE
+[[nodiscard]] Result<glm::dvec3> parse_vector(std::string_view text);       // X,Y,Z
+[[nodiscard]] Result<glm::dvec3> parse_spacing(std::string_view text);      // SX,SY,SZ or one for all, above 0
+[[nodiscard]] Result<glm::ivec3> parse_dims(std::string_view text);         // NX,NY,NZ or NXxNYxNZ, above 0
+[[nodiscard]] Result<glm::ivec3> parse_resolution(std::string_view text);   // as dims or one for all, 2 or above
 [[nodiscard]] Result<render::PictureSize> parse_picture_size(std::string_view text);  // WxH, each from 1 to 16384
 [[nodiscard]] Result<convert::FilterStep> parse_filter(std::string_view text);  // gaussian, median or mean, or with :N
 [[nodiscard]] Result<field::Box> parse_box(std::string_view text);              // X0,Y0,Z0,X1,Y1,Z1, min <= max
@@ -56,7 +56,8 @@ using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
 [[nodiscard]] Result<int> parse_thread_count(std::string_view text);                      // 1..1024
 [[nodiscard]] Result<std::uint64_t> parse_size(std::string_view text);  // bytes, with or without K, M, G, T
 
-[[nodiscard]] Result<convert::LeastPiece> parse_least_piece(std::string_view text);  // 100, area:40, volume:5world
+[[nodiscard]] Result<convert::MinComponentSize> parse_least_piece(
+    std::string_view text);                                                          // 100, area:40, volume:5world
 [[nodiscard]] Result<convert::SmoothChoice> parse_smoothing(std::string_view text);  // 20, 20:sinc, 20:taubin:0.05
 [[nodiscard]] Result<convert::BlurStep> parse_blur(std::string_view text);           // 2, 2voxel, 0.5world, median:1
 

@@ -35,7 +35,7 @@ std::string verification_table(const std::string& label, const convert::Verifica
   counts("vertices", found.vertices, found.vertices_only);
   lines.add("positions", worst_text(found.ulps, "ulps", accuracy::kStabilityUlps, found.farthest));
   if (found.normals_compared) {
-    lines.add("normals", worst_text(found.degrees, "degrees", accuracy::kNormalDegrees, found.most_turned));
+    lines.add("normals", worst_text(found.degrees, "degrees", accuracy::kNormalDegrees, found.largest_angle_edge));
   }
   lines.add("same", record.differences.empty() ? "yes" : "no");
   return lines.take();

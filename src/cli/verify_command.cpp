@@ -11,24 +11,24 @@
 #include "base/printable.hpp"
 #include "base/stopwatch.hpp"
 #include "cli/layout.hpp"
-#include "cli/mistaken_files.hpp"
 #include "cli/planned_command.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/verification_text.hpp"
+#include "cli/wrong_file_kind.hpp"
 #include "convert/conversion.hpp"
 #include "convert/field_label.hpp"
 #include "convert/json_documents.hpp"
 #include "convert/json_values.hpp"
 #include "convert/placement_record.hpp"
 #include "convert/source.hpp"
-#include "mesh/joined.hpp"
+#include "mesh/join_meshes.hpp"
 #include "mesh_io/mesh_reader.hpp"
 
 namespace isoextract::cli {
 namespace {
 
 // The new extraction that a mesh is compared with.
-struct MadeAnew {
+struct NewExtraction {
   std::string surface;              // its name in messages
   std::string backend;              // the backend that extracted it
   std::vector<std::string> stages;  // the stages of the job, in order
@@ -47,7 +47,7 @@ class Notes final : public convert::Events {
   ProgressBar& bar_;
 };
 
-MadeAnew made_anew(const convert::ConversionJob& job, const convert::Outcome& outcome) {
+NewExtraction made_anew(const convert::ConversionJob& job, const convert::Outcome& outcome) {
   constexpr std::size_t kMostTold = 10;
   const bool are_labels = job.isos().front().is_label();
   std::string label;
@@ -59,7 +59,7 @@ MadeAnew made_anew(const convert::ConversionJob& job, const convert::Outcome& ou
     surfaces.push_back(asked && !are_labels ? fmt::format("{} ({})", *asked, report.id->text()) : report.id->text());
   }
   const std::size_t told = surfaces.size() > kMostTold ? kMostTold : surfaces.size();
-  MadeAnew anew;
+  NewExtraction anew;
   anew.surface =
       fmt::format("{} {} {}", label, are_labels ? "label" : "iso", fmt::join(std::span(surfaces).first(told), ", "));
   if (told < surfaces.size()) anew.surface += fmt::format(" and {} others", surfaces.size() - told);
@@ -76,7 +76,7 @@ MadeAnew made_anew(const convert::ConversionJob& job, const convert::Outcome& ou
 // Opens the source with the requested iso values.
 Result<convert::Source> open_source(const VerifyPlan& plan, const Context& context, convert::Events& events) {
   auto source = convert::open_source(plan.job.source, convert::use_of(plan.job), context, events);
-  if (source) source->isos = convert::each_once(source->isos);
+  if (source) source->isos = convert::without_repeats(source->isos);
   return source;
 }
 
@@ -84,7 +84,7 @@ Result<convert::Source> open_source(const VerifyPlan& plan, const Context& conte
 Result<convert::VerificationRecord> compare_surface(const VerifyPlan& plan, double iso, convert::Source& source,
                                                     extract::Extractor& first, extract::Extractor& second,
                                                     const Context& context) {
-  source.face_outward(iso);
+  source.set_inside_side(iso);
   extract::ExtractOptions options = source.extract_options(plan.job.surface, iso);
   const extract::MethodInfo& method = extract::method_info(options.method);
   options.smooth_normals = method.traits.gradient_normals;
@@ -116,7 +116,7 @@ Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, c
     ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     Notes notes(messages, bar);
     auto source = open_source(plan, context, notes);
-    if (!source) return tl::unexpected(about_volume_file(source.error(), plan.job.source.input));
+    if (!source) return tl::unexpected(add_volume_file_hint(source.error(), plan.job.source.input));
     label = source->label;
     for (const convert::ResolvedIso& iso : source->isos) {
       auto record = TRY(compare_surface(plan, iso.id.iso(), *source, *first, *second.extractor, context));
@@ -141,7 +141,7 @@ std::string distance_text(const accuracy::MeshMatch& match) {
                      accuracy::point_text(match.farthest));
 }
 
-std::string match_table(const std::string& path, const MadeAnew& anew, const accuracy::MeshMatch& match) {
+std::string match_table(const std::string& path, const NewExtraction& anew, const accuracy::MeshMatch& match) {
   NamedLines lines;
   lines.plain(fmt::format("{} and {}", printable(path), anew.surface));
   lines.add("made anew", fmt::format("by {}: {}", anew.backend, fmt::join(anew.stages, ", ")));
@@ -190,23 +190,24 @@ std::string hint_for(const convert::ConversionJob& job, const accuracy::MeshMatc
 }
 
 // Extracts all requested surfaces as one mesh.
-Result<mesh::Mesh> make_anew(const VerifyPlan& plan, const Context& context, Notes& events, convert::Outcome& outcome) {
+Result<mesh::Mesh> extract_again(const VerifyPlan& plan, const Context& context, Notes& events,
+                                 convert::Outcome& outcome) {
   convert::MeshCollector made{.checks_files = false};
   outcome = convert::run(plan.job, context, events, {}, nullptr, &made);
-  if (outcome.error) return tl::unexpected(about_volume_file(std::move(*outcome.error), plan.job.source.input));
+  if (outcome.error) return tl::unexpected(add_volume_file_hint(std::move(*outcome.error), plan.job.source.input));
   if (made.meshes.size() == 1) return std::move(made.meshes.front());
   return mesh::join_meshes(made.meshes, context);
 }
 
 Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const Context& context) {
   accuracy::MeshMatch match;
-  MadeAnew anew;
+  NewExtraction anew;
   {
     ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     Notes notes(messages, bar);
     context.progress().begin("reading the mesh", 0);
     auto file = mesh_io::read_mesh(*plan.mesh, context);
-    if (!file) return tl::unexpected(about_mesh_file(std::move(file.error()), *plan.mesh));
+    if (!file) return tl::unexpected(add_mesh_file_hint(std::move(file.error()), *plan.mesh));
     for (const std::string& text : file->notes) notes.note(text);
     if (!file->mesh.attributes.empty()) {
       std::vector<std::string> names;
@@ -215,7 +216,7 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
                              fmt::join(names, ", ")));
     }
     VerifyPlan placed = plan;
-    const auto record = plan.is_placed ? std::nullopt : convert::read_record(file->placement);
+    const auto record = plan.is_placed ? std::nullopt : convert::parse_placement_record(file->placement);
     if (!record && !plan.is_placed && !file->placement.empty()) {
       notes.note(fmt::format("{}: what it says of its placement cannot be read, and is left aside", *plan.mesh));
     }
@@ -226,14 +227,14 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
       placed.job.source.placement = record->placement;
     }
     convert::Outcome outcome;
-    auto made = make_anew(placed, context, notes, outcome);
+    auto made = extract_again(placed, context, notes, outcome);
     if (!made && record && made.error().code == ErrorCode::usage) {
       return fail(ErrorCode::input,
                   fmt::format("{}: the volume cannot be placed as it says: {}", *plan.mesh, made.error().message));
     }
     if (!made) return tl::unexpected(made.error());
     anew = made_anew(plan.job, outcome);
-    match = TRY(accuracy::match_meshes(file->mesh, *made, plan.float32_world, context, file->is_quantised));
+    match = TRY(accuracy::match_written_mesh(file->mesh, *made, plan.float32_world, context, file->is_quantized));
   }
   const std::vector<std::string> found = accuracy::differences(match, {"the file", "the volume's surface"});
   if (plan.json) {
@@ -268,7 +269,7 @@ class VerifyCommand final : public PlannedCommand<VerifyFlags, plan_verify, run_
       : PlannedCommand(
             {"verify", "INPUT --iso V [MESH] [options]", "Check a mesh against its volume, or GPU against CPU."}) {}
 
-  [[nodiscard]] std::string hint_for_option_of_default(std::string_view option) const override {
+  [[nodiscard]] std::string hint_for_default_command_option(std::string_view option) const override {
     return fmt::format("leave {} out: of {}'s options {} has those that decide about the triangles of a mesh", option,
                        default_command(program()).name(), name());
   }

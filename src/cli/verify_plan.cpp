@@ -28,14 +28,14 @@ Result<void> check_backends_only(const ConvertFlags& flags) {
 
 Result<void> check_mesh_path(const std::string& path, const ConvertFlags& flags,
                              const mesh_io::MeshFormatInfo& format) {
-  for (const std::string_view word : {std::string_view("{iso}"), convert::kPieceWord}) {
+  for (const std::string_view word : {std::string_view("{iso}"), convert::kPiecePlaceholder}) {
     if (path.find(word) == std::string::npos || files::is_there(path)) continue;
     return refuse_usage(fmt::format("{}: verify takes one mesh, and {} stands for several files", path, word),
-                        word == convert::kPieceWord
+                        word == convert::kPiecePlaceholder
                             ? "write the pieces into one glb, which is verified as a whole"
                             : "give the files one after the other, each with its own --iso or --labels");
   }
-  if (flags.edits.split && !format.holds_several_meshes) {
+  if (flags.edits.split && !format.can_hold_several_meshes) {
     return refuse_usage(fmt::format("{}: one {} file holds one piece, and which one is not known", path, format.name),
                         "write the pieces into one glb, which is verified as a whole");
   }
@@ -64,11 +64,11 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& given) {
     flags.verify = true;
   }
   flags.format = OutputFormat{format};
-  plan.float32_world = mesh_io::mesh_format_info(format).rounds_world;
+  plan.float32_world = mesh_io::mesh_format_info(format).stores_float32_world;
 
   TRY(take_labels(flags));
   const Context context(plan_memory(flags.input.memory_limit));
-  auto note = TRY(take_usual_iso(flags, input, context));
+  auto note = TRY(set_default_iso(flags, input, context));
   auto conversion = TRY(plan_conversion(flags, flags.isos, context));
   plan.notes = std::move(conversion.notes);
   if (!note.empty()) plan.notes.push_back(std::move(note));

@@ -143,7 +143,7 @@ Result<void> check_name_of_map(std::string_view text, edit::Colormap map) {
 }
 
 Result<void> check_formats(const ConvertFlags& flags, const mesh_io::MeshFormatInfo& format) {
-  const bool of_vertices = flags.colour && flags.colour->attribute;
+  const bool of_vertices = flags.color && flags.color->attribute;
   if ((!flags.attributes.empty() || of_vertices) && !format.has_attributes) {
     std::vector<std::string_view> names;
     for (const mesh_io::MeshFormatInfo& info : mesh_io::mesh_formats()) {
@@ -151,13 +151,13 @@ Result<void> check_formats(const ConvertFlags& flags, const mesh_io::MeshFormatI
     }
     return refuse_usage(
         fmt::format("{}: {} has no attributes of vertices",
-                    flags.attributes.empty() ? flags.colour.name() : flags.attributes.name(), format.name),
+                    flags.attributes.empty() ? flags.color.name() : flags.attributes.name(), format.name),
         fmt::format("{} have them", fmt::join(names, ", ")));
   }
-  const bool of_surfaces = flags.colour && !flags.colour->attribute;
+  const bool of_surfaces = flags.color && !flags.color->attribute;
   if ((of_surfaces || flags.opacity) && !is_gltf(format.format)) {
     return refuse_usage(fmt::format("{}: {} has no materials",
-                                    of_surfaces ? flags.colour.name() + " iso" : flags.opacity.name(), format.name),
+                                    of_surfaces ? flags.color.name() + " iso" : flags.opacity.name(), format.name),
                         "glb and gltf have them");
   }
   return {};
@@ -174,8 +174,8 @@ Result<convert::AttributeChoice> parse_attribute(std::string_view text) {
   return choice;
 }
 
-Result<ColourFlag> parse_colour(std::string_view text) {
-  ColourFlag flag;
+Result<ColorFlag> parse_color(std::string_view text) {
+  ColorFlag flag;
   convert::AttributeChoice choice;
   bool has_map = false;
   const auto take = [&](std::string_view word) -> Result<bool> {
@@ -236,11 +236,11 @@ Result<void> plan_vertices(const ConvertFlags& flags, std::size_t isos, convert:
         fmt::format("--opacity: expected one value or one for each iso value, found {}", job.opacity.size()),
         "they stand in the order of --iso");
   }
-  if (!flags.colour) return {};
-  job.colour = convert::ColourChoice{{}, flags.colour->map, flags.colour->range};
-  if (!flags.colour->attribute) return {};
-  convert::AttributeChoice wanted = *flags.colour->attribute;
-  job.colour->attribute = wanted.name;
+  if (!flags.color) return {};
+  job.color = convert::ColorChoice{{}, flags.color->map, flags.color->range};
+  if (!flags.color->attribute) return {};
+  convert::AttributeChoice wanted = *flags.color->attribute;
+  job.color->attribute = wanted.name;
   const auto same = std::ranges::find(attributes, wanted.name, &convert::AttributeChoice::name);
   if (same == attributes.end()) {
     wanted.written = false;
@@ -263,7 +263,7 @@ Result<void> plan_vertices(const ConvertFlags& flags, std::size_t isos, convert:
 
 Result<void> number_attributes(std::vector<convert::AttributeChoice>& attributes, std::int64_t frame) {
   for (convert::AttributeChoice& choice : attributes) {
-    const convert::AttributePlace place = convert::attribute_place(choice);
+    const convert::AttributeLocation place = convert::attribute_location(choice);
     if (place.file.empty() || place.file.starts_with(field::kDemoPrefix) || files::is_there(place.file)) continue;
     const auto pattern = TRY(batch::FramePattern::parse(place.file));
     if (!pattern) continue;
@@ -272,10 +272,10 @@ Result<void> number_attributes(std::vector<convert::AttributeChoice>& attributes
   return {};
 }
 
-std::string note_of_frames(const convert::ConversionJob& job) {
-  if (!job.colour || !job.colour->attribute || job.colour->range) return {};
+std::string color_range_note(const convert::ConversionJob& job) {
+  if (!job.color || !job.color->attribute || job.color->range) return {};
   // Includes the attribute's other settings, so that the text can be given again.
-  std::string name = *job.colour->attribute;
+  std::string name = *job.color->attribute;
   const auto choice = std::ranges::find(job.source.attributes, name, &convert::AttributeChoice::name);
   if (choice != job.source.attributes.end() && !choice->written) {
     if (choice->optional) name += "?";
@@ -284,7 +284,7 @@ std::string note_of_frames(const convert::ConversionJob& job) {
   return fmt::format(
       "--color-by {0}: the colours of each frame have a range of their own; give --color-by {1} for a "
       "sequence",
-      *job.colour->attribute, shell_quoted(fmt::format("{}:{}:MIN,MAX", name, word_of(job.colour->map))));
+      *job.color->attribute, shell_quoted(fmt::format("{}:{}:MIN,MAX", name, word_of(job.color->map))));
 }
 
 }  // namespace isoextract::cli

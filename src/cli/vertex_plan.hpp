@@ -21,6 +21,6 @@ namespace isoextract::cli {
 [[nodiscard]] Result<void> number_attributes(std::vector<convert::AttributeChoice>& attributes, std::int64_t frame);
 
 // Returns a note for several frames if each colors its surfaces over its own range; otherwise empty.
-[[nodiscard]] std::string note_of_frames(const convert::ConversionJob& job);
+[[nodiscard]] std::string color_range_note(const convert::ConversionJob& job);
 
 }  // namespace isoextract::cli

@@ -39,7 +39,7 @@ std::vector<NamedKind> kinds_in(std::string_view placement) {
 
 Result<std::optional<AttributeKind>> find_kind(const AttributeChoice& choice, std::size_t components,
                                                std::optional<AttributeKind> stated) {
-  if (choice.kind && changes_with_mesh(*choice.kind) && components != 3) {
+  if (choice.kind && is_transformed_with_mesh(*choice.kind) && components != 3) {
     return fail(ErrorCode::usage,
                 fmt::format("the attribute '{}': expected three components of a {}, found {}", printable(choice.name),
                             word_of(*choice.kind), components),
@@ -54,7 +54,7 @@ Result<std::optional<AttributeKind>> find_kind(const AttributeChoice& choice, st
     if (from.ends_with(']') && open != std::string_view::npos) from = from.substr(open + 1, from.size() - open - 2);
     kind = kind_by_name(from);
   }
-  if (kind && changes_with_mesh(*kind) && components != 3) return AttributeKind::scalar;
+  if (kind && is_transformed_with_mesh(*kind) && components != 3) return AttributeKind::scalar;
   return kind;
 }
 
@@ -62,26 +62,26 @@ std::string kinds_text(const std::vector<NamedKind>& kinds) {
   // Built as text, not as a JSON document, like the rest of a placement record (placement_record.cpp says why).
   std::string text;
   for (const NamedKind& named : kinds) {
-    if (!changes_with_mesh(named.kind)) continue;
+    if (!is_transformed_with_mesh(named.kind)) continue;
     text += fmt::format(R"({}"{}":"{}")", text.empty() ? "{" : ",", plain_name(named.name), word_of(named.kind));
   }
   return text.empty() ? text : text + "}";
 }
 
-std::vector<NamedKind> kinds_of(const mesh::Mesh& mesh, bool is_ours, std::string_view placement) {
+std::vector<NamedKind> kinds_of(const mesh::Mesh& mesh, bool is_by_isoextract, std::string_view placement) {
   const std::vector<NamedKind> stated = kinds_in(placement);
   std::vector<NamedKind> kinds;
   for (const mesh::Attribute& attribute : mesh.attributes) {
     const auto found = std::ranges::find(stated, plain_name(attribute.name), &NamedKind::name);
-    const auto kind = !is_ours                ? kind_by_name(attribute.name)
+    const auto kind = !is_by_isoextract       ? kind_by_name(attribute.name)
                       : found != stated.end() ? std::optional(found->kind)
                                               : std::nullopt;
-    if (kind && mesh::changes_with_mesh(attribute, *kind)) kinds.push_back({attribute.name, *kind});
+    if (kind && mesh::is_transformed_with_mesh(attribute, *kind)) kinds.push_back({attribute.name, *kind});
   }
   return kinds;
 }
 
-void change_attributes(mesh::Mesh& mesh, const std::vector<NamedKind>& kinds, const field::Affine& map) {
+void transform_attributes(mesh::Mesh& mesh, const std::vector<NamedKind>& kinds, const field::Affine& map) {
   for (mesh::Attribute& attribute : mesh.attributes) {
     const auto found = std::ranges::find(kinds, attribute.name, &NamedKind::name);
     if (found == kinds.end() || attribute.role != mesh::AttributeRole::other) continue;

@@ -34,11 +34,12 @@ struct NamedKind {
 [[nodiscard]] std::string kinds_text(const std::vector<NamedKind>& kinds);
 
 // Returns the attributes of `mesh`, read from a file, that change when it is moved, with their kinds. If isoextract
-// wrote the file (`is_ours`), its placement record `placement` names them all. Otherwise attribute names decide
-// (kind_by_name()).
-[[nodiscard]] std::vector<NamedKind> kinds_of(const mesh::Mesh& mesh, bool is_ours, std::string_view placement);
+// wrote the file (`is_by_isoextract`), its placement record `placement` names them all. Otherwise attribute names
+// decide (kind_by_name()).
+[[nodiscard]] std::vector<NamedKind> kinds_of(const mesh::Mesh& mesh, bool is_by_isoextract,
+                                              std::string_view placement);
 
 // Applies `map`, which moved the mesh, to the attributes named in `kinds`. Other attributes stay as they are.
-void change_attributes(mesh::Mesh& mesh, const std::vector<NamedKind>& kinds, const field::Affine& map);
+void transform_attributes(mesh::Mesh& mesh, const std::vector<NamedKind>& kinds, const field::Affine& map);
 
 }  // namespace isoextract::convert

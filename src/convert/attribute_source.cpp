@@ -41,7 +41,7 @@ mesh::Attribute float_attribute(const std::string& name, std::size_t components,
   return made;
 }
 
-using Records = std::vector<CarriedAttribute>;
+using Records = std::vector<AttributeResult>;
 
 void take_attributes(std::vector<mesh::Attribute>&& added, Reservation memory, mesh::Mesh& mesh) {
   std::ranges::move(added, std::back_inserter(mesh.attributes));
@@ -70,11 +70,11 @@ Result<Records> add_of_particles(const ParticleAttributes& source, std::span<con
     mesh::Attribute& made =
         added.emplace_back(float_attribute(source.choices[a].name, attribute.components, places.size()));
     if (!made.values.empty()) std::memcpy(made.values.data(), attribute.values.data(), attribute.values.size_bytes());
-    CarriedAttribute& record = records.emplace_back();
+    AttributeResult& record = records.emplace_back();
     record.name = made.name;
     record.source = fmt::format("{}: {}", printable(source.particles.label), printable(source.choices[a].from));
     record.components = made.components;
-    record.out_of_reach = sampled.out_of_reach;
+    record.vertices_beyond_kernels = sampled.vertices_beyond_kernels;
   }
   take_attributes(std::move(added), std::move(memory), mesh);
   return records;
@@ -97,14 +97,14 @@ Result<Records> add_of_volumes(const AttributeSource& source, std::span<const gl
     const std::size_t count = attribute.components.size();
     mesh::Attribute& made = added.emplace_back(float_attribute(attribute.choice.name, count, places.size()));
     const std::span<float> values(reinterpret_cast<float*>(made.values.data()), count * places.size());
-    CarriedAttribute& record = records.emplace_back();
+    AttributeResult& record = records.emplace_back();
     record.name = made.name;
     record.source = attribute.components.front().name;
     record.components = count;
     for (std::size_t c = 0; c < count && !places.empty(); ++c) {
       const field::ScalarField& field = attribute.components[c];
       const auto counts = TRY(field::sample_points(field, places, values.subspan(c), count, context));
-      TRY(volume_io::check_not_lost(field));
+      TRY(volume_io::check_mapping_intact(field));
       record.outside = std::max(record.outside, counts.outside);
       record.not_finite = std::max(record.not_finite, counts.not_finite);
     }
@@ -131,8 +131,8 @@ Result<void> add_kind(const AttributeChoice& choice, std::size_t components, std
 
 }  // namespace
 
-Result<void> place_attributes(AttributeSource& source, const field::Affine& world_from_output,
-                              const field::Affine& output_from_world) {
+Result<void> set_attribute_maps(AttributeSource& source, const field::Affine& world_from_output,
+                                const field::Affine& output_from_world) {
   source.world_from_output = world_from_output;
   source.output_from_world = output_from_world;
   if (const auto* particles = std::get_if<ParticleAttributes>(&source.from)) {
@@ -163,24 +163,24 @@ std::vector<NamedKind> written_kinds(const AttributeSource& source) {
   return kinds;
 }
 
-Result<std::vector<CarriedAttribute>> add_attributes(const AttributeSource& source, mesh::Mesh& mesh,
-                                                     const Context& context) {
+Result<std::vector<AttributeResult>> add_attributes(const AttributeSource& source, mesh::Mesh& mesh,
+                                                    const Context& context) {
   const auto places = TRY(world_positions(source.world_from_output, mesh, context));
   const std::span<const glm::dvec3> at = places->values.span();
   const auto* particles = std::get_if<ParticleAttributes>(&source.from);
   auto records = particles != nullptr ? add_of_particles(*particles, at, mesh, context)
                                       : add_of_volumes(source, at, mesh, context);
   if (!records) return records;
-  for (CarriedAttribute& record : *records) {
+  for (AttributeResult& record : *records) {
     record.vertices = at.size();
     record.kind = kind_of(source, record.name);
     record.changed =
-        record.components == 3 && changes_with_mesh(record.kind) && source.output_from_world != field::Affine();
+        record.components == 3 && is_transformed_with_mesh(record.kind) && source.output_from_world != field::Affine();
   }
   return records;
 }
 
-Result<StageReport> carry_attributes(Surface& surface, const StageContext& stage) {
+Result<StageReport> sample_vertex_attributes(Surface& surface, const StageContext& stage) {
   const auto& attributes = stage.source.attributes;
   if (!attributes) return StageReport();
   StageReport report = stage.report_on(StageName::attributes, surface);
@@ -191,10 +191,10 @@ Result<StageReport> carry_attributes(Surface& surface, const StageContext& stage
                                        printable(missing.choice.name)));
   }
   const Stopwatch watch;
-  const std::vector<CarriedAttribute> carried = TRY(add_attributes(*attributes, surface.mesh, stage.context));
+  const std::vector<AttributeResult> carried = TRY(add_attributes(*attributes, surface.mesh, stage.context));
   report.time = watch.elapsed();
   report.did = fmt::format("attributes of {} vertices", surface.mesh.positions.size());
-  for (const CarriedAttribute& one : carried) {
+  for (const AttributeResult& one : carried) {
     report.entries.push_back({{Key::name, one.name},
                               {Key::source, one.source},
                               {Key::components, one.components},
@@ -203,7 +203,7 @@ Result<StageReport> carry_attributes(Surface& surface, const StageContext& stage
                               {Key::vertices, one.vertices},
                               {Key::outside, one.outside},
                               {Key::not_finite, one.not_finite},
-                              {Key::out_of_reach, one.out_of_reach}});
+                              {Key::vertices_beyond_kernels, one.vertices_beyond_kernels}});
     const std::string start = fmt::format("{} iso {}: ", stage.source.label, surface.id.text());
     if (one.outside > 0) {
       report.notes.push_back(fmt::format("{}{} of {} vertices lie outside of {}; their '{}' is that at its border",
@@ -216,11 +216,11 @@ Result<StageReport> carry_attributes(Surface& surface, const StageContext& stage
     }
   }
   // All attributes of particles have the same reach, so the first one's count stands for all.
-  if (!carried.empty() && carried.front().out_of_reach > 0) {
+  if (!carried.empty() && carried.front().vertices_beyond_kernels > 0) {
     report.notes.push_back(
         fmt::format("{}: {} of {} vertices have the attributes of the nearest particle, as none is near enough to be "
                     "interpolated",
-                    report.subject, carried.front().out_of_reach, surface.mesh.positions.size()));
+                    report.subject, carried.front().vertices_beyond_kernels, surface.mesh.positions.size()));
   }
   return report;
 }

@@ -32,14 +32,14 @@ struct AttributeSource {
 };
 
 // Sets the maps of a source and finds the kinds of its attributes. Fails as find_kind() does.
-[[nodiscard]] Result<void> place_attributes(AttributeSource& source, const field::Affine& world_from_output,
-                                            const field::Affine& output_from_world);
+[[nodiscard]] Result<void> set_attribute_maps(AttributeSource& source, const field::Affine& world_from_output,
+                                              const field::Affine& output_from_world);
 
 // Returns the kinds without the attributes that only give colors.
 [[nodiscard]] std::vector<NamedKind> written_kinds(const AttributeSource& source);
 
 // Result of sampling one attribute at the vertices of a surface.
-struct CarriedAttribute {
+struct AttributeResult {
   std::string name;
   std::string source;  // name of the values' source, for messages: "fire.vdb: temperature"
   std::size_t components = 1;
@@ -49,12 +49,12 @@ struct CarriedAttribute {
   std::uint64_t outside = 0;     // vertices outside dense samples; they have the value at the data boundary
   std::uint64_t not_finite = 0;  // vertices whose value is not a finite number
   // vertices out of every particle's reach; they have the values of the nearest particle
-  std::uint64_t out_of_reach = 0;
+  std::uint64_t vertices_beyond_kernels = 0;
 };
 
 // Adds the attributes to the vertices of `mesh` as float32, and returns one result for each attribute. Fails as
 // points::sample_attributes() and field::sample_points() do; `mesh` then has none of the attributes.
-[[nodiscard]] Result<std::vector<CarriedAttribute>> add_attributes(const AttributeSource& source, mesh::Mesh& mesh,
-                                                                   const Context& context);
+[[nodiscard]] Result<std::vector<AttributeResult>> add_attributes(const AttributeSource& source, mesh::Mesh& mesh,
+                                                                  const Context& context);
 
 }  // namespace isoextract::convert

@@ -21,7 +21,7 @@ namespace {
 constexpr std::array<std::string_view, 3> kAxes{"[x]", "[y]", "[z]"};
 
 bool names_file(const std::string& text) {
-  const std::string lower = lower_case(text);
+  const std::string lower = to_lower(text);
   for (const volume_io::VolumeFormat* format : volume_io::volume_formats()) {
     const volume_io::FormatDescription& about = format->about();
     if (!about.prefix.empty() && text.starts_with(about.prefix)) return true;
@@ -56,9 +56,9 @@ std::optional<std::array<std::string, 3>> grids_of_axes(const GridList& grids, c
   for (const std::string_view between : {".", "_", ""}) {
     std::array<std::string, 3> labels;
     for (std::size_t axis = 0; axis < labels.size(); ++axis) {
-      const std::string wanted = lower_case(fmt::format("{}{}{}", name, between, "xyz"[axis]));
+      const std::string wanted = to_lower(fmt::format("{}{}{}", name, between, "xyz"[axis]));
       const auto is_meant = [&](const volume_io::GridInfo& grid) {
-        return !is_vector(grid) && lower_case(grid.name) == wanted && grid.name.starts_with(name);
+        return !is_vector(grid) && to_lower(grid.name) == wanted && grid.name.starts_with(name);
       };
       if (std::ranges::count_if(grids, is_meant) == 1) labels[axis] = std::ranges::find_if(grids, is_meant)->label;
     }
@@ -69,14 +69,14 @@ std::optional<std::array<std::string, 3>> grids_of_axes(const GridList& grids, c
 
 // Returns whether the file has neither the grid, nor the vector grid that would contain it, nor the three grids of its
 // components. Returns false if the file cannot be read.
-bool lacks_grid(const SourceOptions& options, const AttributePlace& place, const Context& context) {
+bool lacks_grid(const SourceOptions& options, const AttributeLocation& place, const Context& context) {
   if (!place.grid) return false;
   const bool of_input = is_input_file(place.file, options.input);
   const auto listed = volume_io::list_grids(of_input ? options.input : place.file,
                                             of_input ? options.read : volume_io::ReadOptions(), context);
   const std::string whole = place.grid->substr(0, place.grid->rfind('['));
   const auto is_meant = [&](const volume_io::GridInfo& grid) {
-    return grid.is_called(*place.grid) || grid.is_called(whole);
+    return grid.matches_name(*place.grid) || grid.matches_name(whole);
   };
   return listed && std::ranges::none_of(*listed, is_meant) && !grids_of_axes(*listed, *place.grid);
 }
@@ -88,8 +88,8 @@ struct Reading {
   std::string shown;
 };
 
-volume_io::VolumeBeside beside(const field::ScalarField& input, const AttributeChoice& choice) {
-  volume_io::VolumeBeside other;
+volume_io::ReferenceVolume beside(const field::ScalarField& input, const AttributeChoice& choice) {
+  volume_io::ReferenceVolume other;
   other.source = input.source;
   if (const auto* dense = std::get_if<field::DenseSamples>(&input.samples)) other.dims = dense->dims;
   other.index_to_world = input.index_to_world;
@@ -98,7 +98,7 @@ volume_io::VolumeBeside beside(const field::ScalarField& input, const AttributeC
   return other;
 }
 
-Result<Reading> reading_of(const SourceOptions& options, const AttributeChoice& choice, const AttributePlace& place,
+Result<Reading> reading_of(const SourceOptions& options, const AttributeChoice& choice, const AttributeLocation& place,
                            const field::ScalarField& input, const Context& context) {
   Reading reading;
   if (is_input_file(place.file, options.input)) {
@@ -120,8 +120,8 @@ Result<Reading> reading_of(const SourceOptions& options, const AttributeChoice& 
   if (choice.origin) reading.read.origin = choice.origin;
   reading.read.beside = beside(input, choice);
   reading.read.no_data = choice.no_data ? choice.no_data : options.read.no_data;
-  reading.read.no_data_if_dense = true;
-  reading.shown = files::shown_input_name(reading.input);
+  reading.read.no_data_for_dense_only = true;
+  reading.shown = files::input_label(reading.input);
   if (choice.volume) reading.shown += fmt::format(":volume={}", *choice.volume);
   if (place.grid) reading.shown += fmt::format(": {}", printable(*place.grid));
   return reading;
@@ -171,7 +171,7 @@ Result<std::optional<VectorGrids>> vector_grids(const Reading& reading, const Co
   if (!wanted && listed.size() != 1) return std::nullopt;
   bool is_there = !wanted;
   for (const volume_io::GridInfo& grid : listed) {
-    if (wanted && !grid.is_called(*wanted)) continue;
+    if (wanted && !grid.matches_name(*wanted)) continue;
     is_there = true;
     if (!is_vector(grid)) continue;
     VectorGrids vectors{{}, grid.kind_of_vectors, grid.vectors_in_voxels};
@@ -186,7 +186,7 @@ Result<std::optional<VectorGrids>> vector_grids(const Reading& reading, const Co
 
 Result<VolumeAttribute> read_volume_attribute(const SourceOptions& options, const AttributeChoice& choice,
                                               const field::ScalarField& input, const Context& context) {
-  const AttributePlace place = attribute_place(choice);
+  const AttributeLocation place = attribute_location(choice);
   if (place.file.empty() && input.grids == 0) {
     return fail(ErrorCode::input,
                 fmt::format("{}: expected a file with grids, of which '{}' would be one, found {}", input.source,
@@ -236,7 +236,7 @@ Hint hint_of_attribute(Hint hint) {
 
 }  // namespace
 
-AttributePlace attribute_place(const AttributeChoice& choice) {
+AttributeLocation attribute_location(const AttributeChoice& choice) {
   const std::string& from = choice.from;
   if (from == choice.name) return {{}, from};
   if (names_file(from)) return {from, std::nullopt};
@@ -250,7 +250,7 @@ AttributePlace attribute_place(const AttributeChoice& choice) {
 }
 
 Result<VolumeAttributes> read_volume_attributes(const SourceOptions& options, const field::ScalarField& input,
-                                                bool missing_is_fine, const Context& context) {
+                                                bool allow_missing, const Context& context) {
   VolumeAttributes attributes;
   for (const AttributeChoice& choice : options.attributes) {
     auto attribute = read_volume_attribute(options, choice, input, context);
@@ -261,9 +261,9 @@ Result<VolumeAttributes> read_volume_attributes(const SourceOptions& options, co
     Error& error = attribute.error();
     error.message = fmt::format("the attribute '{}': {}", printable(choice.name), error.message);
     error.hint = hint_of_attribute(std::move(error.hint));
-    const AttributePlace place = attribute_place(choice);
+    const AttributeLocation place = attribute_location(choice);
     const bool is_missing = lacks_file(place.file) || lacks_grid(options, place, context);
-    if (!is_missing || !(missing_is_fine || choice.optional)) return tl::unexpected(std::move(error));
+    if (!is_missing || !(allow_missing || choice.optional)) return tl::unexpected(std::move(error));
     attributes.missing.push_back({choice, std::move(error)});
   }
   return attributes;
@@ -272,7 +272,7 @@ Result<VolumeAttributes> read_volume_attributes(const SourceOptions& options, co
 Result<std::vector<std::filesystem::path>> attribute_files(const SourceOptions& options, const Context& context) {
   std::vector<std::filesystem::path> all;
   for (const AttributeChoice& choice : options.attributes) {
-    const AttributePlace place = attribute_place(choice);
+    const AttributeLocation place = attribute_location(choice);
     if (place.file.empty() || lacks_file(place.file)) continue;
     volume_io::ReadOptions read;
     read.grid = place.grid;

@@ -15,7 +15,7 @@
 // A grid of the input's own file is read with the input's read options. Another file takes from the input: the volume
 // number (if it holds several and the choice names none), the axis order (if it is an array) and the no-data value. A
 // file that states no spacing and no origin lies on the input's grid if it has the same dimensions
-// (volume_io::VolumeBeside). Raw files, which do not describe themselves, and standard input cannot be such files.
+// (volume_io::ReferenceVolume). Raw files, which do not describe themselves, and standard input cannot be such files.
 #pragma once
 
 #include <filesystem>
@@ -31,11 +31,11 @@
 namespace isoextract::convert {
 
 // The file and the grid that a choice names.
-struct AttributePlace {
+struct AttributeLocation {
   std::string file;  // path of another file, or demo:NAME; empty for the input
   std::optional<std::string> grid;
 };
-[[nodiscard]] AttributePlace attribute_place(const AttributeChoice& choice);
+[[nodiscard]] AttributeLocation attribute_location(const AttributeChoice& choice);
 
 // One attribute read from volumes: one field for each component.
 struct VolumeAttribute {
@@ -53,9 +53,9 @@ struct VolumeAttributes {
 
 // Reads the chosen attributes; `input` is the field that was read from the input. Fails as read_volume() does, and with
 // ErrorCode::input if the input's format has no grids to name. A missing grid or file goes to `missing` for optional
-// attributes, and with `missing_is_fine` for all attributes; otherwise it fails.
+// attributes, and with `allow_missing` for all attributes; otherwise it fails.
 [[nodiscard]] Result<VolumeAttributes> read_volume_attributes(const SourceOptions& options,
-                                                              const field::ScalarField& input, bool missing_is_fine,
+                                                              const field::ScalarField& input, bool allow_missing,
                                                               const Context& context);
 
 // Returns the existing files that volume attributes are read from, other than the input, including files that hold

@@ -39,7 +39,7 @@ Result<OpenedBackend> open_backend(Backend backend, const gpu::GpuOptions& optio
 }
 
 // The device that is open now, if any.
-class KeptBackends::Device {
+class BackendCache::Device {
  public:
   // Opens the device if it is not open. Other callers wait, so that only one device is opened.
   Result<gpu::DrawingThread> open(const gpu::GpuChoice& choice) {
@@ -96,7 +96,7 @@ class KeptBackends::Device {
 };
 
 // A failed extraction leaves the device in an unknown state, so the next conversion opens it anew.
-class KeptBackends::DeviceExtractor final : public extract::Extractor {
+class BackendCache::DeviceExtractor final : public extract::Extractor {
  public:
   DeviceExtractor(std::shared_ptr<Device> device, gpu::DrawingThread thread)
       : device_(std::move(device)), thread_(std::move(thread)), extractor_(thread_.extractor()) {}
@@ -123,10 +123,10 @@ class KeptBackends::DeviceExtractor final : public extract::Extractor {
   std::unique_ptr<extract::Extractor> extractor_;
 };
 
-KeptBackends::KeptBackends() : device_(std::make_shared<Device>()) {}
-KeptBackends::~KeptBackends() = default;
+BackendCache::BackendCache() : device_(std::make_shared<Device>()) {}
+BackendCache::~BackendCache() = default;
 
-Result<OpenedBackend> KeptBackends::open(Backend backend, const gpu::GpuChoice& choice) {
+Result<OpenedBackend> BackendCache::open(Backend backend, const gpu::GpuChoice& choice) {
   if (backend == Backend::cpu) return open_backend(backend, {choice});
   if (backend == Backend::automatic) {
     std::string reason;
@@ -138,6 +138,6 @@ Result<OpenedBackend> KeptBackends::open(Backend backend, const gpu::GpuChoice& 
   return OpenedBackend{std::make_unique<DeviceExtractor>(device_, std::move(thread)), ""};
 }
 
-int KeptBackends::devices_opened() const { return device_->opened(); }
+int BackendCache::devices_opened() const { return device_->opened(); }
 
 }  // namespace isoextract::convert

@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
+#include "base/enum_words.hpp"
 #include "base/error.hpp"
-#include "base/words.hpp"
 #include "extract/extractor.hpp"
 #include "gpu/gpu_extractor.hpp"
 
@@ -40,12 +40,12 @@ struct OpenedBackend {
 //
 // After any failed extraction the device is dropped, because its state is unknown. Extractors already opened keep using
 // it; the next open() opens the device anew.
-class KeptBackends {
+class BackendCache {
  public:
-  KeptBackends();
-  ~KeptBackends();
-  KeptBackends(const KeptBackends&) = delete;
-  KeptBackends& operator=(const KeptBackends&) = delete;
+  BackendCache();
+  ~BackendCache();
+  BackendCache(const BackendCache&) = delete;
+  BackendCache& operator=(const BackendCache&) = delete;
 
   // Opens a backend as open_backend() does. The extractor may be used on any thread and may outlive this object. If
   // automatic found no GPU, later calls do not search again. A different choice replaces the open device.

@@ -13,8 +13,8 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include "base/allocation_error.hpp"
 #include "base/machine.hpp"
-#include "base/no_memory.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/detail/error_memory.hpp"
 #include "convert/detail/field_file.hpp"
@@ -49,7 +49,7 @@ int thread_count() {
 class Conversion {
  public:
   Conversion(const ConversionJob& job, const Context& context, Outcome& outcome, Events& listener,
-             const OutcomeExtras& extras, KeptBackends* kept, MeshCollector* collector)
+             const ConversionOptions& extras, BackendCache* kept, MeshCollector* collector)
       : job_(job),
         meshes_(job.meshes()),
         picture_(job.writes<PictureFileOptions>()),
@@ -73,8 +73,8 @@ class Conversion {
       TRY(write(output));
       ++output_;
     }
-    if (const auto text = note_of_relaxing(outcome_.reports); text && !extras_.how_to_keep_volumes.empty()) {
-      events_.note(*text + extras_.how_to_keep_volumes);
+    if (const auto text = note_of_relaxing(outcome_.reports); text && !extras_.volume_hint.empty()) {
+      events_.note(*text + extras_.volume_hint);
     }
     if (wants_source()) collector_->source = std::move(source_);
     return {};
@@ -114,8 +114,7 @@ class Conversion {
     if (job_.empty == EmptyPolicy::error) return tl::unexpected(empty_source(source_));
     const auto removed = TRY(remove_old_meshes(output, meshes_.format, context_));
     events_.note(fmt::format("{}: {}; {} was not written{}", source_.label, source_.why_empty(),
-                             files::shown_output_name(output.path),
-                             removed.empty() ? "" : "; the old one was removed"));
+                             files::output_label(output.path), removed.empty() ? "" : "; the old one was removed"));
     return {};
   }
 
@@ -148,12 +147,12 @@ class Conversion {
     opened_ = grid;
     const field::ScalarField& field = source_.field;
     if (!job_.source.more_grids.empty()) events_.name_grid(field.grid.empty() ? field.name : field.grid);
-    const auto& note_of = extras_.note_of_field;
+    const auto& note_of = extras_.field_note;
     if (const auto text = note_of ? note_of(field) : std::nullopt) events_.note(*text);
     events_.end_reading();
     TRY(find_labels());
     all_ids_.clear();
-    for (const ResolvedIso& iso : labels_ ? each_label(source_.isos, labels_->labels()) : source_.isos)
+    for (const ResolvedIso& iso : labels_ ? expand_labels(source_.isos, labels_->labels()) : source_.isos)
       all_ids_.push_back(iso.id);
     return check_error_memory(job_, source_, context_);
   }
@@ -170,9 +169,9 @@ class Conversion {
       const std::size_t before = file->written.surfaces.size();
       const auto asked =
           std::span<const ResolvedIso>(source_.isos).subspan(first_iso_of(job_, output_, grid), output.isos.size());
-      const std::vector<ResolvedIso> isos = labels_ ? each_label(asked, labels_->labels()) : each_once(asked);
+      const std::vector<ResolvedIso> isos = labels_ ? expand_labels(asked, labels_->labels()) : without_repeats(asked);
       if (isos.size() < asked.size()) {
-        const std::string path = files::shown_output_name(output.path);
+        const std::string path = files::output_label(output.path);
         for (const std::string& text : repeated_notes(source_.label, asked, path)) events_.note(text);
       }
       for (const ResolvedIso& iso : isos) {
@@ -209,7 +208,7 @@ class Conversion {
   // Adds the pieces as meshes of one file, or writes each to its own file.
   Result<void> add_pieces(Surface surface, const ResolvedIso& iso, OutputMeshes& file) {
     const std::string& pattern = file.job.path;
-    const bool into_files = collector_ == nullptr && pattern.find(kPieceWord) != std::string::npos;
+    const bool into_files = collector_ == nullptr && pattern.find(kPiecePlaceholder) != std::string::npos;
     auto pieces = TRY(split_mesh(std::move(surface.mesh), into_files, context_));
     for (std::size_t i = 0; into_files && i < pieces.size(); ++i) {
       TRY(check_mesh_files({piece_path(pattern, i + 1), {}}, meshes_.format, read()));
@@ -243,7 +242,7 @@ class Conversion {
   [[nodiscard]] mesh_io::MeshWriteOptions write_options() const {
     return {meshes_.format,        job_.normals == Normals::flat,
             meshes_.ascii,         mesh_packing(meshes_.packing, source_),
-            copies_vertices(job_), record_text(source_.placement, meshes_.format, source_.written_kinds()),
+            copies_vertices(job_), write_placement_record(source_.placement, meshes_.format, source_.written_kinds()),
             extras_.hash_files};
   }
 
@@ -256,15 +255,15 @@ class Conversion {
       if (iso.id.is_label()) choice.values.push_back(iso.id.label());
     }
     if (source_.isos.empty()) return {};
-    looks_ = TRY(LabelLooks::open(job_, context_));
+    looks_ = TRY(LabelAppearance::open(job_, context_));
     if (!extractor_->has(job_.surface.method)) {
       const Error error{ErrorCode::unavailable,
                         fmt::format("the {} backend does not have {}", extractor_->name(), method().title),
                         {Remedy::use, Setting::cpu_backend}};
-      if (!gave_way(error)) return tl::unexpected(error);
+      if (!fall_back_to_cpu(error)) return tl::unexpected(error);
     }
     auto found = TRY(extract::LabelVoxels::find(source_.field, extract_options_of(job_, source_, 0), choice, context_));
-    TRY(volume_io::check_not_lost(source_.field));
+    TRY(volume_io::check_mapping_intact(source_.field));
     labels_ = std::move(found);
     for (const std::string& note : labels_->notes()) events_.note(note);
     if (!labels_->labels().empty() || job_.empty != EmptyPolicy::error) return {};
@@ -275,7 +274,7 @@ class Conversion {
 
   // Returns nullopt if the surface is empty and the job skips empty surfaces.
   Result<std::optional<Surface>> make_surface(const ResolvedIso& asked) {
-    source_.face_outward(asked.id.figure());
+    source_.set_inside_side(asked.id.figure());
     Surface surface = TRY(extract(asked));
     if (surface.mesh.triangles.empty() && job_.empty != EmptyPolicy::write) {
       if (job_.empty == EmptyPolicy::error) return tl::unexpected(no_surface(asked));
@@ -299,16 +298,17 @@ class Conversion {
     const Stopwatch watch;
     const extract::ExtractOptions options = extract_options_of(job_, source_, asked.id.figure());
     auto extraction = labels_ ? extract_label(asked, options) : extractor_->extract(source_.field, options, context_);
-    if (!extraction && gave_way(extraction.error())) extraction = extractor_->extract(source_.field, options, context_);
+    if (!extraction && fall_back_to_cpu(extraction.error()))
+      extraction = extractor_->extract(source_.field, options, context_);
     if (!extraction) return tl::unexpected(std::move(extraction.error()));
-    TRY(volume_io::check_not_lost(source_.field));
+    TRY(volume_io::check_mapping_intact(source_.field));
     const extract::ExtractStats& stats = extraction->stats;
     const bool is_cut_open = !source_.clip.empty() && !options.cap;
     open_ = may_be_open(stats, options) || is_cut_open;
     Surface surface{.asked = asked.asked,
                     .id = asked.id,
                     .mesh = std::move(extraction->mesh),
-                    .end = {.at_border = stats.meets_border && !options.cap, .hole_cells = stats.hole_cells},
+                    .end = {.at_border = stats.meets_boundary && !options.cap, .hole_cells = stats.hole_cells},
                     .counts_open_edges = stats.hole_cells > 0 || is_cut_open};
     const StageContext stage{job_, source_, facts(), context_};
     outcome_.bytes_uploaded += stats.device ? stats.device->bytes_uploaded : 0;
@@ -316,7 +316,7 @@ class Conversion {
     if (other_extractor_ != nullptr) {
       const auto record = TRY(
           compare_backends(source_.field, options, method(), surface.mesh, *extractor_, *other_extractor_, context_));
-      TRY(volume_io::check_not_lost(source_.field));
+      TRY(volume_io::check_mapping_intact(source_.field));
       surface.mesh.edges = {};  // only the comparison needs them
       TRY(tell(convert::report_of(record, source_.label), events_));
     }
@@ -336,7 +336,7 @@ class Conversion {
 
   // Falls back to the CPU if automatic chose a GPU that cannot do the work, and notes it. Never when verifying: then
   // there would be no second backend to compare with.
-  bool gave_way(const Error& error) {
+  bool fall_back_to_cpu(const Error& error) {
     const bool may = job_.backend.backend == Backend::automatic && extractor_->name() == word_of(Backend::gpu) &&
                      other_extractor_ == nullptr;
     if (!may || error.code != ErrorCode::unavailable) return false;
@@ -388,7 +388,7 @@ class Conversion {
     for (const StageReport& packed : file.packed(result.packed, packing)) events_.end(packed);
     file.time += watch.elapsed();
     if (extras_.mesh_facts) {
-      StageReport report(StageName::mesh_facts, files::shown_output_name(file.job.path));
+      StageReport report(StageName::mesh_facts, files::output_label(file.job.path));
       report.time = std::exchange(looking_, {});
       report.entries = std::move(file.facts);
       events_.end(report);
@@ -409,7 +409,7 @@ class Conversion {
       outcome_.written[located_].files = files.size();
     }
     std::ranges::move(files, std::back_inserter(outcome_.files));
-    StageReport report(StageName::write, files::shown_output_name(job.path));
+    StageReport report(StageName::write, files::output_label(job.path));
     report.time = time;
     if (time) report.did = "written";
     report.output = std::move(output);
@@ -417,7 +417,7 @@ class Conversion {
   }
 
   Result<void> leave_out(const OutputFileJob& output, const std::vector<SkippedSurfaces>& skipped) {
-    const bool in_pieces = job_.edits.pieces.split && output.path.find(kPieceWord) != std::string::npos;
+    const bool in_pieces = job_.edits.pieces.split && output.path.find(kPiecePlaceholder) != std::string::npos;
     const auto removed = TRY(collector_ != nullptr ? Result<std::vector<std::string>>()
                              : in_pieces           ? remove_old_pieces(output, 1, meshes_.format, read(), context_)
                                                    : remove_old_meshes(output, meshes_.format, context_));
@@ -431,7 +431,7 @@ class Conversion {
 
   [[nodiscard]] bool wants_source() const { return collector_ != nullptr && collector_->wants_source; }
 
-  [[nodiscard]] const files::ReadFiles& read() const { return extras_.read != nullptr ? *extras_.read : own_read_; }
+  [[nodiscard]] const files::InputFileSet& read() const { return extras_.read != nullptr ? *extras_.read : own_read_; }
 
   [[nodiscard]] SkippedSurfaces skipped_of(std::span<const ResolvedIso> asked, std::span<const SurfaceId> made) const {
     return skipped_surfaces(source_.label, asked, made, lost_, labels_.has_value());
@@ -439,7 +439,7 @@ class Conversion {
 
   void tell_skipped(const OutputFileJob& output, const std::vector<SkippedSurfaces>& skipped, bool is_written,
                     const std::string& besides) {
-    const std::string path = files::shown_output_name(output.path);
+    const std::string path = files::output_label(output.path);
     const std::string what = is_written || collector_ != nullptr ? path + " is without it" : path + " was not written";
     for (const SkippedSurfaces& grid : skipped) {
       if (!grid.reasons.empty()) events_.note(note_of(grid, what + besides));
@@ -452,16 +452,16 @@ class Conversion {
   const Context& context_;
   Outcome& outcome_;
   Recorder events_;
-  OutcomeExtras extras_;
-  KeptBackends* kept_backends_;  // null if none are kept
-  MeshCollector* collector_;     // null if files are written
-  files::ReadFiles own_read_;    // used if files are written and the caller gave no list of read files
+  ConversionOptions extras_;
+  BackendCache* kept_backends_;   // null if none are kept
+  MeshCollector* collector_;      // null if files are written
+  files::InputFileSet own_read_;  // used if files are written and the caller gave no list of read files
   Source source_;
   // The grid that source_ was read from; the inner optional is empty if the job chose none.
   std::optional<std::optional<std::string>> opened_;
   std::optional<extract::LabelVoxels> labels_;  // if the job asks for labels
   std::vector<SurfaceId> all_ids_;              // surfaces of the current grid
-  LabelLooks looks_;                            // of the same labels
+  LabelAppearance looks_;                       // of the same labels
   std::size_t output_ = 0;                      // index of the current output
   std::size_t located_ = 0;                     // entries of Outcome::written whose files are known
   StageTime looking_;                           // time spent measuring meshes of the current file, for reports
@@ -474,8 +474,8 @@ class Conversion {
 
 }  // namespace
 
-Outcome run(const ConversionJob& job, const Context& context, Events& events, const OutcomeExtras& extras,
-            KeptBackends* kept, MeshCollector* collector) {
+Outcome run(const ConversionJob& job, const Context& context, Events& events, const ConversionOptions& extras,
+            BackendCache* kept, MeshCollector* collector) {
   const Stopwatch watch;
   Outcome outcome;
   outcome.threads = thread_count();
@@ -483,11 +483,11 @@ Outcome run(const ConversionJob& job, const Context& context, Events& events, co
   try {
     done = Conversion(job, context, outcome, events, extras, kept, collector).run();
   } catch (const std::bad_alloc&) {
-    done = tl::unexpected(no_memory(fmt::format("{}: not enough memory", files::shown_input_name(job.source.input)),
-                                    {Remedy::use, Setting::parts}));
+    done = tl::unexpected(allocation_error(fmt::format("{}: not enough memory", files::input_label(job.source.input)),
+                                           {Remedy::use, Setting::parts}));
   } catch (const std::exception& error) {
-    done = fail(ErrorCode::input,
-                fmt::format("{}: unexpected: {}", files::shown_input_name(job.source.input), error.what()));
+    done =
+        fail(ErrorCode::input, fmt::format("{}: unexpected: {}", files::input_label(job.source.input), error.what()));
   }
   if (!done) outcome.error = std::move(done.error());
   outcome.total = watch.elapsed();

@@ -1,5 +1,5 @@
 // Runs one conversion: takes a job, returns an outcome. Prints nothing and throws nothing. Keeps no state between runs
-// except in the KeptBackends given to it, so conversions can run side by side, each with its own Context.
+// except in the BackendCache given to it, so conversions can run side by side, each with its own Context.
 #pragma once
 
 #include <functional>
@@ -11,23 +11,23 @@
 #include "convert/events.hpp"
 #include "convert/mesh_collector.hpp"
 #include "convert/outcome.hpp"
-#include "files/read_files.hpp"
+#include "files/input_file_set.hpp"
 
 namespace isoextract::convert {
 
 // Extra results and settings of a run.
-struct OutcomeExtras {
+struct ConversionOptions {
   // Measures each written mesh (StageName::mesh_facts): components, open edges, sizes. Takes longer than extraction.
   bool mesh_facts = false;
   // Returns a note about the field that was read, worded by the caller, or nullopt. Null: no such note. Every
   // converting thread may call it.
-  std::function<std::optional<std::string>(const field::ScalarField&)> note_of_field = nullptr;
+  std::function<std::optional<std::string>(const field::ScalarField&)> field_note = nullptr;
   // Caller's advice how to keep the volumes of surface nets; ends the note that relaxing changed them. Empty: no note.
-  std::string how_to_keep_volumes = {};
+  std::string volume_hint = {};
   // Hashes mesh files while writing them (mesh_io::WrittenFile).
   bool hash_files = false;
   // Files that must not be overwritten, including the job's inputs. Null: only the job's inputs.
-  const files::ReadFiles* read = nullptr;
+  const files::InputFileSet* read = nullptr;
 };
 
 // Runs the job's stages: opens a backend, reads, and for each file extracts, verifies, simplifies, measures and writes.
@@ -37,7 +37,7 @@ struct OutcomeExtras {
 // With a `collector`, writes no file: the collector gets the meshes of each output, and Outcome::files stays empty.
 // Everything else is as if the job's files were written.
 [[nodiscard]] Outcome run(const ConversionJob& job, const Context& context, Events& events,
-                          const OutcomeExtras& extras = {}, KeptBackends* kept = nullptr,
+                          const ConversionOptions& extras = {}, BackendCache* kept = nullptr,
                           MeshCollector* collector = nullptr);
 
 }  // namespace isoextract::convert

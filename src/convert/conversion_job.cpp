@@ -175,7 +175,7 @@ Json JobJson::of_job(const ConversionJob& job) {
   add("voxel_faces", job.surface.voxel_faces);
   add("relaxations", job.surface.relaxations);
   add("normals", job.normals);
-  add("colour", job.colour);
+  add("colour", job.color);
   add("label_names", job.label_names);
   add("opacity", job.opacity);
   add_members(json, job.edits);

@@ -11,7 +11,7 @@
 
 #include <glm/glm.hpp>
 
-#include "base/words.hpp"
+#include "base/enum_words.hpp"
 #include "convert/backends.hpp"
 #include "convert/iso_choice.hpp"
 #include "convert/json_type.hpp"
@@ -40,7 +40,7 @@ constexpr auto words_of(Normals /*type*/) {
                     Word{Normals::area, "area"}};
 }
 
-[[nodiscard]] constexpr bool are_of_triangles(Normals normals) {
+[[nodiscard]] constexpr bool are_per_triangle(Normals normals) {
   return normals == Normals::flat || normals == Normals::area;
 }
 
@@ -71,7 +71,7 @@ struct ParticleOptions {
   double smoothing_length = 2;      // for sph, anisotropic, smooth; in particle radii
   double weight = 0.1;              // for weight: the value that each particle adds
   points::Deposit deposit = points::Deposit::trilinear;
-  points::BadParticles bad = points::BadParticles::error;
+  points::NonFiniteParticles bad = points::NonFiniteParticles::error;
   std::optional<std::array<std::string, 3>> columns;  // the x, y and z columns: names, or numbers counted from 1
 
   friend bool operator==(const ParticleOptions&, const ParticleOptions&) = default;
@@ -123,7 +123,7 @@ struct SurfaceOptions {
   extract::NanPolicy nan = extract::NanPolicy::error;
   bool cap = false;
   extract::VoxelFaces voxel_faces = extract::VoxelFaces::merged;
-  std::uint64_t relaxations = extract::kUsualRelaxations;
+  std::uint64_t relaxations = extract::kDefaultRelaxations;
 
   // Returns whether vertices are moved away from the voxel corners.
   [[nodiscard]] bool relaxes() const { return method == extract::Method::surface_nets && relaxations > 0; }
@@ -187,7 +187,7 @@ struct ConversionJob {
   SourceOptions source;
   SurfaceOptions surface;
   Normals normals = Normals::smooth;
-  std::optional<ColourChoice> colour;
+  std::optional<ColorChoice> color;
   std::optional<LabelTableFile> label_names;
   // Opacities, each above 0 and at most 1: one for all surfaces, or one for each iso value in order. Empty: surfaces
   // are opaque, except that with several iso values colored by iso value the outer surfaces are translucent.

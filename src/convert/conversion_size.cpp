@@ -28,8 +28,8 @@ std::uint64_t attribute_bytes(const Source& source, std::uint64_t vertices) {
       }
     }
   }
-  constexpr std::uint64_t kColourBytes = 8;
-  return bytes + vertices * (sizeof(glm::dvec3) + components * sizeof(float) + kColourBytes);
+  constexpr std::uint64_t kColorBytes = 8;
+  return bytes + vertices * (sizeof(glm::dvec3) + components * sizeof(float) + kColorBytes);
 }
 
 // Returns the memory that simplifying or packing takes besides the mesh; they run one after the other, so the larger

@@ -28,7 +28,7 @@ std::string text_of(const IsoChoice& choice) {
   return choice.id.is_label() ? choice.id.name() : choice.id.text();
 }
 
-std::string name_part_of(const IsoChoice& choice) {
+std::string file_name_part(const IsoChoice& choice) {
   return choice.kind == IsoChoice::Kind::known ? choice.id.text() : text_of(choice);
 }
 

@@ -79,7 +79,7 @@ struct IsoChoice {
 [[nodiscard]] std::string text_of(const IsoChoice& choice);
 
 // Returns text_of() as part of a file name; for a label its number alone.
-[[nodiscard]] std::string name_part_of(const IsoChoice& choice);
+[[nodiscard]] std::string file_name_part(const IsoChoice& choice);
 
 // Returns a number for an iso value, else the text.
 [[nodiscard]] Json json_of(const IsoChoice& choice);

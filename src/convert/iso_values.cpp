@@ -20,7 +20,7 @@ constexpr std::string_view kNoSample = "no finite sample to go by";
 
 Result<ResolvedIso> suggested_iso(const IsoChoice& choice, const field::ScalarField& field, bool empty_is_fine,
                                   const Context& context) {
-  if (const auto known = field::known_iso(field)) return ResolvedIso{choice, known->iso, known->method};
+  if (const auto known = field::default_iso(field)) return ResolvedIso{choice, known->iso, known->method};
   const field::FieldStatistics statistics =
       field::measure_statistics(field, &context.progress(), field::WithPercentiles::no);
   field::IsoSuggestion suggestion = field::suggest_iso(field, statistics);
@@ -69,7 +69,7 @@ Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices
     if (choice.kind == IsoChoice::Kind::percentile) percents.push_back(choice.percent);
   }
   if (all_known(choices)) return isos;
-  auto memory = TRY(context.reserve(field::measuring_bytes(percents.size()), "statistics of the samples"));
+  auto memory = TRY(context.reserve(field::statistics_bytes(percents.size()), "statistics of the samples"));
   std::optional<std::vector<double>> percentiles;
   if (!percents.empty()) percentiles = field::measure_percentiles(field, percents, &context.progress());
   std::size_t next = 0;
@@ -85,7 +85,7 @@ Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices
     }
   }
   TRY(context.check());
-  TRY(volume_io::check_not_lost(field));
+  TRY(volume_io::check_mapping_intact(field));
   return isos;
 }
 
@@ -117,11 +117,11 @@ Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices
   return isos;
 }
 
-bool is_repeated(const ResolvedIso& before, const ResolvedIso& iso) {
+bool repeats_value(const ResolvedIso& before, const ResolvedIso& iso) {
   return before.id == iso.id && !(before.asked.is_number() && iso.asked.is_number());
 }
 
-std::vector<ResolvedIso> each_label(std::span<const ResolvedIso> asked, const std::vector<std::int64_t>& all) {
+std::vector<ResolvedIso> expand_labels(std::span<const ResolvedIso> asked, const std::vector<std::int64_t>& all) {
   std::vector<ResolvedIso> labels;
   std::unordered_set<std::int64_t> found;
   const auto add = [&](std::int64_t label) {
@@ -134,10 +134,10 @@ std::vector<ResolvedIso> each_label(std::span<const ResolvedIso> asked, const st
   return labels;
 }
 
-std::vector<ResolvedIso> each_once(std::span<const ResolvedIso> isos) {
+std::vector<ResolvedIso> without_repeats(std::span<const ResolvedIso> isos) {
   std::vector<ResolvedIso> once;
   for (const ResolvedIso& iso : isos) {
-    const auto repeats = [&](const ResolvedIso& before) { return is_repeated(before, iso); };
+    const auto repeats = [&](const ResolvedIso& before) { return repeats_value(before, iso); };
     if (std::ranges::none_of(once, repeats)) once.push_back(iso);
   }
   return once;

@@ -45,12 +45,12 @@ struct ResolvedIso {
                                                             const std::string& label);
 
 // Returns whether `iso` has the same value as `before`, and at least one of the two was not given as a number.
-[[nodiscard]] bool is_repeated(const ResolvedIso& before, const ResolvedIso& iso);
+[[nodiscard]] bool repeats_value(const ResolvedIso& before, const ResolvedIso& iso);
 // Returns the iso values without those that repeat an earlier one.
-[[nodiscard]] std::vector<ResolvedIso> each_once(std::span<const ResolvedIso> isos);
+[[nodiscard]] std::vector<ResolvedIso> without_repeats(std::span<const ResolvedIso> isos);
 
 // Returns one iso value for each label, without duplicates; `all` replaces IsoChoice::all_labels().
-[[nodiscard]] std::vector<ResolvedIso> each_label(std::span<const ResolvedIso> asked,
-                                                  const std::vector<std::int64_t>& all);
+[[nodiscard]] std::vector<ResolvedIso> expand_labels(std::span<const ResolvedIso> asked,
+                                                     const std::vector<std::int64_t>& all);
 
 }  // namespace isoextract::convert

@@ -5,7 +5,7 @@
 
 #include <array>
 
-#include "base/words.hpp"
+#include "base/enum_words.hpp"
 
 namespace isoextract::convert {
 

@@ -52,7 +52,7 @@ class CapFaces {
       const glm::dvec3 row(index_from_local_[0][axis], index_from_local_[1][axis], index_from_local_[2][axis]);
       tolerance_[axis] = kRoundings * static_cast<double>(farthest) * glm::length(row) + 1e-9;
     }
-    cut_tolerance_ = 2 * mesh::on_plane_distance(farthest);
+    cut_tolerance_ = 2 * mesh::on_plane_tolerance(farthest);
   }
 
   [[nodiscard]] std::uint8_t operator()(const glm::uvec3& triangle) const {
@@ -121,7 +121,7 @@ Result<StageReport> fit_normals(Surface& surface, const StageContext& stage) {
     options.planes = std::as_const(planes).span();
   }
   const std::uint64_t before = mesh.positions.size();
-  const auto copies = TRY(mesh::shade_by_triangles(mesh, options, source.label, context));
+  const auto copies = TRY(mesh::compute_shading_normals(mesh, options, source.label, context));
   StageReport report = stage.report_on(StageName::normals, surface);
   report.time = watch.elapsed();
   report.did = "normals";
@@ -158,7 +158,7 @@ Result<StageReport> shade_surface(Surface& surface, const StageContext& stage) {
 
 bool may_be_open(const extract::ExtractStats& stats, const extract::ExtractOptions& extracted) {
   if (extract::method_info(extracted.method).traits.always_closed) return false;
-  return stats.hole_cells > 0 || (stats.meets_border && !extracted.cap);
+  return stats.hole_cells > 0 || (stats.meets_boundary && !extracted.cap);
 }
 
 }  // namespace isoextract::convert

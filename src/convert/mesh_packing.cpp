@@ -43,11 +43,11 @@ std::string details_of(const PackedMesh& mesh) {
   if (facts.positions) {
     text += fmt::format("; positions of {} bits in steps of {} ({:.4g} voxels), moved by at most {:.4g} along an axis",
                         facts.positions->bits, facts.positions->step, facts.positions->step / mesh.packing.voxel,
-                        facts.positions->largest_axis);
+                        facts.positions->largest_axis_move);
   }
-  if (facts.largest_normal_turn)
-    text += fmt::format("; normals turned by at most {:.2f} degrees", *facts.largest_normal_turn);
-  if (facts.one_by_one) text += "; triangle by triangle, as they do not join as on a manifold";
+  if (facts.largest_normal_angle)
+    text += fmt::format("; normals turned by at most {:.2f} degrees", *facts.largest_normal_angle);
+  if (facts.used_sequential_method) text += "; triangle by triangle, as they do not join as on a manifold";
   return text;
 }
 
@@ -80,7 +80,7 @@ StageReport report_of(const PackedMesh& mesh) {
     };
     positions = Value(Figures{{Key::bits, facts.positions->bits},
                               {Key::step, length(facts.positions->step)},
-                              {Key::measured, Figures{{Key::axis, length(facts.positions->largest_axis)},
+                              {Key::measured, Figures{{Key::axis, length(facts.positions->largest_axis_move)},
                                                       {Key::distance, length(facts.positions->largest)}}}});
   }
   StageReport report(StageName::pack, mesh.surface, {}, mesh.id);
@@ -89,9 +89,9 @@ StageReport report_of(const PackedMesh& mesh) {
                     {Key::bytes_before, facts.bytes_before},
                     {Key::bytes_after, facts.bytes_after},
                     {Key::positions, std::move(positions)},
-                    {Key::normal_degrees, Value(facts.largest_normal_turn)},
+                    {Key::normal_degrees, Value(facts.largest_normal_angle)},
                     {Key::flattened_triangles, facts.flattened_triangles},
-                    {Key::one_by_one, facts.one_by_one}},
+                    {Key::used_sequential_method, facts.used_sequential_method}},
                    facts.time);
   report.did = "packed";
   report.details.push_back(details_of(mesh));

@@ -14,14 +14,14 @@
 namespace isoextract::convert {
 namespace {
 
-Figures figures_of(const edit::PieceCounts& counts) {
+Figures figures_of(const edit::BodyCounts& counts) {
   return {{Key::triangles, counts.triangles}, {Key::components, counts.components}, {Key::bodies, counts.bodies}};
 }
 
-std::string line_of(const edit::PieceFacts& facts, const std::string& surface) {
-  const edit::PieceCounts& before = facts.before;
-  const edit::PieceCounts& after = facts.after;
-  const auto cavities = [](const edit::PieceCounts& counts) { return counts.components - counts.bodies; };
+std::string line_of(const edit::BodyFigures& facts, const std::string& surface) {
+  const edit::BodyCounts& before = facts.before;
+  const edit::BodyCounts& after = facts.after;
+  const auto cavities = [](const edit::BodyCounts& counts) { return counts.components - counts.bodies; };
   return fmt::format("pieces at {}: {} of {} bodies left, {} of {} cavities, {} of {} triangles; {:.2f} s", surface,
                      after.bodies, before.bodies, cavities(after), cavities(before), after.triangles, before.triangles,
                      facts.time.wall_seconds);
@@ -29,13 +29,13 @@ std::string line_of(const edit::PieceFacts& facts, const std::string& surface) {
 
 }  // namespace
 
-Result<edit::Sites> voxel_sites(const mesh::Mesh& mesh, const Source& source, const SurfaceOptions& surface,
-                                const Context& context) {
-  if (!surface.relaxes()) return edit::Sites();
+Result<edit::OriginalPositions> voxel_sites(const mesh::Mesh& mesh, const Source& source, const SurfaceOptions& surface,
+                                            const Context& context) {
+  if (!surface.relaxes()) return edit::OriginalPositions();
   const auto memory = TRY(context.reserve(mesh.positions.size_bytes(), mesh.name + ": the voxels of its components"));
-  const double on_plane = 2 * mesh::on_plane_distance(mesh::farthest_coordinate(mesh.positions.span()));
+  const double on_plane = 2 * mesh::on_plane_tolerance(mesh::farthest_coordinate(mesh.positions.span()));
   const field::Affine index_from_output = source.output_from_index.inverse();
-  edit::Sites sites(mesh.positions.size());
+  edit::OriginalPositions sites(mesh.positions.size());
   for_each_range(sites.size(), 1 << 12, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v != end; ++v) {
       const glm::dvec3 place = mesh.position(v);
@@ -53,7 +53,7 @@ Result<StageReport> drop_pieces(Surface& surface, const StageContext& stage) {
   if (!choice.drops()) return StageReport();
   const bool was_empty = surface.mesh.triangles.empty();
   auto sites = TRY(voxel_sites(surface.mesh, stage.source, stage.job.surface, stage.context));
-  edit::PieceOptions options;
+  edit::BodySelection options;
   if (choice.least) {
     options.least = choice.least->amount;
     options.measure = choice.least->measure;
@@ -62,9 +62,9 @@ Result<StageReport> drop_pieces(Surface& surface, const StageContext& stage) {
   options.fill_cavities = choice.fill_cavities;
   options.largest = choice.largest;
   stage.context.progress().begin("finding pieces", 0);
-  auto kept = TRY(edit::keep_pieces(std::move(surface.mesh), options, stage.context, std::move(sites)));
+  auto kept = TRY(edit::select_bodies(std::move(surface.mesh), options, stage.context, std::move(sites)));
   surface.mesh = std::move(kept.mesh);
-  const edit::PieceFacts& facts = kept.facts;
+  const edit::BodyFigures& facts = kept.facts;
   StageReport report = stage.report_on(StageName::pieces, surface);
   report.add_timed({{Key::before, figures_of(facts.before)},
                     {Key::after, figures_of(facts.after)},
@@ -87,7 +87,7 @@ Result<StageReport> drop_pieces(Surface& surface, const StageContext& stage) {
 
 Result<std::vector<mesh::Mesh>> split_mesh(mesh::Mesh mesh, bool into_files, const Context& context) {
   const std::string name = mesh.name;
-  auto pieces = edit::split_pieces(std::move(mesh), into_files ? kMostPieceFiles : kMostPieceMeshes, context);
+  auto pieces = edit::split_into_bodies(std::move(mesh), into_files ? kMaxPieceFiles : kMostPieceMeshes, context);
   if (!pieces) return pieces;
   for (std::size_t i = 0; i < pieces->size(); ++i) (*pieces)[i].name += fmt::format(" piece {}", i + 1);
   if (pieces->empty() && !into_files) pieces->emplace_back().name = name;
@@ -96,8 +96,9 @@ Result<std::vector<mesh::Mesh>> split_mesh(mesh::Mesh mesh, bool into_files, con
 
 std::string piece_path(std::string pattern, std::size_t number) {
   const std::string text = std::to_string(number);
-  for (std::size_t at = pattern.find(kPieceWord); at != std::string::npos; at = pattern.find(kPieceWord, at)) {
-    pattern.replace(at, kPieceWord.size(), text);
+  for (std::size_t at = pattern.find(kPiecePlaceholder); at != std::string::npos;
+       at = pattern.find(kPiecePlaceholder, at)) {
+    pattern.replace(at, kPiecePlaceholder.size(), text);
     at += text.size();
   }
   return pattern;

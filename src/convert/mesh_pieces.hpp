@@ -8,7 +8,7 @@
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "convert/conversion_job.hpp"
-#include "edit/pieces.hpp"
+#include "edit/bodies.hpp"
 
 namespace isoextract::convert {
 
@@ -19,11 +19,11 @@ struct Source;
 //
 // Vertices on planes of source.clip keep their own position, because they come from no corner. Returns an empty result
 // for other methods, which place vertices by the field.
-[[nodiscard]] Result<edit::Sites> voxel_sites(const mesh::Mesh& mesh, const Source& source,
-                                              const SurfaceOptions& surface, const Context& context);
+[[nodiscard]] Result<edit::OriginalPositions> voxel_sites(const mesh::Mesh& mesh, const Source& source,
+                                                          const SurfaceOptions& surface, const Context& context);
 
 // Splits the mesh into its pieces, named "NAME piece 1" and so on. An empty mesh gives one empty mesh, or none if
-// `into_files`. Fails as edit::split_pieces() does.
+// `into_files`. Fails as edit::split_into_bodies() does.
 [[nodiscard]] Result<std::vector<mesh::Mesh>> split_mesh(mesh::Mesh mesh, bool into_files, const Context& context);
 
 // Returns the file name of a piece, counted from 1: replaces each kPieceWord in `pattern` by the number.

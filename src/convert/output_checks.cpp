@@ -30,7 +30,7 @@ bool may_be_piece(const fs::path& file, const OutputFileJob& output, mesh_io::Me
   const std::string name = place(file);
   for (const fs::path& pattern : mesh_files(output, format)) {
     const std::string text = place(pattern);
-    const std::size_t at = text.find(kPieceWord);
+    const std::size_t at = text.find(kPiecePlaceholder);
     if (at == std::string::npos || !name.starts_with(text.substr(0, at))) continue;
     std::size_t number = 0;
     if (std::from_chars(name.data() + at, name.data() + name.size(), number).ec != std::errc()) continue;
@@ -51,7 +51,7 @@ Result<std::vector<std::string>> take_meshes(const OutputFileJob& output, mesh_i
                                              const Context& context, const TakeFile& take) {
   std::vector<std::string> taken;
   std::vector<std::string> data;
-  if (format == mesh_io::MeshFormat::gltf) data = mesh_io::data_file_names(output.path, context);
+  if (format == mesh_io::MeshFormat::gltf) data = mesh_io::external_buffer_names(output.path, context);
   for (const fs::path& file : mesh_files(output, format)) {
     const bool is_data = file != fs::path(output.path);
     if (is_data && std::ranges::find(data, file.filename().string()) == data.end()) continue;
@@ -62,16 +62,16 @@ Result<std::vector<std::string>> take_meshes(const OutputFileJob& output, mesh_i
 }
 
 Result<std::vector<std::string>> take_pieces(const OutputFileJob& output, std::size_t first, mesh_io::MeshFormat format,
-                                             const files::ReadFiles& read, const Context& context,
+                                             const files::InputFileSet& read, const Context& context,
                                              const TakeFile& take) {
   std::vector<std::string> taken;
-  for (std::size_t number = first; number <= kMostPieceFiles; ++number) {
+  for (std::size_t number = first; number <= kMaxPieceFiles; ++number) {
     const OutputFileJob piece{piece_path(output.path, number), output.isos};
     std::error_code none;
     for (const fs::path& file : mesh_files(piece, format)) {
       if (fs::is_symlink(file, none) || !read.check(file)) return taken;
     }
-    if (!mesh_io::is_signed(piece.path, context)) break;
+    if (!mesh_io::is_written_by_isoextract(piece.path, context)) break;
     auto names = take_meshes(piece, format, context, take);
     if (!names) return names;
     if (names->empty()) break;
@@ -88,7 +88,7 @@ std::vector<fs::path> mesh_files(const OutputFileJob& output, mesh_io::MeshForma
   return files;
 }
 
-void add_read_files(files::ReadFiles& read, const ConversionJob& job, const Context& context) {
+void add_read_files(files::InputFileSet& read, const ConversionJob& job, const Context& context) {
   const std::string& input = job.source.input;
   read.add(input, "is the input");
   if (job.label_names) read.add(job.label_names->path, "has the names of labels");
@@ -98,17 +98,17 @@ void add_read_files(files::ReadFiles& read, const ConversionJob& job, const Cont
   for (const fs::path& file : *inputs) read.add(file, "holds the samples of the input");
 }
 
-void add_read_mesh(files::ReadFiles& read, const std::string& path, const Context& context) {
+void add_read_mesh(files::InputFileSet& read, const std::string& path, const Context& context) {
   read.add(path, "is the input");
   if (files::is_standard_input(path)) return;  // only a file can have data files beside it
   const fs::path folder = fs::path(path).parent_path();
-  for (const std::string& data : mesh_io::data_file_names(path, context.beside())) {
+  for (const std::string& data : mesh_io::external_buffer_names(path, context.beside())) {
     read.add(folder / data, fmt::format("holds the data of {}", path));
   }
 }
 
 // Does not open devices and pipes: opening a pipe twice would end it for its reader.
-Result<void> check_output_file(const fs::path& path, const files::ReadFiles& read) {
+Result<void> check_output_file(const fs::path& path, const files::InputFileSet& read) {
   TRY(read.check(path));
   std::error_code none;
   const fs::file_status status = fs::status(path, none);
@@ -117,7 +117,7 @@ Result<void> check_output_file(const fs::path& path, const files::ReadFiles& rea
   return {};
 }
 
-Result<void> check_other_file(const fs::path& file, const ConversionJob& job, const Context& context) {
+Result<void> check_extra_output(const fs::path& file, const ConversionJob& job, const Context& context) {
   const mesh_io::MeshFormat format = job.meshes().format;
   for (const OutputFileJob& output : job.outputs) {
     if (may_be_piece(file, output, format)) {
@@ -126,14 +126,14 @@ Result<void> check_other_file(const fs::path& file, const ConversionJob& job, co
                   {Remedy::change, Setting::output_name});
     }
     for (const fs::path& mesh : mesh_files(output, format)) {
-      if (!files::same_place(file, mesh)) continue;
+      if (!files::is_same_output(file, mesh)) continue;
       return fail(ErrorCode::usage,
                   fmt::format("{}: this is {} as well as the report", file.string(),
                               mesh == "-" ? "standard output, where the mesh goes," : "the mesh"),
                   {Remedy::change, Setting::output_name});
     }
   }
-  files::ReadFiles read;
+  files::InputFileSet read;
   add_read_files(read, job, context);
   return check_output_file(file, read);
 }
@@ -149,27 +149,28 @@ Result<std::vector<std::string>> remove_old_meshes(const OutputFileJob& output, 
 }
 
 Result<std::vector<std::string>> remove_old_pieces(const OutputFileJob& output, std::size_t first,
-                                                   mesh_io::MeshFormat format, const files::ReadFiles& read,
+                                                   mesh_io::MeshFormat format, const files::InputFileSet& read,
                                                    const Context& context) {
   return take_pieces(output, first, format, read, context, remove_file);
 }
 
-Result<std::vector<std::string>> set_aside_old_meshes(const OutputFileJob& output, mesh_io::MeshFormat format,
-                                                      const files::ReadFiles& read,
-                                                      std::span<const mesh_io::WrittenFile> spared,
-                                                      const Context& context) {
+Result<std::vector<std::string>> rename_old_meshes(const OutputFileJob& output, mesh_io::MeshFormat format,
+                                                   const files::InputFileSet& read,
+                                                   std::span<const mesh_io::WrittenFile> spared,
+                                                   const Context& context) {
   const auto set_aside = [&](const fs::path& file) -> Result<std::string> {
-    const auto is_spared = [&](const mesh_io::WrittenFile& other) { return files::same_place(other.path, file); };
+    const auto is_spared = [&](const mesh_io::WrittenFile& other) { return files::is_same_output(other.path, file); };
     if (!read.check(file) || std::ranges::any_of(spared, is_spared)) return std::string();
-    const auto old = TRY(files::set_aside_old_file(file));
+    const auto old = TRY(files::rename_old_file(file));
     return old ? old->string() : std::string();
   };
-  const bool in_pieces = output.path.find(kPieceWord) != std::string::npos;
+  const bool in_pieces = output.path.find(kPiecePlaceholder) != std::string::npos;
   return in_pieces ? take_pieces(output, 1, format, read, context, set_aside)
                    : take_meshes(output, format, context, set_aside);
 }
 
-Result<void> check_mesh_files(const OutputFileJob& output, mesh_io::MeshFormat format, const files::ReadFiles& read) {
+Result<void> check_mesh_files(const OutputFileJob& output, mesh_io::MeshFormat format,
+                              const files::InputFileSet& read) {
   if (output.path == "-") return {};
   for (const fs::path& file : mesh_files(output, format)) {
     TRY(check_output_file(file, read));

@@ -9,7 +9,7 @@
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "convert/conversion_job.hpp"
-#include "files/read_files.hpp"
+#include "files/input_file_set.hpp"
 
 namespace isoextract::convert {
 
@@ -26,36 +26,37 @@ namespace isoextract::convert {
 // isoextract. The name of `output` contains kPieceWord.
 [[nodiscard]] Result<std::vector<std::string>> remove_old_pieces(const OutputFileJob& output, std::size_t first,
                                                                  mesh_io::MeshFormat format,
-                                                                 const files::ReadFiles& read, const Context& context);
+                                                                 const files::InputFileSet& read,
+                                                                 const Context& context);
 
 // Returns "a and b", or "a to z" for more than two names. `names` is not empty.
 [[nodiscard]] std::string first_and_last(const std::vector<std::string>& names);
 
-// Renames the output's old files (files::set_aside_old_file) instead of removing them, and returns the new names. An
+// Renames the output's old files (files::rename_old_file) instead of removing them, and returns the new names. An
 // old mesh must not pass for a result of this run. The name of `output` may contain kPieceWord. Files that are read and
 // files in `spared` keep their names.
-[[nodiscard]] Result<std::vector<std::string>> set_aside_old_meshes(const OutputFileJob& output,
-                                                                    mesh_io::MeshFormat format,
-                                                                    const files::ReadFiles& read,
-                                                                    std::span<const mesh_io::WrittenFile> spared,
-                                                                    const Context& context);
+[[nodiscard]] Result<std::vector<std::string>> rename_old_meshes(const OutputFileJob& output,
+                                                                 mesh_io::MeshFormat format,
+                                                                 const files::InputFileSet& read,
+                                                                 std::span<const mesh_io::WrittenFile> spared,
+                                                                 const Context& context);
 
 // Adds the job's input, the files that hold its samples or attributes, and the job's other input files. If an input
 // cannot be examined, nothing fails here; reading it fails later.
-void add_read_files(files::ReadFiles& read, const ConversionJob& job, const Context& context);
+void add_read_files(files::InputFileSet& read, const ConversionJob& job, const Context& context);
 // Adds a mesh file and its data files.
-void add_read_mesh(files::ReadFiles& read, const std::string& path, const Context& context);
+void add_read_mesh(files::InputFileSet& read, const std::string& path, const Context& context);
 
 // Checks that `file`, which the job writes besides its meshes (its report, for example), is writable, and is neither
 // read nor one of the job's mesh files.
-[[nodiscard]] Result<void> check_other_file(const std::filesystem::path& file, const ConversionJob& job,
-                                            const Context& context);
+[[nodiscard]] Result<void> check_extra_output(const std::filesystem::path& file, const ConversionJob& job,
+                                              const Context& context);
 
 // Checks the files of one output, or of one piece of it, as check_output_file() does. Standard output passes.
 [[nodiscard]] Result<void> check_mesh_files(const OutputFileJob& output, mesh_io::MeshFormat format,
-                                            const files::ReadFiles& read);
+                                            const files::InputFileSet& read);
 
 // Checks that a file written at the end is writable and not read. Fails with ErrorCode::usage or ErrorCode::output.
-[[nodiscard]] Result<void> check_output_file(const std::filesystem::path& path, const files::ReadFiles& read);
+[[nodiscard]] Result<void> check_output_file(const std::filesystem::path& path, const files::InputFileSet& read);
 
 }  // namespace isoextract::convert

@@ -17,7 +17,7 @@ Result<points::ParticleField> make_level_set(const points::ParticleSet& particle
   const auto spheres = TRY(points::make_spheres(particles, options, context));
   points::ParticleField made;
   made.figures = spheres.figures();
-  points::FieldFigures& figures = made.figures;
+  points::ParticleFieldStatistics& figures = made.figures;
   if (figures.particles == 0) {
     made.field.kind = field::FieldKind::level_set;
     made.field.samples = field::SparseSamples{};
@@ -29,7 +29,7 @@ Result<points::ParticleField> make_level_set(const points::ParticleSet& particle
     asked.radii = spheres.radii();
     asked.search_radius = figures.support;
     asked.voxel = figures.spacing;
-    auto field = volume_io::spheres_to_field(spheres.particles(), asked, context);
+    auto field = volume_io::rasterize_spheres(spheres.particles(), asked, context);
     if (!field) return tl::unexpected(std::move(field.error()));
     made.field = std::move(field->field);
     figures.particles_too_small = field->left_out;
@@ -40,7 +40,7 @@ Result<points::ParticleField> make_level_set(const points::ParticleSet& particle
       return fail(ErrorCode::input,
                   fmt::format("{}: expected particles of a radius of at least {} samples, which are {:.6g} apart; all "
                               "{} are smaller",
-                              particles.label, points::kLeastSphere, figures.spacing, field->left_out),
+                              particles.label, points::kMinSphereRadius, figures.spacing, field->left_out),
                   {{Remedy::lower, Setting::cell_size}, {Remedy::raise, Setting::radius}});
     }
     if (!figures.radius_attribute.empty()) {

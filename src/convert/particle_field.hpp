@@ -10,9 +10,9 @@
 
 namespace isoextract::convert {
 
-// Makes the field by points::make_field() or, for level sets, by volume_io::spheres_to_field(); fails as they do.
-// `only_iso` is FieldOptions::leave_out_inside. Spheres too small to be sampled are left out and counted
-// (FieldFigures::particles_too_small); fails with ErrorCode::input if all are too small.
+// Makes the field by points::make_field() or, for level sets, by volume_io::rasterize_spheres(); fails as they do.
+// `only_iso` is FieldOptions::tile_iso. Spheres too small to be sampled are left out and counted
+// (ParticleFieldStatistics::particles_too_small); fails with ErrorCode::input if all are too small.
 [[nodiscard]] Result<points::ParticleField> make_particle_field(const points::ParticleSet& particles,
                                                                 const ParticleOptions& options,
                                                                 std::optional<double> only_iso, const Context& context);

@@ -27,7 +27,7 @@ Result<void> check_no_volume_options(const SourceOptions& options, const Format&
       ErrorCode::usage,
       fmt::format("{}: this is read as particles, which have no grid, layout, component, order of axes, value for no "
                   "data, spacing, origin or inside to be chosen",
-                  files::shown_input_name(options.input)),
+                  files::input_label(options.input)),
       {Remedy::leave_out, Setting::volume_options});
 }
 
@@ -41,7 +41,7 @@ Format particle_format(const std::string& id) {
 
 Result<bool> is_particles(const SourceOptions& options, const Context& context) {
   const bool expected = options.particles.expected;
-  const auto volume = TRY(volume_io::is_surely_volume(options.input, options.read, context));
+  const auto volume = TRY(volume_io::is_certainly_volume(options.input, options.read, context));
   if (volume && !expected && options.read.format) return false;
   Format particles;
   if (options.read.format) {
@@ -55,10 +55,10 @@ Result<bool> is_particles(const SourceOptions& options, const Context& context) 
   // If the format holds both volume and point grids, the content or the chosen grid's name decides.
   if (volume && !expected && !(particles && particles->has_grids)) return false;
   if (!particles && volume) {
-    return fail(ErrorCode::usage,
-                fmt::format("{}: this is a volume, and options of particles were given",
-                            files::shown_input_name(options.input)),
-                {Remedy::leave_out, Setting::particle_options});
+    return fail(
+        ErrorCode::usage,
+        fmt::format("{}: this is a volume, and options of particles were given", files::input_label(options.input)),
+        {Remedy::leave_out, Setting::particle_options});
   }
   if (!particles && !expected) return false;  // the reader's message says best what the file is not
   TRY(check_no_volume_options(options, particles));
@@ -81,23 +81,23 @@ Result<std::uint64_t> count_frames(const SourceOptions& options, const Context& 
   if (!particles) return volume_io::count_volumes(options.input, options.read, context);
   particle_io::ParticleReadOptions read = particle_read_options(options);
   read.frame.reset();
-  const auto info = TRY(particle_io::particle_info(options.input, read, context));
+  const auto info = TRY(particle_io::list_particles(options.input, read, context));
   return info.frames;
 }
 
-particle_io::ParticleReadOptions particle_read_options(const SourceOptions& options, bool missing_is_fine) {
+particle_io::ParticleReadOptions particle_read_options(const SourceOptions& options, bool allow_missing) {
   particle_io::ParticleReadOptions read;
   read.format = options.read.format;
   read.frame = options.read.volume;
   read.grid = options.read.grid;
   for (const AttributeChoice& choice : options.attributes) {
-    std::vector<std::string>& names = choice.optional || missing_is_fine ? read.attributes_if_there : read.attributes;
+    std::vector<std::string>& names = choice.optional || allow_missing ? read.optional_attributes : read.attributes;
     if (std::ranges::find(names, choice.from) == names.end()) names.push_back(choice.from);
   }
   read.columns = options.particles.columns;
   const bool are_spheres = points::method_info(options.particles.method).kind == field::FieldKind::level_set;
   if (are_spheres && !options.particles.radius) {
-    read.first_of.assign(points::kRadiusAttributes.begin(), points::kRadiusAttributes.end());
+    read.first_scalar_of.assign(points::kRadiusAttributes.begin(), points::kRadiusAttributes.end());
   }
   return read;
 }
@@ -111,12 +111,12 @@ points::FieldOptions field_options(const ParticleOptions& options, std::optional
   field.weight = options.weight;
   field.deposit = options.deposit;
   field.bad = options.bad;
-  field.leave_out_inside = only_iso;
+  field.tile_iso = only_iso;
   return field;
 }
 
 Result<FoundAttributes> find_attributes(const points::ParticleSet& particles,
-                                        const std::vector<AttributeChoice>& choices, bool missing_is_fine) {
+                                        const std::vector<AttributeChoice>& choices, bool allow_missing) {
   FoundAttributes found;
   for (const AttributeChoice& choice : choices) {
     if (choice.says_how_to_read()) {
@@ -133,7 +133,7 @@ Result<FoundAttributes> find_attributes(const points::ParticleSet& particles,
           ErrorCode::input,
           fmt::format("{}: expected an attribute '{}', found none of that name", particles.label, printable(name)),
           {}};
-      if (!choice.optional && !missing_is_fine) return tl::unexpected(std::move(error));
+      if (!choice.optional && !allow_missing) return tl::unexpected(std::move(error));
       found.missing.push_back({choice, std::move(error)});
       continue;
     }

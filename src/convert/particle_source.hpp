@@ -31,10 +31,10 @@ namespace isoextract::convert {
                                                                            const Context& context);
 [[nodiscard]] Result<std::uint64_t> count_frames(const SourceOptions& options, const Context& context);
 
-// Returns the read options. With `missing_is_fine` no attribute has to exist; optional attributes never have to.
+// Returns the read options. With `allow_missing` no attribute has to exist; optional attributes never have to.
 [[nodiscard]] particle_io::ParticleReadOptions particle_read_options(const SourceOptions& options,
-                                                                     bool missing_is_fine = false);
-// Returns the options to make a field. `only_iso` is FieldOptions::leave_out_inside.
+                                                                     bool allow_missing = false);
+// Returns the options to make a field. `only_iso` is FieldOptions::tile_iso.
 [[nodiscard]] points::FieldOptions field_options(const ParticleOptions& options, std::optional<double> only_iso);
 
 // Particles kept in memory for the vertex attributes.
@@ -54,10 +54,9 @@ struct FoundAttributes {
 };
 
 // Finds the chosen attributes. Fails with ErrorCode::input if an attribute has more components than a vertex can carry,
-// or does not exist and is neither optional nor covered by `missing_is_fine`. Fails with ErrorCode::usage if a choice
+// or does not exist and is neither optional nor covered by `allow_missing`. Fails with ErrorCode::usage if a choice
 // has settings for volumes.
 [[nodiscard]] Result<FoundAttributes> find_attributes(const points::ParticleSet& particles,
-                                                      const std::vector<AttributeChoice>& choices,
-                                                      bool missing_is_fine);
+                                                      const std::vector<AttributeChoice>& choices, bool allow_missing);
 
 }  // namespace isoextract::convert

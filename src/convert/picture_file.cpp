@@ -19,20 +19,20 @@ render::Surface surface_of(const mesh::Mesh& mesh) {
   render::Surface surface;
   surface.mesh = &mesh;
   if (mesh.material) {
-    surface.colour = mesh.material->colour.value_or(surface.colour);
+    surface.color = mesh.material->color.value_or(surface.color);
     surface.opacity = mesh.material->opacity;
   }
   surface.shading = mesh.normals.empty() ? render::Shading::flat : render::Shading::smooth;
-  surface.vertex_colours = std::ranges::any_of(mesh.attributes, [](const mesh::Attribute& attribute) {
-    return attribute.role == mesh::AttributeRole::colour && attribute.components >= 3;
+  surface.vertex_colors = std::ranges::any_of(mesh.attributes, [](const mesh::Attribute& attribute) {
+    return attribute.role == mesh::AttributeRole::color && attribute.components >= 3;
   });
   return surface;
 }
 
-render::UpAxis shown_up(UpAxis up) { return up == UpAxis::y ? render::UpAxis::y : render::UpAxis::z; }
+render::UpAxis render_up_axis(UpAxis up) { return up == UpAxis::y ? render::UpAxis::y : render::UpAxis::z; }
 
 image_io::LightImage light_of(const render::Picture& picture) {
-  return {picture.width, picture.height, picture.colour.span(), picture.depth.span(), picture.normals.span()};
+  return {picture.width, picture.height, picture.color.span(), picture.depth.span(), picture.normals.span()};
 }
 
 Result<std::uint64_t> write_png(const std::string& path, const render::Picture& picture, const Context& context) {
@@ -54,7 +54,7 @@ Result<WrittenPicture> write_picture(std::span<const mesh::Mesh> meshes, const P
   options.size = {side(picture.width), side(picture.height)};
   options.angles = picture.angles;
   if (!placement.unit.empty()) options.unit = placement.to_unit;
-  options.up = shown_up(placement.up);
+  options.up = render_up_axis(placement.up);
   const auto renderer = render::make_cpu_renderer();
   auto drawn = TRY(render::draw_preview(surfaces, options, *renderer, context));
   const auto bytes = TRY(write_png(output.path, drawn.picture, context));

@@ -20,7 +20,7 @@ namespace isoextract::convert {
 // `mesh`.
 [[nodiscard]] render::Surface surface_of(const mesh::Mesh& mesh);
 
-[[nodiscard]] render::UpAxis shown_up(UpAxis up);
+[[nodiscard]] render::UpAxis render_up_axis(UpAxis up);
 
 // The image refers to the memory of `picture`.
 [[nodiscard]] image_io::LightImage light_of(const render::Picture& picture);

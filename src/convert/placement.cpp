@@ -16,7 +16,7 @@ namespace {
 constexpr std::array kUnits{LengthUnit{"angstrom", 1e2}, LengthUnit{"nm", 1e3},    LengthUnit{"um", 1e6},
                             LengthUnit{"mm", 1e9},       LengthUnit{"cm", 1e10},   LengthUnit{"m", 1e12},
                             LengthUnit{"in", 25.4e9},    LengthUnit{"ft", 304.8e9}};
-constexpr std::size_t kMetre = 5;
+constexpr std::size_t kMeter = 5;
 
 // Names of units in files, in lower case and without the plural s. Unicode has two characters for the micro sign.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 20> kOtherNames{
@@ -33,7 +33,7 @@ constexpr double kAxisTolerance = 1e-6;  // relative to the axis length
 // Returns the field's extents in world or voxel coordinates.
 field::Box bounds_in(const field::ScalarField& field, Space space) {
   const field::IndexBox extents = field.extents();
-  return field::image_of(given_from_index(field, space), {glm::dvec3(extents.min), glm::dvec3(extents.max)});
+  return field::image_of(request_from_index(field, space), {glm::dvec3(extents.min), glm::dvec3(extents.max)});
 }
 
 // Returns the signs of x and y that convert the file's world to RAS, or nullopt if it is no anatomical space. The names
@@ -54,7 +54,7 @@ field::IndexBox sample_box(const field::ScalarField& field) {
 // Returns the placement with the unit that the file states, if kUnitOfFile was requested.
 Result<Placement> with_unit_of_file(const field::ScalarField& field, const Placement& placement) {
   Placement with_unit = placement;
-  if (placement.unit != kUnitOfFile) return with_unit;
+  if (placement.unit != kFileUnit) return with_unit;
   const auto unit = find_length_unit(field.length_unit);
   if (!unit) {
     const std::string found = field.length_unit.empty()
@@ -87,10 +87,10 @@ field::Affine placed_after(const field::Affine& map, const ResolvedPlacement& re
 }  // namespace
 
 std::span<const LengthUnit> length_units() { return kUnits; }
-const LengthUnit& metre() { return kUnits[kMetre]; }
+const LengthUnit& meter() { return kUnits[kMeter]; }
 
 std::optional<LengthUnit> find_length_unit(std::string_view text) {
-  std::string name = lower_case(std::string(text));
+  std::string name = to_lower(std::string(text));
   const auto unit_called = [](std::string_view wanted) -> std::optional<LengthUnit> {
     const auto found = std::ranges::find(kUnits, wanted, &LengthUnit::name);
     return found == kUnits.end() ? std::nullopt : std::optional(*found);
@@ -101,7 +101,7 @@ std::optional<LengthUnit> find_length_unit(std::string_view text) {
   return unit_called(other == kOtherNames.end() ? std::string_view(name) : other->second);
 }
 
-double unit_ratio(const LengthUnit& from, const LengthUnit& to) { return from.picometres / to.picometres; }
+double unit_ratio(const LengthUnit& from, const LengthUnit& to) { return from.picometers / to.picometers; }
 
 std::optional<UpAxis> up_axis_of(std::string_view creator) {
   return creator.starts_with("Houdini") ? std::optional(UpAxis::y) : std::nullopt;
@@ -113,7 +113,7 @@ field::Affine ResolvedPlacement::output_from_world() const {
   return map;
 }
 
-const field::Affine& given_from_index(const field::ScalarField& field, Space space) {
+const field::Affine& request_from_index(const field::ScalarField& field, Space space) {
   return space == Space::index ? field.index_to_file : field.index_to_world;
 }
 
@@ -143,7 +143,7 @@ bool is_axis_aligned(const field::Affine& index_to_world) {
 
 Result<field::IndexBox> samples_in_box(const field::ScalarField& field, const field::Box& box, Space space,
                                        bool covering) {
-  const field::Affine& map = given_from_index(field, space);
+  const field::Affine& map = request_from_index(field, space);
   const field::Box wanted = field::image_of(map.inverse(), box);
   const field::IndexBox stored = sample_box(field);
   const glm::dvec3 first(stored.min);
@@ -187,13 +187,13 @@ std::vector<ClipPlane> faces_of(const field::Box& box) {
 
 // Returns the faces of `roi` that lie inside the region but not on a sample plane. The sample axes are parallel to
 // those of `roi`. Reduces `kept` to the part of the region inside `roi`, in index coordinates.
-std::vector<ClipPlane> faces_between_samples(const field::Affine& given_from_index, const field::Box& roi,
+std::vector<ClipPlane> faces_between_samples(const field::Affine& request_from_index, const field::Box& roi,
                                              field::Box& kept) {
-  const field::Box wanted = field::image_of(given_from_index.inverse(), roi);
+  const field::Box wanted = field::image_of(request_from_index.inverse(), roi);
   const std::vector<ClipPlane> faces = faces_of(roi);
   std::vector<ClipPlane> cuts;
   for (int axis = 0; axis < 3; ++axis) {
-    const glm::dvec3 along = given_from_index.linear[axis];
+    const glm::dvec3 along = request_from_index.linear[axis];
     const glm::dvec3 length = glm::abs(along);
     const int across = length.x >= length.y && length.x >= length.z ? 0 : length.y >= length.z ? 1 : 2;
     const std::size_t lower = 2 * static_cast<std::size_t>(across) + (along[across] < 0 ? 1 : 0);
@@ -214,7 +214,7 @@ std::vector<ClipPlane> faces_between_samples(const field::Affine& given_from_ind
 Result<field::Box> take_region(const field::ScalarField& field, const field::Box& roi, RegionEnds ends,
                                PlacedField& placed) {
   const Space space = placed.placement.placement.space;
-  const field::Affine& map = given_from_index(field, space);
+  const field::Affine& map = request_from_index(field, space);
   const bool oblique = !is_axis_aligned(map);
   const auto covering = TRY(samples_in_box(field, roi, space, true));
   const auto box_of = [](const field::IndexBox& box) { return field::Box{glm::dvec3(box.min), glm::dvec3(box.max)}; };
@@ -271,7 +271,7 @@ Result<PlacedField> place_field(const field::ScalarField& field, const Placement
   }
   placed.output_from_index =
       placement.space == Space::index ? field.index_to_file : placed_after(field.index_to_world, resolved);
-  if (field.index_to_world.is_regular() && !placed.output_from_index.is_regular()) {
+  if (field.index_to_world.is_invertible() && !placed.output_from_index.is_invertible()) {
     return fail(ErrorCode::usage,
                 fmt::format("{}: scaled by {}, coordinates leave the range of numbers", field_label(field),
                             resolved.placement.scale),

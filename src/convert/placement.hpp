@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/enum_words.hpp"
 #include "base/error.hpp"
-#include "base/words.hpp"
 #include "field/scalar_field.hpp"
 
 namespace isoextract::convert {
@@ -30,10 +30,10 @@ constexpr auto words_of(AnatomicalSpace /*type*/) {
 
 struct LengthUnit {
   std::string_view name;
-  double picometres;  // a whole number, so that unit ratios are rounded only once
+  double picometers;  // a whole number, so that unit ratios are rounded only once
 };
 [[nodiscard]] std::span<const LengthUnit> length_units();
-[[nodiscard]] const LengthUnit& metre();
+[[nodiscard]] const LengthUnit& meter();
 // Finds a unit by a name that files use: "mm", "millimeters", "Microns", ...
 [[nodiscard]] std::optional<LengthUnit> find_length_unit(std::string_view text);
 
@@ -41,7 +41,7 @@ struct LengthUnit {
 [[nodiscard]] double unit_ratio(const LengthUnit& from, const LengthUnit& to);
 
 // Placement::unit with this value means the unit that the file states.
-inline constexpr std::string_view kUnitOfFile = "file";
+inline constexpr std::string_view kFileUnit = "file";
 
 // The requested transform from sample indices to the coordinates in the output file.
 struct Placement {
@@ -74,7 +74,7 @@ struct ResolvedPlacement {
 };
 
 // Returns the map from sample indices to the coordinates in which the options give regions and planes.
-[[nodiscard]] const field::Affine& given_from_index(const field::ScalarField& field, Space space);
+[[nodiscard]] const field::Affine& request_from_index(const field::ScalarField& field, Space space);
 
 // Returns the map from the world of `from` to the world of `to`: mirrored axes if both name a patient space (RAS, LAS
 // or LPS), scaling if both state a length unit. Returns nullopt if the worlds are the same or a field states neither.

@@ -81,7 +81,7 @@ double scale_of_units(const Placement& placement) {
   return from && to ? unit_ratio(*from, *to) : 1;
 }
 
-glm::dmat3 turn_of(const Placement& placement) {
+glm::dmat3 orientation_2d(const Placement& placement) {
   ResolvedPlacement turned;
   turned.placement.turn_z_up_to_y_up = placement.turn_z_up_to_y_up;
   turned.placement.turn_y_up_to_z_up = placement.turn_y_up_to_z_up;
@@ -90,21 +90,21 @@ glm::dmat3 turn_of(const Placement& placement) {
 
 }  // namespace
 
-ResolvedPlacement usual_placement(bool format_is_y_up, UpAxis up) {
+ResolvedPlacement default_placement(bool format_is_y_up, UpAxis up) {
   ResolvedPlacement record;
   record.placement.up = up;
   record.placement.turn_z_up_to_y_up = format_is_y_up && up == UpAxis::z;
   return record;
 }
 
-std::string record_text(const ResolvedPlacement& resolved, mesh_io::MeshFormat format,
-                        const std::vector<NamedKind>& attributes) {
+std::string write_placement_record(const ResolvedPlacement& resolved, mesh_io::MeshFormat format,
+                                   const std::vector<NamedKind>& attributes) {
   const Placement& placement = resolved.placement;
   const std::string kinds = kinds_text(attributes);
   const std::string end = kinds.empty() ? "}" : fmt::format(R"(,"attributes":{}}})", kinds);
   // Built as text: JSON documents of the library leak memory if allocating a member fails.
   if (placement.space == Space::index) return fmt::format(R"({{"space":"{}"{})", word_of(Space::index), end);
-  if (kinds.empty() && resolved == usual_placement(mesh_io::is_gltf(format))) return {};
+  if (kinds.empty() && resolved == default_placement(mesh_io::is_gltf(format))) return {};
   // The header of STL has 80 bytes, so STL leaves out what follows from the other values.
   const bool is_short = format == mesh_io::MeshFormat::stl;
   const std::string_view turned = turn_text(placement);
@@ -124,7 +124,7 @@ std::string record_text(const ResolvedPlacement& resolved, mesh_io::MeshFormat f
   return "{" + text + end;
 }
 
-std::optional<ResolvedPlacement> read_record(std::string_view text) {
+std::optional<ResolvedPlacement> parse_placement_record(std::string_view text) {
   const Json json = Json::parse(text, nullptr, false);
   if (!json.is_object()) return std::nullopt;
   ResolvedPlacement record;
@@ -168,7 +168,7 @@ ResolvedPlacement placed_like(const ResolvedPlacement& other, UpAxis up) {
   ResolvedPlacement placed = other;
   placed.placement.turn_z_up_to_y_up = other.placement.up == UpAxis::z && up == UpAxis::y;
   placed.placement.turn_y_up_to_z_up = other.placement.up == UpAxis::y && up == UpAxis::z;
-  placed.moved_by = turn_of(placed.placement) * (glm::inverse(turn_of(other.placement)) * other.moved_by);
+  placed.moved_by = orientation_2d(placed.placement) * (glm::inverse(orientation_2d(other.placement)) * other.moved_by);
   return placed;
 }
 
@@ -199,7 +199,7 @@ void move_mesh(mesh::Mesh& mesh, const field::Affine& map, const std::vector<Nam
   mesh.origin = map(mesh.origin);
   for_each_index(mesh.positions.size(),
                  [&](std::size_t v) { mesh.positions[v] = glm::vec3(map.linear * glm::dvec3(mesh.positions[v])); });
-  change_attributes(mesh, attributes, map);
+  transform_attributes(mesh, attributes, map);
   if (map.determinant() > 0) return;
   for (glm::uvec3& triangle : mesh.triangles) std::swap(triangle.y, triangle.z);
 }

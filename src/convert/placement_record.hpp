@@ -16,7 +16,7 @@
 namespace isoextract::convert {
 
 // Returns the placement of a mesh without a record: a z-up world, turned if the file format prescribes y up.
-[[nodiscard]] ResolvedPlacement usual_placement(bool format_is_y_up, UpAxis up = UpAxis::z);
+[[nodiscard]] ResolvedPlacement default_placement(bool format_is_y_up, UpAxis up = UpAxis::z);
 
 // Returns the up axis in the output.
 [[nodiscard]] UpAxis output_up(const Placement& placement);
@@ -27,11 +27,11 @@ namespace isoextract::convert {
 
 // Returns the record. Returns an empty text if the placement is the format's usual one and no attribute changes with
 // the mesh.
-[[nodiscard]] std::string record_text(const ResolvedPlacement& resolved, mesh_io::MeshFormat format,
-                                      const std::vector<NamedKind>& attributes = {});
+[[nodiscard]] std::string write_placement_record(const ResolvedPlacement& resolved, mesh_io::MeshFormat format,
+                                                 const std::vector<NamedKind>& attributes = {});
 
 // Parses a record. Returns nullopt if the text is no valid record.
-[[nodiscard]] std::optional<ResolvedPlacement> read_record(std::string_view text);
+[[nodiscard]] std::optional<ResolvedPlacement> parse_placement_record(std::string_view text);
 
 // Returns "voxel coordinates", or the changes to the world's coordinates: "turned from z up to y up, scaled by 0.001
 // (mm to m), moved by (1, 2, 3)". Empty if there are none.

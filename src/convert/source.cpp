@@ -16,7 +16,7 @@
 #include "convert/stages/field_blur.hpp"
 #include "convert/stages/level_set_filter.hpp"
 #include "convert/stages/mesh_clip.hpp"
-#include "field/distinct.hpp"
+#include "field/distinct_values.hpp"
 #include "field/resample.hpp"
 #include "files/file_bytes.hpp"
 
@@ -209,8 +209,7 @@ std::string stem_of_file(const std::string& input) {
 // Runs two stages: reads particles, and makes a field from them.
 Result<void> read_particle_field(const SourceOptions& options, const SourceUse& use, const Context& context,
                                  Events& events, Source& source) {
-  source.isos =
-      TRY(resolve_isos(use.isos, options.particles.method, printable(files::shown_input_name(options.input))));
+  source.isos = TRY(resolve_isos(use.isos, options.particles.method, printable(files::input_label(options.input))));
   Stopwatch watch;
   auto file =
       TRY(particle_io::read_particles(options.input, particle_read_options(options, use.empty_is_fine), context));
@@ -220,11 +219,11 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   auto found = TRY(find_attributes(file.particles, options.attributes, use.empty_is_fine));
   watch.restart();
   auto made = TRY(make_particle_field(file.particles, options.particles, use.only_iso, context));
-  made.field.name = stem_of_file(files::shown_input_name(options.input));
+  made.field.name = stem_of_file(files::input_label(options.input));
   made.field.length_unit = file.length_unit;
   made.field.creator = std::move(file.creator);
   events.end(report_of_reading(options.input, made.field, reading));
-  const points::FieldFigures& figures = made.figures;
+  const points::ParticleFieldStatistics& figures = made.figures;
   const points::Method method = options.particles.method;
   const bool has_kernels = method != points::Method::weight && method != points::Method::spheres;
   StageReport report = report_on(StageName::particles_to_field, field_label(made.field));
@@ -241,11 +240,11 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
        {Key::support, figures.support},
        {Key::particles, figures.particles},
        {Key::not_finite, figures.particles_dropped},
-       {Key::left_out_inside, figures.particles_left_out},
+       {Key::left_out_inside, figures.particles_deep_inside},
        {Key::too_small, figures.particles_too_small},
        {Key::radius_attribute, figures.radius_attribute.empty() ? Value() : Value(figures.radius_attribute)},
        {Key::bricks_stored, figures.bricks_stored},
-       {Key::bricks_inside, figures.bricks_inside}},
+       {Key::inside_tiles, figures.inside_tiles}},
       watch.elapsed());
   events.end(report);
   if (figures.particles_dropped > 0) {
@@ -281,11 +280,11 @@ Result<field::ScalarField> read_field(const std::string& input, const volume_io:
   for (const std::string& text : field->notes) events.note(text);
   events.end(report_of_reading(input, *field, time));
   TRY(context.check());
-  TRY(volume_io::check_not_lost(*field));
+  TRY(volume_io::check_mapping_intact(*field));
   return field;
 }
 
-void Source::face_outward(double iso) {
+void Source::set_inside_side(double iso) {
   if (!kind_at_zero) return;
   const field::FieldKind side = iso > 0   ? field::FieldKind::density
                                 : iso < 0 ? field::FieldKind::level_set
@@ -318,7 +317,7 @@ SourceUse use_of(const ConversionJob& job) {
   use.empty_is_fine = job.empty != EmptyPolicy::error;
   // With NanPolicy::error the extractor finds spread NaN samples, and only those in its region.
   if (job.surface.nan == extract::NanPolicy::error && job.writes<FieldFileOptions>() == nullptr)
-    use.nan = field::NanSamples::spread;
+    use.nan = field::NanHandling::spread;
   // Methods with whole voxels cannot cut a voxel at a face of the region.
   if (job.source.roi_snap || extract::method_info(job.surface.method).traits.always_closed)
     use.region_ends = RegionEnds::samples;
@@ -360,7 +359,7 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
     const field::Affine output_from_world = options.placement.space == Space::index
                                                 ? source.output_from_index.after(world.inverse())
                                                 : source.placement.output_from_world();
-    TRY(place_attributes(*source.attributes, world.after(source.output_from_index.inverse()), output_from_world));
+    TRY(set_attribute_maps(*source.attributes, world.after(source.output_from_index.inverse()), output_from_world));
     for (const std::string& text : source.attributes->kind_notes) {
       events.note(fmt::format("{}: {}", source.label, text));
     }

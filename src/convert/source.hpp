@@ -42,7 +42,7 @@ struct Source {
 
   // Call before extracting a surface: sets which side of this iso value is inside, in the field and in the data. Does
   // nothing without SourceOptions::away_from_zero.
-  void face_outward(double iso);
+  void set_inside_side(double iso);
 
   // Returns the kinds of the attributes that the mesh keeps.
   [[nodiscard]] std::vector<NamedKind> written_kinds() const;
@@ -58,7 +58,7 @@ struct SourceUse {
   std::vector<IsoChoice> isos;     // the requested iso values
   bool empty_is_fine = false;      // see resolve_isos() and read_volume_attributes()
   RegionEnds region_ends = RegionEnds::faces;
-  field::NanSamples nan = field::NanSamples::left_out;  // how resampling treats NaN
+  field::NanHandling nan = field::NanHandling::left_out;  // how resampling treats NaN
 };
 [[nodiscard]] SourceUse use_of(const ConversionJob& job);
 

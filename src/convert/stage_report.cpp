@@ -70,7 +70,7 @@ Json Value::json() const {
 Json json_of(const Figures& figures) {
   Json json = Json::object();
   for (const Figure& figure : figures) {
-    if (figure.is_told) json[std::string(word_of(figure.key))] = figure.value.json();
+    if (figure.in_report) json[std::string(word_of(figure.key))] = figure.value.json();
   }
   return json;
 }
@@ -96,7 +96,7 @@ void set(Figures& figures, Key key, Value value) {
 std::string text_of(const Figures& figures) {
   std::vector<std::string> parts;
   for (const Figure& figure : figures) {
-    if (figure.is_told && figure.key != Key::time) parts.push_back(figure_text(figure));
+    if (figure.in_report && figure.key != Key::time) parts.push_back(figure_text(figure));
   }
   return fmt::format("{}", fmt::join(parts, ", "));
 }

@@ -22,9 +22,9 @@
 
 #include <glm/glm.hpp>
 
+#include "base/enum_words.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
-#include "base/words.hpp"
 #include "convert/json_type.hpp"
 #include "convert/stages.hpp"
 #include "convert/work_facts.hpp"
@@ -36,7 +36,7 @@ namespace isoextract::convert {
 #define ISOEXTRACT_FIGURES(NAME) \
   NAME(after) NAME(analytic) NAME(area) NAME(asked) NAME(asked_triangles) NAME(attribute) NAME(axis) \
   NAME(backends) NAME(before) NAME(bits) NAME(bodies) NAME(border_vertices) NAME(bounds) NAME(box) \
-  NAME(bricks_inside) NAME(bricks_stored) NAME(bytes_after) NAME(bytes_before) NAME(cap_triangles) \
+  NAME(inside_tiles) NAME(bricks_stored) NAME(bytes_after) NAME(bytes_before) NAME(cap_triangles) \
   NAME(cap_vertices) NAME(cavity) NAME(changed) NAME(changed_components) NAME(closed) NAME(closed_form) \
   NAME(component_table) NAME(components) NAME(compression) NAME(corrected) NAME(coverage) NAME(cpu_seconds) NAME(creator) \
   NAME(degrees) NAME(degrees_allowed) NAME(differences) NAME(dims) NAME(distance) NAME(distances) NAME(error) \
@@ -46,7 +46,7 @@ namespace isoextract::convert {
   NAME(length_unit) NAME(lost_components) NAME(lower) NAME(map) NAME(max) NAME(max_at_most) NAME(max_degrees) \
   NAME(measured) NAME(method) NAME(min) NAME(misoriented_edges) NAME(moved_by) NAME(name) NAME(nonmanifold_edges) \
   NAME(nonmanifold_vertices) NAME(normal_degrees) NAME(not_applicable) NAME(not_finite) NAME(not_numbers) \
-  NAME(one_by_one) NAME(open_edges) NAME(origin) NAME(others) NAME(out_of_reach) NAME(output_from_index) \
+  NAME(used_sequential_method) NAME(open_edges) NAME(origin) NAME(others) NAME(vertices_beyond_kernels) NAME(output_from_index) \
   NAME(outside) NAME(own_range) NAME(particles) NAME(parts) NAME(pass_band) NAME(passed) NAME(passes) NAME(path) \
   NAME(percentile99) NAME(placement) NAME(points) NAME(positions) NAME(radius) NAME(radius_attribute) \
   NAME(radius_suggested) NAME(range) NAME(region) NAME(relative_error) NAME(rms) NAME(rms_degrees) \
@@ -127,13 +127,13 @@ struct Figure {
   // Makes a figure that appears in tables only, not in the JSON report.
   [[nodiscard]] static Figure of_tables(Key name, Value figure) {
     Figure made(name, std::move(figure));
-    made.is_told = false;
+    made.in_report = false;
     return made;
   }
 
   Key key;
   Value value;
-  bool is_told = true;
+  bool in_report = true;
 };
 [[nodiscard]] Json json_of(const Figures& figures);
 
@@ -153,7 +153,7 @@ void set(Figures& figures, Key key, Value value);
 [[nodiscard]] std::string text_of(const Figures& figures);
 
 // Where a surface has boundary edges, as far as extraction and clipping tell.
-struct SurfaceEnd {
+struct OpenBoundary {
   bool at_border = false;        // at the data boundary or at the region's sides
   bool cut = false;              // at a clip plane, and not capped
   bool counted = false;          // WrittenOutput::open_edges includes its boundary edges
@@ -166,7 +166,7 @@ struct WrittenOutput {
   struct Part {
     std::string label;  // of the surface's field
     SurfaceId id;
-    SurfaceEnd end;
+    OpenBoundary end;
   };
   std::vector<Part> surfaces;  // in the job's order
   std::string samples;         // instead of surfaces, for a file of the field: "8 x 8 x 8 samples, as 32 bits each"

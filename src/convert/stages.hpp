@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <string_view>
 
+#include "base/enum_words.hpp"
 #include "base/error.hpp"
-#include "base/words.hpp"
 #include "convert/conversion_job.hpp"
 
 namespace isoextract::convert {
@@ -50,8 +50,8 @@ enum class StageName {
 // Edits or examines a surface, and returns a report. Does nothing and returns an empty report if the job does not ask
 // for it. Fails as the algorithm that it calls does.
 using EditSurface = Result<StageReport>(Surface& surface, const StageContext& context);
-EditSurface clip_surface;      // keeps the part inside all of Source::clip; closes it there if the job caps surfaces
-EditSurface carry_attributes;  // runs first, while every vertex is still where the field puts it
+EditSurface clip_surface;  // keeps the part inside all of Source::clip; closes it there if the job caps surfaces
+EditSurface sample_vertex_attributes;  // runs first, while every vertex is still where the field puts it
 EditSurface drop_pieces;
 EditSurface measure_relaxing;  // runs while all vertices are still where relaxing left them
 EditSurface mark_bodies;       // runs before shells move: later stages may move one shell through another
@@ -112,7 +112,7 @@ inline constexpr std::array kStages{
               .word = "attributes",
               .section = "attributes",
               .asked = [](const ConversionJob& job) { return !job.source.attributes.empty(); },
-              .edit = carry_attributes},
+              .edit = sample_vertex_attributes},
     StageInfo{.name = StageName::pieces,
               .word = "pieces",
               .section = "pieces",
@@ -142,7 +142,7 @@ inline constexpr std::array kStages{
     StageInfo{.name = StageName::color,
               .word = "color",
               .section = "colours",
-              .asked = [](const ConversionJob& job) { return job.colour && job.colour->attribute; },
+              .asked = [](const ConversionJob& job) { return job.color && job.color->attribute; },
               .edit = color_surface,
               .is_timed = false,
               .line_rank = 1},

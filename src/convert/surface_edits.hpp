@@ -6,8 +6,8 @@
 #include <optional>
 #include <string_view>
 
-#include "base/words.hpp"
-#include "edit/pieces.hpp"
+#include "base/enum_words.hpp"
+#include "edit/bodies.hpp"
 #include "edit/smooth.hpp"
 
 namespace isoextract::convert {
@@ -29,21 +29,21 @@ struct BlurStep {
 };
 
 // Size below which components are removed.
-struct LeastPiece {
+struct MinComponentSize {
   static constexpr std::array kMembers{"measure", "amount", "in_world_units"};
 
-  edit::PieceMeasure measure = edit::PieceMeasure::triangles;
+  edit::ComponentMeasure measure = edit::ComponentMeasure::triangles;
   double amount = 0;
   bool in_world_units = false;  // in squares or cubes of the written mesh's unit, else of voxels
 
-  friend bool operator==(const LeastPiece&, const LeastPiece&) = default;
+  friend bool operator==(const MinComponentSize&, const MinComponentSize&) = default;
 };
 
-// The pieces to keep (edit/pieces.hpp), and whether each becomes a mesh of its own.
+// The pieces to keep (edit/bodies.hpp), and whether each becomes a mesh of its own.
 struct PieceChoice {
   static constexpr std::array kMembers{"least", "fill_cavities", "largest", "split"};
 
-  std::optional<LeastPiece> least;
+  std::optional<MinComponentSize> least;
   bool fill_cavities = false;
   std::optional<std::uint64_t> largest;  // number of bodies to keep, at least 1
   bool split = false;
@@ -104,9 +104,9 @@ struct SurfaceEdits {
 };
 
 // Placeholder in an output name for the number of a piece; each piece then gets a file of its own.
-inline constexpr std::string_view kPieceWord = "{piece}";
+inline constexpr std::string_view kPiecePlaceholder = "{piece}";
 // Limits for one surface: files to split it into, and meshes in one file.
-inline constexpr std::uint64_t kMostPieceFiles = 1000;
+inline constexpr std::uint64_t kMaxPieceFiles = 1000;
 inline constexpr std::uint64_t kMostPieceMeshes = 100000;
 
 }  // namespace isoextract::convert

@@ -71,7 +71,7 @@ std::string why_not_comparable(const extract::MethodInfo& method, const extract:
   for (const extract::Extractor* backend : {&first, &second}) {
     if (!backend->has(method.method)) return fmt::format("{} does not have {}", backend->name(), method.title);
   }
-  return extract::why_no_edges(method);
+  return extract::why_no_edge_keys(method);
 }
 
 Result<VerificationRecord> compare_backends(const field::ScalarField& field, const extract::ExtractOptions& options,

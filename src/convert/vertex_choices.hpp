@@ -48,7 +48,7 @@ struct MissingAttribute {
 };
 
 // Colors from a range of values by a colormap. For attributes with several components, their length is the value.
-struct ColourChoice {
+struct ColorChoice {
   static constexpr std::array kMembers{"attribute", "map", "range"};
 
   // One of the job's attributes; nullopt: each surface gets one color by its iso value.
@@ -58,7 +58,7 @@ struct ColourChoice {
   // iso values.
   std::optional<std::array<double, 2>> range;
 
-  friend bool operator==(const ColourChoice&, const ColourChoice&) = default;
+  friend bool operator==(const ColorChoice&, const ColorChoice&) = default;
 };
 
 }  // namespace isoextract::convert

@@ -61,7 +61,7 @@ WorkFact attribute_fact(const VolumeAttribute& attribute) {
                                        : fmt::format("sparse samples of {}", field::sample_type_name(first.type())))};
 }
 
-std::vector<WorkFact> particle_facts(const points::FieldFigures& figures) {
+std::vector<WorkFact> particle_facts(const points::ParticleFieldStatistics& figures) {
   std::vector<WorkFact> facts;
   const std::uint64_t all = figures.particles + figures.particles_dropped + figures.particles_too_small;
   const std::string radius = !figures.radius_attribute.empty() ? ", the median of theirs"
@@ -77,12 +77,12 @@ std::vector<WorkFact> particle_facts(const points::FieldFigures& figures) {
   if (figures.particles_too_small > 0) {
     facts.push_back({WorkTopic::particles_too_small, WorkDone::left_out, figures.particles_too_small, all,
                      fmt::format("{} of {} particles, of less radius than {} samples", figures.particles_too_small, all,
-                                 points::kLeastSphere)});
+                                 points::kMinSphereRadius)});
   }
-  if (figures.bricks_inside > 0 || figures.particles_left_out > 0) {
-    facts.push_back({WorkTopic::particles_inside, WorkDone::left_out, figures.particles_left_out, figures.particles,
+  if (figures.inside_tiles > 0 || figures.particles_deep_inside > 0) {
+    facts.push_back({WorkTopic::particles_inside, WorkDone::left_out, figures.particles_deep_inside, figures.particles,
                      fmt::format("{} of {} particles, interior ones; {} bricks, which are inside as a whole",
-                                 figures.particles_left_out, figures.particles, figures.bricks_inside)});
+                                 figures.particles_deep_inside, figures.particles, figures.inside_tiles)});
   }
   return facts;
 }
@@ -141,7 +141,7 @@ std::vector<WorkFact> extraction_facts(const extract::ExtractStats& stats, const
         {WorkTopic::roi, WorkDone::left_out, std::nullopt, std::nullopt,
          fmt::format("what the region does not hold; it holds {} x {} x {} samples", dims.x, dims.y, dims.z)});
   }
-  if (!options.smooth_normals && !are_of_triangles(job.normals)) {
+  if (!options.smooth_normals && !are_per_triangle(job.normals)) {
     facts.push_back(
         {WorkTopic::normals, WorkDone::left_out, std::nullopt, std::nullopt, "normals, which nobody asked for"});
   }
@@ -152,10 +152,10 @@ std::vector<WorkFact> extraction_facts(const extract::ExtractStats& stats, const
     facts.push_back({WorkTopic::border_vertices, WorkDone::left_out, std::nullopt, std::nullopt,
                      "vertices of rectangles within the sides of others, where the mesh is not closed edge by edge"});
   }
-  if (!options.cap && stats.inside_at_border) {
+  if (!options.cap && stats.inside_at_boundary) {
     facts.push_back({WorkTopic::caps, WorkDone::left_out, std::nullopt, std::nullopt,
-                     stats.meets_border ? "caps where the surface leaves the data"
-                                        : "caps around the data, all of whose border is inside"});
+                     stats.meets_boundary ? "caps where the surface leaves the data"
+                                          : "caps around the data, all of whose border is inside"});
   }
   return facts;
 }

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "base/words.hpp"
+#include "base/enum_words.hpp"
 #include "convert/attribute_volumes.hpp"
 #include "convert/json_type.hpp"
 #include "extract/extractor.hpp"
@@ -120,7 +120,7 @@ struct WorkFact {
 [[nodiscard]] WorkFact attribute_fact(const VolumeAttribute& attribute);
 
 // Returns facts about the field made from particles.
-[[nodiscard]] std::vector<WorkFact> particle_facts(const points::FieldFigures& figures);
+[[nodiscard]] std::vector<WorkFact> particle_facts(const points::ParticleFieldStatistics& figures);
 
 // Returns a fact about resample(), which made `grid` from `data`.
 [[nodiscard]] WorkFact resolution_fact(const field::ScalarField& data, const field::ScalarField& grid);

@@ -11,7 +11,7 @@
 
 #include <tbb/parallel_sort.h>
 
-#include "base/no_memory.hpp"
+#include "base/allocation_error.hpp"
 #include "base/parallel.hpp"
 #include "edit/detail/collapse_state.hpp"
 #include "edit/detail/distance_proof.hpp"
@@ -25,7 +25,7 @@ using Triangles = std::vector<glm::uvec3>;
 
 class Simplifier {
  public:
-  Simplifier(const mesh::Mesh& mesh, const SimplifyOptions& options, Simplification& facts, const Context& context)
+  Simplifier(const mesh::Mesh& mesh, const SimplifyOptions& options, SimplifyFigures& facts, const Context& context)
       : mesh_(mesh),
         options_(options),
         facts_(facts),
@@ -40,8 +40,8 @@ class Simplifier {
   Result<Triangles> run() {
     const double enough = options_.max_distance - slack_;
     if (!(enough > 0) || left_ <= options_.triangles) return original();
-    TRY(options_.triangles > 0 ? to_count(enough) : within(enough));
-    facts_.measured_upper = std::numeric_limits<double>::infinity();
+    TRY(options_.triangles > 0 ? collapse_to_count(enough) : within(enough));
+    facts_.distance_upper = std::numeric_limits<double>::infinity();
     if (std::isfinite(enough)) {
       TRY(look(prove_distance(state_, logs_, proof_options(enough), context_)));
     }
@@ -53,11 +53,11 @@ class Simplifier {
       if (state_.gone[t] == 0) triangles.push_back(state_.corners[t]);
     }
     if (triangles.size() < mesh_.triangles.size()) {
-      facts_.measured_upper += slack_;
-      facts_.measured_lower = std::max(0.0, facts_.measured_lower - slack_);
+      facts_.distance_upper += slack_;
+      facts_.distance_lower = std::max(0.0, facts_.distance_lower - slack_);
     }
-    if (facts_.measured_upper > options_.max_distance) {  // because of rounding
-      facts_.measured_lower = facts_.measured_upper = 0;
+    if (facts_.distance_upper > options_.max_distance) {  // because of rounding
+      facts_.distance_lower = facts_.distance_upper = 0;
       return original();
     }
     return triangles;
@@ -69,10 +69,10 @@ class Simplifier {
   // Adds the figures of a proof or measurement.
   Result<void> look(const Result<Proof>& proof) {
     if (!proof) return tl::unexpected(proof.error());
-    facts_.taken_back += proof->undone;
+    facts_.undone_collapses += proof->undone;
     facts_.passes += proof->passes;
-    facts_.measured_lower = std::max(facts_.measured_lower, proof->lower);
-    facts_.measured_upper = std::min(facts_.measured_upper, proof->upper);
+    facts_.distance_lower = std::max(facts_.distance_lower, proof->lower);
+    facts_.distance_upper = std::min(facts_.distance_upper, proof->upper);
     return {};
   }
 
@@ -121,7 +121,7 @@ class Simplifier {
 
   // Runs rounds with growing distances until one patch can hold the rest; then collapses the cheapest edges first.
   // Where the samples underestimated a distance, undoes collapses for good and does others instead.
-  Result<void> to_count(double enough) {
+  Result<void> collapse_to_count(double enough) {
     constexpr double kFirst = 1.0 / 2000;  // fraction of the patch size
     constexpr double kSteps = 1.5;
     constexpr double kAlmost = 1.5;
@@ -169,13 +169,13 @@ class Simplifier {
     refused_.assign(mesh_.positions.size(), 0);
     const double distance = std::max(kMuchMore * std::sqrt(farthest_squared_), kLeast * options_.patch_size);
     for (int time = 0; time < kTimes && left_ <= options_.triangles && distance < enough; ++time) {
-      ProofOptions look = proof_options(distance);
+      DistanceProofOptions look = proof_options(distance);
       look.once = true;
       const auto proof = TRY(prove_distance(state_, logs_, look, context_));
       if (proof.undone == 0) break;
-      facts_.taken_back += proof.undone;
+      facts_.undone_collapses += proof.undone;
       ++facts_.passes;
-      drop_samples_that_are_back(state_);
+      drop_restored_samples(state_);
       for (const std::uint32_t vertex : proof.refused) refused_[vertex] = 1;
       left_ = static_cast<std::size_t>(std::count(state_.gone.begin(), state_.gone.end(), 0));
       context_.progress().begin("simplifying", left_ - options_.triangles);
@@ -185,7 +185,7 @@ class Simplifier {
     return left_ > options_.triangles ? cheapest(enough) : Result<void>();
   }
 
-  [[nodiscard]] ProofOptions proof_options(double distance) const {
+  [[nodiscard]] DistanceProofOptions proof_options(double distance) const {
     constexpr double kTrianglesOfPatch = 16;
     return {.enough = distance, .cell_size = options_.patch_size / kTrianglesOfPatch};
   }
@@ -219,7 +219,7 @@ class Simplifier {
     first.push_back(places.size());
     std::vector<std::uint32_t> triangles(places.size());
     std::transform(places.begin(), places.end(), triangles.begin(), [](const Place& place) { return place.triangle; });
-    lock_borders(triangles, first);
+    lock_patch_borders(triangles, first);
     places = {};
 
     ++facts_.rounds;
@@ -248,7 +248,7 @@ class Simplifier {
       farthest_squared_ = std::max(farthest_squared_, log.farthest_squared);
       if (!log.collapses.empty()) logs_.push_back(std::move(log));
     }
-    want_borders(triangles, first);
+    want_patch_borders(triangles, first);
     return patches;
   }
 
@@ -284,10 +284,10 @@ class Simplifier {
     for_each_range(places.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const glm::uvec3& c = state_.corners[places[i].triangle];
-        const glm::dvec3 centre = (glm::dvec3(state_.positions[c.x]) + glm::dvec3(state_.positions[c.y]) +
+        const glm::dvec3 center = (glm::dvec3(state_.positions[c.x]) + glm::dvec3(state_.positions[c.y]) +
                                    glm::dvec3(state_.positions[c.z])) /
                                   3.0;
-        const glm::dvec3 cell = glm::floor(glm::max((centre - low) / side + shift, 0.0));
+        const glm::dvec3 cell = glm::floor(glm::max((center - low) / side + shift, 0.0));
         places[i].cell = (static_cast<std::uint64_t>(cell.z) << 42U) + (static_cast<std::uint64_t>(cell.y) << 21U) +
                          static_cast<std::uint64_t>(cell.x);
       }
@@ -297,7 +297,7 @@ class Simplifier {
   }
 
   // Locks the vertices of several patches, and those with triangles outside all patches.
-  void lock_borders(const std::vector<std::uint32_t>& triangles, const std::vector<std::size_t>& first) {
+  void lock_patch_borders(const std::vector<std::uint32_t>& triangles, const std::vector<std::size_t>& first) {
     patch_of_.assign(mesh_.positions.size(), kNone);
     std::fill(locked_.begin(), locked_.end(), 0);
     for (std::size_t v = 0; v < refused_.size(); ++v) {
@@ -322,7 +322,7 @@ class Simplifier {
   }
 
   // Wants the vertices between patches and their neighbors, whose edges would have joined two locked vertices.
-  void want_borders(const std::vector<std::uint32_t>& triangles, const std::vector<std::size_t>& first) {
+  void want_patch_borders(const std::vector<std::uint32_t>& triangles, const std::vector<std::size_t>& first) {
     std::fill(wanted_.begin(), wanted_.end(), 0);
     for (std::size_t i = 0; i < first.back(); ++i) {
       if (state_.gone[triangles[i]] != 0) continue;
@@ -339,7 +339,7 @@ class Simplifier {
 
   const mesh::Mesh& mesh_;
   const SimplifyOptions& options_;
-  Simplification& facts_;
+  SimplifyFigures& facts_;
   const Context& context_;
   double slack_ = 0;  // must stand before placed_, whose initializer sets it
   std::vector<glm::vec3> placed_;
@@ -392,7 +392,7 @@ std::uint64_t working_bytes(const mesh::Mesh& mesh, const SimplifyOptions& optio
 Result<SimplifiedMesh> simplified(mesh::Mesh mesh, const SimplifyOptions& options, const Context& context) {
   const Stopwatch watch;
   SimplifiedMesh result;
-  Simplification& facts = result.facts;
+  SimplifyFigures& facts = result.facts;
   facts.triangles_before = mesh.triangles.size();
   if (!mesh.triangles.empty()) {
     const auto triangles = TRY(Simplifier(mesh, options, facts, context).run());
@@ -407,13 +407,13 @@ Result<SimplifiedMesh> simplified(mesh::Mesh mesh, const SimplifyOptions& option
 
 }  // namespace
 
-Result<SimplifiedMesh> simplify_within(mesh::Mesh mesh, const SimplifyOptions& options, const Context& context) {
+Result<SimplifiedMesh> simplify_mesh(mesh::Mesh mesh, const SimplifyOptions& options, const Context& context) {
   const std::string what = mesh.name + ": the triangles that are simplified";
   const auto memory = TRY(context.reserve(working_bytes(mesh, options), what));
   try {
     return simplified(std::move(mesh), options, context);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(what + " need more memory than there is", {Remedy::use, Setting::parts}));
+    return tl::unexpected(allocation_error(what + " need more memory than there is", {Remedy::use, Setting::parts}));
   }
 }
 

@@ -34,16 +34,16 @@ struct SimplifyOptions {
   double patch_size = 32;  // side of the first patches in that space; some tens of the mesh's triangles
 };
 
-struct Simplification {
+struct SimplifyFigures {
   // Lower and upper bound of the Hausdorff distance between result and input, in the space of to_metric. The upper
   // bound never exceeds max_distance.
-  double measured_lower = 0;
-  double measured_upper = 0;
+  double distance_lower = 0;
+  double distance_upper = 0;
   std::uint64_t triangles_before = 0;
   std::uint64_t triangles_after = 0;
-  std::uint64_t patches = 0;     // in all rounds
-  std::uint64_t collapses = 0;   // collapsed edges, including those undone later
-  std::uint64_t taken_back = 0;  // collapses undone because a triangle was too far away
+  std::uint64_t patches = 0;           // in all rounds
+  std::uint64_t collapses = 0;         // collapsed edges, including those undone later
+  std::uint64_t undone_collapses = 0;  // collapses undone because a triangle was too far away
   int rounds = 0;
   int passes = 0;  // distance measurements: the first, and one more after each undo
   StageTime time;
@@ -51,7 +51,7 @@ struct Simplification {
 
 struct SimplifiedMesh {
   mesh::Mesh mesh;
-  Simplification facts;
+  SimplifyFigures facts;
 };
 
 // Returns the simplified mesh and its figures.
@@ -62,7 +62,7 @@ struct SimplifiedMesh {
 // triangle. Returns the mesh unchanged if no collapse is possible.
 //
 // Fails if the working memory (about 400 bytes a triangle) exceeds the budget, or if the context is cancelled.
-[[nodiscard]] Result<SimplifiedMesh> simplify_within(mesh::Mesh mesh, const SimplifyOptions& options,
-                                                     const Context& context);
+[[nodiscard]] Result<SimplifiedMesh> simplify_mesh(mesh::Mesh mesh, const SimplifyOptions& options,
+                                                   const Context& context);
 
 }  // namespace isoextract::edit

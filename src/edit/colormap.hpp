@@ -7,7 +7,7 @@
 
 #include <glm/glm.hpp>
 
-#include "base/words.hpp"
+#include "base/enum_words.hpp"
 
 namespace isoextract::edit {
 

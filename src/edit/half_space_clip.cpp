@@ -25,11 +25,11 @@ std::uint64_t key_of(std::uint32_t a, std::uint32_t b) { return std::uint64_t{st
 
 class PlaneCut {
  public:
-  PlaneCut(const mesh::Mesh& mesh, const mesh::HalfSpace& kept, CutEnds ends)
+  PlaneCut(const mesh::Mesh& mesh, const mesh::HalfSpace& kept, CutClosing ends)
       : mesh_(mesh),
         kept_side_(kept),
         ends_(ends),
-        on_plane_(mesh::on_plane_distance(mesh::farthest_coordinate(mesh.positions.span()))),
+        on_plane_(mesh::on_plane_tolerance(mesh::farthest_coordinate(mesh.positions.span()))),
         depth_(mesh.positions.size()) {
     for_each_range(depth_.size(), 4096, [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = begin; v < end; ++v) {
@@ -116,7 +116,7 @@ class PlaneCut {
     const glm::dvec3 depth(depth_[t.x], depth_[t.y], depth_[t.z]);
     const bool out = depth.x < 0 || depth.y < 0 || depth.z < 0;
     if (out && !(depth.x > 0 || depth.y > 0 || depth.z > 0)) return polygon;
-    if (ends_ == CutEnds::capped && depth == glm::dvec3(0) && !faces_out(t)) return polygon;
+    if (ends_ == CutClosing::capped && depth == glm::dvec3(0) && !faces_out(t)) return polygon;
     polygon.cut = out;
     for (int i = 0; i < 3; ++i) {
       const int next = i == 2 ? 0 : i + 1;
@@ -176,7 +176,7 @@ class PlaneCut {
 
   const mesh::Mesh& mesh_;
   const mesh::HalfSpace& kept_side_;
-  CutEnds ends_;
+  CutClosing ends_;
   double on_plane_;
   std::vector<double> depth_;
   std::vector<std::uint32_t> new_of_old_;
@@ -188,9 +188,9 @@ class PlaneCut {
 
 }  // namespace
 
-Result<ClipFacts> clip_to_half_spaces(mesh::Mesh& mesh, std::span<const mesh::HalfSpace> kept, CutEnds ends,
-                                      const Context& context) {
-  ClipFacts facts{mesh.triangles.size(), 0, 0, 0, 0};
+Result<ClipFigures> clip_to_half_spaces(mesh::Mesh& mesh, std::span<const mesh::HalfSpace> kept, CutClosing ends,
+                                        const Context& context) {
+  ClipFigures facts{mesh.triangles.size(), 0, 0, 0, 0};
   context.progress().begin("cutting the mesh", kept.size());
   for (const mesh::HalfSpace& half_space : kept) {
     TRY(context.check());
@@ -205,10 +205,10 @@ Result<ClipFacts> clip_to_half_spaces(mesh::Mesh& mesh, std::span<const mesh::Ha
       result.memory = std::move(memory);
       const double on_plane = cut.on_plane();
       mesh = std::move(result);
-      if (ends == CutEnds::capped) {
-        const auto cap = TRY(close_cut(mesh, half_space, on_plane, context));
+      if (ends == CutClosing::capped) {
+        const auto cap = TRY(cap_cut(mesh, half_space, on_plane, context));
         facts.cap_triangles += cap.triangles;
-        facts.caps_overlap += cap.turned;
+        facts.overlapping_cap_triangles += cap.turned;
       }
     }
     context.progress().advance(1);

@@ -13,36 +13,36 @@
 namespace isoextract::edit {
 
 // Whether the clipped mesh stays open where a plane cuts it.
-enum class CutEnds {
+enum class CutClosing {
   open,
   capped  // closed by triangles in the plane
 };
 
-struct ClipFacts {
+struct ClipFigures {
   std::uint64_t triangles_before = 0;
   std::uint64_t triangles_cut = 0;  // triangles that a plane crosses
   std::uint64_t triangles_after = 0;
   std::uint64_t cap_triangles = 0;  // in all caps, before later planes cut them
   // Cap triangles that overlap others by more than rounding: the surface intersects itself there.
-  std::uint64_t caps_overlap = 0;
+  std::uint64_t overlapping_cap_triangles = 0;
 };
 
 // Keeps the part of `mesh` that lies inside all half-spaces of `kept` (mesh coordinates, origin included). `mesh` must
 // have no attributes; its edge keys are dropped if a plane cuts it. A plane that leaves nothing outside changes
 // nothing.
 //
-// Vertices within mesh::on_plane_distance() of a plane count as on it and do not move, so the result lies inside `kept`
-// up to that distance. Old vertices keep their order, new ones follow with interpolated normals; triangles keep order
-// and winding. Two meshes that share an edge, and the two sides of one plane, get bitwise the same new vertex. The
-// result does not depend on the number of threads.
+// Vertices within mesh::on_plane_tolerance() of a plane count as on it and do not move, so the result lies inside
+// `kept` up to that distance. Old vertices keep their order, new ones follow with interpolated normals; triangles keep
+// order and winding. Two meshes that share an edge, and the two sides of one plane, get bitwise the same new vertex.
+// The result does not depend on the number of threads.
 //
-// With CutEnds::capped, flat triangles that face out of the half-space close each cut before the next plane cuts; they
-// come after all other triangles. Triangles in the plane that bound only the removed side are dropped. Caps use the
-// vertices and edges of the cut, so a closed oriented manifold stays one.
+// With CutClosing::capped, flat triangles that face out of the half-space close each cut before the next plane cuts;
+// they come after all other triangles. Triangles in the plane that bound only the removed side are dropped. Caps use
+// the vertices and edges of the cut, so a closed oriented manifold stays one.
 //
 // Fails if the memory exceeds the budget, or with ErrorCode::input if a capped cut ends at an open border of the
 // surface.
-[[nodiscard]] Result<ClipFacts> clip_to_half_spaces(mesh::Mesh& mesh, std::span<const mesh::HalfSpace> kept,
-                                                    CutEnds ends, const Context& context);
+[[nodiscard]] Result<ClipFigures> clip_to_half_spaces(mesh::Mesh& mesh, std::span<const mesh::HalfSpace> kept,
+                                                      CutClosing ends, const Context& context);
 
 }  // namespace isoextract::edit

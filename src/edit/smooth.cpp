@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/no_memory.hpp"
+#include "base/allocation_error.hpp"
 #include "base/parallel.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/metrics.hpp"
@@ -17,7 +17,7 @@
 namespace isoextract::edit {
 namespace {
 
-using Neighbours = mesh::Buckets<std::uint32_t>;
+using Neighbors = mesh::Buckets<std::uint32_t>;
 
 constexpr double kLambda = 0.5;
 constexpr std::size_t kVerticesAtATime = 1 << 12;
@@ -28,10 +28,10 @@ void for_each_vertex(std::size_t count, const Body& body) {
 }
 
 // Lists for each vertex the next (outgoing) or previous vertex of its triangles. The lists differ on open borders.
-Neighbours ends_of_edges(const mesh::Mesh& mesh, bool outgoing) {
+Neighbors ends_of_edges(const mesh::Mesh& mesh, bool outgoing) {
   return {mesh.triangles.size(), mesh.positions.size(), [&mesh, outgoing](std::size_t i, const auto& put) {
             const glm::uvec3& t = mesh.triangles[i];
-            if (mesh::repeats_index(t)) return;
+            if (mesh::has_repeated_index(t)) return;
             for (int c = 0; c < 3; ++c) {
               const std::uint32_t from = t[c];
               const std::uint32_t to = t[(c + 1) % 3];
@@ -44,18 +44,18 @@ Neighbours ends_of_edges(const mesh::Mesh& mesh, bool outgoing) {
 }
 
 // Bits that say how a vertex may move.
-constexpr std::uint8_t kStays = 8;   // does not move; bits 1, 2, 4: not across a side of the box in x, y, z
+constexpr std::uint8_t kFixed = 8;   // does not move; bits 1, 2, 4: not across a side of the box in x, y, z
 constexpr std::uint8_t kInCut = 16;  // does not move either: it lies in a cut
 
 class Signal {
  public:
   Signal(const mesh::Mesh& mesh, const SmoothOptions& options)
-      : mesh_(mesh), neighbours_(ends_of_edges(mesh, true)), bound_(mesh.positions.size()), walls_(options.walls) {
+      : mesh_(mesh), neighbors_(ends_of_edges(mesh, true)), bound_(mesh.positions.size()), walls_(options.walls) {
     if (walls_) from_box_ = glm::inverse(walls_->to_box);
-    const Neighbours incoming = ends_of_edges(mesh, false);
+    const Neighbors incoming = ends_of_edges(mesh, false);
     for_each_vertex(mesh.positions.size(), [&](std::size_t v) {
-      const auto out = neighbours_.at(v);
-      bound_[v] = out.empty() || !std::ranges::equal(out, incoming.at(v)) ? kStays : sides_of(v);
+      const auto out = neighbors_.at(v);
+      bound_[v] = out.empty() || !std::ranges::equal(out, incoming.at(v)) ? kFixed : sides_of(v);
     });
     keep_cuts(options.cuts);
   }
@@ -63,10 +63,10 @@ class Signal {
   // Returns the mean of the neighbors minus the vertex, for positions moved by `moves`; only components the vertex may
   // move in.
   [[nodiscard]] glm::dvec3 laplacian(const Buffer<glm::vec3>& moves, std::size_t v) const {
-    if (bound_[v] >= kStays) return glm::dvec3(0);
+    if (bound_[v] >= kFixed) return glm::dvec3(0);
     const glm::dvec3 here = glm::dvec3(mesh_.positions[v]) + glm::dvec3(moves[v]);
     glm::dvec3 sum(0);
-    const auto near = neighbours_.at(v);
+    const auto near = neighbors_.at(v);
     for (const std::uint32_t n : near) sum += glm::dvec3(mesh_.positions[n]) + glm::dvec3(moves[n]) - here;
     sum /= static_cast<double>(near.size());
     if (bound_[v] == 0) return sum;
@@ -82,11 +82,11 @@ class Signal {
  private:
   void keep_cuts(std::span<const mesh::HalfSpace> cuts) {
     if (cuts.empty()) return;
-    const double on_plane = 2 * mesh::on_plane_distance(mesh::farthest_coordinate(mesh_.positions.span()));
+    const double on_plane = 2 * mesh::on_plane_tolerance(mesh::farthest_coordinate(mesh_.positions.span()));
     for_each_vertex(mesh_.positions.size(), [&](std::size_t v) {
       const glm::dvec3 p = mesh_.position(v);
       if (std::ranges::any_of(cuts, [&](const mesh::HalfSpace& cut) { return std::abs(cut.depth(p)) <= on_plane; })) {
-        if (bound_[v] != kStays) bound_[v] = kInCut;
+        if (bound_[v] != kFixed) bound_[v] = kInCut;
       }
     });
   }
@@ -105,9 +105,9 @@ class Signal {
   }
 
   const mesh::Mesh& mesh_;
-  Neighbours neighbours_;
+  Neighbors neighbors_;
   Buffer<std::uint8_t> bound_;
-  std::optional<SmoothWalls> walls_;
+  std::optional<DataBox> walls_;
   glm::dmat3 from_box_{1.0};
 };
 
@@ -215,9 +215,9 @@ void renew_normals(mesh::Mesh& mesh) {
   });
 }
 
-Result<SmoothFacts> smooth_mesh(mesh::Mesh& mesh, const SmoothOptions& options, const Context& context) {
+Result<SmoothFigures> smooth_mesh(mesh::Mesh& mesh, const SmoothOptions& options, const Context& context) {
   const Stopwatch watch;
-  SmoothFacts facts;
+  SmoothFigures facts;
   const std::size_t vertices = mesh.positions.size();
   facts.vertices = vertices;
   facts.volume_before = measure_size(mesh).volume;
@@ -239,10 +239,10 @@ Result<SmoothFacts> smooth_mesh(mesh::Mesh& mesh, const SmoothOptions& options, 
         },
         [](const glm::dvec2& x, const glm::dvec2& y) { return glm::max(x, y); });
     facts.greatest_move = most.x;
-    facts.greatest_move_world = most.y;
+    facts.max_displacement_world = most.y;
     for (std::size_t v = 0; v < vertices; ++v) {
-      facts.border_vertices += signal.bound(v) == kStays ? 1 : 0;
-      facts.wall_vertices += signal.bound(v) != kStays && signal.bound(v) != 0 ? 1 : 0;
+      facts.border_vertices += signal.bound(v) == kFixed ? 1 : 0;
+      facts.wall_vertices += signal.bound(v) != kFixed && signal.bound(v) != 0 ? 1 : 0;
     }
   }
   mesh.edges = {};
@@ -260,18 +260,18 @@ double smoothing_gain(const SmoothOptions& options, double frequency) {
   return std::pow(pass, static_cast<double>(options.passes));
 }
 
-Result<SmoothFacts> smooth(mesh::Mesh& mesh, const SmoothOptions& options, const Context& context) {
+Result<SmoothFigures> smooth(mesh::Mesh& mesh, const SmoothOptions& options, const Context& context) {
   const std::uint64_t vertices = mesh.positions.size();
   const std::uint64_t triangles = mesh.triangles.size();
   const std::string what = mesh.name + ": smoothing its surface";
   const std::uint64_t filtering =
-      2 * Neighbours::bytes(3 * triangles, vertices) + vertices * (3 * sizeof(glm::vec3) + 1);
+      2 * Neighbors::bytes(3 * triangles, vertices) + vertices * (3 * sizeof(glm::vec3) + 1);
   const std::uint64_t shading = mesh.normals.empty() ? 0 : mesh::Adjacency::bytes(triangles, vertices);
   const auto memory = TRY(context.reserve(std::max(filtering, shading), what));
   try {
     return smooth_mesh(mesh, options, context);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(what + " needs more memory than there is", {Remedy::use, Setting::parts}));
+    return tl::unexpected(allocation_error(what + " needs more memory than there is", {Remedy::use, Setting::parts}));
   }
 }
 

@@ -20,9 +20,9 @@
 #include <glm/glm.hpp>
 
 #include "base/context.hpp"
+#include "base/enum_words.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
-#include "base/words.hpp"
 #include "mesh/half_space.hpp"
 #include "mesh/mesh.hpp"
 
@@ -36,7 +36,7 @@ constexpr auto words_of(SmoothMethod /*type*/) {
 inline constexpr std::uint64_t kMaxSmoothPasses = 1000;
 
 // The box of the data. Caps lie on its sides where the surface leaves the data.
-struct SmoothWalls {
+struct DataBox {
   glm::dmat3 to_box{1.0};  // maps the mesh's coordinates, origin included, to the box's coordinates
   glm::dvec3 offset{0.0};
   glm::dvec3 min{0.0};
@@ -48,19 +48,19 @@ struct SmoothOptions {
   std::uint64_t passes = 20;  // 1 to kMaxSmoothPasses
   double pass_band = 0.1;     // above 0, below 1
   // Vertices on a side of the box stay on that side, so caps stay flat.
-  std::optional<SmoothWalls> walls;
+  std::optional<DataBox> walls;
   // Vertices in these planes do not move: caps of cuts, and the edges along the cuts.
   std::span<const mesh::HalfSpace> cuts;
   // Maps the mesh's coordinates to the space in which the largest displacement is reported.
   glm::dmat3 to_metric{1.0};
 };
 
-struct SmoothFacts {
+struct SmoothFigures {
   std::uint64_t vertices = 0;
   std::uint64_t border_vertices = 0;  // on open borders; they do not move
   std::uint64_t wall_vertices = 0;    // on sides of the box and in the planes of cuts
   double greatest_move = 0;           // largest displacement of a vertex, in the space of to_metric
-  double greatest_move_world = 0;     // the same in the mesh's coordinates
+  double max_displacement_world = 0;  // the same in the mesh's coordinates
   double volume_before = 0;           // in the mesh's coordinates; meaningful only for closed meshes
   double volume_after = 0;
   StageTime time;
@@ -70,7 +70,7 @@ struct SmoothFacts {
 // Wuethrich, Computing vertex normals from polygonal facets, 1998). Drops edge keys, as vertices leave their grid
 // edges; keeps triangles and attributes, so closed manifolds stay closed manifolds. The result does not depend on the
 // number of threads. Fails if memory is short (about 53 bytes a vertex and 24 a triangle) or the context is cancelled.
-[[nodiscard]] Result<SmoothFacts> smooth(mesh::Mesh& mesh, const SmoothOptions& options, const Context& context);
+[[nodiscard]] Result<SmoothFigures> smooth(mesh::Mesh& mesh, const SmoothOptions& options, const Context& context);
 
 // Returns the filter's gain at a frequency from 0 to 2.
 [[nodiscard]] double smoothing_gain(const SmoothOptions& options, double frequency);

@@ -61,7 +61,7 @@ void put_color(const glm::dvec3& color, bool linear, std::byte* out) {
     constexpr auto kOpaque = std::numeric_limits<std::uint16_t>::max();
     std::array<std::uint16_t, 4> rgba{0, 0, 0, kOpaque};
     for (int c = 0; c < 3; ++c) {
-      rgba[static_cast<std::size_t>(c)] = as_fraction<std::uint16_t>(linear_of_srgb(color[c]));
+      rgba[static_cast<std::size_t>(c)] = as_fraction<std::uint16_t>(srgb_to_linear(color[c]));
     }
     std::memcpy(out, rgba.data(), sizeof rgba);
     return;
@@ -74,10 +74,10 @@ mesh::Attribute color_attribute(ColorStorage storage) {
   const bool linear = storage == ColorStorage::linear_u16;
   mesh::Attribute made;
   made.name = "colour";
-  made.role = mesh::AttributeRole::colour;
+  made.role = mesh::AttributeRole::color;
   made.type = linear ? mesh::ComponentType::u16 : mesh::ComponentType::u8;
   made.components = linear ? 4 : 3;
-  made.normalised = true;
+  made.normalized = true;
   return made;
 }
 
@@ -105,20 +105,20 @@ Result<ValueColors> color_by_values(mesh::Mesh& mesh, const std::string& attribu
   const bool linear = storage == ColorStorage::linear_u16;
   std::atomic<std::uint64_t> not_numbers{0};
   for_each_range(vertices, 4096, [&](std::size_t begin, std::size_t end) {
-    std::uint64_t grey = 0;
+    std::uint64_t gray = 0;
     for (std::size_t v = begin; v != end; ++v) {
       const double place = place_in(ends, value(v));
-      if (std::isnan(place)) ++grey;
+      if (std::isnan(place)) ++gray;
       put_color(color_at(map, place), linear, made.values.data() + v * made.stride());
     }
-    not_numbers.fetch_add(grey, std::memory_order_relaxed);
+    not_numbers.fetch_add(gray, std::memory_order_relaxed);
   });
   mesh.attributes.push_back(std::move(made));
   mesh.memory.take(std::move(memory));
   return ValueColors{ends, not_numbers.load()};
 }
 
-Result<void> color_all(mesh::Mesh& mesh, const glm::dvec3& color, const Context& context) {
+Result<void> color_uniformly(mesh::Mesh& mesh, const glm::dvec3& color, const Context& context) {
   mesh::Attribute made = color_attribute(ColorStorage::srgb_u8);
   const std::size_t vertices = mesh.positions.size();
   auto memory = TRY(reserve_colors(vertices, made, context));

@@ -36,6 +36,6 @@ struct ValueColors {
                                                   const Context& context);
 
 // Gives all vertices one color, in sRGB, as u8. Fails with ErrorCode::out_of_memory if memory is short.
-[[nodiscard]] Result<void> color_all(mesh::Mesh& mesh, const glm::dvec3& color, const Context& context);
+[[nodiscard]] Result<void> color_uniformly(mesh::Mesh& mesh, const glm::dvec3& color, const Context& context);
 
 }  // namespace isoextract::edit

@@ -53,7 +53,7 @@ using CornerValues = std::array<long double, 8>;  // InsideRule::depth of each c
 // (tunnel_cases.hpp) is a quadratic polynomial with Bernstein coefficients D0, D1, D2; its extremum is where s : t = D2
 // - D1 : D0 - D1. Both ends of the range of alternating slices have the same decision. So a tunnel exists exactly if
 // the extremum lies in the range and has the other decision.
-[[nodiscard]] inline unsigned with_tunnel(const CaseTable& table, unsigned variant, const CornerValues& c) {
+[[nodiscard]] inline unsigned choose_tunnel_variant(const CaseTable& table, unsigned variant, const CornerValues& c) {
   const std::array<Tunnel, 2>& tunnels = table.tunnels[variant];
   if (tunnels[0].variant == 0 && tunnels[1].variant == 0) return variant;
   const long double d0 = c[0] * c[3] - c[1] * c[2];
@@ -86,13 +86,13 @@ template <class Value>
   if (!table.ambiguous[cell_case]) return table.variants[cell_case];
   CornerValues corners;
   for (std::size_t c = 0; c < corners.size(); ++c) corners[c] = rule.depth(value(static_cast<int>(c)));
-  return with_tunnel(table, table.variant(cell_case, joined_faces(table, cell_case, corners)), corners);
+  return choose_tunnel_variant(table, table.variant(cell_case, joined_faces(table, cell_case, corners)), corners);
 }
 
 // Returns the same, or nullopt if `holes` is set and a corner is NaN.
 template <class Value>
-[[nodiscard]] std::optional<unsigned> variant_or_hole(const CaseTable& table, unsigned cell_case,
-                                                      const InsideRule& rule, bool holes, const Value& value) {
+[[nodiscard]] std::optional<unsigned> cell_variant_or_hole(const CaseTable& table, unsigned cell_case,
+                                                           const InsideRule& rule, bool holes, const Value& value) {
   std::array<double, 8> corners;
   for (std::size_t c = 0; c < corners.size(); ++c) corners[c] = value(static_cast<int>(c));
   if (holes && std::ranges::any_of(corners, [](double f) { return std::isnan(f); })) return std::nullopt;

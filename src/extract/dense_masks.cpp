@@ -8,7 +8,7 @@
 
 namespace isoextract::extract {
 
-BorderSides DenseMasks::border_of_row(int j, int k) const {
+BoundarySides DenseMasks::boundary_of_row(int j, int k) const {
   const std::uint64_t* bits = row(j, k);
   const bool wholly = j == 0 || k == 0 || j == dims_.y - 1 || k == dims_.z - 1;
   if (!wholly) {
@@ -16,7 +16,7 @@ BorderSides DenseMasks::border_of_row(int j, int k) const {
     const bool last = (bits[words_ - 1] >> ((dims_.x - 1) % 64) & 1) != 0;
     return {first || last, !first || !last};
   }
-  BorderSides sides;
+  BoundarySides sides;
   for (int w = 0; w < words_; ++w) {
     sides.inside |= bits[w] != 0;
     sides.outside |= bits[w] != bits_below(w, dims_.x);
@@ -34,12 +34,12 @@ std::uint64_t classify(const DenseView<T>& view, const InsideThreshold<T>& thres
   if (progress != nullptr) progress->begin("classifying samples", static_cast<std::uint64_t>(nz));
   for_each_index(nz, [&, nx = nx, ny = ny](int k) {
     std::uint64_t slice_nan = 0;
-    BorderSides slice_border;
+    BoundarySides slice_border;
     for (int j = 0; j < ny; ++j) {
       std::uint64_t* bits = masks.row(j, k);
       slice_nan += classify_samples(view.row(j, k), static_cast<std::size_t>(nx), threshold, bits);
       bits[masks.words()] = 0;
-      const BorderSides sides = masks.border_of_row(j, k);
+      const BoundarySides sides = masks.boundary_of_row(j, k);
       slice_border.inside |= sides.inside;
       slice_border.outside |= sides.outside;
     }
@@ -49,7 +49,7 @@ std::uint64_t classify(const DenseView<T>& view, const InsideThreshold<T>& thres
     if (slice_border.outside) border_outside.store(true, std::memory_order_relaxed);
     if (progress != nullptr) progress->advance(1);
   });
-  masks.set_border({border_inside.load(), border_outside.load()});
+  masks.set_boundary({border_inside.load(), border_outside.load()});
   return nan.load();
 }
 

@@ -31,7 +31,7 @@ struct DenseView {
     if (!transient || begin >= end) return;
     const T* first = row(0, begin);
     const T* last = row(dims.y - 1, end - 1) + dims.x;
-    give_back_pages(first, static_cast<std::size_t>(last - first) * sizeof(T));
+    release_pages(first, static_cast<std::size_t>(last - first) * sizeof(T));
   }
 };
 
@@ -59,11 +59,11 @@ class DenseMasks {
   [[nodiscard]] bool inside(const glm::ivec3& p) const { return (row(p.y, p.z)[p.x / 64] >> (p.x % 64) & 1) != 0; }
 
   // The sides on which the outermost samples are; known once all samples are classified.
-  [[nodiscard]] const BorderSides& border() const { return border_; }
-  void set_border(const BorderSides& border) { border_ = border; }
+  [[nodiscard]] const BoundarySides& border() const { return border_; }
+  void set_boundary(const BoundarySides& border) { border_ = border; }
 
   // Returns the sides of the outermost samples in row (j, k).
-  [[nodiscard]] BorderSides border_of_row(int j, int k) const;
+  [[nodiscard]] BoundarySides boundary_of_row(int j, int k) const;
 
  private:
   [[nodiscard]] std::size_t offset(int j, int k) const {
@@ -75,7 +75,7 @@ class DenseMasks {
   int words_;
   Reservation memory_;
   Buffer<std::uint64_t> bits_;
-  BorderSides border_;
+  BoundarySides border_;
 };
 
 // Returns the index within the view of its first NaN; the view must contain one.

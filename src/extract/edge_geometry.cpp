@@ -31,8 +31,8 @@ double wanted_margin(const field::Affine& local_from_index, const field::Box& lo
 
 }  // namespace
 
-OutputFrame::OutputFrame(const field::Affine& output_from_index, const field::IndexBox& box, field::FieldKind kind,
-                         const field::ValueScale& scale)
+OutputPlacement::OutputPlacement(const field::Affine& output_from_index, const field::IndexBox& box,
+                                 field::FieldKind kind, const field::ValueScale& scale)
     : local_from_index_(output_from_index),
       covector_map_(glm::transpose(glm::inverse(output_from_index.linear))),
       outward_((kind == field::FieldKind::level_set) == (scale.slope > 0) ? 1 : -1),
@@ -52,7 +52,7 @@ OutputFrame::OutputFrame(const field::Affine& output_from_index, const field::In
   reaches_too_far_ = !(margin <= kRoundingEats * kLargestMargin);
 }
 
-glm::vec3 OutputFrame::normal(const glm::dvec3& gradient, const glm::dvec3& out) const {
+glm::vec3 OutputPlacement::normal(const glm::dvec3& gradient, const glm::dvec3& out) const {
   const glm::dvec3 mapped = covector_map_ * (outward_ * gradient);
   // Scales before taking the length: squares of very large or very small gradients leave the range of double.
   const double largest = max_component(glm::abs(mapped));
@@ -64,8 +64,8 @@ glm::vec3 OutputFrame::normal(const glm::dvec3& gradient, const glm::dvec3& out)
   return glm::normalize(local_from_index_.linear * out);
 }
 
-OutputFrame output_frame(const field::ScalarField& field, const ExtractOptions& options, const field::IndexBox& stored,
-                         const field::IndexBox& region) {
+OutputPlacement output_placement(const field::ScalarField& field, const ExtractOptions& options,
+                                 const field::IndexBox& stored, const field::IndexBox& region) {
   // Farther than one step from the stored samples, only caps have triangles.
   field::IndexBox drawn = region;
   if (!options.cap) drawn = {glm::max(region.min, stored.min - 1), glm::min(region.max, stored.max + 1)};
@@ -74,9 +74,9 @@ OutputFrame output_frame(const field::ScalarField& field, const ExtractOptions& 
     return glm::all(glm::lessThanEqual(box.min, other.min)) && glm::all(glm::greaterThanEqual(box.max, other.max));
   };
   if (holds({stored.min - 1, stored.max + 1}, drawn)) {
-    const OutputFrame whole(options.output_from_index, stored, field.kind, field.scale);
+    const OutputPlacement whole(options.output_from_index, stored, field.kind, field.scale);
     constexpr double kSharedMargin = 0x1p-12;  // the margin of about 512 samples a side
-    if (options.shared_frame || holds(drawn, stored) || whole.margin() <= kSharedMargin) return whole;
+    if (options.shared_origin || holds(drawn, stored) || whole.margin() <= kSharedMargin) return whole;
   }
   return {options.output_from_index, drawn, field.kind, field.scale};
 }

@@ -47,18 +47,18 @@ namespace isoextract::extract {
 
 // Returns the derivative at the data boundary, toward the inside of the data, from the next two samples; from `near`
 // alone if `far` is NaN (also if the data ends there). Returns NaN if `here` or `near` is NaN.
-[[nodiscard]] inline double border_derivative(double here, double near, double far) {
+[[nodiscard]] inline double boundary_derivative(double here, double near, double far) {
   const double change = std::isnan(far) ? near - here : (4 * near - 3 * here - far) / 2;
   const bool of_infinities = std::isnan(change) && !std::isnan(here) && !std::isnan(near);
   return of_infinities ? std::numeric_limits<double>::infinity() : change;
 }
 
 // Maps index space to the float32 positions of a mesh.
-class OutputFrame {
+class OutputPlacement {
  public:
   // `box` must contain every sample next to which vertices may lie.
-  OutputFrame(const field::Affine& output_from_index, const field::IndexBox& box, field::FieldKind kind,
-              const field::ValueScale& scale);
+  OutputPlacement(const field::Affine& output_from_index, const field::IndexBox& box, field::FieldKind kind,
+                  const field::ValueScale& scale);
 
   [[nodiscard]] const glm::dvec3& origin() const { return origin_; }
   [[nodiscard]] double margin() const { return margin_; }
@@ -67,7 +67,7 @@ class OutputFrame {
   [[nodiscard]] bool fits_float32() const { return in_range_ && !reaches_too_far_; }
   // Returns true if samples lie so far from the origin (more than about 2^19 steps) that rounding is as large as the
   // margin.
-  [[nodiscard]] bool reaches_too_far() const { return reaches_too_far_; }
+  [[nodiscard]] bool exceeds_float32_precision() const { return reaches_too_far_; }
   // Returns true if the transform mirrors, so that the winding of triangles must be reversed.
   [[nodiscard]] bool mirrored() const { return mirrored_; }
 
@@ -87,10 +87,10 @@ class OutputFrame {
 
   // Returns a placeholder for a normal that NaN samples leave unknown: the direction of `out` with length 2, which no
   // normal has. fill_normals() (mesh_assembly.hpp) replaces it.
-  [[nodiscard]] glm::vec3 unknown_normal(const glm::dvec3& out) const {
+  [[nodiscard]] glm::vec3 placeholder_normal(const glm::dvec3& out) const {
     return 2.0 * glm::normalize(local_from_index_.linear * out);
   }
-  [[nodiscard]] static bool is_unknown(const glm::vec3& normal) { return glm::dot(normal, normal) > 2; }
+  [[nodiscard]] static bool is_placeholder_normal(const glm::vec3& normal) { return glm::dot(normal, normal) > 2; }
 
   // Returns the unit normal in the output of a plane whose normal in index space is `covector`.
   [[nodiscard]] glm::vec3 plane_normal(const glm::dvec3& covector) const {
@@ -112,9 +112,9 @@ class OutputFrame {
 // The frame is normally that of all samples, so that a region changes no position. It is the frame of the drawn part in
 // two cases. One: the samples extend so far (more than about 512 steps) that the margin of the whole frame is visible.
 // Two: the cap of a region lies outside `stored`. Two regions then agree where they meet up to the larger margin, but
-// not bit for bit, unless options.shared_frame is set.
-[[nodiscard]] OutputFrame output_frame(const field::ScalarField& field, const ExtractOptions& options,
-                                       const field::IndexBox& stored, const field::IndexBox& region);
+// not bit for bit, unless options.shared_origin is set.
+[[nodiscard]] OutputPlacement output_placement(const field::ScalarField& field, const ExtractOptions& options,
+                                               const field::IndexBox& stored, const field::IndexBox& region);
 
 // Returns the index step of axis bits (cell_tables.hpp).
 [[nodiscard]] inline glm::ivec3 direction_step(int direction) {

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "base/no_memory.hpp"
+#include "base/allocation_error.hpp"
 #include "extract/mesh_assembly.hpp"
 
 namespace isoextract::extract {
@@ -26,7 +26,7 @@ Result<Extraction> Extractor::extract(const field::ScalarField& field, const Ext
     return result;
   } catch (const std::bad_alloc&) {
     return tl::unexpected(
-        no_memory(field.source + ": not enough memory for the surface", {Remedy::use, Setting::parts}));
+        allocation_error(field.source + ": not enough memory for the surface", {Remedy::use, Setting::parts}));
   } catch (const std::length_error&) {
     return fail(ErrorCode::input, field.source + ": the surface is larger than memory can be",
                 {Remedy::use, Setting::parts});

@@ -18,9 +18,9 @@
 #include <vector>
 
 #include "base/context.hpp"
+#include "base/enum_words.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
-#include "base/words.hpp"
 #include "extract/method.hpp"
 #include "extract/voxel_faces.hpp"
 #include "field/scalar_field.hpp"
@@ -42,7 +42,7 @@ constexpr auto words_of(NanPolicy /*type*/) {
 
 // Default number of smoothing rounds of surface nets. It removes all but one hundredth of the area that the steps
 // between voxels add.
-inline constexpr std::uint64_t kUsualRelaxations = 10;
+inline constexpr std::uint64_t kDefaultRelaxations = 10;
 
 struct ExtractOptions {
   Method method = Method::mc;
@@ -51,12 +51,12 @@ struct ExtractOptions {
   bool edge_keys = false;       // fill Mesh::edges, to compare meshes (needs MethodTraits::vertices_on_edges)
   bool cap = false;             // close the surface at the data boundary or at the region's faces; no effect for
                                 // methods that are always closed (MethodTraits::always_closed)
-  VoxelFaces voxel_faces = VoxelFaces::merged;    // for Method::voxels
-  std::uint64_t relaxations = kUsualRelaxations;  // for Method::surface_nets: rounds of smoothing; 0: none
+  VoxelFaces voxel_faces = VoxelFaces::merged;      // for Method::voxels
+  std::uint64_t relaxations = kDefaultRelaxations;  // for Method::surface_nets: rounds of smoothing; 0: none
   NanPolicy nan = NanPolicy::error;
   std::optional<field::IndexBox> region;  // extract only from cells within this box of samples (clipped to the data)
-  bool shared_frame = false;  // all regions of one field get the same origin, however large the field, so that they
-                              // meet bit for bit, with fewer digits (edge_geometry.hpp)
+  bool shared_origin = false;  // all regions of one field get the same origin, however large the field, so that they
+                               // meet bit for bit, with fewer digits (edge_geometry.hpp)
   field::Affine output_from_index;  // places the mesh: index_to_world, followed by axis and unit changes if requested
 
   friend bool operator==(const ExtractOptions&, const ExtractOptions&) = default;
@@ -90,11 +90,11 @@ struct ExtractStats {
   std::uint64_t samples_classified = 0;  // samples compared with iso, each once
   std::uint64_t nan_samples = 0;
   std::uint64_t hole_cells = 0;  // NanPolicy::hole: cells left out that have an inside corner
-  // The data boundary, or the faces of the region. inside_at_border: some samples there are inside, so a cap would have
-  // triangles. meets_border: others there are outside, too, so the surface reaches the boundary and is open there
-  // without a cap. Both are false for sparse data without a region, which the background surrounds.
-  bool inside_at_border = false;
-  bool meets_border = false;
+  // The data boundary, or the faces of the region. inside_at_boundary: some samples there are inside, so a cap would
+  // have triangles. meets_boundary: others there are outside, too, so the surface reaches the boundary and is open
+  // there without a cap. Both are false for sparse data without a region, which the background surrounds.
+  bool inside_at_boundary = false;
+  bool meets_boundary = false;
   StageTime classify;
   StageTime count;
   StageTime emit;

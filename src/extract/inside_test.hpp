@@ -148,7 +148,7 @@ class InsideClassifier {
 };
 
 // The sides on which the outermost samples of a box lie.
-struct BorderSides {
+struct BoundarySides {
   bool inside = false;
   bool outside = false;
 };

@@ -15,7 +15,7 @@ Result<void> check_request(const field::ScalarField& field, const ExtractOptions
   if (!std::isfinite(options.iso)) {
     return fail(ErrorCode::usage, fmt::format("the iso value must be a finite number, found {}", options.iso));
   }
-  if (!options.output_from_index.is_regular()) {
+  if (!options.output_from_index.is_invertible()) {
     return fail(ErrorCode::input, fmt::format("{}: its transform flattens space or is not finite", field.source),
                 {Remedy::give, Setting::spacing_and_origin});
   }
@@ -42,9 +42,9 @@ Result<field::IndexBox> clip_region(const field::ScalarField& field, const field
               {{Remedy::raise, Setting::region}, {Remedy::leave_out, Setting::region}});
 }
 
-Result<void> check_placement(const field::ScalarField& field, const OutputFrame& placement) {
+Result<void> check_placement(const field::ScalarField& field, const OutputPlacement& placement) {
   if (placement.fits_float32()) return {};
-  if (placement.reaches_too_far()) {
+  if (placement.exceeds_float32_precision()) {
     return fail(ErrorCode::input,
                 fmt::format("{}: its samples reach too far, more than about 2^20 of them along an axis, for float32 "
                             "positions to hold them apart",
@@ -70,7 +70,7 @@ Result<Reservation> reserve_mesh(const field::ScalarField& field, const MeshSize
                          fmt::format("{}: the {} triangles of its surface", field.source, sizes.triangles));
 }
 
-MeshSizes with_cap(const MeshSizes& surface, const BorderCap& cap) {
+MeshSizes with_cap(const MeshSizes& surface, const BoundaryCap& cap) {
   return {surface.vertices + cap.samples.size(), surface.triangles + cap.triangles.size()};
 }
 
@@ -82,7 +82,7 @@ Result<Reservation> reserve_cap_numbers(const field::ScalarField& field, const f
                          fmt::format("{}: the {} samples of the border to cap", field.source, squares));
 }
 
-Result<Reservation> reserve_cap(const field::ScalarField& field, const BorderCap& cap, const Context& context) {
+Result<Reservation> reserve_cap(const field::ScalarField& field, const BoundaryCap& cap, const Context& context) {
   return context.reserve(cap.samples.capacity() * sizeof(glm::ivec3) + cap.triangles.capacity() * sizeof(glm::uvec3),
                          fmt::format("{}: the {} triangles of its cap", field.source, cap.triangles.size()));
 }
@@ -96,7 +96,7 @@ tl::unexpected<Error> nan_error(const field::ScalarField& field, std::uint64_t c
                {Remedy::set, Setting::nan_policy, "hole to leave the surface open around them"}});
 }
 
-void allocate_mesh(mesh::Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const ExtractOptions& options) {
+void allocate_mesh(mesh::Mesh& mesh, const MeshSizes& surface, const BoundaryCap& cap, const ExtractOptions& options) {
   mesh.positions = Buffer<glm::vec3>(surface.vertices + cap.samples.size());
   if (options.smooth_normals) mesh.normals = Buffer<glm::vec3>(mesh.positions.size());
   if (options.edge_keys) mesh.edges = Buffer<mesh::EdgeKey>(mesh.positions.size());
@@ -111,18 +111,18 @@ Result<void> fill_normals(mesh::Mesh& mesh, const MeshSizes& surface, const fiel
     double lengths = 0;
   };
   const std::span<glm::vec3> normals(mesh.normals.data(), surface.vertices);
-  const auto count = static_cast<std::uint64_t>(std::ranges::count_if(normals, OutputFrame::is_unknown));
+  const auto count = static_cast<std::uint64_t>(std::ranges::count_if(normals, OutputPlacement::is_placeholder_normal));
   if (count == 0) return {};
   auto memory = TRY(context.reserve(count * sizeof(Unknown),
                                     fmt::format("{}: the normals of {} vertices beside NaN", field.source, count)));
   std::vector<Unknown> unknown;
   unknown.reserve(count);
   for (std::size_t v = 0; v < normals.size(); ++v) {
-    if (OutputFrame::is_unknown(normals[v])) unknown.push_back({static_cast<std::uint32_t>(v)});
+    if (OutputPlacement::is_placeholder_normal(normals[v])) unknown.push_back({static_cast<std::uint32_t>(v)});
   }
   for (const glm::uvec3& corners : std::span(mesh.triangles.data(), surface.triangles)) {
     for (int corner = 0; corner < 3; ++corner) {
-      if (!OutputFrame::is_unknown(normals[corners[corner]])) continue;
+      if (!OutputPlacement::is_placeholder_normal(normals[corners[corner]])) continue;
       const glm::dvec3 a(mesh.positions[corners.x]);
       const glm::dvec3 area = glm::cross(glm::dvec3(mesh.positions[corners.y]) - a,  //
                                          glm::dvec3(mesh.positions[corners.z]) - a);
@@ -140,15 +140,15 @@ Result<void> fill_normals(mesh::Mesh& mesh, const MeshSizes& surface, const fiel
   return {};
 }
 
-void append_cap(mesh::Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const field::IndexBox& box,
-                const OutputFrame& placement) {
+void append_cap(mesh::Mesh& mesh, const MeshSizes& surface, const BoundaryCap& cap, const field::IndexBox& box,
+                const OutputPlacement& placement) {
   for (std::size_t v = 0; v < cap.samples.size(); ++v) {
     const std::size_t number = surface.vertices + v;
     const glm::ivec3& sample = cap.samples[v];
     mesh.positions[number] = placement.position(glm::dvec3(sample));
     if (!mesh.edges.empty()) mesh.edges[number] = {sample, 0};
     if (!mesh.normals.empty()) {
-      mesh.normals[number] = placement.plane_normal(border_normal(box, sample));
+      mesh.normals[number] = placement.plane_normal(boundary_normal(box, sample));
     }
   }
   for (std::size_t t = 0; t < cap.triangles.size(); ++t) {

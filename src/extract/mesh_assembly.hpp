@@ -1,7 +1,7 @@
 // The steps of a run (surface_run.hpp) that read no samples: checks, allocation, writing the cap.
 #pragma once
 
-#include "extract/border_cap.hpp"
+#include "extract/boundary_cap.hpp"
 #include "extract/edge_geometry.hpp"
 
 namespace isoextract::extract {
@@ -20,8 +20,8 @@ struct MeshSizes {
 [[nodiscard]] Result<field::IndexBox> clip_region(const field::ScalarField& field, const field::IndexBox& box,
                                                   const ExtractOptions& options);
 
-// Fails with ErrorCode::input if float32 cannot keep the vertices of the mesh apart (OutputFrame::fits_float32).
-[[nodiscard]] Result<void> check_placement(const field::ScalarField& field, const OutputFrame& placement);
+// Fails with ErrorCode::input if float32 cannot keep the vertices of the mesh apart (OutputPlacement::fits_float32).
+[[nodiscard]] Result<void> check_placement(const field::ScalarField& field, const OutputPlacement& placement);
 
 // Reserves memory for allocate_mesh(). Fails with ErrorCode::out_of_memory, and with ErrorCode::input for more vertices
 // than 32-bit indices can number.
@@ -29,12 +29,12 @@ struct MeshSizes {
                                                const ExtractOptions& options, const Context& context);
 
 // Returns the sizes of surface and cap together.
-[[nodiscard]] MeshSizes with_cap(const MeshSizes& surface, const BorderCap& cap);
+[[nodiscard]] MeshSizes with_cap(const MeshSizes& surface, const BoundaryCap& cap);
 
 // Reserve memory for numbering the cap vertices (while the cap is made), and for the finished cap.
 [[nodiscard]] Result<Reservation> reserve_cap_numbers(const field::ScalarField& field, const field::IndexBox& box,
                                                       const Context& context);
-[[nodiscard]] Result<Reservation> reserve_cap(const field::ScalarField& field, const BorderCap& cap,
+[[nodiscard]] Result<Reservation> reserve_cap(const field::ScalarField& field, const BoundaryCap& cap,
                                               const Context& context);
 
 // Returns the error about `count` NaN samples; its message tells `first`, the index of one in the field, as an index of
@@ -43,16 +43,16 @@ struct MeshSizes {
                                               const glm::ivec3& first);
 
 // Allocates the arrays of the mesh for surface and cap, uninitialized.
-void allocate_mesh(mesh::Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const ExtractOptions& options);
+void allocate_mesh(mesh::Mesh& mesh, const MeshSizes& surface, const BoundaryCap& cap, const ExtractOptions& options);
 
-// Replaces unknown normals (OutputFrame::unknown_normal) by the mean of the normals of their triangles, weighted by
-// area. Uses the direction of the vertex's edge if that mean cancels out or there are no triangles. Call it before
-// append_cap().
+// Replaces unknown normals (OutputPlacement::placeholder_normal) by the mean of the normals of their triangles,
+// weighted by area. Uses the direction of the vertex's edge if that mean cancels out or there are no triangles. Call it
+// before append_cap().
 [[nodiscard]] Result<void> fill_normals(mesh::Mesh& mesh, const MeshSizes& surface, const field::ScalarField& field,
                                         const Context& context);
 
 // Writes the cap of `box` behind the surface, into the room that allocate_mesh() made.
-void append_cap(mesh::Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const field::IndexBox& box,
-                const OutputFrame& placement);
+void append_cap(mesh::Mesh& mesh, const MeshSizes& surface, const BoundaryCap& cap, const field::IndexBox& box,
+                const OutputPlacement& placement);
 
 }  // namespace isoextract::extract

@@ -20,14 +20,14 @@ static_assert(in_order_of_the_enum());
 
 }  // namespace
 
-std::vector<MethodInfo> following_methods() {
+std::vector<MethodInfo> interpolant_methods() {
   std::vector<MethodInfo> methods;
   std::ranges::copy_if(kMethods, std::back_inserter(methods),
                        [](const MethodInfo& method) { return method.traits.follows_interpolant; });
   return methods;
 }
 
-std::string why_no_edges(const MethodInfo& method) {
+std::string why_no_edge_keys(const MethodInfo& method) {
   if (method.traits.vertices_on_edges) return "";
   return fmt::format("{}: the vertices are not on edges of the grid", method.title);
 }
@@ -49,7 +49,7 @@ std::string why_no_holes(const MethodInfo& method) {
 }
 
 Result<void> check_method(const MethodInfo& method, const ExtractOptions& options) {
-  if (options.edge_keys && !method.traits.vertices_on_edges) return fail(ErrorCode::usage, why_no_edges(method));
+  if (options.edge_keys && !method.traits.vertices_on_edges) return fail(ErrorCode::usage, why_no_edge_keys(method));
   if (options.smooth_normals && !method.traits.gradient_normals) {
     return fail(ErrorCode::usage, why_no_gradient_normals(method));
   }

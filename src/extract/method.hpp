@@ -7,7 +7,7 @@
 // A new method adds itself to Method and gets a row here. It keeps the promises of extractor.hpp, and skips bricks that
 // iso cannot cross. A method that works cell by cell has a case table (cell_tables.hpp): corner order, bit order and a
 // drawing at its top, and a test of all cases for orientation and closure. Papers and equations are cited at the top of
-// the file. If the GPU draws the method, pipeline_of (src/gpu/detail/drawn_surface.cpp) names its pipeline.
+// the file. If the GPU draws the method, pipeline_of (src/gpu/detail/gpu_surface.cpp) names its pipeline.
 //
 // method_traits_test.cpp measures every trait. The suites of tests/unit/extract run over all rows, or over the rows
 // with a trait (tests/support/methods.hpp). exact_topology_test.cpp compiles only after sample_joins defines what
@@ -21,8 +21,8 @@
 #include <vector>
 
 #include "base/context.hpp"
+#include "base/enum_words.hpp"
 #include "base/error.hpp"
-#include "base/words.hpp"
 #include "field/scalar_field.hpp"
 
 namespace isoextract::extract {
@@ -138,11 +138,11 @@ constexpr auto words_of(Method /*type*/) {
 
 // Returns the methods with follows_interpolant, in the order of the enum: the default where commands compare errors and
 // crossings.
-[[nodiscard]] std::vector<MethodInfo> following_methods();
+[[nodiscard]] std::vector<MethodInfo> interpolant_methods();
 
 // Each returns why the surfaces of a method lack something, as a sentence without full stop that starts with the
 // method's title. Returns "" if the method has it.
-[[nodiscard]] std::string why_no_edges(const MethodInfo& method);             // edge keys
+[[nodiscard]] std::string why_no_edge_keys(const MethodInfo& method);         // edge keys
 [[nodiscard]] std::string why_no_crossings(const MethodInfo& method);         // vertices at the iso value
 [[nodiscard]] std::string why_no_gradient_normals(const MethodInfo& method);  // normals from gradients
 [[nodiscard]] std::string why_no_holes(const MethodInfo& method);             // holes around NaN samples

@@ -62,8 +62,8 @@ std::uint64_t unstored_places_bytes(const field::SparseSamples& samples, std::si
   return std::min(kBefore * stored, kNodePlaces * nodes) * kBytesAPlace;
 }
 
-std::vector<glm::ivec3> unstored_places(const field::SparseSamples& samples, const field::SparseLookup& lookup,
-                                        const ConstantSides& sides) {
+std::vector<glm::ivec3> find_unstored_places(const field::SparseSamples& samples, const field::SparseLookup& lookup,
+                                             const ConstantSides& sides) {
   enum class State : std::uint8_t { outside, inside, block };
   const auto state = [&](std::int32_t place) {
     if (place >= 0) return State::block;
@@ -130,7 +130,7 @@ std::vector<glm::ivec3> unstored_places(const field::SparseSamples& samples, con
   std::vector<glm::ivec3>& skins = found.back();
   for (std::size_t t = 0; t < samples.tiles.size(); ++t) {
     if (samples.tiles[t].size >= field::SparseLookup::Node::kSize &&
-        state(field::SparseLookup::tile_place(t)) != background) {
+        state(field::SparseLookup::place_of_tile(t)) != background) {
       add_tile_skin(samples.tiles[t], skins);
     }
   }

@@ -57,15 +57,16 @@ struct ConstantSides {
   }
 };
 
-// Returns the most bytes that unstored_places() needs for places next to blocks and small tiles, without the skins of
-// large tiles.
+// Returns the most bytes that find_unstored_places() needs for places next to blocks and small tiles, without the skins
+// of large tiles.
 [[nodiscard]] std::uint64_t unstored_places_bytes(const field::SparseSamples& samples, std::size_t nodes);
 
 // Returns, sorted, the places without a stored block whose cells may have corners on both sides. These are places that
 // share a cell with a stored block, and the skins of tiles that are not on the background's side. Some of them may turn
 // out to have one side only.
-[[nodiscard]] std::vector<glm::ivec3> unstored_places(const field::SparseSamples& samples,
-                                                      const field::SparseLookup& lookup, const ConstantSides& sides);
+[[nodiscard]] std::vector<glm::ivec3> find_unstored_places(const field::SparseSamples& samples,
+                                                           const field::SparseLookup& lookup,
+                                                           const ConstantSides& sides);
 
 // The inside bits of planes x = 0 to 8 of a block, each four times: unmoved, and moved by one sample along y, along z,
 // along both. `group[n]` holds the bits of the block that is n & 1, n >> 1 & 1, n >> 2 & 1 blocks away along x, y, z.

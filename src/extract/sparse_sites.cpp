@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "extract/border_cap.hpp"
+#include "extract/boundary_cap.hpp"
 #include "extract/cell_tables.hpp"
 #include "extract/detail/classify_samples.hpp"
 #include "extract/mesh_assembly.hpp"
@@ -39,7 +39,7 @@ Result<field::IndexBox> sparse_region(const field::ScalarField& field, const fie
   return clip_region(field, reach, options);
 }
 
-Extraction nothing_stored() {
+Extraction empty_sparse_extraction() {
   Extraction nothing;
   nothing.stats.brick = kBrick;
   return nothing;
@@ -222,7 +222,7 @@ BlockBits SparseSites::crossed_edges_at(const glm::ivec3& origin, const SitePlan
 }
 
 template <class Found>
-bool SparseSites::any_border_edge(const Found& found) const {
+bool SparseSites::any_boundary_edge(const Found& found) const {
   for (std::size_t site = 0; site < sites_.size(); ++site) {
     const glm::ivec3& origin = sites_[site];
     const bool within = glm::all(glm::greaterThan(origin, region_.min)) &&
@@ -249,15 +249,15 @@ bool SparseSites::any_border_edge(const Found& found) const {
   return false;
 }
 
-BorderSides SparseSites::border() const {
+BoundarySides SparseSites::border() const {
   if (!options_.region) return {};
-  if (any_border_edge([](const glm::ivec3&, int) { return true; })) return {true, true};
+  if (any_boundary_edge([](const glm::ivec3&, int) { return true; })) return {true, true};
   const bool all_inside = inside(region_.min);
   return {all_inside, !all_inside};
 }
 
-bool SparseSites::draws_at_border() const {
-  return any_border_edge([this](const glm::ivec3& p, int axis) {
+bool SparseSites::draws_at_boundary() const {
+  return any_boundary_edge([this](const glm::ivec3& p, int axis) {
     return draws_beside_edge(region_, p, axis, [this](const glm::ivec3& q) { return std::isnan(value(q)); });
   });
 }
@@ -291,7 +291,7 @@ Result<void> SparseSites::list_sites() {
   auto listing =
       TRY(context_.reserve(unstored_places_bytes(samples_, lookup_->nodes().size()),
                            fmt::format("{}: listing what lies beside its {} blocks", field_.source, blocks)));
-  const std::vector<glm::ivec3> unstored = unstored_places(samples_, *lookup_, sides_);
+  const std::vector<glm::ivec3> unstored = find_unstored_places(samples_, *lookup_, sides_);
   listing.release();
   const auto place = [&](std::size_t p) { return p < blocks ? samples_.blocks[p].origin : unstored[p - blocks]; };
   const auto looking = TRY(context_.reserve(

@@ -22,7 +22,7 @@ namespace isoextract::extract {
                                                     const field::SparseSamples& samples, const ExtractOptions& options);
 
 // Returns the empty extraction of a field without stored samples.
-[[nodiscard]] Extraction nothing_stored();
+[[nodiscard]] Extraction empty_sparse_extraction();
 
 // Returns the box whose faces a cap closes: options.region, clipped. Returns nullopt without a region, because no
 // surface then leaves the box.
@@ -82,9 +82,9 @@ class SparseSites {
 
   // Returns the sides of the samples at the faces of options.region, found by its crossed edges; neither side without a
   // region.
-  [[nodiscard]] BorderSides border() const;
+  [[nodiscard]] BoundarySides border() const;
   // Returns whether any cell at these faces has triangles; cells with a NaN sample have none.
-  [[nodiscard]] bool draws_at_border() const;
+  [[nodiscard]] bool draws_at_boundary() const;
 
   // Runs f(i) for 0 <= i < count in parallel.
   template <class F>
@@ -113,7 +113,7 @@ class SparseSites {
   // Returns whether found(p, axis) is true for a crossed edge in the faces of the region; the edge goes from `p` along
   // `axis`.
   template <class Found>
-  [[nodiscard]] bool any_border_edge(const Found& found) const;
+  [[nodiscard]] bool any_boundary_edge(const Found& found) const;
 
   const field::ScalarField& field_;
   const field::SparseSamples& samples_;

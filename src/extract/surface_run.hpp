@@ -9,10 +9,10 @@
 #include "base/byte_size.hpp"
 #include "base/context.hpp"
 #include "base/stopwatch.hpp"
-#include "extract/border_cap.hpp"
+#include "extract/boundary_cap.hpp"
 #include "extract/inside_test.hpp"
 #include "extract/mesh_assembly.hpp"
-#include "mesh/vertex_fans.hpp"
+#include "mesh/split_vertices.hpp"
 
 namespace isoextract::extract {
 
@@ -21,7 +21,7 @@ namespace isoextract::extract {
 template <class S>
 concept SurfacePasses = requires(S& surface, const S& seen, ExtractStats& stats, mesh::Mesh& mesh, const glm::ivec3& p,
                                  int direction) {
-  { seen.placement() } -> std::convertible_to<const OutputFrame&>;
+  { seen.placement() } -> std::convertible_to<const OutputPlacement&>;
   // Compares the samples with iso and fills the classification figures. Returns false if there can be no surface.
   { surface.classify(stats) } -> std::same_as<Result<bool>>;
   // Counts vertices and triangles; fills `count` and other figures of `stats`. A surface that is drawn in portions is
@@ -33,9 +33,9 @@ concept SurfacePasses = requires(S& surface, const S& seen, ExtractStats& stats,
   // Valid after count(). The box whose faces a cap closes (nullopt if the surface never leaves the box), and the sides
   // of its outermost samples.
   { seen.cap_box() } -> std::same_as<std::optional<field::IndexBox>>;
-  { seen.border() } -> std::same_as<BorderSides>;
-  { seen.draws_at_border() } -> std::same_as<bool>;  // called if the border has both sides and there are holes
-  { seen.has_holes() } -> std::same_as<bool>;        // NaN samples were found under NanPolicy::hole
+  { seen.border() } -> std::same_as<BoundarySides>;
+  { seen.draws_at_boundary() } -> std::same_as<bool>;  // called if the border has both sides and there are holes
+  { seen.has_holes() } -> std::same_as<bool>;          // NaN samples were found under NanPolicy::hole
   { seen.inside(p) } -> std::same_as<bool>;
   { seen.value(p) } -> std::same_as<double>;
   { seen.edge_vertex(p, direction) } -> std::same_as<std::uint32_t>;  // the vertex on the crossed edge from `p`
@@ -47,7 +47,7 @@ concept SurfacePasses = requires(S& surface, const S& seen, ExtractStats& stats,
 template <SurfacePasses Surface>
 [[nodiscard]] Result<Extraction> extract_surface(const field::ScalarField& field, const ExtractOptions& options,
                                                  Surface& surface, const Context& context) {
-  const OutputFrame& placement = surface.placement();
+  const OutputPlacement& placement = surface.placement();
   Extraction result;
   result.mesh.origin = placement.origin();
   TRY(check_placement(field, placement));
@@ -60,19 +60,20 @@ template <SurfacePasses Surface>
   auto memory = reserve_mesh(field, sizes, options, context);
   if (!memory) return tl::unexpected(memory.error());
   Stopwatch watch;
-  BorderCap cap;
+  BoundaryCap cap;
   Reservation cap_memory;
   const std::optional<field::IndexBox> box = surface.cap_box();
   if (box) {
-    const BorderSides sides = surface.border();
-    result.stats.inside_at_border = sides.inside;
-    result.stats.meets_border = sides.inside && sides.outside && (!surface.has_holes() || surface.draws_at_border());
+    const BoundarySides sides = surface.border();
+    result.stats.inside_at_boundary = sides.inside;
+    result.stats.meets_boundary =
+        sides.inside && sides.outside && (!surface.has_holes() || surface.draws_at_boundary());
   }
   const bool capped = box && options.cap;
   if (capped) {
     auto numbers = TRY(reserve_cap_numbers(field, *box, context));
     const InsideRule rule{field.kind, options.iso};
-    cap = make_border_cap(
+    cap = make_boundary_cap(
         *box, method_info(options.method).traits.axis_edges_only, static_cast<std::uint32_t>(sizes.vertices),
         [&](const glm::ivec3& p) { return surface.inside(p); },
         [&](const glm::ivec3& p, int direction) { return surface.edge_vertex(p, direction); },
@@ -96,7 +97,7 @@ template <SurfacePasses Surface>
   cap = {};
   cap_memory.release();
   if (surface.has_holes()) {
-    TRY(mesh::make_one_vertex_a_fan(result.mesh, field.source, context));
+    TRY(mesh::split_nonmanifold_vertices(result.mesh, field.source, context));
     memory->release();
     memory = reserve_mesh(field, {result.mesh.positions.size(), result.mesh.triangles.size()}, options, context);
     if (!memory) return tl::unexpected(memory.error());

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "base/words.hpp"
+#include "base/enum_words.hpp"
 
 namespace isoextract::extract {
 

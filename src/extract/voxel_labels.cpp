@@ -75,7 +75,7 @@ class ChunkLabels {
  public:
   ChunkLabels(const LabelFilter& filter, NanPolicy nan) : filter_(filter), nan_(nan) {}
 
-  [[nodiscard]] const std::optional<WrongSample>& wrong() const { return wrong_; }
+  [[nodiscard]] const std::optional<NonLabelSample>& wrong() const { return wrong_; }
   // Returns the number of NaN samples treated as outside.
   [[nodiscard]] std::uint64_t nan_samples() const { return nan_samples_; }
 
@@ -128,7 +128,7 @@ class ChunkLabels {
   NanPolicy nan_;
   std::uint64_t nan_samples_ = 0;
   std::vector<LabelPart> parts_;
-  std::optional<WrongSample> wrong_;
+  std::optional<NonLabelSample> wrong_;
 };
 
 // Rows of sparse samples, assembled from blocks, tiles and the background.
@@ -143,7 +143,7 @@ class SparseRows {
       const std::int32_t stored = lookup_.place(origin + glm::ivec3(kBlockSize * place, 0, 0));
       const T* block =
           stored >= 0 ? static_cast<const T*>(samples_.blocks[static_cast<std::size_t>(stored)].values) : nullptr;
-      const T constant = block == nullptr ? field::sample_from<T>(lookup_.constant_of(stored)) : T{};
+      const T constant = block == nullptr ? field::to_sample<T>(lookup_.constant_of(stored)) : T{};
       for (int x = 0; x < kBlockSize; ++x) {
         for (int y = 0; y < kBlockSize; ++y) {
           for (int z = 0; z < kBlockSize; ++z) {
@@ -193,7 +193,8 @@ std::string text_of_sample(double value) {
 }
 
 tl::unexpected<Error> refuse_sample(const field::ScalarField& field, double value, const std::string& place) {
-  const double most = visit_sample_type(field.type(), []<class T>(std::type_identity<T>) { return most_label<T>(); });
+  const double most =
+      visit_sample_type(field.type(), []<class T>(std::type_identity<T>) { return largest_label<T>(); });
   // 64-bit integers are stored as f64, too.
   const bool is_double = field.type() == field::SampleType::f64;
   const bool is_large = std::abs(value) > most;
@@ -215,7 +216,7 @@ tl::unexpected<Error> refuse_sample(const field::ScalarField& field, double valu
 bool has_place(const field::SparseSamples& sparse, double value, NanPolicy nan) {
   if (std::isnan(value)) return nan == NanPolicy::outside;
   return visit_sample_type(sparse.type,
-                           [&]<class T>(std::type_identity<T>) { return is_label(field::sample_from<T>(value)); });
+                           [&]<class T>(std::type_identity<T>) { return is_label(field::to_sample<T>(value)); });
 }
 
 // Checks the background and the tile values of a sparse field.
@@ -253,7 +254,7 @@ Result<void> check_label_map(const field::ScalarField& field, const LabelChoice&
 }  // namespace
 
 struct LabelVoxels::Found {
-  Found(std::string text, const field::IndexBox& within, const OutputFrame& placement)
+  Found(std::string text, const field::IndexBox& within, const OutputPlacement& placement)
       : what(std::move(text)), region(within), frame(placement) {}
 
   std::string what;  // starts error messages
@@ -264,12 +265,12 @@ struct LabelVoxels::Found {
   std::optional<NetPoints> net;  // for surface nets only
   glm::ivec3 base{0};
   field::IndexBox region;
-  OutputFrame frame;
+  OutputPlacement frame;
   ExtractStats stats;
   std::optional<field::SparseLookup> lookup;
   std::vector<Reservation> memory;
   std::vector<ReservedList<LabelPart>> tasks;
-  std::vector<std::optional<WrongSample>> wrong;                // the first one of each task
+  std::vector<std::optional<NonLabelSample>> wrong;             // the first one of each task
   std::vector<std::uint64_t> nan_samples;                       // of each task
   std::map<std::int64_t, std::vector<const LabelPart*>> parts;  // in chunk_order()
 
@@ -337,7 +338,7 @@ struct LabelVoxels::Found {
   [[nodiscard]] Result<void> collect(const field::ScalarField& field, const LabelChoice& choice,
                                      const Context& context) {
     TRY(context.check());
-    for (const std::optional<WrongSample>& sample : wrong) {
+    for (const std::optional<NonLabelSample>& sample : wrong) {
       if (!sample) continue;
       const glm::ivec3 at = base + sample->at;
       return refuse_sample(field, sample->value, fmt::format("at sample ({}, {}, {})", at.x, at.y, at.z));
@@ -405,10 +406,10 @@ Result<LabelVoxels> LabelVoxels::find(const field::ScalarField& field, const Ext
   } else if (dense != nullptr) {
     region = TRY(voxel_region(field, stored, options));
   } else {
-    const auto reach = TRY(sparse_reach(field, *sparse, options, false));
+    const auto reach = TRY(sparse_bounds(field, *sparse, options, false));
     region = reach.region;
   }
-  const OutputFrame frame = voxel_frame(field, options, stored, options.region ? region : stored);
+  const OutputPlacement frame = voxel_placement(field, options, stored, options.region ? region : stored);
   auto found = std::make_shared<Found>(field.source + ": the voxels of its labels", region, frame);
   const bool nets = options.method == Method::surface_nets;
   found->filter.emplace(choice, nets, label_around(sparse));

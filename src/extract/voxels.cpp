@@ -59,8 +59,9 @@ void count_chunks(ExtractStats& stats, std::uint64_t all, const VoxelChunks& vox
 
 // Meshes the voxels in `bounds` (voxel indices; voxel 0 is sample `base`). All inside voxels are one label of the net.
 Result<Extraction> mesh_in_bounds(const field::ScalarField& field, const VoxelChunks& voxels,
-                                  const field::IndexBox& bounds, const glm::ivec3& base, const OutputFrame& placement,
-                                  const ExtractOptions& options, const ExtractStats& stats, const Context& context) {
+                                  const field::IndexBox& bounds, const glm::ivec3& base,
+                                  const OutputPlacement& placement, const ExtractOptions& options,
+                                  const ExtractStats& stats, const Context& context) {
   if (options.method != Method::surface_nets) {
     return mesh_voxels(field, voxels, base, placement, options, stats, context);
   }
@@ -113,7 +114,7 @@ Result<Extraction> extract_dense_voxels(const field::ScalarField& field, const f
   if (!voxels) return tl::unexpected(voxels.error());
   count_chunks(stats, grid.count(), *voxels);
   TRY(context.check());
-  const OutputFrame placement = voxel_frame(field, options, {glm::ivec3(0), samples.dims - 1}, region);
+  const OutputPlacement placement = voxel_placement(field, options, {glm::ivec3(0), samples.dims - 1}, region);
   const field::IndexBox bounds{glm::ivec3(0), region.max - region.min};
   return mesh_in_bounds(field, *voxels, bounds, region.min, placement, options, stats, context);
 }
@@ -149,7 +150,7 @@ Result<Extraction> extract_sparse_voxels(const field::ScalarField& field, const 
                                          const ExtractOptions& options, const Context& context) {
   if (stored_box(samples).empty()) return no_voxels();
   const bool unbounded = InsideRule{field.kind, options.iso}(field.scale(samples.background));
-  const auto reach = TRY(sparse_reach(field, samples, options, unbounded));
+  const auto reach = TRY(sparse_bounds(field, samples, options, unbounded));
   ExtractStats stats;
   SparseSites samples_seen(field, samples, reach.region, options, context);
   TRY(samples_seen.compare(stats));
@@ -179,8 +180,8 @@ Result<Extraction> extract_sparse_voxels(const field::ScalarField& field, const 
       context));
   count_chunks(stats, origins.size(), voxels);
   TRY(context.check());
-  return mesh_in_bounds(field, voxels, reach.region, glm::ivec3(0), sparse_voxel_frame(field, options, reach), options,
-                        stats, context);
+  return mesh_in_bounds(field, voxels, reach.region, glm::ivec3(0), sparse_voxel_placement(field, options, reach),
+                        options, stats, context);
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ struct Affine {
 
   // Returns whether the map can be inverted safely: its entries are finite and its determinant is not zero relative to
   // the lengths of the axes.
-  [[nodiscard]] bool is_regular() const {
+  [[nodiscard]] bool is_invertible() const {
     const double scale = glm::length(linear[0]) * glm::length(linear[1]) * glm::length(linear[2]);
     return is_finite(offset) && std::isfinite(scale) && scale > 0 && std::abs(determinant()) > 1e-12 * scale;
   }

@@ -70,7 +70,7 @@ const AnalyticField* find_analytic_field(std::string_view demo_name) {
   return found == kFields.end() ? nullptr : found;
 }
 
-const AnalyticField* formula_of(const ScalarField& field) {
+const AnalyticField* find_formula(const ScalarField& field) {
   if (field.format != "demo") return nullptr;
   const auto spec = parse_demo_spec(field.source);
   return spec && spec->time == 0 ? find_analytic_field(field.name) : nullptr;

@@ -25,7 +25,7 @@ struct AnalyticField {
   // Returns the closed-form size, or nothing if there is none or the surface at iso is not entirely inside the cube.
   std::optional<SurfaceSize> (*size)(double iso);
   // Returns the length above iso of the segment from (x, y, -1) to (x, y, 1), in closed form. Null if there is none.
-  double (*length_along_z)(double x, double y, double iso);
+  double (*inside_length_along_z)(double x, double y, double iso);
   bool is_graph_over_z;  // each such segment crosses the surface at most once, where that length ends
 };
 
@@ -33,6 +33,6 @@ struct AnalyticField {
 [[nodiscard]] const AnalyticField* find_analytic_field(std::string_view demo_name);
 
 // Returns the formula of a demo field's samples. Null for other fields, and for a demo field at a time other than 0.
-[[nodiscard]] const AnalyticField* formula_of(const ScalarField& field);
+[[nodiscard]] const AnalyticField* find_formula(const ScalarField& field);
 
 }  // namespace isoextract::field

@@ -43,8 +43,8 @@ struct Rows {
 
 // Computes the weighted mean of the rows `first` to `last` around the row `middle`. It sums differences to that row, so
 // that constants come out exactly.
-void weigh_rows(const std::vector<double>& weights, const Rows& rows, int first, int middle, int last, double* means,
-                double* known) {
+void average_rows(const std::vector<double>& weights, const Rows& rows, int first, int middle, int last, double* means,
+                  double* known) {
   const std::size_t length = rows.length;
   const auto row = [&](const double* of, int i) { return of + static_cast<std::size_t>(i) * length; };
   const auto weight = [&](int i) { return weights[static_cast<std::size_t>(std::abs(i - middle))]; };
@@ -145,8 +145,8 @@ class DensePasses {
     const int reach = static_cast<int>(weights.size()) - 1;
     for (std::int64_t i = 0; i < length; ++i) {
       const auto at = static_cast<int>(i);
-      weigh_rows(weights, {values, known, width}, std::max(0, at - reach), at,
-                 std::min(static_cast<int>(length) - 1, at + reach), means, means + width);
+      average_rows(weights, {values, known, width}, std::max(0, at - reach), at,
+                   std::min(static_cast<int>(length) - 1, at + reach), means, means + width);
       for (std::int64_t l = 0; l < lines; ++l) {
         const std::int64_t to = first + i * step + l * beside;
         values_[to] = static_cast<Out>(means[l]);
@@ -172,12 +172,12 @@ Result<Samples> blur_dense(const ScalarField& field, const DenseSamples& data, c
                            const Context& context) {
   using Out = Blurred<T>;
   const auto* from = static_cast<const T*>(data.data);
-  auto made = TRY(make_reserved_buffer<Out>(data.count(), context, work_on(field)));
+  auto made = TRY(make_reserved_buffer<Out>(data.count(), context, memory_label(field)));
   const auto scratch =
-      TRY(context.reserve(threads_at_most() * DensePasses<Out>::scratch_bytes(data.dims), work_on(field)));
+      TRY(context.reserve(max_threads() * DensePasses<Out>::scratch_bytes(data.dims), memory_label(field)));
   Out* const values = made->values.data();
   std::atomic<bool> all_finite{true};
-  for_slices(data, context, [&](int, std::size_t first, std::size_t end) {
+  for_each_slice(data, context, [&](int, std::size_t first, std::size_t end) {
     bool finite = true;
     for (std::size_t i = first; i < end; ++i) {
       finite = finite && is_known_number(from[i]);
@@ -187,8 +187,8 @@ Result<Samples> blur_dense(const ScalarField& field, const DenseSamples& data, c
   });
   std::shared_ptr<ReservedBuffer<float>> known;
   if (!all_finite) {
-    known = TRY(make_reserved_buffer<float>(data.count(), context, work_on(field)));
-    for_slices(data, context, [&](int, std::size_t first, std::size_t end) {
+    known = TRY(make_reserved_buffer<float>(data.count(), context, memory_label(field)));
+    for_each_slice(data, context, [&](int, std::size_t first, std::size_t end) {
       for (std::size_t i = first; i < end; ++i) known->values[i] = is_known_number(from[i]) ? 1.0F : 0.0F;
     });
   }
@@ -198,7 +198,7 @@ Result<Samples> blur_dense(const ScalarField& field, const DenseSamples& data, c
     TRY(context.check());
   }
   if (known) {
-    for_slices(data, context, [&](int, std::size_t first, std::size_t end) {
+    for_each_slice(data, context, [&](int, std::size_t first, std::size_t end) {
       for (std::size_t i = first; i < end; ++i) {
         if (!is_known_number(from[i])) values[i] = static_cast<Out>(from[i]);
       }
@@ -254,7 +254,7 @@ void blur_block(const std::array<std::vector<double>, 3>& weights, glm::ivec3 di
       const Rows rows{values + o * length * inner, all_known ? nullptr : known + o * length * inner, inner};
       for (int i = 0; i < kBlurBlockSide; ++i) {
         const std::size_t to = (o * kBlurBlockSide + static_cast<std::size_t>(i)) * inner;
-        weigh_rows(own, rows, i, i + reach, i + 2 * reach, means + to, means_known + to);
+        average_rows(own, rows, i, i + reach, i + 2 * reach, means + to, means_known + to);
       }
     }
     dims[axis] = kBlurBlockSide;

@@ -25,7 +25,7 @@ CellWeights catmull_rom_weights(double t) {
 
 // Moves the weight of a sample outside the boundary to the samples inside: it stands for the parabola through the last
 // three, or the line through the only two. The slope at the boundary then is the one-sided second-order difference.
-void fold_border(std::array<double, 4>& weights, bool low, bool high) {
+void fold_outer_weights(std::array<double, 4>& weights, bool low, bool high) {
   const double before = low ? std::exchange(weights[0], 0.0) : 0.0;
   const double after = high ? std::exchange(weights[3], 0.0) : 0.0;
   if (low && high) {
@@ -149,7 +149,7 @@ std::optional<SampleRange> Interpolant::Cursor::range(const glm::ivec3& cell) {
   return finite_ ? std::optional(range_) : std::nullopt;
 }
 
-std::optional<double> Interpolant::Cursor::greatest_bend(const glm::ivec3& cell) {
+std::optional<double> Interpolant::Cursor::max_second_derivative(const glm::ivec3& cell) {
   if (interpolant_.interpolation_ != Interpolation::trilinear) return std::nullopt;
   move_to(cell);
   if (!finite_) return std::nullopt;
@@ -170,10 +170,10 @@ std::optional<double> Interpolant::Cursor::greatest_bend(const glm::ivec3& cell)
 
 Interpolated Interpolant::Cursor::operator()(const glm::dvec3& index) {
   const glm::ivec3 cell = interpolant_.cell_of(index);
-  return in_cell(cell, index - glm::dvec3(cell));
+  return evaluate_in_cell(cell, index - glm::dvec3(cell));
 }
 
-Interpolated Interpolant::Cursor::in_cell(const glm::ivec3& cell, const glm::dvec3& t) {
+Interpolated Interpolant::Cursor::evaluate_in_cell(const glm::ivec3& cell, const glm::dvec3& t) {
   move_to(cell);
   if (!finite_) return {std::numeric_limits<double>::quiet_NaN(), glm::dvec3(0)};
   std::array<CellWeights, 3> weights;
@@ -188,8 +188,8 @@ Interpolated Interpolant::Cursor::in_cell(const glm::ivec3& cell, const glm::dve
     const bool low = cell[axis] == 0;
     const bool high = cell[axis] + 2 == dense->dims[axis];
     if (!low && !high) continue;
-    fold_border(weights[axis].value, low, high);
-    fold_border(weights[axis].slope, low, high);
+    fold_outer_weights(weights[axis].value, low, high);
+    fold_outer_weights(weights[axis].slope, low, high);
   }
   return weighted_sum<4>(weights, values_.data());
 }

@@ -15,7 +15,7 @@
 
 #include <glm/glm.hpp>
 
-#include "base/words.hpp"
+#include "base/enum_words.hpp"
 #include "field/scalar_field.hpp"
 #include "field/sparse_lookup.hpp"
 
@@ -60,14 +60,14 @@ class Interpolant {
 
     // Evaluates the polynomial of one cell at `t` in [0, 1]^3 from its lowest sample. On a face both adjacent cells
     // give the same value, bit for bit.
-    [[nodiscard]] Interpolated in_cell(const glm::ivec3& cell, const glm::dvec3& t);
+    [[nodiscard]] Interpolated evaluate_in_cell(const glm::ivec3& cell, const glm::dvec3& t);
 
     // Returns the range of the samples that the polynomial depends on, or nothing if one of them is not finite.
     [[nodiscard]] std::optional<SampleRange> range(const glm::ivec3& cell);
 
     // Returns an upper bound of the trilinear interpolant's second derivative in any direction within one cell, per
     // index step squared. Returns nothing for tricubic, or if a sample is not finite.
-    [[nodiscard]] std::optional<double> greatest_bend(const glm::ivec3& cell);
+    [[nodiscard]] std::optional<double> max_second_derivative(const glm::ivec3& cell);
 
    private:
     static constexpr int kMaxSamples = 4 * 4 * 4;

@@ -29,12 +29,12 @@ bool is_nan(T value) {
 
 template <class T>
 Result<Samples> median_dense(const ScalarField& field, const DenseSamples& data, int width, const Context& context) {
-  auto made = TRY(make_reserved_buffer<T>(data.count(), context, work_on(field)));
+  auto made = TRY(make_reserved_buffer<T>(data.count(), context, memory_label(field)));
   T* const values = made->values.data();
   const auto* from = static_cast<const T*>(data.data);
   const glm::i64vec3 dims(data.dims);
   tbb::enumerable_thread_specific<std::vector<T>> windows;
-  for_slices(data, context, [&](int k, std::size_t first, std::size_t) {
+  for_each_slice(data, context, [&](int k, std::size_t first, std::size_t) {
     std::vector<T>& window = windows.local();
     T* to = values + first;
     for (int j = 0; j < data.dims.y; ++j) {
@@ -78,7 +78,7 @@ void median_block(int width, const glm::ivec3& dims, const double* values, T* bl
     for (int y = 0; y < kBlurBlockSide; ++y) {
       for (int z = 0; z < kBlurBlockSide; ++z, ++block) {
         const double here = *value(x + width, y + width, z + width);
-        *block = sample_from<T>(here);
+        *block = to_sample<T>(here);
         if (std::isnan(here)) continue;
         window.clear();
         for (int i = x; i <= x + 2 * width; ++i) {
@@ -87,7 +87,7 @@ void median_block(int width, const glm::ivec3& dims, const double* values, T* bl
                          [](double v) { return !std::isnan(v); });
           }
         }
-        *block = sample_from<T>(median_of(window));
+        *block = to_sample<T>(median_of(window));
       }
     }
   }

@@ -14,7 +14,7 @@
 namespace isoextract::field {
 namespace {
 
-constexpr std::size_t kMarkedAtOnce = std::size_t{1} << 16;
+constexpr std::size_t kSamplesPerTask = std::size_t{1} << 16;
 
 // A type that has NaN and represents every value of T.
 template <class T>
@@ -61,7 +61,7 @@ Result<void> mark(ScalarField& field, const DenseSamples& samples, double value,
   const T* const from = static_cast<const T*>(samples.data);
   const std::size_t all = samples.count();
   std::atomic<std::uint64_t> found{0};
-  for_each_range(all, kMarkedAtOnce, [&](std::size_t begin, std::size_t end) {
+  for_each_range(all, kSamplesPerTask, [&](std::size_t begin, std::size_t end) {
     std::uint64_t count = 0;
     for (std::size_t i = begin; i < end; ++i) count += is_no_data(from[i]) ? 1 : 0;
     found += count;
@@ -74,7 +74,7 @@ Result<void> mark(ScalarField& field, const DenseSamples& samples, double value,
   auto made = TRY(make_reserved_buffer<Marked>(samples.count(), context,
                                                fmt::format("{}: samples with NaN for no data", field.source)));
   Marked* const to = made->values.data();
-  for_each_range(all, kMarkedAtOnce, [&](std::size_t begin, std::size_t end) {
+  for_each_range(all, kSamplesPerTask, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       to[i] = is_no_data(from[i]) ? std::numeric_limits<Marked>::quiet_NaN() : static_cast<Marked>(from[i]);
     }

@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kDigitBits = 16;
 constexpr std::size_t kDigitValues = std::size_t{1} << kDigitBits;
-constexpr std::size_t kAtOnce = 8;  // percentiles per pass
+constexpr std::size_t kPercentilesPerPass = 8;  // percentiles per pass
 
 // Maps numbers of T to unsigned integers of the same size and order.
 template <class T>
@@ -156,7 +156,7 @@ std::vector<double> percentiles_of(const ScalarField& field, std::uint64_t sampl
   std::vector<std::uint64_t> ranks;
   for (const Percent percent : percents) ranks.push_back(percent.rank_among(samples));
   return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
-    if constexpr (kCountable<T>) {
+    if constexpr (kIsCountable<T>) {
       return std::vector<double>();
     } else {
       return samples_of_ranks<T>(field, std::move(ranks), progress);
@@ -172,15 +172,15 @@ std::optional<std::vector<double>> measure_percentiles(const ScalarField& field,
   std::uint64_t samples = 0;
   const std::vector<double> found = visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
     std::vector<double> all(rising.size());
-    if constexpr (kCountable<T>) {
+    if constexpr (kIsCountable<T>) {
       std::vector<CountedValue> values = Tally<T>(field, progress).values(field.scale);
-      order_finite(values);
+      keep_finite_sorted(values);
       for (const auto& [value, count] : values) samples += count;
       if (samples > 0) all = percentiles_of(values, samples, rising);
     } else {
       samples = count_finite<T>(field, progress);
-      for (std::size_t p = 0; samples > 0 && p < rising.size(); p += kAtOnce) {
-        const std::span<const Percent> some(rising.data() + p, std::min(kAtOnce, rising.size() - p));
+      for (std::size_t p = 0; samples > 0 && p < rising.size(); p += kPercentilesPerPass) {
+        const std::span<const Percent> some(rising.data() + p, std::min(kPercentilesPerPass, rising.size() - p));
         std::ranges::copy(percentiles_of(field, samples, some, progress), all.begin() + static_cast<std::ptrdiff_t>(p));
       }
     }
@@ -194,9 +194,10 @@ std::optional<std::vector<double>> measure_percentiles(const ScalarField& field,
   return percentiles;
 }
 
-std::uint64_t measuring_bytes(std::size_t percents) {
+std::uint64_t statistics_bytes(std::size_t percents) {
   const auto threads = static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency());
-  const std::uint64_t counts = std::clamp<std::uint64_t>(percents, 1, kAtOnce) * kDigitValues * sizeof(std::uint64_t);
+  const std::uint64_t counts =
+      std::clamp<std::uint64_t>(percents, 1, kPercentilesPerPass) * kDigitValues * sizeof(std::uint64_t);
   return (threads + 1) * counts + kDigitValues * sizeof(CountedValue);
 }
 

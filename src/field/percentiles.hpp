@@ -49,6 +49,6 @@ class Percent {
 
 // Returns the most memory, in bytes over all threads, that measure_percentiles() takes, or measure_statistics() without
 // percentiles.
-[[nodiscard]] std::uint64_t measuring_bytes(std::size_t percents);
+[[nodiscard]] std::uint64_t statistics_bytes(std::size_t percents);
 
 }  // namespace isoextract::field

@@ -25,7 +25,7 @@ namespace isoextract::field {
 namespace {
 
 // Means read a sparse field with all the background between its blocks. For more voxels than this they take minutes.
-constexpr double kMostForMeans = 0x1p35;
+constexpr double kMaxVoxelsForMeans = 0x1p35;
 
 template <class T>
 using Resampled =
@@ -204,7 +204,7 @@ void combine_rows(const AxisWeights& axis, const SampleWeights& use, const GetRo
     mean_of_rows(use, row, room, out);
     return;
   }
-  std::array<Row, AxisWeights::kMostOfKernel> rows;
+  std::array<Row, AxisWeights::kMaxKernelWeights> rows;
   bool masked = false;
   for (std::size_t k = 0; k < use.weights.size(); ++k) {
     rows[k] = row(use.first + static_cast<int>(k));
@@ -245,8 +245,8 @@ double combine_samples(const AxisWeights& axis, const SampleWeights& use, const 
 template <class T>
 class SourceRows {
  public:
-  SourceRows(const Samples& samples, const IndexBox& box, NanSamples nan)
-      : leaves_nan_out_(nan == NanSamples::left_out),
+  SourceRows(const Samples& samples, const IndexBox& box, NanHandling nan)
+      : leaves_nan_out_(nan == NanHandling::left_out),
         dense_(std::get_if<DenseSamples>(&samples)),
         sparse_(std::get_if<SparseSamples>(&samples)),
         box_(box) {
@@ -294,7 +294,7 @@ class SourceRows {
 // Keeps the rows that were requested last, by number. Consecutive rows do not displace each other.
 class RowCache {
  public:
-  explicit RowCache(std::size_t width) : rows_(AxisWeights::kMostOfKernel, {-1, RowBuffer(width)}) {}
+  explicit RowCache(std::size_t width) : rows_(AxisWeights::kMaxKernelWeights, {-1, RowBuffer(width)}) {}
 
   // Returns the row, and calls make(buffer) to fill it if it is not cached.
   template <class Make>
@@ -350,7 +350,7 @@ void fill(const SourceRows<T>& source, const glm::ivec3& old_dims, const glm::iv
     for (int j = first; j < end; ++j) {
       combine_rows(along_y, along_y.of(j), plane_row, y_sums, row);
       for (int i = 0; i < dims.x; ++i) {
-        *out++ = sample_from<Value>(combine_samples(along_x, along_x.of(i), row.row()));
+        *out++ = to_sample<Value>(combine_samples(along_x, along_x.of(i), row.row()));
       }
     }
     context.progress().advance(1);
@@ -379,7 +379,7 @@ IndexBox box_in_background(const SparseSamples& sparse) {
 }
 
 // Returns the box of samples that the new grid covers: all dense samples, or box_in_background() of sparse ones.
-IndexBox covered_box(const ScalarField& field) {
+IndexBox resampled_box(const ScalarField& field) {
   const auto* sparse = std::get_if<SparseSamples>(&field.samples);
   if (sparse == nullptr) return field.extents();
   return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) { return box_in_background<T>(*sparse); });
@@ -408,9 +408,9 @@ Result<void> check_has_steps(const ScalarField& field, std::string_view what) {
 
 template <class T, class Value>
 Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolution, ResampleKernel kernel,
-                              NanSamples nan, const Context& context) {
+                              NanHandling nan, const Context& context) {
   const auto* sparse = std::get_if<SparseSamples>(&field.samples);
-  const IndexBox box = covered_box(field);
+  const IndexBox box = resampled_box(field);
   const glm::ivec3 old_dims(box.dims());
   ScalarField result = field;
   result.notes.clear();
@@ -432,7 +432,7 @@ Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolu
   samples.type = sample_type_of<Value>();
   samples.dims = resolution;
   const glm::dvec3 extent(old_dims);
-  const bool means = sparse == nullptr || extent.x * extent.y * extent.z <= kMostForMeans;
+  const bool means = sparse == nullptr || extent.x * extent.y * extent.z <= kMaxVoxelsForMeans;
   if (!means && kernel != ResampleKernel::nearest && glm::any(glm::lessThan(resolution, old_dims))) {
     result.notes.push_back(
         fmt::format("{}: {} voxels are too many for means; the samples of the new grid are values of "
@@ -460,7 +460,7 @@ Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolu
 }  // namespace
 
 Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolution, ResampleKernel kernel,
-                             NanSamples nan, const Context& context) {
+                             NanHandling nan, const Context& context) {
   if (glm::any(glm::lessThan(resolution, glm::ivec3(2)))) {
     return fail(ErrorCode::usage,
                 fmt::format("a resolution needs at least 2 samples along each axis, found {}", dims_text(resolution)));
@@ -474,7 +474,7 @@ Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolut
 
 Result<glm::ivec3> resolution_of_voxel_size(const ScalarField& field, const glm::dvec3& voxel_size) {
   TRY(check_has_steps(field, "another voxel size"));
-  const glm::i64vec3 dims = covered_box(field).dims();
+  const glm::i64vec3 dims = resampled_box(field).dims();
   glm::ivec3 resolution(0);
   for (int axis = 0; axis < 3; ++axis) {
     const double length = static_cast<double>(dims[axis] - 1) * glm::length(field.index_to_world.linear[axis]);

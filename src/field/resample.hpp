@@ -6,8 +6,8 @@
 #include <glm/glm.hpp>
 
 #include "base/context.hpp"
+#include "base/enum_words.hpp"
 #include "base/error.hpp"
-#include "base/words.hpp"
 #include "field/scalar_field.hpp"
 
 namespace isoextract::field {
@@ -25,7 +25,7 @@ constexpr auto words_of(ResampleKernel /*type*/) {
 }
 
 // How averages treat NaN samples.
-enum class NanSamples {
+enum class NanHandling {
   left_out,  // the other samples get all the weight; a new sample is NaN if NaN has more than half of its weight
   spread,    // a new sample is NaN if any NaN has weight in it: for users who treat NaN as an error
 };
@@ -60,7 +60,7 @@ enum class NanSamples {
 // Fails with ErrorCode::usage if `resolution` is below 2 along an axis, with ErrorCode::input if that of a dense
 // `field` is, and with ErrorCode::out_of_memory.
 [[nodiscard]] Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolution,
-                                           ResampleKernel kernel, NanSamples nan, const Context& context);
+                                           ResampleKernel kernel, NanHandling nan, const Context& context);
 
 // Returns the resolution whose steps are closest to `voxel_size` (edge lengths in world units) among those that divide
 // the box of resample() evenly, so that nothing is cut off. The steps are measured along the axes of the field. Reads

@@ -11,7 +11,7 @@
 
 #include <half.h>  // Imath
 
-#include "base/words.hpp"
+#include "base/enum_words.hpp"
 
 namespace isoextract::field {
 

@@ -10,7 +10,7 @@ namespace isoextract::field {
 // Converts a value, such as a background, to the sample type T. T must represent it exactly or be a floating-point
 // type.
 template <class T>
-[[nodiscard]] T sample_from(double value) {
+[[nodiscard]] T to_sample(double value) {
   if constexpr (std::is_same_v<T, Half>) {
     return Half(static_cast<float>(value));
   } else {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/words.hpp"
+#include "base/enum_words.hpp"
 #include "field/affine.hpp"
 #include "field/samples.hpp"
 

@@ -17,7 +17,7 @@ OriginIndex::OriginIndex(std::size_t count) : slots_(std::bit_ceil(2 * count + 1
 
 std::size_t OriginIndex::slot_of(const glm::ivec3& origin) const {
   const auto part = [](int v) { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(v) >> 3); };
-  return hash_of_three(part(origin.x), part(origin.y), part(origin.z)) & (slots_.size() - 1);
+  return hash_coordinates(part(origin.x), part(origin.y), part(origin.z)) & (slots_.size() - 1);
 }
 
 void OriginIndex::insert(const glm::ivec3& origin, std::int32_t number) {
@@ -103,7 +103,7 @@ SparseLookup::SparseLookup(const SparseSamples& samples, const std::vector<glm::
       for (int x = 0; x < tile.size; x += SparseBlock::kSize) {
         for (int y = 0; y < tile.size; y += SparseBlock::kSize) {
           for (int z = 0; z < tile.size; z += SparseBlock::kSize) {
-            owner.contents[Node::slot(tile.origin + glm::ivec3(x, y, z))] = tile_place(t);
+            owner.contents[Node::slot(tile.origin + glm::ivec3(x, y, z))] = place_of_tile(t);
           }
         }
       }

@@ -83,7 +83,7 @@ class SparseLookup {
   explicit SparseLookup(const SparseSamples& samples) : SparseLookup(samples, node_origins(samples)) {}
   SparseLookup(const SparseSamples& samples, const std::vector<glm::ivec3>& node_origins);
 
-  // Returns the index of the stored block, kBackground, or tile_place() of a tile.
+  // Returns the index of the stored block, kBackground, or place_of_tile() of a tile.
   [[nodiscard]] std::int32_t place(const glm::ivec3& origin) const {
     const std::int32_t node = nodes_.find(origin & ~(Node::kSize - 1));
     return node >= 0 ? node_list_[static_cast<std::size_t>(node)].contents[Node::slot(origin)] : large_tile(origin);
@@ -94,9 +94,9 @@ class SparseLookup {
   [[nodiscard]] Group group(const glm::ivec3& origin) const;
 
   static constexpr std::int32_t kBackground = -1;
-  [[nodiscard]] static std::int32_t tile_place(std::size_t tile) { return -2 - static_cast<std::int32_t>(tile); }
+  [[nodiscard]] static std::int32_t place_of_tile(std::size_t tile) { return -2 - static_cast<std::int32_t>(tile); }
 
-  // Inverts tile_place().
+  // Inverts place_of_tile().
   [[nodiscard]] static std::size_t tile_of(std::int32_t place) { return static_cast<std::size_t>(-2 - place); }
 
   // Returns the constant value of a place without a block, by its place().
@@ -115,7 +115,7 @@ class SparseLookup {
  private:
   [[nodiscard]] std::int32_t large_tile(const glm::ivec3& origin) const {
     const std::int32_t tile = large_tiles_.find(origin);
-    return tile >= 0 ? tile_place(static_cast<std::size_t>(tile)) : kBackground;
+    return tile >= 0 ? place_of_tile(static_cast<std::size_t>(tile)) : kBackground;
   }
 
   const SparseSamples& samples_;

@@ -199,7 +199,7 @@ void describe(const Range& range, const Histogram& histogram, FieldStatistics& s
   statistics.histogram.assign(histogram.bins.begin(), histogram.bins.end());
 }
 
-std::array<Percent, FieldStatistics::kPercents.size()> told_percents() {
+std::array<Percent, FieldStatistics::kPercents.size()> statistics_percents() {
   std::array<Percent, FieldStatistics::kPercents.size()> percents;
   std::ranges::transform(FieldStatistics::kPercents, percents.begin(),
                          [](int whole) { return Percent(static_cast<std::uint32_t>(whole)); });
@@ -214,13 +214,13 @@ FieldStatistics statistics_of(std::vector<CountedValue> values, bool are_integer
   statistics.nan = range.nan;
   statistics.infinite = range.infinite;
   if (range.finite == 0) return statistics;
-  order_finite(values);
+  keep_finite_sorted(values);
   const RangeMap position_of(range.min, range.max);
   Histogram histogram;
   for (const auto& [value, count] : values) histogram.add(position_of(value), count);
   describe(range, histogram, statistics);
-  std::ranges::copy(percentiles_of(values, range.finite, told_percents()), statistics.percentiles.begin());
-  if (are_integers && values.size() <= FieldStatistics::kMostValues) statistics.values = std::move(values);
+  std::ranges::copy(percentiles_of(values, range.finite, statistics_percents()), statistics.percentiles.begin());
+  if (are_integers && values.size() <= FieldStatistics::kMaxListedValues) statistics.values = std::move(values);
   return statistics;
 }
 
@@ -265,7 +265,7 @@ double rounded_to_bin(double value, double bin_width) {
 
 template <class T>
 FieldStatistics statistics_of_samples(const ScalarField& field, Progress* progress, WithPercentiles percentiles) {
-  if constexpr (kCountable<T>) {
+  if constexpr (kIsCountable<T>) {
     return statistics_of(Tally<T>(field, progress).values(field.scale), std::is_integral_v<T>);
   } else {
     FieldStatistics statistics;
@@ -283,7 +283,7 @@ FieldStatistics statistics_of_samples(const ScalarField& field, Progress* progre
     const Histogram histogram = measure_histogram<T>(field, range, progress);
     describe(range, histogram, statistics);
     if (percentiles == WithPercentiles::yes) {
-      std::ranges::copy(percentiles_of(field, statistics.samples, told_percents(), progress),
+      std::ranges::copy(percentiles_of(field, statistics.samples, statistics_percents(), progress),
                         statistics.percentiles.begin());
     }
     return statistics;
@@ -332,11 +332,11 @@ FieldStatistics measure_statistics(const ScalarField& field, Progress* progress,
   });
 }
 
-std::optional<KnownIso> known_iso(const ScalarField& field) {
-  if (field.kind == FieldKind::level_set) return KnownIso{0, "the zero of the level set"};
+std::optional<DefaultIso> default_iso(const ScalarField& field) {
+  if (field.kind == FieldKind::level_set) return DefaultIso{0, "the zero of the level set"};
   for (const DemoDescription& demo : demo_fields()) {
     if (field.source.starts_with(kDemoPrefix) && field.name == demo.name) {
-      return KnownIso{demo.iso, "the demo field's own"};
+      return DefaultIso{demo.iso, "the demo field's own"};
     }
   }
   return std::nullopt;
@@ -354,7 +354,7 @@ IsoSuggestion suggest_iso(const ScalarField& field, const FieldStatistics& stati
   const auto suggestion = [&](double iso, std::string method) {
     return IsoSuggestion{iso, std::move(method), passed && passed->has_surface(iso)};
   };
-  if (const auto known = known_iso(field)) return suggestion(known->iso, known->method);
+  if (const auto known = default_iso(field)) return suggestion(known->iso, known->method);
   if (statistics.samples == 0 && range.finite > 0 && statistics.nan + statistics.infinite == 0) {
     return suggestion(range.min, "the only value of a constant field");
   }

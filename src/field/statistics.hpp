@@ -27,7 +27,7 @@ struct FieldStatistics {
   // Each distinct value and its count, in ascending order, if there are at most kMostValues. Only for integer samples
   // of up to 16 bits, and for those of 32 bits with an identity scale and a range below 2^16; else empty.
   std::vector<std::pair<double, std::uint64_t>> values;
-  static constexpr std::size_t kMostValues = 256;
+  static constexpr std::size_t kMaxListedValues = 256;
   std::vector<std::uint64_t> histogram;  // 1024 equal bins over [min, max]; empty if no sample is finite
 
   // percentiles[n] is the smallest sample that at least kPercents[n] percent of the samples do not exceed.
@@ -64,11 +64,11 @@ struct IsoSuggestion {
 
 // The iso value that the kind of a field implies without reading samples: 0 for level sets, a fixed one for demo
 // fields.
-struct KnownIso {
+struct DefaultIso {
   double iso;
   std::string method;  // as in IsoSuggestion
 };
-[[nodiscard]] std::optional<KnownIso> known_iso(const ScalarField& field);
+[[nodiscard]] std::optional<DefaultIso> default_iso(const ScalarField& field);
 
 // Suggests an iso value that separates the field in two: the known one, else Otsu's threshold of the histogram.
 // `statistics` must be of `field`; percentiles are not needed.

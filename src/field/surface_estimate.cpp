@@ -39,7 +39,7 @@ constexpr std::uint64_t kFirstAlongZ = 0x0101010101010101ULL;
 
 // Returns the samples that are not on the background's side of the surface.
 template <class T>
-BlockBits off_background(std::span<const T> values, const ScalarField& field, double iso, bool background) {
+BlockBits off_background_side(std::span<const T> values, const ScalarField& field, double iso, bool background) {
   BlockBits bits{};
   for (std::size_t v = 0; v < values.size(); ++v) {
     if (is_inside(field, iso, static_cast<double>(values[v])) != background)
@@ -83,18 +83,18 @@ std::uint64_t count_in_blocks(const ScalarField& field, double iso) {
     return reduce_stored<T>(
         field.samples, std::uint64_t{0},
         [&](std::uint64_t& partial, std::span<const T> block) {
-          partial += count_crossings(off_background(block, field, iso, false));
+          partial += count_crossings(off_background_side(block, field, iso, false));
         },
         std::plus<>{}, nullptr);
   });
 }
 
 // Counts of the grid edges and places that the surface crosses in a sparse field.
-struct Passed {
+struct SurfaceCrossings {
   std::uint64_t edges = 0;   // grid edges
   std::uint64_t places = 0;  // block-sized places
 
-  Passed& operator+=(const Passed& more) {
+  SurfaceCrossings& operator+=(const SurfaceCrossings& more) {
     edges += more.edges;
     places += more.places;
     return *this;
@@ -116,7 +116,7 @@ class StoredPlaces {
   [[nodiscard]] std::int32_t place(const glm::ivec3& origin) const {
     if (const std::int32_t block = blocks_.find(origin); block >= 0) return block;
     const std::int32_t tile = tiles_.find(origin);
-    return tile >= 0 ? SparseLookup::tile_place(static_cast<std::size_t>(tile)) : SparseLookup::kBackground;
+    return tile >= 0 ? SparseLookup::place_of_tile(static_cast<std::size_t>(tile)) : SparseLookup::kBackground;
   }
   // Returns the value of a tile from its place().
   [[nodiscard]] double tile_value(std::int32_t place) const {
@@ -148,7 +148,7 @@ std::uint64_t count_bits(const BlockBits& bits, const BlockBits& mask) {
 }
 
 // Returns the index in a block's values of sample (u, v) in the first or last plane along `axis`.
-std::size_t place_at_face(int axis, bool first, int u, int v) {
+std::size_t face_offset(int axis, bool first, int u, int v) {
   glm::ivec3 p(first ? 0 : SparseBlock::kSize - 1);
   p[(axis + 1) % 3] = u;
   p[(axis + 2) % 3] = v;
@@ -156,28 +156,28 @@ std::size_t place_at_face(int axis, bool first, int u, int v) {
 }
 
 template <class T>
-class PassedCounter {
+class CrossingCounter {
  public:
-  PassedCounter(const ScalarField& field, const SparseSamples& samples, double iso)
+  CrossingCounter(const ScalarField& field, const SparseSamples& samples, double iso)
       : field_(field),
         samples_(samples),
         iso_(iso),
         background_(is_inside(field, iso, samples.background)),
         stored_(samples) {}
 
-  [[nodiscard]] Passed count() const {
-    const auto sum = [](Passed a, const Passed& b) { return a += b; };
-    Passed passed = reduce_ranges(
-        samples_.tiles.size(), 16, Passed{},
-        [&](std::size_t begin, std::size_t end, Passed part) {
+  [[nodiscard]] SurfaceCrossings count() const {
+    const auto sum = [](SurfaceCrossings a, const SurfaceCrossings& b) { return a += b; };
+    SurfaceCrossings passed = reduce_ranges(
+        samples_.tiles.size(), 16, SurfaceCrossings{},
+        [&](std::size_t begin, std::size_t end, SurfaceCrossings part) {
           for (std::size_t t = begin; t != end; ++t) part += of_tile(samples_.tiles[t]);
           return part;
         },
         sum);
     return passed += reduce_ranges(
-               samples_.blocks.size(), 64, Passed{},
-               [&](std::size_t begin, std::size_t end, Passed part) {
-                 for (std::size_t b = begin; b != end; ++b) part += of_block(samples_.blocks[b]);
+               samples_.blocks.size(), 64, SurfaceCrossings{},
+               [&](std::size_t begin, std::size_t end, SurfaceCrossings part) {
+                 for (std::size_t b = begin; b != end; ++b) part += count_block(samples_.blocks[b]);
                  return part;
                },
                sum);
@@ -187,16 +187,16 @@ class PassedCounter {
   // Returns the samples of a block that are not on the side `inside`.
   [[nodiscard]] BlockBits off_side(std::int32_t block, bool inside) const {
     const auto* values = static_cast<const T*>(samples_.blocks[static_cast<std::size_t>(block)].values);
-    return off_background(std::span(values, kBlockSamples), field_, iso_, inside);
+    return off_background_side(std::span(values, kBlockSamples), field_, iso_, inside);
   }
 
   // Counts edges within the block, to the following blocks, and to the background; edges to tiles count with the tiles.
   // Counts as places the block, and the empty ones before it that its samples share an edge with. If all its samples
   // are off the background's side, the surface passes it only if a neighbor is missing.
-  [[nodiscard]] Passed of_block(const SparseBlock& block) const {
+  [[nodiscard]] SurfaceCrossings count_block(const SparseBlock& block) const {
     const BlockBits off =
-        off_background(std::span(static_cast<const T*>(block.values), kBlockSamples), field_, iso_, background_);
-    Passed passed{count_crossings(off), 0};
+        off_background_side(std::span(static_cast<const T*>(block.values), kBlockSamples), field_, iso_, background_);
+    SurfaceCrossings passed{count_crossings(off), 0};
     for (int axis = 0; axis < 3; ++axis) passed.edges += edges_along(block, off, axis);
     if (std::ranges::all_of(off, [](std::uint64_t word) { return word == 0; })) return passed;
     bool passes = std::ranges::any_of(off, [](std::uint64_t word) { return ~word != 0; });
@@ -234,9 +234,9 @@ class PassedCounter {
     std::uint64_t edges = 0;
     for (int u = 0; u < SparseBlock::kSize; ++u) {
       for (int v = 0; v < SparseBlock::kSize; ++v) {
-        const std::size_t last = place_at_face(axis, false, u, v);
+        const std::size_t last = face_offset(axis, false, u, v);
         const bool is_off = (off[last >> 6] >> (last & 63) & 1) != 0;
-        const auto stored = static_cast<double>(beside[place_at_face(axis, true, u, v)]);
+        const auto stored = static_cast<double>(beside[face_offset(axis, true, u, v)]);
         const bool other_is_off = is_inside(field_, iso_, stored) != background_;
         edges += is_off != other_is_off ? 1 : 0;
       }
@@ -245,9 +245,9 @@ class PassedCounter {
   }
 
   // Counts the edges at the tile's faces, and the block-sized parts of the faces that the surface passes.
-  [[nodiscard]] Passed of_tile(const SparseTile& tile) const {
+  [[nodiscard]] SurfaceCrossings of_tile(const SparseTile& tile) const {
     constexpr int kSize = SparseBlock::kSize;
-    Passed passed;
+    SurfaceCrossings passed;
     for (int axis = 0; axis < 3; ++axis) {
       for (int u = 0; u < tile.size; u += kSize) {
         for (int v = 0; v < tile.size; v += kSize) {
@@ -258,7 +258,7 @@ class PassedCounter {
           before[axis] -= kSize;
           at[axis] += tile.size;
           for (const bool rising : {false, true}) {
-            const std::uint64_t edges = edges_to(rising ? at : before, axis, rising, tile.value);
+            const std::uint64_t edges = count_edges_to(rising ? at : before, axis, rising, tile.value);
             passed += {edges, edges > 0 ? std::uint64_t{1} : 0};
           }
         }
@@ -268,7 +268,7 @@ class PassedCounter {
   }
 
   // Counts the edges from a block-sized part of a tile's face to the place beside it.
-  [[nodiscard]] std::uint64_t edges_to(const glm::ivec3& beside, int axis, bool rising, double tile_value) const {
+  [[nodiscard]] std::uint64_t count_edges_to(const glm::ivec3& beside, int axis, bool rising, double tile_value) const {
     const bool inside = is_inside(field_, iso_, tile_value);
     const std::int32_t place = stored_.place(beside);
     if (place >= 0) return count_bits(off_side(place, inside), face_of_block(axis, rising));
@@ -302,7 +302,7 @@ std::uint64_t crossings_along_rows(const DenseSamples& dense, const ScalarField&
 
 }  // namespace
 
-std::uint64_t count_vertices(const ScalarField& field, double iso, const std::optional<IndexBox>& box) {
+std::uint64_t min_vertex_count(const ScalarField& field, double iso, const std::optional<IndexBox>& box) {
   const auto* dense = std::get_if<DenseSamples>(&field.samples);
   if (dense == nullptr) return box ? 0 : count_in_blocks(field, iso);
   IndexBox samples = field.extents();
@@ -329,7 +329,7 @@ SurfaceEstimate estimate_surface(const ScalarField& field, double iso) {
     if (const auto* dense = std::get_if<DenseSamples>(&field.samples)) {
       return {3 * crossings_along_rows<T>(*dense, field, iso), 0};
     }
-    const Passed passed = PassedCounter<T>(field, std::get<SparseSamples>(field.samples), iso).count();
+    const SurfaceCrossings passed = CrossingCounter<T>(field, std::get<SparseSamples>(field.samples), iso).count();
     return {passed.edges, passed.places};
   });
 }

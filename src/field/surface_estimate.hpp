@@ -24,6 +24,6 @@ struct SurfaceEstimate {
 // Returns a lower bound for the number of vertices within `box`. For dense samples it counts the crossings along all
 // three axes, which is exact if no sample is NaN. For sparse samples it counts crossings within blocks, or returns 0 if
 // there is a box.
-[[nodiscard]] std::uint64_t count_vertices(const ScalarField& field, double iso, const std::optional<IndexBox>& box);
+[[nodiscard]] std::uint64_t min_vertex_count(const ScalarField& field, double iso, const std::optional<IndexBox>& box);
 
 }  // namespace isoextract::field

@@ -26,16 +26,16 @@ std::string text_of(const XXH128_hash_t& hash) { return fmt::format("{:016x}{:01
 
 // Caches the states of recent files, so that a file with thousands of frames is not hashed again for the record of
 // each.
-class KnownStates {
+class StateCache {
  public:
-  std::optional<FileState> find(const FileVersion& version) {
+  std::optional<ContentState> find(const FileVersion& version) {
     const std::lock_guard lock(mutex_);
-    const auto found = std::ranges::find(states_, version, &std::pair<FileVersion, FileState>::first);
+    const auto found = std::ranges::find(states_, version, &std::pair<FileVersion, ContentState>::first);
     if (found == states_.end()) return std::nullopt;
     std::rotate(found, found + 1, states_.end());  // the most recently used one goes last
     return states_.back().second;
   }
-  void add(const FileVersion& version, const FileState& state) {
+  void add(const FileVersion& version, const ContentState& state) {
     constexpr std::size_t kMost = 16;
     const std::lock_guard lock(mutex_);
     if (states_.size() == kMost) states_.erase(states_.begin());
@@ -44,11 +44,11 @@ class KnownStates {
 
  private:
   std::mutex mutex_;
-  std::vector<std::pair<FileVersion, FileState>> states_;
+  std::vector<std::pair<FileVersion, ContentState>> states_;
 };
 
-KnownStates& known_states() {
-  static KnownStates known;
+StateCache& known_states() {
+  static StateCache known;
   return known;
 }
 
@@ -72,15 +72,15 @@ std::string ContentHasher::hash() const {
   return text_of(XXH3_128bits_digest(static_cast<const XXH3_state_t*>(state_.get())));
 }
 
-Result<FileState> state_of_file(const std::filesystem::path& path, const Context& context) {
+Result<ContentState> hash_file(const std::filesystem::path& path, const Context& context) {
   const auto file = TRY(InputFile::open(path, context.beside()));
   const auto version = TRY(version_of(file));
-  const bool settled = version.is_settled();
+  const bool settled = version.is_reliable();
   if (settled) {
     if (auto known = known_states().find(version)) return std::move(*known);
   }
   constexpr std::uint64_t kPiece = 1 << 20;
-  FileState state;
+  ContentState state;
   state.bytes = file.size();
   ContentHasher hasher;
   Buffer<std::byte> piece(std::min(kPiece, state.bytes));

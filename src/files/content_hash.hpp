@@ -14,17 +14,17 @@
 
 namespace isoextract::files {
 
-struct FileState {
+struct ContentState {
   std::uint64_t bytes = 0;
   std::int64_t modified = 0;  // nanoseconds since 1970
   std::string hash;           // XXH3 of the content, 128 bits as 32 hexadecimal digits
 
-  friend bool operator==(const FileState&, const FileState&) = default;
+  friend bool operator==(const ContentState&, const ContentState&) = default;
 };
 
 // Reads the file and returns its state. Fails with ErrorCode::input if the file cannot be read or changes meanwhile.
 // The bytes read do not count in the context.
-[[nodiscard]] Result<FileState> state_of_file(const std::filesystem::path& path, const Context& context);
+[[nodiscard]] Result<ContentState> hash_file(const std::filesystem::path& path, const Context& context);
 
 // Hashes bytes incrementally.
 class ContentHasher {

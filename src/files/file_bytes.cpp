@@ -24,7 +24,7 @@ std::string system_message(int error) { return std::generic_category().message(e
 
 bool is_standard_input(const std::filesystem::path& path) { return path == "-"; }
 
-std::string shown_input_name(const std::filesystem::path& path) {
+std::string input_label(const std::filesystem::path& path) {
   return is_standard_input(path) ? std::string(kStandardInputName) : path.string();
 }
 
@@ -35,7 +35,7 @@ Result<InputFile> InputFile::open(const std::filesystem::path& path, const Conte
   if (!is_stdin) {
     if (auto file = opened->find(path)) return InputFile(path, std::move(file), context);
   }
-  const std::string name = shown_input_name(path);
+  const std::string name = input_label(path);
   const auto cannot_read = [&](int error) {
     return fail(ErrorCode::input, fmt::format("{}: cannot be read: {}", name, system_message(error)));
   };
@@ -76,14 +76,14 @@ Result<void> InputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes
       return fail(ErrorCode::input,
                   fmt::format("{}: ends at byte {}, expected {} more bytes", name(), offset, bytes.size()));
     }
-    count_bytes_read(static_cast<std::uint64_t>(got));
+    add_bytes_read(static_cast<std::uint64_t>(got));
     offset += static_cast<std::uint64_t>(got);
     bytes = bytes.subspan(static_cast<std::size_t>(got));
   }
   return {};
 }
 
-void InputFile::count_bytes_read(std::uint64_t bytes) const {
+void InputFile::add_bytes_read(std::uint64_t bytes) const {
   context_.counters().bytes_read.fetch_add(bytes, std::memory_order_relaxed);
 }
 
@@ -116,7 +116,7 @@ Result<std::vector<std::byte>> first_bytes(const InputFile& file, std::size_t co
 
 Result<std::filesystem::path> resolve_beside(const std::filesystem::path& header, const std::string& data_file) {
   namespace fs = std::filesystem;
-  const auto names = fmt::format("{}: names the data file '{}'", shown_input_name(header), printable(data_file, 200));
+  const auto names = fmt::format("{}: names the data file '{}'", input_label(header), printable(data_file, 200));
   if (is_standard_input(header)) {
     return fail(ErrorCode::input, names + ", which can only be found beside a header that is a file",
                 "give the path of the header");

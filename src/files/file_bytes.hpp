@@ -20,7 +20,7 @@ namespace isoextract::files {
 [[nodiscard]] bool is_standard_input(const std::filesystem::path& path);
 inline constexpr std::string_view kStandardInputName = "standard input";
 // Returns the name of an input for messages.
-[[nodiscard]] std::string shown_input_name(const std::filesystem::path& path);
+[[nodiscard]] std::string input_label(const std::filesystem::path& path);
 
 struct OpenFile;  // detail/opened_files.hpp
 
@@ -36,7 +36,7 @@ class InputFile {
   [[nodiscard]] static Result<InputFile> open(const std::filesystem::path& path, const Context& context);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  [[nodiscard]] std::string name() const { return shown_input_name(path_); }
+  [[nodiscard]] std::string name() const { return input_label(path_); }
   [[nodiscard]] std::uint64_t size() const { return size_; }
   // Returns the descriptor. Others may share it: do not seek or close it.
   [[nodiscard]] int descriptor() const;
@@ -46,7 +46,7 @@ class InputFile {
   [[nodiscard]] Result<void> read_at(std::uint64_t offset, std::span<std::byte> bytes) const;
 
   // Counts bytes that were read without read_at(). For compressed data, counts the compressed bytes.
-  void count_bytes_read(std::uint64_t bytes) const;
+  void add_bytes_read(std::uint64_t bytes) const;
 
  private:
   InputFile(std::filesystem::path path, std::shared_ptr<const OpenFile> file, Context context);

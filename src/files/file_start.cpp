@@ -14,7 +14,7 @@ bool starts_with(std::span<const std::byte> content, std::string_view magic) {
                     [](char m, std::byte b) { return static_cast<std::byte>(m) == b; });
 }
 
-tl::unexpected<Error> fail_magic(const InputFile& file, std::string_view format, std::string_view expected) {
+tl::unexpected<Error> bad_signature_error(const InputFile& file, std::string_view format, std::string_view expected) {
   const auto content = first_bytes(file, kStartBytes);
   return fail(ErrorCode::input, fmt::format("{}: not {}: expected {} at the start, found '{}'", file.name(), format,
                                             expected, content ? printable(*content, 16) : std::string()));

@@ -23,7 +23,7 @@ struct FileStart {
 
 // Returns the error for a file that does not start with its format's signature: what was expected and what was found.
 // For formats chosen by extension or option.
-[[nodiscard]] tl::unexpected<Error> fail_magic(const InputFile& file, std::string_view format,
-                                               std::string_view expected);
+[[nodiscard]] tl::unexpected<Error> bad_signature_error(const InputFile& file, std::string_view format,
+                                                        std::string_view expected);
 
 }  // namespace isoextract::files

@@ -29,7 +29,7 @@ FileVersion version_of(const struct ::stat& status) {
           nanoseconds(status.st_ctim)};
 }
 
-bool FileVersion::is_settled() const {
+bool FileVersion::is_reliable() const {
   const std::int64_t newest = std::max(modified, changed);
   const std::chrono::nanoseconds tick = newest % 1'000'000'000 == 0 ? 2s : 100ms;
   return std::chrono::system_clock::now().time_since_epoch() - std::chrono::nanoseconds(newest) > tick;

@@ -24,7 +24,7 @@ struct FileVersion {
 
   // Returns whether any later write will give a different version. A write right after this one may fall into the same
   // clock tick, which is 2 s on file systems that store whole seconds.
-  [[nodiscard]] bool is_settled() const;
+  [[nodiscard]] bool is_reliable() const;
 
   friend bool operator==(const FileVersion&, const FileVersion&) = default;
 };

@@ -9,7 +9,7 @@ namespace isoextract::files {
 
 Result<GzipStream> GzipStream::open(const InputFile& file, std::uint64_t offset) {
   constexpr int kGzipOnly = 16 + MAX_WBITS;
-  GzipStream made(PackedInput(file, offset, file.size(), kGzipOnly));
+  GzipStream made(CompressedInput(file, offset, file.size(), kGzipOnly));
   const auto begins = TRY(made.begin_next_member());
   if (!begins) return fail(ErrorCode::input, file.name() + ": expected gzip data, found other bytes");
   return made;

@@ -7,12 +7,12 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "files/packed_input.hpp"
+#include "files/compressed_input.hpp"
 
 namespace isoextract::files {
 
 // Largest ratio of decompressed to compressed size that deflate can reach.
-inline constexpr std::uint64_t kMostInflated = 1032;
+inline constexpr std::uint64_t kMaxDeflateRatio = 1032;
 
 // The file must outlive the stream. Reads all consecutive gzip members; ignores data after the last one.
 class GzipStream {
@@ -25,13 +25,13 @@ class GzipStream {
   [[nodiscard]] Result<std::size_t> inflate(std::span<std::byte> out);
 
  private:
-  explicit GzipStream(PackedInput input) : input_(std::move(input)) {}
+  explicit GzipStream(CompressedInput input) : input_(std::move(input)) {}
 
   // Starts the next member, if there is one, and returns whether there is. Call at the end of a member.
   [[nodiscard]] Result<bool> begin_next_member();
   [[nodiscard]] tl::unexpected<Error> damaged(const char* why) const;
 
-  PackedInput input_;
+  CompressedInput input_;
   bool ended_ = false;  // whether the last member is fully read
 };
 

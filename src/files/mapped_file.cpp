@@ -19,7 +19,7 @@ std::optional<MappedFile> MappedFile::map(const InputFile& file, std::uint64_t o
   MappedFile mapped(pages, lead, length);
   static_cast<void>(::madvise(pages, length, MADV_SEQUENTIAL));
   mapped.range_ = detail::watch_range(pages, length);
-  file.count_bytes_read(bytes);
+  file.add_bytes_read(bytes);
   return mapped;
 }
 
@@ -31,7 +31,7 @@ MappedFile::MappedFile(MappedFile&& other) noexcept
 
 MappedFile::~MappedFile() {
   if (length_ == 0) return;
-  if (range_ != nullptr) detail::forget_range(range_);
+  if (range_ != nullptr) detail::unwatch_range(range_);
   ::munmap(pages_, length_);
 }
 

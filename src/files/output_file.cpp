@@ -27,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
-constexpr std::size_t kDirectBytes = std::size_t{1} << 16;  // spans of at least this size are not copied
+constexpr std::size_t kUnbufferedBytes = std::size_t{1} << 16;  // spans of at least this size are not copied
 constexpr mode_t kPermissionBits = S_IRWXU | S_IRWXG | S_IRWXO;
 constexpr int kMostOldFiles = 1000;
 constexpr const char* kAnotherPlace = "choose another place for the file";
@@ -111,7 +111,7 @@ struct OutputFile::State {
   [[nodiscard]] Result<void> open_file(const fs::path& path, const std::optional<mode_t>& old_mode);
   [[nodiscard]] Result<void> write_through(std::span<const std::byte> span);
   [[nodiscard]] Result<void> flush();
-  [[nodiscard]] Result<void> begin_change();
+  [[nodiscard]] Result<void> prepare_change();
   [[nodiscard]] Result<void> write_to(std::uint64_t place, std::span<const std::byte> span);
   [[nodiscard]] Result<void> read_from(std::uint64_t place, std::span<std::byte> span);
   [[nodiscard]] Result<void> prepare();
@@ -178,7 +178,7 @@ Result<void> OutputFile::State::flush() {
 }
 
 // Prepares a change of bytes already written.
-Result<void> OutputFile::State::begin_change() {
+Result<void> OutputFile::State::prepare_change() {
   if (kind != Kind::file && !failure) return failed("change what it got", ESPIPE);
   hasher.reset();
   return flush();
@@ -234,7 +234,7 @@ Result<bool> remove_old_file(const fs::path& path) {
   return tl::unexpected<Error>(system_error(path.string(), "remove the old file of that name", errno));
 }
 
-Result<std::optional<fs::path>> set_aside_old_file(const fs::path& path) {
+Result<std::optional<fs::path>> rename_old_file(const fs::path& path) {
   if (!is_old_file(path)) return std::nullopt;
   const fs::path target = follow_links(path);
   const auto failed = [&](int code) {
@@ -261,7 +261,7 @@ bool is_stream(const fs::path& path) {
   return path == "-" || (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status));
 }
 
-bool same_place(const fs::path& a, const fs::path& b) {
+bool is_same_output(const fs::path& a, const fs::path& b) {
   struct stat one {};
   struct stat other {};
   if (status_of(a, one) && status_of(b, other)) {
@@ -283,12 +283,12 @@ bool is_there(const fs::path& path) {
   return fs::exists(path, none);
 }
 
-std::string shown_output_name(const fs::path& path) { return path == "-" ? "standard output" : path.string(); }
+std::string output_label(const fs::path& path) { return path == "-" ? "standard output" : path.string(); }
 
 Result<OutputFile> OutputFile::create(const fs::path& path) {
   auto state = std::make_unique<State>();
   state->buffer = Buffer<std::byte>(kBufferBytes);
-  state->shown = shown_output_name(path);
+  state->shown = output_label(path);
   if (path == "-") {
     state->kind = State::Kind::standard_output;
     state->fd = STDOUT_FILENO;
@@ -316,7 +316,7 @@ Result<void> OutputFile::write(std::span<const std::byte> bytes) {
   if (state.failure) return tl::unexpected<Error>(*state.failure);
   state.bytes += bytes.size();
   if (state.hasher) state.hasher->add(bytes);
-  if (bytes.size() >= kDirectBytes) {
+  if (bytes.size() >= kUnbufferedBytes) {
     TRY(state.flush());
     return state.write_through(bytes);
   }
@@ -331,13 +331,13 @@ Result<void> OutputFile::write(std::span<const std::byte> bytes) {
 Result<void> OutputFile::write(std::string_view text) { return write(std::as_bytes(std::span(text))); }
 
 Result<void> OutputFile::overwrite(std::uint64_t place, std::span<const std::byte> bytes) {
-  TRY(state_->begin_change());
+  TRY(state_->prepare_change());
   return state_->write_to(place, bytes);
 }
 
 Result<void> OutputFile::move_end(std::uint64_t from, std::uint64_t to) {
   State& state = *state_;
-  if (auto ready = state.begin_change(); !ready || from == to) return ready;
+  if (auto ready = state.prepare_change(); !ready || from == to) return ready;
   const std::uint64_t count = state.bytes - from;
   // The buffer is empty here. The order of the blocks ensures that none is overwritten before it was read.
   const std::span<std::byte> block(state.buffer.span());
@@ -377,7 +377,7 @@ Result<void> OutputFile::commit_all(std::span<OutputFile* const> files) {
   for (std::size_t f = 0; f < files.size(); ++f) {
     State& state = *files[f]->state_;
     if (state.replaces && f + 1 < files.size()) {
-      if (auto name = TemporaryName::name_again(state.folder, state.target)) old[f] = std::move(*name);
+      if (auto name = TemporaryName::add_second_name(state.folder, state.target)) old[f] = std::move(*name);
     }
     Result<void> published = state.publish();
     if (published) continue;

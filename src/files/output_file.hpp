@@ -25,7 +25,7 @@
 namespace isoextract::files {
 
 // Returns the name of an output for messages.
-[[nodiscard]] std::string shown_output_name(const std::filesystem::path& path);
+[[nodiscard]] std::string output_label(const std::filesystem::path& path);
 
 // Removes the regular file, through symbolic links, that an OutputFile of this name would replace. Returns false if
 // there is none: no file, a folder, a device, a pipe or standard output. Fails with ErrorCode::output.
@@ -33,14 +33,14 @@ namespace isoextract::files {
 
 // Renames that file to NAME.old or, if taken, NAME.old.2 and so on, and returns the new path; nothing if there is no
 // such file.
-[[nodiscard]] Result<std::optional<std::filesystem::path>> set_aside_old_file(const std::filesystem::path& path);
+[[nodiscard]] Result<std::optional<std::filesystem::path>> rename_old_file(const std::filesystem::path& path);
 
 // Returns whether the path is standard output, a pipe or a device: bytes written there cannot be taken back.
 [[nodiscard]] bool is_stream(const std::filesystem::path& path);
 
 // Returns whether both paths write to the same file, pipe or device, under whatever names ("-" is standard output).
 // Returns false for places that discard data (/dev/null). Compares files that do not exist by their names.
-[[nodiscard]] bool same_place(const std::filesystem::path& a, const std::filesystem::path& b);
+[[nodiscard]] bool is_same_output(const std::filesystem::path& a, const std::filesystem::path& b);
 
 // Returns whether a file, a folder or anything else has this name; false if that is unknown.
 [[nodiscard]] bool is_there(const std::filesystem::path& path);

@@ -81,7 +81,8 @@ bool has_client_extension(const char* name) { return epoxy_has_egl_extension(EGL
 // Fails unless as many threads can start as the machine has cores. Drivers start threads of their own (software drivers
 // one a core), and wait forever if they cannot.
 Result<void> check_threads() {
-  const StartedThreads started = try_threads(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+  const StartableThreads started =
+      start_threads_together(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
   if (started.refusal.empty()) return {};
   return unavailable(
       fmt::format("the drivers of GPUs need threads of their own, and no more than {} can be started: {}",
@@ -146,7 +147,7 @@ std::string_view gl_error_words(GLenum code) {
   }
 }
 
-std::string_view reset_words(GLenum status) {
+std::string_view reset_text(GLenum status) {
   switch (status) {
     case GL_GUILTY_CONTEXT_RESET: return "by what this program did";
     case GL_INNOCENT_CONTEXT_RESET: return "by another program";
@@ -334,7 +335,7 @@ Result<std::unique_ptr<GlContext>> GlContext::open(const ContextOptions& options
 Result<void> GlContext::check(const std::string& doing) const {
   if (context_->reports_resets()) {
     const GLenum status = glGetGraphicsResetStatus();
-    if (status != GL_NO_ERROR) return tl::unexpected(lost(reset_words(status), doing));
+    if (status != GL_NO_ERROR) return tl::unexpected(lost(reset_text(status), doing));
   }
   Result<void> result;
   constexpr int kMost = 16;  // there are fewer kinds of errors; a driver without a context may report errors forever

@@ -27,8 +27,8 @@ Error broken(const GlContext& context, std::string_view what, const std::string&
 
 }  // namespace
 
-Result<CellProgram> CellProgram::link(const GlContext& context, const ProgramSource& source) {
-  CellProgram result;
+Result<ShaderProgram> ShaderProgram::link(const GlContext& context, const ProgramSource& source) {
+  ShaderProgram result;
   result.program_ = GlProgram::make();
   const GLuint program = result.program_.name();
   std::string head = "#version 430 core\n";

@@ -27,10 +27,10 @@ struct ProgramSource {
 };
 
 // A linked program. Setting a uniform that it does not use has no effect.
-class CellProgram {
+class ShaderProgram {
  public:
   // Compiles and links the stages. Fails with ErrorCode::unavailable; the message contains the log of the driver.
-  [[nodiscard]] static Result<CellProgram> link(const GlContext& context, const ProgramSource& source);
+  [[nodiscard]] static Result<ShaderProgram> link(const GlContext& context, const ProgramSource& source);
 
   void use() const { glUseProgram(program_.name()); }
 
@@ -73,11 +73,11 @@ class CellProgram {
 };
 
 // The programs of the count pass and the capture pass over the same cells.
-struct CellPass {
-  const CellProgram* count = nullptr;
-  const CellProgram* capture = nullptr;
+struct CountAndCapture {
+  const ShaderProgram* count = nullptr;
+  const ShaderProgram* capture = nullptr;
 
-  [[nodiscard]] std::array<const CellProgram*, 2> programs() const { return {count, capture}; }
+  [[nodiscard]] std::array<const ShaderProgram*, 2> programs() const { return {count, capture}; }
 };
 
 }  // namespace isoextract::gl

@@ -22,7 +22,7 @@ bool matches(const GpuDevice& device, const DeviceChoice& choice) {
   if (const auto* index = std::get_if<int>(&choice)) return device.index == *index;
   if (const auto* cuda = std::get_if<CudaIndex>(&choice)) return device.cuda_index == cuda->number;
   if (const auto* name = std::get_if<DeviceName>(&choice)) {
-    return lower_case(device.vendor + " " + device.renderer).find(lower_case(name->part)) != std::string::npos;
+    return to_lower(device.vendor + " " + device.renderer).find(to_lower(name->part)) != std::string::npos;
   }
   return true;
 }

@@ -51,7 +51,7 @@ class DrawingThread::Owner {
 
   Result<extract::Extraction> extract(const field::ScalarField& field, const extract::ExtractOptions& options,
                                       const Context& context) {
-    const WaitingThreads waiting(*this, tbb::this_task_arena::max_concurrency());
+    const IdleThreads waiting(*this, tbb::this_task_arena::max_concurrency());
     const std::lock_guard turn(turn_);
     std::unique_lock lock(mutex_);
     const Request request{field, options, context};
@@ -72,15 +72,15 @@ class DrawingThread::Owner {
   };
 
   // Counts the oneTBB threads that a waiting caller leaves idle.
-  class WaitingThreads {
+  class IdleThreads {
    public:
-    WaitingThreads(Owner& owner, int threads) : owner_(owner), threads_(threads) {
+    IdleThreads(Owner& owner, int threads) : owner_(owner), threads_(threads) {
       const std::lock_guard lock(owner_.mutex_);
       owner_.waiting_threads_ += threads_;
     }
-    WaitingThreads(const WaitingThreads&) = delete;
-    WaitingThreads& operator=(const WaitingThreads&) = delete;
-    ~WaitingThreads() {
+    IdleThreads(const IdleThreads&) = delete;
+    IdleThreads& operator=(const IdleThreads&) = delete;
+    ~IdleThreads() {
       const std::lock_guard lock(owner_.mutex_);
       owner_.waiting_threads_ -= threads_;
     }

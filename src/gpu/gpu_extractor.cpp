@@ -5,11 +5,11 @@
 
 #include <fmt/format.h>
 
-#include "extract/border_cap.hpp"
+#include "extract/boundary_cap.hpp"
 #include "extract/dense_input.hpp"
 #include "gpu/detail/dense_sites.hpp"
 #include "gpu/detail/dense_source.hpp"
-#include "gpu/detail/drawn_surface.hpp"
+#include "gpu/detail/gpu_surface.hpp"
 #include "gpu/detail/sparse_source.hpp"
 
 namespace isoextract::gpu {
@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint64_t kMiB = 1 << 20;
 
-MemoryShares share_memory(const GpuOptions& options, const gl::GpuDevice& device) {
+DeviceMemoryShares share_memory(const GpuOptions& options, const gl::GpuDevice& device) {
   // Drivers limit the size of one texture, some to a quarter of the memory.
   const std::uint64_t all = options.memory_bytes.value_or(device.memory_bytes ? *device.memory_bytes / 4 : 1024 * kMiB);
   const std::uint64_t feedback = std::min(all / 4, 256 * kMiB);
@@ -25,12 +25,12 @@ MemoryShares share_memory(const GpuOptions& options, const gl::GpuDevice& device
 }
 
 template <class T>
-class DenseSurface final : public DrawnSurface {
+class DenseSurface final : public GpuSurface {
  public:
   DenseSurface(const field::ScalarField& field, const field::DenseSamples& samples, const field::IndexBox& region,
                extract::DenseMasks masks, const extract::ExtractOptions& options, const DrawingTools& tools,
                const Context& context)
-      : DrawnSurface(field, options, tools, {glm::ivec3(0), samples.dims - 1}, region, context),
+      : GpuSurface(field, options, tools, {glm::ivec3(0), samples.dims - 1}, region, context),
         samples_(samples),
         whole_(extract::dense_view<T>(samples)),
         region_(region),
@@ -50,7 +50,7 @@ class DenseSurface final : public DrawnSurface {
     stats.bricks_visited = bricks_->origins().size();
     stats.classify += watch.elapsed();
     auto source = TRY(DenseSource::make(*tools().gl, samples_, bricks_->origins(), region_, source_options()));
-    SurfacePlace place;
+    SurfaceLocation place;
     place.origins = bricks_->origins();
     place.inside_keys = inside_keys(*threshold);
     place.region = region_;
@@ -61,9 +61,9 @@ class DenseSurface final : public DrawnSurface {
   }
 
   [[nodiscard]] std::optional<field::IndexBox> cap_box() const override { return region_; }
-  [[nodiscard]] extract::BorderSides border() const override { return masks_.border(); }
-  [[nodiscard]] bool draws_at_border() const override {
-    return extract::draws_at_border(
+  [[nodiscard]] extract::BoundarySides border() const override { return masks_.border(); }
+  [[nodiscard]] bool draws_at_boundary() const override {
+    return extract::draws_at_boundary(
         region_, [this](const glm::ivec3& p) { return inside(p); },
         [this](const glm::ivec3& p) { return std::isnan(value(p)); });
   }
@@ -84,11 +84,11 @@ class DenseSurface final : public DrawnSurface {
   std::optional<DenseSites> bricks_;
 };
 
-class SparseSurface final : public DrawnSurface {
+class SparseSurface final : public GpuSurface {
  public:
   SparseSurface(const field::ScalarField& field, const field::SparseSamples& samples, const field::IndexBox& region,
                 const extract::ExtractOptions& options, const DrawingTools& tools, const Context& context)
-      : DrawnSurface(field, options, tools, extract::stored_box(samples), region, context),
+      : GpuSurface(field, options, tools, extract::stored_box(samples), region, context),
         samples_(samples),
         region_(region),
         leaves_(field, samples, region, options, context) {}
@@ -103,7 +103,7 @@ class SparseSurface final : public DrawnSurface {
     if (!keys) return false;
     if (tools().resident != nullptr) tools().resident->drop();  // the atlas uses its share of memory
     auto source = TRY(SparseSource::make(*tools().gl, samples_, leaves_, source_options()));
-    SurfacePlace place;
+    SurfaceLocation place;
     place.origins = leaves_.origins();
     place.inside_keys = *keys;
     place.region = region_;
@@ -116,8 +116,8 @@ class SparseSurface final : public DrawnSurface {
   [[nodiscard]] std::optional<field::IndexBox> cap_box() const override {
     return extract::sparse_cap_box(region_, options());
   }
-  [[nodiscard]] extract::BorderSides border() const override { return leaves_.border(); }
-  [[nodiscard]] bool draws_at_border() const override { return leaves_.draws_at_border(); }
+  [[nodiscard]] extract::BoundarySides border() const override { return leaves_.border(); }
+  [[nodiscard]] bool draws_at_boundary() const override { return leaves_.draws_at_boundary(); }
   [[nodiscard]] bool inside(const glm::ivec3& p) const override { return leaves_.inside(p); }
   [[nodiscard]] double value(const glm::ivec3& p) const override { return leaves_.value(p); }
 
@@ -175,7 +175,7 @@ class GpuExtractor final : public extract::Extractor {
   Result<extract::Extraction> extract_from(const field::ScalarField& field, const field::SparseSamples& samples,
                                            const extract::ExtractOptions& options, const Context& context) {
     const auto region = TRY(extract::sparse_region(field, samples, options));
-    if (region.empty()) return extract::nothing_stored();
+    if (region.empty()) return extract::empty_sparse_extraction();
     SparseSurface surface(field, samples, region, options, tools_, context);
     return extract::extract_surface(field, options, surface, context);
   }

@@ -36,7 +36,7 @@ class ThreadPass {
       case ThreadMaker::vertex_number: source.stages = {{GL_VERTEX_SHADER, {"threads_numbered.vert"}}}; break;
     }
     source.stages.push_back({GL_GEOMETRY_SHADER, {"threads.geom"}});
-    program_ = TRY(gl::CellProgram::link(context_, source));
+    program_ = TRY(gl::ShaderProgram::link(context_, source));
     program_.set("grid", glm::ivec3(size_));
     if (maker_ == ThreadMaker::vertex_number) return {};
     if (maker_ == ThreadMaker::tessellation) choose_patches();
@@ -143,7 +143,7 @@ class ThreadPass {
   std::uint64_t patches_ = 0;
   std::uint64_t patches_per_draw_ = 1 << 20;
   std::uint64_t buffer_bytes_ = 0;
-  gl::CellProgram program_;
+  gl::ShaderProgram program_;
   gl::GlBuffer buffer_;
   gl::GlQuery query_ = gl::GlQuery::make();
 };

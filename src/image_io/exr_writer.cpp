@@ -45,7 +45,7 @@ class MemoryStream : public Imf::OStream {
 
 // Returns an upper bound of the file's bytes: the pixels, the header, the line table, and the overhead of
 // incompressible blocks.
-std::uint64_t most_bytes(std::uint64_t pixel_bytes, int height) {
+std::uint64_t max_file_bytes(std::uint64_t pixel_bytes, int height) {
   return pixel_bytes + pixel_bytes / 64 + 16 * static_cast<std::uint64_t>(height) + (std::uint64_t{1} << 16U);
 }
 
@@ -65,9 +65,9 @@ void encode(MemoryStream& stream, const LightImage& image, std::span<Imath::half
     header.channels().insert(name, Imf::Channel(Imf::HALF));
     frame.insert(name, Imf::Slice::Make(Imf::HALF, plane.data(), {0, 0}, image.width, image.height));
   };
-  static constexpr std::array kColours{"R", "G", "B", "A"};
+  static constexpr std::array kColors{"R", "G", "B", "A"};
   for (int c = 0; c < 4; ++c)
-    add(kColours[static_cast<std::size_t>(c)], [&, c](std::size_t i) { return image.colour[i][c]; });
+    add(kColors[static_cast<std::size_t>(c)], [&, c](std::size_t i) { return image.color[i][c]; });
   static constexpr std::array kNormals{"N.X", "N.Y", "N.Z"};
   for (int c = 0; c < 3 && !image.normals.empty(); ++c) {
     add(kNormals[static_cast<std::size_t>(c)], [&, c](std::size_t i) { return image.normals[i][c]; });
@@ -87,7 +87,7 @@ Result<void> write_exr(files::OutputFile& file, const LightImage& image, const C
   const std::string what = file.shown_name() + ": a picture as OpenEXR";
   const std::size_t channels = image.normals.empty() ? 4 : 7;
   const auto halves = TRY(make_reserved_buffer<Imath::half>(channels * image.pixels(), context, what));
-  const std::uint64_t expected = most_bytes(halves->values.size_bytes() + image.depth.size_bytes(), image.height);
+  const std::uint64_t expected = max_file_bytes(halves->values.size_bytes() + image.depth.size_bytes(), image.height);
   const auto memory = TRY(context.reserve(expected, what));
   try {
     MemoryStream stream(file.shown_name().c_str(), static_cast<std::size_t>(expected));

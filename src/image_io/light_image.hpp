@@ -12,7 +12,7 @@ namespace isoextract::image_io {
 struct LightImage {
   int width = 0;                       // at least 1
   int height = 0;                      // at least 1
-  std::span<const glm::vec4> colour;   // premultiplied red, green, blue, and alpha; one per pixel
+  std::span<const glm::vec4> color;    // premultiplied red, green, blue, and alpha; one per pixel
   std::span<const float> depth;        // one per pixel, or empty
   std::span<const glm::vec3> normals;  // one per pixel, or empty
 

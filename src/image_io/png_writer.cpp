@@ -23,7 +23,7 @@ void encode_row(std::span<const glm::vec4> row, int channels, std::uint8_t* out)
   for (const glm::vec4& pixel : row) {
     const double alpha = cut_off(double{pixel.a});
     for (int c = 0; c < 3; ++c) {
-      *out++ = byte_of(alpha > 0 ? srgb_of_linear(cut_off(double{pixel[c]} / alpha)) : 0);
+      *out++ = byte_of(alpha > 0 ? linear_to_srgb(cut_off(double{pixel[c]} / alpha)) : 0);
     }
     if (channels == 4) *out++ = byte_of(alpha);
   }
@@ -32,7 +32,7 @@ void encode_row(std::span<const glm::vec4> row, int channels, std::uint8_t* out)
 }  // namespace
 
 Result<EncodedImage> encode_png(const LightImage& image, const std::string& name, const Context& context) {
-  const bool opaque = std::ranges::all_of(image.colour, [](const glm::vec4& p) { return byte_of(double{p.a}) == 255; });
+  const bool opaque = std::ranges::all_of(image.color, [](const glm::vec4& p) { return byte_of(double{p.a}) == 255; });
   const int channels = opaque ? 3 : 4;
   png_image header{};
   header.version = PNG_IMAGE_VERSION;
@@ -48,7 +48,7 @@ Result<EncodedImage> encode_png(const LightImage& image, const std::string& name
 
   for_each_index(static_cast<std::size_t>(image.height), [&](std::size_t y) {
     const auto width = static_cast<std::size_t>(image.width);
-    encode_row(image.colour.subspan(y * width, width), channels, rows->values.data() + y * row_bytes);
+    encode_row(image.color.subspan(y * width, width), channels, rows->values.data() + y * row_bytes);
   });
   png_alloc_size_t size = encoded->values.size();
   if (png_image_write_to_memory(&header, encoded->values.data(), &size, 0, rows->values.data(), 0, nullptr) == 0) {

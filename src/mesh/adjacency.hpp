@@ -17,7 +17,7 @@ using Corner = std::uint64_t;
 
 [[nodiscard]] inline std::uint64_t triangle_of(Corner corner) { return corner / 3; }
 
-[[nodiscard]] inline bool repeats_index(const glm::uvec3& t) { return t.x == t.y || t.y == t.z || t.z == t.x; }
+[[nodiscard]] inline bool has_repeated_index(const glm::uvec3& t) { return t.x == t.y || t.y == t.z || t.z == t.x; }
 
 // The corners at each vertex. The same for any number of threads.
 class Adjacency {

@@ -8,12 +8,13 @@
 
 namespace isoextract::mesh {
 
-bool changes_with_mesh(const Attribute& attribute, AttributeKind kind) {
-  return attribute.components == 3 && attribute.role == AttributeRole::other && isoextract::changes_with_mesh(kind);
+bool is_transformed_with_mesh(const Attribute& attribute, AttributeKind kind) {
+  return attribute.components == 3 && attribute.role == AttributeRole::other &&
+         isoextract::is_transformed_with_mesh(kind);
 }
 
 void map_attribute(Attribute& attribute, AttributeKind kind, const glm::dmat3& linear, const glm::dvec3& offset) {
-  if (!changes_with_mesh(attribute, kind)) return;
+  if (!is_transformed_with_mesh(attribute, kind)) return;
   const glm::dmat3 matrix = kind == AttributeKind::normal ? glm::inverse(glm::transpose(linear)) : linear;
   const glm::dvec3 moved_by = kind == AttributeKind::point ? offset : glm::dvec3(0);
   const auto image_of = [&](const glm::dvec3& value) {
@@ -23,7 +24,7 @@ void map_attribute(Attribute& attribute, AttributeKind kind, const glm::dmat3& l
   };
   Attribute mapped = attribute.without_values();
   if (mapped.type != ComponentType::f64) mapped.type = ComponentType::f32;
-  mapped.normalised = false;
+  mapped.normalized = false;
   const std::size_t vertices = attribute.values.size() / attribute.stride();
   mapped.values = Buffer<std::byte>(vertices * mapped.stride());
   for_each_range(vertices, 1 << 12, [&](std::size_t begin, std::size_t end) {
@@ -32,7 +33,7 @@ void map_attribute(Attribute& attribute, AttributeKind kind, const glm::dmat3& l
       const std::size_t size = component_size(attribute.type);
       glm::dvec3 value;
       for (int c = 0; c < 3; ++c) {
-        value[c] = component_value(from + static_cast<std::size_t>(c) * size, attribute.type, attribute.normalised);
+        value[c] = component_value(from + static_cast<std::size_t>(c) * size, attribute.type, attribute.normalized);
       }
       value = image_of(value);
       std::byte* to = mapped.values.data() + v * mapped.stride();

@@ -9,7 +9,7 @@
 namespace isoextract::mesh {
 
 // Returns whether map_attribute() changes the values of this attribute.
-[[nodiscard]] bool changes_with_mesh(const Attribute& attribute, AttributeKind kind);
+[[nodiscard]] bool is_transformed_with_mesh(const Attribute& attribute, AttributeKind kind);
 
 // Transforms the values for the map p -> linear * p + offset of the positions: vectors by `linear`, points by the whole
 // map, normals by the inverse transpose, then normalized. Integers become f32. Throws std::bad_alloc.

@@ -23,11 +23,11 @@ constexpr std::array<ComponentInfo, 8> kComponents{
 const ComponentInfo& info(ComponentType type) { return kComponents[static_cast<std::size_t>(type)]; }
 
 template <class T>
-double component_of(const std::byte* place, bool normalised) {
+double component_of(const std::byte* place, bool normalized) {
   T value;
   std::memcpy(&value, place, sizeof value);
   const auto number = static_cast<double>(value);
-  return normalised ? std::max(number / static_cast<double>(std::numeric_limits<T>::max()), -1.0) : number;
+  return normalized ? std::max(number / static_cast<double>(std::numeric_limits<T>::max()), -1.0) : number;
 }
 
 // Copies old item old_of_new[i] to new item i; an item has `stride` values.
@@ -56,14 +56,14 @@ Buffer<T> copied(const Buffer<T>& values) {
 std::size_t component_size(ComponentType type) { return info(type).size; }
 std::string_view component_name(ComponentType type) { return info(type).name; }
 
-double component_value(const std::byte* place, ComponentType type, bool normalised) {
+double component_value(const std::byte* place, ComponentType type, bool normalized) {
   switch (type) {
-    case ComponentType::i8: return component_of<std::int8_t>(place, normalised);
-    case ComponentType::u8: return component_of<std::uint8_t>(place, normalised);
-    case ComponentType::i16: return component_of<std::int16_t>(place, normalised);
-    case ComponentType::u16: return component_of<std::uint16_t>(place, normalised);
-    case ComponentType::i32: return component_of<std::int32_t>(place, normalised);
-    case ComponentType::u32: return component_of<std::uint32_t>(place, normalised);
+    case ComponentType::i8: return component_of<std::int8_t>(place, normalized);
+    case ComponentType::u8: return component_of<std::uint8_t>(place, normalized);
+    case ComponentType::i16: return component_of<std::int16_t>(place, normalized);
+    case ComponentType::u16: return component_of<std::uint16_t>(place, normalized);
+    case ComponentType::i32: return component_of<std::int32_t>(place, normalized);
+    case ComponentType::u32: return component_of<std::uint32_t>(place, normalized);
     case ComponentType::f32: return component_of<float>(place, false);
     case ComponentType::f64: break;
   }

@@ -24,8 +24,8 @@ enum class ComponentType : std::uint8_t { i8, u8, i16, u16, i32, u32, f32, f64 }
 [[nodiscard]] std::string_view component_name(ComponentType type);
 
 enum class AttributeRole : std::uint8_t {
-  colour,  // red, green, blue and optionally alpha: u8 or u16, normalized, or f32. At most one per mesh
-  other    // identified by its name only
+  color,  // red, green, blue and optionally alpha: u8 or u16, normalized, or f32. At most one per mesh
+  other   // identified by its name only
 };
 
 constexpr std::size_t kMaxComponents = 4;
@@ -35,19 +35,19 @@ struct Attribute {
   AttributeRole role = AttributeRole::other;
   ComponentType type = ComponentType::f32;
   std::size_t components = 1;  // at most kMaxComponents
-  bool normalised = false;     // integers represent 0 .. 1, or -1 .. 1 if they are signed
+  bool normalized = false;     // integers represent 0 .. 1, or -1 .. 1 if they are signed
   Buffer<std::byte> values;    // vertex by vertex, without gaps, in native byte order
 
   [[nodiscard]] std::size_t stride() const { return components * component_size(type); }
   [[nodiscard]] std::span<const std::byte> at(std::size_t vertex) const {
     return values.span().subspan(vertex * stride(), stride());
   }
-  [[nodiscard]] Attribute without_values() const { return {name, role, type, components, normalised, {}}; }
+  [[nodiscard]] Attribute without_values() const { return {name, role, type, components, normalized, {}}; }
 };
 
 // Returns the value of the component stored at `place`. A normalized integer represents the fraction of the greatest
 // integer of its type, at least -1 (glTF 2.0, 3.6.2.2). The flag has no effect on floats.
-[[nodiscard]] double component_value(const std::byte* place, ComponentType type, bool normalised);
+[[nodiscard]] double component_value(const std::byte* place, ComponentType type, bool normalized);
 
 // Returns the bytes of one vertex in all arrays of the mesh.
 [[nodiscard]] std::size_t vertex_bytes(const Mesh& mesh);

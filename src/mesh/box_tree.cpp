@@ -18,11 +18,11 @@ BoxTree::BoxTree(std::span<Item> items, std::span<const std::uint32_t> groups) :
 void BoxTree::order(std::span<Item> items, const Node& node, std::span<const std::uint32_t> groups) const {
   constexpr std::size_t kParallelItems = 1 << 12;
   if (node.level == depth_) return;
-  glm::vec3 low = items[0].centre;
+  glm::vec3 low = items[0].center;
   glm::vec3 high = low;
   for (const Item& item : items) {
-    low = glm::min(low, item.centre);
-    high = glm::max(high, item.centre);
+    low = glm::min(low, item.center);
+    high = glm::max(high, item.center);
   }
   const bool is_mixed = !groups.empty() && std::ranges::adjacent_find(
                                                items, std::ranges::not_equal_to(),
@@ -33,7 +33,7 @@ void BoxTree::order(std::span<Item> items, const Node& node, std::span<const std
   const auto half = items.begin() + static_cast<std::ptrdiff_t>(first_slot(node.child(1)) - first_slot(node));
   std::nth_element(items.begin(), half, items.end(), [&](const Item& a, const Item& b) {
     if (is_mixed && groups[a.number] != groups[b.number]) return groups[a.number] < groups[b.number];
-    return a.centre[axis] != b.centre[axis] ? a.centre[axis] < b.centre[axis] : a.number < b.number;
+    return a.center[axis] != b.center[axis] ? a.center[axis] < b.center[axis] : a.number < b.number;
   });
   const auto left = [&] { order({items.begin(), half}, node.child(0), groups); };
   const auto right = [&] { order({half, items.end()}, node.child(1), groups); };

@@ -28,7 +28,7 @@ struct FloatBox {
   [[nodiscard]] FloatBox with(const FloatBox& other) const {
     return {glm::min(min, other.min), glm::max(max, other.max)};
   }
-  [[nodiscard]] glm::vec3 centre() const { return min * 0.5F + max * 0.5F; }  // a sum could overflow
+  [[nodiscard]] glm::vec3 center() const { return min * 0.5F + max * 0.5F; }  // a sum could overflow
 };
 
 [[nodiscard]] inline FloatBox box_around(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
@@ -40,7 +40,7 @@ class BoxTree {
   static constexpr std::size_t kLeafSize = 4;
 
   struct Item {
-    glm::vec3 centre;
+    glm::vec3 center;
     std::uint32_t number;
   };
   struct Node {

@@ -68,7 +68,7 @@ class Buckets {
 
 // Returns a bucket below `buckets` > 0 for a cell of space.
 [[nodiscard]] inline std::size_t bucket_of_cell(std::int64_t x, std::int64_t y, std::int64_t z, std::size_t buckets) {
-  return hash_of_three(static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y), static_cast<std::uint64_t>(z)) %
+  return hash_coordinates(static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y), static_cast<std::uint64_t>(z)) %
          buckets;
 }
 

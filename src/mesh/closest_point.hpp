@@ -21,9 +21,9 @@ namespace isoextract::mesh {
 // finds the region of the triangle's plane that the point is over (C. Ericson, Real-Time Collision Detection, 2005,
 // 5.1.5). Needles are different: rounding moves the foot along them, so it takes the closer of both. With an angle
 // below 1e-8 radians the plane is lost, and only the sides count.
-class TriangleTarget {
+class ClosestPointTriangle {
  public:
-  TriangleTarget(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c)
+  ClosestPointTriangle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c)
       : a_(a),
         b_(b),
         c_(c),
@@ -33,7 +33,9 @@ class TriangleTarget {
         c_squared_(glm::dot(ac_, ac_)),
         between_(glm::dot(ab_, ac_)) {}
 
-  [[nodiscard]] glm::dvec3 closest(const glm::dvec3& p) const { return is_needle() ? of_needle(p) : by_region(p); }
+  [[nodiscard]] glm::dvec3 closest(const glm::dvec3& p) const {
+    return is_needle() ? closest_on_needle(p) : closest_by_region(p);
+  }
 
   [[nodiscard]] double distance_squared(const glm::dvec3& p) const {
     const glm::dvec3 way = p - closest(p);
@@ -42,15 +44,15 @@ class TriangleTarget {
 
  private:
   // Returns the squared length that cross(ab, ac) would have with a right angle at a.
-  [[nodiscard]] double full_squared() const { return b_squared_ * c_squared_; }
+  [[nodiscard]] double right_angle_area_squared() const { return b_squared_ * c_squared_; }
 
   [[nodiscard]] bool is_needle() const {
     constexpr double kNeedle = 1e-4;  // the square of an angle
-    const double gram = full_squared() - between_ * between_;
-    return !(gram > kNeedle * std::max({full_squared(), b_squared_ * b_squared_, c_squared_ * c_squared_}));
+    const double gram = right_angle_area_squared() - between_ * between_;
+    return !(gram > kNeedle * std::max({right_angle_area_squared(), b_squared_ * b_squared_, c_squared_ * c_squared_}));
   }
 
-  [[nodiscard]] glm::dvec3 by_region(const glm::dvec3& p) const {
+  [[nodiscard]] glm::dvec3 closest_by_region(const glm::dvec3& p) const {
     const glm::dvec3 ap = p - a_;
     const double b_of_a = glm::dot(ab_, ap);
     const double c_of_a = glm::dot(ac_, ap);
@@ -73,7 +75,7 @@ class TriangleTarget {
     return a_ + at_b / sum * ab_ + at_c / sum * ac_;
   }
 
-  [[nodiscard]] glm::dvec3 of_needle(const glm::dvec3& p) const {
+  [[nodiscard]] glm::dvec3 closest_on_needle(const glm::dvec3& p) const {
     const glm::dvec3 normal = glm::cross(ab_, ac_);
     const double area_squared = glm::dot(normal, normal);
     glm::dvec3 nearest = closest_on_segment(p, a_, b_);
@@ -86,7 +88,7 @@ class TriangleTarget {
     };
     consider(closest_on_segment(p, b_, c_));
     consider(closest_on_segment(p, c_, a_));
-    if (area_squared > 1e-16 * full_squared()) {
+    if (area_squared > 1e-16 * right_angle_area_squared()) {
       const glm::dvec3 ap = p - a_;
       const double at_b = glm::dot(glm::cross(ap, ac_), normal);
       const double at_c = glm::dot(glm::cross(ab_, ap), normal);

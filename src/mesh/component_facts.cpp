@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "base/no_memory.hpp"
+#include "base/allocation_error.hpp"
 #include "base/parallel.hpp"
 #include "mesh/adjacency.hpp"
 
@@ -34,7 +34,7 @@ std::vector<PartialSum> sums_of_chunk(const Mesh& mesh, const Components& compon
   const std::size_t end = std::min(mesh.triangles.size(), (chunk + 1) * kChunk);
   for (std::size_t i = chunk * kChunk; i < end; ++i) {
     const glm::uvec3& t = mesh.triangles[i];
-    if (repeats_index(t)) continue;
+    if (has_repeated_index(t)) continue;
     const std::uint32_t component = components.of_vertex(t.x);
     auto sum = std::find_if(sums.rbegin(), sums.rend(), [&](const auto& s) { return s.component == component; });
     if (sum == sums.rend()) {
@@ -92,7 +92,7 @@ Result<std::vector<ComponentFacts>> measure_components(const Mesh& mesh, const C
   try {
     return measure(mesh, components, to_metric, topology);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(what + " need more memory than there is"));
+    return tl::unexpected(allocation_error(what + " need more memory than there is"));
   }
 }
 

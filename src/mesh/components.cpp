@@ -75,7 +75,7 @@ Components::Components(std::span<const glm::uvec3> triangles, std::size_t vertic
   for_each_below(vertices, [&](std::size_t v) { label_[v] = kNone; });
   for_each_below(triangles.size(), [&](std::size_t i) {
     const glm::uvec3& t = triangles[i];
-    if (repeats_index(t)) return;
+    if (has_repeated_index(t)) return;
     sets.join(t.x, t.y);
     sets.join(t.x, t.z);
   });

@@ -22,7 +22,7 @@ struct Polygon {
 
   [[nodiscard]] std::span<const glm::dvec3> points() const { return {corners.data(), count}; }
   void add(const glm::dvec3& corner) { corners[count++] = corner; }
-  [[nodiscard]] glm::dvec3 centre() const {
+  [[nodiscard]] glm::dvec3 center() const {
     glm::dvec3 sum(0.0);
     for (std::size_t i = 0; i < count; ++i) sum += corners[i];
     return sum / static_cast<double>(count);
@@ -77,7 +77,7 @@ Plane longest_edge_cut(const Polygon& polygon) {
     const glm::dvec3 edge = polygon.corners[(i + 1) % polygon.count] - polygon.corners[i];
     if (glm::dot(edge, edge) > glm::dot(longest, longest)) longest = edge;
   }
-  return {polygon.centre(), longest};
+  return {polygon.center(), longest};
 }
 
 std::array<Polygon, 2> cut(const Polygon& polygon, const Plane& plane) {
@@ -123,40 +123,40 @@ TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const Tri
     waiting.pop_back();
     double to_hint = std::numeric_limits<double>::infinity();
     if (limits.enough > 0) {  // then the triangle of the hint may be close enough already
-      to_hint = std::sqrt(tree.farthest_squared_in(polygon.hint, polygon.points()));
+      to_hint = std::sqrt(tree.max_distance_squared(polygon.hint, polygon.points()));
       if (to_hint <= limits.enough) {
         if (parts == 0) bound.slot = polygon.hint;
         bound.upper = std::max(bound.upper, to_hint);
         continue;
       }
     }
-    const glm::dvec3 centre = polygon.centre();
-    const TriangleTree::Nearest nearest = tree.nearest(centre, polygon.hint);
+    const glm::dvec3 center = polygon.center();
+    const TriangleTree::Nearest nearest = tree.nearest(center, polygon.hint);
     const double distance = std::sqrt(nearest.distance_squared);
     if (parts == 0) bound.slot = nearest.slot;
     if (distance > bound.lower) {
       bound.lower = distance;
-      bound.place = centre;
+      bound.place = center;
       bound.nearest = nearest.point;
       lower = std::max(lower, distance);
     }
     const bool by_hint = nearest.slot == polygon.hint && std::isfinite(to_hint);
-    const double to_triangle = by_hint ? to_hint : std::sqrt(tree.farthest_squared_in(nearest.slot, polygon.points()));
+    const double to_triangle = by_hint ? to_hint : std::sqrt(tree.max_distance_squared(nearest.slot, polygon.points()));
     double radius = 0;
     for (std::size_t i = 0; i < polygon.count; ++i) {
-      const glm::dvec3 way = polygon.corners[i] - centre;
+      const glm::dvec3 way = polygon.corners[i] - center;
       radius = std::max(radius, glm::dot(way, way));
     }
     const double upper = std::min(to_triangle, distance + std::sqrt(radius));
-    if (upper <= limits.good_upper(lower)) {
+    if (upper <= limits.accepted_upper(lower)) {
       bound.upper = std::max(bound.upper, upper);
       continue;
     }
     constexpr std::size_t kLookAgain = 64;  // parts
-    if (parts % kLookAgain == kLookAgain - 1 && limits.most_leaves < std::numeric_limits<std::size_t>::max()) {
-      leaves += kLookAgain * tree.leaves_within(centre, nearest.distance_squared);
+    if (parts % kLookAgain == kLookAgain - 1 && limits.max_leaves < std::numeric_limits<std::size_t>::max()) {
+      leaves += kLookAgain * tree.count_leaves_within(center, nearest.distance_squared);
     }
-    const bool too_many = parts + waiting.size() > limits.most_parts || leaves > limits.most_leaves;
+    const bool too_many = parts + waiting.size() > limits.max_parts || leaves > limits.max_leaves;
     if (lower > limits.refuse || (too_many && std::isfinite(limits.refuse))) {
       bound.upper = std::numeric_limits<double>::infinity();
       bound.unfinished = true;

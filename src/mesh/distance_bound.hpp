@@ -22,13 +22,13 @@ struct DistanceLimits {
   double floor = 0;         // plus this width
   double enough = 0;        // upper ends up to this are always accepted
   double refuse = std::numeric_limits<double>::infinity();  // a greater lower end stops the search: upper is infinite
-  std::size_t most_parts = std::size_t{1} << 22;            // so do more parts of one triangle,
+  std::size_t max_parts = std::size_t{1} << 22;             // so do more parts of one triangle,
   // and about this many visited leaves of the tree. Where a surface is equally far everywhere, each part visits all
   // leaves.
-  std::size_t most_leaves = std::numeric_limits<std::size_t>::max();
+  std::size_t max_leaves = std::numeric_limits<std::size_t>::max();
 
   // Returns the upper end that is accepted if distances up to `lower` are known.
-  [[nodiscard]] double good_upper(double lower) const {
+  [[nodiscard]] double accepted_upper(double lower) const {
     const double good = lower * (1 + tolerance) + floor;
     return good > enough ? good : enough;
   }

@@ -140,7 +140,7 @@ int determinant_sign(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3&
 
 }  // namespace
 
-int side_of_plane(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d) {
+int orientation_3d(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d) {
   return determinant_sign(d - a, d - b, d - c,
                           [&] { return exact_determinant_sign(difference(d, a), difference(d, b), difference(d, c)); });
 }
@@ -161,7 +161,7 @@ int side_of_line(const glm::dvec3& way, const glm::dvec3& a, const glm::dvec3& b
   return side;
 }
 
-int turn_of(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
+int orientation_2d(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
   const double left = (a.x - c.x) * (b.y - c.y);
   const double right = (a.y - c.y) * (b.x - c.x);
   const double det = left - right;
@@ -174,7 +174,7 @@ int turn_of(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
 
 bool are_collinear(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
   for (int axis = 0; axis < 3; ++axis) {
-    if (turn_of(along_axis(a, axis), along_axis(b, axis), along_axis(c, axis)) != 0) return false;
+    if (orientation_2d(along_axis(a, axis), along_axis(b, axis), along_axis(c, axis)) != 0) return false;
   }
   return true;
 }

@@ -13,7 +13,7 @@ namespace isoextract::mesh {
 // Points have float32 coordinates, stored in double. The functions return -1, 0 or 1.
 
 // Returns 1 if a, b and c run counter-clockwise seen from d, 0 if all four points are coplanar.
-[[nodiscard]] int side_of_plane(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d);
+[[nodiscard]] int orientation_3d(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d);
 
 // Returns the side on which the line through p in direction `way` passes the line from a to b: the sign of the
 // determinant of way, a - p and b - p. `way` has integer coordinates below 2^20. If the lines meet, p counts as moved
@@ -22,7 +22,7 @@ namespace isoextract::mesh {
 [[nodiscard]] int side_of_line(const glm::dvec3& way, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& p);
 
 // Returns 1 if a, b and c run counter-clockwise, 0 if they are collinear.
-[[nodiscard]] int turn_of(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c);
+[[nodiscard]] int orientation_2d(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c);
 
 // Projects p along `axis`. The order of the other two coordinates keeps the sense of rotation seen from the positive
 // end of the axis.

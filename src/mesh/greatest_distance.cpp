@@ -34,7 +34,7 @@ void GreatestDistanceSearch::take(double distance, const glm::dvec3& place, cons
   found_.nearest = nearest;
 }
 
-void GreatestDistanceSearch::take_nearest_of(const glm::dvec3& p, std::uint32_t hint) {
+void GreatestDistanceSearch::add_point(const glm::dvec3& p, std::uint32_t hint) {
   const TriangleTree::Nearest nearest = to_.nearest(p, hint);
   take(std::sqrt(nearest.distance_squared), p, nearest.point);
 }
@@ -61,7 +61,7 @@ void GreatestDistanceSearch::measure_corners() {
   }
   const glm::dvec3 place = point(static_cast<std::uint32_t>(farthest));
   if (used[farthest] != 0) {
-    take_nearest_of(place, corners_[farthest].slot);
+    add_point(place, corners_[farthest].slot);
   } else {
     take(0, place, place);
   }
@@ -69,11 +69,11 @@ void GreatestDistanceSearch::measure_corners() {
 
 double GreatestDistanceSearch::distance_squared(std::uint32_t vertex, std::uint32_t slot) const {
   return corners_[vertex].slot == slot ? corners_[vertex].distance_squared
-                                       : to_.nearest_in(slot, point(vertex)).distance_squared;
+                                       : to_.nearest_on_triangle(slot, point(vertex)).distance_squared;
 }
 
 // Returns an upper bound from the triangles nearest to the corners, without cutting or searching.
-double GreatestDistanceSearch::quick_upper(const glm::uvec3& t) const {
+double GreatestDistanceSearch::upper_bound_by_corners(const glm::uvec3& t) const {
   double least = std::numeric_limits<double>::infinity();
   for (int corner = 0; corner < 3; ++corner) {
     const std::uint32_t slot = corners_[t[corner]].slot;
@@ -87,10 +87,10 @@ double GreatestDistanceSearch::quick_upper(const glm::uvec3& t) const {
 GreatestDistance GreatestDistanceSearch::bound_triangles() {
   std::vector<double> uppers(from_.triangles.size());
   for_distance_ranges(uppers.size(), context_, [&](std::size_t first, std::size_t last) {
-    for (std::size_t t = first; t < last; ++t) uppers[t] = counts(t) ? quick_upper(from_.triangles[t]) : 0;
+    for (std::size_t t = first; t < last; ++t) uppers[t] = counts(t) ? upper_bound_by_corners(from_.triangles[t]) : 0;
   });
   std::vector<Open> open;
-  const double good = limits_.good_upper(found_.lower);
+  const double good = limits_.accepted_upper(found_.lower);
   for (std::size_t t = 0; t < uppers.size(); ++t) {
     if (uppers[t] <= good) {
       found_.upper = std::max(found_.upper, uppers[t]);
@@ -104,7 +104,7 @@ GreatestDistance GreatestDistanceSearch::bound_triangles() {
   std::size_t round = 256;
   std::vector<TriangleBound> bounds;
   for (std::size_t first = 0; first < open.size() && !context_.cancelled();) {
-    if (open[first].upper <= limits_.good_upper(found_.lower)) {
+    if (open[first].upper <= limits_.accepted_upper(found_.lower)) {
       found_.upper = std::max(found_.upper, open[first].upper);
       break;  // all following ones have smaller bounds
     }

@@ -50,7 +50,7 @@ class GreatestDistanceSearch {
   // Step 1: measures the vertices of triangles that are not left out. Without any, the distance is 0.
   void measure_corners();
   // Step 2, optional: adds a point of the triangles, in the frame of the tree. `hint` is a slot of the tree.
-  void take_nearest_of(const glm::dvec3& p, std::uint32_t hint);
+  void add_point(const glm::dvec3& p, std::uint32_t hint);
   // Step 3: bounds the triangles and returns the result.
   GreatestDistance bound_triangles();
 
@@ -74,7 +74,7 @@ class GreatestDistanceSearch {
   }
   void take(double distance, const glm::dvec3& place, const glm::dvec3& nearest);
   [[nodiscard]] double distance_squared(std::uint32_t vertex, std::uint32_t slot) const;
-  [[nodiscard]] double quick_upper(const glm::uvec3& t) const;
+  [[nodiscard]] double upper_bound_by_corners(const glm::uvec3& t) const;
 
   PlacedTriangles from_;
   const TriangleTree& to_;

@@ -17,7 +17,7 @@ struct HalfSpace {
 // Returns the distance below which a vertex counts as on a cutting plane: a few rounding errors of float32 positions
 // whose greatest absolute coordinate is `farthest`. Vertices of a plane that a later plane cuts may be twice as far
 // off.
-[[nodiscard]] inline double on_plane_distance(float farthest) {
+[[nodiscard]] inline double on_plane_tolerance(float farthest) {
   constexpr double kRoundings = 4;
   return kRoundings * 0x1p-23 * static_cast<double>(farthest);
 }

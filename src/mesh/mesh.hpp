@@ -31,9 +31,9 @@ struct EdgeKey {
 
 // The appearance of a surface, for formats with materials.
 struct Material {
-  std::optional<glm::dvec3> colour;  // linear light, each channel from 0 to 1; empty: the writer's default
-  double opacity = 1;                // above 0, at most 1
-  bool double_sided = false;         // visible from behind too: for open surfaces, whose inside shows
+  std::optional<glm::dvec3> color;  // linear light, each channel from 0 to 1; empty: the writer's default
+  double opacity = 1;               // above 0, at most 1
+  bool double_sided = false;        // visible from behind too: for open surfaces, whose inside shows
 
   friend bool operator==(const Material&, const Material&) = default;
 };

@@ -14,7 +14,7 @@
 
 #include <fmt/format.h>
 
-#include "base/no_memory.hpp"
+#include "base/allocation_error.hpp"
 #include "base/parallel.hpp"
 #include "mesh/adjacency.hpp"
 
@@ -73,8 +73,8 @@ class ShadedStar {
       normals_.push_back(stored(mean(0)));
       return true;
     }
-    join_across_edges(corners);
-    give_normals();
+    group_across_edges(corners);
+    assign_normals();
     return true;
   }
 
@@ -111,7 +111,7 @@ class ShadedStar {
   }
 
   // Sets group_of_ to the first face of each group.
-  void join_across_edges(std::span<const Corner> corners) {
+  void group_across_edges(std::span<const Corner> corners) {
     star_.look_at(corners, mesh_.triangles.span());
     std::iota(group_of_.begin(), group_of_.end(), 0U);
     const auto sides = star_.sides();
@@ -161,7 +161,7 @@ class ShadedStar {
   }
 
   // Numbers the groups from 0 in the order of their first faces; groups with equal normals become one.
-  void give_normals() {
+  void assign_normals() {
     numbers_.assign(faces_.size(), kUngrouped);
     for (std::uint32_t first = 0; first < faces_.size(); ++first) {
       if (numbers_[first] != kUngrouped) continue;
@@ -395,13 +395,13 @@ class Shading {
 
 }  // namespace
 
-Result<std::uint64_t> shade_by_triangles(Mesh& mesh, const ShadingOptions& options, const std::string& source,
-                                         const Context& context) {
+Result<std::uint64_t> compute_shading_normals(Mesh& mesh, const ShadingOptions& options, const std::string& source,
+                                              const Context& context) {
   try {
     return Shading(mesh, options, source, context).run();
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(
-        no_memory(fmt::format("{}: normals: there is not enough memory", source), {Remedy::use, Setting::parts}));
+    return tl::unexpected(allocation_error(fmt::format("{}: normals: there is not enough memory", source),
+                                           {Remedy::use, Setting::parts}));
   }
 }
 

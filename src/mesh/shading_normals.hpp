@@ -43,8 +43,8 @@ struct ShadingOptions {
 //
 // Fails with ErrorCode::out_of_memory, and with ErrorCode::input if there are more vertices than a mesh can number;
 // `source` starts the message.
-[[nodiscard]] Result<std::uint64_t> shade_by_triangles(Mesh& mesh, const ShadingOptions& options,
-                                                       const std::string& source, const Context& context);
+[[nodiscard]] Result<std::uint64_t> compute_shading_normals(Mesh& mesh, const ShadingOptions& options,
+                                                            const std::string& source, const Context& context);
 
 // Counts pairs of a triangle and one of its corners.
 struct NormalAgreement {

@@ -66,7 +66,7 @@ struct Ray {
 
 class ShellRays {
  public:
-  ShellRays(const Mesh& mesh, const Components& components, const ShellQuestion& question, const Context& context)
+  ShellRays(const Mesh& mesh, const Components& components, const ShellQuery& question, const Context& context)
       : mesh_(mesh), components_(components), question_(question), context_(context) {
     look_at_vertices();
     Buffer<BoxTree::Item> items(components.count());
@@ -75,7 +75,7 @@ class ShellRays {
       if (question.facing[c] == Facing::open) {
         open_end_ = std::max(open_end_, boxes_[c].max.z);
       } else {
-        items[closed++] = {boxes_[c].centre(), c};
+        items[closed++] = {boxes_[c].center(), c};
       }
     }
     if (closed > 0) tree_.emplace(items.span().first(closed), [&](std::uint32_t c) { return boxes_[c]; });
@@ -93,7 +93,7 @@ class ShellRays {
     rays.reserve(components_.count());
     for (std::uint32_t c = 0; c < components_.count(); ++c) {
       const Facing facing = question_.facing[c];
-      if (facing == Facing::inward || (facing == Facing::outward && question_.of_outward)) {
+      if (facing == Facing::inward || (facing == Facing::outward && question_.test_outward)) {
         rays.push_back({.component = c, .start = mesh_.positions[farthest_[c]]});
       }
     }
@@ -101,14 +101,14 @@ class ShellRays {
     std::vector<Surroundings> found(components_.count());
     for (Ray& ray : rays) {
       found[ray.component].around = std::move(ray.passed);
-      ray.to_open = question_.of_open && question_.facing[ray.component] == Facing::inward;
+      ray.to_open = question_.find_open && question_.facing[ray.component] == Facing::inward;
       ray.is_undecided = ray.touches;
     }
     std::erase_if(rays, [&](const Ray& ray) {
       return !ray.is_undecided && !(ray.to_open && found[ray.component].around.empty());
     });
     if (!rays.empty()) {
-      start_beside(rays);
+      move_starts_off_surface(rays);
       shoot(rays);
     }
     for (Ray& ray : rays) {
@@ -147,12 +147,12 @@ class ShellRays {
   // Chooses the triangle that faces most along the rays, or against them for the shell of a cavity. If a wall is closer
   // than that, or the triangle is as thin, the start may be on the wrong side: for shells so close either answer is
   // possible.
-  void start_beside(std::vector<Ray>& rays) const {
+  void move_starts_off_surface(std::vector<Ray>& rays) const {
     std::vector<std::uint32_t> ray_of(components_.count(), Components::kNone);
     for (std::uint32_t i = 0; i < rays.size(); ++i) ray_of[rays[i].component] = i;
     std::vector<double> most(rays.size(), -std::numeric_limits<double>::infinity());
     for (const glm::uvec3& t : mesh_.triangles) {
-      if (repeats_index(t)) continue;
+      if (has_repeated_index(t)) continue;
       const std::uint32_t c = components_.of_vertex(t.x);
       const std::uint32_t ray = ray_of[c];
       if (ray == Components::kNone || (t.x != farthest_[c] && t.y != farthest_[c] && t.z != farthest_[c])) continue;
@@ -168,7 +168,7 @@ class ShellRays {
       // Rounding may move the start to the other side.
       for (double depth = 1e-4; depth < 1; depth *= 2) {
         rays[ray].start = glm::vec3(middle + depth * inward);
-        if (side_of_plane(at.a, at.b, at.c, glm::dvec3(rays[ray].start)) < 0) break;
+        if (orientation_3d(at.a, at.b, at.c, glm::dvec3(rays[ray].start)) < 0) break;
       }
     }
   }
@@ -212,7 +212,7 @@ class ShellRays {
       context_.progress().advance(end - begin);
       for (std::size_t t = begin; t != end && !context_.cancelled(); ++t) {
         const glm::uvec3& triangle = mesh_.triangles[t];
-        if (repeats_index(triangle) || is_met[components_.of_vertex(triangle.x)] == 0) continue;
+        if (has_repeated_index(triangle) || is_met[components_.of_vertex(triangle.x)] == 0) continue;
         const Corners at = corners(triangle);
         const FloatBox box = box_around(seen(at.a), seen(at.b), seen(at.c));
         tree.for_each_near(box, [&](std::uint32_t i) {
@@ -244,7 +244,7 @@ class ShellRays {
     const bool in_box = glm::all(glm::lessThanEqual(glm::min(a, glm::min(b, c)), p)) &&
                         glm::all(glm::lessThanEqual(p, glm::max(a, glm::max(b, c))));
     if (!is_through && !in_box) return;
-    const int side = side_of_plane(a, b, c, p);
+    const int side = orientation_3d(a, b, c, p);
     const bool touches = side == 0 && in_box && !is_open;
     const bool passes = is_through && side == -turn;
     if (!touches && !passes) return;
@@ -265,7 +265,7 @@ class ShellRays {
 
   const Mesh& mesh_;
   const Components& components_;
-  const ShellQuestion& question_;
+  const ShellQuery& question_;
   const Context& context_;
   std::vector<FloatBox> boxes_;  // of each component, in ray coordinates
   std::vector<std::uint32_t> farthest_;
@@ -276,8 +276,8 @@ class ShellRays {
 
 }  // namespace
 
-Result<std::vector<Surroundings>> find_surroundings(const Mesh& mesh, const Components& components,
-                                                    const ShellQuestion& question, const Context& context) {
+Result<std::vector<Surroundings>> find_enclosing_shells(const Mesh& mesh, const Components& components,
+                                                        const ShellQuery& question, const Context& context) {
   const auto memory = TRY(
       context.reserve(ShellRays::bytes(components.count()), fmt::format("{}: its shells within shells", mesh.name)));
   return ShellRays(mesh, components, question, context).run();

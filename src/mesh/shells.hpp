@@ -31,17 +31,17 @@ struct Surroundings {
   [[nodiscard]] bool in_material() const { return around.size() % 2 == 1; }
 };
 
-struct ShellQuestion {
+struct ShellQuery {
   std::vector<Facing> facing{};  // of each component
-  bool of_outward = true;        // whether to test shells that face outward as well as inward
-  bool of_open = false;          // whether to find `Surroundings::open`
+  bool test_outward = true;      // whether to test shells that face outward as well as inward
+  bool find_open = false;        // whether to find `Surroundings::open`
 };
 
 // Returns the surroundings of each component in order; empty for components that are open or not tested. Shells that
 // share walls do not lie inside each other; for intersecting shells either answer is possible. The result is the same
 // for any number of threads. Fails with ErrorCode::out_of_memory and ErrorCode::cancelled; throws std::bad_alloc.
-[[nodiscard]] Result<std::vector<Surroundings>> find_surroundings(const Mesh& mesh, const Components& components,
-                                                                  const ShellQuestion& question,
-                                                                  const Context& context);
+[[nodiscard]] Result<std::vector<Surroundings>> find_enclosing_shells(const Mesh& mesh, const Components& components,
+                                                                      const ShellQuery& question,
+                                                                      const Context& context);
 
 }  // namespace isoextract::mesh

@@ -10,7 +10,7 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/task_arena.h>
 
-#include "base/no_memory.hpp"
+#include "base/allocation_error.hpp"
 #include "base/parallel.hpp"
 #include "mesh/adjacency.hpp"
 
@@ -109,14 +109,14 @@ class Part {
     ways_.clear();
     for (const Corner corner : corners) {
       const glm::uvec3& t = triangles[triangle_of(corner)];
-      if (repeats_index(t)) continue;
+      if (has_repeated_index(t)) continue;
       const auto c = static_cast<int>(corner % 3);
       sound_.push_back(corner);
       ways_.push_back({t[(c + 1) % 3], t[(c + 2) % 3]});
     }
     if (sound_.empty()) {
       ++facts.unused_vertices;
-    } else if (goes_round_once()) {
+    } else if (forms_closed_fan()) {
       for (const Way& way : ways_) facts.edges += way.to > vertex ? 1 : 0;
     } else {
       look_at_edges(vertex, triangles, facts);
@@ -135,7 +135,7 @@ class Part {
   // Returns whether the triangles form one closed fan: each is followed by the one that leaves along the edge by which
   // it returns, until all have been met. Every edge then has two triangles, which run along it in opposite directions.
   // Almost every vertex is like this, and this test takes few comparisons.
-  [[nodiscard]] bool goes_round_once() const {
+  [[nodiscard]] bool forms_closed_fan() const {
     constexpr std::size_t kMany = 32;  // with more triangles sorting is faster
     if (ways_.size() > kMany) return false;
     std::size_t at = 0;
@@ -207,7 +207,7 @@ Topology measure(const Mesh& mesh, const VertexRanges& ranges) {
   const auto triangles = mesh.triangles.span();
   const std::size_t vertices = mesh.positions.size();
   Topology result = look_at_vertices(triangles, ranges, 1, [](std::size_t) { return std::size_t{0}; }).front();
-  for (const glm::uvec3& t : triangles) result.repeated_index_triangles += repeats_index(t) ? 1 : 0;
+  for (const glm::uvec3& t : triangles) result.repeated_index_triangles += has_repeated_index(t) ? 1 : 0;
   result.components = Components(triangles, vertices).count();
   result.euler = static_cast<std::int64_t>(vertices - result.unused_vertices) -
                  static_cast<std::int64_t>(result.edges) +
@@ -232,7 +232,7 @@ std::vector<Topology> measure(const Mesh& mesh, const VertexRanges& ranges, cons
     if (components.of_vertex(v) != Components::kNone) ++results[components.of_vertex(v)].euler;
   }
   for (const glm::uvec3& t : triangles) {
-    if (!repeats_index(t)) ++results[components.of_vertex(t.x)].euler;
+    if (!has_repeated_index(t)) ++results[components.of_vertex(t.x)].euler;
   }
   return results;
 }
@@ -251,7 +251,7 @@ Result<Topology> measure_topology(const Mesh& mesh, const Context& context) {
     const auto memory = TRY(context.reserve(std::max(ranges.bytes(), Components::bytes(vertices)), what));
     return measure(mesh, ranges);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(what + " need more memory than there is"));
+    return tl::unexpected(allocation_error(what + " need more memory than there is"));
   }
 }
 
@@ -264,7 +264,7 @@ Result<std::vector<Topology>> measure_topology(const Mesh& mesh, const Component
         TRY(context.reserve(ranges.bytes() + (threads + 1) * components.count() * sizeof(Topology), what));
     return measure(mesh, ranges, components);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(what + " need more memory than there is"));
+    return tl::unexpected(allocation_error(what + " need more memory than there is"));
   }
 }
 

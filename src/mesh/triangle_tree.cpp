@@ -148,7 +148,7 @@ double TriangleTree::bound_squared(std::size_t node, const glm::dvec3& p) const 
   return std::max(by_box, across * across);
 }
 
-std::size_t TriangleTree::leaves_within(const glm::dvec3& p, double squared) const {
+std::size_t TriangleTree::count_leaves_within(const glm::dvec3& p, double squared) const {
   const std::size_t first_leaf = tree_.leaves() - 1;
   std::size_t leaves = 0;
   std::vector<std::size_t> waiting{0};
@@ -165,19 +165,19 @@ std::size_t TriangleTree::leaves_within(const glm::dvec3& p, double squared) con
   return leaves;
 }
 
-TriangleTree::Nearest TriangleTree::nearest_in(std::uint32_t slot, const glm::dvec3& p) const {
+TriangleTree::Nearest TriangleTree::nearest_on_triangle(std::uint32_t slot, const glm::dvec3& p) const {
   const Corners& corners = corners_[slot];
   Nearest found;
   found.slot = slot;
-  found.point = TriangleTarget(corners.a, corners.b, corners.c).closest(p);
+  found.point = ClosestPointTriangle(corners.a, corners.b, corners.c).closest(p);
   const glm::dvec3 way = p - found.point;
   found.distance_squared = glm::dot(way, way);
   return found;
 }
 
-double TriangleTree::farthest_squared_in(std::uint32_t slot, std::span<const glm::dvec3> points) const {
+double TriangleTree::max_distance_squared(std::uint32_t slot, std::span<const glm::dvec3> points) const {
   const Corners& corners = corners_[slot];
-  const TriangleTarget triangle(corners.a, corners.b, corners.c);
+  const ClosestPointTriangle triangle(corners.a, corners.b, corners.c);
   double farthest = 0;
   for (const glm::dvec3& p : points) farthest = std::max(farthest, triangle.distance_squared(p));
   return farthest;
@@ -188,7 +188,7 @@ void TriangleTree::search(std::size_t leaf, const glm::dvec3& p, Nearest& best) 
   for (std::size_t slot = tree_.first_slot(tree_.leaf(leaf)); slot < last; ++slot) {
     const Corners& t = corners_[slot];
     if (!(mesh::distance_squared(box_around(t.a, t.b, t.c), p) < best.distance_squared)) continue;
-    const Nearest found = nearest_in(static_cast<std::uint32_t>(slot), p);
+    const Nearest found = nearest_on_triangle(static_cast<std::uint32_t>(slot), p);
     if (found.distance_squared < best.distance_squared) best = found;
   }
 }
@@ -225,7 +225,7 @@ void TriangleTree::search_below(std::size_t node, double node_distance_squared, 
 
 // Searches from the leaf of the hint upwards. Siblings on the way are mostly too far to be searched.
 TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& p, std::uint32_t hint, double enough_squared) const {
-  Nearest best = nearest_in(hint, p);
+  Nearest best = nearest_on_triangle(hint, p);
   const std::size_t leaf = tree_.leaf_of(hint);
   std::size_t node = tree_.leaf(leaf).index();
   if (best.distance_squared <= enough_squared) return best;

@@ -46,10 +46,10 @@ class TriangleTree {
   [[nodiscard]] Nearest nearest(const glm::dvec3& p, std::uint32_t hint, double enough_squared = 0) const;
 
   // Returns the closest point of one triangle.
-  [[nodiscard]] Nearest nearest_in(std::uint32_t slot, const glm::dvec3& p) const;
+  [[nodiscard]] Nearest nearest_on_triangle(std::uint32_t slot, const glm::dvec3& p) const;
 
   // Returns the greatest squared distance of the points to one triangle.
-  [[nodiscard]] double farthest_squared_in(std::uint32_t slot, std::span<const glm::dvec3> points) const;
+  [[nodiscard]] double max_distance_squared(std::uint32_t slot, std::span<const glm::dvec3> points) const;
 
   [[nodiscard]] const Corners& corners(std::uint32_t slot) const { return corners_[slot]; }
   // Returns the index in the constructor's `triangles` of the triangle in a slot.
@@ -58,7 +58,7 @@ class TriangleTree {
   [[nodiscard]] bool has_slabs() const { return !slabs_.empty(); }
 
   // Returns the number of leaves that may contain a closer point: the cost of searching at this squared distance.
-  [[nodiscard]] std::size_t leaves_within(const glm::dvec3& p, double squared) const;
+  [[nodiscard]] std::size_t count_leaves_within(const glm::dvec3& p, double squared) const;
 
  private:
   // The points p with low <= dot(axis, p) <= high; the axis is at most of length 1.

@@ -14,9 +14,9 @@
 
 #include "mesh_io/write/animated_glb.hpp"
 #include "mesh_io/write/attempt.hpp"
+#include "mesh_io/write/coordinate_rounding.hpp"
 #include "mesh_io/write/gltf_packed_part.hpp"
 #include "mesh_io/write/vertex_order.hpp"
-#include "mesh_io/write/written_places.hpp"
 
 namespace isoextract::mesh_io {
 namespace {
@@ -45,7 +45,7 @@ struct FrameSpan {
 
 }  // namespace
 
-std::filesystem::path animation_part_path(const std::filesystem::path& path, std::size_t part) {
+std::filesystem::path path_of_animation_part(const std::filesystem::path& path, std::size_t part) {
   if (part <= 1) return path;
   std::filesystem::path name = path.stem();
   name += fmt::format(".part{}", part);
@@ -57,7 +57,7 @@ struct AnimationWriter::State {
   std::filesystem::path path;
   MeshWriteOptions options;
   double frames_per_second = 0;
-  std::uint64_t frames_at_most = 0;
+  std::uint64_t expected_frames = 0;
   Context context;
   std::uint64_t largest_file = kLargestGlb;
 
@@ -163,7 +163,7 @@ Result<std::optional<Error>> AnimationWriter::State::add(const std::string& name
   TRY(check());
   if (auto possible = check_frame(frame); !possible) return std::move(possible.error());
   for (const mesh::Mesh& surface : surfaces) {
-    if (auto kept = check_places(surface, path, options.format); !kept) return std::move(kept.error());
+    if (auto kept = check_coordinate_rounding(surface, path, options.format); !kept) return std::move(kept.error());
   }
   std::vector<mesh::Mesh> ordered;
   std::vector<Reservation> copies;
@@ -197,18 +197,18 @@ Result<std::optional<Error>> AnimationWriter::State::add(const std::string& name
   };
   const float time = time_of(frame);
   if (std::none_of(surfaces.begin(), surfaces.end(), has_triangles)) {
-    parts.back().glb.show_none(time);
+    parts.back().glb.hide_all(time);
     take();
     return std::nullopt;
   }
 
-  const std::uint64_t to_come = frames_at_most > count ? frames_at_most - count : 1;
+  const std::uint64_t to_come = expected_frames > count ? expected_frames - count : 1;
   auto added = parts.back().glb.add(name, *pieces, time, to_come);
   if (added && !*added) {
-    AnimatedGlb next(animation_part_path(path, parts.size() + 1), largest_file, options.placement);
+    AnimatedGlb next(path_of_animation_part(path, parts.size() + 1), largest_file, options.placement);
     added = next.add(name, *pieces, time, to_come);
     if (added && *added) {
-      parts.back().glb.show_none(time);
+      parts.back().glb.hide_all(time);
       parts.push_back({std::move(next), frame, frame});
     }
   }
@@ -229,7 +229,7 @@ Result<std::optional<Error>> AnimationWriter::State::add(const std::string& name
     tell({"frames are not all moved, scaled or mirrored alike: the file says how the first of them is"});
   }
   tell(std::move(found));
-  tell(parts.back().glb.take_notes());
+  tell(parts.back().glb.release_notes());
   return std::nullopt;
 }
 
@@ -249,7 +249,7 @@ void AnimationWriter::State::tell_of_parts() {
     tell({fmt::format("a .glb holds at most {} bytes, so frames {}; each keeps the time line of the whole sequence",
                       largest_file, fmt::join(where, ", "))});
   }
-  const auto next = animation_part_path(path, parts.size() + 1);
+  const auto next = path_of_animation_part(path, parts.size() + 1);
   std::error_code ignored;
   if (std::filesystem::exists(next, ignored)) {
     tell({fmt::format("{} was there before and is no part of this sequence", next.string())});
@@ -278,13 +278,13 @@ Result<MeshWriteResult> AnimationWriter::State::finish() {
 }
 
 AnimationWriter::AnimationWriter(const std::filesystem::path& path, const MeshWriteOptions& options,
-                                 double frames_per_second, std::uint64_t frames_at_most, const Context& context,
+                                 double frames_per_second, std::uint64_t expected_frames, const Context& context,
                                  std::uint64_t largest_file)
     : state_(std::make_unique<State>()) {
   state_->path = path;
   state_->options = options;
   state_->frames_per_second = frames_per_second;
-  state_->frames_at_most = frames_at_most;
+  state_->expected_frames = expected_frames;
   state_->context = context;
   state_->largest_file = largest_file;
 }

@@ -20,7 +20,7 @@ inline constexpr std::uint64_t kLargestGlb = 0xFFFFFFFF;
 
 // Returns the path of a part of a sequence that is too large for one file. Parts count from 1:
 // water.glb, water.part2.glb, water.part3.glb.
-[[nodiscard]] std::filesystem::path animation_part_path(const std::filesystem::path& path, std::size_t part);
+[[nodiscard]] std::filesystem::path path_of_animation_part(const std::filesystem::path& path, std::size_t part);
 
 // Time line: frame k starts at (k - first) / frames_per_second seconds, where `first` is the first frame's number. Gaps
 // in the numbering keep their time.
@@ -42,11 +42,11 @@ inline constexpr std::uint64_t kLargestGlb = 0xFFFFFFFF;
 // Standard output, pipes and devices are refused, because the beginning of a GLB is known only at its end.
 class AnimationWriter {
  public:
-  // `frames_at_most` is the expected number of frames: the writer reserves space in the file for their JSON. More
+  // `expected_frames` is the expected number of frames: the writer reserves space in the file for their JSON. More
   // frames are no error; the file's data is then moved once within the file.
   // `largest_file`, in bytes, exists for tests.
   AnimationWriter(const std::filesystem::path& path, const MeshWriteOptions& options, double frames_per_second,
-                  std::uint64_t frames_at_most, const Context& context, std::uint64_t largest_file = kLargestGlb);
+                  std::uint64_t expected_frames, const Context& context, std::uint64_t largest_file = kLargestGlb);
   AnimationWriter(AnimationWriter&&) noexcept;
   AnimationWriter& operator=(AnimationWriter&&) noexcept;
   ~AnimationWriter();
@@ -69,7 +69,7 @@ class AnimationWriter {
   // `placement` replaces options.placement: the file stores that of the first frame, and a note tells if others differ.
   //
   // Refuses a frame with ErrorCode::output if its rounded coordinates would destroy triangles
-  // (write/written_places.hpp), if it is larger than a file can be, or if float32 cannot tell its time from its
+  // (write/coordinate_rounding.hpp), if it is larger than a file can be, or if float32 cannot tell its time from its
   // neighbors'. Other frames can follow.
   // Refuses a frame number that does not grow with ErrorCode::usage. After any other failure every later call fails
   // alike.

@@ -15,8 +15,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "base/enum_words.hpp"
 #include "base/stopwatch.hpp"
-#include "base/words.hpp"
 #include "mesh/metrics.hpp"
 
 namespace isoextract::mesh_io {
@@ -65,17 +65,17 @@ struct PackedFacts {
   std::uint64_t bytes_after = 0;
 
   struct Positions {
-    int bits = 0;             // of the largest coordinate, counted in steps
-    double step = 0;          // in the mesh's units
-    double largest_axis = 0;  // the largest move of a coordinate: at most half a step
-    double largest = 0;       // the largest move of a vertex
+    int bits = 0;                  // of the largest coordinate, counted in steps
+    double step = 0;               // in the mesh's units
+    double largest_axis_move = 0;  // the largest move of a coordinate: at most half a step
+    double largest = 0;            // the largest move of a vertex
   };
-  std::optional<Positions> positions;         // set if positions were quantized
-  std::optional<double> largest_normal_turn;  // in degrees; set if normals were quantized
-  std::uint64_t flattened_triangles = 0;      // triangles that lost their area by quantizing
+  std::optional<Positions> positions;          // set if positions were quantized
+  std::optional<double> largest_normal_angle;  // in degrees; set if normals were quantized
+  std::uint64_t flattened_triangles = 0;       // triangles that lost their area by quantizing
   // Draco stored the triangles one by one in their original order, because its default method (edgebreaker) did not
   // reproduce this mesh, as happens if it is not manifold.
-  bool one_by_one = false;
+  bool used_sequential_method = false;
   StageTime time;  // of packing, unpacking and comparing
 };
 

@@ -13,9 +13,9 @@
 
 #include <fmt/format.h>
 
+#include "base/allocation_error.hpp"
 #include "base/checked.hpp"
 #include "base/hash.hpp"
-#include "base/no_memory.hpp"
 #include "mesh/local_origin.hpp"
 #include "mesh_io/detail/json_tree.hpp"
 #include "mesh_io/detail/placement_entry.hpp"
@@ -214,7 +214,7 @@ MeshFile read_file(const files::InputFile& file, const MeshReadOptions& options)
   MeshFile result;
   result.mesh = mesh_of(surface, context);
   result.parts = parts_of(surface);
-  if (surface.has_normals) join_normal_seams(result.mesh, result.parts, context);
+  if (surface.has_normals) merge_normal_copies(result.mesh, result.parts, context);
   const std::uint64_t normal_bytes =
       surface.normals.values.empty()
           ? 0
@@ -232,9 +232,9 @@ MeshFile read_file(const files::InputFile& file, const MeshReadOptions& options)
   result.mesh.name = from_stdin ? file.name() : file.path().filename().string();
   result.format = surface.format;
   result.y_up = surface.y_up;
-  result.is_quantised = surface.is_quantised;
-  result.is_ours = surface.is_ours;
-  if (surface.is_ours)
+  result.is_quantized = surface.is_quantized;
+  result.is_by_isoextract = surface.is_by_isoextract;
+  if (surface.is_by_isoextract)
     result.placement = surface.placement.substr(0, kMaxPlacement);  // isoextract never writes a longer one
   for (const std::string& note : surface.notes) result.notes.push_back(fmt::format("{}: {}", file.name(), note));
   return result;
@@ -243,7 +243,7 @@ MeshFile read_file(const files::InputFile& file, const MeshReadOptions& options)
 }  // namespace
 
 Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context, const MeshReadOptions& options) {
-  const auto name = [&] { return files::shown_input_name(path); };  // allocates, so it is called only on failure
+  const auto name = [&] { return files::input_label(path); };  // allocates, so it is called only on failure
   try {
     const auto file = TRY(files::InputFile::open(path, context));
     return read_file(file, options);
@@ -254,7 +254,7 @@ Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& con
     const bool named = text.starts_with(name());
     return fail(ErrorCode::input, named ? std::string(text) : fmt::format("{}: {}", name(), text), damage.hint);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(fmt::format("{}: not enough memory to read it", name())));
+    return tl::unexpected(allocation_error(fmt::format("{}: not enough memory to read it", name())));
   } catch (const std::exception& error) {
     return fail(ErrorCode::input, fmt::format("{}: cannot be read: {}", name(), error.what()));
   }
@@ -269,7 +269,7 @@ bool holds_mesh(const std::filesystem::path& path, const Context& context) {
   return reader_by_mark(text) != nullptr || reader_by_beginning(text, file->size()) != nullptr;
 }
 
-bool is_signed(const std::filesystem::path& path, const Context& context) {
+bool is_written_by_isoextract(const std::filesystem::path& path, const Context& context) {
   constexpr std::size_t kBeginning = 4096;  // the JSON of one mesh is shorter than that
   const auto file = files::InputFile::open(path, context);
   if (!file) return false;
@@ -288,7 +288,7 @@ bool is_signed(const std::filesystem::path& path, const Context& context) {
   return false;
 }
 
-std::vector<std::string> data_file_names(const std::filesystem::path& gltf, const Context& context) {
+std::vector<std::string> external_buffer_names(const std::filesystem::path& gltf, const Context& context) {
   std::vector<std::string> names;
   try {
     const auto file = files::InputFile::open(gltf, context);
@@ -348,7 +348,7 @@ std::vector<std::uint32_t> weld_corners(std::span<const glm::vec3> corners, File
   first_corner.reserve(corners.size());
   for (std::size_t c = 0; c < corners.size(); ++c) {
     const glm::u64vec3 bits = bits_of(corners[c]);
-    std::size_t place = hash_of_three(bits.x, bits.y, bits.z) & (table.size() - 1);
+    std::size_t place = hash_coordinates(bits.x, bits.y, bits.z) & (table.size() - 1);
     while (table[place] != kFree && bits_of(corners[first_corner[table[place]]]) != bits) {
       place = (place + 1) & (table.size() - 1);
     }
@@ -387,7 +387,7 @@ void add_polygon(std::vector<glm::uvec3>& triangles, std::span<const std::uint32
   halve(halve, 0, corners.size() - 1);
 }
 
-std::string_view without_utf8_mark(std::string_view text) {
+std::string_view without_byte_order_mark(std::string_view text) {
   constexpr std::string_view kMark = "\xEF\xBB\xBF";
   return text.starts_with(kMark) ? text.substr(kMark.size()) : text;
 }
@@ -416,7 +416,7 @@ std::string_view TextScanner::word() {
   return found;
 }
 
-std::string_view TextScanner::word_of_joined_lines() {
+std::string_view TextScanner::next_continued_word() {
   for (;;) {
     std::string_view found = word();
     if (found.ends_with('\\') && line_.find_first_not_of(" \t\r\v\f") == std::string_view::npos) {
@@ -427,7 +427,7 @@ std::string_view TextScanner::word_of_joined_lines() {
   }
 }
 
-std::string_view TextScanner::word_anywhere() {
+std::string_view TextScanner::next_word_across_lines() {
   for (;;) {
     const std::string_view found = word();
     if (!found.empty() || !next_line()) return found;

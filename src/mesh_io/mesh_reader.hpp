@@ -8,7 +8,7 @@
 // (animation_writer.hpp) only the first frame with triangles is read, and a note tells so.
 //
 // A surface that looks closed is read as closed: vertices that were duplicated along creases for their normals are
-// merged (join_normal_seams() in read/mesh_format_readers.hpp). This needs normals in the file and positions that
+// merged (merge_normal_copies() in read/mesh_format_readers.hpp). This needs normals in the file and positions that
 // packing did not round.
 //
 // Vertex attributes are read from PLY and DRC (every number except position and normal) and from glTF (COLOR_0 and
@@ -60,8 +60,8 @@ struct MeshFile {
   std::vector<MeshPart> parts;     // glTF: one per node that shows a mesh; empty if there is only one
   std::string_view format;         // "PLY, text"
   bool y_up = false;               // the format prescribes that y points up; other formats prescribe no up axis
-  bool is_quantised = false;       // positions were rounded by packing: Draco, KHR_mesh_quantization
-  bool is_ours = false;            // the file says that isoextract wrote it; text STL cannot say so
+  bool is_quantized = false;       // positions were rounded by packing: Draco, KHR_mesh_quantization
+  bool is_by_isoextract = false;   // the file says that isoextract wrote it; text STL cannot say so
   std::string placement;           // MeshWriteOptions::placement of a file of isoextract, if any; not validated
   std::vector<std::string> notes;  // data left out, one sentence each, starting with the file's name
 };
@@ -84,10 +84,10 @@ struct MeshFile {
 
 // Returns whether the first bytes of the file say that isoextract wrote it, without reading the mesh. Returns false for
 // text STL and for files that cannot be read.
-[[nodiscard]] bool is_signed(const std::filesystem::path& path, const Context& context);
+[[nodiscard]] bool is_written_by_isoextract(const std::filesystem::path& path, const Context& context);
 
 // Returns the names of the data files that a .gltf refers to, with %-escapes decoded; empty if it refers to none or is
 // no glTF.
-[[nodiscard]] std::vector<std::string> data_file_names(const std::filesystem::path& gltf, const Context& context);
+[[nodiscard]] std::vector<std::string> external_buffer_names(const std::filesystem::path& gltf, const Context& context);
 
 }  // namespace isoextract::mesh_io

@@ -10,9 +10,9 @@
 
 #include "base/ascii.hpp"
 #include "mesh_io/write/attempt.hpp"
+#include "mesh_io/write/coordinate_rounding.hpp"
 #include "mesh_io/write/mesh_format_writers.hpp"
 #include "mesh_io/write/vertex_order.hpp"
-#include "mesh_io/write/written_places.hpp"
 
 namespace isoextract::mesh_io {
 namespace {
@@ -47,10 +47,10 @@ Result<void> check(std::size_t meshes, const fs::path& path, const MeshWriteOpti
     return fail(ErrorCode::usage, fmt::format("{}: the format {} cannot be text", path.string(), info.name),
                 {Remedy::set, Setting::mesh_format, names_of_formats(&MeshFormatInfo::has_ascii)});
   }
-  if (meshes != 1 && !info.holds_several_meshes) {
+  if (meshes != 1 && !info.can_hold_several_meshes) {
     return fail(ErrorCode::usage,
                 fmt::format("{}: the format {} holds one mesh, found {}", path.string(), info.name, meshes),
-                {Remedy::set, Setting::mesh_format, names_of_formats(&MeshFormatInfo::holds_several_meshes)});
+                {Remedy::set, Setting::mesh_format, names_of_formats(&MeshFormatInfo::can_hold_several_meshes)});
   }
   if (info.can_stream) return {};
   if (files::is_stream(path)) {
@@ -123,7 +123,7 @@ std::optional<MeshFormat> mesh_format_by_name(std::string_view name) {
 }
 
 std::optional<MeshFormat> mesh_format_by_path(const fs::path& path) {
-  const std::string extension = lower_case(path.extension().string());
+  const std::string extension = to_lower(path.extension().string());
   return extension.empty() ? std::nullopt : mesh_format_by_name(std::string_view(extension).substr(1));
 }
 
@@ -170,7 +170,7 @@ struct MeshWriter::State {
     return mesh_io::attempt(failure, context, path, std::move(step));
   }
 
-  [[nodiscard]] Result<void> keep_places(const mesh::Mesh& mesh);
+  [[nodiscard]] Result<void> check_vertex_precision(const mesh::Mesh& mesh);
   [[nodiscard]] Result<void> open();
   [[nodiscard]] Result<void> write(const mesh::Mesh& mesh);
   [[nodiscard]] Result<MeshWriteResult> finish(std::span<const mesh::Mesh> last);
@@ -178,8 +178,8 @@ struct MeshWriter::State {
 };
 
 // Fails if rounding would destroy the mesh; adds a note if triangles collapse.
-Result<void> MeshWriter::State::keep_places(const mesh::Mesh& mesh) {
-  const auto collapsed = check_places(mesh, path, options.format);
+Result<void> MeshWriter::State::check_vertex_precision(const mesh::Mesh& mesh) {
+  const auto collapsed = check_coordinate_rounding(mesh, path, options.format);
   if (!collapsed) return tl::unexpected<Error>(collapsed.error());
   if (*collapsed > 0) {
     notes.push_back(
@@ -266,7 +266,7 @@ MeshWriter::MeshWriter(const fs::path& path, const MeshWriteOptions& options, co
     state_->options.packing.compression = Compression::draco;
   }
   const MeshPacking& packing = state_->options.packing;
-  state_->holds = !mesh_format_info(options.format).writes_as_they_come || files::is_stream(path) ||
+  state_->holds = !mesh_format_info(options.format).writes_each_mesh_at_once || files::is_stream(path) ||
                   (packing.quantizes() && !packing.box);
 }
 
@@ -278,7 +278,7 @@ Result<void> MeshWriter::add(mesh::Mesh mesh) {
   State& state = *state_;
   return state.attempt([&]() -> Result<void> {
     TRY(check(++state.count, state.path, state.options));
-    TRY(state.keep_places(mesh));
+    TRY(state.check_vertex_precision(mesh));
     if (state.options.packing.optimize_order) {
       TRY(optimize_order(mesh, state.context));
     }
@@ -304,7 +304,7 @@ Result<MeshWriteResult> write_meshes(std::span<const mesh::Mesh> meshes, const f
   state.count = meshes.size();
   return state.attempt([&]() -> Result<MeshWriteResult> {
     for (const mesh::Mesh& mesh : meshes) {
-      TRY(state.keep_places(mesh));
+      TRY(state.check_vertex_precision(mesh));
     }
     return state.finish(meshes);
   });

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "base/context.hpp"
+#include "base/enum_words.hpp"
 #include "base/error.hpp"
-#include "base/words.hpp"
 #include "mesh/mesh.hpp"
 #include "mesh_io/mesh_packing.hpp"
 
@@ -32,14 +32,14 @@ constexpr auto words_of(MeshFormat /*type*/) {
 // Properties of a format; detection by extension, help and documentation use them.
 struct MeshFormatInfo {
   MeshFormat format;
-  std::string_view name;      // also the extension, without its dot
-  std::string_view title;     // "glTF 2.0, one binary file"
-  bool holds_several_meshes;  // several iso values can share one file
-  bool writes_as_they_come;   // writes each mesh at once; otherwise holds all until the end
-  bool can_stream;            // can be written to standard output
-  bool has_ascii;             // has a text form
-  bool has_attributes;        // can store vertex attributes besides position and normal
-  bool rounds_world;          // stores world positions in float32; otherwise a separate origin, or more digits
+  std::string_view name;          // also the extension, without its dot
+  std::string_view title;         // "glTF 2.0, one binary file"
+  bool can_hold_several_meshes;   // several iso values can share one file
+  bool writes_each_mesh_at_once;  // writes each mesh at once; otherwise holds all until the end
+  bool can_stream;                // can be written to standard output
+  bool has_ascii;                 // has a text form
+  bool has_attributes;            // can store vertex attributes besides position and normal
+  bool stores_float32_world;      // stores world positions in float32; otherwise a separate origin, or more digits
 };
 [[nodiscard]] std::span<const MeshFormatInfo> mesh_formats();
 // Returns ".glb, .gltf, .ply, .obj, .stl or .drc".
@@ -57,7 +57,7 @@ struct MeshWriteOptions {
   // The mesh has vertices at equal positions that exist only because their normals differ (mesh/shading_normals.hpp).
   // OBJ, whose corners have their own normals, writes each such position once. The other formats need one vertex per
   // normal.
-  bool copies_for_normals = false;
+  bool has_vertex_copies_for_normals = false;
   // The placement of the mesh, for programs that read the file: a JSON object in one line of ASCII, or empty. PLY and
   // OBJ store it as a comment, glTF in the extras of its asset, DRC in its metadata.
   // Binary STL stores it in its header of 80 bytes; if it is too long, the header only says that a placement exists.
@@ -85,8 +85,8 @@ struct MeshWriteResult {
 // Writes one file (for .gltf a pair of files) from meshes that are added one after another. Opens nothing before the
 // first mesh. finish() gives the file its name; a writer destroyed without finish() leaves no file behind.
 //
-// Formats with MeshFormatInfo::writes_as_they_come write each mesh in add() and free it. The others hold all meshes
-// until finish(): a GLB begins with the offsets of all its data, and a temporary copy would double the writing.
+// Formats with MeshFormatInfo::writes_each_mesh_at_once write each mesh in add() and free it. The others hold all
+// meshes until finish(): a GLB begins with the offsets of all its data, and a temporary copy would double the writing.
 // Meshes are also held for standard output, pipes and devices, which must get nothing if a later surface fails. They
 // are held, too, if positions are quantized and packing.box is unset, because the box around all of them is needed.
 class MeshWriter {
@@ -100,7 +100,7 @@ class MeshWriter {
   // ErrorCode::usage if the format cannot do what the options ask for.
   // Fails with ErrorCode::output if writing fails, if the mesh leaves the box of its packing, or if unpacking does not
   // reproduce it. Fails alike if rounding would destroy the mesh because it is far from the origin
-  // (write/written_places.hpp). After a failure every later call fails alike.
+  // (write/coordinate_rounding.hpp). After a failure every later call fails alike.
   [[nodiscard]] Result<void> add(mesh::Mesh mesh);
 
   // Completes the file and gives it its name. Call once, last.

@@ -37,7 +37,7 @@ std::vector<ParticleFormatDescription> particle_format_descriptions() {
 }
 
 bool has_particle_extension(const std::filesystem::path& path) {
-  std::string name = lower_case(path.filename().string());
+  std::string name = to_lower(path.filename().string());
   if (name.ends_with(".gz")) name.resize(name.size() - 3);
   const auto claims = [&](const std::string& extension) { return name.ends_with(extension); };
   return std::ranges::any_of(particle_formats(), [&](const ParticleFormat* format) {

@@ -19,8 +19,8 @@ struct ParticleReadOptions {
   std::optional<std::int64_t> frame;                  // for files with several frames, such as time steps; from 0
   bool all_attributes = false;                        // read every numeric attribute; otherwise only those named below
   std::vector<std::string> attributes;                // names of quantities (ParticleQuantity::name) or columns
-  std::vector<std::string> attributes_if_there = {};  // more names, ignored if missing
-  std::vector<std::string> first_of;                  // the first one that exists, as a scalar
+  std::vector<std::string> optional_attributes = {};  // more names, ignored if missing
+  std::vector<std::string> first_scalar_of;           // the first one that exists, as a scalar
   // The columns of x, y and z, by name or by number from 1. For formats with has_columns.
   std::optional<std::array<std::string, 3>> columns;
   std::optional<std::string> grid;  // name of a particle set, for formats with has_grids
@@ -36,7 +36,7 @@ struct ParticleFormatDescription {
   bool has_frames = false;                   // files may have several frames, selected by ParticleReadOptions::frame
   bool has_columns = false;                  // ParticleReadOptions::columns may select the columns of x, y and z
   bool has_grids = false;                    // files may have several named sets, selected by ParticleReadOptions::grid
-  bool known_by_name = false;                // the content of a file never proves that it is of this format
+  bool needs_extension = false;              // the content of a file never proves that it is of this format
   bool from_standard_input = true;
 };
 

@@ -12,8 +12,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/allocation_error.hpp"
 #include "base/ascii.hpp"
-#include "base/no_memory.hpp"
 #include "base/printable.hpp"
 #include "files/file_bytes.hpp"
 #include "particle_io/detail/particle_columns.hpp"
@@ -31,10 +31,10 @@ const ParticleFormat* particles_by_id(std::string_view id) {
 
 // If `only_tellable` is set, skips formats that their content would have identified.
 const ParticleFormat* particles_by_extension(const std::filesystem::path& path, bool only_tellable) {
-  std::string name = lower_case(path.filename().string());
+  std::string name = to_lower(path.filename().string());
   if (name.ends_with(".gz")) name.resize(name.size() - 3);
   for (const ParticleFormat* format : particle_formats()) {
-    if (only_tellable && !format->about().known_by_name) continue;
+    if (only_tellable && !format->about().needs_extension) continue;
     const auto claims = [&](const std::string& extension) { return name.ends_with(extension); };
     if (std::ranges::any_of(format->about().extensions, claims)) return format;
   }
@@ -71,7 +71,7 @@ const ParticleFormat* format_of(const files::InputFile& file, const ParticleRead
     hint += fmt::format("\n  {:<7} {} ({})", about.id, about.title, fmt::join(about.extensions, " "));
   }
   const auto content = must(files::first_bytes(file, 16));
-  throw DamagedParticles(
+  throw InvalidParticleFile(
       fmt::format("not a format of particles that isoextract reads; it starts with '{}'", printable(content, 16)),
       Hint(hint));
 }
@@ -97,16 +97,16 @@ void check_options(const files::InputFile& file, const ParticleFormatDescription
 template <class F>
 auto with_input(const std::string& input, const Context& context, F&& work)
     -> Result<decltype(work(std::declval<const files::InputFile&>()))> {
-  const std::string name = files::shown_input_name(input);
+  const std::string name = files::input_label(input);
   try {
     const auto file = must(files::InputFile::open(input, context));
     return work(file);
   } catch (const Refused& refused) {
     return tl::unexpected(refused.error);
-  } catch (const DamagedParticles& damaged) {
+  } catch (const InvalidParticleFile& damaged) {
     return fail(ErrorCode::input, fmt::format("{}: {}", name, damaged.what()), damaged.hint);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(name + ": not enough memory to read it"));
+    return tl::unexpected(allocation_error(name + ": not enough memory to read it"));
   } catch (const std::exception& error) {
     return fail(ErrorCode::input, fmt::format("{}: {}", name, error.what()));
   }
@@ -127,11 +127,12 @@ void complete(ParticleFile& read, const ParticleFormat& format, const files::Inp
 }  // namespace
 
 DescribedParticles ParticleFormat::describe(const files::InputFile& file, const ParticleReadOptions& options) const {
-  return describe_with(info(file, options), options, [&](const ParticleReadOptions& all) { return read(file, all); });
+  return describe_by_reading(info(file, options), options,
+                             [&](const ParticleReadOptions& all) { return read(file, all); });
 }
 
-DescribedParticles describe_with(ParticleInfo info, const ParticleReadOptions& options,
-                                 const std::function<ParticleFile(const ParticleReadOptions&)>& read) {
+DescribedParticles describe_by_reading(ParticleInfo info, const ParticleReadOptions& options,
+                                       const std::function<ParticleFile(const ParticleReadOptions&)>& read) {
   ParticleReadOptions all = options;
   if (info.frames > 1 && !all.frame) all.frame = 0;
   all.attributes.clear();
@@ -142,20 +143,20 @@ DescribedParticles describe_with(ParticleInfo info, const ParticleReadOptions& o
 std::uint64_t wanted_frame(const ParticleReadOptions& options) {
   const std::int64_t frame = options.frame.value_or(0);
   if (frame < 0) {
-    throw DamagedParticles(fmt::format("there is no frame {}; they are counted from 0", frame));
+    throw InvalidParticleFile(fmt::format("there is no frame {}; they are counted from 0", frame));
   }
   return static_cast<std::uint64_t>(frame);
 }
 
-void refuse_frame(const ParticleReadOptions& options, std::uint64_t frames) {
+void throw_frame_error(const ParticleReadOptions& options, std::uint64_t frames) {
   const std::string there_are = frames == 1
                                     ? "there is one frame in the file, 0"
                                     : fmt::format("there are {} frames in the file, from 0 to {}", frames, frames - 1);
   if (!options.frame)
-    throw DamagedParticles(there_are,
-                           {{Remedy::choose, Setting::volume},
-                            {Remedy::set, Setting::volume, "all to take each of them, which goes with one file"}});
-  throw DamagedParticles(fmt::format("there is no frame {}", *options.frame), there_are);
+    throw InvalidParticleFile(there_are,
+                              {{Remedy::choose, Setting::volume},
+                               {Remedy::set, Setting::volume, "all to take each of them, which goes with one file"}});
+  throw InvalidParticleFile(fmt::format("there is no frame {}", *options.frame), there_are);
 }
 
 Result<std::optional<ParticleFormatDescription>> detect_particles(const std::string& input,
@@ -168,8 +169,8 @@ Result<std::optional<ParticleFormatDescription>> detect_particles(const std::str
   });
 }
 
-Result<ParticleInfo> particle_info(const std::string& input, const ParticleReadOptions& options,
-                                   const Context& context) {
+Result<ParticleInfo> list_particles(const std::string& input, const ParticleReadOptions& options,
+                                    const Context& context) {
   return with_input(input, context, [&](const files::InputFile& file) {
     const ParticleFormat& format = checked_format(file, options);
     ParticleInfo info = format.info(file, options);

@@ -26,8 +26,8 @@ namespace isoextract::particle_io {
                                                                                 const Context& context);
 
 // Reads headers; reads text files completely if their header does not state their size.
-[[nodiscard]] Result<ParticleInfo> particle_info(const std::string& input, const ParticleReadOptions& options,
-                                                 const Context& context);
+[[nodiscard]] Result<ParticleInfo> list_particles(const std::string& input, const ParticleReadOptions& options,
+                                                  const Context& context);
 
 struct ParticleFile {
   points::ParticleSet particles;

@@ -40,7 +40,7 @@ Result<void> check_names(const std::string& file, const ParticleSet& particles) 
   }
   std::set<std::string, std::less<>> taken{"x", "y", "z", "pos", "position"};
   for (const ParticleAttribute& attribute : particles.attributes) {
-    if (!is_plain_name(attribute.name) || !taken.insert(lower_case(attribute.name)).second) {
+    if (!is_plain_name(attribute.name) || !taken.insert(to_lower(attribute.name)).second) {
       return fail(ErrorCode::output,
                   fmt::format("{}: expected a name of letters, digits and underscores that nothing else has, found the "
                               "attribute '{}'",
@@ -94,13 +94,13 @@ char* put_binary(char* out, const T* values, std::size_t count) {
 
 // Length of the longest numbers, "-2.2250738585072014e-308" and "-1.17549435e-38".
 template <class T>
-constexpr std::size_t kMostText = sizeof(T) == sizeof(double) ? 24 : 15;
+constexpr std::size_t kMaxText = sizeof(T) == sizeof(double) ? 24 : 15;
 
 // Adds a space after each number.
 template <class T>
 char* put_text(char* out, const T* values, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
-    out = std::to_chars(out, out + kMostText<T>, values[i]).ptr;
+    out = std::to_chars(out, out + kMaxText<T>, values[i]).ptr;
     *out++ = ' ';
   }
   return out;
@@ -135,7 +135,7 @@ Result<void> write_binary_rows(const ParticleSet& particles, files::OutputFile& 
 }
 
 Result<void> write_text_rows(const ParticleSet& particles, files::OutputFile& file) {
-  const std::size_t record = 3 * (kMostText<double> + 1) + floats_of(particles) * (kMostText<float> + 1);
+  const std::size_t record = 3 * (kMaxText<double> + 1) + floats_of(particles) * (kMaxText<float> + 1);
   // Replaces the last space of a line by its end.
   const auto end_line = [](char* at) {
     at[-1] = '\n';
@@ -149,7 +149,7 @@ Result<void> write_text_rows(const ParticleSet& particles, files::OutputFile& fi
 }  // namespace
 
 std::optional<ParticleFileFormat> particle_file_format_by_path(const std::filesystem::path& path) {
-  const std::string extension = lower_case(path.extension().string());
+  const std::string extension = to_lower(path.extension().string());
   for (const auto& entry : words_of(ParticleFileFormat{})) {
     if (extension.size() > 1 && extension.substr(1) == entry.word) return entry.value;
   }

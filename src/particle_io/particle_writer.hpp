@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <optional>
 
+#include "base/enum_words.hpp"
 #include "base/error.hpp"
-#include "base/words.hpp"
 #include "points/particle_set.hpp"
 
 namespace isoextract::particle_io {

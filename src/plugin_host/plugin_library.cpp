@@ -14,8 +14,8 @@
 #include <pthread.h>
 #include <sys/mman.h>
 
+#include "base/allocation_error.hpp"
 #include "base/byte_size.hpp"
-#include "base/no_memory.hpp"
 #include "base/printable.hpp"
 
 namespace isoextract::plugin_host {
@@ -120,7 +120,7 @@ tl::unexpected<Error> refuse(const std::string& input, const std::string& path, 
 
 // Address space needed to load OpenVDB's libraries, the largest of any plug-in here: 60 MiB of mappings and four
 // threads of log4cplus. log4cplus hangs or ends the process if it cannot start its threads.
-std::size_t room_to_load() {
+std::size_t address_space_to_load() {
   constexpr std::size_t kLibraries = std::size_t{72} << 20;
   constexpr std::size_t kThreads = 4;
   std::size_t stack = 0;
@@ -134,10 +134,10 @@ std::size_t room_to_load() {
 
 // Fails if the limited address space is too small, as libraries behave unpredictably then. A library that is loaded
 // already needs no room.
-tl::expected<void, sandbox::Refusal> check_room(const std::string& path) {
+tl::expected<void, sandbox::Refusal> check_address_space(const std::string& path) {
   const auto limit = address_space_limit();
   if (!limit || ::dlopen(path.c_str(), RTLD_NOW | RTLD_NOLOAD) != nullptr) return {};
-  const std::size_t needed = room_to_load();
+  const std::size_t needed = address_space_to_load();
   void* const room = ::mmap(nullptr, needed, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (room != MAP_FAILED) {
     ::munmap(room, needed);
@@ -147,7 +147,7 @@ tl::expected<void, sandbox::Refusal> check_room(const std::string& path) {
       fmt::format("is not loaded: it may take {} of address space, and less than that is left of the {} that the "
                   "process is limited to",
                   format_byte_size(needed), format_byte_size(*limit)),
-      kRaiseAddressSpace});
+      kRaiseAddressSpaceHint});
 }
 
 }  // namespace
@@ -162,13 +162,14 @@ Result<const void*> PluginLibrary::opened(const std::string& input) const {
   return plugin_;
 }
 
-Result<sandbox::Workers::Started> PluginLibrary::start_worker(const std::string& input, const sandbox::Limits& limits,
-                                                              const Context& context) const {
+Result<sandbox::WorkerPool::Started> PluginLibrary::start_worker(const std::string& input,
+                                                                 const sandbox::Limits& limits,
+                                                                 const Context& context) const {
   const auto path = TRY(found(input));
   {
     const std::scoped_lock lock(mutex_);
     if (workers_ == nullptr) {
-      workers_ = std::make_unique<sandbox::Workers>(std::vector<std::string>{kind_.function, id_, path});
+      workers_ = std::make_unique<sandbox::WorkerPool>(std::vector<std::string>{kind_.function, id_, path});
     }
   }
   auto started = workers_->start(limits, context);
@@ -179,7 +180,7 @@ Result<sandbox::Workers::Started> PluginLibrary::start_worker(const std::string&
 tl::expected<const void*, sandbox::Refusal> open_plugin(const PluginKind& kind, const std::string& id,
                                                         const std::string& path) {
   const auto wrong = [](std::string why) { return tl::unexpected(sandbox::Refusal{std::move(why), {}}); };
-  TRY(check_room(path));
+  TRY(check_address_space(path));
   // Never closed: its results may outlive the format, and many libraries do not support being unloaded.
   void* library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) return wrong(fmt::format("cannot be opened: {}", ::dlerror()));

@@ -61,8 +61,9 @@ class PluginLibrary {
 
   // Starts a worker that reads `input` with the plug-in (plugin_worker.hpp); its greeting is the plug-in's name of the
   // format. Fails for the same reasons, and if no process can be started.
-  [[nodiscard]] Result<sandbox::Workers::Started> start_worker(const std::string& input, const sandbox::Limits& limits,
-                                                               const Context& context) const;
+  [[nodiscard]] Result<sandbox::WorkerPool::Started> start_worker(const std::string& input,
+                                                                  const sandbox::Limits& limits,
+                                                                  const Context& context) const;
 
  private:
   [[nodiscard]] Result<std::string> found(const std::string& input) const;
@@ -72,7 +73,7 @@ class PluginLibrary {
   PluginFolders folders_;
   mutable std::mutex mutex_;
   mutable const void* plugin_ = nullptr;
-  mutable std::unique_ptr<sandbox::Workers> workers_;
+  mutable std::unique_ptr<sandbox::WorkerPool> workers_;
 };
 
 }  // namespace isoextract::plugin_host

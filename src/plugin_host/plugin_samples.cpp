@@ -114,7 +114,7 @@ void PluginMemory::release(std::uint64_t bytes) {
   }
 }
 
-Error PluginMemory::failure_or(Error otherwise) const {
+Error PluginMemory::refusal_or(Error otherwise) const {
   if (auto going_on = context_.check(); !going_on) return going_on.error();
   const std::scoped_lock lock(mutex_);
   return refusal_.value_or(std::move(otherwise));

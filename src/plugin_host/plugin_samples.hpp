@@ -47,7 +47,7 @@ class PluginMemory {
 
   // Returns the refusal or cancellation that made the call fail, if any; else `otherwise`, the fault of the plug-in or
   // its input.
-  [[nodiscard]] Error failure_or(Error otherwise) const;
+  [[nodiscard]] Error refusal_or(Error otherwise) const;
 
  private:
   bool reserve(std::uint64_t bytes);

@@ -19,8 +19,8 @@ namespace isoextract::points {
 namespace {
 
 // Returns the attribute of each spot: the mean over its particles.
-Result<std::shared_ptr<ReservedBuffer<float>>> spot_means(const CellGrid& grid, const ParticleAttribute& attribute,
-                                                          const Context& context, const std::string& what) {
+Result<std::shared_ptr<ReservedBuffer<float>>> average_by_spot(const CellGrid& grid, const ParticleAttribute& attribute,
+                                                               const Context& context, const std::string& what) {
   auto made = make_reserved_buffer<float>(grid.size() * attribute.components, context, what);
   if (!made) return made;
   for_each_range(grid.size(), 1024, [&](std::size_t begin, std::size_t end) {
@@ -89,16 +89,16 @@ Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::s
                 fmt::format("{}: the particles lie too far apart for kernels that reach {}", particles.label, support));
   }
   auto grid = TRY(CellGrid::make(positions, frame, 1, CellGrid::Coinciding::merged, context, particles.label));
-  auto densities = TRY(measure_density(grid, 1, context, particles.label));
+  auto densities = TRY(compute_spot_densities(grid, 1, context, particles.label));
   std::vector<std::shared_ptr<ReservedBuffer<float>>> means;
   for (const std::size_t a : attributes) {
-    auto made = TRY(spot_means(grid, particles.attributes[a], context, what));
+    auto made = TRY(average_by_spot(grid, particles.attributes[a], context, what));
     means.push_back(std::move(made));
   }
   auto flags = TRY(make_reserved_buffer<std::uint8_t>(vertices.size(), context, what));
 
   context.progress().begin("sampling attributes", vertices.size());
-  std::atomic<std::uint64_t> out_of_reach{0};
+  std::atomic<std::uint64_t> vertices_beyond_kernels{0};
   for_each_range(vertices.size(), 512, [&](std::size_t begin, std::size_t end) {
     if (context.cancelled()) return;
     std::vector<double> sums(components);
@@ -121,7 +121,7 @@ Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::s
         });
       }
       flags->values[v] = static_cast<std::uint8_t>(total == 0);
-      if (total == 0) out_of_reach.fetch_add(1, std::memory_order_relaxed);
+      if (total == 0) vertices_beyond_kernels.fetch_add(1, std::memory_order_relaxed);
       const double* sum = sums.data();
       for (SampledAttribute& attribute : result.attributes) {
         for (std::size_t c = 0; c < attribute.components; ++c) {
@@ -132,8 +132,8 @@ Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::s
     context.progress().advance(end - begin);
   });
   TRY(context.check());
-  result.out_of_reach = out_of_reach.load();
-  if (result.out_of_reach == 0) return result;
+  result.vertices_beyond_kernels = vertices_beyond_kernels.load();
+  if (result.vertices_beyond_kernels == 0) return result;
 
   auto tree = TRY(NearestTree::make(positions, context, particles.label));
   for_each_range(vertices.size(), 512, [&](std::size_t begin, std::size_t end) {

@@ -24,7 +24,8 @@ struct SampledAttribute {
 
 struct SampledAttributes {
   std::vector<SampledAttribute> attributes;
-  std::uint64_t out_of_reach = 0;  // vertices outside every kernel; they get the values of the nearest particle
+  std::uint64_t vertices_beyond_kernels =
+      0;  // vertices outside every kernel; they get the values of the nearest particle
   Reservation memory;
 };
 

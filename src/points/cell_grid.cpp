@@ -37,7 +37,7 @@ glm::ivec3 cell_of(const CellKey& key) {
 bool same_cell(const CellKey& a, const CellKey& b) { return a.xy == b.xy && a.z_index >> 32 == b.z_index >> 32; }
 
 // In cells with more points than this, coincident points are sorted together.
-constexpr std::size_t kCrowd = 32;
+constexpr std::size_t kMaxUnsortedCell = 32;
 
 bool placed_before(const glm::dvec3& a, const glm::dvec3& b) {
   if (a.x != b.x) return a.x < b.x;
@@ -98,7 +98,7 @@ Result<CellGrid> CellGrid::make(std::span<const glm::dvec3> points, const GridFr
       for (std::size_t k = first; k != last; ++k) {
         grid.order_[k] = static_cast<std::uint32_t>(keys[k].z_index & 0xFFFFFFFFU);
       }
-      if (coinciding == Coinciding::merged && last - first > kCrowd) {
+      if (coinciding == Coinciding::merged && last - first > kMaxUnsortedCell) {
         tbb::parallel_sort(grid.order_.begin() + first, grid.order_.begin() + last,
                            [&](std::uint32_t a, std::uint32_t b) {
                              const glm::dvec3& p = points[a];

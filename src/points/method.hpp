@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <string_view>
 
-#include "base/words.hpp"
+#include "base/enum_words.hpp"
 #include "field/scalar_field.hpp"
 
 namespace isoextract::points {
@@ -72,7 +72,7 @@ inline constexpr std::array kMethods{
 };
 
 // Smallest radius in samples: OpenVDB omits smaller particles, as a sphere below 1.5 samples can fall between samples.
-inline constexpr double kLeastSphere = 1.5;
+inline constexpr double kMinSphereRadius = 1.5;
 
 [[nodiscard]] constexpr const MethodInfo& method_info(Method method) {
   return kMethods[static_cast<std::size_t>(method)];
@@ -94,12 +94,12 @@ constexpr auto words_of(Deposit /*type*/) {
 }
 
 // Treatment of particles with a non-finite position.
-enum class BadParticles {
+enum class NonFiniteParticles {
   error,  // fails with ErrorCode::input; the message names the first one
   skip,   // drops and counts them
 };
-constexpr auto words_of(BadParticles /*type*/) {
-  return std::array{Word{BadParticles::error, "error"}, Word{BadParticles::skip, "skip"}};
+constexpr auto words_of(NonFiniteParticles /*type*/) {
+  return std::array{Word{NonFiniteParticles::error, "error"}, Word{NonFiniteParticles::skip, "skip"}};
 }
 
 }  // namespace isoextract::points

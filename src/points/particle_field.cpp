@@ -11,7 +11,7 @@
 #include "points/detail/anisotropy.hpp"
 #include "points/detail/field_lengths.hpp"
 #include "points/detail/kernel_bricks.hpp"
-#include "points/detail/near_spots.hpp"
+#include "points/detail/neighbor_batches.hpp"
 #include "points/detail/sparse_bricks.hpp"
 #include "points/detail/spot_density.hpp"
 #include "points/detail/weight_bricks.hpp"
@@ -24,7 +24,7 @@ constexpr double kBrickSide = field::SparseBlock::kSize;
 constexpr double kInside = 1;  // value of tiles: about the value of the field within the liquid
 // Limit of the average number of particles within a kernel's reach, so that run time is linear in their number.
 // Touching particles with the usual kernel width have 216, with anisotropic kernels 1000.
-constexpr std::uint64_t kMostNear = 32768;
+constexpr std::uint64_t kMaxNeighbors = 32768;
 
 Result<void> check_positive(double value, const char* what) {
   if (std::isfinite(value) && value > 0) return {};
@@ -34,7 +34,7 @@ Result<void> check_positive(double value, const char* what) {
 // Returns the mapping from world to index coordinates, (p - origin) / unit; its origin is a multiple of the brick size.
 Result<GridFrame> index_frame(const ParticleSet& particles, const ParticleBounds& bounds, double spacing,
                               double reach) {
-  const glm::dvec3 centre = bounds.box.min / 2.0 + bounds.box.max / 2.0;
+  const glm::dvec3 center = bounds.box.min / 2.0 + bounds.box.max / 2.0;
   const glm::dvec3 half = bounds.box.max / 2.0 - bounds.box.min / 2.0;
   const double half_size = std::max({half.x, half.y, half.z});
   const glm::dvec3 far = glm::max(glm::abs(bounds.box.min), glm::abs(bounds.box.max));
@@ -53,31 +53,32 @@ Result<GridFrame> index_frame(const ParticleSet& particles, const ParticleBounds
                             particles.label, farthest, spacing),
                 Hint("positions nearer to 0 would do"));
   }
-  return GridFrame{glm::round(centre / (kBrickSide * spacing)) * (kBrickSide * spacing), spacing};
+  return GridFrame{glm::round(center / (kBrickSide * spacing)) * (kBrickSide * spacing), spacing};
 }
 
 // Fails if the radius is so large relative to the particle distances that nearly all kernels overlap.
 Result<void> check_crowding(const ParticleSet& particles, const CellGrid& grid, const FieldOptions& options,
-                            const FieldFigures& figures, const Context& context) {
+                            const ParticleFieldStatistics& figures, const Context& context) {
   const bool is_anisotropic = options.method == Method::anisotropic;
-  const double widening = is_anisotropic ? std::max(1.0, options.anisotropy.neighbourhood) : 1;
-  const std::uint64_t most = kMostNear * grid.size();
-  if (count_near_pairs(grid, widening * figures.support / figures.spacing, most) <= most) return {};
+  const double widening = is_anisotropic ? std::max(1.0, options.anisotropy.neighborhood) : 1;
+  const std::uint64_t most = kMaxNeighbors * grid.size();
+  if (count_neighbor_pairs(grid, widening * figures.support / figures.spacing, most) <= most) return {};
   const auto statistics = TRY(measure_statistics(particles, context));
   const std::optional<double> usual = statistics.suggested_radius();
-  return fail(ErrorCode::input,
-              fmt::format("{}: a particle radius of {:.6g}, whose neighbours are up to {:.6g} away, gives each of {} "
-                          "particles more than {} neighbours on average; expected at most that many",
-                          particles.label, figures.radius, widening * figures.support, figures.particles, kMostNear),
-              Hint(Remedy::give, Setting::radius,
-                   usual ? fmt::format("{:.6g} is half the median distance to the nearest particle", *usual) : ""));
+  return fail(
+      ErrorCode::input,
+      fmt::format("{}: a particle radius of {:.6g}, whose neighbours are up to {:.6g} away, gives each of {} "
+                  "particles more than {} neighbours on average; expected at most that many",
+                  particles.label, figures.radius, widening * figures.support, figures.particles, kMaxNeighbors),
+      Hint(Remedy::give, Setting::radius,
+           usual ? fmt::format("{:.6g} is half the median distance to the nearest particle", *usual) : ""));
 }
 
 Result<field::SparseSamples> sum_kernels(const CellGrid& grid, double support, const FieldOptions& options,
                                          BrickCounts& counts, const Context& context, const std::string& label) {
-  auto densities = TRY(measure_density(grid, support, context, label));
+  auto densities = TRY(compute_spot_densities(grid, support, context, label));
   float* const values = densities->values.data();
-  std::optional<double> iso = options.leave_out_inside;
+  std::optional<double> iso = options.tile_iso;
   if (iso && *iso >= kInside) iso.reset();
   if (options.method == Method::anisotropic) {
     auto kernels = TRY(make_anisotropic_kernels(grid, support, values, options.anisotropy, context, label));
@@ -106,7 +107,7 @@ Result<void> check_options(const FieldOptions& options) {
         std::pair(options.cell_size.value_or(1), "a cell size in radii"),
         std::pair(options.spacing.value_or(1), "a spacing of the samples"),
         std::pair(options.smoothing_length, "a smoothing length in radii"), std::pair(options.weight, "a weight"),
-        std::pair(anisotropy.neighbourhood, "a radius of the neighbourhood in supports"),
+        std::pair(anisotropy.neighborhood, "a radius of the neighbourhood in supports"),
         std::pair(anisotropy.k_s, "a scale k_s of anisotropic kernels"),
         std::pair(anisotropy.k_n, "a scale k_n of kernels with few neighbours")}) {
     TRY(check_positive(value, what));
@@ -123,8 +124,8 @@ Result<void> check_options(const FieldOptions& options) {
     return fail(ErrorCode::usage,
                 fmt::format("expected a number of neighbours that are few from 0 on, found {}", anisotropy.few));
   }
-  if (options.leave_out_inside && !std::isfinite(*options.leave_out_inside)) {
-    return fail(ErrorCode::usage, fmt::format("expected a finite iso value, found {}", *options.leave_out_inside));
+  if (options.tile_iso && !std::isfinite(*options.tile_iso)) {
+    return fail(ErrorCode::usage, fmt::format("expected a finite iso value, found {}", *options.tile_iso));
   }
   return {};
 }
@@ -137,9 +138,9 @@ Result<ParticleField> make_field(const ParticleSet& particles, const FieldOption
                                               particles.label, method_info(options.method).title));
   }
   const ParticleBounds bounds = measure_bounds(positions);
-  TRY(check_places(particles, bounds, options.bad));
+  TRY(check_coordinate_rounding(particles, bounds, options.bad));
   ParticleField result;
-  FieldFigures& figures = result.figures;
+  ParticleFieldStatistics& figures = result.figures;
   figures.particles = bounds.finite;
   figures.particles_dropped = bounds.not_finite;
   result.field.name = particles.label;
@@ -149,7 +150,7 @@ Result<ParticleField> make_field(const ParticleSet& particles, const FieldOption
     result.field.samples = field::SparseSamples{};
     return result;
   }
-  TRY(settle_lengths(particles, options, figures, context));
+  TRY(resolve_lengths(particles, options, figures, context));
   const double support = figures.support / figures.spacing;
   const bool weighs = options.method == Method::weight;
   auto frame = TRY(index_frame(particles, bounds, figures.spacing, weighs ? 1 : support));
@@ -163,8 +164,8 @@ Result<ParticleField> make_field(const ParticleSet& particles, const FieldOption
                                           counts, context, particles.label)
                             : sum_kernels(grid, support, options, counts, context, particles.label));
   figures.bricks_stored = counts.bricks_stored;
-  figures.bricks_inside = counts.bricks_inside;
-  figures.particles_left_out = counts.particles_left_out;
+  figures.inside_tiles = counts.inside_tiles;
+  figures.particles_deep_inside = counts.particles_deep_inside;
   result.field.index_to_world = {glm::dmat3(figures.spacing), frame.origin};
   result.field.samples = std::move(samples);
   return result;

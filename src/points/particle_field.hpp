@@ -24,12 +24,12 @@ namespace isoextract::points {
 
 // Parameters of Method::anisotropic, named as by Yu and Turk; see make_anisotropic_kernels() for the equations.
 struct AnisotropyOptions {
-  double neighbourhood = 2;  // above 0: radius within which neighbors count, in kernel supports
-  double lambda = 0.9;       // 0 to 1: how far kernel centers move toward the mean of their neighbors
-  double k_r = 4;            // at least 1: largest ratio of two axes of a kernel
-  double k_s = 1;            // above 0: axis length in the interior, in supports
-  double k_n = 0.5;          // above 0: axis length where there are few neighbors, in supports
-  int few = 25;              // N_eps: a particle with at most this many neighbors has few
+  double neighborhood = 2;  // above 0: radius within which neighbors count, in kernel supports
+  double lambda = 0.9;      // 0 to 1: how far kernel centers move toward the mean of their neighbors
+  double k_r = 4;           // at least 1: largest ratio of two axes of a kernel
+  double k_s = 1;           // above 0: axis length in the interior, in supports
+  double k_n = 0.5;         // above 0: axis length where there are few neighbors, in supports
+  int few = 25;             // N_eps: a particle with at most this many neighbors has few
 
   friend bool operator==(const AnisotropyOptions&, const AnisotropyOptions&) = default;
 };
@@ -50,26 +50,26 @@ struct FieldOptions {
   double weight = 0.1;          // weight: contribution of a particle
   Deposit deposit = Deposit::trilinear;
   AnisotropyOptions anisotropy;
-  BadParticles bad = BadParticles::error;
+  NonFiniteParticles bad = NonFiniteParticles::error;
 
   // The iso value of the later extraction. If given, bricks proved to be deep inside are replaced by tiles of value 1;
   // the surface at this iso value stays bit-identical. Do not set it if the field is resampled, coarsened or extracted
   // at another iso value. Has no effect for Method::weight and for iso values of 1 and above.
-  std::optional<double> leave_out_inside;
+  std::optional<double> tile_iso;
 
   friend bool operator==(const FieldOptions&, const FieldOptions&) = default;
 };
 
-struct FieldFigures {
-  std::uint64_t particles = 0;           // particles that contribute to the field
-  std::uint64_t particles_dropped = 0;   // particles with a non-finite position (BadParticles::skip)
-  std::uint64_t particles_left_out = 0;  // particles too deep inside to reach a stored brick; see leave_out_inside
+struct ParticleFieldStatistics {
+  std::uint64_t particles = 0;              // particles that contribute to the field
+  std::uint64_t particles_dropped = 0;      // particles with a non-finite position (NonFiniteParticles::skip)
+  std::uint64_t particles_deep_inside = 0;  // particles too deep inside to reach a stored brick; see tile_iso
   std::uint64_t bricks_stored = 0;
-  std::uint64_t bricks_inside = 0;  // tiles that replace bricks
-  double radius = 0;                // particle radius in world units; 0 without particles
-  bool radius_suggested = false;    // true if derived from the particle distances
-  double spacing = 0;               // world units
-  double support = 0;               // support of the kernel in world units; 0 for weight and spheres
+  std::uint64_t inside_tiles = 0;  // tiles that replace bricks
+  double radius = 0;               // particle radius in world units; 0 without particles
+  bool radius_suggested = false;   // true if derived from the particle distances
+  double spacing = 0;              // world units
+  double support = 0;              // support of the kernel in world units; 0 for weight and spheres
 
   // Level sets only:
   std::string radius_attribute;           // attribute with the radius of each particle, of which `radius` is the
@@ -79,14 +79,14 @@ struct FieldFigures {
 
 struct ParticleField {
   field::ScalarField field;  // has the particles' name and the format "particles"
-  FieldFigures figures;
+  ParticleFieldStatistics figures;
 };
 
 // check_options() fails with ErrorCode::usage if an option is out of range, and names the expected range.
 //
 // make_field() computes the density methods of method.hpp. It fails with ErrorCode::usage for other methods and as
 // check_options() does. It fails with ErrorCode::input
-// - if a position is not finite (BadParticles::error),
+// - if a position is not finite (NonFiniteParticles::error),
 // - if no radius is given and none can be derived,
 // - if particles are too far apart or too far from 0 for the spacing,
 // - if memory does not suffice.

@@ -78,7 +78,7 @@ Result<ParticleStatistics> measure_statistics(const ParticleSet& particles, cons
   std::erase_if(distances, [](double d) { return !std::isfinite(d); });
   if (distances.empty()) return statistics;
   const auto [least, most] = std::ranges::minmax(distances);
-  statistics.neighbours = NeighbourDistances{distances.size(), least, median(std::move(distances)), most};
+  statistics.neighbors = NeighborDistances{distances.size(), least, median(std::move(distances)), most};
   return statistics;
 }
 

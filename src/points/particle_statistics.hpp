@@ -26,7 +26,7 @@ struct ParticleBounds {
 [[nodiscard]] ParticleBounds measure_bounds(std::span<const glm::dvec3> positions);
 
 // Distances from particles to their nearest neighbor at a different position, in world units.
-struct NeighbourDistances {
+struct NeighborDistances {
   std::uint64_t asked = 0;  // number of particles measured: all up to 2^16, else 2^16 of them, evenly spaced by index
   double min = 0;
   double median = 0;
@@ -35,12 +35,12 @@ struct NeighbourDistances {
 
 struct ParticleStatistics {
   ParticleBounds bounds;
-  std::optional<NeighbourDistances> neighbours;  // empty unless two particles differ in position
+  std::optional<NeighborDistances> neighbors;  // empty unless two particles differ in position
 
   // Returns half the median distance: the radius of touching particles on a lattice.
   [[nodiscard]] std::optional<double> suggested_radius() const {
-    if (!neighbours) return std::nullopt;
-    return neighbours->median / 2;
+    if (!neighbors) return std::nullopt;
+    return neighbors->median / 2;
   }
 };
 

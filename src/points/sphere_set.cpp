@@ -66,9 +66,9 @@ Result<std::shared_ptr<const ParticleSet>> finite_ones(const ParticleSet& partic
 Result<SphereSet> make_spheres(const ParticleSet& particles, const FieldOptions& options, const Context& context) {
   TRY(check_options(options));
   const ParticleBounds bounds = measure_bounds(particles.positions.span());
-  TRY(check_places(particles, bounds, options.bad));
+  TRY(check_coordinate_rounding(particles, bounds, options.bad));
   SphereSet spheres(particles);
-  FieldFigures& figures = spheres.figures_;
+  ParticleFieldStatistics& figures = spheres.figures_;
   figures.particles = bounds.finite;
   figures.particles_dropped = bounds.not_finite;
   if (bounds.not_finite > 0) {
@@ -82,7 +82,7 @@ Result<SphereSet> make_spheres(const ParticleSet& particles, const FieldOptions&
     spheres.radii_ = radii->values.span();
     spheres.kept_radii_ = std::move(radii);
   }
-  TRY(settle_lengths(particles, options, figures, context));
+  TRY(resolve_lengths(particles, options, figures, context));
   return spheres;
 }
 

@@ -23,10 +23,10 @@ class SphereSet {
  public:
   // Returns the particles at finite positions.
   [[nodiscard]] const ParticleSet& particles() const { return kept_ ? *kept_ : *all_; }
-  // Returns one radius per particle; empty if all have FieldFigures::radius.
+  // Returns one radius per particle; empty if all have ParticleFieldStatistics::radius.
   [[nodiscard]] std::span<const float> radii() const { return radii_; }
   // Returns the figures known before the field exists: without bricks and without particles that are too small.
-  [[nodiscard]] const FieldFigures& figures() const { return figures_; }
+  [[nodiscard]] const ParticleFieldStatistics& figures() const { return figures_; }
 
  private:
   friend Result<SphereSet> make_spheres(const ParticleSet&, const FieldOptions&, const Context&);
@@ -36,7 +36,7 @@ class SphereSet {
   std::shared_ptr<const ParticleSet> kept_;  // set if particles were dropped
   std::shared_ptr<const ReservedBuffer<float>> kept_radii_;
   std::span<const float> radii_;
-  FieldFigures figures_;
+  ParticleFieldStatistics figures_;
 };
 
 // Takes the radii from FieldOptions::radius, else from an attribute of kRadiusAttributes, else from the particle

@@ -61,22 +61,22 @@ glm::dmat3 Camera::rotation() const {
   return glm::transpose(glm::dmat3(right, glm::cross(right, forward), -forward));
 }
 
-field::Affine Camera::view_of_world() const {
+field::Affine Camera::view_from_world() const {
   const glm::dmat3 turned = rotation() / unit();
   return {turned, -(turned * eye)};
 }
 
-field::Affine Camera::world_of_view() const { return {glm::transpose(rotation()) * unit(), eye}; }
+field::Affine Camera::world_from_view() const { return {glm::transpose(rotation()) * unit(), eye}; }
 
-glm::dmat4 Camera::clip_of_view(const PictureSize& size) const {
+glm::dmat4 Camera::clip_from_view(const PictureSize& size) const {
   return glm::perspective(fovy, aspect_of(size), near_depth / unit(), far_depth / unit());
 }
 
-glm::dmat4 Camera::clip_of_world(const PictureSize& size) const {
-  const field::Affine view = view_of_world();
+glm::dmat4 Camera::clip_from_world(const PictureSize& size) const {
+  const field::Affine view = view_from_world();
   glm::dmat4 placed(view.linear);
   placed[3] = glm::dvec4(view.offset, 1);
-  return clip_of_view(size) * placed;
+  return clip_from_view(size) * placed;
 }
 
 glm::dvec3 direction_through(const Camera& camera, const PictureSize& size, double x, double y) {
@@ -88,7 +88,7 @@ PixelBox pixels_of(const Camera& camera, const PictureSize& size, const field::A
   const glm::dvec2 whole(size.width, size.height);
   const double half = std::tan(camera.fovy / 2);
   const glm::dvec2 scale = whole / (2 * half * glm::dvec2(aspect_of(size), 1));
-  const field::Affine view = camera.view_of_world().after(map);
+  const field::Affine view = camera.view_from_world().after(map);
   const double nearest = camera.near_depth / camera.unit();
   glm::dvec2 low(std::numeric_limits<double>::infinity());
   glm::dvec2 high = -low;
@@ -140,7 +140,7 @@ Result<ViewAngles> parse_view_angles(std::string_view words) {
   return angles;
 }
 
-Camera framing(const field::Box& box, const ViewAngles& angles, UpAxis up, const PictureSize& size, double fovy) {
+Camera frame_box(const field::Box& box, const ViewAngles& angles, UpAxis up, const PictureSize& size, double fovy) {
   const auto [upwards, front, side] = axes_of(up);
   const double azimuth = angles.azimuth * kDegree;
   const double elevation = angles.elevation * kDegree;

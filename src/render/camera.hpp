@@ -5,7 +5,7 @@
 // every ray. The distance between two depths on a ray is their difference times length(direction).
 //
 // Scenes may have any size, so renderers compute in view coordinates divided by unit(), the distance from eye to target
-// (view_of_world(), clip_of_view(), direction_through()). Depths of pictures are in world units.
+// (view_from_world(), clip_from_view(), direction_through()). Depths of pictures are in world units.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@
 
 #include <glm/glm.hpp>
 
+#include "base/enum_words.hpp"
 #include "base/error.hpp"
-#include "base/words.hpp"
 #include "field/affine.hpp"
 
 namespace isoextract::render {
@@ -50,13 +50,13 @@ struct Camera {
   [[nodiscard]] glm::dmat3 rotation() const;
   // Returns the map from world space to view space in units of unit(). For a mesh far from the world's origin, apply it
   // to mesh.origin in double, and rotation() / unit() to the float positions.
-  [[nodiscard]] field::Affine view_of_world() const;
-  [[nodiscard]] field::Affine world_of_view() const;
+  [[nodiscard]] field::Affine view_from_world() const;
+  [[nodiscard]] field::Affine world_from_view() const;
   // Returns the map from view space in units to OpenGL's clip space (z / w is -1 at near and 1 at far; w is the depth
   // in units).
-  [[nodiscard]] glm::dmat4 clip_of_view(const PictureSize& size) const;
+  [[nodiscard]] glm::dmat4 clip_from_view(const PictureSize& size) const;
   // Returns the map from world to clip space: the product of glm::perspective and glm::lookAt.
-  [[nodiscard]] glm::dmat4 clip_of_world(const PictureSize& size) const;
+  [[nodiscard]] glm::dmat4 clip_from_world(const PictureSize& size) const;
 };
 
 // Returns the direction in view space through picture position (x, y), with z = -1. Positions are in pixels from the
@@ -106,7 +106,7 @@ constexpr auto words_of(UpAxis /*type*/) {
 // Without a distance, the sphere around the target that contains the box fits into the narrower side of the picture. A
 // box of one point is seen from a distance of 1.
 // Near and far enclose that sphere, as far as it is in front of the eye.
-[[nodiscard]] Camera framing(const field::Box& box, const ViewAngles& angles, UpAxis up, const PictureSize& size,
-                             double fovy = Camera::kDefaultFovy);
+[[nodiscard]] Camera frame_box(const field::Box& box, const ViewAngles& angles, UpAxis up, const PictureSize& size,
+                               double fovy = Camera::kDefaultFovy);
 
 }  // namespace isoextract::render

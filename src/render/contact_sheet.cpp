@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kGap = 4;          // pixels between pictures and around them
 constexpr double kAspect = 1.6;  // approximate width / height of the sheet
-constexpr glm::vec3 kPaper{1.0F};
+constexpr glm::vec3 kSheetColor{1.0F};
 
 int dot_of(const PictureSize& cell) { return std::max(1, cell.height / 160); }
 
@@ -39,7 +39,7 @@ Result<ContactSheet> ContactSheet::create(const PictureSize& cell, std::size_t c
   Picture& picture = sheet.picture_;
   std::ranges::fill(picture.depth, std::numeric_limits<float>::infinity());
   std::ranges::fill(picture.normals, glm::vec3(0.0F));
-  fill_box(picture, {0, 0}, {picture.width, picture.height}, kPaper);
+  fill_box(picture, {0, 0}, {picture.width, picture.height}, kSheetColor);
   return sheet;
 }
 
@@ -49,12 +49,12 @@ void ContactSheet::place(std::size_t n, const Picture& picture, std::string_view
   const glm::ivec2 corner{kGap + static_cast<int>(n % columns) * (cell_.width + kGap),
                           kGap + static_cast<int>(n / columns) * (cell_.height + kGap + label_height)};
   for (int y = 0; y < picture.height; ++y) {
-    const auto* const row = picture.colour.begin() + static_cast<std::ptrdiff_t>(y) * picture.width;
+    const auto* const row = picture.color.begin() + static_cast<std::ptrdiff_t>(y) * picture.width;
     std::copy_n(row, picture.width,
-                picture_.colour.begin() + static_cast<std::ptrdiff_t>(corner.y + y) * picture_.width + corner.x);
+                picture_.color.begin() + static_cast<std::ptrdiff_t>(corner.y + y) * picture_.width + corner.x);
   }
   const auto fits = static_cast<std::size_t>(std::max(0, cell_.width / text_size("0", label_dot_).x));
-  draw_text(picture_, {corner.x, corner.y + cell_.height}, label.substr(0, fits), label_dot_, kInk);
+  draw_text(picture_, {corner.x, corner.y + cell_.height}, label.substr(0, fits), label_dot_, kTextColor);
 }
 
 }  // namespace isoextract::render

@@ -74,8 +74,8 @@ class CpuRenderer : public Renderer {
     if (scene.volume != nullptr) {
       const bool keeps = scene.volume == to_keep_;
       std::unique_ptr<PreparedVolume>& prepared = keeps ? kept_ : own;
-      rendered.volume_kept = prepared != nullptr && prepared->bricks.has_value() == options.empty_space_skipping;
-      if (!rendered.volume_kept) {
+      rendered.reused_volume = prepared != nullptr && prepared->bricks.has_value() == options.empty_space_skipping;
+      if (!rendered.reused_volume) {
         prepared.reset();
         prepared = TRY(PreparedVolume::make(*scene.volume, options.empty_space_skipping, context));
       }
@@ -83,12 +83,12 @@ class CpuRenderer : public Renderer {
       if (prepared->bricks) {
         volume.bricks = &*prepared->bricks;
         rendered.statistics.bricks = prepared->bricks->count();
-        rendered.statistics.bricks_skipped = prepared->bricks->count_unseen();
+        rendered.statistics.bricks_skipped = prepared->bricks->count_invisible();
       }
       const field::Affine index_of_world = scene.volume->index_to_world.inverse();
-      volume.box = *box_of_volume(*scene.volume->field);
+      volume.box = *volume_box(*scene.volume->field);
       volume.eye = index_of_world(camera.eye);
-      volume.index_of_view = index_of_world.linear * camera.world_of_view().linear;
+      volume.index_of_view = index_of_world.linear * camera.world_from_view().linear;
       volume.unit = camera.unit();
       volume.step = step_of(*scene.volume, options);
       volume.per_length = 1 / scene.volume->unit_length;
@@ -156,7 +156,7 @@ class CpuRenderer : public Renderer {
                                                         local.fragments.of(of_tile), within, local.statistics);
           const std::size_t at = static_cast<std::size_t>(x) +
                                  static_cast<std::size_t>(work.options.size.width) * static_cast<std::size_t>(y);
-          rendered.picture.colour[at] = pixel.colour;
+          rendered.picture.color[at] = pixel.color;
           rendered.picture.depth[at] = pixel.depth;
           rendered.picture.normals[at] = pixel.normal;
         }

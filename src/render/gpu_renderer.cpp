@@ -80,8 +80,8 @@ class GpuRenderer final : public Renderer {
     const detail::GpuVolume* volume = nullptr;
     if (scene.volume != nullptr) {
       std::unique_ptr<PreparedVolume>& prepared = scene.volume == to_keep_ ? kept_ : own;
-      rendered.volume_kept = prepared != nullptr && prepared->serves(options);
-      if (!rendered.volume_kept) {
+      rendered.reused_volume = prepared != nullptr && prepared->serves(options);
+      if (!rendered.reused_volume) {
         prepared.reset();
         prepared = TRY(prepare(*scene.volume, options, context));
       }

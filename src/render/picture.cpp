@@ -10,7 +10,7 @@ Result<Picture> make_picture(int width, int height, const Context& context) {
   Picture picture;
   picture.width = width;
   picture.height = height;
-  picture.colour = Buffer<glm::vec4>(pixels);
+  picture.color = Buffer<glm::vec4>(pixels);
   picture.depth = Buffer<float>(pixels);
   picture.normals = Buffer<glm::vec3>(pixels);
   picture.memory = std::move(memory);

@@ -14,7 +14,7 @@ namespace isoextract::render {
 struct Picture {
   int width = 0;
   int height = 0;
-  Buffer<glm::vec4> colour;  // premultiplied red, green, blue, and alpha; not clamped, so highlights exceed 1
+  Buffer<glm::vec4> color;  // premultiplied red, green, blue, and alpha; not clamped, so highlights exceed 1
   // Along the view axis in world units, at the first surface or volume step (its middle) behind which at most half of
   // the light is left; if there is none, at the nearest surface; otherwise +infinity.
   Buffer<float> depth;
@@ -22,7 +22,7 @@ struct Picture {
   Buffer<glm::vec3> normals;
   Reservation memory;  // of the three buffers
 
-  [[nodiscard]] std::size_t pixels() const { return colour.size(); }
+  [[nodiscard]] std::size_t pixels() const { return color.size(); }
   static constexpr std::size_t kBytesPerPixel = sizeof(glm::vec4) + sizeof(float) + sizeof(glm::vec3);
 };
 

@@ -56,27 +56,27 @@ glm::ivec2 text_size(std::string_view text, int scale) {
   return {static_cast<int>(text.size()) * kCell.x * scale, kCell.y * scale};
 }
 
-void fill_box(Picture& picture, glm::ivec2 min, glm::ivec2 max, const glm::vec3& colour) {
+void fill_box(Picture& picture, glm::ivec2 min, glm::ivec2 max, const glm::vec3& color) {
   min = glm::max(min, glm::ivec2(0));
   max = glm::min(max, glm::ivec2(picture.width, picture.height));
   for (int y = min.y; y < max.y; ++y) {
     for (int x = min.x; x < max.x; ++x) {
       picture
-          .colour[static_cast<std::size_t>(x) + static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(y)] =
-          glm::vec4(colour, 1);
+          .color[static_cast<std::size_t>(x) + static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(y)] =
+          glm::vec4(color, 1);
     }
   }
 }
 
-void draw_text(Picture& picture, glm::ivec2 at, std::string_view text, int scale, const glm::vec3& colour) {
-  for (const char c : lower_case(text)) {
+void draw_text(Picture& picture, glm::ivec2 at, std::string_view text, int scale, const glm::vec3& color) {
+  for (const char c : to_lower(text)) {
     const Glyph& glyph = glyph_of(c);
     for (int y = 0; y < kDots.y; ++y) {
       for (int x = 0; x < kDots.x; ++x) {
         const auto bit = static_cast<unsigned>(kDots.x - 1 - x);
         if (((static_cast<unsigned>(glyph[static_cast<std::size_t>(y)]) >> bit) & 1U) == 0) continue;
         const glm::ivec2 corner = at + scale * glm::ivec2(x, y + 1);
-        fill_box(picture, corner, corner + scale, colour);
+        fill_box(picture, corner, corner + scale, color);
       }
     }
     at.x += kCell.x * scale;

@@ -10,7 +10,7 @@
 namespace isoextract::render {
 
 // The color of text in pictures, linear.
-inline constexpr glm::vec3 kInk{0.02F, 0.02F, 0.03F};
+inline constexpr glm::vec3 kTextColor{0.02F, 0.02F, 0.03F};
 
 // Returns the size of a text in pixels. Glyphs have 5 x 7 dots in cells of 6 x 9; a dot is a square of `scale` pixels.
 [[nodiscard]] glm::ivec2 text_size(std::string_view text, int scale);
@@ -18,9 +18,9 @@ inline constexpr glm::vec3 kInk{0.02F, 0.02F, 0.03F};
 // Draws text with its upper left corner at `at`, clipped to the picture. Glyphs exist for digits, letters (capitals are
 // drawn as small letters), blanks and . - + _ / ; other characters become a box. `colour` is linear and opaque. Depth
 // and normals stay unchanged.
-void draw_text(Picture& picture, glm::ivec2 at, std::string_view text, int scale, const glm::vec3& colour);
+void draw_text(Picture& picture, glm::ivec2 at, std::string_view text, int scale, const glm::vec3& color);
 
 // Fills the pixels [min, max), clipped to the picture.
-void fill_box(Picture& picture, glm::ivec2 min, glm::ivec2 max, const glm::vec3& colour);
+void fill_box(Picture& picture, glm::ivec2 min, glm::ivec2 max, const glm::vec3& color);
 
 }  // namespace isoextract::render

@@ -38,10 +38,10 @@ Result<Picture> halved(const Picture& fine, const Context& context) {
       glm::vec4 sum{0.0F};
       std::size_t nearest = first;
       for (const std::size_t i : four) {
-        sum += fine.colour[i];
+        sum += fine.color[i];
         if (fine.depth[i] < fine.depth[nearest]) nearest = i;
       }
-      coarse.colour[at] = 0.25F * sum;
+      coarse.color[at] = 0.25F * sum;
       coarse.depth[at] = fine.depth[nearest];
       coarse.normals[at] = fine.normals[nearest];
     }
@@ -53,16 +53,17 @@ void draw_scale_bar(Picture& picture, const ScaleBar& bar) {
   const int dot = std::max(1, picture.height / 360);
   const int margin = 8 * dot;
   const glm::ivec2 low{margin, picture.height - margin};
-  fill_box(picture, {low.x, low.y - 2 * dot}, {low.x + bar.pixels, low.y}, kInk);
-  for (const int x : {low.x, low.x + bar.pixels - dot}) fill_box(picture, {x, low.y - 6 * dot}, {x + dot, low.y}, kInk);
+  fill_box(picture, {low.x, low.y - 2 * dot}, {low.x + bar.pixels, low.y}, kTextColor);
+  for (const int x : {low.x, low.x + bar.pixels - dot})
+    fill_box(picture, {x, low.y - 6 * dot}, {x + dot, low.y}, kTextColor);
   const glm::ivec2 words = text_size(bar.text, dot);
-  draw_text(picture, {low.x + (bar.pixels - words.x) / 2, low.y - 7 * dot - words.y}, bar.text, dot, kInk);
+  draw_text(picture, {low.x + (bar.pixels - words.x) / 2, low.y - 7 * dot - words.y}, bar.text, dot, kTextColor);
 }
 
 // Returns a camera so close that the corners of the box just fit into the picture, with a margin.
 Camera close_framing(const field::Box& box, ViewAngles angles, UpAxis up, const PictureSize& size) {
   constexpr double kFilled = 0.9;
-  const Camera far = framing(box, angles, up, size);
+  const Camera far = frame_box(box, angles, up, size);
   if (angles.distance || box.min == box.max) return far;
   const double high = kFilled * std::tan(far.fovy / 2);
   const double wide = high * size.width / size.height;
@@ -74,7 +75,7 @@ Camera close_framing(const field::Box& box, ViewAngles angles, UpAxis up, const 
     distance = std::max(distance, seen.z + std::max(std::abs(seen.x) / wide, std::abs(seen.y) / high));
   }
   angles.distance = distance;
-  return framing(box, angles, up, size);
+  return frame_box(box, angles, up, size);
 }
 
 bool is_empty(const Surface& surface) { return surface.mesh->triangles.empty(); }

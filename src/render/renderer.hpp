@@ -33,8 +33,8 @@
 #include <string>
 
 #include "base/context.hpp"
+#include "base/enum_words.hpp"
 #include "base/error.hpp"
-#include "base/words.hpp"
 #include "render/camera.hpp"
 #include "render/picture.hpp"
 #include "render/scene.hpp"
@@ -73,7 +73,7 @@ struct RenderStatistics {
 struct Rendered {
   Picture picture;
   RenderStatistics statistics;
-  bool volume_kept = false;  // the volume was prepared for an earlier picture (Renderer::keep())
+  bool reused_volume = false;  // the volume was prepared for an earlier picture (Renderer::keep())
 };
 
 class Renderer {

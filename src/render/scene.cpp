@@ -16,11 +16,11 @@ namespace {
 
 Result<void> refuse(const std::string& what) { return fail(ErrorCode::usage, "the scene: " + what); }
 
-bool is_light(const glm::dvec3& colour) { return is_finite(colour) && colour.r >= 0 && colour.g >= 0 && colour.b >= 0; }
+bool is_light(const glm::dvec3& color) { return is_finite(color) && color.r >= 0 && color.g >= 0 && color.b >= 0; }
 
 Result<void> check_volume(const Volume& volume) {
-  TRY(box_of_volume(*volume.field));
-  if (!volume.index_to_world.is_regular()) {
+  TRY(volume_box(*volume.field));
+  if (!volume.index_to_world.is_invertible()) {
     return fail(ErrorCode::input, fmt::format("{}: expected a transform that can be inverted", volume.field->source));
   }
   if (!(volume.unit_length > 0) || !std::isfinite(volume.unit_length)) {
@@ -31,7 +31,7 @@ Result<void> check_volume(const Volume& volume) {
 
 Result<void> check_surface(const Surface& surface) {
   const mesh::Mesh& mesh = *surface.mesh;
-  if (!is_light(surface.colour)) return refuse("expected colours of surfaces that are at least 0");
+  if (!is_light(surface.color)) return refuse("expected colours of surfaces that are at least 0");
   if (!(surface.opacity > 0 && surface.opacity <= 1)) {
     return refuse(fmt::format("expected an opacity above 0 and at most 1, found {:g}", surface.opacity));
   }
@@ -39,9 +39,9 @@ Result<void> check_surface(const Surface& surface) {
     return fail(ErrorCode::input, fmt::format("{}: expected a normal for each of {} vertices, found {}", mesh.name,
                                               mesh.positions.size(), mesh.normals.size()));
   }
-  if (surface.vertex_colours && std::ranges::none_of(mesh.attributes, [](const mesh::Attribute& attribute) {
+  if (surface.vertex_colors && std::ranges::none_of(mesh.attributes, [](const mesh::Attribute& attribute) {
         using mesh::ComponentType;
-        return attribute.role == mesh::AttributeRole::colour && attribute.components >= 3 &&
+        return attribute.role == mesh::AttributeRole::color && attribute.components >= 3 &&
                (attribute.type == ComponentType::u8 || attribute.type == ComponentType::u16 ||
                 attribute.type == ComponentType::f32);
       })) {
@@ -53,7 +53,7 @@ Result<void> check_surface(const Surface& surface) {
 
 }  // namespace
 
-Result<field::Box> box_of_volume(const field::ScalarField& field) {
+Result<field::Box> volume_box(const field::ScalarField& field) {
   if (const auto* dense = std::get_if<field::DenseSamples>(&field.samples)) {
     if (dense->dims.x < 2 || dense->dims.y < 2 || dense->dims.z < 2) {
       return fail(ErrorCode::input, fmt::format("{}: expected at least two samples along each axis, found {} x {} x {}",
@@ -76,7 +76,7 @@ Result<field::Box> box_of(const Scene& scene) {
     box.max = glm::max(box.max, part.max);
   };
   if (scene.volume != nullptr) {
-    const auto volume = TRY(box_of_volume(*scene.volume->field));
+    const auto volume = TRY(volume_box(*scene.volume->field));
     add(field::image_of(scene.volume->index_to_world, volume));
   }
   for (const Surface& surface : scene.surfaces) {
@@ -104,7 +104,7 @@ Result<void> check(const Scene& scene) {
   }
   for (const Light& light : scene.lights) {
     const double length = glm::length(light.towards);
-    if (!is_light(light.colour) || !(length > 0) || !std::isfinite(length)) {
+    if (!is_light(light.color) || !(length > 0) || !std::isfinite(length)) {
       return refuse("expected lights with a direction, and colours that are at least 0");
     }
   }

@@ -7,8 +7,8 @@
 
 #include <glm/glm.hpp>
 
+#include "base/enum_words.hpp"
 #include "base/error.hpp"
-#include "base/words.hpp"
 #include "field/affine.hpp"
 #include "field/scalar_field.hpp"
 #include "mesh/mesh.hpp"
@@ -18,7 +18,7 @@ namespace isoextract::render {
 
 // A field drawn by emission and absorption of light, without shading and shadows.
 //
-// It fills box_of_volume() only. For dense samples this is the box of the sample centers, at least two per axis. For
+// It fills volume_box() only. For dense samples this is the box of the sample centers, at least two per axis. For
 // sparse samples it is the box of the active voxels, enlarged by one voxel on every side. Inside, values are the
 // trilinear interpolant of the eight surrounding samples, scaled by ScalarField::scale.
 struct Volume {
@@ -30,7 +30,7 @@ struct Volume {
 
 // Returns the volume's box in index space. Fails with ErrorCode::input if the field has fewer than two samples along an
 // axis, or no active voxels.
-[[nodiscard]] Result<field::Box> box_of_volume(const field::ScalarField& field);
+[[nodiscard]] Result<field::Box> volume_box(const field::ScalarField& field);
 
 enum class Shading { smooth, flat };
 constexpr auto words_of(Shading /*type*/) {
@@ -45,21 +45,21 @@ constexpr auto words_of(Shading /*type*/) {
 // first rounds corners to 1/256 of a pixel, so backends may differ at pixels whose centers are that close to an edge.
 struct Surface {
   const mesh::Mesh* mesh = nullptr;  // not null; outlives the drawing; indices in range
-  glm::dvec3 colour{0.8, 0.8, 0.8};  // linear light
+  glm::dvec3 color{0.8, 0.8, 0.8};   // linear light
   double opacity = 1;                // in (0, 1]
   // Smooth interpolates the mesh's normals and normalizes them; flat uses the triangles' planes, and so does smooth if
   // the mesh has no normals.
   Shading shading = Shading::smooth;
   // Uses the mesh's vertex colors instead of `colour`; their alpha multiplies `opacity`. The mesh must have an
   // attribute of role colour: u8 is sRGB, u16 and f32 are linear light; alpha is always linear.
-  bool vertex_colours = false;
+  bool vertex_colors = false;
 };
 
 // A directional light.
 struct Light {
   glm::dvec3 towards{0.0, 0.0, 1.0};  // direction to the light; of any length except 0
-  bool with_camera = true;  // `towards` is in view space (x right, y up, z to the viewer); otherwise in the world
-  glm::dvec3 colour{1.0};   // linear, at least 0
+  bool moves_with_camera = true;  // `towards` is in view space (x right, y up, z to the viewer); otherwise in the world
+  glm::dvec3 color{1.0};          // linear, at least 0
 
   friend bool operator==(const Light&, const Light&) = default;
 };

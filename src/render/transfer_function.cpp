@@ -13,7 +13,7 @@ namespace {
 bool in_unit(double v) { return v >= 0 && v <= 1; }
 
 glm::dvec3 linear(const glm::dvec3& srgb) {
-  return {linear_of_srgb(srgb.x), linear_of_srgb(srgb.y), linear_of_srgb(srgb.z)};
+  return {srgb_to_linear(srgb.x), srgb_to_linear(srgb.y), srgb_to_linear(srgb.z)};
 }
 
 struct Stop {
@@ -25,7 +25,7 @@ struct Stop {
 // Opacities are for a layer of about 1/100 of the volume's side: at 0.05, half of the side hides over 90 % of the light
 // behind it.
 std::span<const Stop> stops_of(BuiltInTransfer name) {
-  static constexpr std::array kGrey{Stop{0, {0, 0, 0}, 0}, Stop{1, {1, 1, 1}, 0.08}};
+  static constexpr std::array kGray{Stop{0, {0, 0, 0}, 0}, Stop{1, {1, 1, 1}, 0.08}};
   static constexpr std::array kSmoke{Stop{0, {0.75, 0.77, 0.8}, 0}, Stop{0.05, {0.75, 0.77, 0.8}, 0.004},
                                      Stop{1, {0.93, 0.93, 0.95}, 0.15}};
   static constexpr std::array kFire{Stop{0, {0, 0, 0}, 0}, Stop{0.1, {0.35, 0.05, 0.02}, 0.005},
@@ -42,9 +42,9 @@ std::span<const Stop> stops_of(BuiltInTransfer name) {
     case BuiltInTransfer::fire: return kFire;
     case BuiltInTransfer::bone: return kBone;
     case BuiltInTransfer::rainbow: return kRainbow;
-    case BuiltInTransfer::grey: break;
+    case BuiltInTransfer::gray: break;
   }
-  return kGrey;
+  return kGray;
 }
 
 }  // namespace
@@ -62,7 +62,7 @@ Result<TransferFunction> TransferFunction::create(std::span<const ControlPoint> 
     if (i > 0 && p.value < points[i - 1].value) {
       return refuse(fmt::format("expected values that increase, found {:g} after {:g}", p.value, points[i - 1].value));
     }
-    if (!in_unit(p.colour.r) || !in_unit(p.colour.g) || !in_unit(p.colour.b) || !in_unit(p.opacity)) {
+    if (!in_unit(p.color.r) || !in_unit(p.color.g) || !in_unit(p.color.b) || !in_unit(p.opacity)) {
       return refuse(fmt::format("expected colours and an opacity from 0 to 1 at the value {:g}", p.value));
     }
   }
@@ -84,10 +84,10 @@ Result<TransferFunction> TransferFunction::create(std::span<const ControlPoint> 
     const double between = b.value > a.value ? std::clamp((value - a.value) / (b.value - a.value), 0.0, 1.0) : 1;
     const double opacity = std::min(a.opacity + between * (b.opacity - a.opacity), kMaxOpacity);
     const double sigma = opacity > 0 ? -std::log1p(-opacity) : 0;
-    made.table_[static_cast<std::size_t>(i)] = glm::vec4(glm::dvec4(a.colour + between * (b.colour - a.colour), sigma));
+    made.table_[static_cast<std::size_t>(i)] = glm::vec4(glm::dvec4(a.color + between * (b.color - a.color), sigma));
   }
   for (std::size_t i = 0; i < made.table_.size(); ++i) {
-    made.seen_before_[i + 1] = made.seen_before_[i] + (made.table_[i].a > 0 ? 1 : 0);
+    made.visible_before_[i + 1] = made.visible_before_[i] + (made.table_[i].a > 0 ? 1 : 0);
   }
   return made;
 }
@@ -101,7 +101,7 @@ glm::vec4 TransferFunction::lookup(float position) const {
   return a + (p - static_cast<float>(below)) * (b - a);
 }
 
-bool TransferFunction::seen_between(float low, float high) const {
+bool TransferFunction::is_visible_between(float low, float high) const {
   // Interpolation rounds three times per axis; this allows for one more.
   constexpr float kRounding = 0x1p-20F;
   const float slack = low < high ? kRounding * std::max(std::abs(low), std::abs(high)) : 0;
@@ -112,10 +112,10 @@ bool TransferFunction::seen_between(float low, float high) const {
   const std::size_t first_entry = entry(low - slack);
   // A position exactly on an entry does not use the next one.
   const std::size_t last_entry = std::min(entry(std::ceil(last)), std::size_t{kEntries - 1});
-  return seen_before_[last_entry + 1] > seen_before_[first_entry];
+  return visible_before_[last_entry + 1] > visible_before_[first_entry];
 }
 
-std::vector<ControlPoint> built_in(BuiltInTransfer name, double min, double max) {
+std::vector<ControlPoint> built_in_points(BuiltInTransfer name, double min, double max) {
   std::vector<ControlPoint> points;
   for (const Stop& stop : stops_of(name)) {
     points.push_back({(1 - stop.place) * min + stop.place * max, linear(stop.srgb), stop.opacity});
@@ -152,10 +152,10 @@ Result<std::vector<ControlPoint>> parse_transfer_function(std::string_view text,
     if (numbers.empty()) continue;
     if (numbers.size() != 5) return refuse(fmt::format("found {} numbers", numbers.size()));
     const ControlPoint point{numbers[0], {numbers[1], numbers[2], numbers[3]}, numbers[4]};
-    if (!in_unit(point.colour.r) || !in_unit(point.colour.g) || !in_unit(point.colour.b) || !in_unit(point.opacity)) {
+    if (!in_unit(point.color.r) || !in_unit(point.color.g) || !in_unit(point.color.b) || !in_unit(point.opacity)) {
       return refuse("found one that is not");
     }
-    points.push_back({point.value, linear(point.colour), point.opacity});
+    points.push_back({point.value, linear(point.color), point.opacity});
   }
   return points;
 }

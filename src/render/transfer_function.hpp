@@ -22,15 +22,15 @@
 
 #include <glm/glm.hpp>
 
+#include "base/enum_words.hpp"
 #include "base/error.hpp"
-#include "base/words.hpp"
 
 namespace isoextract::render {
 
 struct ControlPoint {
   double value = 0;
-  glm::dvec3 colour{0.0};  // linear light, each channel from 0 to 1
-  double opacity = 0;      // of a layer one unit thick, from 0 to 1
+  glm::dvec3 color{0.0};  // linear light, each channel from 0 to 1
+  double opacity = 0;     // of a layer one unit thick, from 0 to 1
 
   friend bool operator==(const ControlPoint&, const ControlPoint&) = default;
 };
@@ -57,31 +57,31 @@ class TransferFunction {
     return static_cast<float>(std::clamp((value - min_) * per_value_, -kFarthest, kFarthest));
   }
   // Returns (kEntries - 1) / (max - min).
-  [[nodiscard]] double per_value() const { return per_value_; }
+  [[nodiscard]] double positions_per_value() const { return per_value_; }
 
   [[nodiscard]] glm::vec4 lookup(float position) const;
 
   // Returns whether a position interpolated between positions in [low, high] can have a sigma above 0. Allows for
   // rounding if low and high differ. Neither may be NaN.
-  [[nodiscard]] bool seen_between(float low, float high) const;
+  [[nodiscard]] bool is_visible_between(float low, float high) const;
 
  private:
   std::array<glm::vec4, kEntries> table_{};
-  std::array<int, kEntries + 1> seen_before_{};  // how many of the first n entries have a sigma above 0
+  std::array<int, kEntries + 1> visible_before_{};  // how many of the first n entries have a sigma above 0
   double min_ = 0;
   double max_ = 1;
   double per_value_ = kEntries - 1;
 };
 
 // Built-in transfer functions over a range of values.
-enum class BuiltInTransfer { grey, smoke, fire, bone, rainbow };
+enum class BuiltInTransfer { gray, smoke, fire, bone, rainbow };
 constexpr auto words_of(BuiltInTransfer /*type*/) {
-  return std::array{Word{BuiltInTransfer::grey, "grey"}, Word{BuiltInTransfer::smoke, "smoke"},
+  return std::array{Word{BuiltInTransfer::gray, "grey"}, Word{BuiltInTransfer::smoke, "smoke"},
                     Word{BuiltInTransfer::fire, "fire"}, Word{BuiltInTransfer::bone, "bone"},
                     Word{BuiltInTransfer::rainbow, "rainbow"}};
 }
 // Returns the control points of a built-in function, which is transparent at `min`. Requires finite min < max.
-[[nodiscard]] std::vector<ControlPoint> built_in(BuiltInTransfer name, double min, double max);
+[[nodiscard]] std::vector<ControlPoint> built_in_points(BuiltInTransfer name, double min, double max);
 
 // Parses lines of "VALUE RED GREEN BLUE OPACITY", separated by blanks; `#` starts a comment. Red, green and blue are
 // sRGB from 0 to 1 and are converted to linear light. Fails with ErrorCode::input; the message names `source` and the

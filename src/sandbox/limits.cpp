@@ -74,7 +74,7 @@ void apply(const Limits& limits) {
   limit(RLIMIT_CPU, checked_product(limits.seconds, limits.threads).value_or(std::uint64_t{RLIM_INFINITY}), 2);
   limit_memory(limits);
   static_cast<void>(::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0));
-  static_cast<void>(detail::forbid_system_calls());
+  static_cast<void>(detail::restrict_system_calls());
 }
 
 }  // namespace isoextract::sandbox

@@ -140,7 +140,7 @@ std::optional<ReceivedMessage> receive_message(int socket) {
   std::vector<Descriptor> descriptors;
   std::uint64_t length = 0;
   if (!receive_all(socket, std::as_writable_bytes(std::span(&length, 1)), descriptors)) return std::nullopt;
-  if (length > kMostMessageBytes) return std::nullopt;
+  if (length > kMaxMessageBytes) return std::nullopt;
   std::vector<std::byte> body(static_cast<std::size_t>(length));
   if (!receive_all(socket, body, descriptors)) return std::nullopt;
   ReceivedMessage received;

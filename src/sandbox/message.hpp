@@ -14,7 +14,7 @@
 namespace isoextract::sandbox {
 
 // The receiver rejects longer messages: large data goes through shared memory.
-inline constexpr std::uint64_t kMostMessageBytes = std::uint64_t{64} << 20;
+inline constexpr std::uint64_t kMaxMessageBytes = std::uint64_t{64} << 20;
 
 class MessageWriter {
  public:

@@ -23,7 +23,7 @@
 namespace isoextract::sandbox {
 namespace {
 
-// Marks a child's command line. Not a plausible file name; without Workers' socket it has no effect.
+// Marks a child's command line. Not a plausible file name; without WorkerPool' socket it has no effect.
 constexpr std::string_view kChildWord = "@child-process";
 
 std::atomic<bool> children_allowed{false};
@@ -54,7 +54,7 @@ std::size_t loader_words(std::span<const std::string> words) {
 
 }  // namespace
 
-std::optional<int> run_if_child(std::span<char* const> arguments,
+std::optional<int> run_as_child(std::span<char* const> arguments,
                                 const std::function<ChildWork(std::span<const std::string>)>& make_work) {
   if (arguments.size() < 2 || arguments[1] != kChildWord || !is_socket(detail::kControlSocket)) {
 #ifndef ISOEXTRACT_THREAD_SANITIZER
@@ -62,14 +62,14 @@ std::optional<int> run_if_child(std::span<char* const> arguments,
 #endif
     return std::nullopt;
   }
-  detail::prepare_server();
+  detail::isolate_server();
   const std::vector<std::string> words(arguments.begin() + 2, arguments.end());
   return detail::serve(make_work(words));
 }
 
 bool can_start_children() { return children_allowed; }
 
-std::vector<std::string> words_to_start(const std::vector<std::string>& further) {
+std::vector<std::string> command_line_with(const std::vector<std::string>& further) {
   std::vector<std::string> command = own_command_line();
   // A process without an interpreter (AT_BASE is 0) was started through the loader.
   const bool by_loader = ::getauxval(AT_BASE) == 0;

@@ -17,19 +17,19 @@ struct ChildWork {
   std::string advice;            // if the child cannot work: what to do about it
 };
 
-// main() calls this before anything else, with its arguments. If Workers started this process, runs the work that
-// `make_work` returns for the words of Workers, and returns the exit code. Otherwise returns nothing, and from now on
-// this program may start itself as a child.
-[[nodiscard]] std::optional<int> run_if_child(std::span<char* const> arguments,
+// main() calls this before anything else, with its arguments. If WorkerPool started this process, runs the work that
+// `make_work` returns for the words of WorkerPool, and returns the exit code. Otherwise returns nothing, and from now
+// on this program may start itself as a child.
+[[nodiscard]] std::optional<int> run_as_child(std::span<char* const> arguments,
                                               const std::function<ChildWork(std::span<const std::string>)>& make_work);
 
-// Returns whether main() has called run_if_child and children can work. They cannot under the thread sanitizer, which
+// Returns whether main() has called run_as_child and children can work. They cannot under the thread sanitizer, which
 // terminates them.
 [[nodiscard]] bool can_start_children();
 
 // Returns the command line that starts this program again with more words, without its first word, which is
 // "/proc/self/exe". If a loader runs the program, as in the portable folder, that file is the loader, and the command
 // line includes the loader's own words.
-[[nodiscard]] std::vector<std::string> words_to_start(const std::vector<std::string>& further);
+[[nodiscard]] std::vector<std::string> command_line_with(const std::vector<std::string>& further);
 
 }  // namespace isoextract::sandbox

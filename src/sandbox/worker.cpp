@@ -26,9 +26,9 @@ namespace isoextract::sandbox {
 namespace {
 
 constexpr std::size_t kMostOutput = 4096;
-constexpr int kSliceMilliseconds = 50;  // interval between checks for cancellation
-constexpr int kSlicesToEnd = 40;        // intervals that a process gets to end before it is killed
-constexpr int kShortWaits = 50;         // waits of 1 ms, in which a server usually ends
+constexpr int kIntervalMilliseconds = 50;  // interval between checks for cancellation
+constexpr int kMaxWaitsForEnd = 40;        // intervals that a process gets to end before it is killed
+constexpr int kShortWaits = 50;            // waits of 1 ms, in which a server usually ends
 
 bool socket_pair(int type, std::array<Descriptor, 2>& sockets) {
   std::array<int, 2> numbers{-1, -1};
@@ -53,14 +53,14 @@ Worker::Worker(Descriptor socket, Descriptor status, Descriptor output, std::uin
                std::function<void()> kill_server)
     : socket_(std::move(socket)),
       status_(std::move(status)),
-      printed_(std::move(output)),
+      output_pipe_(std::move(output)),
       microseconds_left_(static_cast<std::int64_t>(std::min<std::uint64_t>(seconds, 1U << 30U)) * 1'000'000),
       context_(std::move(context)),
       kill_server_(std::move(kill_server)) {}
 
 Worker::~Worker() {
   if (ending_) return;
-  end_it(Ending::Reason::cancelled);
+  end_process(WorkerEnd::Reason::cancelled);
   finish();
 }
 
@@ -74,7 +74,7 @@ std::optional<MessageReader> Worker::receive() {
     if (auto message = take_message()) return message;
     // A worker that closed its socket before it was done has ended or is about to be ended.
     if (!is_open || ending_) break;
-    wait_a_little(true);
+    wait_interval(true);
   }
   finish();
   return std::nullopt;
@@ -91,7 +91,7 @@ bool Worker::receive_bytes(std::span<std::byte> to) {
       to = to.subspan(static_cast<std::size_t>(got));
     } else if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) {
       if (ending_) break;
-      wait_a_little(true);
+      wait_interval(true);
     } else {
       break;
     }
@@ -100,43 +100,43 @@ bool Worker::receive_bytes(std::span<std::byte> to) {
   return to.empty();
 }
 
-const Ending& Worker::finish() {
+const WorkerEnd& Worker::finish() {
   socket_.close();
-  while (!ending_) wait_a_little(false);
+  while (!ending_) wait_interval(false);
   read_output();
   return *ending_;
 }
 
 // Waits for data or the end of an interval. Does not count time in which this process was stopped.
-void Worker::wait_a_little(bool for_messages) {
-  std::array<pollfd, 3> awaited{pollfd{status_.get(), POLLIN, 0}, pollfd{printed_.get(), POLLIN, 0},
+void Worker::wait_interval(bool for_messages) {
+  std::array<pollfd, 3> awaited{pollfd{status_.get(), POLLIN, 0}, pollfd{output_pipe_.get(), POLLIN, 0},
                                 pollfd{for_messages ? socket_.get() : -1, POLLIN, 0}};
   const auto before = std::chrono::steady_clock::now();
-  ::poll(awaited.data(), awaited.size(), kSliceMilliseconds);
+  ::poll(awaited.data(), awaited.size(), kIntervalMilliseconds);
   const auto passed =
       std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - before).count();
-  microseconds_left_ -= std::min<std::int64_t>(passed, 1000 * kSliceMilliseconds);
+  microseconds_left_ -= std::min<std::int64_t>(passed, 1000 * kIntervalMilliseconds);
   if (awaited[1].revents != 0) read_output();
   if (awaited[0].revents != 0) read_status();
   if (ending_) return;
-  if (wanted_end_) {
-    if (++waited_for_end_ == kSlicesToEnd) kill_server_();  // the server may have been stopped by SIGSTOP
+  if (requested_end_) {
+    if (++waits_since_end_request_ == kMaxWaitsForEnd) kill_server_();  // the server may have been stopped by SIGSTOP
     return;
   }
-  if (context_.cancelled()) end_it(Ending::Reason::cancelled);
-  if (microseconds_left_ <= 0) end_it(Ending::Reason::too_long);
+  if (context_.cancelled()) end_process(WorkerEnd::Reason::cancelled);
+  if (microseconds_left_ <= 0) end_process(WorkerEnd::Reason::too_long);
 }
 
-void Worker::end_it(Ending::Reason reason) {
-  wanted_end_ = reason;
+void Worker::end_process(WorkerEnd::Reason reason) {
+  requested_end_ = reason;
   constexpr std::byte kEnd{1};
-  if (::send(status_.get(), &kEnd, 1, MSG_NOSIGNAL | MSG_DONTWAIT) != 1) ending_ = Ending{.reason = reason};
+  if (::send(status_.get(), &kEnd, 1, MSG_NOSIGNAL | MSG_DONTWAIT) != 1) ending_ = WorkerEnd{.reason = reason};
 }
 
 void Worker::read_output() {
   std::array<char, 4096> part{};
-  for (ssize_t got = 0; printed_.is_open() && (got = ::read(printed_.get(), part.data(), part.size())) != -1;) {
-    if (got == 0) printed_.close();
+  for (ssize_t got = 0; output_pipe_.is_open() && (got = ::read(output_pipe_.get(), part.data(), part.size())) != -1;) {
+    if (got == 0) output_pipe_.close();
     const auto room = kMostOutput - std::min(output_.size(), kMostOutput);
     output_.append(part.data(), std::min(static_cast<std::size_t>(got), room));
   }
@@ -145,7 +145,7 @@ void Worker::read_output() {
 // Reads the available data. Returns false at the end of the stream.
 bool Worker::read_socket() {
   std::array<std::byte, 16384> part{};
-  while (socket_.is_open() && received_.size() < kMostMessageBytes) {
+  while (socket_.is_open() && received_.size() < kMaxMessageBytes) {
     const ssize_t got = ::recv(socket_.get(), part.data(), part.size(), MSG_DONTWAIT);
     if (got < 0 && errno == EINTR) continue;
     if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) return true;
@@ -159,9 +159,9 @@ std::optional<MessageReader> Worker::take_message() {
   std::uint64_t length = 0;
   if (received_.size() < sizeof(length)) return std::nullopt;
   std::memcpy(&length, received_.data(), sizeof(length));
-  if (length > kMostMessageBytes) {  // not a valid message
+  if (length > kMaxMessageBytes) {  // not a valid message
     socket_.close();
-    end_it(Ending::Reason::done);
+    end_process(WorkerEnd::Reason::done);
     return std::nullopt;
   }
   if (length > received_.size() - sizeof(length)) return std::nullopt;
@@ -176,47 +176,47 @@ void Worker::read_status() {
   detail::WorkerStatus status;
   const ssize_t got = ::recv(status_.get(), &status, sizeof(status), MSG_DONTWAIT);
   if (got < 0 && (errno == EINTR || errno == EAGAIN || errno == EWOULDBLOCK)) return;
-  Ending ending;
+  WorkerEnd ending;
   if (got == sizeof(status) && status.wait_status != -1) {
-    ending.lacked_memory = status.lacked_memory != 0;
-    ending.reason = Ending::Reason::done;
+    ending.memory_was_refused = status.memory_was_refused != 0;
+    ending.reason = WorkerEnd::Reason::done;
     if (WIFSIGNALED(status.wait_status)) {
-      ending.reason = Ending::Reason::signal;
+      ending.reason = WorkerEnd::Reason::signal;
       ending.signal = WTERMSIG(status.wait_status);
-      if (ending.signal == SIGXCPU) ending.reason = Ending::Reason::too_long;
+      if (ending.signal == SIGXCPU) ending.reason = WorkerEnd::Reason::too_long;
     }
   }
-  if (wanted_end_) ending.reason = *wanted_end_;
+  if (requested_end_) ending.reason = *requested_end_;
   ending_ = ending;
 }
 
-Workers::~Workers() { end_server(); }
+WorkerPool::~WorkerPool() { end_server(); }
 
-int Workers::end_server() {
+int WorkerPool::end_server() {
   control_.close();
   int status = 0;
-  constexpr int kWaits = kShortWaits + kSlicesToEnd;
+  constexpr int kWaits = kShortWaits + kMaxWaitsForEnd;
   for (int wait = 0; server_ > 0; ++wait) {
     if (wait == kWaits) ::kill(server_, SIGKILL);
     const pid_t ended = ::waitpid(server_, &status, wait < kWaits ? WNOHANG : 0);
     if (ended == server_ || (ended < 0 && errno != EINTR)) break;
-    if (ended == 0) ::poll(nullptr, 0, wait < kShortWaits ? 1 : kSliceMilliseconds);
+    if (ended == 0) ::poll(nullptr, 0, wait < kShortWaits ? 1 : kIntervalMilliseconds);
   }
   server_ = -1;
   return status;
 }
 
-void Workers::kill_server(pid_t server) {
+void WorkerPool::kill_server(pid_t server) {
   const std::scoped_lock lock(mutex_);
   if (server_ == server && server_ > 0) ::kill(server_, SIGKILL);
 }
 
 // Waits until the child has loaded its library: it sends its greeting, ends, or exceeds the time limit.
-tl::expected<void, Refusal> Workers::hear_greeting(const Limits& limits, const Context& context) {
+tl::expected<void, Refusal> WorkerPool::wait_for_greeting(const Limits& limits, const Context& context) {
   std::uint64_t milliseconds_left = std::min<std::uint64_t>(limits.seconds, 1U << 30U) * 1000;
   pollfd awaited{control_.get(), POLLIN, 0};
-  while (::poll(&awaited, 1, kSliceMilliseconds) <= 0) {
-    milliseconds_left -= std::min<std::uint64_t>(milliseconds_left, kSliceMilliseconds);
+  while (::poll(&awaited, 1, kIntervalMilliseconds) <= 0) {
+    milliseconds_left -= std::min<std::uint64_t>(milliseconds_left, kIntervalMilliseconds);
     if (milliseconds_left > 0 && !context.cancelled()) continue;
     ::kill(server_, SIGKILL);
     end_server();
@@ -240,11 +240,11 @@ tl::expected<void, Refusal> Workers::hear_greeting(const Limits& limits, const C
   return tl::unexpected(Refusal{greeting_, greeting->message.text()});
 }
 
-tl::expected<void, Refusal> Workers::start_server() {
+tl::expected<void, Refusal> WorkerPool::start_server() {
   const auto cannot_start = [] { return tl::unexpected(Refusal{"cannot be started: " + last_error(), {}}); };
   std::array<Descriptor, 2> control;
   if (!socket_pair(SOCK_STREAM, control)) return cannot_start();
-  const std::vector<std::string> words = words_to_start(words_);
+  const std::vector<std::string> words = command_line_with(words_);
   std::vector<char*> arguments;
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));  // NOLINT: posix_spawn's
   arguments.push_back(nullptr);
@@ -274,7 +274,7 @@ tl::expected<void, Refusal> Workers::start_server() {
   return {};
 }
 
-tl::expected<Workers::Started, Refusal> Workers::start(const Limits& limits, const Context& context) {
+tl::expected<WorkerPool::Started, Refusal> WorkerPool::start(const Limits& limits, const Context& context) {
   std::array<Descriptor, 2> socket;
   std::array<Descriptor, 2> status;
   std::array<Descriptor, 2> output;
@@ -287,7 +287,7 @@ tl::expected<Workers::Started, Refusal> Workers::start(const Limits& limits, con
   if (!control_.is_open() || !send_descriptors(control_.get(), along)) {
     end_server();
     TRY(start_server());
-    TRY(hear_greeting(limits, context));
+    TRY(wait_for_greeting(limits, context));
     if (!send_descriptors(control_.get(), along)) {
       end_server();
       return tl::unexpected(Refusal{"ends the process that has loaded it", {}});

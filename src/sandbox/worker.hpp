@@ -22,7 +22,7 @@
 namespace isoextract::sandbox {
 
 // How a worker ended.
-struct Ending {
+struct WorkerEnd {
   enum class Reason {
     done,       // exited by itself
     signal,     // killed by `signal`
@@ -32,7 +32,7 @@ struct Ending {
   };
   Reason reason = Reason::lost;
   int signal = 0;
-  bool lacked_memory = false;  // an allocation was refused
+  bool memory_was_refused = false;  // an allocation was refused
 };
 
 // One child process; killed when this object is destroyed. Use it from one thread at a time.
@@ -53,30 +53,30 @@ class Worker {
   // Receives bytes that follow a message. Returns false if the worker ended before sending them all.
   [[nodiscard]] bool receive_bytes(std::span<std::byte> to);
   // Stops reading messages and waits for the worker to end. Afterwards the worker can no longer access shared memory.
-  const Ending& finish();
-  [[nodiscard]] const Ending& ending() const { return *ending_; }
+  const WorkerEnd& finish();
+  [[nodiscard]] const WorkerEnd& ending() const { return *ending_; }
   // Returns the beginning of what the worker has printed.
   [[nodiscard]] const std::string& output() const { return output_; }
 
  private:
-  void wait_a_little(bool for_messages);
+  void wait_interval(bool for_messages);
   void read_output();
   [[nodiscard]] bool read_socket();
   void read_status();
-  void end_it(Ending::Reason reason);
+  void end_process(WorkerEnd::Reason reason);
   [[nodiscard]] std::optional<MessageReader> take_message();
 
   Descriptor socket_;
   Descriptor status_;
-  Descriptor printed_;
+  Descriptor output_pipe_;
   std::int64_t microseconds_left_ = 0;
   Context context_;
   std::function<void()> kill_server_;
-  int waited_for_end_ = 0;  // number of waits since end_it()
+  int waits_since_end_request_ = 0;  // number of waits since end_process()
   std::vector<std::byte> received_;
   std::string output_;
-  std::optional<Ending::Reason> wanted_end_;
-  std::optional<Ending> ending_;
+  std::optional<WorkerEnd::Reason> requested_end_;
+  std::optional<WorkerEnd> ending_;
 };
 
 // Why no worker could be started.
@@ -87,13 +87,13 @@ struct Refusal {
 
 // The workers of one library. A server process loads the library and forks the workers; it starts with the first worker
 // and ends with this object.
-class Workers {
+class WorkerPool {
  public:
-  // `words` tell the child's run_if_child() which work to do.
-  explicit Workers(std::vector<std::string> words) : words_(std::move(words)) {}
-  Workers(const Workers&) = delete;
-  Workers& operator=(const Workers&) = delete;
-  ~Workers();
+  // `words` tell the child's run_as_child() which work to do.
+  explicit WorkerPool(std::vector<std::string> words) : words_(std::move(words)) {}
+  WorkerPool(const WorkerPool&) = delete;
+  WorkerPool& operator=(const WorkerPool&) = delete;
+  ~WorkerPool();
 
   struct Started {
     std::unique_ptr<Worker> worker;
@@ -105,7 +105,7 @@ class Workers {
 
  private:
   [[nodiscard]] tl::expected<void, Refusal> start_server();
-  [[nodiscard]] tl::expected<void, Refusal> hear_greeting(const Limits& limits, const Context& context);
+  [[nodiscard]] tl::expected<void, Refusal> wait_for_greeting(const Limits& limits, const Context& context);
   // Waits for the server to end, kills it if it does not, and returns its status in the form of waitpid.
   int end_server();
   void kill_server(pid_t server);

@@ -17,9 +17,9 @@
 namespace isoextract::simulate {
 namespace {
 
-constexpr double kFullShare = 0.1;  // fraction of the tank that all particles fill
-constexpr double kFreeShare = 0.1;  // fraction of the tank that stays empty
-constexpr double kCourant = 0.8;    // largest move in a step, in spacings
+constexpr double kFillFraction = 0.1;     // fraction of the tank that all particles fill
+constexpr double kMinFreeFraction = 0.1;  // fraction of the tank that stays empty
+constexpr double kCourant = 0.8;          // largest move in a step, in spacings
 constexpr double kMostSpacings = 1 << 20;
 constexpr std::uint64_t kLeastLayer =
     5;                            // particles in a layer of a nozzle one spacing in radius, the smallest default
@@ -36,9 +36,9 @@ Result<void> check_range(double value, double low, double high, std::string_view
 }
 
 Result<void> check_numbers(const JetOptions& o) {
-  if (o.count < 1 || o.count > JetOptions::kMostParticles) {
+  if (o.count < 1 || o.count > JetOptions::kMaxParticles) {
     return fail(ErrorCode::usage,
-                fmt::format("expected 1 to {} particles, found {}", JetOptions::kMostParticles, o.count));
+                fmt::format("expected 1 to {} particles, found {}", JetOptions::kMaxParticles, o.count));
   }
   for (int axis = 0; axis < 3; ++axis) {
     TRY(check_positive(o.tank[axis], "a side of the tank"));
@@ -93,7 +93,7 @@ Result<void> check_sizes(const JetOptions& o, const JetPlan& plan) {
                 "a smaller nozzle, smaller particles or a larger tank; the nozzle is three quarters up");
   }
   const double cube = plan.spacing * plan.spacing * plan.spacing;
-  const double most = (1 - kFreeShare) * o.tank.x * o.tank.y * o.tank.z / cube;
+  const double most = (1 - kMinFreeFraction) * o.tank.x * o.tank.y * o.tank.z / cube;
   if (!(static_cast<double>(o.count) <= most)) {
     return fail(ErrorCode::usage,
                 fmt::format("a tank of {} x {} x {} holds {:.0f} particles of {} in radius, not {}", o.tank.x, o.tank.y,
@@ -124,10 +124,10 @@ Result<JetPlan> plan_jet(const JetOptions& o) {
   TRY(check_numbers(o));
   JetPlan plan;
   plan.nozzle = o.nozzle.value_or(std::min(o.tank.y, o.tank.z) / 12);
-  plan.spacing = o.radius
-                     ? 2 * *o.radius
-                     : std::min(std::cbrt(kFullShare * o.tank.x * o.tank.y * o.tank.z / static_cast<double>(o.count)),
-                                plan.nozzle);
+  plan.spacing =
+      o.radius ? 2 * *o.radius
+               : std::min(std::cbrt(kFillFraction * o.tank.x * o.tank.y * o.tank.z / static_cast<double>(o.count)),
+                          plan.nozzle);
   plan.top_speed = 2 * std::sqrt(o.speed * o.speed + 2 * o.gravity * o.tank.z);
   TRY(check_sizes(o, plan));
   return plan;
@@ -217,7 +217,7 @@ Result<points::ParticleSet> ParticleJet::particles(const Context& context) const
         set.attributes[0].values[3 * number + static_cast<std::size_t>(axis)] =
             static_cast<float>(s.fluid.velocities()[i][axis]);
       }
-      set.attributes[1].values[number] = static_cast<float>(now - s.nozzle.left_at(number));
+      set.attributes[1].values[number] = static_cast<float>(now - s.nozzle.emission_time(number));
       set.attributes[2].values[number] = static_cast<float>(number);
     }
   });

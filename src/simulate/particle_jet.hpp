@@ -29,7 +29,7 @@ namespace isoextract::simulate {
 // The caller chooses the units of length and time. Particles at rest are two radii apart.
 struct JetOptions {
   // Files store particle numbers as float32.
-  static constexpr std::uint64_t kMostParticles = std::uint64_t{1} << 24;
+  static constexpr std::uint64_t kMaxParticles = std::uint64_t{1} << 24;
   static constexpr double kMostSteps = 10000;  // per frame
 
   std::uint64_t count = 20000;  // 1 to kMostParticles

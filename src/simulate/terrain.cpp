@@ -56,7 +56,7 @@ Result<std::shared_ptr<ReservedBuffer<double>>> make_terrain(const TerrainOption
   const double low = *least;
   const double range = *most - low;
   for (double& height : heights.span())
-    height = kLowestLand + (range > 0 ? options.relief * ((height - low) / range) : 0);
+    height = kMinLandHeight + (range > 0 ? options.relief * ((height - low) / range) : 0);
   return made;
 }
 

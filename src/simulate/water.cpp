@@ -19,7 +19,7 @@ constexpr double kWall = std::numeric_limits<double>::infinity();
 
 // Adds to a sum and to its rounding error: A. Neumaier, "Rundungsfehleranalyse einiger Verfahren zur Summation
 // endlicher Summen", ZAMM 54, 1974.
-void add_exactly(std::array<double, 2>& sum, double value) {
+void add_compensated(std::array<double, 2>& sum, double value) {
   const double total = sum[0] + value;
   sum[1] += std::abs(sum[0]) >= std::abs(value) ? (sum[0] - total) + value : (value - total) + sum[0];
   sum[0] = total;
@@ -27,8 +27,8 @@ void add_exactly(std::array<double, 2>& sum, double value) {
 
 double value_of_sum(const std::array<double, 2>& sum) { return sum[0] + sum[1]; }
 
-Result<void> check_taps(const std::vector<Tap>& taps, glm::ivec2 size, const char* what) {
-  for (const Tap& tap : taps) {
+Result<void> check_taps(const std::vector<WaterTap>& taps, glm::ivec2 size, const char* what) {
+  for (const WaterTap& tap : taps) {
     if (tap.cell.x < 0 || tap.cell.y < 0 || tap.cell.x >= size.x || tap.cell.y >= size.y) {
       return fail(ErrorCode::usage, fmt::format("a {} of water: expected a cell from 0,0 to {},{}, found {},{}", what,
                                                 size.x - 1, size.y - 1, tap.cell.x, tap.cell.y));
@@ -94,7 +94,7 @@ Result<WaterAutomaton> WaterAutomaton::create(glm::ivec2 size, std::span<const d
     std::copy_n(terrain.begin() + static_cast<std::ptrdiff_t>(first), size.x, water.plane(0) + at);
     if (depth.empty()) continue;
     std::copy_n(depth.begin() + static_cast<std::ptrdiff_t>(first), size.x, water.plane(1) + at);
-    for (int x = 0; x < size.x; ++x) add_exactly(sum, depth[first + static_cast<std::size_t>(x)]);
+    for (int x = 0; x < size.x; ++x) add_compensated(sum, depth[first + static_cast<std::size_t>(x)]);
   }
   water.at_start_ = value_of_sum(sum);
   return water;
@@ -113,19 +113,19 @@ std::span<const double> WaterAutomaton::row(int which, int y) const {
   return {plane(which) + pitch() * y, static_cast<std::size_t>(size_.x)};
 }
 
-void WaterAutomaton::pour() {
-  for (const Tap& tap : options_.sources) {
+void WaterAutomaton::apply_sources() {
+  for (const WaterTap& tap : options_.sources) {
     plane(1)[tap.cell.x + pitch() * tap.cell.y] += tap.rate;
-    add_exactly(poured_, tap.rate);
+    add_compensated(poured_, tap.rate);
   }
 }
 
 void WaterAutomaton::drain() {
-  for (const Tap& tap : options_.drains) {
+  for (const WaterTap& tap : options_.drains) {
     double& depth = plane(1)[tap.cell.x + pitch() * tap.cell.y];
     const double taken = std::max(0.0, std::min(tap.rate, depth));
     depth -= taken;
-    add_exactly(drained_, taken);
+    add_compensated(drained_, taken);
   }
 }
 
@@ -136,7 +136,7 @@ Result<void> WaterAutomaton::run(std::uint64_t steps) {
   const auto step = printed ? printed_step : conservative_step;
   for (std::uint64_t n = 0; n < steps; ++n) {
     TRY(context_.check());
-    pour();
+    apply_sources();
     step(planes, options_.friction, options_.flow_div);
     drain();
     ++steps_done_;
@@ -148,7 +148,7 @@ Result<void> WaterAutomaton::run(std::uint64_t steps) {
 WaterBalance WaterAutomaton::balance() const {
   std::array<double, 2> sum{};
   for (int y = 0; y < size_.y; ++y) {
-    for (const double depth : water(y)) add_exactly(sum, depth);
+    for (const double depth : water(y)) add_compensated(sum, depth);
   }
   return {at_start_, value_of_sum(poured_), value_of_sum(drained_), value_of_sum(sum)};
 }
@@ -161,7 +161,7 @@ WaterExtremes WaterAutomaton::extremes() const {
       const double land = terrain(y)[x];
       found.finite = found.finite && std::isfinite(depth) && std::isfinite(energy(y)[x]);
       found.least_depth = std::min(found.least_depth, depth);
-      found.most_depth = std::max(found.most_depth, depth);
+      found.max_depth = std::max(found.max_depth, depth);
       found.most_energy = std::max(found.most_energy, std::abs(energy(y)[x]));
       found.highest_land = std::max(found.highest_land, land);
       if (depth > 0) found.highest_water = std::max(found.highest_water, land + depth);

@@ -42,9 +42,9 @@
 #include <glm/glm.hpp>
 
 #include "base/context.hpp"
+#include "base/enum_words.hpp"
 #include "base/error.hpp"
 #include "base/reserved_buffer.hpp"
-#include "base/words.hpp"
 
 namespace isoextract::simulate {
 
@@ -54,11 +54,11 @@ constexpr auto words_of(WaterRule /*type*/) {
 }
 
 // A source or drain of water. `rate` is depth per step: a source adds it, a drain removes at most that much.
-struct Tap {
+struct WaterTap {
   glm::ivec2 cell{0};
   double rate = 0;
 
-  friend bool operator==(const Tap&, const Tap&) = default;
+  friend bool operator==(const WaterTap&, const WaterTap&) = default;
 };
 
 inline constexpr double kDefaultFriction = 0.8;
@@ -68,8 +68,8 @@ struct WaterOptions {
   WaterRule rule = WaterRule::conservative;
   double friction = kDefaultFriction;  // 0 to 1: the fraction of its energy that a cell loses per step
   double flow_div = kDefaultFlowDiv;   // 1 or more; from 4 on, flows need no scaling
-  std::vector<Tap> sources;
-  std::vector<Tap> drains;
+  std::vector<WaterTap> sources;
+  std::vector<WaterTap> drains;
 };
 
 // Volumes of water, in cells.
@@ -85,7 +85,7 @@ struct WaterBalance {
 
 struct WaterExtremes {
   double least_depth = 0;
-  double most_depth = 0;
+  double max_depth = 0;
   double most_energy = 0;    // absolute value
   double highest_water = 0;  // terrain plus water, of cells with water above 0; 0 if there are none
   double highest_land = 0;
@@ -123,7 +123,7 @@ class WaterAutomaton {
   [[nodiscard]] std::ptrdiff_t pitch() const { return std::ptrdiff_t{size_.x} + 2; }
   [[nodiscard]] double* plane(int which) const;  // at cell (0, 0)
   [[nodiscard]] std::span<const double> row(int which, int y) const;
-  void pour();
+  void apply_sources();
   void drain();
 
   glm::ivec2 size_;

@@ -58,8 +58,8 @@ Result<field::ScalarField> volume_of(const WaterAutomaton& automaton, bool of_wa
                            });
 }
 
-Result<field::ScalarField> map_of(const WaterAutomaton& automaton, bool of_water, const glm::dvec3& spacing,
-                                  const Context& context) {
+Result<field::ScalarField> height_map_field(const WaterAutomaton& automaton, bool of_water, const glm::dvec3& spacing,
+                                            const Context& context) {
   return make_field<double>(automaton, of_water ? "water" : "terrain", 1, spacing, field::SampleType::f64, context,
                             [&](int y, int /*k*/, double* row) {
                               std::ranges::copy(of_water ? automaton.water(y) : automaton.terrain(y), row);
@@ -68,17 +68,17 @@ Result<field::ScalarField> map_of(const WaterAutomaton& automaton, bool of_water
 
 }  // namespace
 
-std::vector<std::string> field_names(WaterContent content) {
+std::vector<std::string> field_names(WaterOutput content) {
   switch (content) {
-    case WaterContent::water: return {"water"};
-    case WaterContent::terrain: return {"terrain"};
-    case WaterContent::both:
-    case WaterContent::heights: break;
+    case WaterOutput::water: return {"water"};
+    case WaterOutput::terrain: return {"terrain"};
+    case WaterOutput::both:
+    case WaterOutput::heights: break;
   }
   return {"terrain", "water"};
 }
 
-Result<int> layers_for(const WaterAutomaton& automaton) {
+Result<int> count_layers(const WaterAutomaton& automaton) {
   const WaterExtremes found = automaton.extremes();
   const double top = std::max(found.highest_land, found.highest_water);
   if (!found.finite || !(top < kMaxLayers)) {
@@ -90,13 +90,13 @@ Result<int> layers_for(const WaterAutomaton& automaton) {
   return std::max(static_cast<int>(std::ceil(top)), 0) + 1;
 }
 
-Result<std::vector<field::ScalarField>> water_fields(const WaterAutomaton& automaton, WaterContent content, int layers,
+Result<std::vector<field::ScalarField>> water_fields(const WaterAutomaton& automaton, WaterOutput content, int layers,
                                                      const glm::dvec3& spacing, const Context& context) {
   std::vector<field::ScalarField> fields;
   for (const std::string& name : field_names(content)) {
     const bool of_water = name == "water";
-    auto field = TRY(content == WaterContent::heights ? map_of(automaton, of_water, spacing, context)
-                                                      : volume_of(automaton, of_water, layers, spacing, context));
+    auto field = TRY(content == WaterOutput::heights ? height_map_field(automaton, of_water, spacing, context)
+                                                     : volume_of(automaton, of_water, layers, spacing, context));
     fields.push_back(std::move(field));
   }
   return fields;

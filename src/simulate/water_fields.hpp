@@ -12,37 +12,37 @@
 #include <glm/glm.hpp>
 
 #include "base/context.hpp"
+#include "base/enum_words.hpp"
 #include "base/error.hpp"
-#include "base/words.hpp"
 #include "field/scalar_field.hpp"
 #include "simulate/water.hpp"
 
 namespace isoextract::simulate {
 
-enum class WaterContent {
+enum class WaterOutput {
   water,
   terrain,
   both,  // one volume each
   // Terrain height and water depth in cells, f64, as two maps with one layer.
   heights,
 };
-constexpr auto words_of(WaterContent /*type*/) {
-  return std::array{Word{WaterContent::water, "water"}, Word{WaterContent::terrain, "terrain"},
-                    Word{WaterContent::both, "both"}, Word{WaterContent::heights, "heights"}};
+constexpr auto words_of(WaterOutput /*type*/) {
+  return std::array{Word{WaterOutput::water, "water"}, Word{WaterOutput::terrain, "terrain"},
+                    Word{WaterOutput::both, "both"}, Word{WaterOutput::heights, "heights"}};
 }
 
 // Returns the names of the fields, in their order.
-[[nodiscard]] std::vector<std::string> field_names(WaterContent content);
+[[nodiscard]] std::vector<std::string> field_names(WaterOutput content);
 
 // Returns the number of voxel layers that contain land and water, plus an empty one, so that surfaces close below the
 // top. Fails with ErrorCode::output for infinite heights or more layers than a volume can have.
-[[nodiscard]] Result<int> layers_for(const WaterAutomaton& automaton);
+[[nodiscard]] Result<int> count_layers(const WaterAutomaton& automaton);
 
 // Returns one field or two. `layers` applies to volumes and must cover all land and water. Cells with a negative depth
 // (of the printed rule) are empty in volumes; maps contain the numbers unchanged. Fails as MemoryBudget::reserve()
 // does.
-[[nodiscard]] Result<std::vector<field::ScalarField>> water_fields(const WaterAutomaton& automaton,
-                                                                   WaterContent content, int layers,
-                                                                   const glm::dvec3& spacing, const Context& context);
+[[nodiscard]] Result<std::vector<field::ScalarField>> water_fields(const WaterAutomaton& automaton, WaterOutput content,
+                                                                   int layers, const glm::dvec3& spacing,
+                                                                   const Context& context);
 
 }  // namespace isoextract::simulate

@@ -15,15 +15,15 @@ namespace {
 constexpr int kSide = 10;                 // cells along x and y
 constexpr std::uint64_t kLookEvery = 50;  // steps between checks after the first 1,000
 
-struct SceneGrid {
+struct StabilityGrid {
   std::vector<double> terrain;
   std::vector<double> depth;
-  std::vector<Tap> sources;
-  std::vector<Tap> drains;
-  double water_ever(std::uint64_t steps) const {
+  std::vector<WaterTap> sources;
+  std::vector<WaterTap> drains;
+  double total_water(std::uint64_t steps) const {
     double sum = 0;
     for (const double value : depth) sum += value;
-    for (const Tap& source : sources) sum += source.rate * static_cast<double>(steps);
+    for (const WaterTap& source : sources) sum += source.rate * static_cast<double>(steps);
     return sum;
   }
 };
@@ -40,8 +40,8 @@ constexpr std::array<NamedLand, 3> kLands{
      {Land::dam, "dry front", "A column of water breaks over dry, even land."},
      {Land::brook, "brook", "A source on a slope and a drain below it, over land that was dry."}}};
 
-SceneGrid grid_of(Land land) {
-  SceneGrid grid;
+StabilityGrid grid_of(Land land) {
+  StabilityGrid grid;
   for (int y = 0; y < kSide; ++y) {
     for (int x = 0; x < kSide; ++x) {
       double height = 0;
@@ -65,7 +65,7 @@ SceneGrid grid_of(Land land) {
   return grid;
 }
 
-Result<WaterFindings> run_rule(const SceneGrid& grid, WaterOptions options, std::uint64_t steps,
+Result<WaterFindings> run_rule(const StabilityGrid& grid, WaterOptions options, std::uint64_t steps,
                                const Context& context) {
   options.sources = grid.sources;
   options.drains = grid.drains;
@@ -84,7 +84,7 @@ Result<WaterFindings> run_rule(const SceneGrid& grid, WaterOptions options, std:
   return found;
 }
 
-double energy_bound(double flow, double friction, std::uint64_t steps) {
+double max_allowed_energy(double flow, double friction, std::uint64_t steps) {
   const auto n = static_cast<double>(steps);
   return flow * (friction > 0 ? (1 - std::pow(1 - friction, n)) / friction : n);
 }
@@ -108,13 +108,13 @@ std::vector<WaterStabilityScene> water_stability_scenes() {
 
 Result<std::vector<WaterStabilityRow>> run_water_stability(std::uint64_t steps, const Context& context) {
   std::vector<WaterStabilityRow> rows;
-  std::vector<SceneGrid> grids;
+  std::vector<StabilityGrid> grids;
   for (const NamedLand& land : kLands) {
     for (const double friction : {0.0, 1.0}) {
       for (const double flow_div : {1.0, 2.0, 3.0, 4.0}) {
         grids.push_back(grid_of(land.land));
         WaterStabilityRow row{land.name, friction, flow_div, 0, {}, {}};
-        row.energy_allowed = energy_bound(grids.back().water_ever(steps), friction, steps);
+        row.energy_allowed = max_allowed_energy(grids.back().total_water(steps), friction, steps);
         rows.push_back(std::move(row));
       }
     }

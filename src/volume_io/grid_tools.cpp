@@ -178,10 +178,10 @@ Result<std::uint64_t> write_grids(const std::filesystem::path& path, std::span<c
   const plugin_host::PluginMemory memory(context, work);
   if (tools->write_vdb(&job, &memory.host()) != 0) {
     if (sink.error) return tl::unexpected(*sink.error);
-    return tl::unexpected(memory.failure_or(tools_failed(*tools, work, ErrorCode::output)));
+    return tl::unexpected(memory.refusal_or(tools_failed(*tools, work, ErrorCode::output)));
   }
   for (const NamedField& named : fields) {
-    TRY(check_not_lost(*named.field));
+    TRY(check_mapping_intact(*named.field));
   }
   const std::uint64_t bytes = file.bytes_written();
   TRY(file.commit());
@@ -195,8 +195,8 @@ Result<void> check_grid_tools(const std::string& work) {
   return tools ? Result<void>() : tl::unexpected(tools.error());
 }
 
-Result<SphereField> spheres_to_field(const points::ParticleSet& particles, const SphereOptions& options,
-                                     const Context& context) {
+Result<SphereField> rasterize_spheres(const points::ParticleSet& particles, const SphereOptions& options,
+                                      const Context& context) {
   TRY(check_sphere_options(particles, options));
   const std::string work = (particles.label.empty() ? "the particles" : particles.label) + ": their surface";
   const auto tools = TRY(grid_tools_for(work));
@@ -214,7 +214,7 @@ Result<SphereField> spheres_to_field(const points::ParticleSet& particles, const
   job.kind = options.kind == field::FieldKind::level_set ? ISOEXTRACT_LEVEL_SET : ISOEXTRACT_DENSITY;
   const auto made = std::make_shared<MadeGrid>(*tools, context, work);
   if (tools->spheres(&job, &made->memory.host(), &made->output) != 0) {
-    return tl::unexpected(made->memory.failure_or(tools_failed(*tools, work)));
+    return tl::unexpected(made->memory.refusal_or(tools_failed(*tools, work)));
   }
   made->is_given = true;
   const std::uint64_t left_out = made->output.left_out;
@@ -247,7 +247,7 @@ Result<field::ScalarField> filter_level_set(const field::ScalarField& field, Lev
   if (filter == LevelSetFilter::mean) job.filter = ISOEXTRACT_MEAN;
   const auto made = std::make_shared<MadeGrid>(*tools, context, work);
   if (tools->filter(&job, &made->memory.host(), &made->output) != 0) {
-    return tl::unexpected(made->memory.failure_or(tools_failed(*tools, work)));
+    return tl::unexpected(made->memory.refusal_or(tools_failed(*tools, work)));
   }
   made->is_given = true;
   auto filtered = made_field(made, work);

@@ -13,8 +13,8 @@
 #include <string>
 
 #include "base/context.hpp"
+#include "base/enum_words.hpp"
 #include "base/error.hpp"
-#include "base/words.hpp"
 #include "field/scalar_field.hpp"
 #include "points/method.hpp"
 #include "points/particle_set.hpp"
@@ -37,7 +37,7 @@ struct SphereOptions {
   double voxel = 0;              // spacing of the samples; one of them is at the world's origin
   double half_band = 3;          // width of the narrow band on either side of the surface, in voxels; 2 to 1000
   // Smallest radius in voxels. Smaller spheres can fall between samples and are omitted with a note.
-  double least_radius = points::kLeastSphere;
+  double least_radius = points::kMinSphereRadius;
 };
 
 struct SphereField {
@@ -51,8 +51,8 @@ struct SphereField {
 // Returns a level set or a density, sparse, in f32, the same for any number of threads. The level set is the signed
 // distance from the spheres in world units, negative inside and constant beyond the narrow band; its iso value is 0.
 // The density is 1 inside and 0 outside, with a ramp of half_band voxels inside the same surface.
-[[nodiscard]] Result<SphereField> spheres_to_field(const points::ParticleSet& particles, const SphereOptions& options,
-                                                   const Context& context);
+[[nodiscard]] Result<SphereField> rasterize_spheres(const points::ParticleSet& particles, const SphereOptions& options,
+                                                    const Context& context);
 
 enum class LevelSetFilter { gaussian, median, mean };
 constexpr auto words_of(LevelSetFilter /*type*/) {

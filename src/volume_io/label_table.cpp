@@ -38,14 +38,14 @@ std::vector<std::string_view> words_of_line(std::string_view line) {
   return words;
 }
 
-std::optional<glm::dvec3> colour_of(std::span<const std::string_view> words) {
-  glm::dvec3 colour(0.0);
+std::optional<glm::dvec3> color_from_text(std::span<const std::string_view> words) {
+  glm::dvec3 color(0.0);
   for (int c = 0; c < 3; ++c) {
     const auto channel = whole_number(words[static_cast<std::size_t>(c)]);
     if (!channel || *channel < 0 || *channel > 255) return std::nullopt;
-    colour[c] = static_cast<double>(*channel) / 255;
+    color[c] = static_cast<double>(*channel) / 255;
   }
-  return colour;
+  return color;
 }
 
 // Returns nothing if the line is not a label.
@@ -54,22 +54,22 @@ std::optional<LabelEntry> entry_of(std::string_view line) {
       line, [](char c) { return (static_cast<unsigned char>(c) < ' ' && c != '\t') || c == '\x7f'; });
   if (!is_text) return std::nullopt;
   LabelEntry entry;
-  std::optional<glm::dvec3> colour;
+  std::optional<glm::dvec3> color;
   const std::size_t quote = line.find('"');
   const std::vector<std::string_view> words = words_of_line(line.substr(0, quote));
   if (quote != std::string_view::npos) {
     if (words.size() != 7 || line.size() < quote + 2 || line.back() != '"') return std::nullopt;
     entry.name = line.substr(quote + 1, line.size() - quote - 2);
-    colour = colour_of(std::span(words).subspan(1, 3));
+    color = color_from_text(std::span(words).subspan(1, 3));
   } else {
     if (words.size() != 6 || !whole_number(words[5])) return std::nullopt;
     entry.name = words[1];
-    colour = colour_of(std::span(words).subspan(2, 3));
+    color = color_from_text(std::span(words).subspan(2, 3));
   }
   const auto label = whole_number(words[0]);
-  if (!label || !colour || entry.name.empty()) return std::nullopt;
+  if (!label || !color || entry.name.empty()) return std::nullopt;
   entry.label = *label;
-  entry.colour = *colour;
+  entry.color = *color;
   return entry;
 }
 
@@ -110,7 +110,7 @@ Result<LabelTable> LabelTable::parse(std::string_view text, const std::string& s
 
 Result<LabelTable> LabelTable::read(const std::string& path, const Context& context) {
   const auto text = TRY(files::read_text_file(path, "a table of labels", kMaxBytes, context));
-  return parse(text, files::shown_input_name(path));
+  return parse(text, files::input_label(path));
 }
 
 const LabelEntry* LabelTable::find(std::int64_t label) const {
@@ -122,20 +122,20 @@ bool LabelTable::shares_name(const LabelEntry& entry) const {
   return std::ranges::count(entries_, entry.name, &LabelEntry::name) > 1;
 }
 
-glm::dvec3 usual_label_colour(std::int64_t label) {
+glm::dvec3 default_label_color(std::int64_t label) {
   // Steps of the golden ratio around the hue circle keep hues far from all earlier ones.
   constexpr double kGolden = 0.6180339887498949;
   constexpr double kSaturation = 0.6;
   constexpr double kValue = 0.9;
   const double turns = std::fmod(static_cast<double>(label) * kGolden, 1.0);
   const double hue = 6 * (turns < 0 ? turns + 1 : turns);
-  glm::dvec3 colour(0.0);
+  glm::dvec3 color(0.0);
   constexpr std::array<double, 3> kShift{5, 3, 1};
   for (int c = 0; c < 3; ++c) {
     const double k = std::fmod(kShift[static_cast<std::size_t>(c)] + hue, 6.0);
-    colour[c] = kValue * (1 - kSaturation * std::clamp(std::min(k, 4 - k), 0.0, 1.0));
+    color[c] = kValue * (1 - kSaturation * std::clamp(std::min(k, 4 - k), 0.0, 1.0));
   }
-  return colour;
+  return color;
 }
 
 }  // namespace isoextract::volume_io

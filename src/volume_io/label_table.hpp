@@ -16,7 +16,7 @@ namespace isoextract::volume_io {
 struct LabelEntry {
   std::int64_t label = 0;
   std::string name;
-  glm::dvec3 colour{0.0};  // sRGB, each channel from 0 to 1
+  glm::dvec3 color{0.0};  // sRGB, each channel from 0 to 1
 
   friend bool operator==(const LabelEntry&, const LabelEntry&) = default;
 };
@@ -51,6 +51,6 @@ class LabelTable {
 };
 
 // Returns the color of a label without a table entry; consecutive labels get very different hues.
-[[nodiscard]] glm::dvec3 usual_label_colour(std::int64_t label);
+[[nodiscard]] glm::dvec3 default_label_color(std::int64_t label);
 
 }  // namespace isoextract::volume_io

@@ -166,7 +166,7 @@ Result<NpyHeader> read_npy_header(const files::InputFile& file) {
     return fail(ErrorCode::input, file.name() + ": expected a NumPy file as it is, found it packed by gzip",
                 "unpack it first");
   }
-  if (!files::starts_with(start, kNpyMagic)) return files::fail_magic(file, "a NumPy file", "'\\x93NUMPY'");
+  if (!files::starts_with(start, kNpyMagic)) return files::bad_signature_error(file, "a NumPy file", "'\\x93NUMPY'");
   const std::uint64_t header = std::min(8 + length_bytes(2) + dict_length(start, std::to_integer<int>(start[6])),
                                         std::min(kMaxNpyHeader, file.size()));
   std::vector<std::byte> bytes(static_cast<std::size_t>(header));

@@ -14,11 +14,11 @@ namespace isoextract::volume_io {
 Result<bool> has_vdb_points(const files::InputFile& file, const std::optional<std::string>& grid) {
   try {
     VdbCursor cursor(file);
-    if (!grid) return holds_only_points(cursor);
+    if (!grid) return has_only_point_grids(cursor);
     const VdbHeader header = read_vdb_header(cursor);
     return std::ranges::any_of(
         header.grids, [&](const VdbGridRecord& record) { return is_point_grid(record) && record.name == *grid; });
-  } catch (const VdbRefused& refused) {
+  } catch (const VdbReadError& refused) {
     return tl::unexpected(refused.error);
   } catch (const std::runtime_error&) {
     return false;
@@ -29,12 +29,12 @@ Result<void> check_vdb_header(const files::InputFile& file) {
   try {
     VdbCursor cursor(file);
     static_cast<void>(read_vdb_header(cursor));
-  } catch (const VdbRefused& refused) {
+  } catch (const VdbReadError& refused) {
     return tl::unexpected(refused.error);
-  } catch (const VdbDamaged& damage) {
+  } catch (const InvalidVdb& damage) {
     return fail(ErrorCode::input,
                 fmt::format("{}: the VDB file is damaged: {}", file.name(), printable(damage.what(), 300)));
-  } catch (const VdbUnsupported&) {
+  } catch (const UnsupportedVdb&) {
     return {};
   }
   return {};

@@ -17,8 +17,8 @@
 
 #include "base/attribute_kind.hpp"
 #include "base/context.hpp"
+#include "base/enum_words.hpp"
 #include "base/error.hpp"
-#include "base/words.hpp"
 #include "field/scalar_field.hpp"
 #include "files/file_start.hpp"
 
@@ -51,14 +51,14 @@ constexpr auto words_of(AxisOrder /*type*/) {
 // The volume whose placement a second one takes. A file without spacing and origin is placed by `spacing` and `origin`
 // if `spacing` is given. Otherwise it takes this volume's transform, with `origin` if given, and must have the same
 // dimensions.
-struct VolumeBeside {
+struct ReferenceVolume {
   std::string source;  // name for messages
   glm::ivec3 dims{0};  // 0 if sparse
   field::Affine index_to_world;
   std::optional<glm::dvec3> spacing;  // of the file without placement; its origin is then `origin`, default 0,0,0
   std::optional<glm::dvec3> origin;
 
-  friend bool operator==(const VolumeBeside&, const VolumeBeside&) = default;
+  friend bool operator==(const ReferenceVolume&, const ReferenceVolume&) = default;
 };
 
 // Selects the contents to read, and replaces properties that the file states.
@@ -71,10 +71,10 @@ struct ReadOptions {
   std::optional<AxisOrder> axis_order;       // of arrays; default zyx
   std::optional<glm::dvec3> spacing;         // replaces the file's spacing; raw and NPY have 1
   std::optional<glm::dvec3> origin;          // replaces the file's origin: world position of index (0, 0, 0)
-  std::optional<VolumeBeside> beside;        // replaces spacing and origin if the file has none
+  std::optional<ReferenceVolume> beside;     // replaces spacing and origin if the file has none
   std::optional<field::FieldKind> kind;      // replaces the file's kind
   std::optional<double> no_data;             // dense samples of this value become NaN (field/no_data.hpp)
-  bool no_data_if_dense = false;             // ignore no_data for sparse samples, for which it is otherwise an error
+  bool no_data_for_dense_only = false;       // ignore no_data for sparse samples, for which it is otherwise an error
 
   friend bool operator==(const ReadOptions&, const ReadOptions&) = default;
 };
@@ -93,18 +93,18 @@ struct GridInfo {
   std::string creator;                   // program that wrote it; may be empty
   std::optional<AttributeKind> kind_of_vectors;  // of a vector grid, if the file specifies it
   bool vectors_in_voxels = false;                // of a vector grid: vectors are in index space, in voxels
-  std::string frame_problem;                     // why the file's transform cannot be used; empty if it can
+  std::string placement_problem;                 // why the file's transform cannot be used; empty if it can
   // For grids that a plug-in reads instead of the format itself:
   std::string plugin;              // the plug-in's id; may be empty
   bool plugin_is_missing = false;  // in none of the folders
   std::vector<std::string> parts;  // of a vector grid: labels of the scalar grids it provides
 
-  [[nodiscard]] bool is_called(std::string_view wanted) const { return label == wanted || name == wanted; }
+  [[nodiscard]] bool matches_name(std::string_view wanted) const { return label == wanted || name == wanted; }
 
   // Returns whether read_volume() can read the grid or one of its parts, judging by its header.
   [[nodiscard]] bool is_readable() const {
     if (!plugin.empty()) return !plugin_is_missing;
-    return scalar && frame_problem.empty();
+    return scalar && placement_problem.empty();
   }
 };
 

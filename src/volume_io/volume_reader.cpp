@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/no_memory.hpp"
+#include "base/allocation_error.hpp"
 #include "field/no_data.hpp"
 #include "files/file_bytes.hpp"
 #include "volume_io/detail/grid_choice.hpp"
@@ -75,26 +75,26 @@ auto with_format(const std::string& input, const ReadOptions& options, const Con
     -> decltype(work(DetectedFormat())) {
   try {
     const auto detected = TRY(detect_format(input, options, context));
-    TRY(check_options(files::shown_input_name(input), detected.format->about(), options));
+    TRY(check_options(files::input_label(input), detected.format->about(), options));
     return work(detected);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(files::shown_input_name(input) + ": not enough memory to read it"));
+    return tl::unexpected(allocation_error(files::input_label(input) + ": not enough memory to read it"));
   } catch (const std::exception& error) {
-    return fail(ErrorCode::input, fmt::format("{}: {}", files::shown_input_name(input), error.what()));
+    return fail(ErrorCode::input, fmt::format("{}: {}", files::input_label(input), error.what()));
   }
 }
 
 }  // namespace
 
-Result<bool> is_surely_volume(const std::string& input, const ReadOptions& options, const Context& context) {
+Result<bool> is_certainly_volume(const std::string& input, const ReadOptions& options, const Context& context) {
   if (is_named_by_prefix(input) || options.raw) return true;
   if (options.format) return find_volume_format(*options.format) != nullptr;
   try {
     return has_volume_content(input, context);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(files::shown_input_name(input) + ": not enough memory to read it"));
+    return tl::unexpected(allocation_error(files::input_label(input) + ": not enough memory to read it"));
   } catch (const std::exception& error) {
-    return fail(ErrorCode::input, fmt::format("{}: {}", files::shown_input_name(input), error.what()));
+    return fail(ErrorCode::input, fmt::format("{}: {}", files::input_label(input), error.what()));
   }
 }
 
@@ -105,17 +105,17 @@ Result<std::vector<GridInfo>> list_grids(const std::string& input, const ReadOpt
 
 Result<std::string> grid_label(const std::string& input, const ReadOptions& options, const Context& context) {
   const auto grids = TRY(list_grids(input, options, context));
-  const auto chosen = choose_grid(files::shown_input_name(input), grids, options.grid);
+  const auto chosen = choose_grid(files::input_label(input), grids, options.grid);
   if (chosen) return (grids)[*chosen].label;
   // Plug-ins read grids that are not scalar, and parts of vector grids.
   for (const GridInfo& grid : grids) {
     if (grid.plugin.empty()) continue;
     const bool is_part = std::ranges::find(grid.parts, *options.grid) != grid.parts.end();
-    if (!is_part && !grid.is_called(*options.grid)) continue;
+    if (!is_part && !grid.matches_name(*options.grid)) continue;
     if (grid.plugin_is_missing) {
       return fail(ErrorCode::unavailable,
                   fmt::format("{}: the grid '{}' holds {}, which the plug-in for {} reads; it is not there",
-                              files::shown_input_name(input), grid.label, grid.type, grid.plugin),
+                              files::input_label(input), grid.label, grid.type, grid.plugin),
                   "install it, or name the folder it is in with the environment variable ISOEXTRACT_PLUGINS");
     }
     if (is_part || grid.parts.empty()) return *options.grid;
@@ -139,7 +139,7 @@ Result<std::uint64_t> count_volumes(const std::string& input, const ReadOptions&
     const auto grids = TRY(detected.format->list(input, all, context));
     if (grids.empty()) return 1;
     if (options.grid) {
-      const auto chosen = TRY(choose_grid(files::shown_input_name(input), grids, options.grid));
+      const auto chosen = TRY(choose_grid(files::input_label(input), grids, options.grid));
       return (grids)[chosen].volumes;
     }
     return std::ranges::max(grids, {}, &GridInfo::volumes).volumes;
@@ -157,10 +157,10 @@ Result<field::ScalarField> read_volume(const std::string& input, const ReadOptio
     auto field = detected.format->open(input, options, context);
     if (!field) return field;
     if (!detected.note.empty()) field->notes.insert(field->notes.begin(), detected.note);
-    field->source = files::shown_input_name(input);
+    field->source = files::input_label(input);
     if (options.kind) field->kind = *options.kind;
     const bool is_sparse = std::holds_alternative<field::SparseSamples>(field->samples);
-    if (!options.no_data || (is_sparse && options.no_data_if_dense)) return field;
+    if (!options.no_data || (is_sparse && options.no_data_for_dense_only)) return field;
     if (auto marked = field::mark_no_data(*field, *options.no_data, context); !marked) {
       field = tl::unexpected(std::move(marked.error()));
     }
@@ -168,7 +168,7 @@ Result<field::ScalarField> read_volume(const std::string& input, const ReadOptio
   });
 }
 
-Result<void> check_not_lost(const field::ScalarField& field) {
+Result<void> check_mapping_intact(const field::ScalarField& field) {
   const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
   if (dense == nullptr || !dense->lost()) return {};
   return fail(ErrorCode::input, "the input became shorter, or could not be read further, while it was in use",

@@ -15,15 +15,15 @@ namespace isoextract::volume_io {
 
 // Returns whether an input is certainly a volume: by its demo: prefix, by the format or raw layout in `options`, or by
 // its content. An array in rows may also hold particles. Reads the start of the file.
-[[nodiscard]] Result<bool> is_surely_volume(const std::string& input, const ReadOptions& options,
-                                            const Context& context);
+[[nodiscard]] Result<bool> is_certainly_volume(const std::string& input, const ReadOptions& options,
+                                               const Context& context);
 
 // Returns whether the file name has the extension of a volume format, ignoring case.
 [[nodiscard]] bool has_volume_extension(const std::filesystem::path& path);
 
 // Returns an error for a file of a known format that is not supported; it names a program that converts the file.
 // Returns nothing for other files.
-[[nodiscard]] std::optional<Error> known_but_unread(const std::filesystem::path& path, const Context& context);
+[[nodiscard]] std::optional<Error> unsupported_format_error(const std::filesystem::path& path, const Context& context);
 
 // Lists the grids of an input: a path, "-" for standard input (kept as files::InputFile says) or demo:NAME. Never reads
 // samples.
@@ -58,6 +58,6 @@ namespace isoextract::volume_io {
 
 // Call after each use of a field's samples: fails with ErrorCode::input if their mapped file was truncated or could not
 // be read meanwhile. Results computed from the samples must then be discarded.
-[[nodiscard]] Result<void> check_not_lost(const field::ScalarField& field);
+[[nodiscard]] Result<void> check_mapping_intact(const field::ScalarField& field);
 
 }  // namespace isoextract::volume_io

@@ -49,7 +49,7 @@ Result<std::uint64_t> write_volume(const std::filesystem::path& path, std::span<
   const std::span bytes(static_cast<const std::byte*>(samples->data),
                         samples->count() * field::sample_size(samples->type));
   TRY(file.write(bytes));
-  TRY(check_not_lost(field));
+  TRY(check_mapping_intact(field));
   const std::uint64_t count = file.bytes_written();
   TRY(file.commit());
   return count;

@@ -8,8 +8,8 @@
 #include <span>
 
 #include "base/context.hpp"
+#include "base/enum_words.hpp"
 #include "base/error.hpp"
-#include "base/words.hpp"
 #include "field/scalar_field.hpp"
 
 namespace isoextract::volume_io {

@@ -138,7 +138,7 @@ TEST_F(Allocation, FailsCleanlyForDenseSamples) {
 TEST_F(Allocation, FailsCleanlyForAttributesAndColors) {
   ConversionJob job = job_of("demo:sphere?size=4", 0, mesh_io::MeshFormat::glb);
   job.source.attributes = {{"heat", "demo:torus?size=4", true}};
-  job.colour = ColourChoice{"heat", edit::Colormap::turbo, {}};
+  job.color = ColorChoice{"heat", edit::Colormap::turbo, {}};
   expect_all_are_told(job);
 }
 
@@ -206,7 +206,7 @@ TEST_F(Allocation, FailsCleanlyForLabelMaps) {
 
 TEST_F(Allocation, FailsCleanlyWhileReadingMeshes) {
   mesh::Mesh mesh = test::tetrahedron("mesh", {1e3, 0, 0});
-  test::add_colour(mesh, mesh::ComponentType::u8, 4);
+  test::add_color(mesh, mesh::ComponentType::u8, 4);
   for (const mesh_io::MeshFormatInfo& info : mesh_io::mesh_formats()) {
     const auto path = in_ / ("mesh." + std::string(info.name));
     ASSERT_TRUE(mesh_io::write_meshes({&mesh, 1}, path, {info.format, false, false}, Context()));

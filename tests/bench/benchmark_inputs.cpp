@@ -83,7 +83,7 @@ BenchmarkInput as_float(const BenchmarkInput& input) {
 }
 
 template <class To>
-BenchmarkInput quantised(const BenchmarkInput& input) {
+BenchmarkInput quantized(const BenchmarkInput& input) {
   const auto& samples = std::get<field::DenseSamples>(input.field.samples);
   if (samples.type != field::SampleType::f32) throw std::runtime_error("only f32 samples are quantised");
   const std::span<const float> from(static_cast<const float*>(samples.data), samples.count());
@@ -122,10 +122,10 @@ BenchmarkInput with_type(const BenchmarkInput& input, field::SampleType type) {
   if (type == input.field.type()) return input;
   switch (type) {
     case field::SampleType::f32: return as_float(input);
-    case field::SampleType::u8: return quantised<std::uint8_t>(input);
-    case field::SampleType::i8: return quantised<std::int8_t>(input);
-    case field::SampleType::u16: return quantised<std::uint16_t>(input);
-    case field::SampleType::i16: return quantised<std::int16_t>(input);
+    case field::SampleType::u8: return quantized<std::uint8_t>(input);
+    case field::SampleType::i8: return quantized<std::int8_t>(input);
+    case field::SampleType::u16: return quantized<std::uint16_t>(input);
+    case field::SampleType::i16: return quantized<std::int16_t>(input);
     default: throw std::runtime_error(fmt::format("no samples of type {} are made", field::sample_type_name(type)));
   }
 }

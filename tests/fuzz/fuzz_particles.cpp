@@ -43,7 +43,7 @@ void read_one(const std::uint8_t* data, std::size_t size) {
   test::write_bytes(input, std::string(reinterpret_cast<const char*>(data) + 1, size - 1));
   const Context context(MemoryBudget(std::uint64_t{8} << 20));
   {
-    const auto info = particle_io::particle_info(input, options, context);
+    const auto info = particle_io::list_particles(input, options, context);
     const auto read = particle_io::read_particles(input, options, context);
     if (!read) {
       fuzz::require_refusal(read.error(), input);

@@ -261,9 +261,9 @@ void write_particles(const fs::path& root) {
   seed("csv_words", "csv", "# x y z\n1 2 3\n4 5 6\n");
 }
 
-mesh::Mesh coloured(mesh::ComponentType type, std::size_t components) {
+mesh::Mesh colored(mesh::ComponentType type, std::size_t components) {
   mesh::Mesh mesh = tetrahedron("coloured", {1e7, 0.25, -3});
-  add_colour(mesh, type, components);
+  add_color(mesh, type, components);
   add_attribute(mesh, "heat", mesh::ComponentType::f32, 1);
   add_attribute(mesh, "way", mesh::ComponentType::i16, 3, true);
   return mesh;
@@ -284,8 +284,8 @@ void write_written(const fs::path& folder, mesh_io::MeshFormat format) {
   seed("normals", sphere(2, true));
   seed("flat", tetrahedron(), true);
   if (!info.has_attributes) return;
-  seed("colour_u8", coloured(mesh::ComponentType::u8, 4));
-  seed("colour_f32", coloured(mesh::ComponentType::f32, 3));
+  seed("colour_u8", colored(mesh::ComponentType::u8, 4));
+  seed("colour_f32", colored(mesh::ComponentType::f32, 3));
 }
 
 void write_plys(const fs::path& folder) {
@@ -322,7 +322,7 @@ void write_packed(const fs::path& folder, mesh_io::MeshFormat format) {
     if (!written) throw std::runtime_error(written.error().message);
   };
   mesh::Mesh attributes = sphere(2, true);
-  add_colour(attributes, mesh::ComponentType::u8, 3);
+  add_color(attributes, mesh::ComponentType::u8, 3);
   add_attribute(attributes, "heat", mesh::ComponentType::f32, 1);
   // Three sheets at one edge, which Draco packs triangle by triangle.
   const mesh::Mesh sheets =

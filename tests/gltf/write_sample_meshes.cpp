@@ -38,9 +38,9 @@ mesh::Mesh nothing(std::string name) { return make_mesh(std::move(name), {}, {})
 mesh::Mesh one_triangle() { return make_mesh("triangle", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}); }
 
 // Attributes of sizes that fill four bytes and that do not.
-mesh::Mesh with_attributes(mesh::ComponentType colour, std::size_t components) {
+mesh::Mesh with_attributes(mesh::ComponentType color, std::size_t components) {
   mesh::Mesh mesh = sphere(24, false, "coloured");
-  add_colour(mesh, colour, components);
+  add_color(mesh, color, components);
   add_attribute(mesh, "TEMPERATURE", mesh::ComponentType::f32, 1);
   add_attribute(mesh, "label", mesh::ComponentType::u8, 1);
   add_attribute(mesh, "way", mesh::ComponentType::i16, 3, true);
@@ -110,7 +110,7 @@ std::vector<Sample> samples() {
 
 bool write(const Sample& sample, const mesh_io::MeshFormatInfo& format, const std::filesystem::path& folder) {
   const std::vector<mesh::Mesh> meshes = sample.make();
-  if ((meshes.size() != 1 && !format.holds_several_meshes) || (sample.ascii && !format.has_ascii)) return true;
+  if ((meshes.size() != 1 && !format.can_hold_several_meshes) || (sample.ascii && !format.has_ascii)) return true;
   if (!mesh_io::check_packing(sample.packing, format.format)) return true;
   if (format.format == mesh_io::MeshFormat::drc && meshes[0].triangles.empty()) return true;
   // One folder a format: the .bin of one model must not have the name of another's.

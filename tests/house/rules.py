@@ -240,7 +240,7 @@ def check_option_names(root):
 WHOLE_NAME = re.compile(r"(-[A-Za-z],)?--[A-Za-z][A-Za-z-]*")
 # What comes before the text in a declaration: the type and the name of a member, or the base of an option's own type.
 DECLARATION = re.compile(r"(?:(?:Value|Values|Flag)(?:<[^;{}]*>)?(?:\s+\w+\{|\()[^;\"]*|kHelpNames = )$")
-WORDS_HINTS = ["cli/remedies.cpp", "cli/foreign_words.cpp", "cli/gnuplot.cpp"]  # gnuplot's are options of gnuplot
+WORDS_HINTS = ["cli/remedies.cpp", "cli/foreign_options.cpp", "cli/gnuplot.cpp"]  # gnuplot's are options of gnuplot
 
 
 def check_options_once(root):

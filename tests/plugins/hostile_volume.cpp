@@ -21,7 +21,7 @@
 
 namespace {
 
-using isoextract::plugin_host::Said;
+using isoextract::plugin_host::MessageKind;
 
 constexpr int kProgram = 3;  // the socket to it
 const std::array<float, 8> kValues{0, 0, 0, 0, 1, 1, 1, 1};
@@ -70,12 +70,12 @@ void try_the_world(const std::string& path) {
 // As a worker in the hands of its file would speak: counts and places that are not there.
 void lie_about_blocks() {
   constexpr std::uint64_t kMany = std::uint64_t{1} << 60;
-  say_words({static_cast<std::uint64_t>(Said::grid_opened), 0, 1, ISOEXTRACT_F32, 0, 8, 0, 0, 0, 0, 0, 0, kMany, 0, 0,
-             0, 0, 0});
+  say_words({static_cast<std::uint64_t>(MessageKind::grid_opened), 0, 1, ISOEXTRACT_F32, 0, 8, 0, 0, 0, 0, 0, 0, kMany,
+             0, 0, 0, 0, 0});
   ::_exit(0);
 }
 void lie_about_places() {
-  say_words({static_cast<std::uint64_t>(Said::grid_opened), 0, 1, ISOEXTRACT_F32, 0, 8, 0, 0, 0, 0, 0, 0, 1, 40,
+  say_words({static_cast<std::uint64_t>(MessageKind::grid_opened), 0, 1, ISOEXTRACT_F32, 0, 8, 0, 0, 0, 0, 0, 0, 1, 40,
              1 << 20, 0, 0, 0});
   ::_exit(0);
 }
@@ -113,16 +113,16 @@ void do_deed(const std::string& deed, const char* path) {
        }},
       {"lie-list",
        [](const std::string&) {
-         say_words({static_cast<std::uint64_t>(Said::listed), 1U << 30U});
+         say_words({static_cast<std::uint64_t>(MessageKind::listed), 1U << 30U});
          ::_exit(0);
        }},
       {"chatter",
        [](const std::string&) {
-         for (;;) say_words({static_cast<std::uint64_t>(Said::reserve), 0});
+         for (;;) say_words({static_cast<std::uint64_t>(MessageKind::reserve), 0});
        }},
       {"greed",
        [](const std::string&) {
-         say_words({static_cast<std::uint64_t>(Said::allocate), ~std::uint64_t{0}});
+         say_words({static_cast<std::uint64_t>(MessageKind::allocate), ~std::uint64_t{0}});
          ::_exit(0);
        }},
   };

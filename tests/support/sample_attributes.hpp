@@ -24,9 +24,9 @@ void add_values(mesh::Mesh& mesh, mesh::Attribute attribute) {
 }
 
 inline void add_attribute(mesh::Mesh& mesh, std::string name, mesh::ComponentType type, std::size_t components,
-                          bool normalised = false, mesh::AttributeRole role = mesh::AttributeRole::other) {
+                          bool normalized = false, mesh::AttributeRole role = mesh::AttributeRole::other) {
   using Type = mesh::ComponentType;
-  mesh::Attribute attribute{std::move(name), role, type, components, normalised, {}};
+  mesh::Attribute attribute{std::move(name), role, type, components, normalized, {}};
   switch (type) {
     case Type::i8: return add_values<std::int8_t>(mesh, std::move(attribute));
     case Type::u8: return add_values<std::uint8_t>(mesh, std::move(attribute));
@@ -39,14 +39,14 @@ inline void add_attribute(mesh::Mesh& mesh, std::string name, mesh::ComponentTyp
   }
 }
 
-inline void add_colour(mesh::Mesh& mesh, mesh::ComponentType type, std::size_t components) {
-  add_attribute(mesh, "colour", type, components, type != mesh::ComponentType::f32, mesh::AttributeRole::colour);
+inline void add_color(mesh::Mesh& mesh, mesh::ComponentType type, std::size_t components) {
+  add_attribute(mesh, "colour", type, components, type != mesh::ComponentType::f32, mesh::AttributeRole::color);
 }
 
 // Compares kinds and values, bit for bit.
 inline bool same_attribute(const mesh::Attribute& a, const mesh::Attribute& b) {
   return a.name == b.name && a.role == b.role && a.type == b.type && a.components == b.components &&
-         a.normalised == b.normalised && a.values.size() == b.values.size() &&
+         a.normalized == b.normalized && a.values.size() == b.values.size() &&
          (a.values.empty() || std::memcmp(a.values.data(), b.values.data(), a.values.size()) == 0);
 }
 

@@ -30,7 +30,7 @@ class CodeWords:
             relative = path.relative_to(self.root / "src")
             text = self.text(relative)
             found = TABLE.findall(text)
-            declared = len(re.findall(r"constexpr auto words_of\(\w", text)) - (relative == pathlib.Path("base/words.hpp"))
+            declared = len(re.findall(r"constexpr auto words_of\(\w", text)) - (relative == pathlib.Path("base/enum_words.hpp"))
             assert len(found) == declared, f"{relative}: {len(found)} of {declared} tables read"
             for enum, body in found:
                 words = re.findall(r'Word\{[\w:]+,\s*"([^"]*)"\}', body)

@@ -78,8 +78,8 @@ Found go(const Way& way, std::size_t threads) {
   found.emplace_back("statistics", told(statistics));
   found.emplace_back("suggestion", fmt::format("{}", field::suggest_iso(field, statistics).iso));
   found.emplace_back("estimate", fmt::format("{}", field::estimate_surface(field, way.iso).vertices));
-  const auto resampled =
-      must(field::resample(field, {40, 31, 52}, field::ResampleKernel::linear, field::NanSamples::left_out, Context()));
+  const auto resampled = must(
+      field::resample(field, {40, 31, 52}, field::ResampleKernel::linear, field::NanHandling::left_out, Context()));
   const auto coarser = must(field::coarsen(field, 2, Context()));
   add_surface(resampled, way, extract::Method::mt, "resampled", found);
   add_surface(coarser, way, extract::Method::mt, "coarser", found);

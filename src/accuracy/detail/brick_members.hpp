@@ -52,7 +52,7 @@ struct BrickCount {
 };
 
 // Sorts the bricks and merges duplicates, adding their counts.
-inline void join_bricks(std::vector<BrickCount>& bricks) {
+inline void merge_bricks(std::vector<BrickCount>& bricks) {
   const auto key = [](const BrickCount& one) { return std::tuple(one.brick.z, one.brick.y, one.brick.x); };
   tbb::parallel_sort(bricks.begin(), bricks.end(),
                      [&](const BrickCount& a, const BrickCount& b) { return key(a) < key(b); });

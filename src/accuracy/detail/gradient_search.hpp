@@ -63,7 +63,7 @@ class GradientSearch {
   };
 
   [[nodiscard]] FirstOrder first_order(const field::Interpolated& here) const {
-    const double largest = largest_component(here.gradient);
+    const double largest = max_abs_component(here.gradient);
     if (!(largest > 0)) return {};
     // Scales the gradient first: its square may leave the range of double.
     const glm::dvec3 gradient = here.gradient / largest;
@@ -75,12 +75,12 @@ class GradientSearch {
   std::optional<Found> search_from(const glm::dvec3& index) {
     const field::Interpolated here = field_(index);
     const double residual = here.value;
-    if (!std::isfinite(residual) || !std::isfinite(largest_component(here.gradient))) return std::nullopt;
+    if (!std::isfinite(residual) || !std::isfinite(max_abs_component(here.gradient))) return std::nullopt;
     if (residual == 0) return Found{glm::dvec3(0), 0, true};
     std::optional<glm::dvec3> found;
     const FirstOrder first = first_order(here);
     if (first.direction != glm::dvec3(0)) found = search_in_data(index, first.direction, residual, first.distance);
-    if (!found || glm::length(*found) > 2 * first.distance) look_at_corners(index, residual, found);
+    if (!found || glm::length(*found) > 2 * first.distance) search_to_corners(index, residual, found);
     constexpr double kNearEnough = 0.98;
     const double length = found ? glm::length(linear_ * *found) : 0;
     const bool nearest = found && least_distance(index, here, length) >= kNearEnough * length;
@@ -95,16 +95,16 @@ class GradientSearch {
     for (int axis = 0; axis < 3; ++axis) {
       if (!(std::min(t[axis], 1 - t[axis]) * width_[axis] > reach)) return 0;
     }
-    const auto bend = field_.greatest_bend(cell);
+    const auto bend = field_.max_second_derivative(cell);
     if (!bend) return 0;
-    const double largest = largest_component(here.gradient);
+    const double largest = max_abs_component(here.gradient);
     const glm::dvec3 scaled = largest > 0 ? here.gradient / largest : glm::dvec3(0);
     const double slope = largest * std::sqrt(glm::dot(scaled, metric_ * scaled));
     return std::abs(here.value) / (slope + *bend * reach / (shortest_ * shortest_));
   }
 
   // Returns how far along `step` the data end.
-  [[nodiscard]] double way_out(const glm::dvec3& index, const glm::dvec3& step) const {
+  [[nodiscard]] double distance_to_boundary(const glm::dvec3& index, const glm::dvec3& step) const {
     double nearest = kInfinity;
     for (int axis = 0; axis < 3; ++axis) {
       if (step[axis] == 0) continue;
@@ -116,7 +116,7 @@ class GradientSearch {
   // Searches along `step`; if that leaves the data before it meets the surface, along the face from there.
   std::optional<glm::dvec3> search_in_data(const glm::dvec3& index, const glm::dvec3& step, double residual,
                                            double guess) {
-    const double out = way_out(index, step);
+    const double out = distance_to_boundary(index, step);
     if (const auto distance = search(index, step, residual, guess, kReach, std::min(kReach, out))) {
       return *distance * step;
     }
@@ -131,13 +131,13 @@ class GradientSearch {
     const double length = glm::length(slide);
     if (!(length > 0)) return std::nullopt;
     slide /= length;
-    const double limit = std::min(kReach - out, way_out(border, slide));
+    const double limit = std::min(kReach - out, distance_to_boundary(border, slide));
     const auto distance = search(border, slide, residual, guess, kReach, limit);
     return distance ? std::optional(border + *distance * slide - index) : std::nullopt;
   }
 
   // Searches towards the cell corners on the other side, where a crossing must lie. Keeps the nearest.
-  void look_at_corners(const glm::dvec3& index, double residual, std::optional<glm::dvec3>& nearest) {
+  void search_to_corners(const glm::dvec3& index, double residual, std::optional<glm::dvec3>& nearest) {
     glm::dvec3 cell = glm::floor(index);
     if (last_cell_) cell = glm::clamp(cell, glm::dvec3(0), glm::dvec3(*last_cell_));
     for (int corner = 0; corner < 8; ++corner) {

@@ -9,7 +9,7 @@
 namespace isoextract::accuracy {
 
 // Returns the largest absolute component.
-[[nodiscard]] inline double largest_component(const glm::dvec3& v) {
+[[nodiscard]] inline double max_abs_component(const glm::dvec3& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 

@@ -29,10 +29,10 @@ Corners corners_of(const mesh::Mesh& mesh, std::size_t triangle, const glm::dvec
 std::uint64_t hash_of(const Corners& corners) {
   std::array<std::uint64_t, 3> parts{};
   for (std::size_t c = 0; c < corners.size(); ++c) {
-    parts[c] = hash_of_three(std::bit_cast<std::uint64_t>(corners[c].x), std::bit_cast<std::uint64_t>(corners[c].y),
-                             std::bit_cast<std::uint64_t>(corners[c].z));
+    parts[c] = hash_coordinates(std::bit_cast<std::uint64_t>(corners[c].x), std::bit_cast<std::uint64_t>(corners[c].y),
+                                std::bit_cast<std::uint64_t>(corners[c].z));
   }
-  return hash_of_three(parts[0], parts[1], parts[2]);
+  return hash_coordinates(parts[0], parts[1], parts[2]);
 }
 
 struct Known {
@@ -48,7 +48,7 @@ std::size_t bucket_count(const mesh::Mesh& mesh) { return mesh.triangles.size() 
 
 }  // namespace
 
-std::vector<char> triangles_in_both(const mesh::Mesh& a, const mesh::Mesh& b, const glm::dvec3& shift) {
+std::vector<char> mark_common_triangles(const mesh::Mesh& a, const mesh::Mesh& b, const glm::dvec3& shift) {
   const std::size_t count = bucket_count(b);
   const mesh::Buckets<Known> known(b.triangles.size(), count, [&](std::size_t t, const auto& put) {
     const std::uint64_t hash = hash_of(corners_of(b, t, glm::dvec3(0.0)));

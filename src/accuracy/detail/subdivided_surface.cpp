@@ -29,7 +29,7 @@ std::vector<double> sample_parts(field::Interpolant::Cursor& field, const field:
                              (static_cast<std::size_t>(first.y + j) +
                               static_cast<std::size_t>(dims.y) * static_cast<std::size_t>(first.z + k));
         for (int i = 0; i <= how.parts; ++i) {
-          values[row + static_cast<std::size_t>(i)] = field.in_cell(cell, glm::dvec3(i, j, k) / n).value;
+          values[row + static_cast<std::size_t>(i)] = field.evaluate_in_cell(cell, glm::dvec3(i, j, k) / n).value;
         }
       }
     }

@@ -15,10 +15,10 @@ namespace isoextract::accuracy {
 
 // `Function` returns `value` and `gradient` at a point in its own coordinates; it may cache.
 template <class Function>
-class SurfaceFoot {
+class FootFinder {
  public:
   // `linear` maps steps to the coordinates in which distances are measured. Outside the box there is no surface.
-  SurfaceFoot(Function function, double iso, const glm::dmat3& linear, const glm::dvec3& low, const glm::dvec3& high)
+  FootFinder(Function function, double iso, const glm::dmat3& linear, const glm::dvec3& low, const glm::dvec3& high)
       : function_(std::move(function)), iso_(iso), linear_(linear), low_(low), high_(high) {
     const glm::dmat3 inverse = glm::inverse(linear);
     metric_ = inverse * glm::transpose(inverse);
@@ -35,7 +35,7 @@ class SurfaceFoot {
       const auto here = function_(point);
       const double residual = here.value - iso_;
       if (residual == 0) return point;
-      const double largest = largest_component(here.gradient);
+      const double largest = max_abs_component(here.gradient);
       if (!std::isfinite(residual) || !(largest > 0)) return std::nullopt;
       // Scales the gradient first: its square may leave the range of double.
       const glm::dvec3 gradient = here.gradient / largest;
@@ -58,7 +58,7 @@ class SurfaceFoot {
     double distance = length(p - point);
     for (int step = 0; step < kMaxSteps; ++step) {
       const glm::dvec3 gradient = function_(point).gradient;
-      const double largest = largest_component(gradient);
+      const double largest = max_abs_component(gradient);
       if (!(largest > 0)) break;
       const glm::dvec3 scaled = gradient / largest;
       const glm::dvec3 along = metric_ * scaled;

@@ -45,7 +45,7 @@ Result<void> Animation::check() const {
   std::vector<std::int64_t> numbers;
   for (const FrameJob& frame : batch_.frames) numbers.push_back(frame.number);
   TRY(writer_.check_times(numbers));
-  files::ReadFiles read;
+  files::InputFileSet read;
   if (std::error_code none; std::filesystem::exists(batch_.animation->path, none)) {
     for (const FrameJob& frame : batch_.frames) convert::add_read_files(read, frame.job, Context());
   }
@@ -81,7 +81,7 @@ Result<mesh_io::MeshWriteResult> Animation::finish() {
                                   {}};
 }
 
-std::string left_out_text(const BatchJob& batch, std::span<const std::int64_t> missing) {
+std::string missing_frames_note(const BatchJob& batch, std::span<const std::int64_t> missing) {
   std::size_t leading = 0;  // failed frames before the first frame in the file
   while (leading < missing.size() && missing[leading] == batch.frames[leading].number) ++leading;
   const auto list = [](std::span<const std::int64_t> frames) { return text_of(runs_of(frames), kShownFrameRuns); };
@@ -97,8 +97,8 @@ std::string left_out_text(const BatchJob& batch, std::span<const std::int64_t> m
 
 std::string animation_key(const std::string& batch) { return files::content_hash("animation " + batch); }
 
-Result<void> keep_animation(Manifest& manifest, const BatchJob& batch, std::vector<FrameRecord> frames,
-                            const mesh_io::MeshWriteResult& written) {
+Result<void> record_animation(Manifest& manifest, const BatchJob& batch, std::vector<FrameRecord> frames,
+                              const mesh_io::MeshWriteResult& written) {
   const std::string key = key_of(batch);
   for (std::size_t i = 0; i < frames.size(); ++i) {
     frames[i].job = key_of(key, batch.frames[i]);
@@ -112,10 +112,10 @@ Result<void> keep_animation(Manifest& manifest, const BatchJob& batch, std::vect
   return manifest.add(record);
 }
 
-std::optional<std::vector<FrameRecord>> kept_animation(const Manifest& manifest, const BatchJob& batch) {
+std::optional<std::vector<FrameRecord>> find_animation_record(const Manifest& manifest, const BatchJob& batch) {
   const std::string key = key_of(batch);
   const FrameRecord* const whole = manifest.find(key);
-  if (whole == nullptr || !what_changed(*whole).empty()) return std::nullopt;
+  if (whole == nullptr || !find_changed_file(*whole).empty()) return std::nullopt;
   // The animation had no surface, so no file was written: an existing file is not this animation.
   std::error_code none;
   if (whole->outputs.empty() && std::filesystem::exists(batch.animation->path, none)) return std::nullopt;
@@ -123,7 +123,7 @@ std::optional<std::vector<FrameRecord>> kept_animation(const Manifest& manifest,
   for (const FrameJob& frame : batch.frames) {
     const FrameRecord* const record = manifest.find(key_of(key, frame));
     if (record == nullptr || !knows_inputs(*record, frame)) return std::nullopt;
-    if (!what_changed(*record).empty() || !what_came(*record, frame).empty()) return std::nullopt;
+    if (!find_changed_file(*record).empty() || !find_added_input(*record, frame).empty()) return std::nullopt;
     frames.push_back(*record);
     frames.back().outputs = whole->outputs;
   }

@@ -50,18 +50,19 @@ class Animation final : public FrameReceiver {
 
 // Returns a note about failed frames: which are missing in the animation, and what it shows in their time. `missing` is
 // ordered.
-[[nodiscard]] std::string left_out_text(const BatchJob& batch, std::span<const std::int64_t> missing);
+[[nodiscard]] std::string missing_frames_note(const BatchJob& batch, std::span<const std::int64_t> missing);
 
 // Returns the key that records a whole animation in the manifest, from the hash of its batch.
 [[nodiscard]] std::string animation_key(const std::string& batch);
 
 // Records in the manifest what the animation was made from. `frames` are the records of all its frames, in order. If
 // the run is killed meanwhile, nothing counts as recorded.
-[[nodiscard]] Result<void> keep_animation(Manifest& manifest, const BatchJob& batch, std::vector<FrameRecord> frames,
-                                          const mesh_io::MeshWriteResult& written);
+[[nodiscard]] Result<void> record_animation(Manifest& manifest, const BatchJob& batch, std::vector<FrameRecord> frames,
+                                            const mesh_io::MeshWriteResult& written);
 
 // Returns the records of all frames if the manifest has the batch's animation and its files and all inputs are
-// unchanged (what_changed()). The outputs of each record are the animation's files.
-[[nodiscard]] std::optional<std::vector<FrameRecord>> kept_animation(const Manifest& manifest, const BatchJob& batch);
+// unchanged (find_changed_file()). The outputs of each record are the animation's files.
+[[nodiscard]] std::optional<std::vector<FrameRecord>> find_animation_record(const Manifest& manifest,
+                                                                            const BatchJob& batch);
 
 }  // namespace isoextract::batch

@@ -21,7 +21,7 @@ struct Decimal {
   std::string_view fraction;
   std::string_view exponent;  // with its sign
   bool minus = false;
-  bool glued = false;  // the minus follows a letter or digit, so it may be a hyphen
+  bool may_be_hyphen = false;  // the minus follows a letter or digit, so it may be a hyphen
 
   [[nodiscard]] bool same(const Decimal& other) const {
     return std::tie(whole, fraction, exponent, minus) ==
@@ -73,7 +73,7 @@ DecimalName split_decimals(std::string_view name) {
     number.minus = at > 0 && name[at - 1] == '-';
     if (number.minus) {
       result.skeleton.pop_back();
-      number.glued = at > 1 && is_part_of_word(name[at - 2]);
+      number.may_be_hyphen = at > 1 && is_part_of_word(name[at - 2]);
     }
     at += whole.size();
     if (is_decimal_point(name, at)) number.fraction = digits_at(name, at + 1);
@@ -198,7 +198,7 @@ std::optional<DecimalOrder> order_by_decimals(std::span<const std::string> names
   if (numbers.empty()) return std::nullopt;
   const Reading reading = reading_of(numbers);
   if (reading == Reading::others) return std::nullopt;
-  const auto is_hyphen = [](const Decimal& number) { return number.minus && number.glued; };
+  const auto is_hyphen = [](const Decimal& number) { return number.minus && number.may_be_hyphen; };
   const bool with_sign = !std::ranges::all_of(numbers, is_hyphen);
   std::vector<double> values;
   for (const Decimal& number : numbers) {

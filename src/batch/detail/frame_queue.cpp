@@ -23,23 +23,23 @@ void FrameQueue::start(std::size_t place) {
 void FrameQueue::end(std::size_t place) {
   running_.erase(place);
   alone_.erase(place);
-  turned_away_.erase(place);
+  displaced_.erase(place);
 }
 
 void FrameQueue::run_again_alone(std::size_t place) {
   run_again(place);
   alone_.insert(place);
-  if (in_order_) turned_away_.insert(running_.upper_bound(place), running_.end());
+  if (in_order_) displaced_.insert(running_.upper_bound(place), running_.end());
 }
 
 void FrameQueue::run_again(std::size_t place) {
   running_.erase(place);
-  turned_away_.erase(place);
+  displaced_.erase(place);
   again_.insert(place);
 }
 
 FrameQueue::Turn FrameQueue::turn(std::size_t place) const {
-  if (turned_away_.contains(place)) return Turn::turned_away;
+  if (displaced_.contains(place)) return Turn::turned_away;
   // No earlier frame waits in again_: putting it back would have turned this one away.
   return *running_.begin() == place ? Turn::now : Turn::later;
 }

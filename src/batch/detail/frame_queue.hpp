@@ -44,11 +44,11 @@ class FrameQueue {
  private:
   std::size_t count_;
   bool in_order_;
-  std::size_t fresh_ = 0;              // the first position that never started
-  std::set<std::size_t> again_;        // to run again
-  std::set<std::size_t> running_;      // started and not ended
-  std::set<std::size_t> alone_;        // to run alone, from again_ or running_
-  std::set<std::size_t> turned_away_;  // running frames that were turned away
+  std::size_t fresh_ = 0;            // the first position that never started
+  std::set<std::size_t> again_;      // to run again
+  std::set<std::size_t> running_;    // started and not ended
+  std::set<std::size_t> alone_;      // to run alone, from again_ or running_
+  std::set<std::size_t> displaced_;  // running frames that were turned away
 };
 
 }  // namespace isoextract::batch

@@ -10,17 +10,17 @@
 namespace isoextract::batch {
 namespace {
 
-struct ShapeOfName {
+struct NameShape {
   std::string text;               // each run of digits and {piece} is one NUL, which no file name contains
   std::vector<std::string> runs;  // the digits of each run, up to the first {piece} in it
   std::vector<bool> numbered;     // whether the run contains {piece}
 };
 
-ShapeOfName shape_of(std::string_view name) {
-  ShapeOfName shape;
+NameShape shape_of(std::string_view name) {
+  NameShape shape;
   bool in_run = false;
   while (!name.empty()) {
-    const bool number = name.starts_with(convert::kPieceWord);
+    const bool number = name.starts_with(convert::kPiecePlaceholder);
     const bool digit = std::isdigit(static_cast<unsigned char>(name.front())) != 0;
     if (!number && !digit) {
       shape.text += name.front();
@@ -33,7 +33,7 @@ ShapeOfName shape_of(std::string_view name) {
     }
     if (digit && !shape.numbered.back()) shape.runs.back() += name.front();
     if (number) shape.numbered.back() = true;
-    name.remove_prefix(number ? convert::kPieceWord.size() : 1);
+    name.remove_prefix(number ? convert::kPiecePlaceholder.size() : 1);
   }
   return shape;
 }
@@ -53,7 +53,7 @@ bool one_begins_with_other(std::string_view a, std::string_view b) { return a.st
 }  // namespace
 
 std::optional<std::size_t> PieceNames::add(std::string_view name, std::size_t owner) {
-  const ShapeOfName shape = shape_of(name);
+  const NameShape shape = shape_of(name);
   Group& group = groups_.try_emplace(shape.text, Group{shape.numbered, owner, {}}).first->second;
   if (group.numbered != shape.numbered) return group.owner;
   std::string digits = fixed_digits(shape.runs, shape.numbered);
@@ -66,8 +66,8 @@ std::optional<std::size_t> PieceNames::add(std::string_view name, std::size_t ow
   return std::nullopt;
 }
 
-std::optional<std::size_t> PieceNames::could_be(std::string_view file) const {
-  const ShapeOfName shape = shape_of(file);
+std::optional<std::size_t> PieceNames::find_collision(std::string_view file) const {
+  const NameShape shape = shape_of(file);
   const auto group = groups_.find(shape.text);
   if (group == groups_.end()) return std::nullopt;
   const std::string digits = fixed_digits(shape.runs, group->second.numbered);

@@ -19,7 +19,7 @@ class PieceNames {
   [[nodiscard]] std::optional<std::size_t> add(std::string_view name, std::size_t owner);
 
   // Returns the owner of a name that some piece numbers could make equal to `file`.
-  [[nodiscard]] std::optional<std::size_t> could_be(std::string_view file) const;
+  [[nodiscard]] std::optional<std::size_t> find_collision(std::string_view file) const;
 
  private:
   struct Group {

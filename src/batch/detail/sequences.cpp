@@ -17,7 +17,7 @@ struct DigitGroup {
   std::string_view digits;
   std::size_t at = 0;  // position of the digits
   bool minus = false;
-  bool glued = false;  // the minus follows a letter or digit, so it may be a hyphen
+  bool may_be_hyphen = false;  // the minus follows a letter or digit, so it may be a hyphen
 
   [[nodiscard]] bool same(const DigitGroup& other) const { return digits == other.digits && minus == other.minus; }
   [[nodiscard]] std::int64_t number(bool with_sign) const {
@@ -45,7 +45,7 @@ SplitName split(std::string_view name) {
       group.minus = !result.skeleton.empty() && result.skeleton.back() == '-';
       if (group.minus) {
         result.skeleton.pop_back();
-        group.glued = first > 1 && is_part_of_word(name[first - 2]);
+        group.may_be_hyphen = first > 1 && is_part_of_word(name[first - 2]);
       }
       result.skeleton += kNumberMark;
       result.groups.push_back(group);
@@ -56,13 +56,13 @@ SplitName split(std::string_view name) {
 }
 
 // File names that are equal except for digits.
-struct Alike {
+struct NameGroup {
   std::vector<std::size_t> names;
   std::vector<std::vector<DigitGroup>> groups;  // of each name
 };
 
 // Returns the last group in which the names differ.
-std::optional<std::size_t> frame_group(const Alike& alike) {
+std::optional<std::size_t> frame_group(const NameGroup& alike) {
   for (std::size_t g = alike.groups.front().size(); g-- > 0;) {
     const auto differs = [&](const auto& groups) { return !groups[g].same(alike.groups.front()[g]); };
     if (std::ranges::any_of(alike.groups, differs)) return g;
@@ -89,10 +89,11 @@ std::string pattern_of(std::string_view name, const DigitGroup& group, bool with
       .text();
 }
 
-Sequence sequence_of(std::span<const std::string> names, const Alike& alike, std::span<const std::size_t> chosen,
+Sequence sequence_of(std::span<const std::string> names, const NameGroup& alike, std::span<const std::size_t> chosen,
                      std::size_t frame) {
   const auto group = [&](std::size_t i) -> const DigitGroup& { return alike.groups[i][frame]; };
-  const bool with_sign = !std::ranges::all_of(chosen, [&](std::size_t i) { return group(i).minus && group(i).glued; });
+  const bool with_sign =
+      !std::ranges::all_of(chosen, [&](std::size_t i) { return group(i).minus && group(i).may_be_hyphen; });
   std::size_t fewest = kMaxFrameDigits;
   for (const std::size_t i : chosen) fewest = std::min(fewest, group(i).digits.size());
   const int width = static_cast<int>(fewest);
@@ -112,14 +113,14 @@ Sequence sequence_of(std::span<const std::string> names, const Alike& alike, std
 }
 
 Sequence lone(std::span<const std::string> names, std::size_t name) {
-  return {{{name, single_number(names[name]).value_or(1)}}, names[name]};
+  return {{{name, trailing_number(names[name]).value_or(1)}}, names[name]};
 }
 
 }  // namespace
 
 std::vector<Sequence> sequences_of(std::span<const std::string> names) {
   std::unordered_map<std::string, std::size_t> place;
-  std::vector<Alike> all;
+  std::vector<NameGroup> all;
   for (std::size_t i = 0; i < names.size(); ++i) {
     SplitName name = split(names[i]);
     const auto [found, fresh] = place.try_emplace(std::move(name.skeleton), all.size());
@@ -128,7 +129,7 @@ std::vector<Sequence> sequences_of(std::span<const std::string> names) {
     all[found->second].groups.push_back(std::move(name.groups));
   }
   std::vector<Sequence> sequences;
-  for (const Alike& alike : all) {
+  for (const NameGroup& alike : all) {
     const auto frame = alike.names.size() > 1 ? frame_group(alike) : std::nullopt;
     if (!frame) {
       for (const std::size_t name : alike.names) sequences.push_back(lone(names, name));
@@ -149,7 +150,7 @@ std::vector<Sequence> sequences_of(std::span<const std::string> names) {
 
 bool is_part_of_word(char c) { return is_digit(c) || is_letter(c) || static_cast<unsigned char>(c) >= 0x80; }
 
-std::optional<std::int64_t> single_number(std::string_view path) {
+std::optional<std::int64_t> trailing_number(std::string_view path) {
   std::string_view name = path.substr(path.find_last_of('/') + 1);
   const std::size_t dot = name.find_last_of('.');
   const bool extension =
@@ -158,7 +159,7 @@ std::optional<std::int64_t> single_number(std::string_view path) {
   const SplitName split_name = split(name);
   if (split_name.groups.empty()) return std::nullopt;
   const DigitGroup& last = split_name.groups.back();
-  return last.number(!last.glued);
+  return last.number(!last.may_be_hyphen);
 }
 
 }  // namespace isoextract::batch

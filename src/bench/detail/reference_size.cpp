@@ -43,7 +43,7 @@ bool find_roots(const F& at, const Root& root) {
   return first > 0;
 }
 
-double centre(int i, int count) { return -1 + (2 * i + 1.0) / count; }
+double center(int i, int count) { return -1 + (2 * i + 1.0) / count; }
 
 class Columns {
  public:
@@ -57,14 +57,14 @@ class Columns {
       surface.merge(reduce_in_order(columns, ColumnSums{}, nullptr, [&](const PointRange& range, ColumnSums& sums) {
         for (std::size_t c = range.begin(); c != range.end(); ++c) {
           const int column = static_cast<int>(c);
-          add_column(axis, centre(column % count_, count_), centre(column / count_, count_), sums);
+          add_column(axis, center(column % count_, count_), center(column / count_, count_), sums);
         }
       }));
-      if (field_.length_along_z != nullptr) continue;
+      if (field_.inside_length_along_z != nullptr) continue;
       for (const double side : {-1.0, 1.0}) {
         faces.merge(reduce_in_order(kFaceLines, LengthSum{}, nullptr, [&](const PointRange& range, LengthSum& sums) {
           for (std::size_t l = range.begin(); l != range.end(); ++l) {
-            sums.length += length_above(axis, side, centre(static_cast<int>(l), kFaceLines));
+            sums.length += length_above(axis, side, center(static_cast<int>(l), kFaceLines));
           }
         }));
       }
@@ -132,9 +132,9 @@ field::SurfaceSize integrate_known_columns(const field::AnalyticField& field, do
   const auto sum = reduce_in_order(lines * lines, Sums{}, nullptr, [&](const PointRange& range, Sums& sums) {
     for (std::size_t l = range.begin(); l != range.end(); ++l) {
       const int line = static_cast<int>(l);
-      const double x = centre(line % count, count);
-      const double y = centre(line / count, count);
-      const double length = field.length_along_z(x, y, iso);
+      const double x = center(line % count, count);
+      const double y = center(line / count, count);
+      const double length = field.inside_length_along_z(x, y, iso);
       sums.size.volume += length;
       if (!field.is_graph_over_z || length <= 0 || length >= 2) continue;
       const glm::dvec3 gradient = field.value_and_gradient({x, y, length - 1}).gradient;
@@ -150,7 +150,7 @@ field::SurfaceSize change(const field::SurfaceSize& a, const field::SurfaceSize&
   return {std::abs(a.area - b.area), std::abs(a.volume - b.volume)};
 }
 
-ReferenceSize by_columns(const field::AnalyticField& field, double iso) {
+ReferenceSize integrate_columns(const field::AnalyticField& field, double iso) {
   constexpr int kMaxColumns = 384;
   constexpr double kEnough = 5e-4;
   int columns = 96;
@@ -169,13 +169,13 @@ ReferenceSize by_columns(const field::AnalyticField& field, double iso) {
 ReferenceSize find_reference_size(const field::AnalyticField& field, double iso, Progress* progress) {
   if (const auto size = field.size(iso)) return {*size, true, {}};
   if (progress != nullptr) progress->begin("finding the true size", 0);
-  if (field.length_along_z == nullptr) return by_columns(field, iso);
+  if (field.inside_length_along_z == nullptr) return integrate_columns(field, iso);
   // Odd numbers, so that periods of the field do not repeat the same columns.
   const field::SurfaceSize coarse = integrate_known_columns(field, iso, 1023);
   ReferenceSize known{integrate_known_columns(field, iso, 2047), false, {}};
   known.uncertainty = change(known.size, coarse);
   if (field.is_graph_over_z) return known;
-  const ReferenceSize folded = by_columns(field, iso);
+  const ReferenceSize folded = integrate_columns(field, iso);
   known.size.area = folded.size.area;
   known.uncertainty.area = folded.uncertainty.area;
   return known;

@@ -21,9 +21,9 @@ struct ReferenceSize {
 // even where the surface folds over a column, so the midpoint rule converges with an order above 4. Columns are doubled
 // until the area changes by less than 5e-4, at most to 384 along an axis.
 //
-// The volume is the integral of AnalyticField::length_along_z, or follows from the divergence theorem: a third of the
-// integral of p . n over the surface and over the part of the cube's faces above iso. The area of a graph over z is
-// integrated as such.
+// The volume is the integral of AnalyticField::inside_length_along_z, or follows from the divergence theorem: a third
+// of the integral of p . n over the surface and over the part of the cube's faces above iso. The area of a graph over z
+// is integrated as such.
 [[nodiscard]] ReferenceSize find_reference_size(const field::AnalyticField& field, double iso,
                                                 Progress* progress = nullptr);
 

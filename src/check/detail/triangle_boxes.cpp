@@ -5,7 +5,7 @@
 namespace isoextract::check {
 
 TriangleBoxes::TriangleBoxes(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
-                             std::span<const std::uint32_t> chosen, const TriangleStars& stars)
+                             std::span<const std::uint32_t> chosen, const CrowdedStars& stars)
     : positions_(positions), triangles_(triangles), stars_(stars), tree_(tree_of(*this, chosen)) {
   if (stars.empty()) return;
   directions_ = Buffer<Directions>(tree_.nodes());
@@ -15,7 +15,7 @@ TriangleBoxes::TriangleBoxes(std::span<const glm::vec3> positions, std::span<con
 // Uses only positions_, triangles_ and stars_: the constructor calls it before the other members exist.
 mesh::BoxTree TriangleBoxes::tree_of(const TriangleBoxes& boxes, std::span<const std::uint32_t> chosen) {
   Buffer<mesh::BoxTree::Item> items(chosen.size());
-  for_each_index(chosen.size(), [&](std::size_t i) { items[i] = {boxes.box_of(chosen[i]).centre(), chosen[i]}; });
+  for_each_index(chosen.size(), [&](std::size_t i) { items[i] = {boxes.box_of(chosen[i]).center(), chosen[i]}; });
   return {items.span(), [&](std::uint32_t triangle) { return boxes.box_of(triangle); }, boxes.stars_.of_triangles()};
 }
 

@@ -21,7 +21,7 @@ class TriangleBoxes {
   // `chosen` are triangle numbers, at least one; positions are finite. Keeps references to positions, triangles and
   // `stars`, which must cover the same triangles. Does not depend on the number of threads. Throws std::bad_alloc.
   TriangleBoxes(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
-                std::span<const std::uint32_t> chosen, const TriangleStars& stars);
+                std::span<const std::uint32_t> chosen, const CrowdedStars& stars);
 
   // Bytes of the construction, for the caller to reserve.
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t chosen) { return mesh::BoxTree::bytes(chosen); }
@@ -37,7 +37,7 @@ class TriangleBoxes {
   // their boxes and their boxes of directions overlap. Calls come in any order and from several threads, until
   // `stopped` is true. advance(n) reports n more triangles compared with all others of their subtree.
   template <class Visit, class Advance>
-  void for_near_pairs(const std::atomic<bool>& stopped, const Visit& visit, const Advance& advance) const {
+  void for_each_near_pair(const std::atomic<bool>& stopped, const Visit& visit, const Advance& advance) const {
     within({0, 0}, stopped, visit, advance);
   }
 
@@ -55,7 +55,7 @@ class TriangleBoxes {
 
   // The common star of the triangles of a node, or of one triangle, and their directions in it.
   struct Directions {
-    std::uint32_t star = TriangleStars::kNone;
+    std::uint32_t star = CrowdedStars::kNone;
     FloatBox box{};  // as seen from the middle of the star
     [[nodiscard]] Directions with(const Directions& other) const {
       return star == other.star ? Directions{star, box.with(other.box)} : Directions();
@@ -70,16 +70,16 @@ class TriangleBoxes {
 
   [[nodiscard]] Directions directions_of(std::uint32_t triangle) const {
     const std::uint32_t star = stars_.star_of(triangle);
-    if (star == TriangleStars::kNone) return {};
+    if (star == CrowdedStars::kNone) return {};
     return {star, stars_.directions(star, triangles_[triangle])};
   }
   // Returns whether the contents of two boxes may have more in common than the middles of stars.
   [[nodiscard]] bool may_meet(const FloatBox& a, const Directions& of_a, const FloatBox& b,
                               const Directions& of_b) const {
-    if (of_a.star != TriangleStars::kNone && of_a.star == of_b.star) return of_a.box.meets(of_b.box);
+    if (of_a.star != CrowdedStars::kNone && of_a.star == of_b.star) return of_a.box.meets(of_b.box);
     if (!a.meets(b)) return false;
-    if (of_a.star != TriangleStars::kNone && !stars_.seen(of_a.star, b).meets(of_a.box)) return false;
-    return of_b.star == TriangleStars::kNone || stars_.seen(of_b.star, a).meets(of_b.box);
+    if (of_a.star != CrowdedStars::kNone && !stars_.seen(of_a.star, b).meets(of_a.box)) return false;
+    return of_b.star == CrowdedStars::kNone || stars_.seen(of_b.star, a).meets(of_b.box);
   }
   [[nodiscard]] bool may_meet(const Node& a, const Node& b) const {
     if (directions_.empty()) return box(a).meets(box(b));
@@ -151,7 +151,7 @@ class TriangleBoxes {
 
   std::span<const glm::vec3> positions_;
   std::span<const glm::uvec3> triangles_;
-  const TriangleStars& stars_;
+  const CrowdedStars& stars_;
   mesh::BoxTree tree_;
   Buffer<Directions> directions_;  // one for each node; empty without stars
 };

@@ -14,7 +14,7 @@ using Signs = std::array<int, 3>;
 Signs sides_of(const PlacedTriangle& p, const PlacedTriangle& q) {
   Signs signs;
   for (std::size_t i = 0; i < 3; ++i) {
-    signs[i] = mesh::side_of_plane(p.corners[0], p.corners[1], p.corners[2], q.corners[i]);
+    signs[i] = mesh::orientation_3d(p.corners[0], p.corners[1], p.corners[2], q.corners[i]);
   }
   return signs;
 }
@@ -28,8 +28,8 @@ int axis_of(const PlacedTriangle& t) {
   const int likely = normal.x >= normal.y && normal.x >= normal.z ? 0 : normal.y >= normal.z ? 1 : 2;
   for (int i = 0; i < 3; ++i) {
     const int axis = (likely + i) % 3;
-    if (mesh::turn_of(mesh::along_axis(t.corners[0], axis), mesh::along_axis(t.corners[1], axis),
-                      mesh::along_axis(t.corners[2], axis)) != 0) {
+    if (mesh::orientation_2d(mesh::along_axis(t.corners[0], axis), mesh::along_axis(t.corners[1], axis),
+                             mesh::along_axis(t.corners[2], axis)) != 0) {
       return axis;
     }
   }
@@ -39,7 +39,8 @@ int axis_of(const PlacedTriangle& t) {
 using Flat = std::array<glm::dvec2, 3>;
 
 bool holds_point(const Flat& t, const glm::dvec2& p) {
-  return !has_both(mesh::turn_of(t[0], t[1], p), mesh::turn_of(t[1], t[2], p), mesh::turn_of(t[2], t[0], p));
+  return !has_both(mesh::orientation_2d(t[0], t[1], p), mesh::orientation_2d(t[1], t[2], p),
+                   mesh::orientation_2d(t[2], t[0], p));
 }
 
 bool intervals_meet(double a, double b, double c, double d) {
@@ -49,7 +50,8 @@ bool intervals_meet(double a, double b, double c, double d) {
 bool segments_meet(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c, const glm::dvec2& d) {
   if (!intervals_meet(a.x, b.x, c.x, d.x) || !intervals_meet(a.y, b.y, c.y, d.y)) return false;
   // For four collinear points the intervals decide.
-  return mesh::turn_of(a, b, c) * mesh::turn_of(a, b, d) <= 0 && mesh::turn_of(c, d, a) * mesh::turn_of(c, d, b) <= 0;
+  return mesh::orientation_2d(a, b, c) * mesh::orientation_2d(a, b, d) <= 0 &&
+         mesh::orientation_2d(c, d, a) * mesh::orientation_2d(c, d, b) <= 0;
 }
 
 // Segment and triangle lie in one plane.
@@ -68,7 +70,8 @@ bool segment_meets(const glm::dvec3& a, const glm::dvec3& b, int at_a, int at_b,
   if (at_a * at_b > 0) return false;
   if (at_a == 0 && at_b == 0) return flat_segment_meets(a, b, t);
   const auto& [x, y, z] = t.corners;
-  return !has_both(mesh::side_of_plane(a, b, x, y), mesh::side_of_plane(a, b, y, z), mesh::side_of_plane(a, b, z, x));
+  return !has_both(mesh::orientation_3d(a, b, x, y), mesh::orientation_3d(a, b, y, z),
+                   mesh::orientation_3d(a, b, z, x));
 }
 
 bool all_zero(const Signs& signs) { return signs == Signs{}; }
@@ -77,7 +80,7 @@ bool on_one_side(const Signs& signs) {
 }
 
 // Returns whether a side of q meets p.
-bool a_side_meets(const PlacedTriangle& p, const PlacedTriangle& q, const Signs& of_q) {
+bool any_side_meets(const PlacedTriangle& p, const PlacedTriangle& q, const Signs& of_q) {
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t next = (i + 1) % 3;
     if (segment_meets(q.corners[i], q.corners[next], of_q[i], of_q[next], p)) return true;
@@ -85,25 +88,26 @@ bool a_side_meets(const PlacedTriangle& p, const PlacedTriangle& q, const Signs&
   return false;
 }
 
-TriangleOverlap of_strangers(const PlacedTriangle& p, const PlacedTriangle& q) {
+TriangleOverlap overlap_of_disjoint(const PlacedTriangle& p, const PlacedTriangle& q) {
   const Signs of_q = sides_of(p, q);
   if (on_one_side(of_q)) return {};
   const Signs of_p = sides_of(q, p);
   if (on_one_side(of_p)) return {};
   TriangleOverlap overlap;
-  overlap.meet = a_side_meets(p, q, of_q) || a_side_meets(q, p, of_p);
+  overlap.meet = any_side_meets(p, q, of_q) || any_side_meets(q, p, of_p);
   overlap.in_one_plane = all_zero(of_q);
   return overlap;
 }
 
 // `at_p` and `at_q` are the corner numbers of the shared corner.
-TriangleOverlap around_corner(const PlacedTriangle& p, const PlacedTriangle& q, std::size_t at_p, std::size_t at_q) {
+TriangleOverlap overlap_at_corner(const PlacedTriangle& p, const PlacedTriangle& q, std::size_t at_p,
+                                  std::size_t at_q) {
   const glm::dvec3& p1 = p.corners[(at_p + 1) % 3];
   const glm::dvec3& p2 = p.corners[(at_p + 2) % 3];
   const glm::dvec3& q1 = q.corners[(at_q + 1) % 3];
   const glm::dvec3& q2 = q.corners[(at_q + 2) % 3];
   const auto side = [](const PlacedTriangle& t, const glm::dvec3& point) {
-    return mesh::side_of_plane(t.corners[0], t.corners[1], t.corners[2], point);
+    return mesh::orientation_3d(t.corners[0], t.corners[1], t.corners[2], point);
   };
   const int of_q1 = side(p, q1);
   const int of_q2 = side(p, q2);
@@ -114,20 +118,21 @@ TriangleOverlap around_corner(const PlacedTriangle& p, const PlacedTriangle& q, 
   TriangleOverlap overlap;
   overlap.meet = segment_meets(q1, q2, of_q1, of_q2, p) || segment_meets(p1, p2, of_p1, of_p2, q);
   overlap.in_one_plane = of_q1 == 0 && of_q2 == 0;
-  overlap.neighbours = true;
+  overlap.neighbors = true;
   return overlap;
 }
 
 // `at_p` and `at_q` are the corner numbers of the corners that are not shared.
-TriangleOverlap along_side(const PlacedTriangle& p, const PlacedTriangle& q, std::size_t at_p, std::size_t at_q) {
+TriangleOverlap overlap_along_side(const PlacedTriangle& p, const PlacedTriangle& q, std::size_t at_p,
+                                   std::size_t at_q) {
   const glm::dvec3& a = p.corners[(at_p + 1) % 3];
   const glm::dvec3& b = p.corners[(at_p + 2) % 3];
   const glm::dvec3& tip = p.corners[at_p];
   const glm::dvec3& other = q.corners[at_q];
-  if (mesh::side_of_plane(a, b, tip, other) != 0) return {};
+  if (mesh::orientation_3d(a, b, tip, other) != 0) return {};
   const int axis = axis_of(p);
   const auto turn = [&](const glm::dvec3& c) {
-    return mesh::turn_of(mesh::along_axis(a, axis), mesh::along_axis(b, axis), mesh::along_axis(c, axis));
+    return mesh::orientation_2d(mesh::along_axis(a, axis), mesh::along_axis(b, axis), mesh::along_axis(c, axis));
   };
   const bool meet = turn(tip) == turn(other);
   return {meet, meet, meet};
@@ -147,9 +152,9 @@ TriangleOverlap find_overlap(const PlacedTriangle& p, const PlacedTriangle& q) {
       ++shared;
     }
   }
-  if (shared == 0) return of_strangers(p, q);
-  if (shared == 1) return around_corner(p, q, corner_of_p[0], corner_of_q[0]);
-  return along_side(p, q, 3 - corner_of_p[0] - corner_of_p[1], 3 - corner_of_q[0] - corner_of_q[1]);
+  if (shared == 0) return overlap_of_disjoint(p, q);
+  if (shared == 1) return overlap_at_corner(p, q, corner_of_p[0], corner_of_q[0]);
+  return overlap_along_side(p, q, 3 - corner_of_p[0] - corner_of_p[1], 3 - corner_of_q[0] - corner_of_q[1]);
 }
 
 }  // namespace isoextract::check

@@ -16,7 +16,7 @@ struct PlacedTriangle {
 struct TriangleOverlap {
   bool meet = false;
   bool in_one_plane = false;  // only set if they meet
-  bool neighbours = false;    // they share a corner or a side; only set if they meet
+  bool neighbors = false;     // they share a corner or a side; only set if they meet
 };
 
 // Triangles include their border, so touching is meeting. They may share up to two corners.

@@ -24,8 +24,8 @@ double share(double x, double y, double z) { return x == 0 ? 0 : x / std::hypot(
 
 }  // namespace
 
-void TriangleStars::make(const std::vector<Sides>& crowded, const std::vector<std::uint32_t>& counts,
-                         std::size_t triangles) {
+void CrowdedStars::make(const std::vector<Sides>& crowded, const std::vector<std::uint32_t>& counts,
+                        std::size_t triangles) {
   std::vector<std::uint64_t> sides;  // crowded ones, with repeats
   const auto each_side = [](const Sides& triangle, const auto& visit) {
     for (int corner = 0; corner < 3; ++corner) {
@@ -66,7 +66,7 @@ void TriangleStars::make(const std::vector<Sides>& crowded, const std::vector<st
   }
 }
 
-FloatBox TriangleStars::directions(std::uint32_t star, const glm::uvec3& corners) const {
+FloatBox CrowdedStars::directions(std::uint32_t star, const glm::uvec3& corners) const {
   const glm::dvec3 middle(positions_[stars_[star].middle]);
   std::array<glm::dvec3, 3> ways;
   std::size_t count = 0;
@@ -91,7 +91,7 @@ FloatBox TriangleStars::directions(std::uint32_t star, const glm::uvec3& corners
   return around(across / length, across / length, kRounding + error);
 }
 
-FloatBox TriangleStars::seen(std::uint32_t star, const FloatBox& box) const {
+FloatBox CrowdedStars::seen(std::uint32_t star, const FloatBox& box) const {
   const FloatBox all{glm::vec3(-2), glm::vec3(2)};
   if (stars_[star].end != kNone) return all;
   const glm::dvec3 middle(positions_[stars_[star].middle]);

@@ -18,7 +18,7 @@ namespace isoextract::check {
 
 using mesh::FloatBox;
 
-class TriangleStars {
+class CrowdedStars {
  public:
   static constexpr std::uint32_t kNone = ~0U;
   // A star has more triangles than this.
@@ -28,13 +28,13 @@ class TriangleStars {
   // of a vertex there. Assigns each triangle to at most one star: around its fullest side, or else its fullest corner.
   // Throws std::bad_alloc.
   template <class PlaceOf>
-  TriangleStars(std::span<const glm::vec3> positions, std::span<const std::uint32_t> chosen, const PlaceOf& place_of)
+  CrowdedStars(std::span<const glm::vec3> positions, std::span<const std::uint32_t> chosen, const PlaceOf& place_of)
       : positions_(positions) {
     const std::vector<std::uint32_t> counts = count_places(chosen, place_of);
     std::vector<Sides> crowded;
     for (const std::uint32_t triangle : chosen) {
       const glm::uvec3 places = place_of(triangle);
-      if (is_crowded(places, counts)) crowded.push_back({places, triangle});
+      if (is_in_star(places, counts)) crowded.push_back({places, triangle});
     }
     if (!crowded.empty()) make(crowded, counts, chosen.back() + std::size_t{1});
   }
@@ -75,7 +75,7 @@ class TriangleStars {
     }
     return counts;
   }
-  static bool is_crowded(const glm::uvec3& places, const std::vector<std::uint32_t>& counts) {
+  static bool is_in_star(const glm::uvec3& places, const std::vector<std::uint32_t>& counts) {
     return counts[places.x] > kFewTriangles || counts[places.y] > kFewTriangles || counts[places.z] > kFewTriangles;
   }
   void make(const std::vector<Sides>& crowded, const std::vector<std::uint32_t>& counts, std::size_t triangles);

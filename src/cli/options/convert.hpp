@@ -27,7 +27,7 @@
 namespace isoextract::cli {
 
 // What --color-by says.
-struct ColourFlag {
+struct ColorFlag {
   std::optional<convert::AttributeChoice> attribute;  // nothing: the iso values
   edit::Colormap map = edit::Colormap::viridis;
   std::optional<std::array<double, 2>> range;
@@ -37,7 +37,7 @@ struct ColourFlag {
 // :component=N.
 [[nodiscard]] Result<convert::AttributeChoice> parse_attribute(std::string_view text);
 // Likewise without a kind, and with :MAP and then :MIN,MAX among these.
-[[nodiscard]] Result<ColourFlag> parse_colour(std::string_view text);
+[[nodiscard]] Result<ColorFlag> parse_color(std::string_view text);
 [[nodiscard]] Result<std::vector<double>> parse_opacity(std::string_view text);  // A[,B...], above 0, at most 1
 
 // What -o is written as: a format of meshes or, without one, a picture of them or the field itself as an OpenVDB file.
@@ -99,7 +99,7 @@ struct ConvertFlags : OptionSet {
       parse_relaxations,
       fmt::format("Passes that smooth surface nets (default: {}). Each moves vertices toward their neighbors and back, "
                   "within their cells; 0 leaves them at the corners of voxels.",
-                  extract::kUsualRelaxations),
+                  extract::kDefaultRelaxations),
       About::surface};
   Flag no_merge{in(OptionGroup::surface), "--no-merge",
                 "Keep each voxel face as two triangles. With --method voxels, which otherwise merges coplanar faces to "
@@ -151,11 +151,11 @@ struct ConvertFlags : OptionSet {
       "that states none and differs in shape from the input; nodata, in place of --nodata; volume or component, for a "
       "file with several. For glb, gltf, ply and drc.",
       About::surface};
-  Value<ColourFlag> colour{
+  Value<ColorFlag> color{
       only_convert(OptionGroup::vertices),
       "--color-by",
       "NAME[?][=FROM][:KEY=V...][:MAP][:MIN,MAX]",
-      parse_colour,
+      parse_color,
       fmt::format(
           "Color the vertices by an attribute or by iso value. MIN to MAX is the range of the colors (default: the "
           "range over each surface); an attribute of several components counts by its length in the input. iso "

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "base/words.hpp"
+#include "base/enum_words.hpp"
 #include "batch/frame_range.hpp"
 #include "batch/shard.hpp"
 #include "cli/option.hpp"

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <glm/glm.hpp>
 
-#include "base/words.hpp"
+#include "base/enum_words.hpp"
 #include "cli/option.hpp"
 #include "cli/options/run.hpp"
 #include "cli/values.hpp"

@@ -6,7 +6,7 @@ namespace isoextract::cli {
 
 std::string following_method_ids() {
   std::vector<std::string_view> ids;
-  for (const extract::MethodInfo& method : extract::following_methods()) ids.push_back(method.id);
+  for (const extract::MethodInfo& method : extract::interpolant_methods()) ids.push_back(method.id);
   return fmt::format("{}", fmt::join(ids, ","));
 }
 

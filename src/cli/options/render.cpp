@@ -11,12 +11,12 @@ namespace isoextract::cli {
 namespace {
 
 // RRGGBB as screens have it, as linear light.
-std::optional<glm::dvec3> colour_in(std::string_view text) {
+std::optional<glm::dvec3> color_in(std::string_view text) {
   if (text.starts_with('#')) text.remove_prefix(1);
   unsigned rgb = 0;
   const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), rgb, 16);
   if (text.size() != 6 || problem != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  const auto channel = [&](unsigned shift) { return linear_of_srgb((rgb >> shift & 0xFFU) / 255.0); };
+  const auto channel = [&](unsigned shift) { return srgb_to_linear((rgb >> shift & 0xFFU) / 255.0); };
   return glm::dvec3(channel(16), channel(8), channel(0));
 }
 
@@ -30,19 +30,19 @@ std::string transfer_list() {
 
 Result<glm::dvec4> parse_background(std::string_view text) {
   if (text == "none") return glm::dvec4(0);
-  const auto colour = colour_in(text == "black" ? "000000" : text == "white" ? "ffffff" : text);
-  if (colour) return glm::dvec4(*colour, 1);
+  const auto color = color_in(text == "black" ? "000000" : text == "white" ? "ffffff" : text);
+  if (color) return glm::dvec4(*color, 1);
   return fail(ErrorCode::usage, fmt::format("expected none, black, white or a colour as RRGGBB, found '{}'", text));
 }
 
-Result<std::vector<glm::dvec3>> parse_colours(std::string_view text) {
-  std::vector<glm::dvec3> colours;
+Result<std::vector<glm::dvec3>> parse_colors(std::string_view text) {
+  std::vector<glm::dvec3> colors;
   for (std::string_view rest = text;;) {
     const std::size_t comma = rest.find(',');
-    const auto colour = colour_in(rest.substr(0, comma));
-    if (!colour) return fail(ErrorCode::usage, fmt::format("expected colours as RRGGBB[,RRGGBB...], found '{}'", text));
-    colours.push_back(*colour);
-    if (comma == std::string_view::npos) return colours;
+    const auto color = color_in(rest.substr(0, comma));
+    if (!color) return fail(ErrorCode::usage, fmt::format("expected colours as RRGGBB[,RRGGBB...], found '{}'", text));
+    colors.push_back(*color);
+    if (comma == std::string_view::npos) return colors;
     rest.remove_prefix(comma + 1);
   }
 }

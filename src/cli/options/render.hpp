@@ -26,7 +26,7 @@ namespace isoextract::cli {
 [[nodiscard]] std::string transfer_list();
 
 [[nodiscard]] Result<glm::dvec4> parse_background(std::string_view text);              // none, black, white, RRGGBB
-[[nodiscard]] Result<std::vector<glm::dvec3>> parse_colours(std::string_view text);    // RRGGBB[,RRGGBB...]
+[[nodiscard]] Result<std::vector<glm::dvec3>> parse_colors(std::string_view text);     // RRGGBB[,RRGGBB...]
 [[nodiscard]] Result<std::array<double, 2>> parse_value_range(std::string_view text);  // MIN,MAX
 [[nodiscard]] Result<double> parse_field_of_view(std::string_view text);               // 1 to 170 degrees
 [[nodiscard]] Result<double> parse_samples(std::string_view text);                     // 1/64 to 64
@@ -44,12 +44,12 @@ struct RenderFlags : OptionSet {
                             "which frames of a sequence to draw, as in convert. Default: all frames."};
   IsoOption isos{in(OptionGroup::surface), "Draw a surface of the volume as well. ", ""};
   SurfaceFlags surface{*this};
-  Value<ColourFlag> colour{in(OptionGroup::vertices),
-                           "--color-by",
-                           "iso[:MAP][:MIN,MAX]",
-                           parse_colour,
-                           "Color the surfaces of --iso by iso value. Outer surfaces become transparent.",
-                           About::drawn_surface};
+  Value<ColorFlag> color{in(OptionGroup::vertices),
+                         "--color-by",
+                         "iso[:MAP][:MIN,MAX]",
+                         parse_color,
+                         "Color the surfaces of --iso by iso value. Outer surfaces become transparent.",
+                         About::drawn_surface};
   Value<std::vector<double>> opacity{
       in(OptionGroup::vertices), "--opacity", "A[,B...]", parse_opacity,
       "Opacity of surfaces and meshes, above 0, at most 1. One for all, or one for each: "
@@ -90,8 +90,8 @@ struct RenderFlags : OptionSet {
   Value<render::Shading> shading{in(OptionGroup::output), "--shading",
                                  "Shading of surfaces (default: smooth). smooth interpolates the vertex normals; flat "
                                  "takes one normal per triangle."};
-  Value<std::vector<glm::dvec3>> mesh_colours{
-      in(OptionGroup::output), "--mesh-color", "RRGGBB[,...]", parse_colours,
+  Value<std::vector<glm::dvec3>> mesh_colors{
+      in(OptionGroup::output), "--mesh-color", "RRGGBB[,...]", parse_colors,
       "Color of meshes without vertex colors. One for all, or one for each in order. Default: gray."};
   Value<glm::dvec4> background{in(OptionGroup::output), "--background", "COLOUR", parse_background,
                                "Background color (default: none). none, black, white or RRGGBB."};

@@ -70,17 +70,17 @@ struct WaterFlags : OptionSet {
   Value<double> relief{in(OptionGroup::scene), "--relief", "H", parse_not_negative,
                        fmt::format("Height of the highest cell over the lowest, in cells. 0 is flat land. Default: {}. "
                                    "The lowest cell is at height {}.",
-                                   land_.relief, simulate::kLowestLand)};
+                                   land_.relief, simulate::kMinLandHeight)};
   Value<double> level{in(OptionGroup::scene), "--level", "H", parse_not_negative,
                       "Water level that fills the land at the start."};
   Value<double> depth{in(OptionGroup::scene), "--depth", "D", parse_not_negative,
                       "Water over every cell at the start. It comes on top of --level."};
-  Values<simulate::Tap> sources{
+  Values<simulate::WaterTap> sources{
       in(OptionGroup::scene), "--source", "X,Y,RATE", parse_tap,
       "Water that flows into a cell in every step. Several times for several cells. Without --source, --level and "
       "--depth there is one source in the hills and some water in the basin."};
-  Values<simulate::Tap> drains{in(OptionGroup::scene), "--drain", "X,Y,RATE", parse_tap,
-                               "Most water that leaves a cell in every step. Several times for several cells."};
+  Values<simulate::WaterTap> drains{in(OptionGroup::scene), "--drain", "X,Y,RATE", parse_tap,
+                                    "Most water that leaves a cell in every step. Several times for several cells."};
   Value<simulate::WaterRule> rule{
       in(OptionGroup::simulation), "--rule",
       "Rule of the flow (default: conservative). conservative loses no water and never falls below 0. printed follows "
@@ -99,7 +99,7 @@ struct WaterFlags : OptionSet {
       true};
   Value<volume_io::VolumeFileFormat> format{in(OptionGroup::output), "--format",
                                             "Format of the output, whatever the extension."};
-  Value<simulate::WaterContent> what{
+  Value<simulate::WaterOutput> what{
       in(OptionGroup::output), "--what",
       "What to write (default: water). water, terrain and both are volumes of the filled share of each voxel, 0 to 1, "
       "z up: extract them at iso value 0.5. heights is the height of the land and the depth of the water, as NPY "

@@ -24,7 +24,7 @@ std::vector<Choice<convert::LengthUnit>> units() {
 }
 
 std::vector<Choice<UnitChoice>> units_of_input() {
-  std::vector<Choice<UnitChoice>> choices{{std::string(convert::kUnitOfFile), {}}};
+  std::vector<Choice<UnitChoice>> choices{{std::string(convert::kFileUnit), {}}};
   for (const convert::LengthUnit& unit : convert::length_units()) choices.push_back({std::string(unit.name), {unit}});
   return choices;
 }

@@ -106,14 +106,15 @@ struct SurfaceFlags : OptionSet {
 struct EditFlags : OptionSet {
   explicit EditFlags(OptionSet& command);
 
-  Value<convert::LeastPiece> least{*this,
-                                   "--drop-components",
-                                   "MIN",
-                                   parse_least_piece,
-                                   "Remove components smaller than MIN. MIN counts triangles (100), or is an area or a "
-                                   "volume: area:40 and volume:5 in voxels, volume:5world in the units of the mesh. A "
-                                   "body goes together with its cavities; removing a cavity fills it.",
-                                   About::surface | About::edit};
+  Value<convert::MinComponentSize> least{
+      *this,
+      "--drop-components",
+      "MIN",
+      parse_least_piece,
+      "Remove components smaller than MIN. MIN counts triangles (100), or is an area or a "
+      "volume: area:40 and volume:5 in voxels, volume:5world in the units of the mesh. A "
+      "body goes together with its cavities; removing a cavity fills it.",
+      About::surface | About::edit};
   Flag fill_cavities{*this, "--fill-cavities", "Remove all cavities, and the bodies inside them.",
                      About::surface | About::edit};
   Value<std::uint64_t> largest{*this,

@@ -20,9 +20,9 @@ Result<void> check_error_memory(const ConversionJob& job, const Source& source, 
   for (const ResolvedIso& iso : source.isos) {
     if (iso.asked.is_label()) continue;
     const field::ScalarField& data = source.data ? *source.data : source.field;
-    const std::uint64_t vertices = field::count_vertices(source.field, iso.id.iso(), source.region);
+    const std::uint64_t vertices = field::min_vertex_count(source.field, iso.id.iso(), source.region);
     std::uint64_t surface = vertices;
-    if (source.data) surface = source.region ? 0 : field::count_vertices(data, iso.id.iso(), std::nullopt);
+    if (source.data) surface = source.region ? 0 : field::min_vertex_count(data, iso.id.iso(), std::nullopt);
     std::uint64_t bytes =
         accuracy::field_error_bytes(data, as_extracted ? triangles_of(vertices) : 0, triangles_of(surface));
     if (as_extracted) bytes += vertices * sizeof(glm::vec3) + triangles_of(vertices) * sizeof(glm::uvec3);

@@ -69,7 +69,7 @@ Result<mesh_io::WrittenFile> write_field(const Source& source, const ConversionJ
     TRY(check_range(field, source.label, std::numeric_limits<float>::max(), "floats", {}));
   }
   const auto bytes = TRY(volume_io::write_vdb(output.path, field, {field.name, as_half}, context));
-  StageReport report(StageName::write, files::shown_output_name(output.path), source.label);
+  StageReport report(StageName::write, files::output_label(output.path), source.label);
   report.time = watch.elapsed();
   report.did = "written";
   report.output.emplace();

@@ -13,11 +13,11 @@
 
 namespace isoextract::convert {
 
-class LabelLooks {
+class LabelAppearance {
  public:
   // Reads the job's table of labels, if it has one. Fails as LabelTable::read() does, and with ErrorCode::input if the
   // file has changed since the job was made.
-  [[nodiscard]] static Result<LabelLooks> open(const ConversionJob& job, const Context& context);
+  [[nodiscard]] static Result<LabelAppearance> open(const ConversionJob& job, const Context& context);
 
   // Returns the label's name in the table, with the number if several labels share it; else the field's name and the
   // number.
@@ -26,8 +26,8 @@ class LabelLooks {
   // Sets the label's color, from the table or a default: in glTF as a material, in PLY as vertex colors if there is a
   // table. Does nothing for other formats, or if the job colors by something else. Fails with
   // ErrorCode::out_of_memory.
-  [[nodiscard]] Result<void> colour(const ConversionJob& job, std::int64_t label, mesh::Mesh& mesh,
-                                    const Context& context) const;
+  [[nodiscard]] Result<void> color(const ConversionJob& job, std::int64_t label, mesh::Mesh& mesh,
+                                   const Context& context) const;
 
  private:
   std::optional<volume_io::LabelTable> table_;

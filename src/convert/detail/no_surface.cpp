@@ -24,7 +24,7 @@ Error no_surface(const ConversionJob& job, const Source& source, const ResolvedI
   if (source.empty) return empty_source(source);
   if (cut_away) {
     const field::Affine given_from_output =
-        given_from_index(source.field, job.source.placement.space).after(source.output_from_index.inverse());
+        request_from_index(source.field, job.source.placement.space).after(source.output_from_index.inverse());
     return {ErrorCode::no_surface,
             fmt::format("{}: nothing of the surface at {} is where it is kept; it is in {}", source.label,
                         surface_text(asked.asked),

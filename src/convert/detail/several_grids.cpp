@@ -60,13 +60,13 @@ Result<void> check_grids(const SourceOptions& source, const Context& context) {
     if (particles) {
       return fail(ErrorCode::usage,
                   fmt::format("{}: expected volumes, as several grids were chosen; found particles in '{}'",
-                              files::shown_input_name(source.input), printable(grid.value_or(""))),
+                              files::input_label(source.input), printable(grid.value_or(""))),
                   "convert the particles in a run of their own");
     }
     auto label = TRY(volume_io::grid_label(source.input, options.read, context));
     if (std::ranges::find(labels, label) != labels.end()) {
       return fail(ErrorCode::usage,
-                  fmt::format("{}: the grid '{}' was chosen twice", files::shown_input_name(source.input), label),
+                  fmt::format("{}: the grid '{}' was chosen twice", files::input_label(source.input), label),
                   "choose each grid once");
     }
     labels.push_back(std::move(label));

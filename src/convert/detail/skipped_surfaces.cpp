@@ -32,7 +32,7 @@ std::vector<std::string> repeated_notes(const std::string& label, std::span<cons
   std::vector<std::string> notes;
   for (std::size_t i = 1; i < asked.size(); ++i) {
     const auto before = asked.first(i);
-    const auto same = std::ranges::find_if(before, [&](const auto& iso) { return is_repeated(iso, asked[i]); });
+    const auto same = std::ranges::find_if(before, [&](const auto& iso) { return repeats_value(iso, asked[i]); });
     if (same == before.end()) continue;
     notes.push_back(fmt::format("{}: iso {} and {} are the same value, {}: {} has one surface for both", label,
                                 text_of(same->asked), text_of(asked[i].asked), asked[i].id.text(), path));

@@ -46,7 +46,7 @@ Result<void> blur_field(const std::vector<BlurStep>& steps, const std::string& l
     auto blurred =
         TRY(step.kind == BlurKind::gaussian ? field::blur_gaussian(field, sigma, context)
                                             : field::blur_median(field, static_cast<int>(step.width), context));
-    TRY(volume_io::check_not_lost(field));
+    TRY(volume_io::check_mapping_intact(field));
     const std::string in_voxels =
         step.in_world_units ? fmt::format(", {:.4g} x {:.4g} x {:.4g} voxels", sigma.x, sigma.y, sigma.z) : "";
     field = std::move(blurred);

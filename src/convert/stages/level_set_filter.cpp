@@ -28,7 +28,7 @@ Result<void> filter_field(const std::vector<FilterStep>& steps, const std::strin
     const Stopwatch watch;
     const field::SampleType before = field.type();
     auto filtered = TRY(volume_io::filter_level_set(field, step.filter, static_cast<int>(step.width), 1, context));
-    TRY(volume_io::check_not_lost(field));
+    TRY(volume_io::check_mapping_intact(field));
     field = std::move(filtered);
     const auto& samples = std::get<field::SparseSamples>(field.samples);
     const std::string rounded =

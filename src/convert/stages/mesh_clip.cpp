@@ -11,7 +11,7 @@ namespace isoextract::convert {
 
 std::vector<mesh::HalfSpace> half_spaces_of(const field::ScalarField& field, const field::Affine& output_from_index,
                                             Space space, const std::vector<ClipPlane>& planes) {
-  const field::Affine given_from_output = given_from_index(field, space).after(output_from_index.inverse());
+  const field::Affine given_from_output = request_from_index(field, space).after(output_from_index.inverse());
   std::vector<mesh::HalfSpace> kept;
   for (const ClipPlane& plane : planes) {
     const glm::dvec3 turned = glm::transpose(given_from_output.linear) * plane.normal;
@@ -24,7 +24,7 @@ std::vector<mesh::HalfSpace> half_spaces_of(const field::ScalarField& field, con
 Result<StageReport> clip_surface(Surface& surface, const StageContext& stage) {
   if (stage.source.clip.empty()) return StageReport();
   const bool capped = stage.job.surface.cap;
-  const auto ends = capped ? edit::CutEnds::capped : edit::CutEnds::open;
+  const auto ends = capped ? edit::CutClosing::capped : edit::CutClosing::open;
   StageReport report = stage.report_on(StageName::clip, surface);
   report.subject = fmt::format("{} {}", stage.source.label, surface_text(surface.asked));
   auto clipped = edit::clip_to_half_spaces(surface.mesh, stage.source.clip, ends, stage.context);
@@ -32,7 +32,7 @@ Result<StageReport> clip_surface(Surface& surface, const StageContext& stage) {
     clipped.error().message = fmt::format("{}: {}", report.subject, clipped.error().message);
     return tl::unexpected(std::move(clipped.error()));
   }
-  const edit::ClipFacts& facts = *clipped;
+  const edit::ClipFigures& facts = *clipped;
   if (!capped) {
     surface.end.cut = facts.triangles_cut > 0;
     surface.end.counted = true;
@@ -57,10 +57,10 @@ Result<StageReport> clip_surface(Surface& surface, const StageContext& stage) {
     text += "; the surface is open there";
   }
   report.notes.push_back(std::move(text));
-  if (facts.caps_overlap > 0) {
+  if (facts.overlapping_cap_triangles > 0) {
     report.notes.push_back(
         fmt::format("{}: {} triangles of the cut overlap others, as the surface passes through or touches itself there",
-                    report.subject, facts.caps_overlap));
+                    report.subject, facts.overlapping_cap_triangles));
   }
   return report;
 }

@@ -233,7 +233,7 @@ Result<StageReport> measure_error(Surface& surface, const StageContext& stage) {
   const bool has_data = stage.source.data.has_value();
   const field::ScalarField& data = has_data ? *stage.source.data : stage.source.field;
   const MeshError error = TRY(measure_mesh_error(surface, stage, data, has_data ? &stage.source.field : nullptr));
-  TRY(volume_io::check_not_lost(data));
+  TRY(volume_io::check_mapping_intact(data));
   surface.error = figures_of(error);
   report.entries.push_back(*surface.error);
   report.time = watch.elapsed();

@@ -6,7 +6,7 @@
 #include <new>
 #include <utility>
 
-#include "base/no_memory.hpp"
+#include "base/allocation_error.hpp"
 #include "convert/stages/surface_stages.hpp"
 #include "mesh/component_facts.hpp"
 #include "mesh/components.hpp"
@@ -50,7 +50,8 @@ Result<Figures> component_table(const mesh::Mesh& mesh, const Context& context) 
   try {
     return measure_table(mesh, context);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(mesh.name + ": the components of its surface need more memory than there is"));
+    return tl::unexpected(
+        allocation_error(mesh.name + ": the components of its surface need more memory than there is"));
   }
 }
 

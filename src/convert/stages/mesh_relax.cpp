@@ -65,7 +65,7 @@ Result<StageReport> measure_relaxing(Surface& surface, const StageContext& stage
   if (!stage.job.surface.relaxes() || is_open) return StageReport();
   const mesh::Mesh& mesh = surface.mesh;
   const Context& context = stage.context;
-  const edit::Sites sites = TRY(voxel_sites(mesh, stage.source, stage.job.surface, context));
+  const edit::OriginalPositions sites = TRY(voxel_sites(mesh, stage.source, stage.job.surface, context));
   const std::string what = mesh.name + ": the volumes of its components";
   const auto labels = TRY(context.reserve(mesh::Components::bytes(mesh.positions.size()), what));
   const mesh::Components components(mesh.triangles.span(), mesh.positions.size());

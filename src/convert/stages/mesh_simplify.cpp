@@ -72,7 +72,7 @@ Result<ComponentCount> count_components(const mesh::Mesh& mesh, const Context& c
       context.reserve(components.count() * (sizeof(Sum) + sizeof(mesh::Surroundings)), mesh.name + ": its components"));
   std::vector<Sum> sums(components.count());
   for (const glm::uvec3& t : mesh.triangles) {
-    if (mesh::repeats_index(t)) continue;
+    if (mesh::has_repeated_index(t)) continue;
     Sum& sum = sums[components.of_vertex(t.x)];
     const glm::dvec3 a(mesh.positions[t.x]);
     const glm::dvec3 vector =
@@ -82,7 +82,7 @@ Result<ComponentCount> count_components(const mesh::Mesh& mesh, const Context& c
     sum.volume += glm::dot(a, vector) / 3;
   }
   ComponentCount count{sums.size(), 0, 0};
-  mesh::ShellQuestion question{.of_outward = false};
+  mesh::ShellQuery question{.test_outward = false};
   for (const Sum& sum : sums) {
     const bool is_closed = glm::length(sum.vector) < 1e-6 * sum.area;
     const bool is_hollow = is_closed && sum.volume < -1e-9 * sum.area * std::sqrt(sum.area);
@@ -92,7 +92,7 @@ Result<ComponentCount> count_components(const mesh::Mesh& mesh, const Context& c
     count.hollows += is_hollow ? 1 : 0;
   }
   if (count.hollows == 0) return count;
-  const auto surroundings = TRY(mesh::find_surroundings(mesh, components, question, context));
+  const auto surroundings = TRY(mesh::find_enclosing_shells(mesh, components, question, context));
   for (std::size_t c = 0; c < sums.size(); ++c) {
     count.outside += question.facing[c] == mesh::Facing::inward && !surroundings[c].in_material() ? 1 : 0;
   }
@@ -123,7 +123,7 @@ Figures figures_of(const DistanceRange& range) { return {{Key::lower, range.lowe
 
 // Bounds of the Hausdorff distance between the simplified mesh and the original, and changes of the components.
 struct Simplified {
-  edit::Simplification facts;
+  edit::SimplifyFigures facts;
   std::uint64_t asked = 0;  // requested triangles; 0: no number was requested
   DistanceRange voxels;
   DistanceRange world;  // in the mesh's units
@@ -146,7 +146,7 @@ std::string why_unchanged(const SimplifyChoice& asked, const Simplified& done) {
 }
 
 std::string line_of(const SimplifyChoice& asked, const Simplified& done, const std::string& surface) {
-  const edit::Simplification& facts = done.facts;
+  const edit::SimplifyFigures& facts = done.facts;
   const double seconds = facts.time.wall_seconds;
   if (facts.triangles_after == facts.triangles_before) {
     return fmt::format("not simplified at {}: {}; {:.2f} s", surface, why_unchanged(asked, done), seconds);
@@ -165,7 +165,7 @@ std::string line_of(const SimplifyChoice& asked, const Simplified& done, const s
 }
 
 std::vector<std::string> notes_of(const Simplified& done, const std::string& surface) {
-  const edit::Simplification& facts = done.facts;
+  const edit::SimplifyFigures& facts = done.facts;
   std::vector<std::string> notes;
   if (done.turned > 0) {
     notes.push_back(fmt::format(
@@ -220,7 +220,7 @@ Result<StageReport> simplify_surface(Surface& surface, const StageContext& stage
     options.patch_size = kPatchVoxels;
   }
   const auto before = TRY(count_components(surface.mesh, stage.context));
-  auto simplified = TRY(edit::simplify_within(std::move(surface.mesh), options, stage.context));
+  auto simplified = TRY(edit::simplify_mesh(std::move(surface.mesh), options, stage.context));
   surface.mesh = std::move(simplified.mesh);
   const auto after = TRY(count_components(surface.mesh, stage.context));
 
@@ -232,7 +232,7 @@ Result<StageReport> simplify_surface(Surface& surface, const StageContext& stage
   // A body turned inside out counts as an inward component, but is no cavity that left its body.
   const std::uint64_t known = before.outside + after.hollows - std::min(before.hollows, after.hollows);
   result.left_bodies = after.outside - std::min(known, after.outside);
-  const DistanceRange measured{simplified.facts.measured_lower, simplified.facts.measured_upper};
+  const DistanceRange measured{simplified.facts.distance_lower, simplified.facts.distance_upper};
   if (options.to_metric != glm::dmat3(1.0)) {
     result.voxels = measured;
     result.world = {measured.lower * voxel.least, measured.upper * voxel.most};
@@ -242,7 +242,7 @@ Result<StageReport> simplify_surface(Surface& surface, const StageContext& stage
   }
   surface.simplified_by = result.voxels.upper;
 
-  const edit::Simplification& facts = result.facts;
+  const edit::SimplifyFigures& facts = result.facts;
   const auto& within = choice.within;
   const Value asked =
       !within
@@ -263,7 +263,7 @@ Result<StageReport> simplify_surface(Surface& surface, const StageContext& stage
   report.did = "simplified";
   report.details.push_back(fmt::format(
       "{} rounds over {} patches; {} of {} collapses taken back in {} passes; {:.2f} s of processor time", facts.rounds,
-      facts.patches, facts.taken_back, facts.collapses, facts.passes, facts.time.cpu_seconds));
+      facts.patches, facts.undone_collapses, facts.collapses, facts.passes, facts.time.cpu_seconds));
   report.lines.push_back({line_of(choice, result, surface.id.name())});
   report.notes = notes_of(result, report.subject);
   return report;

@@ -16,11 +16,11 @@ std::optional<field::IndexBox> capped_box(const Source& source) {
   return source.field.extents();
 }
 
-std::string line_of(const SmoothChoice& asked, const edit::SmoothFacts& facts, const std::string& surface) {
+std::string line_of(const SmoothChoice& asked, const edit::SmoothFigures& facts, const std::string& surface) {
   std::string text = fmt::format(
       "smoothed at {}: {} passes of {}, pass band {}; vertices moved by at most {:.4g} voxels, in the mesh's units "
       "{:.4g}",
-      surface, asked.passes, word_of(asked.method), asked.pass_band, facts.greatest_move, facts.greatest_move_world);
+      surface, asked.passes, word_of(asked.method), asked.pass_band, facts.greatest_move, facts.max_displacement_world);
   if (facts.border_vertices == 0) {
     const double change = facts.volume_before != 0 ? facts.volume_after / facts.volume_before - 1 : 0;
     text += fmt::format("; volume {:.4g} % {}", 100 * std::abs(change), change > 0 ? "more" : "less");
@@ -46,11 +46,11 @@ Result<StageReport> smooth_surface(Surface& surface, const StageContext& stage) 
   if (stage.job.surface.cap) {
     options.cuts = stage.source.clip;
     if (const auto data = capped_box(stage.source)) {
-      options.walls = edit::SmoothWalls{index_from_output.linear, index_from_output.offset, glm::dvec3(data->min),
-                                        glm::dvec3(data->max)};
+      options.walls = edit::DataBox{index_from_output.linear, index_from_output.offset, glm::dvec3(data->min),
+                                    glm::dvec3(data->max)};
     }
   }
-  const edit::SmoothFacts facts = TRY(edit::smooth(surface.mesh, options, stage.context));
+  const edit::SmoothFigures facts = TRY(edit::smooth(surface.mesh, options, stage.context));
   StageReport report = stage.report_on(StageName::smooth, surface);
   report.add_timed(
       {{Key::method, word_of(asked.method)},
@@ -59,7 +59,7 @@ Result<StageReport> smooth_surface(Surface& surface, const StageContext& stage) 
        {Key::vertices, facts.vertices},
        {Key::border_vertices, facts.border_vertices},
        {Key::cap_vertices, facts.wall_vertices},
-       {Key::greatest_move, Figures{{Key::voxels, facts.greatest_move}, {Key::world, facts.greatest_move_world}}},
+       {Key::greatest_move, Figures{{Key::voxels, facts.greatest_move}, {Key::world, facts.max_displacement_world}}},
        {Key::volume, Figures{{Key::before, facts.volume_before}, {Key::after, facts.volume_after}}}},
       facts.time);
   report.did = "smoothed";

@@ -17,7 +17,7 @@ StageReport StageContext::report_on(StageName stage, const Surface& surface) con
 extract::ExtractOptions extract_options_of(const ConversionJob& job, const Source& source, double iso) {
   extract::ExtractOptions options = source.extract_options(job.surface, iso);
   options.smooth_normals = job.normals == Normals::smooth;
-  options.shared_frame = mesh_packing(job.meshes().packing, source).quantizes();
+  options.shared_origin = mesh_packing(job.meshes().packing, source).quantizes();
   options.edge_keys = job.verify && extract::method_info(job.surface.method).traits.vertices_on_edges;
   return options;
 }

@@ -20,7 +20,7 @@ struct Surface {
   IsoChoice asked;
   SurfaceId id;
   mesh::Mesh mesh;
-  SurfaceEnd end = {};
+  OpenBoundary end = {};
   bool counts_open_edges = false;                // only counting boundary edges tells whether the mesh is closed
   std::optional<Figures> error = {};             // set if it was measured
   std::optional<Figures> facts = {};             // set if requested; of the mesh before vertices were duplicated
@@ -31,10 +31,10 @@ struct Surface {
 
 // Facts about all surfaces of the job and about the current one.
 struct SurfaceFacts {
-  std::span<const SurfaceId> all;      // all surfaces of the current grid
-  bool may_be_open = false;            // the current surface may have boundary edges
-  bool recorded = false;               // Surface::facts are requested
-  const LabelLooks* labels = nullptr;  // names and colors of labels, if the surfaces are labels
+  std::span<const SurfaceId> all;           // all surfaces of the current grid
+  bool may_be_open = false;                 // the current surface may have boundary edges
+  bool recorded = false;                    // Surface::facts are requested
+  const LabelAppearance* labels = nullptr;  // names and colors of labels, if the surfaces are labels
 };
 
 // Input of a stage besides the surface.

@@ -34,7 +34,7 @@ std::uint32_t collapsed_vertex(std::uint32_t collapse, std::span<const CollapseL
   return log.collapses[collapse - log.first].vertex;
 }
 
-void drop_samples_that_are_back(CollapseState& state) {
+void drop_restored_samples(CollapseState& state) {
   std::vector<char> there(state.positions.size(), 0);
   for (std::size_t t = 0; t < state.corners.size(); ++t) {
     const glm::uvec3& c = state.corners[t];
@@ -53,7 +53,7 @@ void drop_samples_that_are_back(CollapseState& state) {
 }
 
 std::size_t undo_collapse(std::uint32_t collapse, CollapseState& state, std::span<const CollapseLog> logs,
-                          std::vector<PutBack>& changed) {
+                          std::vector<RestoredTriangle>& changed) {
   std::size_t count = 0;
   std::vector<std::uint32_t> waiting{collapse};
   while (!waiting.empty()) {

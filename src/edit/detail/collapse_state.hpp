@@ -23,7 +23,7 @@ namespace isoextract::edit {
 inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 // Bounds of the largest distance from a triangle's points to the other surface.
-struct KnownDistance {
+struct DistanceBounds {
   double lower = 0;
   double upper = -1;  // below 0: not known
 
@@ -44,14 +44,14 @@ struct CollapseState {
   // The removed vertices (samples) nearest to each triangle, as linked lists that end with kNone.
   std::vector<std::uint32_t> first_sample;
   std::vector<std::uint32_t> next_sample;
-  std::vector<KnownDistance> known;  // distance of each changed triangle to the original mesh
+  std::vector<DistanceBounds> known;  // distance of each changed triangle to the original mesh
   mesh::TriangleTree original_tree;
   std::vector<std::uint32_t> original_slot;  // the slot of each triangle in original_tree
 
   [[nodiscard]] bool is_original(std::uint32_t t) const { return gone[t] == 0 && changed_by[t] == kNone; }
   // Bytes for each triangle and each vertex, without the tree.
   static constexpr std::uint64_t kTriangleBytes =
-      sizeof(glm::uvec3) + 1 + 3 * sizeof(std::uint32_t) + sizeof(KnownDistance);
+      sizeof(glm::uvec3) + 1 + 3 * sizeof(std::uint32_t) + sizeof(DistanceBounds);
   static constexpr std::uint64_t kVertexBytes = sizeof(std::uint32_t);
 };
 
@@ -77,7 +77,7 @@ struct CollapseLog {
 };
 
 // A triangle that an undone collapse had changed, with its corners before the undo.
-struct PutBack {
+struct RestoredTriangle {
   std::uint32_t triangle;
   glm::uvec3 corners;
 };
@@ -87,12 +87,12 @@ struct PutBack {
 
 // Removes from the sample lists all vertices that undone collapses brought back. Call it after undoing and before the
 // next collapse, which would list them twice.
-void drop_samples_that_are_back(CollapseState& state);
+void drop_restored_samples(CollapseState& state);
 
 // Undoes a collapse and all that depend on it, the latest first. `logs` are sorted by `first`. Adds every triangle that
 // changes or comes back to `changed`, possibly more than once. Leaves the sample lists as they are. Returns the number
 // of undone collapses.
 std::size_t undo_collapse(std::uint32_t collapse, CollapseState& state, std::span<const CollapseLog> logs,
-                          std::vector<PutBack>& changed);
+                          std::vector<RestoredTriangle>& changed);
 
 }  // namespace isoextract::edit

@@ -13,7 +13,7 @@
 #include "edit/detail/loop_triangulation.hpp"
 #include "mesh/attributes.hpp"
 #include "mesh/exact_sign.hpp"
-#include "mesh/vertex_fans.hpp"
+#include "mesh/split_vertices.hpp"
 
 namespace isoextract::edit {
 namespace {
@@ -153,13 +153,13 @@ Result<void> append(const std::vector<VertexPair>& border, const LoopTriangles& 
 
 }  // namespace
 
-Result<CutCap> close_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, double on_plane, const Context& context) {
+Result<CutCapFigures> cap_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, double on_plane, const Context& context) {
   const std::string what = "closing a cut";
   // Edges in the plane are few, unless the mesh lies in it, so only the flags are reserved yet.
   const auto flags = TRY(context.reserve(mesh.positions.size() / 8 + 8, what));
   PlaneEdges edges = edges_in_plane(mesh, kept, on_plane);
   if (std::ranges::adjacent_find(edges.border, start_at_one_vertex) != edges.border.end()) {
-    TRY(mesh::make_one_vertex_a_fan(mesh, what, context));
+    TRY(mesh::split_nonmanifold_vertices(mesh, what, context));
     edges = edges_in_plane(mesh, kept, on_plane);
   }
   const auto memory = TRY(context.reserve(edges.border.size() * 192 + edges.others.size() * 16, what));
@@ -193,7 +193,7 @@ Result<CutCap> close_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, double o
   }
   if (!cap) return tl::unexpected(std::move(cap.error()));
   TRY(append(edges.border, *cap, mesh, context));
-  return CutCap{cap->triangles.size(), cap->turned};
+  return CutCapFigures{cap->triangles.size(), cap->turned};
 }
 
 }  // namespace isoextract::edit

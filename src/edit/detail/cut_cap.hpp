@@ -10,7 +10,7 @@
 
 namespace isoextract::edit {
 
-struct CutCap {
+struct CutCapFigures {
   std::uint64_t triangles = 0;
   // Cap triangles that overlap others by more than rounding because the cut crosses itself.
   std::uint64_t turned = 0;
@@ -22,7 +22,7 @@ struct CutCap {
 //
 // Fails with ErrorCode::input if the edges form no closed loops (the mesh was open before the cut), with
 // ErrorCode::out_of_memory if memory is short.
-[[nodiscard]] Result<CutCap> close_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, double on_plane,
-                                       const Context& context);
+[[nodiscard]] Result<CutCapFigures> cap_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, double on_plane,
+                                            const Context& context);
 
 }  // namespace isoextract::edit

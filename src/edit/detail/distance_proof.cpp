@@ -18,7 +18,7 @@ constexpr std::size_t kProofGrain = 256;
 
 class DistanceProof {
  public:
-  DistanceProof(CollapseState& state, std::span<const CollapseLog> logs, const ProofOptions& options,
+  DistanceProof(CollapseState& state, std::span<const CollapseLog> logs, const DistanceProofOptions& options,
                 const Context& context)
       : state_(state), logs_(logs), options_(options), context_(context), known_old_(state.corners.size()) {
     limits_.tolerance = 0;
@@ -40,7 +40,7 @@ class DistanceProof {
       const std::vector<std::uint32_t> wrong = measure(new_in_doubt, old_in_doubt);
       if (context_.cancelled()) continue;
       if (wrong.empty()) break;
-      std::vector<PutBack> changed;
+      std::vector<RestoredTriangle> changed;
       for (const std::uint32_t t : wrong) {
         if (state_.changed_by[t] == kNone) continue;
         if (options_.once) proof.refused.push_back(collapsed_vertex(state_.changed_by[t], logs_));
@@ -50,8 +50,8 @@ class DistanceProof {
       find_doubts(changed, new_in_doubt, old_in_doubt);
     }
     for (std::uint32_t t = 0; t < known_old_.size(); ++t) {
-      const KnownDistance now =
-          state_.gone[t] == 0 && state_.changed_by[t] != kNone ? state_.known[t] : KnownDistance();
+      const DistanceBounds now =
+          state_.gone[t] == 0 && state_.changed_by[t] != kNone ? state_.known[t] : DistanceBounds();
       proof.lower = std::max({proof.lower, now.lower, known_old_[t].lower});
       proof.upper = std::max({proof.upper, now.upper, known_old_[t].upper});
     }
@@ -125,7 +125,7 @@ class DistanceProof {
     std::uint32_t hint = *near.begin();
     double least = std::numeric_limits<double>::infinity();
     for (const std::uint32_t slot : near) {
-      const double farthest = tree.farthest_squared_in(slot, places);
+      const double farthest = tree.max_distance_squared(slot, places);
       if (farthest >= least) continue;
       least = farthest;
       hint = slot;
@@ -139,7 +139,7 @@ class DistanceProof {
     mesh::DistanceLimits limits = limits_;
     const double cells = glm::length(glm::cross(places[1] - places[0], places[2] - places[0])) /
                          (options_.cell_size * options_.cell_size);
-    limits.most_parts = 256 + static_cast<std::size_t>(std::min(64 * cells, 1e7));
+    limits.max_parts = 256 + static_cast<std::size_t>(std::min(64 * cells, 1e7));
     return mesh::bound_distance(places, tree, limits, 0, hint);
   }
 
@@ -183,11 +183,11 @@ class DistanceProof {
   }
 
   // Finds the triangles that came back, and the original triangles near changed ones.
-  void find_doubts(const std::vector<PutBack>& changed, std::vector<std::uint32_t>& new_in_doubt,
+  void find_doubts(const std::vector<RestoredTriangle>& changed, std::vector<std::uint32_t>& new_in_doubt,
                    std::vector<std::uint32_t>& old_in_doubt) {
     new_in_doubt.clear();
     doubtful_.clear();
-    for (const PutBack& put_back : changed) {
+    for (const RestoredTriangle& put_back : changed) {
       new_in_doubt.push_back(put_back.triangle);
       for_cells(corners(put_back.corners), options_.enough, [&](const Cell& cell) { doubtful_.push_back(cell); });
     }
@@ -205,17 +205,17 @@ class DistanceProof {
 
   CollapseState& state_;
   std::span<const CollapseLog> logs_;
-  const ProofOptions& options_;
+  const DistanceProofOptions& options_;
   const Context& context_;
   mesh::DistanceLimits limits_;
-  std::vector<KnownDistance> known_old_;
+  std::vector<DistanceBounds> known_old_;
   std::vector<Cell> doubtful_;
 };
 
 }  // namespace
 
-Result<Proof> prove_distance(CollapseState& state, std::span<const CollapseLog> logs, const ProofOptions& options,
-                             const Context& context) {
+Result<Proof> prove_distance(CollapseState& state, std::span<const CollapseLog> logs,
+                             const DistanceProofOptions& options, const Context& context) {
   return DistanceProof(state, logs, options, context).run();
 }
 

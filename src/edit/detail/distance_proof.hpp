@@ -15,7 +15,7 @@
 
 namespace isoextract::edit {
 
-struct ProofOptions {
+struct DistanceProofOptions {
   double enough = 0;     // the distance to prove; finite
   bool once = false;     // undo once, do not measure again: proves nothing
   double cell_size = 1;  // cell width of the grid that finds triangles near changed ones
@@ -33,12 +33,12 @@ struct Proof {
 
 // Bytes for each triangle of the original mesh, without the state and the trees.
 inline constexpr std::uint64_t kProofTriangleBytes =
-    sizeof(KnownDistance) + 6 * sizeof(std::uint32_t) + sizeof(glm::uvec3) + 1;
+    sizeof(DistanceBounds) + 6 * sizeof(std::uint32_t) + sizeof(glm::uvec3) + 1;
 
 // Undoes collapses in `state` until the distance is proven. The result does not depend on the number of threads. Fails
 // if the context is cancelled.
 [[nodiscard]] Result<Proof> prove_distance(CollapseState& state, std::span<const CollapseLog> logs,
-                                           const ProofOptions& options, const Context& context);
+                                           const DistanceProofOptions& options, const Context& context);
 
 // Bytes that measure_distance() uses for each triangle and each vertex, without the state and the trees.
 inline constexpr std::uint64_t kMeasureTriangleBytes =

@@ -56,7 +56,7 @@ class PatchCollapse : private PatchMesh {
   struct Near {
     double distance_squared;  // largest for a new triangle and its samples
     std::uint32_t slot;       // a near slot in the tree of the original mesh
-    KnownDistance known;
+    DistanceBounds known;
   };
   struct Attached {
     std::uint32_t triangle;
@@ -100,7 +100,7 @@ class PatchCollapse : private PatchMesh {
     if (fixed_[v] != 0) return;
     look_around(v, pushed_);
     double least = std::numeric_limits<double>::infinity();
-    for (const std::uint32_t to : pushed_.neighbours) least = std::min(least, least_cost(v, to));
+    for (const std::uint32_t to : pushed_.neighbors) least = std::min(least, least_cost(v, to));
     if (least <= limit_squared_) queue_.push({least, v, version_[v], kNone});
   }
 
@@ -141,7 +141,7 @@ class PatchCollapse : private PatchMesh {
     // Tries the best targets by quadric error. A vertex that fails is tried again only after a change around it.
     constexpr std::size_t kTries = 2;
     targets_.clear();
-    for (const std::uint32_t to : ring_.neighbours) {
+    for (const std::uint32_t to : ring_.neighbors) {
       const double cost = least_cost(v, to);
       if (cost <= limit_squared_) targets_.emplace_back(cost, to);
     }
@@ -178,15 +178,15 @@ class PatchCollapse : private PatchMesh {
     // The triangle that replaces these three may already exist in another patch.
     const bool three_around = !along_border && ring_.around.size() == 3;
     if (three_around && fixed_[to] != 0 && fixed_[apex[0]] != 0 && fixed_[apex[1]] != 0) return false;
-    for (const std::uint32_t neighbour : ring_.neighbours) {
-      if (neighbour == to) continue;
-      if (neighbour == apex[0] || neighbour == apex[1]) {
+    for (const std::uint32_t neighbor : ring_.neighbors) {
+      if (neighbor == to) continue;
+      if (neighbor == apex[0] || neighbor == apex[1]) {
         // At a border, the two edges to the apex merge; they must not both be border edges.
-        if (along_border && is_border_edge(v, neighbour) && is_border_edge(to, neighbour)) return false;
+        if (along_border && is_border_edge(v, neighbor) && is_border_edge(to, neighbor)) return false;
         continue;
       }
-      if (fixed_[neighbour] != 0 && fixed_[to] != 0) return false;
-      if (joined(neighbour, to)) return false;
+      if (fixed_[neighbor] != 0 && fixed_[to] != 0) return false;
+      if (joined(neighbor, to)) return false;
     }
     for (std::uint32_t c = first_corner_[to]; c != kNone; c = next_corner_[c]) {
       if (removed_[c / 3] != 0) continue;
@@ -301,7 +301,7 @@ class PatchCollapse : private PatchMesh {
     limits.floor = 1e-2 * proven_;
     limits.enough = proven_;
     limits.refuse = proven_;
-    limits.most_parts = 64;  // a harder case is close to the limit
+    limits.max_parts = 64;  // a harder case is close to the limit
     for (std::size_t i = 0; i < new_.size(); ++i) {
       if (near_[i].distance_squared < kClearlyNear * kClearlyNear * proven_ * proven_) continue;
       const Corners& t = new_[i].second;
@@ -347,7 +347,7 @@ class PatchCollapse : private PatchMesh {
     quadrics_[to].add(quadrics_[v]);
     push(to);
     look_around(to, ring_);
-    for (const std::uint32_t neighbour : ring_.neighbours) push(neighbour);
+    for (const std::uint32_t neighbor : ring_.neighbors) push(neighbor);
   }
 
   void keep_samples() {
@@ -382,7 +382,7 @@ class PatchCollapse : private PatchMesh {
   std::vector<std::pair<double, std::uint32_t>> targets_;
   std::uint32_t prepared_ = kNone;  // the target that the members below belong to, or kNone
   std::vector<std::pair<std::uint32_t, Corners>> new_;
-  std::vector<mesh::TriangleTarget> targets_of_new_;
+  std::vector<mesh::ClosestPointTriangle> targets_of_new_;
   std::vector<Attached> attached_;
   std::vector<Near> near_;  // for each of new_
 };

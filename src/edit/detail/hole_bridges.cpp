@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "edit/detail/loop_necks.hpp"
+#include "edit/detail/pinch_points.hpp"
 #include "mesh/exact_sign.hpp"
 
 namespace isoextract::edit {
@@ -25,7 +25,7 @@ class HoleBridges {
       result_.nodes[p].next = next[p];
       result_.nodes[next[p]].prev = p;
     }
-    cut_necks(points_, result_);
+    split_at_pinch_points(points_, result_);
     find_loops();
   }
 
@@ -121,7 +121,7 @@ class HoleBridges {
       const glm::dvec2& a = place(n);
       const glm::dvec2& b = place(result_.nodes[n].next);
       // The filled region is on the right of edges that run downward.
-      if (a.y <= b.y || p.y > a.y || p.y < b.y || mesh::turn_of(a, b, p) < 0) continue;
+      if (a.y <= b.y || p.y > a.y || p.y < b.y || mesh::orientation_2d(a, b, p) < 0) continue;
       const double x = a.x + (p.y - a.y) * ((b.x - a.x) / (b.y - a.y));
       if (x > nearest) {
         nearest = x;
@@ -183,9 +183,9 @@ class HoleBridges {
     const glm::dvec2 after = place(other_place(n, true));
     glm::dvec2 to = place(hole);
     if (to == at) to = place(other_place(hole, true));
-    const int from_before = mesh::turn_of(before, at, to);
-    const int from_after = mesh::turn_of(at, after, to);
-    const bool convex = mesh::turn_of(before, at, after) > 0;
+    const int from_before = mesh::orientation_2d(before, at, to);
+    const int from_after = mesh::orientation_2d(at, after, to);
+    const bool convex = mesh::orientation_2d(before, at, after) > 0;
     const int both = std::min(from_before, from_after);
     const int either = std::max(from_before, from_after);
     return (convex ? both : either) + 1;

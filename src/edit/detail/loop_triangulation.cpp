@@ -40,7 +40,7 @@ class Triangulation {
   }
 
   // Splits each inner edge whose end points another edge joins, too: an inner edge, a loop edge or one of `taken`.
-  void part_double_edges(std::span<const PointPair> taken, std::vector<PointPair>& midpoints) {
+  void split_duplicate_edges(std::span<const PointPair> taken, std::vector<PointPair>& midpoints) {
     std::vector<PointPair> edges(taken.begin(), taken.end());
     for (HalfEdge h = 0; h < twin_.size(); ++h) {
       if (twin_[h] == kNoHalfEdge || h < twin_[h]) edges.push_back(pair_of(start(h), end(h)));
@@ -71,7 +71,7 @@ class Triangulation {
       const glm::dvec2 a = points_[t.x];
       const glm::dvec2 b = points_[t.y];
       const glm::dvec2 c = points_[t.z];
-      if (mesh::turn_of(a, b, c) >= 0) return false;
+      if (mesh::orientation_2d(a, b, c) >= 0) return false;
       const double across = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
       return -across > rounding * std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
     }));
@@ -108,7 +108,7 @@ class Triangulation {
     const glm::dvec2 at_d = angle(points_[d], b, a);
     constexpr double kClearly = 1e-9;
     if (at_c.x * at_d.y + at_c.y * at_d.x > -kClearly) return false;
-    return mesh::turn_of(points_[c], a, points_[d]) > 0 && mesh::turn_of(points_[d], b, points_[c]) > 0;
+    return mesh::orientation_2d(points_[c], a, points_[d]) > 0 && mesh::orientation_2d(points_[d], b, points_[c]) > 0;
   }
 
   // Turns triangles abc and bad into dca and cdb; then h runs from d to c, and its twin from c to d.
@@ -188,7 +188,7 @@ Result<LoopTriangles> triangulate_loops(std::span<const glm::dvec2> points, std:
   ears.twins.reserve(3 * loops.nodes.size());
   for (const std::uint32_t polygon : loops.polygons) {
     TRY(context.check());
-    if (cut_ears(points, loops.nodes, polygon, ears, rounding)) continue;
+    if (clip_ears(points, loops.nodes, polygon, ears, rounding)) continue;
     return fail(ErrorCode::input, "the surface is cut along a line without an inside");
   }
   for (const auto& [there, back] : loops.bridges) {
@@ -197,7 +197,7 @@ Result<LoopTriangles> triangulate_loops(std::span<const glm::dvec2> points, std:
   }
   Triangulation triangulation(points, std::move(ears));
   triangulation.flip_to_delaunay();
-  triangulation.part_double_edges(taken, result.midpoints);
+  triangulation.split_duplicate_edges(taken, result.midpoints);
   result.turned = triangulation.turned(rounding);
   result.triangles = std::move(triangulation).take();
   return result;

@@ -23,7 +23,7 @@ class PatchMesh {
   };
   struct Ring {
     std::vector<Around> around;
-    std::vector<std::uint32_t> neighbours;  // without duplicates
+    std::vector<std::uint32_t> neighbors;  // without duplicates
   };
 
   // Takes `patch` as collapse_edges() does; `locked` vertices are fixed.
@@ -36,7 +36,7 @@ class PatchMesh {
   // Lists the triangles and neighbors of v. Also unlinks the corners of removed triangles.
   void look_around(std::uint32_t v, Ring& ring) {
     ring.around.clear();
-    ring.neighbours.clear();
+    ring.neighbors.clear();
     std::uint32_t* link = &first_corner_[v];
     while (*link != kNone) {
       const std::uint32_t corner = *link;
@@ -49,11 +49,11 @@ class PatchMesh {
       ring.around.push_back({t, corners_[t][(at + 1) % 3], corners_[t][(at + 2) % 3]});
       link = &next_corner_[corner];
     }
-    for (const Around& a : ring.around) ring.neighbours.push_back(a.from);
+    for (const Around& a : ring.around) ring.neighbors.push_back(a.from);
     if (border_[v] != 0) {  // the ring is open: its last vertex starts no edge
       for (const Around& a : ring.around) {
         if (std::none_of(ring.around.begin(), ring.around.end(), [&](const Around& b) { return b.from == a.next; })) {
-          ring.neighbours.push_back(a.next);
+          ring.neighbors.push_back(a.next);
         }
       }
     }
@@ -118,7 +118,7 @@ class PatchMesh {
     while (size < triangles_.size() * 4) size *= 2;  // up to three vertices a triangle
     std::vector<std::pair<std::uint32_t, std::uint32_t>> table(size, {kNone, kNone});
     const auto number = [&](std::uint32_t vertex) {
-      std::size_t slot = hash_of_three(vertex, 0, 0) & (size - 1);
+      std::size_t slot = hash_coordinates(vertex, 0, 0) & (size - 1);
       while (table[slot].first != vertex && table[slot].first != kNone) slot = (slot + 1) & (size - 1);
       if (table[slot].first == kNone) {
         table[slot] = {vertex, static_cast<std::uint32_t>(vertices_.size())};

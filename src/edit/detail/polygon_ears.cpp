@@ -163,7 +163,7 @@ class EarCutter {
     const glm::dvec2& b = places_[n];
     const glm::dvec2& c = places_[after];
     if (kind == EarKind::any) return true;
-    const int turn = mesh::turn_of(a, b, c);
+    const int turn = mesh::orientation_2d(a, b, c);
     if (kind == EarKind::flat) return turn == 0;
     if (kind == EarKind::rough && turn <= 0) return width_of({a, b, c}) >= -rounding_;
     return turn > 0 && !is_blocked(n, kind);
@@ -185,7 +185,7 @@ class EarCutter {
     const glm::dvec2& b = places_[n];
     const glm::dvec2& c = places_[ring_[n].next];
     if (a == b || b == c || a == c) return true;
-    return glm::dot(a - b, c - b) > 0 && mesh::turn_of(a, b, c) == 0;
+    return glm::dot(a - b, c - b) > 0 && mesh::orientation_2d(a, b, c) == 0;
   }
 
   [[nodiscard]] bool differ(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
@@ -239,13 +239,13 @@ class EarCutter {
     if (kind == EarKind::rough) return is_deep(places_[q], ear);
     std::array<int, 3> side{};  // side of q for each edge of the ear; the last edge is the cut
     for (std::size_t i = 0; i < 3; ++i) {
-      side[i] = mesh::turn_of(ear[i], ear[(i + 1) % 3], places_[q]);
+      side[i] = mesh::orientation_2d(ear[i], ear[(i + 1) % 3], places_[q]);
       if (side[i] < 0) return false;
     }
     if (side[0] > 0 && side[1] > 0 && (side[2] > 0 || kind == EarKind::clear)) return true;
     const auto enters = [&](std::uint32_t end) {
       for (std::size_t i = 0; i < 3; ++i) {
-        if (side[i] == 0 && mesh::turn_of(ear[i], ear[(i + 1) % 3], places_[end]) <= 0) return false;
+        if (side[i] == 0 && mesh::orientation_2d(ear[i], ear[(i + 1) % 3], places_[end]) <= 0) return false;
       }
       return true;
     };
@@ -309,8 +309,8 @@ class EarCutter {
 
 }  // namespace
 
-bool cut_ears(std::span<const glm::dvec2> points, std::span<const PolygonNode> nodes, std::uint32_t first, Ears& ears,
-              double rounding) {
+bool clip_ears(std::span<const glm::dvec2> points, std::span<const PolygonNode> nodes, std::uint32_t first, Ears& ears,
+               double rounding) {
   return EarCutter(points, nodes, first, ears, rounding).run();
 }
 

@@ -31,7 +31,7 @@ struct Ears {
 // Cuts the polygon of node `first` into triangles and adds them to `ears`. `rounding` is how far a point may be from
 // its exact position. Returns false if no three different points are left for an ear; the polygon then has no connected
 // inside.
-[[nodiscard]] bool cut_ears(std::span<const glm::dvec2> points, std::span<const PolygonNode> nodes, std::uint32_t first,
-                            Ears& ears, double rounding = 0);
+[[nodiscard]] bool clip_ears(std::span<const glm::dvec2> points, std::span<const PolygonNode> nodes,
+                             std::uint32_t first, Ears& ears, double rounding = 0);
 
 }  // namespace isoextract::edit

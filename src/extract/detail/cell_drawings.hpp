@@ -15,9 +15,9 @@ namespace isoextract::extract {
 
 // Chooses the variant of cells whose case alone does not decide it: of ambiguous cells, and of all cells if samples may
 // be NaN.
-class CellDecider {
+class VariantChooser {
  public:
-  virtual ~CellDecider() = default;
+  virtual ~VariantChooser() = default;
   // Returns the variant (CaseTable) of the cell whose lowest sample is `p`, or nullopt if the cell is left out.
   [[nodiscard]] virtual std::optional<unsigned> variant(unsigned cell_case, const glm::ivec3& p) const = 0;
 };
@@ -43,7 +43,7 @@ class CellDrawings {
   [[nodiscard]] std::uint32_t crossed_edges(unsigned cell_case) const { return crossed_edges_[cell_case]; }
 
   // Returns the triangles of the cell whose lowest sample is origin + p.
-  [[nodiscard]] Drawing of(unsigned cell_case, const CellDecider& decider, const glm::ivec3& origin,
+  [[nodiscard]] Drawing of(unsigned cell_case, const VariantChooser& decider, const glm::ivec3& origin,
                            const glm::ivec3& p) const {
     const Drawing drawing = by_case_[cell_case];
     if (!drawing.decided) return drawing;

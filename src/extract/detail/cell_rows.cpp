@@ -60,7 +60,7 @@ HWY_INLINE unsigned cell_case(const Corners& corners, int cell) {
 }
 
 template <int kDirections>
-RowCounts count_row(const CellDrawings& drawings, const CellRow& row, const CellDecider& decider) {
+RowCounts count_row(const CellDrawings& drawings, const CellRow& row, const VariantChooser& decider) {
   constexpr auto& kStreams = kCellStreams<kDirections>.streams;
   RowCounts counts;
   const bool has_cells = row.has_cells();
@@ -88,7 +88,7 @@ RowCounts count_row(const CellDrawings& drawings, const CellRow& row, const Cell
 }
 
 template <int kDirections>
-bool write_row(const CellDrawings& drawings, const CellRow& row, const CellDecider& decider,
+bool write_row(const CellDrawings& drawings, const CellRow& row, const VariantChooser& decider,
                std::span<const std::uint32_t> first, std::span<glm::uvec3> room) {
   glm::uvec3* out = room.data();
   glm::uvec3* const end = out + room.size();
@@ -134,11 +134,11 @@ bool write_row(const CellDrawings& drawings, const CellRow& row, const CellDecid
   return out == end;
 }
 
-RowCounts count_any(const CellDrawings& drawings, const CellRow& row, const CellDecider& decider) {
+RowCounts count_any(const CellDrawings& drawings, const CellRow& row, const VariantChooser& decider) {
   return (drawings.directions() == 3 ? count_row<3> : count_row<7>)(drawings, row, decider);
 }
 
-bool write_any(const CellDrawings& drawings, const CellRow& row, const CellDecider& decider,
+bool write_any(const CellDrawings& drawings, const CellRow& row, const VariantChooser& decider,
                std::span<const std::uint32_t> first, std::span<glm::uvec3> out) {
   return (drawings.directions() == 3 ? write_row<3> : write_row<7>)(drawings, row, decider, first, out);
 }
@@ -206,11 +206,11 @@ HWY_EXPORT(write_any);
 HWY_EXPORT(list_any);
 HWY_EXPORT(mark_any);
 
-RowCounts count_cells(const CellDrawings& drawings, const CellRow& row, const CellDecider& decider) {
+RowCounts count_cells(const CellDrawings& drawings, const CellRow& row, const VariantChooser& decider) {
   return HWY_DYNAMIC_DISPATCH(count_any)(drawings, row, decider);
 }
 
-bool write_cells(const CellDrawings& drawings, const CellRow& row, const CellDecider& decider,
+bool write_cells(const CellDrawings& drawings, const CellRow& row, const VariantChooser& decider,
                  std::span<const std::uint32_t> first, std::span<glm::uvec3> out) {
   return HWY_DYNAMIC_DISPATCH(write_any)(drawings, row, decider, first, out);
 }

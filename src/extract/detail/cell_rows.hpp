@@ -1,5 +1,5 @@
 // Processes rows of cells: finds their crossed edges, counts their triangles, writes them. Works on inside bits in
-// words of 64 samples, and reads samples only if a case alone does not decide (CellDecider). Vectorized.
+// words of 64 samples, and reads samples only if a case alone does not decide (VariantChooser). Vectorized.
 #pragma once
 
 #include <array>
@@ -38,12 +38,12 @@ struct RowCounts {
   CellCounts cells;
 };
 
-[[nodiscard]] RowCounts count_cells(const CellDrawings& drawings, const CellRow& row, const CellDecider& decider);
+[[nodiscard]] RowCounts count_cells(const CellDrawings& drawings, const CellRow& row, const VariantChooser& decider);
 
 // Writes the triangles of a row that has cells. `out` has room for exactly the counted number. `first` holds the number
 // of each stream's first vertex (CellStreams). Returns false if the number of triangles differs from the count, because
 // the decider now answers otherwise; it never writes past the end.
-[[nodiscard]] bool write_cells(const CellDrawings& drawings, const CellRow& row, const CellDecider& decider,
+[[nodiscard]] bool write_cells(const CellDrawings& drawings, const CellRow& row, const VariantChooser& decider,
                                std::span<const std::uint32_t> first, std::span<glm::uvec3> out);
 
 // Positions in a row of the crossed edges of each direction d, rising: from begin(d) to end(d). Reused from row to row.

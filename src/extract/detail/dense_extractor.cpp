@@ -77,7 +77,7 @@ class BrickFlags {
 };
 
 template <class T>
-class DenseExtraction final : private CellDecider {
+class DenseExtraction final : private VariantChooser {
  public:
   DenseExtraction(const field::ScalarField& field, const DenseView<T>& whole, const field::IndexBox& region,
                   DenseMasks masks, const ExtractOptions& options, const Context& context)
@@ -90,11 +90,11 @@ class DenseExtraction final : private CellDecider {
         region_(region),
         table_(case_table(options.method)),
         directions_(static_cast<int>(table_.directions.size())),
-        placement_(output_frame(field, options, {glm::ivec3(0), whole.dims - 1}, region)),
+        placement_(output_placement(field, options, {glm::ivec3(0), whole.dims - 1}, region)),
         masks_(std::move(masks)),
         bricks_(masks_) {}
 
-  [[nodiscard]] const OutputFrame& placement() const { return placement_; }
+  [[nodiscard]] const OutputPlacement& placement() const { return placement_; }
 
   Result<bool> classify(ExtractStats& stats) {
     stats.brick = fmt::format("64x{0}x{0} cells", kBrickRows);
@@ -130,9 +130,9 @@ class DenseExtraction final : private CellDecider {
   }
 
   [[nodiscard]] std::optional<field::IndexBox> cap_box() const { return region_; }
-  [[nodiscard]] BorderSides border() const { return masks_.border(); }
-  [[nodiscard]] bool draws_at_border() const {
-    return extract::draws_at_border(
+  [[nodiscard]] BoundarySides border() const { return masks_.border(); }
+  [[nodiscard]] bool draws_at_boundary() const {
+    return extract::draws_at_boundary(
         region_, [this](const glm::ivec3& p) { return inside(p); },
         [this](const glm::ivec3& p) { return std::isnan(value(p)); });
   }
@@ -226,8 +226,8 @@ class DenseExtraction final : private CellDecider {
 
   // `p` is relative to the region.
   [[nodiscard]] std::optional<unsigned> variant(unsigned cell_case, const glm::ivec3& p) const override {
-    return variant_or_hole(table_, cell_case, rule_, has_holes_,
-                           [&](int corner) { return value(region_.min + p + direction_step(corner)); });
+    return cell_variant_or_hole(table_, cell_case, rule_, has_holes_,
+                                [&](int corner) { return value(region_.min + p + direction_step(corner)); });
   }
 
   // Turns counts into first numbers.
@@ -282,7 +282,7 @@ class DenseExtraction final : private CellDecider {
     VertexBatch& batch = writer.batch();
     for_each_row(bj, bk, [&](int j, int k) {
       // The rows of a slice have consecutive numbers within a brick row, but not from slice to slice.
-      if (j == kBrickRows * bj) writer.go_on_at(vertex_base(row_index(j, k))[0]);
+      if (j == kBrickRows * bj) writer.continue_at(vertex_base(row_index(j, k))[0]);
       const std::size_t row = row_index(j, k);
       if (vertex_base(row)[0] == vertex_base(row + 1)[0]) return;
       list_edges(*drawings_, cell_row(j, k), edges);
@@ -293,7 +293,7 @@ class DenseExtraction final : private CellDecider {
           const std::int32_t* end = x + std::min(room, edges.end(d) - x);
           add_edges(batch, std::span(x, end), j, k, direction, writer.wants_gradients());
           x = end;
-          writer.flush_full();
+          writer.flush_if_full();
         }
       }
     });
@@ -328,20 +328,20 @@ class DenseExtraction final : private CellDecider {
   }
 
   // Returns the gradient of the stored numbers at a sample of the whole field: central differences, or one-sided ones
-  // of the same order at the data boundary (sample_derivative(), border_derivative()).
+  // of the same order at the data boundary (sample_derivative(), boundary_derivative()).
   [[nodiscard]] glm::dvec3 sample_gradient(const glm::ivec3& p) const {
-    const T* centre = whole_.row(p.y, p.z) + p.x;
-    return {axis_derivative(centre, 1, p.x, whole_.dims.x),
-            axis_derivative(centre, whole_.stride_y, p.y, whole_.dims.y),
-            axis_derivative(centre, whole_.stride_z, p.z, whole_.dims.z)};
+    const T* center = whole_.row(p.y, p.z) + p.x;
+    return {axis_derivative(center, 1, p.x, whole_.dims.x),
+            axis_derivative(center, whole_.stride_y, p.y, whole_.dims.y),
+            axis_derivative(center, whole_.stride_z, p.z, whole_.dims.z)};
   }
 
-  static double axis_derivative(const T* centre, std::int64_t stride, int index, int size) {
-    const auto at = [&](int steps) { return static_cast<double>(centre[steps * stride]); };
+  static double axis_derivative(const T* center, std::int64_t stride, int index, int size) {
+    const auto at = [&](int steps) { return static_cast<double>(center[steps * stride]); };
     if (index > 0 && index + 1 < size) return sample_derivative(at(-1), at(0), at(1));
     const int inward = index == 0 ? 1 : -1;
     const double far = size == 2 ? std::numeric_limits<double>::quiet_NaN() : at(2 * inward);
-    return inward * border_derivative(at(0), at(inward), far);
+    return inward * boundary_derivative(at(0), at(inward), far);
   }
 
   void emit_triangles(mesh::Mesh& mesh, int j, int k) {
@@ -372,7 +372,7 @@ class DenseExtraction final : private CellDecider {
   field::IndexBox region_;
   const CaseTable& table_;
   int directions_;
-  OutputFrame placement_;
+  OutputPlacement placement_;
   DenseMasks masks_;
   BrickFlags bricks_;
   bool has_holes_ = false;                    // NaN samples were found under NanPolicy::hole

@@ -10,7 +10,7 @@ namespace isoextract::extract {
 //     samples are all on one side;
 //   3. prefix sums over the rows: exact sizes, and the place where every row writes, independent of its thread;
 //   4. emit: vertices and triangles, written once, in place;
-//   5. cap, if requested (border_cap.hpp).
+//   5. cap, if requested (boundary_cap.hpp).
 [[nodiscard]] Result<Extraction> extract_dense(const field::ScalarField& field, const field::DenseSamples& samples,
                                                const ExtractOptions& options, const Context& context);
 

@@ -13,7 +13,7 @@
 namespace isoextract::extract {
 
 // A sample that is not a label.
-struct WrongSample {
+struct NonLabelSample {
   double value = 0;
   glm::ivec3 at{0};
 };
@@ -21,7 +21,7 @@ struct WrongSample {
 // Returns the largest label that a floating-point type T can hold. Beyond 2^digits, its numbers are farther apart than
 // 1, so two labels may have become one when the file was written.
 template <class T>
-[[nodiscard]] constexpr double most_label() {
+[[nodiscard]] constexpr double largest_label() {
   if constexpr (std::is_same_v<T, field::Half>) return 0x1p11;
   if constexpr (std::is_same_v<T, float>) return 0x1p24;
   return 0x1p53;
@@ -31,7 +31,7 @@ template <class T>
 [[nodiscard]] bool is_label(T sample) {
   if constexpr (field::is_floating_sample<T>) {
     const auto value = static_cast<double>(sample);
-    return std::abs(value) <= most_label<T>() && value == std::floor(value);
+    return std::abs(value) <= largest_label<T>() && value == std::floor(value);
   } else {
     return true;
   }

@@ -86,9 +86,9 @@ class NearRest {
     for (std::size_t n = 0; n < 8; ++n) {
       const ChunkBits within = bits_within(origin - chunk_step(7 - static_cast<int>(n)), labels.bounds());
       for (std::size_t row = 0; row < within.size(); ++row) {
-        std::uint64_t labelled = 0;
-        for (const NearLabels::Entry& entry : near.entries()) labelled |= (*entry.near[n])[row];
-        unlabelled_[n][row] = within[row] & ~labelled;
+        std::uint64_t labeled = 0;
+        for (const NearLabels::Entry& entry : near.entries()) labeled |= (*entry.near[n])[row];
+        unlabeled_[n][row] = within[row] & ~labeled;
         beyond_[n][row] = ~within[row];
       }
     }
@@ -96,13 +96,13 @@ class NearRest {
 
   [[nodiscard]] std::array<NearChunks, 2> near() const {
     std::array<NearChunks, 2> found{};
-    for (std::size_t n = 0; n < 8; ++n) found[0][n] = &unlabelled_[n];
+    for (std::size_t n = 0; n < 8; ++n) found[0][n] = &unlabeled_[n];
     for (std::size_t n = 0; n < 8; ++n) found[1][n] = &beyond_[n];
     return found;
   }
 
  private:
-  std::array<ChunkBits, 8> unlabelled_{};
+  std::array<ChunkBits, 8> unlabeled_{};
   std::array<ChunkBits, 8> beyond_{};
 };
 
@@ -323,8 +323,8 @@ struct NetPoints::Moves {
   }
 
   // Returns the number of the point across a face.
-  [[nodiscard]] std::uint32_t neighbour(std::size_t face, int bit, std::uint32_t k,
-                                        const std::array<Row, kFaces>& rows) const {
+  [[nodiscard]] std::uint32_t neighbor(std::size_t face, int bit, std::uint32_t k,
+                                       const std::array<Row, kFaces>& rows) const {
     if (face == 0 && bit > 0) return k - 1;
     if (face == 1 && bit < 63) return k + 1;
     const Row& row = rows[face];
@@ -338,7 +338,7 @@ struct NetPoints::Moves {
     const unsigned faces = joined[k];
     for (std::size_t face = 0; face < kFaces; ++face) {
       if ((faces >> face & 1) == 0) continue;
-      sum += from[neighbour(face, bit, k, rows)] + glm::vec3(kFaceSteps[face]);
+      sum += from[neighbor(face, bit, k, rows)] + glm::vec3(kFaceSteps[face]);
       ++count;
     }
     const glm::vec3 mean = sum / count;

@@ -28,7 +28,7 @@ HWY_INLINE unsigned cell_case(const SitePlanes& planes, std::size_t x, int cell)
 HWY_INLINE glm::ivec3 position(std::size_t x, int cell) { return {static_cast<int>(x), cell >> 3, cell & 7}; }
 
 CellCounts count_any(const CellDrawings& drawings, const glm::ivec3& origin, const SitePlanes& planes,
-                     const BlockBits& active, const CellDecider& decider) {
+                     const BlockBits& active, const VariantChooser& decider) {
   CellCounts counts;
   for (std::size_t x = 0; x < active.size(); ++x) {
     for (std::uint64_t rest = active[x]; rest != 0; rest &= rest - 1) {
@@ -40,8 +40,8 @@ CellCounts count_any(const CellDrawings& drawings, const glm::ivec3& origin, con
 }
 
 void write_any(const CaseTable& table, const CellDrawings& drawings, const glm::ivec3& origin, const SitePlanes& planes,
-               const BlockBits& active, const CellDecider& decider, const SiteVertices& vertices, const NearSites& near,
-               glm::uvec3* out) {
+               const BlockBits& active, const VariantChooser& decider, const SiteVertices& vertices,
+               const NearSites& near, glm::uvec3* out) {
   // An edge: the sample that owns it, as a step from the cell, and the index of its direction in the table.
   struct Edge {
     int step;  // axis bits
@@ -86,12 +86,12 @@ HWY_EXPORT(count_any);
 HWY_EXPORT(write_any);
 
 CellCounts count_site_cells(const CellDrawings& drawings, const glm::ivec3& origin, const SitePlanes& planes,
-                            const BlockBits& active, const CellDecider& decider) {
+                            const BlockBits& active, const VariantChooser& decider) {
   return HWY_DYNAMIC_DISPATCH(count_any)(drawings, origin, planes, active, decider);
 }
 
 void write_site_cells(const CaseTable& table, const CellDrawings& drawings, const glm::ivec3& origin,
-                      const SitePlanes& planes, const BlockBits& active, const CellDecider& decider,
+                      const SitePlanes& planes, const BlockBits& active, const VariantChooser& decider,
                       const SiteVertices& vertices, const NearSites& near, glm::uvec3* out) {
   HWY_DYNAMIC_DISPATCH(write_any)(table, drawings, origin, planes, active, decider, vertices, near, out);
 }

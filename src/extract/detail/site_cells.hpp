@@ -17,11 +17,11 @@ using NearSites = std::array<std::int32_t, 8>;
 // numbers in `table`. `origin` is the origin of the site, for the decider.
 [[nodiscard]] CellCounts count_site_cells(const CellDrawings& drawings, const glm::ivec3& origin,
                                           const SitePlanes& planes, const BlockBits& active,
-                                          const CellDecider& decider);
+                                          const VariantChooser& decider);
 
 // Writes the triangles of the active cells to `out`, which must have room for as many as were counted.
 void write_site_cells(const CaseTable& table, const CellDrawings& drawings, const glm::ivec3& origin,
-                      const SitePlanes& planes, const BlockBits& active, const CellDecider& decider,
+                      const SitePlanes& planes, const BlockBits& active, const VariantChooser& decider,
                       const SiteVertices& vertices, const NearSites& near, glm::uvec3* out);
 
 }  // namespace isoextract::extract

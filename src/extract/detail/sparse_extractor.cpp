@@ -20,11 +20,11 @@ namespace {
 
 // The stored values of a place and its neighbors.
 template <class T>
-class Neighbourhood {
+class Neighborhood {
  public:
   // `lowest` is -1 if places before this one are needed, too (for gradients), otherwise 0.
-  Neighbourhood(const field::SparseSamples& samples, const field::SparseLookup& lookup, const glm::ivec3& origin,
-                int lowest)
+  Neighborhood(const field::SparseSamples& samples, const field::SparseLookup& lookup, const glm::ivec3& origin,
+               int lowest)
       : origin_(origin) {
     for_each_near_place(origin, lowest, [&](std::size_t slot, const glm::ivec3& at) {
       Place& place = places_[slot];
@@ -55,7 +55,7 @@ class Neighbourhood {
 };
 
 template <class T>
-class SparseExtraction final : private CellDecider {
+class SparseExtraction final : private VariantChooser {
  public:
   SparseExtraction(const field::ScalarField& field, const field::SparseSamples& samples, const field::IndexBox& region,
                    const ExtractOptions& options, const Context& context)
@@ -66,10 +66,10 @@ class SparseExtraction final : private CellDecider {
         context_(context),
         rule_{field.kind, options.iso},
         table_(case_table(options.method)),
-        placement_(output_frame(field, options, stored_box(samples), region)),
+        placement_(output_placement(field, options, stored_box(samples), region)),
         sites_(field, samples, region, options, context) {}
 
-  [[nodiscard]] const OutputFrame& placement() const { return placement_; }
+  [[nodiscard]] const OutputPlacement& placement() const { return placement_; }
 
   Result<bool> classify(ExtractStats& stats) {
     TRY(sites_.find(stats));
@@ -100,8 +100,8 @@ class SparseExtraction final : private CellDecider {
   }
 
   [[nodiscard]] std::optional<field::IndexBox> cap_box() const { return sparse_cap_box(region_, options_); }
-  [[nodiscard]] BorderSides border() const { return sites_.border(); }
-  [[nodiscard]] bool draws_at_border() const { return sites_.draws_at_border(); }
+  [[nodiscard]] BoundarySides border() const { return sites_.border(); }
+  [[nodiscard]] bool draws_at_boundary() const { return sites_.draws_at_boundary(); }
   [[nodiscard]] bool has_holes() const { return sites_.has_holes(); }
   [[nodiscard]] bool inside(const glm::ivec3& p) const { return sites_.inside(p); }
   [[nodiscard]] double value(const glm::ivec3& p) const { return sites_.value(p); }
@@ -138,15 +138,15 @@ class SparseExtraction final : private CellDecider {
   }
 
   [[nodiscard]] std::optional<unsigned> variant(unsigned cell_case, const glm::ivec3& p) const override {
-    return variant_or_hole(table_, cell_case, rule_, sites_.has_holes(),
-                           [&](int corner) { return sites_.value(p + direction_step(corner)); });
+    return cell_variant_or_hole(table_, cell_case, rule_, sites_.has_holes(),
+                                [&](int corner) { return sites_.value(p + direction_step(corner)); });
   }
 
   void emit_vertices(mesh::Mesh& mesh, std::size_t s) const {
     const glm::ivec3 origin = sites_.origins()[s];
     VertexWriter writer({placement_, rule_, field_.scale}, mesh, vertices_.first(s, 0));  // consecutive numbers
     const bool gradients = writer.wants_gradients();
-    const Neighbourhood<T> stored(samples_, sites_.lookup(), origin, gradients ? -1 : 0);
+    const Neighborhood<T> stored(samples_, sites_.lookup(), origin, gradients ? -1 : 0);
     VertexBatch& batch = writer.batch();
     for (std::size_t d = 0; d < table_.directions.size(); ++d) {
       const int direction = table_.directions[d];
@@ -164,7 +164,7 @@ class SparseExtraction final : private CellDecider {
             put_gradient(batch, 0, i, stored, p);
             put_gradient(batch, 1, i, stored, p + step);
           }
-          writer.flush_full();
+          writer.flush_if_full();
         });
       }
     }
@@ -172,7 +172,7 @@ class SparseExtraction final : private CellDecider {
   }
 
   // Stores the gradient of the stored numbers, by central differences; next to NaN as in sample_derivative().
-  static void put_gradient(VertexBatch& batch, int end, int i, const Neighbourhood<T>& stored, const glm::ivec3& p) {
+  static void put_gradient(VertexBatch& batch, int end, int i, const Neighborhood<T>& stored, const glm::ivec3& p) {
     for (int axis = 0; axis < 3; ++axis) {
       glm::ivec3 step(0);
       step[axis] = 1;
@@ -187,7 +187,7 @@ class SparseExtraction final : private CellDecider {
   const Context& context_;
   InsideRule rule_;
   const CaseTable& table_;
-  OutputFrame placement_;
+  OutputPlacement placement_;
   SparseSites sites_;
   std::optional<CellDrawings> drawings_;
   Reservation numbers_memory_;  // for the arrays below
@@ -200,7 +200,7 @@ class SparseExtraction final : private CellDecider {
 Result<Extraction> extract_sparse(const field::ScalarField& field, const field::SparseSamples& samples,
                                   const ExtractOptions& options, const Context& context) {
   const auto region = TRY(sparse_region(field, samples, options));
-  if (region.empty()) return nothing_stored();
+  if (region.empty()) return empty_sparse_extraction();
   return visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) -> Result<Extraction> {
     SparseExtraction<T> surface(field, samples, region, options, context);
     return extract_surface(field, options, surface, context);

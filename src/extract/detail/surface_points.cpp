@@ -272,7 +272,7 @@ void SurfacePoints::count_rows(std::size_t chunk) {
   for (std::size_t row = 0; row < 64; ++row) first_[chunk][row] = vertices_below(chunk, row, kAllBits);
 }
 
-void SurfacePoints::write_positions(const OutputFrame& placement, const glm::ivec3& base, mesh::Mesh& mesh) const {
+void SurfacePoints::write_positions(const OutputPlacement& placement, const glm::ivec3& base, mesh::Mesh& mesh) const {
   for_each_index(origins_.size(), [&](std::size_t c) { write_chunk(placement, base, mesh, c); });
 }
 
@@ -282,7 +282,7 @@ glm::dvec3 SurfacePoints::place_of(const glm::ivec3& base, const glm::ivec3& cor
   return net_ == nullptr ? place : place + glm::dvec3(net_->offset(corner));
 }
 
-void SurfacePoints::write_chunk(const OutputFrame& placement, const glm::ivec3& base, mesh::Mesh& mesh,
+void SurfacePoints::write_chunk(const OutputPlacement& placement, const glm::ivec3& base, mesh::Mesh& mesh,
                                 std::size_t chunk) const {
   const std::int32_t special = special_number_[chunk];
   const Specials* specials = special != kNoSpecials ? &specials_[static_cast<std::size_t>(special)] : nullptr;

@@ -43,7 +43,7 @@ class SurfacePoints {
   [[nodiscard]] std::uint64_t vertices() const { return vertices_; }
 
   // Writes the vertex positions in parallel; `base` is the sample index of voxel 0.
-  void write_positions(const OutputFrame& placement, const glm::ivec3& base, mesh::Mesh& mesh) const;
+  void write_positions(const OutputPlacement& placement, const glm::ivec3& base, mesh::Mesh& mesh) const;
 
   // Looks up vertices of corners; fast if consecutive corners are in the same chunk.
   class Finder {
@@ -102,7 +102,7 @@ class SurfacePoints {
   void count_rows(std::size_t chunk);
   // Returns the position of a corner in index space.
   [[nodiscard]] glm::dvec3 place_of(const glm::ivec3& base, const glm::ivec3& corner) const;
-  void write_chunk(const OutputFrame& placement, const glm::ivec3& base, mesh::Mesh& mesh, std::size_t chunk) const;
+  void write_chunk(const OutputPlacement& placement, const glm::ivec3& base, mesh::Mesh& mesh, std::size_t chunk) const;
   [[nodiscard]] std::uint32_t vertices_below(std::size_t chunk, std::size_t row, std::uint64_t below) const;
 
   const NetPoints* net_ = nullptr;

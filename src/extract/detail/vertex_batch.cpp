@@ -75,7 +75,7 @@ template <bool kNormals>
 void place_batch(const VertexBatch& batch, const VertexRules& rules, glm::vec3* positions, glm::vec3* normals,
                  std::uint64_t* left) {
   const int lanes = static_cast<int>(hn::Lanes(kDoubles));
-  const OutputFrame& placement = rules.placement;
+  const OutputPlacement& placement = rules.placement;
   const Matrix linear(placement.local_from_index().linear);
   const Matrix covectors(placement.covector_map());
   const glm::dvec3& shift = placement.local_from_index().offset;
@@ -161,7 +161,7 @@ void place_plainly(const VertexBatch& batch, int i, const VertexRules& rules, gl
   // A vertex next to NaN is halfway to it, whatever the gradient of the field.
   const bool beside_nan = std::isnan(batch.value[0][i]) || std::isnan(batch.value[1][i]);
   if (beside_nan || glm::any(glm::isnan(gradient(0))) || glm::any(glm::isnan(gradient(1)))) {
-    *normal = rules.placement.unknown_normal(out);
+    *normal = rules.placement.placeholder_normal(out);
   } else {
     *normal = rules.placement.normal((1 - t) * gradient(0) + t * gradient(1), out);
   }

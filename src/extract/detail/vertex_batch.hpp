@@ -1,4 +1,4 @@
-// Computes positions of vertices on crossed edges, many at a time. Vectorized; edge_crossing() and OutputFrame
+// Computes positions of vertices on crossed edges, many at a time. Vectorized; edge_crossing() and OutputPlacement
 // (edge_geometry.hpp) are the readable version and handle values that are not finite.
 #pragma once
 
@@ -29,7 +29,7 @@ class VertexBatch {
 
 // Data shared by all vertices of a mesh. The references must outlive it.
 struct VertexRules {
-  const OutputFrame& placement;
+  const OutputPlacement& placement;
   InsideRule inside;
   field::ValueScale scale;
 };
@@ -47,9 +47,9 @@ class VertexWriter {
 
   [[nodiscard]] bool wants_gradients() const { return !mesh_.normals.empty(); }
 
-  // Returns the batch, which has room for one more entry. Call flush_full() after adding one.
+  // Returns the batch, which has room for one more entry. Call flush_if_full() after adding one.
   [[nodiscard]] VertexBatch& batch() { return batch_; }
-  void flush_full() {
+  void flush_if_full() {
     if (batch_.full()) flush();
   }
   void flush() {
@@ -58,7 +58,7 @@ class VertexWriter {
     number_ += count;
   }
   // Continues with vertex `number` instead of the one after the last.
-  void go_on_at(std::size_t number) {
+  void continue_at(std::size_t number) {
     flush();
     number_ = number;
   }

@@ -48,30 +48,30 @@ Result<field::IndexBox> voxel_region(const field::ScalarField& field, const fiel
               {{Remedy::raise, Setting::region}, {Remedy::leave_out, Setting::region}});
 }
 
-OutputFrame voxel_frame(const field::ScalarField& field, const ExtractOptions& options, const field::IndexBox& stored,
-                        const field::IndexBox& region) {
+OutputPlacement voxel_placement(const field::ScalarField& field, const ExtractOptions& options,
+                                const field::IndexBox& stored, const field::IndexBox& region) {
   // Voxels extend half a step beyond the samples, and a region closes them as a cap would.
   ExtractOptions closed = options;
   closed.cap = true;
-  return output_frame(field, closed, {stored.min - 1, stored.max + 1}, {region.min - 1, region.max + 1});
+  return output_placement(field, closed, {stored.min - 1, stored.max + 1}, {region.min - 1, region.max + 1});
 }
 
-Result<SparseReach> sparse_reach(const field::ScalarField& field, const field::SparseSamples& samples,
-                                 const ExtractOptions& options, bool unbounded) {
+Result<SparseBounds> sparse_bounds(const field::ScalarField& field, const field::SparseSamples& samples,
+                                   const ExtractOptions& options, bool unbounded) {
   // sparse_region() checks the index range here. It would require a cell; voxels need only a sample, so the region is
   // clipped below.
   ExtractOptions whole = options;
   whole.region.reset();
   TRY(sparse_region(field, samples, whole));
-  SparseReach reach{stored_box(samples), everywhere()};
+  SparseBounds reach{stored_box(samples), everywhere()};
   if (!options.region) return reach;
   reach.region = TRY(voxel_region(field, unbounded ? everywhere() : reach.stored, options));
   return reach;
 }
 
-OutputFrame sparse_voxel_frame(const field::ScalarField& field, const ExtractOptions& options,
-                               const SparseReach& reach) {
-  return voxel_frame(field, options, reach.stored, options.region ? reach.region : reach.stored);
+OutputPlacement sparse_voxel_placement(const field::ScalarField& field, const ExtractOptions& options,
+                                       const SparseBounds& reach) {
+  return voxel_placement(field, options, reach.stored, options.region ? reach.region : reach.stored);
 }
 
 ChunkBits bits_within(const glm::ivec3& origin, const field::IndexBox& box) {

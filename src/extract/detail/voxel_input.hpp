@@ -16,8 +16,8 @@ namespace isoextract::extract {
                                                    const ExtractOptions& options);
 
 // Returns the output frame for voxels in `region`; `stored` is the box of all stored voxels.
-[[nodiscard]] OutputFrame voxel_frame(const field::ScalarField& field, const ExtractOptions& options,
-                                      const field::IndexBox& stored, const field::IndexBox& region);
+[[nodiscard]] OutputPlacement voxel_placement(const field::ScalarField& field, const ExtractOptions& options,
+                                              const field::IndexBox& stored, const field::IndexBox& region);
 
 // Returns a box that contains every possible voxel: the default region of sparse samples.
 [[nodiscard]] field::IndexBox everywhere();
@@ -27,16 +27,16 @@ namespace isoextract::extract {
 }
 
 // The box of the stored samples (not empty), and the box to which voxels are limited.
-struct SparseReach {
+struct SparseBounds {
   field::IndexBox stored;
   field::IndexBox region;
 };
 // Returns the reach of `samples`. `unbounded`: the background is inside. Fails as sparse_region() and voxel_region()
 // do.
-[[nodiscard]] Result<SparseReach> sparse_reach(const field::ScalarField& field, const field::SparseSamples& samples,
-                                               const ExtractOptions& options, bool unbounded);
-[[nodiscard]] OutputFrame sparse_voxel_frame(const field::ScalarField& field, const ExtractOptions& options,
-                                             const SparseReach& reach);
+[[nodiscard]] Result<SparseBounds> sparse_bounds(const field::ScalarField& field, const field::SparseSamples& samples,
+                                                 const ExtractOptions& options, bool unbounded);
+[[nodiscard]] OutputPlacement sparse_voxel_placement(const field::ScalarField& field, const ExtractOptions& options,
+                                                     const SparseBounds& reach);
 
 // The chunks of a box of samples. Chunk 0 begins at the lowest sample, which becomes voxel 0.
 struct ChunkGrid {

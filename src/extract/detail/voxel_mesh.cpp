@@ -227,8 +227,8 @@ std::vector<Portion> portions_of(const std::vector<LayerRectangles>& layers) {
 }  // namespace
 
 Result<Extraction> mesh_voxels(const field::ScalarField& field, const VoxelChunks& voxels, const glm::ivec3& base,
-                               const OutputFrame& placement, const ExtractOptions& options, const ExtractStats& stats,
-                               const Context& context, const NetPoints* net) {
+                               const OutputPlacement& placement, const ExtractOptions& options,
+                               const ExtractStats& stats, const Context& context, const NetPoints* net) {
   Extraction result;
   result.stats = stats;
   result.mesh.origin = placement.origin();

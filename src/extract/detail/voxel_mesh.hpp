@@ -10,7 +10,7 @@ namespace isoextract::extract {
 // The mesh is closed, oriented and 2-manifold, except with VoxelFaces::rectangles. `net`: faces are not merged, and
 // their corners are at the points of the net; null: at the voxel corners. Fails as Extractor::extract() does.
 [[nodiscard]] Result<Extraction> mesh_voxels(const field::ScalarField& field, const VoxelChunks& voxels,
-                                             const glm::ivec3& base, const OutputFrame& placement,
+                                             const glm::ivec3& base, const OutputPlacement& placement,
                                              const ExtractOptions& options, const ExtractStats& stats,
                                              const Context& context, const NetPoints* net = nullptr);
 

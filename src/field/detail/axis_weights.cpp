@@ -11,7 +11,7 @@ namespace {
 double voxel_until(double u) { return std::clamp(u + 0.5, 0.0, 1.0); }
 
 // Returns the weights of the samples below - 1 to below + 2.
-std::array<double, AxisWeights::kMostOfKernel> kernel_weights(ResampleKernel kernel, double t) {
+std::array<double, AxisWeights::kMaxKernelWeights> kernel_weights(ResampleKernel kernel, double t) {
   const double u = 1 - t;
   switch (kernel) {
     case ResampleKernel::cubic:
@@ -27,7 +27,7 @@ std::array<double, AxisWeights::kMostOfKernel> kernel_weights(ResampleKernel ker
 // Moves weights outside the boundary to the samples inside. The B-spline extrapolates the line through the last two
 // samples, which stays convex because the outer weight is at most a sixth. Catmull-Rom extrapolates the parabola
 // through the last three, as Interpolant does, so that boundary slopes are one-sided differences of the same order.
-void fold(std::array<double, AxisWeights::kMostOfKernel>& weights, bool low, bool high, ResampleKernel kernel,
+void fold(std::array<double, AxisWeights::kMaxKernelWeights>& weights, bool low, bool high, ResampleKernel kernel,
           int old_count) {
   const bool parabola = kernel == ResampleKernel::cubic && old_count > 2;
   auto& [before, a, b, after] = weights;
@@ -62,7 +62,7 @@ std::uint64_t AxisWeights::bytes(int old_count, int new_count) {
   const auto old_samples = static_cast<std::uint64_t>(old_count);
   const auto new_samples = static_cast<std::uint64_t>(new_count);
   // A growing vector holds its numbers twice for a while.
-  return new_samples * sizeof(Entry) + 2 * sizeof(double) * (old_samples + kMostOfKernel * new_samples);
+  return new_samples * sizeof(Entry) + 2 * sizeof(double) * (old_samples + kMaxKernelWeights * new_samples);
 }
 
 AxisWeights::AxisWeights(int old_count, int new_count, ResampleKernel kernel, bool means)

@@ -21,7 +21,7 @@ struct SampleWeights {
 
 class AxisWeights {
  public:
-  static constexpr int kMostOfKernel = 4;  // the most weights of a kernel
+  static constexpr int kMaxKernelWeights = 4;  // the most weights of a kernel
 
   // Both grids start and end at the same positions and have at least two samples. `means` allows means where the new
   // grid is coarser.

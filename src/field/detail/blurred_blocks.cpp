@@ -37,7 +37,7 @@ Places grown(Places places, int rings) {
 
 // Calls f(place) for the places within `rings` of a tile's boundary, on both sides of it.
 template <class F>
-void for_places_at_border(const SparseTile& tile, int rings, const F& f) {
+void for_each_boundary_place(const SparseTile& tile, int rings, const F& f) {
   const int side = tile.size / kPlace;
   for (int x = -rings; x < side + rings; ++x) {
     for (int y = -rings; y < side + rings; ++y) {
@@ -50,7 +50,7 @@ void for_places_at_border(const SparseTile& tile, int rings, const F& f) {
   }
 }
 
-std::uint64_t places_at_border(const SparseTile& tile, int rings) {
+std::uint64_t count_boundary_places(const SparseTile& tile, int rings) {
   const auto cube = [](std::int64_t side) { return static_cast<std::uint64_t>(side * side * side); };
   const std::int64_t side = tile.size / kPlace;
   return cube(side + 2 * rings) - cube(std::max<std::int64_t>(0, side - 2 * rings));
@@ -69,7 +69,7 @@ bool has_one_value_around(const SparseLookup& lookup, const glm::ivec3& place, i
 }
 
 // Adds the remainder of a tile around the places that become blocks, as cubes of the largest possible size.
-void add_rest(const SparseTile& tile, const Places& blocks, std::vector<SparseTile>& tiles) {
+void add_tile_remainder(const SparseTile& tile, const Places& blocks, std::vector<SparseTile>& tiles) {
   if (blocks.empty()) {
     tiles.push_back(tile);
     return;
@@ -83,7 +83,7 @@ void add_rest(const SparseTile& tile, const Places& blocks, std::vector<SparseTi
   }
   for (int part = 0; part < 8; ++part) {
     const glm::ivec3 origin = tile.origin + half * glm::ivec3(part >> 2, part >> 1 & 1, part & 1);
-    add_rest({origin, half, tile.value}, parts[static_cast<std::size_t>(part)], tiles);
+    add_tile_remainder({origin, half, tile.value}, parts[static_cast<std::size_t>(part)], tiles);
   }
 }
 
@@ -94,7 +94,7 @@ Result<BlurredBlocks> find_blurred_blocks(const SparseSamples& samples, const Sp
   const int rings = (reach + kPlace - 1) / kPlace;
   const auto width = 2 * static_cast<std::uint64_t>(rings) + 1;
   std::uint64_t at_borders = 0;
-  for (const SparseTile& tile : samples.tiles) at_borders += places_at_border(tile, rings);
+  for (const SparseTile& tile : samples.tiles) at_borders += count_boundary_places(tile, rings);
   // The rings around connected blocks mostly overlap.
   auto memory =
       TRY(context.reserve((samples.blocks.size() * width * width * 2 + at_borders * 4) * sizeof(glm::ivec3), what));
@@ -103,7 +103,7 @@ Result<BlurredBlocks> find_blurred_blocks(const SparseSamples& samples, const Sp
   places = grown(std::move(places), rings);
   const std::size_t around_blocks = places.size();
   for (const SparseTile& tile : samples.tiles) {
-    for_places_at_border(tile, rings, [&](const glm::ivec3& place) {
+    for_each_boundary_place(tile, rings, [&](const glm::ivec3& place) {
       const auto key = [](const glm::ivec3& p) { return std::tuple(p.x, p.y, p.z); };
       const auto end = places.begin() + static_cast<std::ptrdiff_t>(around_blocks);
       const auto found = std::ranges::lower_bound(places.begin(), end, key(place), {}, key);
@@ -119,7 +119,7 @@ Result<BlurredBlocks> find_blurred_blocks(const SparseSamples& samples, const Sp
     const std::int32_t stored = lookup.place(place);
     if (stored < SparseLookup::kBackground) of_tile[SparseLookup::tile_of(stored)].push_back(place);
   }
-  for (std::size_t t = 0; t < samples.tiles.size(); ++t) add_rest(samples.tiles[t], of_tile[t], result.tiles);
+  for (std::size_t t = 0; t < samples.tiles.size(); ++t) add_tile_remainder(samples.tiles[t], of_tile[t], result.tiles);
   result.origins = std::move(places);
   result.memory = std::move(memory);
   return result;

@@ -22,15 +22,13 @@ namespace isoextract::field {
 inline constexpr int kBlurBlockSide = SparseBlock::kSize;
 inline constexpr std::size_t kBlurBlockSamples = std::size_t{kBlurBlockSide} * kBlurBlockSide * kBlurBlockSide;
 
-inline std::string work_on(const ScalarField& field) { return field.source + ": its blurred samples"; }
+inline std::string memory_label(const ScalarField& field) { return field.source + ": its blurred samples"; }
 
-inline std::uint64_t threads_at_most() {
-  return static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency()) + 1;
-}
+inline std::uint64_t max_threads() { return static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency()) + 1; }
 
 // Calls f(k, first, end) in parallel for each slice k of dense samples: the elements [first, end).
 template <class F>
-void for_slices(const DenseSamples& samples, const Context& context, const F& f) {
+void for_each_slice(const DenseSamples& samples, const Context& context, const F& f) {
   const std::size_t slice = static_cast<std::size_t>(samples.dims.x) * static_cast<std::size_t>(samples.dims.y);
   for_each_index(samples.dims.z, [&](int k) {
     if (!context.cancelled()) f(k, static_cast<std::size_t>(k) * slice, static_cast<std::size_t>(k + 1) * slice);
@@ -100,13 +98,13 @@ class Surroundings {
 template <class T, class Out, class Fill>
 Result<Samples> blur_sparse(const ScalarField& field, const SparseSamples& data, const glm::ivec3& reach,
                             std::size_t scratch_per_sample, const Context& context, const Fill& fill) {
-  const std::string what = work_on(field);
+  const std::string what = memory_label(field);
   const auto lookup_memory = TRY(context.reserve(SparseLookup::bytes(data), what));
   const SparseLookup lookup(data);
   auto places = TRY(find_blurred_blocks(data, lookup, std::max({reach.x, reach.y, reach.z}), what, context));
   const Surroundings<T> around(data, lookup, reach);
   const std::size_t scratch_size = scratch_per_sample * around.size();
-  const auto scratch_memory = TRY(context.reserve(threads_at_most() * scratch_size * sizeof(double), what));
+  const auto scratch_memory = TRY(context.reserve(max_threads() * scratch_size * sizeof(double), what));
   const std::size_t count = places.origins.size();
   auto made = TRY(make_reserved_buffer<Out>(count * kBlurBlockSamples, context, what));
   Out* const values = made->values.data();

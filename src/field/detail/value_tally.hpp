@@ -17,7 +17,7 @@ namespace isoextract::field {
 
 // Whether a type has few enough values to count each of them.
 template <class T>
-inline constexpr bool kCountable = sizeof(T) <= 2;
+inline constexpr bool kIsCountable = sizeof(T) <= 2;
 
 // A value and its number of samples.
 using CountedValue = std::pair<double, std::uint64_t>;
@@ -56,7 +56,7 @@ class Tally {
 };
 
 // Removes values that are not finite and sorts the rest.
-inline void order_finite(std::vector<CountedValue>& values) {
+inline void keep_finite_sorted(std::vector<CountedValue>& values) {
   std::erase_if(values, [](const CountedValue& value) { return !std::isfinite(value.first); });
   std::ranges::sort(values);
 }

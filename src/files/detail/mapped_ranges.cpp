@@ -35,7 +35,7 @@ MappedRange* find_range(std::uintptr_t address, std::uintptr_t& end) {
 
 // Replaces the pages from `address` to the end of its range by zeros. If the file was truncated, they are all missing;
 // if the disk failed, the data is discarded anyway.
-bool replace_lost_pages(const void* address) {
+bool zero_lost_pages(const void* address) {
   const auto at = reinterpret_cast<std::uintptr_t>(address);
   std::uintptr_t end = 0;
   MappedRange* range = find_range(at, end);
@@ -48,7 +48,7 @@ bool replace_lost_pages(const void* address) {
 }
 
 // Calls the previous handler; without one, ends the process as if there were no handler.
-void pass_on(int signal, siginfo_t* info, void* context) {
+void call_previous_handler(int signal, siginfo_t* info, void* context) {
   if ((previous.sa_flags & SA_SIGINFO) != 0) {
     previous.sa_sigaction(signal, info, context);
   } else if (previous.sa_handler == SIG_IGN && info->si_code <= 0) {  // sent by a process, so it may be ignored
@@ -64,7 +64,7 @@ void pass_on(int signal, siginfo_t* info, void* context) {
 extern "C" void on_bus_error(int signal, siginfo_t* info, void* context) {
   const int error = errno;
   const bool missing_page = info->si_code == BUS_ADRERR;
-  if (!missing_page || !replace_lost_pages(info->si_addr)) pass_on(signal, info, context);
+  if (!missing_page || !zero_lost_pages(info->si_addr)) call_previous_handler(signal, info, context);
   errno = error;
 }
 
@@ -103,7 +103,7 @@ MappedRange* watch_range(const void* pages, std::size_t length) {
   return range;
 }
 
-void forget_range(MappedRange* range) {
+void unwatch_range(MappedRange* range) {
   range->version.fetch_add(1, std::memory_order_acq_rel);
   range->taken.store(false, std::memory_order_release);
 }

@@ -23,6 +23,6 @@ struct MappedRange {
 [[nodiscard]] MappedRange* watch_range(const void* pages, std::size_t length);
 
 // Stops watching a range; call before unmapping it, and do not use `range` afterwards.
-void forget_range(MappedRange* range);
+void unwatch_range(MappedRange* range);
 
 }  // namespace isoextract::files::detail

@@ -87,7 +87,7 @@ int open_again(int descriptor) {
 
 }  // namespace
 
-Result<KeptInput> KeptInput::take(int descriptor, const Context& context) {
+Result<BufferedInput> BufferedInput::take(int descriptor, const Context& context) {
   struct stat status {};
   if (::fstat(descriptor, &status) != 0) return cannot_read(errno);
   if (::isatty(descriptor) == 1) {
@@ -96,34 +96,34 @@ Result<KeptInput> KeptInput::take(int descriptor, const Context& context) {
   }
   // Uses the file directly only if nothing was read from it yet: bytes already consumed are not part of the input.
   if (S_ISREG(status.st_mode) && ::lseek(descriptor, 0, SEEK_CUR) == 0) {
-    if (const int file = open_again(descriptor); file >= 0) return KeptInput(file, {});
+    if (const int file = open_again(descriptor); file >= 0) return BufferedInput(file, {});
   }
   const int kept = ::memfd_create("isoextract-input", MFD_CLOEXEC);
   if (kept < 0) return cannot_read(errno);
-  KeptInput input(kept, {});
+  BufferedInput input(kept, {});
   context.progress().begin("reading standard input", 0);
   input.memory_ = TRY(copy_all(descriptor, kept, context));
   return input;
 }
 
-KeptInput::KeptInput(int descriptor, std::vector<Reservation> memory)
+BufferedInput::BufferedInput(int descriptor, std::vector<Reservation> memory)
     : descriptor_(descriptor), memory_(std::move(memory)) {}
 
-KeptInput::KeptInput(KeptInput&& other) noexcept
+BufferedInput::BufferedInput(BufferedInput&& other) noexcept
     : descriptor_(std::exchange(other.descriptor_, -1)), memory_(std::move(other.memory_)) {}
 
-KeptInput::~KeptInput() {
+BufferedInput::~BufferedInput() {
   if (descriptor_ >= 0) ::close(descriptor_);
 }
 
-int KeptInput::open() const { return open_again(descriptor_); }
+int BufferedInput::open() const { return open_again(descriptor_); }
 
 Result<int> open_standard_input(const Context& context) {
   // Also keeps a failure, as bytes already read cannot be read again.
   static std::mutex mutex;
-  static std::optional<Result<KeptInput>> kept;
+  static std::optional<Result<BufferedInput>> kept;
   const std::scoped_lock lock(mutex);
-  if (!kept) kept.emplace(KeptInput::take(STDIN_FILENO, context));
+  if (!kept) kept.emplace(BufferedInput::take(STDIN_FILENO, context));
   if (!*kept) return tl::unexpected(kept->error());
   const int descriptor = (*kept)->open();
   if (descriptor < 0) return cannot_read(errno);

@@ -9,21 +9,21 @@
 
 namespace isoextract::files::detail {
 
-class KeptInput {
+class BufferedInput {
  public:
   // Reads the rest of `descriptor`, which stays open. Kept bytes are reserved in the context's memory as they arrive,
   // for the lifetime of this object. Fails with ErrorCode::usage for a terminal.
-  [[nodiscard]] static Result<KeptInput> take(int descriptor, const Context& context);
+  [[nodiscard]] static Result<BufferedInput> take(int descriptor, const Context& context);
 
-  KeptInput(KeptInput&& other) noexcept;
-  KeptInput& operator=(KeptInput&& other) = delete;
-  ~KeptInput();
+  BufferedInput(BufferedInput&& other) noexcept;
+  BufferedInput& operator=(BufferedInput&& other) = delete;
+  ~BufferedInput();
 
   // Returns a new descriptor at byte 0 with its own file offset, which the caller closes; -1 with errno set on failure.
   [[nodiscard]] int open() const;
 
  private:
-  KeptInput(int descriptor, std::vector<Reservation> memory);
+  BufferedInput(int descriptor, std::vector<Reservation> memory);
 
   int descriptor_ = -1;
   std::vector<Reservation> memory_;

@@ -96,7 +96,7 @@ std::optional<pid_t> owner_of(std::string_view file_name) {
 
 // Removes the file only if no process owns it: its process does not exist, and its lock is free. The lock also works
 // across containers, which do not see each other's processes. Without support for locks, the file stays.
-void remove_left_behind(const fs::path& path) {
+void remove_abandoned(const fs::path& path) {
   const int fd = ::open(path.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (fd < 0) return;
   struct stat found {};
@@ -122,7 +122,7 @@ void clean_once(const fs::path& folder) {
   fs::directory_iterator entry(folder, error);
   for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
     const auto owner = owner_of(entry->path().filename().native());
-    if (owner && ::kill(*owner, 0) != 0 && errno == ESRCH) remove_left_behind(entry->path());
+    if (owner && ::kill(*owner, 0) != 0 && errno == ESRCH) remove_abandoned(entry->path());
   }
 }
 
@@ -189,7 +189,7 @@ std::optional<TemporaryName> TemporaryName::name_file(const fs::path& folder, in
   return name;
 }
 
-std::optional<TemporaryName> TemporaryName::name_again(const fs::path& folder, const fs::path& path) {
+std::optional<TemporaryName> TemporaryName::add_second_name(const fs::path& folder, const fs::path& path) {
   return make(folder, [&](const char* fresh) { return ::link(path.c_str(), fresh) == 0; });
 }
 

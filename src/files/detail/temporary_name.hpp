@@ -22,8 +22,8 @@ class TemporaryName {
   [[nodiscard]] static std::optional<TemporaryName> name_file(const std::filesystem::path& folder, int fd);
 
   // Gives the file `path` a second name. Returns nothing, with errno set, on failure.
-  [[nodiscard]] static std::optional<TemporaryName> name_again(const std::filesystem::path& folder,
-                                                               const std::filesystem::path& path);
+  [[nodiscard]] static std::optional<TemporaryName> add_second_name(const std::filesystem::path& folder,
+                                                                    const std::filesystem::path& path);
 
   TemporaryName() = default;
   TemporaryName(TemporaryName&& other) noexcept;

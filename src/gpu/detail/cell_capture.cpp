@@ -40,7 +40,7 @@ CellCapture::CellCapture(const gl::GlContext& context, CaptureBuffers& buffers, 
   next_sites_ = max_sites_;
 }
 
-void CellCapture::draw_sites(const gl::CellProgram& program, std::size_t sites) const {
+void CellCapture::draw_sites(const gl::ShaderProgram& program, std::size_t sites) const {
   const auto cells = static_cast<GLsizei>(sites * kCellsPerSite);
   switch (pipeline_) {
     case GpuPipeline::mt_geometry: glDrawArrays(GL_LINES_ADJACENCY, 0, 24 * cells); return;
@@ -53,7 +53,7 @@ void CellCapture::draw_sites(const gl::CellProgram& program, std::size_t sites) 
   }
 }
 
-Result<std::uint64_t> CellCapture::count(const gl::CellProgram& program, std::size_t sites) {
+Result<std::uint64_t> CellCapture::count(const gl::ShaderProgram& program, std::size_t sites) {
   const Stopwatch watch;
   program.use();
   glBeginQuery(GL_PRIMITIVES_GENERATED, buffers_.generated.name());
@@ -66,7 +66,7 @@ Result<std::uint64_t> CellCapture::count(const gl::CellProgram& program, std::si
   return triangles;
 }
 
-Result<void> CellCapture::draw(const gl::CellPass& pass, std::span<const glm::ivec3> origins, const Bind& bind,
+Result<void> CellCapture::draw(const gl::CountAndCapture& pass, std::span<const glm::ivec3> origins, const Bind& bind,
                                const Take& take, const Allow& allow) {
   std::vector<glm::ivec4> texels;
   for (std::size_t first = 0; first < origins.size();) {
@@ -78,7 +78,7 @@ Result<void> CellCapture::draw(const gl::CellPass& pass, std::span<const glm::iv
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_BUFFER, buffers_.site_texture.name());
     glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32I, buffers_.sites.name());
-    for (const gl::CellProgram* program : pass.programs()) program->set("sites", 0);
+    for (const gl::ShaderProgram* program : pass.programs()) program->set("sites", 0);
     bind(first, many);
 
     const auto triangles = TRY(count(*pass.count, many));

@@ -74,8 +74,8 @@ class CellCapture {
   using Take = std::function<void(std::size_t first, std::size_t count, const CapturedSoup& soup)>;
   // Called before triangles are captured, with the total number including these; an error ends the drawing.
   using Allow = std::function<Result<void>(std::uint64_t triangles)>;
-  [[nodiscard]] Result<void> draw(const gl::CellPass& pass, std::span<const glm::ivec3> origins, const Bind& bind,
-                                  const Take& take, const Allow& allow);
+  [[nodiscard]] Result<void> draw(const gl::CountAndCapture& pass, std::span<const glm::ivec3> origins,
+                                  const Bind& bind, const Take& take, const Allow& allow);
 
   // Frees the memory of the captured triangles.
   void free_soup() { soup_ = {}; }
@@ -84,8 +84,8 @@ class CellCapture {
   [[nodiscard]] std::uint64_t captured_bytes() const { return captured_bytes_; }
 
  private:
-  Result<std::uint64_t> count(const gl::CellProgram& program, std::size_t sites);
-  void draw_sites(const gl::CellProgram& program, std::size_t sites) const;
+  Result<std::uint64_t> count(const gl::ShaderProgram& program, std::size_t sites);
+  void draw_sites(const gl::ShaderProgram& program, std::size_t sites) const;
 
   const gl::GlContext& context_;
   CaptureBuffers& buffers_;

@@ -35,17 +35,17 @@ gl::ProgramSource source_of(const CellProgramKind& kind) {
 
 }  // namespace
 
-Result<const gl::CellProgram*> CellPrograms::find(const gl::GlContext& context, const CellProgramKind& kind) {
+Result<const gl::ShaderProgram*> CellPrograms::find(const gl::GlContext& context, const CellProgramKind& kind) {
   auto known = programs_.find(kind);
   if (known == programs_.end()) {
-    auto linked = TRY(gl::CellProgram::link(context, source_of(kind)));
+    auto linked = TRY(gl::ShaderProgram::link(context, source_of(kind)));
     known = programs_.emplace(kind, std::move(linked)).first;
   }
   if (kind.pipeline != GpuPipeline::mt_geometry) bind_case_triangles(known->second);
   return &known->second;
 }
 
-void CellPrograms::bind_case_triangles(const gl::CellProgram& program) {
+void CellPrograms::bind_case_triangles(const gl::ShaderProgram& program) {
   glActiveTexture(GL_TEXTURE2);
   if (case_triangles_.name() == 0) {
     case_triangles_ = gl::GlTexture::make();

@@ -46,13 +46,13 @@ struct CellProgramKind {
 class CellPrograms {
  public:
   // Returns the program, linking it at first use. For marching cubes it also binds the texture of triangle lists to
-  // unit 2. Fails as CellProgram::link() does.
-  [[nodiscard]] Result<const gl::CellProgram*> find(const gl::GlContext& context, const CellProgramKind& kind);
+  // unit 2. Fails as ShaderProgram::link() does.
+  [[nodiscard]] Result<const gl::ShaderProgram*> find(const gl::GlContext& context, const CellProgramKind& kind);
 
  private:
-  void bind_case_triangles(const gl::CellProgram& program);
+  void bind_case_triangles(const gl::ShaderProgram& program);
 
-  std::map<CellProgramKind, gl::CellProgram> programs_;
+  std::map<CellProgramKind, gl::ShaderProgram> programs_;
   gl::GlTexture case_triangles_;
 };
 

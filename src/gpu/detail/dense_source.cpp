@@ -93,7 +93,7 @@ Result<void> DenseSource::choose_window() {
   while (!fits(window)) {
     const int axis = column_cells_.x >= column_cells_.y ? 0 : 1;
     if (column_cells_[axis] <= kBrickCells) {
-      return too_few_bytes(options_.bytes, volume(window) * size);
+      return too_little_memory(options_.bytes, volume(window) * size);
     }
     column_cells_[axis] = ((column_cells_[axis] + 1) / 2 + kBrickCells - 1) / kBrickCells * kBrickCells;
     window[axis] = std::min(column_cells_[axis] + 1 + 2 * apron_, all[axis]);
@@ -154,7 +154,7 @@ Result<std::span<const std::uint32_t>> DenseSource::advance() {
   std::vector<BrickHash> hashes;
   if (options_.resident != nullptr) {
     hashes = options_.resident->take_hashes();
-    leave_out_resident(hashes);
+    skip_resident_bricks(hashes);
     upload(column_reach_);
   } else {
     const glm::ivec3 from(column_reach_.min.x, column_reach_.min.y, low);
@@ -177,7 +177,7 @@ field::IndexBox DenseSource::brick_box(const glm::ivec3& brick) const {
 }
 
 // Clears `needed_` for bricks whose current content is already on the device; stores the new hashes of the others.
-void DenseSource::leave_out_resident(std::vector<BrickHash>& hashes) {
+void DenseSource::skip_resident_bricks(std::vector<BrickHash>& hashes) {
   std::atomic<std::uint64_t> uploaded{0};
   std::atomic<std::uint64_t> kept{0};
   std::atomic<std::uint64_t> kept_samples{0};
@@ -255,10 +255,10 @@ void DenseSource::upload_pieces(const field::IndexBox& box) {
   glPixelStorei(GL_UNPACK_IMAGE_HEIGHT, 0);
 }
 
-void DenseSource::bind(const gl::CellPass& pass, std::span<const std::uint32_t>) {
+void DenseSource::bind(const gl::CountAndCapture& pass, std::span<const std::uint32_t>) {
   glActiveTexture(GL_TEXTURE1);
   glBindTexture(GL_TEXTURE_3D, texture().name());
-  for (const gl::CellProgram* program : pass.programs()) {
+  for (const gl::ShaderProgram* program : pass.programs()) {
     program->set("field_window", 1);
     program->set("window_base", base_);
     program->set("window_size", window_.size());

@@ -25,7 +25,7 @@ class DenseSource final : public FieldSource {
                                                 const SourceOptions& options);
 
   [[nodiscard]] Result<std::span<const std::uint32_t>> advance() override;
-  void bind(const gl::CellPass& pass, std::span<const std::uint32_t> sites) override;
+  void bind(const gl::CountAndCapture& pass, std::span<const std::uint32_t> sites) override;
   [[nodiscard]] UploadFigures uploads() const override;
 
  private:
@@ -36,7 +36,7 @@ class DenseSource final : public FieldSource {
   void begin_column();
   [[nodiscard]] field::IndexBox needed_samples(const glm::ivec3& site) const;
   [[nodiscard]] field::IndexBox brick_box(const glm::ivec3& brick) const;
-  void leave_out_resident(std::vector<BrickHash>& hashes);
+  void skip_resident_bricks(std::vector<BrickHash>& hashes);
   void upload(const field::IndexBox& entered);
   void upload_pieces(const field::IndexBox& box);
   [[nodiscard]] const gl::GlTexture& texture() const {

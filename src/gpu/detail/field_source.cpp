@@ -17,7 +17,7 @@ Result<gl::GlTexture> make_sample_texture(const gl::GlContext& context, field::S
   return texture;
 }
 
-tl::unexpected<Error> too_few_bytes(std::uint64_t bytes, std::uint64_t least) {
+tl::unexpected<Error> too_little_memory(std::uint64_t bytes, std::uint64_t least) {
   return fail(ErrorCode::usage,
               fmt::format("the GPU's share of memory: {} for samples are too few, expected {} or more",
                           format_byte_size(bytes), format_byte_size(least)),

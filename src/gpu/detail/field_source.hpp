@@ -47,7 +47,7 @@ class FieldSource {
   [[nodiscard]] virtual Result<std::span<const std::uint32_t>> advance() = 0;
 
   // Binds textures and uniforms before a draw. `sites` are some of the numbers that advance() returned last.
-  virtual void bind(const gl::CellPass& pass, std::span<const std::uint32_t> sites) = 0;
+  virtual void bind(const gl::CountAndCapture& pass, std::span<const std::uint32_t> sites) = 0;
 
   [[nodiscard]] virtual UploadFigures uploads() const = 0;
 };
@@ -56,6 +56,6 @@ class FieldSource {
 [[nodiscard]] Result<gl::GlTexture> make_sample_texture(const gl::GlContext& context, field::SampleType type,
                                                         const glm::ivec3& size);
 // Returns the error (ErrorCode::usage) that `bytes` are too few and `least` are needed.
-[[nodiscard]] tl::unexpected<Error> too_few_bytes(std::uint64_t bytes, std::uint64_t least);
+[[nodiscard]] tl::unexpected<Error> too_little_memory(std::uint64_t bytes, std::uint64_t least);
 
 }  // namespace isoextract::gpu

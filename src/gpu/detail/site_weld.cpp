@@ -67,7 +67,7 @@ void SiteWeld::add(std::span<const std::uint32_t> batch, const CapturedSoup& sou
   // Drivers keep the order of patches and vertices; the sort makes sure.
   if (!std::ranges::is_sorted(triangles, {}, site_of)) std::ranges::stable_sort(triangles, {}, site_of);
 
-  strangers_ = strangers_ || (count > 0 && site_of(triangles.back()) >= batch.size());
+  has_unknown_sites_ = has_unknown_sites_ || (count > 0 && site_of(triangles.back()) >= batch.size());
 
   const std::size_t pieces = (batch.size() + kSitesPerPiece - 1) / kSitesPerPiece;
   const std::size_t first_piece = pieces_.size();
@@ -185,8 +185,8 @@ Result<extract::MeshSizes> SiteWeld::number() {
       if (owner.site == static_cast<std::int32_t>(site)) mark(owner);
     });
   });
-  tbb::enumerable_thread_specific<std::vector<LateVertex>> late;
-  std::atomic<bool> sound{!strangers_ && std::ranges::none_of(pieces_, &Piece::incomplete)};
+  tbb::enumerable_thread_specific<std::vector<BorrowedVertex>> late;
+  std::atomic<bool> sound{!has_unknown_sites_ && std::ranges::none_of(pieces_, &Piece::incomplete)};
   for_each_site(sites_.size(), [&](std::size_t site) {
     each_vertex(site, [&](std::uint32_t vertex, const EdgeOwner& owner) {
       if (owner.site < 0 || owner.direction >= table_.directions.size()) {
@@ -200,15 +200,15 @@ Result<extract::MeshSizes> SiteWeld::number() {
     return fail(ErrorCode::unavailable, "the GPU captured triangles that cannot be",
                 {{Remedy::report, Setting::devices}, {Remedy::use, Setting::cpu_backend}});
   }
-  for (const auto& part : late) late_.insert(late_.end(), part.begin(), part.end());
-  std::ranges::sort(late_, {}, [](const LateVertex& v) { return std::pair(v.site, v.vertex); });
-  std::vector<LateVertex> first_of_each;
-  for (const LateVertex& v : late_) {
+  for (const auto& part : late) borrowed_vertices_.insert(borrowed_vertices_.end(), part.begin(), part.end());
+  std::ranges::sort(borrowed_vertices_, {}, [](const BorrowedVertex& v) { return std::pair(v.site, v.vertex); });
+  std::vector<BorrowedVertex> first_of_each;
+  for (const BorrowedVertex& v : borrowed_vertices_) {
     if (known(v.owner)) continue;
     mark(v.owner);
     first_of_each.push_back(v);
   }
-  late_ = std::move(first_of_each);
+  borrowed_vertices_ = std::move(first_of_each);
   for_each_site(sites_.size(), [&](std::size_t site) { vertices_.count(site); });
 
   extract::MeshSizes sizes;
@@ -250,7 +250,7 @@ void SiteWeld::write(mesh::Mesh& mesh, bool mirrored) const {
       *out++ = mirrored ? glm::uvec3(triangle.x, triangle.z, triangle.y) : triangle;
     }
   });
-  for (const LateVertex& v : late_) {
+  for (const BorrowedVertex& v : borrowed_vertices_) {
     put(vertices_.at(static_cast<std::size_t>(v.owner.site), v.owner.direction, v.owner.offset), v.site, v.vertex);
   }
 }

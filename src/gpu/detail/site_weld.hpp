@@ -74,7 +74,7 @@ class SiteWeld {
     std::uint32_t direction;  // index into CaseTable::directions
     int offset;
   };
-  struct LateVertex {
+  struct BorrowedVertex {
     std::uint32_t site;
     std::uint32_t vertex;  // index in the piece
     EdgeOwner owner;
@@ -91,11 +91,11 @@ class SiteWeld {
   DecideCell decide_;
   std::vector<Piece> pieces_;
   std::uint64_t piece_bytes_ = 0;
-  bool strangers_ = false;         // some triangles name a site outside their batch
-  std::vector<SiteRange> ranges_;  // by site
+  bool has_unknown_sites_ = false;  // some triangles name a site outside their batch
+  std::vector<SiteRange> ranges_;   // by site
   extract::SiteVertices vertices_;
-  std::vector<std::uint64_t> first_triangle_;  // by site
-  std::vector<LateVertex> late_;               // vertices that the owner of their edge did not capture
+  std::vector<std::uint64_t> first_triangle_;      // by site
+  std::vector<BorrowedVertex> borrowed_vertices_;  // vertices that the owner of their edge did not capture
   std::uint64_t decided_cells_ = 0;
   StageTime time_;
 };

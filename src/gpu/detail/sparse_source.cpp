@@ -45,7 +45,7 @@ Result<SparseSource> SparseSource::make(const gl::GlContext& context, const fiel
   const bool rounded_up = divided(slots, rows * layers) * rows * layers <= fitting;
   const std::uint64_t row = rounded_up ? divided(slots, rows * layers) : slots / (rows * layers);
   if (row * rows * layers < std::min<std::uint64_t>(extract::kNearPlaces, wanted)) {
-    return too_few_bytes(options.bytes, std::min<std::uint64_t>(extract::kNearPlaces, wanted) * leaf_bytes);
+    return too_little_memory(options.bytes, std::min<std::uint64_t>(extract::kNearPlaces, wanted) * leaf_bytes);
   }
   source.slots_ = glm::ivec3(glm::u64vec3(row, rows, layers));
   const int count = source.slots_.x * source.slots_.y * source.slots_.z;
@@ -54,8 +54,8 @@ Result<SparseSource> SparseSource::make(const gl::GlContext& context, const fiel
   for (int slot = 0; slot < count; ++slot) source.by_age_.push_back(slot);
 
   source.atlas_ = TRY(make_sample_texture(context, samples.type, kSize * source.slots_));
-  source.neighbour_buffer_ = gl::GlBuffer::make();
-  source.neighbour_texture_ = gl::GlTexture::make();
+  source.neighbor_buffer_ = gl::GlBuffer::make();
+  source.neighbor_texture_ = gl::GlTexture::make();
   source.constant_buffer_ = gl::GlBuffer::make();
   source.constant_texture_ = gl::GlTexture::make();
   return source;
@@ -137,12 +137,12 @@ std::int32_t SparseSource::constant_at(const glm::ivec3& place) {
   return found->second;
 }
 
-void SparseSource::bind(const gl::CellPass& pass, std::span<const std::uint32_t> sites) {
-  std::vector<std::int32_t> neighbours(extract::kNearPlaces * sites.size(), -1);
+void SparseSource::bind(const gl::CountAndCapture& pass, std::span<const std::uint32_t> sites) {
+  std::vector<std::int32_t> neighbors(extract::kNearPlaces * sites.size(), -1);
   for (std::size_t s = 0; s < sites.size(); ++s) {
     for_each_place(sites[s], [&](std::size_t place, const glm::ivec3& origin) {
       const std::int32_t block = sites_->lookup().block(origin);
-      neighbours[extract::kNearPlaces * s + place] =
+      neighbors[extract::kNearPlaces * s + place] =
           block >= 0 ? slot_of_[static_cast<std::size_t>(block)] : ~constant_at(origin);
     });
   }
@@ -153,16 +153,16 @@ void SparseSource::bind(const gl::CellPass& pass, std::span<const std::uint32_t>
     glBufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(bytes), data, GL_STREAM_DRAW);
     glBindTexture(GL_TEXTURE_BUFFER, texture.name());
     glTexBuffer(GL_TEXTURE_BUFFER, format, buffer.name());
-    for (const gl::CellProgram* program : pass.programs()) program->set(name, unit);
+    for (const gl::ShaderProgram* program : pass.programs()) program->set(name, unit);
   };
-  table(3, "neighbours", neighbour_buffer_, neighbour_texture_, GL_R32I, neighbours.size() * sizeof(std::int32_t),
-        neighbours.data());
+  table(3, "neighbours", neighbor_buffer_, neighbor_texture_, GL_R32I, neighbors.size() * sizeof(std::int32_t),
+        neighbors.data());
   if (constant_words_.empty()) constant_words_.emplace_back(0);  // an empty buffer is not a valid texture
   table(4, "constants", constant_buffer_, constant_texture_, GL_RG32UI, constant_words_.size() * sizeof(glm::uvec2),
         constant_words_.data());
   glActiveTexture(GL_TEXTURE1);
   glBindTexture(GL_TEXTURE_3D, atlas_.name());
-  for (const gl::CellProgram* program : pass.programs()) program->set("leaf_atlas", 1);
+  for (const gl::ShaderProgram* program : pass.programs()) program->set("leaf_atlas", 1);
 }
 
 UploadFigures SparseSource::uploads() const {

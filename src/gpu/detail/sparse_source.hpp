@@ -19,7 +19,7 @@ class SparseSource final : public FieldSource {
                                                  const extract::SparseSites& sites, const SourceOptions& options);
 
   [[nodiscard]] Result<std::span<const std::uint32_t>> advance() override;
-  void bind(const gl::CellPass& pass, std::span<const std::uint32_t> sites) override;
+  void bind(const gl::CountAndCapture& pass, std::span<const std::uint32_t> sites) override;
   [[nodiscard]] UploadFigures uploads() const override;
 
  private:
@@ -42,8 +42,8 @@ class SparseSource final : public FieldSource {
   SampleFormat format_;
   glm::ivec3 slots_{0};  // number of slots along each axis of the atlas texture
   gl::GlTexture atlas_;
-  gl::GlBuffer neighbour_buffer_, constant_buffer_;
-  gl::GlTexture neighbour_texture_, constant_texture_;
+  gl::GlBuffer neighbor_buffer_, constant_buffer_;
+  gl::GlTexture neighbor_texture_, constant_texture_;
 
   std::vector<std::uint32_t> order_;                 // all sites in drawing order
   std::size_t next_ = 0;                             // index into order_

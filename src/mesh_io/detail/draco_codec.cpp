@@ -111,9 +111,9 @@ class DracoEncoding {
   }
 
   draco::PointAttribute& add(draco::GeometryAttribute::Type type, std::size_t components, draco::DataType data,
-                             bool normalised, std::size_t values) {
+                             bool normalized, std::size_t values) {
     auto attribute = std::make_unique<draco::PointAttribute>();
-    attribute->Init(type, static_cast<std::int8_t>(components), data, normalised, values);
+    attribute->Init(type, static_cast<std::int8_t>(components), data, normalized, values);
     const int id = mesh_.AddAttribute(std::move(attribute));
     return *mesh_.attribute(id);
   }
@@ -153,10 +153,10 @@ class DracoEncoding {
   }
 
   void add_attribute(const mesh::Attribute& source, const std::string& name) {
-    const auto type = source.role == mesh::AttributeRole::colour ? draco::GeometryAttribute::COLOR
-                                                                 : draco::GeometryAttribute::GENERIC;
+    const auto type =
+        source.role == mesh::AttributeRole::color ? draco::GeometryAttribute::COLOR : draco::GeometryAttribute::GENERIC;
     draco::PointAttribute& attribute = add(type, source.components, draco_type(source.type).value_or(draco::DT_INVALID),
-                                           source.normalised, source.values.size() / source.stride());
+                                           source.normalized, source.values.size() / source.stride());
     attribute.buffer()->Write(0, source.values.data(), source.values.size());
     map_vertices(attribute);
     if (!input_.names_in_file) return;
@@ -232,10 +232,10 @@ Result<DracoAttribute> attribute_of(const draco::Mesh& mesh, int index, const Ta
     return fail(ErrorCode::input, "Draco: expected attributes of numbers, found one of another type");
   }
   attribute.type = *type;
-  attribute.normalised = source.normalized();
+  attribute.normalized = source.normalized();
   attribute.is_position = source.attribute_type() == draco::GeometryAttribute::POSITION;
   attribute.is_normal = source.attribute_type() == draco::GeometryAttribute::NORMAL;
-  attribute.is_colour = source.attribute_type() == draco::GeometryAttribute::COLOR;
+  attribute.is_color = source.attribute_type() == draco::GeometryAttribute::COLOR;
   if (const draco::AttributeMetadata* named = mesh.GetAttributeMetadataByAttributeId(index)) {
     named->GetEntryString(kNameKey, &attribute.name);
   }

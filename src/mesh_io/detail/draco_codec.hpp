@@ -52,11 +52,11 @@ struct DracoAttribute {
   std::uint32_t id = 0;
   bool is_position = false;
   bool is_normal = false;
-  bool is_colour = false;
+  bool is_color = false;
   std::string name;  // empty if the file has none
   mesh::ComponentType type = mesh::ComponentType::f32;
   std::size_t components = 0;
-  bool normalised = false;
+  bool normalized = false;
   std::vector<std::byte> values;  // one value per vertex, without padding
 };
 

@@ -14,15 +14,15 @@ namespace {
 mesh::Attribute kind_of(const DracoAttribute& attribute, std::size_t number) {
   mesh::Attribute kind;
   kind.name = !attribute.name.empty() ? attribute.name
-              : attribute.is_colour   ? "colour"
+              : attribute.is_color    ? "colour"
                                       : fmt::format("attribute_{}", number);
   kind.type = attribute.type;
   kind.components = attribute.components;
-  kind.normalised = attribute.normalised;
+  kind.normalized = attribute.normalized;
   using Type = mesh::ComponentType;
-  const bool fraction = attribute.normalised && (kind.type == Type::u8 || kind.type == Type::u16);
-  if (attribute.is_colour && kind.components >= 3 && (fraction || kind.type == Type::f32)) {
-    kind.role = mesh::AttributeRole::colour;
+  const bool fraction = attribute.normalized && (kind.type == Type::u8 || kind.type == Type::u16);
+  if (attribute.is_color && kind.components >= 3 && (fraction || kind.type == Type::f32)) {
+    kind.role = mesh::AttributeRole::color;
   }
   return kind;
 }
@@ -106,8 +106,8 @@ FileSurface read_drc(const MeshSource& source) {
   };
   FileSurface surface;
   surface.format = "Draco";
-  surface.is_quantised = true;
-  surface.is_ours = is_signature(unpacked.generator);
+  surface.is_quantized = true;
+  surface.is_by_isoextract = is_signature(unpacked.generator);
   surface.placement = unpacked.placement;
   // For each vertex of the surface, its first vertex in the file.
   std::vector<std::uint32_t> vertices;
@@ -126,7 +126,7 @@ FileSurface read_drc(const MeshSource& source) {
     surface.triangles = std::move(unpacked.triangles);
   }
   if (source.with_normals) add_normals(unpacked, vertices, is_soup, source.memory, surface);
-  bool has_colours = false;
+  bool has_colors = false;
   for (std::size_t a = 0; a < unpacked.attributes.size(); ++a) {
     const DracoAttribute& attribute = unpacked.attributes[a];
     if (&attribute == &*positions || attribute.is_normal) continue;
@@ -136,7 +136,7 @@ FileSurface read_drc(const MeshSource& source) {
     }
     FileAttribute& made = surface.attributes.emplace_back();
     made.kind = kind_of(attribute, a);
-    if (std::exchange(has_colours, has_colours || made.kind.role == mesh::AttributeRole::colour)) {
+    if (std::exchange(has_colors, has_colors || made.kind.role == mesh::AttributeRole::color)) {
       made.kind.role = mesh::AttributeRole::other;  // at most one color attribute per mesh
     }
     const std::size_t stride = made.kind.stride();

@@ -67,8 +67,8 @@ glm::dvec3 GltfView::point(std::uint64_t index) const {
   }
   const auto type = gltf_component(component).value_or(mesh::ComponentType::u16);
   const std::uint64_t size = mesh::component_size(type);
-  return {component_value(place, type, normalised), component_value(place + size, type, normalised),
-          component_value(place + 2 * size, type, normalised)};
+  return {component_value(place, type, normalized), component_value(place + size, type, normalized),
+          component_value(place + 2 * size, type, normalized)};
 }
 
 std::uint32_t GltfView::whole_number(std::uint64_t index) const {
@@ -125,8 +125,8 @@ GltfView GltfData::view(std::uint64_t index, std::string_view type, std::uint64_
   GltfView view;
   view.component = static_cast<int>(whole(accessor, "componentType"));
   view.count = whole(accessor, "count");
-  const auto normalised = accessor.find("normalized");
-  view.normalised = normalised != accessor.end() && normalised->is_boolean() && normalised->get<bool>() &&
+  const auto normalized = accessor.find("normalized");
+  view.normalized = normalized != accessor.end() && normalized->is_boolean() && normalized->get<bool>() &&
                     view.component != kGltfFloat;
   const std::uint64_t item = components * size_of(view.component);
   const auto sparse = accessor.find("sparse");

@@ -29,7 +29,7 @@ struct GltfView {
   std::uint64_t count = 0;
   std::uint64_t stride = 0;
   int component = 0;
-  bool normalised = false;  // integers that encode 0 .. 1, or -1 .. 1 if signed
+  bool normalized = false;  // integers that encode 0 .. 1, or -1 .. 1 if signed
 
   // Returns a VEC3 value: floats unchanged, integers of up to 16 bits decoded if normalized.
   [[nodiscard]] glm::dvec3 point(std::uint64_t index) const;

@@ -81,12 +81,12 @@ void GltfData::provide(std::uint64_t accessor, const DracoAttribute& attribute, 
     throw DamagedMesh(fmt::format("expected values of {} and type {}, as Draco unpacks them, found {}",
                                   mesh::component_name(attribute.type), type, shown(description)));
   }
-  const auto normalised = description.find("normalized");
+  const auto normalized = description.find("normalized");
   GltfView view;
   view.count = vertices;
   view.stride = attribute.components * mesh::component_size(attribute.type);
   view.component = static_cast<int>(code);
-  view.normalised = normalised != description.end() && normalised->is_boolean() && normalised->get<bool>() &&
+  view.normalized = normalized != description.end() && normalized->is_boolean() && normalized->get<bool>() &&
                     view.component != kGltfFloat;
   view.first = attribute.values.data();
   made_views_.insert_or_assign(accessor, view);

@@ -84,7 +84,7 @@ class ModelReader {
     if (!version.starts_with("2.")) {
       throw DamagedMesh(fmt::format("expected glTF of version 2, found '{}'", files::printable(version, 16)));
     }
-    surface_.is_ours = is_signature(text_of(*asset, "generator"));
+    surface_.is_by_isoextract = is_signature(text_of(*asset, "generator"));
     surface_.placement = placement_of(*asset);
     check_extensions();
     data_.emplace(source_, model_, binary_);
@@ -136,7 +136,7 @@ class ModelReader {
     for (const json& extension : *required) {
       const std::string_view name =
           extension.is_string() ? std::string_view(extension.get_ref<const std::string&>()) : "";
-      has_quantised_ = has_quantised_ || name == kQuantizationExtension;
+      has_quantized_ = has_quantized_ || name == kQuantizationExtension;
       if (!name.empty() && !changes_triangles(name)) continue;
       throw DamagedMesh(
           fmt::format("expected glTF whose triangles need no extension to be read, found that it requires {}",
@@ -228,14 +228,14 @@ class ModelReader {
                                     files::printable(semantic, 40), attribute.view.component));
     }
     kind.type = *component;
-    kind.normalised = attribute.view.normalised;
+    kind.normalized = attribute.view.normalized;
     if (semantic.starts_with('_')) {
       kind.name = semantic.substr(1);
       return attribute;
     }
     kind.name = "colour";
-    kind.role = mesh::AttributeRole::colour;
-    const bool fraction = kind.normalised && (kind.type == mesh::ComponentType::u8 ||  //
+    kind.role = mesh::AttributeRole::color;
+    const bool fraction = kind.normalized && (kind.type == mesh::ComponentType::u8 ||  //
                                               kind.type == mesh::ComponentType::u16);
     if (kind.components < 3 || (!fraction && kind.type != mesh::ComponentType::f32)) {
       throw DamagedMesh(
@@ -265,7 +265,7 @@ class ModelReader {
     }
     const auto same = [](const mesh::Attribute& a, const mesh::Attribute& b) {
       return a.name == b.name && a.role == b.role && a.type == b.type && a.components == b.components &&
-             a.normalised == b.normalised;
+             a.normalized == b.normalized;
     };
     const auto leave_out = [&](const mesh::Attribute& kind) { left_out_.insert(files::printable(kind.name, 40)); };
     std::erase_if(there, [&](const FileAttribute& attribute) {
@@ -372,8 +372,8 @@ class ModelReader {
     }
     const bool is_soup = data_->unpack_draco(primitive);
     const GltfView places = data_->view(whole(*attributes, "POSITION"), "VEC3", 3);
-    const bool is_quantised = places.component >= kGltfByte && places.component <= kGltfUnsignedShort;
-    if (places.component != kGltfFloat && !(has_quantised_ && is_quantised)) {
+    const bool is_quantized = places.component >= kGltfByte && places.component <= kGltfUnsignedShort;
+    if (places.component != kGltfFloat && !(has_quantized_ && is_quantized)) {
       throw DamagedMesh(fmt::format("expected positions of component type {}, found {}", kGltfFloat, places.component));
     }
     const std::size_t first_vertex = surface_.positions.size();
@@ -384,7 +384,7 @@ class ModelReader {
     const auto extensions = primitive.find("extensions");
     const bool is_draco = extensions != primitive.end() && extensions->contains(kDracoExtension);
     const bool is_exact = places.component == kGltfFloat && !is_draco;
-    surface_.is_quantised = surface_.is_quantised || !is_exact;
+    surface_.is_quantized = surface_.is_quantized || !is_exact;
     if (is_indexed) {
       // Rounded positions can be equal although no vertex was duplicated.
       surface_.has_normals = surface_.has_normals || (is_exact && attributes->contains("NORMAL"));
@@ -441,7 +441,7 @@ class ModelReader {
   JsonTree tree_;
   const json& model_ = tree_.root();
   std::optional<GltfData> data_;  // set once the file's extensions are known to be supported
-  bool has_quantised_ = false;    // KHR_mesh_quantization: positions may be integers
+  bool has_quantized_ = false;    // KHR_mesh_quantization: positions may be integers
   std::uint64_t hidden_meshes_ = 0;
   std::uint64_t other_primitives_ = 0;
   bool is_first_primitive_ = true;

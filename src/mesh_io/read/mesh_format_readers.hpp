@@ -65,12 +65,12 @@ struct FileSurface {
   // If set, positions are stored float32 numbers relative to this origin, and must be kept exactly.
   std::optional<glm::dvec3> origin;
   std::string_view format;
-  bool y_up = false;      // the format prescribes that y points up
-  bool is_ours = false;   // the file says that isoextract wrote it
+  bool y_up = false;              // the format prescribes that y points up
+  bool is_by_isoextract = false;  // the file says that isoextract wrote it
   std::string placement;  // MeshWriteOptions::placement, from any program; read_mesh() keeps up to kMaxPlacement bytes
   // Vertices have normals and positions that were not rounded, so equal positions may be copies for different normals.
   bool has_normals = false;
-  bool is_quantised = false;  // positions were rounded by packing
+  bool is_quantized = false;  // positions were rounded by packing
   std::vector<std::string> notes;
 };
 
@@ -150,10 +150,10 @@ std::vector<std::uint32_t> weld_corners(std::span<const glm::vec3> corners, File
 // indices already close them, stay unchanged.
 // Vertices of different parts are never merged; the vertex ranges of `parts` are updated. Throws DamagedMesh and
 // Cancelled as MemoryUse does.
-void join_normal_seams(mesh::Mesh& mesh, std::vector<MeshPart>& parts, const Context& context);
+void merge_normal_copies(mesh::Mesh& mesh, std::vector<MeshPart>& parts, const Context& context);
 
 // Returns the text without the byte order mark that some programs put in front of UTF-8.
-[[nodiscard]] std::string_view without_utf8_mark(std::string_view text);
+[[nodiscard]] std::string_view without_byte_order_mark(std::string_view text);
 
 // Splits a text into lines, words and numbers.
 class TextScanner {
@@ -167,9 +167,9 @@ class TextScanner {
   // Returns the next word of the line; empty at its end.
   std::string_view word();
   // Like word(), but a backslash at the end of a line continues it on the next line.
-  std::string_view word_of_joined_lines();
+  std::string_view next_continued_word();
   // Returns the next word of this or a following line; empty at the end of the text.
-  std::string_view word_anywhere();
+  std::string_view next_word_across_lines();
 
   // Returns the rest of the line without blanks at its ends.
   [[nodiscard]] std::string_view rest_of_line() const { return trimmed(line_); }

@@ -40,7 +40,7 @@ std::uint32_t normal_index(const TextScanner& scanner, std::string_view corner, 
 
 glm::dvec3 point_of(TextScanner& scanner) {
   glm::dvec3 p;
-  for (int axis = 0; axis < 3; ++axis) p[axis] = scanner.number(scanner.word_of_joined_lines());
+  for (int axis = 0; axis < 3; ++axis) p[axis] = scanner.number(scanner.next_continued_word());
   return p;
 }
 
@@ -49,16 +49,16 @@ glm::dvec3 point_of(TextScanner& scanner) {
 FileSurface read_obj(const MeshSource& source) {
   FileSurface surface;
   surface.format = "OBJ";
-  const std::string_view text = without_utf8_mark(source.text());
-  surface.is_ours = text.starts_with("# ") && is_signature(text.substr(2));
+  const std::string_view text = without_byte_order_mark(source.text());
+  surface.is_by_isoextract = text.starts_with("# ") && is_signature(text.substr(2));
   TextScanner scanner(text);
   std::vector<std::uint32_t> corners;
   std::vector<std::uint32_t> corner_normals;
   FileSurfaceNormals& normals = surface.normals;
   std::size_t lines_and_points = 0;
   while (scanner.next_line()) {
-    const std::string_view keyword = scanner.word_of_joined_lines();
-    if (keyword == "#" && surface.is_ours && surface.positions.empty() && scanner.word() == kPlacementEntry) {
+    const std::string_view keyword = scanner.next_continued_word();
+    if (keyword == "#" && surface.is_by_isoextract && surface.positions.empty() && scanner.word() == kPlacementEntry) {
       surface.placement = scanner.rest_of_line().substr(0, kMaxPlacement + 1);
       continue;
     }
@@ -72,7 +72,7 @@ FileSurface read_obj(const MeshSource& source) {
       corners.clear();
       corner_normals.clear();
       for (;;) {
-        const std::string_view corner = scanner.word_of_joined_lines();
+        const std::string_view corner = scanner.next_continued_word();
         if (corner.empty() || corner.front() == '#') break;
         source.memory.make_room(corners, 1);
         corners.push_back(vertex_index(scanner, corner, surface.positions.size()));

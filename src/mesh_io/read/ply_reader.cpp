@@ -71,8 +71,8 @@ struct Header {
   BodyEncoding encoding = BodyEncoding::text;
   std::vector<Element> elements;
   std::size_t bytes = 0;
-  bool is_ours = false;   // from a comment
-  std::string placement;  // from a comment
+  bool is_by_isoextract = false;  // from a comment
+  std::string placement;          // from a comment
 };
 
 // Upper bound of the memory for a header line: a property with its name, and its values in one element.
@@ -123,7 +123,7 @@ Header read_header(std::string_view text, MemoryUse& memory) {
       ended = true;
     } else if (keyword == "comment") {
       const std::string_view word = scanner.word();
-      header.is_ours = header.is_ours || word == kProgram;
+      header.is_by_isoextract = header.is_by_isoextract || word == kProgram;
       if (word == kPlacementEntry) header.placement = scanner.rest_of_line().substr(0, kMaxPlacement + 1);
     } else if (keyword != "obj_info" && !keyword.empty()) {
       scanner.expected("format, element, property or comment", keyword);
@@ -140,13 +140,13 @@ class TextBody {
   explicit TextBody(std::string_view text) : scanner_(text), size_(text.size()) {}
   [[nodiscard]] std::uint64_t size() const { return size_; }
   double next(const TypeName&) {
-    const std::string_view word = scanner_.word_anywhere();
+    const std::string_view word = scanner_.next_word_across_lines();
     if (word.empty())
       throw DamagedMesh("expected more numbers after the header of a PLY file, found the end of the file");
     return scanner_.number(word);
   }
   // Returns the first word after the last element, for a note; empty if there is none.
-  std::string_view left() { return scanner_.word_anywhere(); }
+  std::string_view left() { return scanner_.next_word_across_lines(); }
 
  private:
   TextScanner scanner_;
@@ -238,27 +238,27 @@ struct AttributeColumns {
   std::vector<std::size_t> columns;
 };
 
-bool can_be_colour(ComponentType type) {
+bool can_be_color(ComponentType type) {
   return type == ComponentType::u8 || type == ComponentType::u16 || type == ComponentType::f32;
 }
 
-std::optional<AttributeColumns> find_colour(const Element& element) {
-  AttributeColumns colour;
-  colour.kind.name = "colour";
-  colour.kind.role = mesh::AttributeRole::colour;
+std::optional<AttributeColumns> find_color(const Element& element) {
+  AttributeColumns color;
+  color.kind.name = "colour";
+  color.kind.role = mesh::AttributeRole::color;
   for (const char* name : {"red", "green", "blue", "alpha"}) {
     const auto found = element.find(name);
     const Property* property = found ? &element.properties[*found] : nullptr;
-    const bool fits = property != nullptr && !property->count_type && can_be_colour(property->type.type) &&
-                      (colour.columns.empty() || property->type.type == colour.kind.type);
-    if (!fits && colour.columns.size() < 3) return std::nullopt;
+    const bool fits = property != nullptr && !property->count_type && can_be_color(property->type.type) &&
+                      (color.columns.empty() || property->type.type == color.kind.type);
+    if (!fits && color.columns.size() < 3) return std::nullopt;
     if (!fits) break;
-    colour.kind.type = property->type.type;
-    colour.columns.push_back(*found);
+    color.kind.type = property->type.type;
+    color.columns.push_back(*found);
   }
-  colour.kind.components = colour.columns.size();
-  colour.kind.normalised = colour.kind.type != ComponentType::f32;
-  return colour;
+  color.kind.components = color.columns.size();
+  color.kind.normalized = color.kind.type != ComponentType::f32;
+  return color;
 }
 
 std::vector<AttributeColumns> find_attributes(const Element& element, std::vector<std::string>& notes) {
@@ -267,9 +267,9 @@ std::vector<AttributeColumns> find_attributes(const Element& element, std::vecto
   for (const char* name : {"x", "y", "z", "nx", "ny", "nz"}) {
     if (const auto column = element.find(name)) taken[*column] = true;
   }
-  if (auto colour = find_colour(element)) {
-    for (const std::size_t column : colour->columns) taken[column] = true;
-    found.push_back(std::move(*colour));
+  if (auto color = find_color(element)) {
+    for (const std::size_t column : color->columns) taken[column] = true;
+    found.push_back(std::move(*color));
   }
   for (std::size_t i = 0; i < taken.size(); ++i) {
     const Property& property = element.properties[i];
@@ -452,7 +452,7 @@ FileSurface read_ply(const MeshSource& source) {
   const Header header = read_header(text, source.memory);
   FileSurface surface;
   surface.format = header.encoding == BodyEncoding::text ? "PLY, text" : "PLY, binary";
-  surface.is_ours = header.is_ours;
+  surface.is_by_isoextract = header.is_by_isoextract;
   surface.placement = header.placement;
   const std::string_view body = text.substr(header.bytes);
   if (header.encoding == BodyEncoding::text) {

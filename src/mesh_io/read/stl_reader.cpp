@@ -39,15 +39,15 @@ std::uint32_t announced_triangles(std::span<const std::byte> content) {
 constexpr std::uint64_t binary_size(std::uint64_t triangles) { return kPreambleBytes + kRecordBytes * triangles; }
 
 // Compares without regard to case, since some programs write capitals.
-bool is_word(std::string_view word, std::string_view lower_case) {
-  return std::ranges::equal(word, lower_case,
+bool is_word(std::string_view word, std::string_view to_lower) {
+  return std::ranges::equal(word, to_lower,
                             [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
 }
 
 bool starts_as_text(std::string_view text) {
   constexpr std::string_view kStart = "solid";
-  TextScanner scanner(without_utf8_mark(text.substr(0, kPreambleBytes)));
-  return is_word(scanner.word_anywhere().substr(0, kStart.size()), kStart);
+  TextScanner scanner(without_byte_order_mark(text.substr(0, kPreambleBytes)));
+  return is_word(scanner.next_word_across_lines().substr(0, kStart.size()), kStart);
 }
 
 FileSurface read_binary(const MeshSource& source) {
@@ -67,7 +67,7 @@ FileSurface read_binary(const MeshSource& source) {
   }
   FileSurface surface = weld(corners, std::move(normals), source, "STL, binary");
   const std::string_view header = source.text().substr(0, kStlHeaderBytes);
-  surface.is_ours = is_signature(header);
+  surface.is_by_isoextract = is_signature(header);
   const std::string entry = fmt::format(" {} ", kPlacementEntry);
   if (const std::size_t at = header.find(entry); at != std::string_view::npos) {
     surface.placement = header.substr(at + entry.size());
@@ -80,7 +80,7 @@ FileSurface read_binary(const MeshSource& source) {
 }
 
 FileSurface read_text(const MeshSource& source) {
-  TextScanner scanner(without_utf8_mark(source.text()));
+  TextScanner scanner(without_byte_order_mark(source.text()));
   std::vector<glm::vec3> corners;
   std::vector<glm::vec3> normals;
   glm::vec3 normal(0.0F);  // of the current facet

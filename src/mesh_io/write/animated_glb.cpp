@@ -78,8 +78,8 @@ Result<bool> AnimatedGlb::add(const std::string& name, std::span<const GltfPart>
   model_ = std::move(model);
 
   auto written = open();
-  if (written && keys_.empty()) written = leave_room(json_of_frame, bytes, frames_to_come);
-  show_none(time);
+  if (written && keys_.empty()) written = reserve_json_space(json_of_frame, bytes, frames_to_come);
+  hide_all(time);
   keys_.push_back({node, time});
   for (const GltfPart& part : parts) {
     if (written) written = write_part(part, *file_);
@@ -89,12 +89,13 @@ Result<bool> AnimatedGlb::add(const std::string& name, std::span<const GltfPart>
   return true;
 }
 
-void AnimatedGlb::show_none(float time) {
+void AnimatedGlb::hide_all(float time) {
   if (!keys_.empty() && keys_.back().hidden == kStillShown) keys_.back().hidden = time;
 }
 
 // Reserves a quarter more JSON per following frame than the first one needs, since numbers get longer.
-Result<void> AnimatedGlb::leave_room(std::uint64_t json_of_frame, std::uint64_t binary_of_frame, std::uint64_t frames) {
+Result<void> AnimatedGlb::reserve_json_space(std::uint64_t json_of_frame, std::uint64_t binary_of_frame,
+                                             std::uint64_t frames) {
   const std::uint64_t each = json_of_frame + json_of_frame / 4 + kJsonOfKey;
   const std::uint64_t left = largest_ - bytes_with(json_of_frame, binary_of_frame, 1);
   const std::uint64_t wanted = std::min(frames, largest_ / each) * each;

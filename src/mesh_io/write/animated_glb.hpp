@@ -36,20 +36,20 @@ class AnimatedGlb {
   // Opens the file unless it is open. The functions below do so as well.
   [[nodiscard]] Result<void> open();
 
-  // Adds a frame that is shown from `time` (seconds) until the next add() or show_none(). At least one part must have
+  // Adds a frame that is shown from `time` (seconds) until the next add() or hide_all(). At least one part must have
   // triangles.
   // Returns false, and changes nothing, if the file would become too large. The first frame reserves JSON space for
   // `frames_to_come` similar frames.
   [[nodiscard]] Result<bool> add(const std::string& name, std::span<const GltfPart> parts, float time,
                                  std::uint64_t frames_to_come);
-  void show_none(float time);
+  void hide_all(float time);
 
   // Writes the rest of the file but does not commit it. The time line ends at `end` seconds.
   [[nodiscard]] Result<void> finish(float end);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] files::OutputFile& file() { return *file_; }
-  [[nodiscard]] Notes take_notes() { return model_.take_notes(); }
+  [[nodiscard]] Notes release_notes() { return model_.release_notes(); }
 
  private:
   static constexpr float kStillShown = std::numeric_limits<float>::infinity();
@@ -61,8 +61,8 @@ class AnimatedGlb {
 
   // Returns an upper bound of the file's bytes with that many frames. `json` counts the JSON without the animation.
   [[nodiscard]] std::uint64_t bytes_with(std::uint64_t json, std::uint64_t binary, std::uint64_t frames) const;
-  [[nodiscard]] Result<void> leave_room(std::uint64_t json_of_frame, std::uint64_t binary_of_frame,
-                                        std::uint64_t frames);
+  [[nodiscard]] Result<void> reserve_json_space(std::uint64_t json_of_frame, std::uint64_t binary_of_frame,
+                                                std::uint64_t frames);
   [[nodiscard]] std::vector<float> times_of(const Key& key, float end) const;
   [[nodiscard]] Result<void> write_keys(float end);
   [[nodiscard]] std::string describe();

@@ -10,9 +10,9 @@
 
 #include <fmt/format.h>
 
+#include "base/allocation_error.hpp"
 #include "base/context.hpp"
 #include "base/error.hpp"
-#include "base/no_memory.hpp"
 
 namespace isoextract::mesh_io {
 
@@ -28,7 +28,8 @@ template <class Step>
     if (!done) failure = done.error();
     return done;
   } catch (const std::bad_alloc&) {
-    failure = no_memory(fmt::format("{}: not enough memory to write it", path.string()), {Remedy::use, Setting::parts});
+    failure = allocation_error(fmt::format("{}: not enough memory to write it", path.string()),
+                               {Remedy::use, Setting::parts});
   } catch (const std::exception& error) {  // thrown by a library
     failure = Error{ErrorCode::output, fmt::format("{}: cannot write: {}", path.string(), error.what()), {}};
   }

@@ -14,7 +14,7 @@
 #include "base/version.hpp"
 #include "mesh_io/detail/draco_codec.hpp"
 #include "mesh_io/write/mesh_encoding.hpp"
-#include "mesh_io/write/same_surface.hpp"
+#include "mesh_io/write/surface_match.hpp"
 
 namespace isoextract::mesh_io {
 namespace {
@@ -50,9 +50,10 @@ class Comparison {
       return std::nullopt;
     }
     const auto positions_at = [&](std::size_t v) { return vector_at(*positions, v); };
-    auto colours = unpacked_colours(*positions);
-    if (!colours) return std::nullopt;
-    const auto same = match_vertices({mesh_colours(), mesh_triangles()}, {std::move(*colours), unpacked_.triangles});
+    auto colors = unpacked_colors(*positions);
+    if (!colors) return std::nullopt;
+    const auto same =
+        match_colored_vertices({mesh_colors(), mesh_triangles()}, {std::move(*colors), unpacked_.triangles});
     if (!same) return std::nullopt;
 
     DracoPacked packed;
@@ -67,14 +68,15 @@ class Comparison {
         const glm::vec3 local = positions_at(same->b[i].number);
         packed.bounds = {glm::min(packed.bounds.min, local), glm::max(packed.bounds.max, local)};
         const glm::dvec3 by = glm::abs(packing_.lattice.origin + glm::dvec3(local) - position(same->a[i].number));
-        measured.largest_axis = std::max({measured.largest_axis, by.x, by.y, by.z});
+        measured.largest_axis_move = std::max({measured.largest_axis_move, by.x, by.y, by.z});
         measured.largest = std::max(measured.largest, glm::length(by));
         if (normals == nullptr) continue;
-        largest_turn = std::max(largest_turn, least_turn(*same, first, end, vector_at(*normals, same->b[i].number)));
+        largest_turn =
+            std::max(largest_turn, smallest_normal_angle(*same, first, end, vector_at(*normals, same->b[i].number)));
       }
     }
     packed.facts.positions = measured;
-    if (normals != nullptr) packed.facts.largest_normal_turn = largest_turn;
+    if (normals != nullptr) packed.facts.largest_normal_angle = largest_turn;
     return packed;
   }
 
@@ -96,8 +98,8 @@ class Comparison {
 
   // Returns the smallest angle in degrees between `normal` and the normals of the group. Vertices of a group are
   // interchangeable, so the best match counts.
-  [[nodiscard]] double least_turn(const SameVertices& same, std::size_t first, std::size_t end,
-                                  const glm::vec3& normal) const {
+  [[nodiscard]] double smallest_normal_angle(const VertexMatch& same, std::size_t first, std::size_t end,
+                                             const glm::vec3& normal) const {
     constexpr std::size_t kMostTried = 32;
     double least = 180;
     for (std::size_t i = first; i < std::min(end, first + kMostTried); ++i) {
@@ -107,40 +109,40 @@ class Comparison {
     return least;
   }
 
-  std::vector<std::uint64_t> mesh_colours() const {
-    std::vector<std::uint64_t> colours(vertices());
-    for (std::size_t v = 0; v < colours.size(); ++v) {
-      std::uint64_t colour = hash_of(input_.positions[vertex(v)]);
-      for (const mesh::Attribute* attribute : input_.attributes) colour = hash_of(attribute->at(vertex(v)), colour);
-      colours[v] = colour;
+  std::vector<std::uint64_t> mesh_colors() const {
+    std::vector<std::uint64_t> colors(vertices());
+    for (std::size_t v = 0; v < colors.size(); ++v) {
+      std::uint64_t color = hash_of(input_.positions[vertex(v)]);
+      for (const mesh::Attribute* attribute : input_.attributes) color = hash_of(attribute->at(vertex(v)), color);
+      colors[v] = color;
     }
-    return colours;
+    return colors;
   }
 
   // Returns nullopt if a position is not a lattice point, or an attribute is missing or of another type.
-  std::optional<std::vector<std::uint64_t>> unpacked_colours(const DracoAttribute& positions) const {
-    std::vector<std::uint64_t> colours(unpacked_.vertices);
-    for (std::size_t v = 0; v < colours.size(); ++v) {
+  std::optional<std::vector<std::uint64_t>> unpacked_colors(const DracoAttribute& positions) const {
+    std::vector<std::uint64_t> colors(unpacked_.vertices);
+    for (std::size_t v = 0; v < colors.size(); ++v) {
       const glm::vec3 p = vector_at(positions, v);
       const glm::vec3 steps = (p - input_.first) / input_.step;
       const bool counts = glm::all(glm::greaterThanEqual(steps, glm::vec3(0))) &&
                           glm::all(glm::lessThanEqual(steps, glm::vec3(packing_.lattice.last)));
       if (!counts || input_.first + glm::vec3(glm::uvec3(steps)) * input_.step != p) return std::nullopt;
-      colours[v] = hash_of(glm::uvec3(steps));
+      colors[v] = hash_of(glm::uvec3(steps));
     }
     for (std::size_t a = 0; a < input_.attributes.size(); ++a) {
       const mesh::Attribute& expected = *input_.attributes[a];
       const DracoAttribute* found = unpacked_.find(draco_attribute_id(!input_.normals.empty(), a));
       if (found == nullptr || found->type != expected.type || found->components != expected.components ||
-          found->normalised != expected.normalised) {
+          found->normalized != expected.normalized) {
         return std::nullopt;
       }
       const std::size_t stride = expected.stride();
-      for (std::size_t v = 0; v < colours.size(); ++v) {
-        colours[v] = hash_of(std::span(found->values).subspan(v * stride, stride), colours[v]);
+      for (std::size_t v = 0; v < colors.size(); ++v) {
+        colors[v] = hash_of(std::span(found->values).subspan(v * stride, stride), colors[v]);
       }
     }
-    return colours;
+    return colors;
   }
 
   std::span<const glm::uvec3> mesh_triangles() {
@@ -180,7 +182,7 @@ Result<DracoPacked> pack_with_draco(const mesh::Mesh& mesh, const DracoPacking& 
   if (packing.flat_normals) bytes += vertices * kPackedVertexBytes;
   const auto memory = TRY(context.reserve(bytes, "packing it"));
 
-  auto on_lattice = TRY(put_on_lattice(mesh, packing.lattice));
+  auto on_lattice = TRY(round_to_lattice(mesh, packing.lattice));
   std::vector<glm::vec3> face_normals;
   if (packing.flat_normals) {
     face_normals.reserve(mesh.triangles.size());
@@ -202,17 +204,17 @@ Result<DracoPacked> pack_with_draco(const mesh::Mesh& mesh, const DracoPacking& 
   if (packing.is_file) input.generator = generator();
   input.placement = packing.placement;
 
-  bool one_by_one = false;
+  bool used_sequential_method = false;
   auto packed = attempt_packing(mesh, packing, input, DracoMethod::edgebreaker);
   if (!packed || !*packed) {
     TRY(context.check());
-    one_by_one = true;
+    used_sequential_method = true;
     packed = attempt_packing(mesh, packing, input, DracoMethod::sequential);
   }
   if (!packed) return tl::unexpected(std::move(packed.error()));
   if (!*packed) return fail(ErrorCode::output, "what Draco unpacks of its own bytes is not the mesh that was packed");
   DracoPacked result = std::move(**packed);
-  result.facts.one_by_one = one_by_one;
+  result.facts.used_sequential_method = used_sequential_method;
   result.facts.bytes_after = result.bytes.size();
   result.facts.flattened_triangles = on_lattice.flattened_triangles;
   result.facts.time = watch.elapsed();

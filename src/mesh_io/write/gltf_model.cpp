@@ -98,7 +98,7 @@ void GltfModel::take(const std::function<void(nlohmann::json& document)>& look) 
   model_ = tinygltf::Model();
 }
 
-Notes GltfModel::take_notes() {
+Notes GltfModel::release_notes() {
   Notes notes = std::exchange(notes_, {});
   if (has_split_) {
     notes.push_back(
@@ -138,7 +138,7 @@ int GltfModel::node(const GltfPart& part) {
 }
 
 std::string GltfModel::json(const std::string& uri, int indent, Notes& notes) {
-  const Notes own = take_notes();
+  const Notes own = release_notes();
   notes.insert(notes.end(), own.begin(), own.end());
   model_.scenes = {scene_};
   model_.defaultScene = 0;
@@ -163,24 +163,24 @@ std::string GltfModel::json(const std::string& uri, int indent, Notes& notes) {
 }
 
 int GltfModel::material(const GltfPart& part) {
-  const bool vertex_colours = part.has_colours();
+  const bool vertex_colors = part.has_colors();
   const std::optional<mesh::Material>& look = part.mesh->material;
   const std::string name = in_frame_ ? std::string() : as_utf8(part.mesh->name);
-  for (const MadeMaterial& made : materials_) {
-    if (made.vertex_colours == vertex_colours && made.look == look && made.name == name) return made.number;
+  for (const MaterialEntry& made : materials_) {
+    if (made.vertex_colors == vertex_colors && made.look == look && made.name == name) return made.number;
   }
-  constexpr double kLightGrey = 0.8;
+  constexpr double kLightGray = 0.8;
   const mesh::Material own = look.value_or(mesh::Material());
-  const glm::dvec3 colour = own.colour.value_or(glm::dvec3(vertex_colours ? 1 : kLightGrey));
+  const glm::dvec3 color = own.color.value_or(glm::dvec3(vertex_colors ? 1 : kLightGray));
   tinygltf::Material material;
-  material.pbrMetallicRoughness.baseColorFactor = {colour.x, colour.y, colour.z, own.opacity};
+  material.pbrMetallicRoughness.baseColorFactor = {color.x, color.y, color.z, own.opacity};
   material.pbrMetallicRoughness.metallicFactor = 0.0;
   material.pbrMetallicRoughness.roughnessFactor = 0.6;
   if (own.opacity < 1) material.alphaMode = "BLEND";
   material.doubleSided = own.double_sided;
   material.name = name;
   model_.materials.push_back(std::move(material));
-  materials_.push_back({vertex_colours, look, name, last_number(taken_.materials, model_.materials)});
+  materials_.push_back({vertex_colors, look, name, last_number(taken_.materials, model_.materials)});
   return materials_.back().number;
 }
 
@@ -235,7 +235,7 @@ void GltfModel::attributes(const GltfPart& part, tinygltf::Primitive& primitive)
     primitive.attributes[semantic.name] =
         accessor(view(count * stride, TINYGLTF_TARGET_ARRAY_BUFFER, padded ? stride : 0), 0, component,
                  kTypes[attribute->components - 1], count);
-    model_.accessors.back().normalized = attribute->normalised;
+    model_.accessors.back().normalized = attribute->normalized;
   }
 }
 

@@ -39,7 +39,7 @@ class GltfModel {
   // Passes the JSON of everything added since the last call to `look`, without scenes and buffers, then forgets it.
   // Later nodes, meshes and accessors continue the numbering.
   void take(const std::function<void(nlohmann::json& document)>& look);
-  [[nodiscard]] Notes take_notes();
+  [[nodiscard]] Notes release_notes();
   [[nodiscard]] std::uint64_t binary_bytes() const { return offset_; }
   // Returns the second buffer of the file, a placeholder for the bytes that compressed views decode to
   // (EXT_meshopt_compression); null if no view is compressed.
@@ -82,13 +82,13 @@ class GltfModel {
   tinygltf::Scene scene_;
   Taken taken_;
   std::uint64_t offset_ = 0;
-  struct MadeMaterial {
-    bool vertex_colours;
+  struct MaterialEntry {
+    bool vertex_colors;
     std::optional<mesh::Material> look;
     std::string name;  // the mesh's name, so that each grid and iso value has its own material to edit
     int number;
   };
-  std::vector<MadeMaterial> materials_;
+  std::vector<MaterialEntry> materials_;
   bool has_split_ = false;
   std::string placement_;
   bool in_frame_ = false;  // frames of a sequence share materials, whatever the names of their meshes

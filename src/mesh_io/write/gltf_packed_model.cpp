@@ -53,7 +53,7 @@ int GltfModel::packed_accessor(const GltfPackedAccessor& source, int first_view)
   const int where = source.view ? first_view + static_cast<int>(*source.view) : -1;
   const int index = accessor(where, 0, source.component, kTypes[source.components - 1], source.count);
   tinygltf::Accessor& made = model_.accessors.back();
-  made.normalized = source.normalised;
+  made.normalized = source.normalized;
   made.minValues = source.min;
   made.maxValues = source.max;
   return index;

@@ -112,7 +112,7 @@ class ViewPacking {
 
   Result<void> add_short_positions() {
     const PositionLattice lattice = choose_lattice(packing_, *packing_.box, LatticeUse::short_positions);
-    const auto on_lattice = TRY(put_on_lattice(mesh(), lattice));
+    const auto on_lattice = TRY(round_to_lattice(mesh(), lattice));
     packed_.quantized = true;
     packed_.translation = lattice.origin;
     packed_.scale = lattice.step;
@@ -146,8 +146,8 @@ class ViewPacking {
       largest_turn = std::max(largest_turn, degrees_between(normal, rounded));
       return rounded;
     });
-    accessor.normalised = true;
-    packed_.facts.largest_normal_turn = largest_turn;
+    accessor.normalized = true;
+    packed_.facts.largest_normal_angle = largest_turn;
   }
 
   void add_attribute(const GltfSemantic& semantic) {
@@ -157,7 +157,7 @@ class ViewPacking {
       std::memcpy(raw.data() + v * semantic.stride(), attribute.at(vertex(v)).data(), attribute.stride());
     }
     add_view(semantic.name, gltf_code(attribute.type), attribute.components, std::move(raw), semantic.stride())
-        .normalised = attribute.normalised;
+        .normalized = attribute.normalized;
   }
 
   Result<void> add_indices() {
@@ -234,7 +234,7 @@ Result<GltfPackedPart> pack_draco(const GltfPart& part, const MeshPacking& packi
   if (made.has_normals) add("NORMAL", kGltfFloat, 3);
   for (const GltfSemantic& semantic : part.semantics) {
     const mesh::Attribute& attribute = *semantic.attribute;
-    add(semantic.name, gltf_code(attribute.type), attribute.components).normalised = attribute.normalised;
+    add(semantic.name, gltf_code(attribute.type), attribute.components).normalized = attribute.normalized;
   }
   GltfPackedAccessor indices;
   indices.component = made.vertices <= GltfPart::kMaxShortVertices ? kGltfUnsignedShort : kGltfUnsignedInt;

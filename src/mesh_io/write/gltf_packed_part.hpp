@@ -35,7 +35,7 @@ struct GltfPackedAccessor {
   int component = 0;  // a code of gltf_codes.hpp
   std::size_t components = 1;
   std::uint64_t count = 0;
-  bool normalised = false;
+  bool normalized = false;
   std::vector<double> min;  // set for positions
   std::vector<double> max;
 };

@@ -54,7 +54,7 @@ std::vector<GltfSemantic> semantics_of(const mesh::Mesh& mesh, Notes& notes) {
                       shown));
       continue;
     }
-    if (attribute.role == mesh::AttributeRole::colour) {
+    if (attribute.role == mesh::AttributeRole::color) {
       semantics.push_back({&attribute, "COLOR_0"});
       continue;
     }
@@ -160,9 +160,9 @@ Result<GltfPart> GltfPart::make(const mesh::Mesh& source, const MeshWriteOptions
   return part;
 }
 
-bool GltfPart::has_colours() const {
+bool GltfPart::has_colors() const {
   return std::any_of(semantics.begin(), semantics.end(),
-                     [](const GltfSemantic& s) { return s.attribute->role == mesh::AttributeRole::colour; });
+                     [](const GltfSemantic& s) { return s.attribute->role == mesh::AttributeRole::color; });
 }
 
 std::uint64_t GltfPart::vertex_count() const {

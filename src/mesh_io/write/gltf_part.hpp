@@ -59,7 +59,7 @@ struct GltfPart {
                                              const Context& context, Notes& notes);
 
   [[nodiscard]] bool has_normals() const { return !mesh->normals.empty(); }
-  [[nodiscard]] bool has_colours() const;
+  [[nodiscard]] bool has_colors() const;
   [[nodiscard]] std::uint64_t vertex_count() const;
   [[nodiscard]] std::uint64_t index_bytes() const;
   [[nodiscard]] std::uint64_t bytes() const;  // of the whole part in the file, with padding

@@ -45,7 +45,7 @@ inline constexpr std::size_t kMaxVectorText = 3 * (1 + kMaxNumberText<T>);
 // Calls f with a function that returns a vertex's world position: as stored float32 if the mesh has no origin,
 // otherwise in double. So the files of a mesh without an origin have exactly its stored numbers.
 template <class F>
-decltype(auto) visit_positions(const mesh::Mesh& mesh, F&& f) {
+decltype(auto) with_world_positions(const mesh::Mesh& mesh, F&& f) {
   if (mesh.origin == glm::dvec3(0)) return f([&mesh](std::size_t vertex) { return mesh.positions[vertex]; });
   return f([&mesh](std::size_t vertex) { return mesh.position(vertex); });
 }

@@ -20,7 +20,8 @@ using Notes = std::vector<std::string>;
 class FormatWriter {
  public:
   virtual ~FormatWriter() = default;
-  // The mesh must live until finish() if MeshFormatInfo::writes_as_they_come is false; otherwise only during the call.
+  // The mesh must live until finish() if MeshFormatInfo::writes_each_mesh_at_once is false; otherwise only during the
+  // call.
   [[nodiscard]] virtual Result<void> add(const mesh::Mesh& mesh, Notes& notes) = 0;
   // Writes what follows the last mesh. Call once.
   [[nodiscard]] virtual Result<void> finish(Notes& notes) = 0;

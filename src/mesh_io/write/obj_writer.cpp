@@ -27,7 +27,7 @@ struct Next {
 };
 
 // The distinct positions to write: vertices that are copies for different normals share one
-// (MeshWriteOptions::copies_for_normals).
+// (MeshWriteOptions::has_vertex_copies_for_normals).
 class Places {
  public:
   // Without copies each vertex has its own position. Allocates bytes(), which the caller reserves.
@@ -82,7 +82,7 @@ class Places {
 };
 
 Result<void> write_vertices(const mesh::Mesh& mesh, const Places& places, files::OutputFile& file) {
-  return visit_positions(mesh, [&](auto position) {
+  return with_world_positions(mesh, [&](auto position) {
     constexpr std::size_t kLine = 2 + kMaxVectorText<typename decltype(position(0))::value_type>;
     return files::write_records(file, places.size(), kLine, [&](std::size_t first, std::size_t last, char* out) {
       for (std::size_t v = first; v < last; ++v) {
@@ -135,7 +135,7 @@ class ObjWriter final : public FormatWriter {
  public:
   ObjWriter(const MeshWriteOptions& options, const Context& context, files::OutputFile& file)
       : flat_normals_(options.flat_normals),
-        has_copies_(options.copies_for_normals),
+        has_copies_(options.has_vertex_copies_for_normals),
         context_(context),
         file_(file),
         header_(fmt::format("# {}\n", generator())) {

@@ -31,18 +31,18 @@ std::string property_name(const std::string& name) {
 
 // The properties of the mesh's attributes, component by component.
 std::string attribute_properties(const mesh::Mesh& mesh, Notes& notes) {
-  constexpr std::array<std::string_view, mesh::kMaxComponents> kColour{"red", "green", "blue", "alpha"};
+  constexpr std::array<std::string_view, mesh::kMaxComponents> kColor{"red", "green", "blue", "alpha"};
   std::set<std::string, std::less<>> taken{"x", "y", "z", "nx", "ny", "nz"};
   for (const mesh::Attribute& attribute : mesh.attributes) {
-    if (attribute.role == mesh::AttributeRole::colour) taken.insert(kColour.begin(), kColour.end());
+    if (attribute.role == mesh::AttributeRole::color) taken.insert(kColor.begin(), kColor.end());
   }
   std::string text;
   for (const mesh::Attribute& attribute : mesh.attributes) {
     const auto add = [&](std::string_view name) {
       text += fmt::format("property {} {}\n", kTypeNames[static_cast<std::size_t>(attribute.type)], name);
     };
-    if (attribute.role == mesh::AttributeRole::colour) {
-      for (std::size_t c = 0; c < attribute.components; ++c) add(kColour[c]);
+    if (attribute.role == mesh::AttributeRole::color) {
+      for (std::size_t c = 0; c < attribute.components; ++c) add(kColor[c]);
       continue;
     }
     std::string stem = property_name(attribute.name);
@@ -59,7 +59,7 @@ std::string attribute_properties(const mesh::Mesh& mesh, Notes& notes) {
     if (stem != attribute.name) {
       notes.push_back(fmt::format("the attribute '{}' is called '{}': PLY cannot call it so", attribute.name, stem));
     }
-    if (attribute.normalised) {
+    if (attribute.normalized) {
       notes.push_back(
           fmt::format("PLY does not say that the whole numbers of the attribute '{}' stand for fractions", stem));
     }
@@ -162,7 +162,7 @@ Result<void> write_binary(const mesh::Mesh& mesh, bool vertex_normals, bool face
                                   return out;
                                 });
   };
-  TRY(visit_positions(mesh, write_vertices));
+  TRY(with_world_positions(mesh, write_vertices));
 
   const std::size_t record = sizeof(kCorners) + sizeof(glm::uvec3) + (face_normals ? sizeof(glm::vec3) : 0);
   return files::write_records(file, mesh.triangles.size(), record, [&](std::size_t first, std::size_t last, char* out) {
@@ -193,7 +193,7 @@ Result<void> write_ascii(const mesh::Mesh& mesh, bool vertex_normals, bool face_
                                   return out;
                                 });
   };
-  TRY(visit_positions(mesh, write_vertices));
+  TRY(with_world_positions(mesh, write_vertices));
 
   constexpr std::size_t kLine = 1 + kMaxVectorText<std::uint32_t> + kMaxVectorText<float> + 1;
   return files::write_records(file, mesh.triangles.size(), kLine, [&](std::size_t first, std::size_t last, char* out) {

@@ -78,7 +78,7 @@ PositionLattice choose_lattice(const MeshPacking& packing, const mesh::Bounds& b
   return lattice;
 }
 
-Result<LatticePositions> put_on_lattice(const mesh::Mesh& mesh, const PositionLattice& lattice) {
+Result<LatticePositions> round_to_lattice(const mesh::Mesh& mesh, const PositionLattice& lattice) {
   constexpr std::size_t kGrain = 1 << 14;
   LatticePositions result;
   result.numbers = Buffer<glm::uvec3>(mesh.positions.size());

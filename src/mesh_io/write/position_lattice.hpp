@@ -43,6 +43,6 @@ struct LatticePositions {
 };
 
 // Rounds each vertex to the nearest lattice point. Fails with ErrorCode::output if one is outside of the lattice.
-[[nodiscard]] Result<LatticePositions> put_on_lattice(const mesh::Mesh& mesh, const PositionLattice& lattice);
+[[nodiscard]] Result<LatticePositions> round_to_lattice(const mesh::Mesh& mesh, const PositionLattice& lattice);
 
 }  // namespace isoextract::mesh_io

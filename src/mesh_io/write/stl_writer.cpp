@@ -36,7 +36,7 @@ std::string precision_note(const mesh::Mesh& mesh) {
 std::array<char, kStlHeaderBytes> binary_header(const std::string& placement) {
   std::string text(generator());
   if (!placement.empty()) text += fmt::format(" {} ", kPlacementEntry);
-  text += text.size() + placement.size() <= kStlHeaderBytes ? std::string_view(placement) : kPlacementElsewhere;
+  text += text.size() + placement.size() <= kStlHeaderBytes ? std::string_view(placement) : kPlacementOmitted;
   std::array<char, kStlHeaderBytes> header{};
   put_text(header.data(), text);
   return header;
@@ -107,7 +107,7 @@ Result<void> write_stl(const mesh::Mesh& mesh, const MeshWriteOptions& options, 
                 {Remedy::set, Setting::mesh_format, "ply"});
   }
   if (mesh.origin != glm::dvec3(0)) notes.push_back(precision_note(mesh));
-  return visit_positions(mesh, [&](auto position) {
+  return with_world_positions(mesh, [&](auto position) {
     return options.ascii ? write_ascii(mesh, position, file) : write_binary(mesh, position, options.placement, file);
   });
 }

@@ -14,7 +14,7 @@
 namespace isoextract::particle_io {
 namespace {
 
-constexpr std::size_t kMostBuffered = 2 * ContentReader::kMostPeeked;
+constexpr std::size_t kMostBuffered = 2 * ContentReader::kMaxPeekedBytes;
 constexpr std::uint64_t kLeastPiece = std::uint64_t{1} << 16;
 
 }  // namespace
@@ -25,7 +25,7 @@ ContentReader::ContentReader(const files::InputFile& file) : file_(file), most_(
   std::uint64_t buffered = kMostBuffered;
   if (files::is_gzip(start)) {
     gzip_ = must(files::GzipStream::open(file, 0));
-    most_ = checked_product(file.size(), files::kMostInflated).value_or(~std::uint64_t{0});
+    most_ = checked_product(file.size(), files::kMaxDeflateRatio).value_or(~std::uint64_t{0});
   } else {
     buffered = std::min<std::uint64_t>(buffered, file.size());
   }
@@ -75,7 +75,7 @@ std::span<const std::byte> ContentReader::peek(std::size_t wanted) {
 std::span<const std::byte> ContentReader::take(std::size_t bytes, std::string_view what) {
   const auto found = peek(bytes);
   if (found.size() < bytes) {
-    throw DamagedParticles(
+    throw InvalidParticleFile(
         fmt::format("expected {} bytes ({}) from byte {} on, found {}", bytes, what, position(), found.size()));
   }
   advance(bytes);
@@ -83,18 +83,18 @@ std::span<const std::byte> ContentReader::take(std::size_t bytes, std::string_vi
 }
 
 void ContentReader::skip(std::uint64_t bytes, std::string_view what) {
-  if (bytes > most_left()) {
-    throw DamagedParticles(
+  if (bytes > max_remaining_bytes()) {
+    throw InvalidParticleFile(
         fmt::format("expected {} bytes ({}) from byte {} on, found the end of the file", bytes, what, position()));
   }
   while (bytes > 0) {
-    const auto part = static_cast<std::size_t>(std::min<std::uint64_t>(bytes, kMostPeeked));
+    const auto part = static_cast<std::size_t>(std::min<std::uint64_t>(bytes, kMaxPeekedBytes));
     static_cast<void>(take(part, what));
     bytes -= part;
   }
 }
 
-void ContentReader::go_to(const LinePlace& place, std::uint64_t expected) {
+void ContentReader::go_to(const LineStart& place, std::uint64_t expected) {
   start_ = place.position;
   taken_ = place.position;
   begin_ = 0;
@@ -127,9 +127,9 @@ std::optional<std::string_view> ContentReader::next_line() {
       return std::string_view(text, length > 0 && text[length - 1] == '\r' ? length - 1 : length);
     }
     looked = rest.size();
-    if (looked > kMostPeeked) {
+    if (looked > kMaxPeekedBytes) {
       ++line_number_;
-      expected(fmt::format("the end of a line within {} bytes", kMostPeeked), {text, 40});
+      expected(fmt::format("the end of a line within {} bytes", kMaxPeekedBytes), {text, 40});
     }
     if (refill() > 0) continue;
     if (rest.empty()) return std::nullopt;
@@ -149,8 +149,8 @@ std::optional<std::string_view> ContentReader::peek_line() {
 }
 
 void ContentReader::expected(std::string_view what, std::string_view found) const {
-  throw DamagedParticles(fmt::format("line {}: expected {}, found {}", line_number_, what,
-                                     found.empty() ? "nothing" : fmt::format("'{}'", printable(found, 40))));
+  throw InvalidParticleFile(fmt::format("line {}: expected {}, found {}", line_number_, what,
+                                        found.empty() ? "nothing" : fmt::format("'{}'", printable(found, 40))));
 }
 
 }  // namespace isoextract::particle_io

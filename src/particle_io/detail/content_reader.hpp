@@ -16,13 +16,13 @@
 namespace isoextract::particle_io {
 
 // The start of a line.
-struct LinePlace {
+struct LineStart {
   std::uint64_t position = 0;
   std::uint64_t number = 0;  // number of the line before
   char line_end = 0;         // the file's line end; 0 if unknown
 };
 
-// Throws DamagedParticles and Refused. Use one reader per file at a time. Reports bytes of the file as "reading".
+// Throws InvalidParticleFile and Refused. Use one reader per file at a time. Reports bytes of the file as "reading".
 class ContentReader {
  public:
   explicit ContentReader(const files::InputFile& file);
@@ -33,11 +33,11 @@ class ContentReader {
   // Returns the position of the next byte in the content.
   [[nodiscard]] std::uint64_t position() const { return start_ + begin_; }
   // Returns an upper bound for the remaining bytes, to check counts in headers.
-  [[nodiscard]] std::uint64_t most_left() const { return most_ - std::min(most_, position()); }
+  [[nodiscard]] std::uint64_t max_remaining_bytes() const { return most_ - std::min(most_, position()); }
 
   // Returns the next bytes without consuming them: at least `wanted` if the content has that many, and all that are
   // buffered. `wanted` is at most kMostPeeked. Valid until the next call.
-  static constexpr std::size_t kMostPeeked = std::size_t{1} << 20;
+  static constexpr std::size_t kMaxPeekedBytes = std::size_t{1} << 20;
   [[nodiscard]] std::span<const std::byte> peek(std::size_t wanted);
   // Consumes bytes that were peeked.
   void advance(std::size_t bytes) { begin_ += bytes; }
@@ -52,12 +52,12 @@ class ContentReader {
   [[nodiscard]] std::optional<std::string_view> peek_line();
   // Returns the number of the last line read, from 1.
   [[nodiscard]] std::uint64_t line_number() const { return line_number_; }
-  // line_place() returns the start of the next line. go_to() returns to a start found by an earlier reader of the same
-  // file; not for gzip files. If `expected` is not 0, it reads that many bytes at first, so that a short frame does not
-  // cost a whole block.
-  [[nodiscard]] LinePlace line_place() const { return {position(), line_number_, line_end_}; }
+  // next_line_start() returns the start of the next line. go_to() returns to a start found by an earlier reader of the
+  // same file; not for gzip files. If `expected` is not 0, it reads that many bytes at first, so that a short frame
+  // does not cost a whole block.
+  [[nodiscard]] LineStart next_line_start() const { return {position(), line_number_, line_end_}; }
   [[nodiscard]] bool can_go_to_lines() const { return !gzip_; }
-  void go_to(const LinePlace& place, std::uint64_t expected);
+  void go_to(const LineStart& place, std::uint64_t expected);
 
   // Throws "line 3: expected WHAT, found 'FOUND'".
   [[noreturn]] void expected(std::string_view what, std::string_view found) const;
@@ -72,7 +72,7 @@ class ContentReader {
   std::uint64_t start_ = 0;  // position of the buffer in the content
   std::size_t begin_ = 0;    // unread bytes of the buffer: [begin_, end_)
   std::size_t end_ = 0;
-  std::uint64_t piece_ = kMostPeeked * 2;  // bytes to read at a time, if there is room
+  std::uint64_t piece_ = kMaxPeekedBytes * 2;  // bytes to read at a time, if there is room
   bool at_end_ = false;
   char line_end_ = 0;  // 0 if unknown
   std::uint64_t line_number_ = 0;

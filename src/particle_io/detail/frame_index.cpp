@@ -12,7 +12,7 @@ constexpr std::size_t kMostPlaces = 65536;
 constexpr std::size_t kMostFiles = 4;
 
 struct FramePlace {
-  LinePlace at;
+  LineStart at;
   std::string carried;
 };
 
@@ -55,9 +55,9 @@ Store& store() {
 }  // namespace
 
 FrameIndex::FrameIndex(const files::InputFile& file)
-    : file_(must(files::version_of(file))), is_settled_(file_.is_settled()) {}
+    : file_(must(files::version_of(file))), is_settled_(file_.is_reliable()) {}
 
-std::uint64_t FrameIndex::go_to_nearest(ContentReader& content, std::uint64_t wanted, std::string& carried) const {
+std::uint64_t FrameIndex::seek_nearest_frame(ContentReader& content, std::uint64_t wanted, std::string& carried) const {
   if (!is_settled_ || !content.can_go_to_lines()) return 0;
   const std::lock_guard lock(store().mutex);
   const FramePlaces& known = store().of(file_);
@@ -75,7 +75,7 @@ std::uint64_t FrameIndex::go_to_nearest(ContentReader& content, std::uint64_t wa
 void FrameIndex::add(std::uint64_t number, const ContentReader& content, const std::string& carried) const {
   if (!is_settled_ || !content.can_go_to_lines()) return;
   const std::lock_guard lock(store().mutex);
-  store().of(file_).add(number, {content.line_place(), carried});
+  store().of(file_).add(number, {content.next_line_start(), carried});
 }
 
 }  // namespace isoextract::particle_io

@@ -14,7 +14,7 @@ namespace isoextract::particle_io {
 
 // Keeps the positions for the life of the process, for the last few files and at most 65536 frames of each: of every
 // frame, or in long files of every second, fourth, ... one. Recognizes a file by its version; caches nothing for a file
-// that was just written to (FileVersion::is_settled). Safe to use from several threads.
+// that was just written to (FileVersion::is_reliable). Safe to use from several threads.
 class FrameIndex {
  public:
   // Throws Refused.
@@ -22,7 +22,7 @@ class FrameIndex {
 
   // Moves the content to the last cached frame up to `wanted` and returns its number; 0 is the start of the content.
   // Sets `carried` to the value that add() got for it; leaves it unchanged at the start.
-  std::uint64_t go_to_nearest(ContentReader& content, std::uint64_t wanted, std::string& carried) const;
+  std::uint64_t seek_nearest_frame(ContentReader& content, std::uint64_t wanted, std::string& carried) const;
 
   // Records that frame `number` begins at the content's position; `carried` is state inherited from earlier frames.
   void add(std::uint64_t number, const ContentReader& content, const std::string& carried) const;
@@ -38,7 +38,7 @@ template <class Pass>
 std::uint64_t count_frames(std::uint64_t next, Pass&& pass) {
   try {
     while (pass(next)) ++next;
-  } catch (const CutShort&) {
+  } catch (const TruncatedFrame&) {
     ++next;
   }
   return next;

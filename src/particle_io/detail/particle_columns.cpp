@@ -16,18 +16,18 @@
 namespace isoextract::particle_io {
 namespace {
 
-constexpr std::size_t kMostNamed = 100;  // longest list of columns or attributes in a message
+constexpr std::size_t kMaxListedNames = 100;  // longest list of columns or attributes in a message
 
 std::string column_list(const ParticleTable& table) {
   std::string list;
-  for (std::size_t i = 0; i < table.columns.size() && i < kMostNamed; ++i) {
+  for (std::size_t i = 0; i < table.columns.size() && i < kMaxListedNames; ++i) {
     list += fmt::format("{}{}", i == 0 ? "" : ", ", printable(table.columns[i].name, 80));
   }
-  if (table.columns.size() > kMostNamed) list += ", ...";
+  if (table.columns.size() > kMaxListedNames) list += ", ...";
   return list;
 }
 
-bool is_position(const ColumnGroup& group, const std::array<std::size_t, 3>& position) {
+bool is_position(const ColumnTuple& group, const std::array<std::size_t, 3>& position) {
   return std::ranges::all_of(group.columns,
                              [&](std::size_t column) { return std::ranges::count(position, column) > 0; });
 }
@@ -36,9 +36,9 @@ bool is_position(const ColumnGroup& group, const std::array<std::size_t, 3>& pos
 std::string attribute_list(const ParticleTable& table, const std::array<std::size_t, 3>& position) {
   std::string list;
   std::size_t named = 0;
-  for (const ColumnGroup& group : table.groups) {
+  for (const ColumnTuple& group : table.groups) {
     if (!table.columns[group.columns.front()].numeric || is_position(group, position)) continue;
-    if (++named > kMostNamed) return list + ", ...";
+    if (++named > kMaxListedNames) return list + ", ...";
     list += fmt::format("{}{}", named == 1 ? "it has: " : ", ", printable(group.name, 80));
   }
   return named > 0 ? list : "it has none";
@@ -55,13 +55,13 @@ std::optional<std::size_t> find_column(const ParticleTable& table, std::string_v
 std::size_t named_column(const ParticleTable& table, const std::string& name) {
   if (const auto found = find_column(table, name)) return *found;
   for (std::size_t i = 0; i < table.columns.size(); ++i) {
-    if (lower_case(table.columns[i].name) == lower_case(name)) return i;
+    if (to_lower(table.columns[i].name) == to_lower(name)) return i;
   }
   const bool digits = !name.empty() && name.size() < 9 && name.find_first_not_of("0123456789") == std::string::npos;
   const std::size_t number = digits ? std::stoul(name) : 0;
   if (number >= 1 && number <= table.columns.size()) return number - 1;
-  throw DamagedParticles(fmt::format("there is no column '{}'", printable(name, 80)),
-                         fmt::format("it has {}: {}", table.columns.size(), column_list(table)));
+  throw InvalidParticleFile(fmt::format("there is no column '{}'", printable(name, 80)),
+                            fmt::format("it has {}: {}", table.columns.size(), column_list(table)));
 }
 
 // Compared with case: px, py and pz are momenta.
@@ -81,8 +81,8 @@ std::array<std::size_t, 3> find_position(const ParticleTable& table, const Parti
   }
   if (table.position) return *table.position;
   for (const std::string_view name : kPositionNames) {
-    for (const ColumnGroup& group : table.groups) {
-      const bool is_called_so = name == kHoudiniPosition ? group.name == name : lower_case(group.name) == name;
+    for (const ColumnTuple& group : table.groups) {
+      const bool is_called_so = name == kHoudiniPosition ? group.name == name : to_lower(group.name) == name;
       if (group.columns.size() != 3 || !is_called_so) continue;
       return {group.columns[0], group.columns[1], group.columns[2]};
     }
@@ -90,11 +90,11 @@ std::array<std::size_t, 3> find_position(const ParticleTable& table, const Parti
   std::array<std::size_t, 3> position{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto is_axis = [&](const ParticleColumn& column) {
-      return lower_case(column.name) == std::string_view("xyz").substr(axis, 1);
+      return to_lower(column.name) == std::string_view("xyz").substr(axis, 1);
     };
     const auto found = std::ranges::find_if(table.columns, is_axis);
     if (found == table.columns.end()) {
-      throw DamagedParticles(
+      throw InvalidParticleFile(
           fmt::format("expected columns x, y and z, found {}: {}", table.columns.size(), column_list(table)),
           "say which columns are x, y and z");
     }
@@ -103,32 +103,32 @@ std::array<std::size_t, 3> find_position(const ParticleTable& table, const Parti
   return position;
 }
 
-std::optional<ColumnGroup> find_attribute(const ParticleTable& table, const std::string& name) {
-  for (const ColumnGroup& group : table.groups) {
+std::optional<ColumnTuple> find_attribute(const ParticleTable& table, const std::string& name) {
+  for (const ColumnTuple& group : table.groups) {
     if (group.name == name) return group;
   }
-  if (const auto column = find_column(table, name)) return ColumnGroup{name, {*column}};
+  if (const auto column = find_column(table, name)) return ColumnTuple{name, {*column}};
   return std::nullopt;
 }
 
 // Throws if it is not numeric.
-void add_attribute(const ParticleTable& table, const ColumnGroup& attribute, ColumnChoice& choice) {
+void add_attribute(const ParticleTable& table, const ColumnTuple& attribute, ColumnChoice& choice) {
   check_numbers(table, attribute.columns, fmt::format("'{}'", printable(attribute.name, 80)),
                 "of numbers " + attribute_list(table, choice.position));
-  if (std::ranges::count(choice.attributes, attribute.name, &ColumnGroup::name) > 0) return;
+  if (std::ranges::count(choice.attributes, attribute.name, &ColumnTuple::name) > 0) return;
   choice.attributes.push_back(attribute);
 }
 
 // "x [mm]" -> "x " and "mm"; also "x (mm)".
-struct Bracketed {
+struct BracketedSuffix {
   std::string_view before;
   std::string_view inside;
 };
-std::optional<Bracketed> split_brackets(std::string_view header) {
+std::optional<BracketedSuffix> split_brackets(std::string_view header) {
   const char close = header.empty() ? ' ' : header.back();
   const std::size_t open = close == ']' ? header.rfind('[') : close == ')' ? header.rfind('(') : std::string_view::npos;
   if (open == std::string_view::npos || open == 0) return std::nullopt;
-  return Bracketed{header.substr(0, open), header.substr(open + 1, header.size() - open - 2)};
+  return BracketedSuffix{header.substr(0, open), header.substr(open + 1, header.size() - open - 2)};
 }
 
 std::string_view without_spaces_behind(std::string_view text) {
@@ -137,9 +137,9 @@ std::string_view without_spaces_behind(std::string_view text) {
 }
 
 // Suffixes of components: digits or these letters. Colors only in brackets: "Cd[r]".
-enum class ComponentNames { digits, axes, colours };
+enum class ComponentNames { digits, axes, colors };
 constexpr std::string_view kAxes = "xyz";
-constexpr std::string_view kColours = "rgba";
+constexpr std::string_view kColors = "rgba";
 
 // "vx" -> "v" and 0; "Points:2" -> "Points" and 2; "v[y]" -> "v" and 1. The stem is empty for x, y and z alone.
 struct Component {
@@ -160,12 +160,12 @@ std::optional<Component> component_of(std::string_view name) {
   } else if (!stem.empty() && kBetween.find(stem.back()) != std::string_view::npos) {
     stem.remove_suffix(1);
   }
-  const std::string letter = lower_case({&last, 1});
+  const std::string letter = to_lower({&last, 1});
   if (const std::size_t axis = kAxes.find(letter); axis != std::string_view::npos) {
     return Component{stem, axis, ComponentNames::axes};
   }
-  if (const std::size_t channel = kColours.find(letter); brackets && channel != std::string_view::npos) {
-    return Component{stem, channel, ComponentNames::colours};
+  if (const std::size_t channel = kColors.find(letter); brackets && channel != std::string_view::npos) {
+    return Component{stem, channel, ComponentNames::colors};
   }
   if (is_digit(last) && !stem.empty()) {
     return Component{stem, static_cast<std::size_t>(last - '0'), ComponentNames::digits};
@@ -179,7 +179,7 @@ template <class NameOf>
 std::size_t count_components(std::size_t first, const NameOf& name_of) {
   const auto start = component_of(name_of(first));
   if (!start || start->index != 0) return 1;
-  const std::size_t most = start->names == ComponentNames::digits ? 10 : kColours.size();
+  const std::size_t most = start->names == ComponentNames::digits ? 10 : kColors.size();
   std::size_t count = 1;
   while (count < most) {
     const auto next = component_of(name_of(first + count));
@@ -193,7 +193,7 @@ std::size_t count_components(std::size_t first, const NameOf& name_of) {
 
 void add_tuple(ParticleTable& table, const std::string& name, const std::string& type, std::size_t components,
                bool numeric, std::optional<AttributeKind> kind) {
-  ColumnGroup group{name, {}, kind};
+  ColumnTuple group{name, {}, kind};
   for (std::size_t i = 0; i < components; ++i) {
     group.columns.push_back(table.columns.size());
     table.columns.push_back({components == 1 ? name : fmt::format("{}:{}", name, i), {}, type, numeric});
@@ -208,7 +208,7 @@ void group_by_names(ParticleTable& table) {
       if (column >= columns.size() || columns[column].numeric != columns[first].numeric) return {};
       return columns[column].name;
     });
-    ColumnGroup group{columns[first].name, {}};
+    ColumnTuple group{columns[first].name, {}};
     if (count > 1) {
       const std::string_view stem = component_of(columns[first].name)->stem;
       group.name = stem.empty() ? "x y z" : std::string(stem);
@@ -223,7 +223,7 @@ void group_by_names(ParticleTable& table) {
 void make_group_names_unique(ParticleTable& table) {
   std::unordered_set<std::string> taken;
   std::unordered_map<std::string, std::size_t> repeats;
-  for (ColumnGroup& group : table.groups) {
+  for (ColumnTuple& group : table.groups) {
     const std::string name = group.name;
     while (!taken.insert(group.name).second) group.name = fmt::format("{}[{}]", name, ++repeats[name]);
   }
@@ -243,7 +243,7 @@ std::vector<NameAndUnit> split_units(std::span<const std::string_view> headers) 
     const auto brackets = split_brackets(headers[i]);
     // A number or an axis in brackets counts components and is not a unit.
     if (is_component || !brackets || brackets->inside.find_first_not_of("0123456789") == std::string_view::npos ||
-        (brackets->inside.size() == 1 && kAxes.find(lower_case(brackets->inside)) != std::string_view::npos)) {
+        (brackets->inside.size() == 1 && kAxes.find(to_lower(brackets->inside)) != std::string_view::npos)) {
       split.push_back({std::string(headers[i]), {}});
     } else {
       split.push_back({std::string(without_spaces_behind(brackets->before)), std::string(brackets->inside)});
@@ -256,9 +256,9 @@ void check_numbers(const ParticleTable& table, std::span<const std::size_t> want
                    const Hint& hint) {
   for (const std::size_t column : wanted) {
     if (table.columns[column].numeric) continue;
-    throw DamagedParticles(fmt::format("expected numbers as {}, found {} as '{}'", what, table.columns[column].type,
-                                       printable(table.columns[column].name, 80)),
-                           hint);
+    throw InvalidParticleFile(fmt::format("expected numbers as {}, found {} as '{}'", what, table.columns[column].type,
+                                          printable(table.columns[column].name, 80)),
+                              hint);
   }
 }
 
@@ -269,7 +269,7 @@ ColumnChoice choose_columns(const ParticleTable& table, const ParticleReadOption
   const auto& columns = table.columns;
   if (columns[x].unit == columns[y].unit && columns[y].unit == columns[z].unit) choice.length_unit = columns[x].unit;
   if (options.all_attributes) {
-    for (const ColumnGroup& group : table.groups) {
+    for (const ColumnTuple& group : table.groups) {
       if (is_position(group, choice.position)) continue;
       if (columns[group.columns.front()].numeric) {
         choice.attributes.push_back(group);
@@ -281,21 +281,21 @@ ColumnChoice choose_columns(const ParticleTable& table, const ParticleReadOption
   for (const std::string& name : options.attributes) {
     const auto attribute = find_attribute(table, name);
     if (!attribute) {
-      throw DamagedParticles(fmt::format("there is no attribute '{}'", printable(name, 80)),
-                             attribute_list(table, choice.position));
+      throw InvalidParticleFile(fmt::format("there is no attribute '{}'", printable(name, 80)),
+                                attribute_list(table, choice.position));
     }
     add_attribute(table, *attribute, choice);
   }
-  for (const std::string& name : options.attributes_if_there) {
+  for (const std::string& name : options.optional_attributes) {
     if (const auto attribute = find_attribute(table, name)) add_attribute(table, *attribute, choice);
   }
-  for (const std::string& name : options.first_of) {
-    const auto found = std::ranges::find(table.groups, name, &ColumnGroup::name);
+  for (const std::string& name : options.first_scalar_of) {
+    const auto found = std::ranges::find(table.groups, name, &ColumnTuple::name);
     if (found == table.groups.end() || found->columns.size() != 1 || !columns[found->columns.front()].numeric ||
         is_position(*found, choice.position)) {
       continue;
     }
-    if (std::ranges::count(choice.attributes, name, &ColumnGroup::name) == 0) choice.attributes.push_back(*found);
+    if (std::ranges::count(choice.attributes, name, &ColumnTuple::name) == 0) choice.attributes.push_back(*found);
     break;
   }
   return choice;
@@ -308,11 +308,11 @@ void describe_table(const ParticleTable& table, const ParticleReadOptions& optio
     positions.columns = options.columns;
     choice = choose_columns(table, positions);
     info.length_unit = choice->length_unit;
-  } catch (const DamagedParticles& why) {
+  } catch (const InvalidParticleFile& why) {
     if (options.columns) throw;
     info.notes.emplace_back(why.what());
   }
-  for (const ColumnGroup& group : table.groups) {
+  for (const ColumnTuple& group : table.groups) {
     if (choice && is_position(group, choice->position)) continue;
     const ParticleColumn& first = table.columns[group.columns.front()];
     info.quantities.push_back({group.name, first.type, first.unit, group.columns.size(), first.numeric});
@@ -321,30 +321,31 @@ void describe_table(const ParticleTable& table, const ParticleReadOptions& optio
 
 void check_count(const ContentReader& content, std::uint64_t count, std::uint64_t least_bytes) {
   const auto least = checked_product(count, least_bytes);
-  if (least && *least <= content.most_left()) return;
-  throw DamagedParticles(fmt::format("{} particles need at least {} bytes, at most {} follow from byte {} on", count,
-                                     least ? std::to_string(*least) : "2^64", content.most_left(), content.position()));
+  if (least && *least <= content.max_remaining_bytes()) return;
+  throw InvalidParticleFile(fmt::format("{} particles need at least {} bytes, at most {} follow from byte {} on", count,
+                                        least ? std::to_string(*least) : "2^64", content.max_remaining_bytes(),
+                                        content.position()));
 }
 
 points::ParticleSet make_particles(const Context& context, const std::string& label, std::uint64_t count,
                                    const ColumnChoice& choice) {
   const auto numbers =
       std::accumulate(choice.attributes.begin(), choice.attributes.end(), std::uint64_t{0},
-                      [](std::uint64_t sum, const ColumnGroup& group) { return sum + group.columns.size(); });
+                      [](std::uint64_t sum, const ColumnTuple& group) { return sum + group.columns.size(); });
   const auto bytes = checked_product(count, sizeof(glm::dvec3) + numbers * sizeof(float));
   points::ParticleSet set;
   set.memory = must(context.reserve(bytes.value_or(~std::uint64_t{0}), fmt::format("{}: {} particles", label, count)));
   set.label = label;
   set.positions = Buffer<glm::dvec3>(count);
-  for (const ColumnGroup& group : choice.attributes) {
+  for (const ColumnTuple& group : choice.attributes) {
     set.attributes.push_back(
         {group.name, group.columns.size(), Buffer<float>(count * group.columns.size()), group.kind});
   }
   return set;
 }
 
-void refuse_particle(std::size_t particle, std::size_t particles) {
-  throw DamagedParticles(fmt::format("expected {} particles, found values of number {}", particles, particle + 1));
+void throw_particle_error(std::size_t particle, std::size_t particles) {
+  throw InvalidParticleFile(fmt::format("expected {} particles, found values of number {}", particles, particle + 1));
 }
 
 std::vector<ColumnSink> sinks_of(points::ParticleSet& set, const ColumnChoice& choice) {
@@ -364,14 +365,14 @@ std::vector<ColumnSink> sinks_of(points::ParticleSet& set, const ColumnChoice& c
   return sinks;
 }
 
-void put_records(const RecordLayout& layout, std::span<const std::byte> records, std::size_t first,
-                 std::span<const ColumnSink> sinks) {
+void deliver_records(const RecordLayout& layout, std::span<const std::byte> records, std::size_t first,
+                     std::span<const ColumnSink> sinks) {
   const std::size_t count = records.size() / layout.bytes;
   for (const ColumnSink& sink : sinks) {
     const RecordLayout::Field& field = layout.fields[sink.column];
     if (!field.type || field.offset + number_size(*field.type) > layout.bytes) {
-      throw DamagedParticles(fmt::format("expected a number within a record of {} bytes as column {}, found none",
-                                         layout.bytes, sink.column + 1));
+      throw InvalidParticleFile(fmt::format("expected a number within a record of {} bytes as column {}, found none",
+                                            layout.bytes, sink.column + 1));
     }
     for_each_number(*field.type, field.endian, records.data() + field.offset, layout.bytes, count,
                     [&](std::size_t i, double value) { sink.put(first + i, value); });
@@ -384,12 +385,12 @@ void read_records(ContentReader& content, const RecordLayout& layout, std::uint6
     const auto bytes = content.peek(layout.bytes);
     const std::uint64_t at_hand = std::min<std::uint64_t>(count - done, bytes.size() / layout.bytes);
     if (at_hand == 0) {
-      throw DamagedParticles(
+      throw InvalidParticleFile(
           fmt::format("expected {} particles of {} bytes, found {} before the end of the file at byte {}", count,
                       layout.bytes, done, content.position() + bytes.size()));
     }
     const std::size_t whole = static_cast<std::size_t>(at_hand) * layout.bytes;
-    put_records(layout, bytes.first(whole), static_cast<std::size_t>(done), sinks);
+    deliver_records(layout, bytes.first(whole), static_cast<std::size_t>(done), sinks);
     content.advance(whole);
     done += at_hand;
   }

@@ -19,7 +19,7 @@
 
 namespace isoextract::particle_io {
 
-inline constexpr std::size_t kMostColumns = 4096;
+inline constexpr std::size_t kMaxParticleColumns = 4096;
 
 // One number or word per particle.
 struct ParticleColumn {
@@ -30,7 +30,7 @@ struct ParticleColumn {
 };
 
 // Columns that are the components of one quantity, in order.
-struct ColumnGroup {
+struct ColumnTuple {
   std::string name;
   std::vector<std::size_t> columns;
   std::optional<AttributeKind> kind = {};  // if the file specifies it
@@ -38,7 +38,7 @@ struct ColumnGroup {
 
 struct ParticleTable {
   std::vector<ParticleColumn> columns;
-  std::vector<ColumnGroup> groups;  // with unique names; each column belongs to one group
+  std::vector<ColumnTuple> groups;  // with unique names; each column belongs to one group
   // The position, if the format specifies it and the options do not.
   std::optional<std::array<std::size_t, 3>> position;
 };
@@ -65,32 +65,32 @@ struct NameAndUnit {
 // The selected columns.
 struct ColumnChoice {
   std::array<std::size_t, 3> position{};
-  std::vector<ColumnGroup> attributes;
+  std::vector<ColumnTuple> attributes;
   std::string length_unit;
   std::vector<std::string> notes;
 };
 
-// Throws DamagedParticles if one of the columns is not numeric: "expected numbers as WHAT, found |S4 as 'x'".
+// Throws InvalidParticleFile if one of the columns is not numeric: "expected numbers as WHAT, found |S4 as 'x'".
 void check_numbers(const ParticleTable& table, std::span<const std::size_t> wanted, std::string_view what,
                    const Hint& hint);
 
-// Throws DamagedParticles if there is no position, if a selected column or attribute does not exist, or if an attribute
-// is not numeric; the hint lists the existing ones. Does not check the columns of a position: in text, reading reports
-// the invalid row.
+// Throws InvalidParticleFile if there is no position, if a selected column or attribute does not exist, or if an
+// attribute is not numeric; the hint lists the existing ones. Does not check the columns of a position: in text,
+// reading reports the invalid row.
 [[nodiscard]] ColumnChoice choose_columns(const ParticleTable& table, const ParticleReadOptions& options);
 
 // Adds the columns of a table except the position. If the position cannot be found, adds all columns and a note with
 // the reason.
 void describe_table(const ParticleTable& table, const ParticleReadOptions& options, ParticleInfo& info);
 
-// Throws DamagedParticles if the rest of the content is too short for `count` particles of at least `least_bytes`.
+// Throws InvalidParticleFile if the rest of the content is too short for `count` particles of at least `least_bytes`.
 void check_count(const ContentReader& content, std::uint64_t count, std::uint64_t least_bytes);
 
 // Makes a set without values; reserves its memory first. `label` starts the message of a failure.
 [[nodiscard]] points::ParticleSet make_particles(const Context& context, const std::string& label, std::uint64_t count,
                                                  const ColumnChoice& choice);
 
-[[noreturn]] void refuse_particle(std::size_t particle, std::size_t particles);
+[[noreturn]] void throw_particle_error(std::size_t particle, std::size_t particles);
 
 // Destination of one column's values; either doubles or floats is null.
 struct ColumnSink {
@@ -100,9 +100,9 @@ struct ColumnSink {
   std::size_t stride = 1;     // distance between consecutive particles
   std::size_t particles = 0;  // capacity
 
-  // Throws DamagedParticles beyond the last particle, so that a wrong count in a file cannot cause an overflow.
+  // Throws InvalidParticleFile beyond the last particle, so that a wrong count in a file cannot cause an overflow.
   void put(std::size_t particle, double value) const {
-    if (particle >= particles) refuse_particle(particle, particles);
+    if (particle >= particles) throw_particle_error(particle, particles);
     if (doubles != nullptr) {
       doubles[particle * stride] = value;
     } else {
@@ -124,10 +124,10 @@ struct RecordLayout {
   std::vector<Field> fields;  // one per column
 };
 
-// Delivers the values of whole records, starting with particle `first`. Throws DamagedParticles if a sink needs a field
-// that is not a number or not within its record.
-void put_records(const RecordLayout& layout, std::span<const std::byte> records, std::size_t first,
-                 std::span<const ColumnSink> sinks);
+// Delivers the values of whole records, starting with particle `first`. Throws InvalidParticleFile if a sink needs a
+// field that is not a number or not within its record.
+void deliver_records(const RecordLayout& layout, std::span<const std::byte> records, std::size_t first,
+                     std::span<const ColumnSink> sinks);
 // Reads the next `count` records of the content and delivers their values.
 void read_records(ContentReader& content, const RecordLayout& layout, std::uint64_t count,
                   std::span<const ColumnSink> sinks);

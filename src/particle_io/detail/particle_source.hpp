@@ -26,15 +26,15 @@ namespace isoextract::particle_io {
 
 // The file is invalid; the message says what was expected and what was found. The caller of a format prepends the file
 // name and makes an ErrorCode::input error of it.
-struct DamagedParticles : std::runtime_error {
-  explicit DamagedParticles(const std::string& message, Hint the_hint = {})
+struct InvalidParticleFile : std::runtime_error {
+  explicit InvalidParticleFile(const std::string& message, Hint the_hint = {})
       : std::runtime_error(message), hint(std::move(the_hint)) {}
   Hint hint;
 };
 
 // The file ends within a frame, such as the dump of an interrupted simulation.
-struct CutShort : DamagedParticles {
-  using DamagedParticles::DamagedParticles;
+struct TruncatedFrame : InvalidParticleFile {
+  using InvalidParticleFile::InvalidParticleFile;
 };
 
 // Wraps any other error unchanged.
@@ -51,7 +51,7 @@ T must(Result<T> result) {
 
 // A format lives as long as the program, keeps nothing of a file between calls but frame positions (frame_index.hpp),
 // and is safe to use from several threads. Options have been checked against the description. Bytes read count in the
-// file's context. Throws DamagedParticles, Refused and std::bad_alloc.
+// file's context. Throws InvalidParticleFile, Refused and std::bad_alloc.
 class ParticleFormat {
  public:
   explicit ParticleFormat(ParticleFormatDescription about) : about_(std::move(about)) {}
@@ -83,8 +83,9 @@ class ParticleFormat {
 };
 
 // Implements describe(), given the result of info() and a function that reads a frame as read() does.
-[[nodiscard]] DescribedParticles describe_with(ParticleInfo info, const ParticleReadOptions& options,
-                                               const std::function<ParticleFile(const ParticleReadOptions&)>& read);
+[[nodiscard]] DescribedParticles describe_by_reading(
+    ParticleInfo info, const ParticleReadOptions& options,
+    const std::function<ParticleFile(const ParticleReadOptions&)>& read);
 
 [[nodiscard]] const ParticleFormat& ply_particles();
 [[nodiscard]] const ParticleFormat& lammps_particles();
@@ -100,6 +101,6 @@ class ParticleFormat {
 // selection the caller must then check that there is no second one.
 [[nodiscard]] std::uint64_t wanted_frame(const ParticleReadOptions& options);
 // Throws the error for a frame that does not exist or a missing selection.
-[[noreturn]] void refuse_frame(const ParticleReadOptions& options, std::uint64_t frames);
+[[noreturn]] void throw_frame_error(const ParticleReadOptions& options, std::uint64_t frames);
 
 }  // namespace isoextract::particle_io

@@ -11,7 +11,7 @@
 #include "files/file_start.hpp"
 #include "particle_io/detail/particle_columns.hpp"
 #include "plugin_host/plugin_kinds.hpp"
-#include "plugin_host/plugin_visit.hpp"
+#include "plugin_host/plugin_session.hpp"
 #include "volume_io/vdb_points.hpp"
 
 namespace isoextract::particle_io {
@@ -41,7 +41,7 @@ class PluginParticles : public ParticleFormat {
 
   [[nodiscard]] ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const override {
     const OpenedFile opened(*this, file, options);
-    if (!options.frame && opened.value().frames > 1) refuse_frame(options, opened.value().frames);
+    if (!options.frame && opened.value().frames > 1) throw_frame_error(options, opened.value().frames);
     return opened.read(options);
   }
 
@@ -49,8 +49,8 @@ class PluginParticles : public ParticleFormat {
   [[nodiscard]] DescribedParticles describe(const files::InputFile& file,
                                             const ParticleReadOptions& options) const override {
     const OpenedFile opened(*this, file, options);
-    return describe_with(opened.info(options), options,
-                         [&](const ParticleReadOptions& all) { return opened.read(all); });
+    return describe_by_reading(opened.info(options), options,
+                               [&](const ParticleReadOptions& all) { return opened.read(all); });
   }
 
  private:
@@ -60,16 +60,16 @@ class PluginParticles : public ParticleFormat {
     OpenedFile(const PluginParticles& format, const files::InputFile& file, const ParticleReadOptions& options)
         : id_(format.about().id), name_(file.name()), context_(file.context()) {
       if (files::is_standard_input(file.path())) {
-        throw DamagedParticles(fmt::format("plug-ins, such as the one for {}, read files by their paths", id_),
-                               "write the data to a file first");
+        throw InvalidParticleFile(fmt::format("plug-ins, such as the one for {}, read files by their paths", id_),
+                                  "write the data to a file first");
       }
       const std::string what = file.name() + ": what the plug-in takes to read it";
       // The size is known only later; until then reserves twice the size of the file.
       memory_ = must(
           file.context().reserve(checked_product(file.size(), std::uint64_t{2}).value_or(~std::uint64_t{0}), what));
       file.context().progress().begin("reading", 0);
-      const plugin_host::WantedParticles wanted{wanted_frame(options), options.grid ? &*options.grid : nullptr};
-      visit_ = must(plugin_host::visit_particles(format.library_, id_, file, wanted));
+      const plugin_host::ParticleSelection wanted{wanted_frame(options), options.grid ? &*options.grid : nullptr};
+      visit_ = must(plugin_host::open_particle_session(format.library_, id_, file, wanted));
       memory_.release();
       memory_ = must(file.context().reserve(value().held_bytes, what));
       check(options);
@@ -109,10 +109,10 @@ class PluginParticles : public ParticleFormat {
       for (std::size_t a = 0; a < choice.attributes.size(); ++a) {
         const std::size_t first = choice.attributes[a].columns.front();
         const auto group = std::ranges::find_if(
-            table_.groups, [&](const ColumnGroup& g) { return g.columns == choice.attributes[a].columns; });
+            table_.groups, [&](const ColumnTuple& g) { return g.columns == choice.attributes[a].columns; });
         if (group == table_.groups.end()) {
-          throw DamagedParticles(fmt::format("expected the name of a whole attribute, found '{}'",
-                                             printable(table_.columns[first].name, 80)));
+          throw InvalidParticleFile(fmt::format("expected the name of a whole attribute, found '{}'",
+                                                printable(table_.columns[first].name, 80)));
         }
         const std::span<float> values = set.attributes[a].values.span();
         if (group == table_.groups.begin()) {  // the position, which plug-ins do not list as an attribute
@@ -135,16 +135,17 @@ class PluginParticles : public ParticleFormat {
 
     void check(const ParticleReadOptions& options) const {
       const auto refused = [&](std::string_view what) {
-        throw DamagedParticles(fmt::format("the plug-in for {} gives {}", id_, what));
+        throw InvalidParticleFile(fmt::format("the plug-in for {} gives {}", id_, what));
       };
       const isoextract_particle_file& opened = value();
       if (opened.quantities == nullptr && opened.quantity_count > 0) refused("a list of attributes that is not there");
       if (opened.frames == 0) refused("a file without frames");
-      if (wanted_frame(options) >= opened.frames) refuse_frame(options, opened.frames);
+      if (wanted_frame(options) >= opened.frames) throw_frame_error(options, opened.frames);
       std::uint64_t columns = 3;
       for (std::size_t i = 0; i < opened.quantity_count; ++i) {
         const std::uint64_t components = opened.quantities[i].components;
-        if (components == 0 || components > kMostColumns - columns) refused("an attribute of that many components");
+        if (components == 0 || components > kMaxParticleColumns - columns)
+          refused("an attribute of that many components");
         columns += components;
       }
     }
@@ -164,7 +165,7 @@ class PluginParticles : public ParticleFormat {
     std::string name_;
     Context context_;
     Reservation memory_;
-    std::unique_ptr<plugin_host::ParticleVisit> visit_;
+    std::unique_ptr<plugin_host::ParticleSession> visit_;
     ParticleTable table_;
   };
 
@@ -235,7 +236,7 @@ std::vector<std::unique_ptr<const ParticleFormat>> find_particle_plugins(const p
                                                                           .title = std::move(table.title),
                                                                           .extensions = std::move(table.extensions),
                                                                           .has_frames = true,
-                                                                          .known_by_name = true,
+                                                                          .needs_extension = true,
                                                                           .from_standard_input = false},
                                                 folders));
   }

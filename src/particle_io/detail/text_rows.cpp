@@ -13,11 +13,11 @@ namespace isoextract::particle_io {
 namespace {
 
 [[noreturn]] void text_ends(const ContentReader& content, std::uint64_t found, std::uint64_t count) {
-  throw CutShort(fmt::format("expected {} lines of particles, found {} before the end of the file at line {}", count,
-                             found, content.line_number()));
+  throw TruncatedFrame(fmt::format("expected {} lines of particles, found {} before the end of the file at line {}",
+                                   count, found, content.line_number()));
 }
 
-// Calls use(row, line) for the next `count` lines. Throws DamagedParticles if the text ends before.
+// Calls use(row, line) for the next `count` lines. Throws InvalidParticleFile if the text ends before.
 template <class Use>
 void for_each_row(ContentReader& content, std::uint64_t count, Use&& use) {
   for (std::uint64_t row = 0; row < count; ++row) {
@@ -66,7 +66,7 @@ std::optional<double> DecimalReader::number(std::string_view word) {
   return value;
 }
 
-std::optional<std::uint64_t> whole_number_in(std::string_view word) {
+std::optional<std::uint64_t> parse_whole_number(std::string_view word) {
   std::uint64_t value = 0;
   const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (status != std::errc{} || end != word.data() + word.size()) return std::nullopt;
@@ -82,7 +82,7 @@ void split_words(std::string_view line, std::vector<std::string_view>& words) {
     while (at != end && is_space(*at)) ++at;
     if (at == end) return;
     const char* const first = at;
-    if (words.size() == kMostColumns) {
+    if (words.size() == kMaxParticleColumns) {
       words.emplace_back(first, static_cast<std::size_t>(end - first));
       return;
     }
@@ -99,8 +99,8 @@ void words_of_row(const ContentReader& content, std::string_view line, std::size
   }
 }
 
-void put_row(const ContentReader& content, const ParticleTable& table, std::span<const std::string_view> fields,
-             std::size_t particle, std::span<const ColumnSink> sinks, DecimalReader* decimals) {
+void deliver_row(const ContentReader& content, const ParticleTable& table, std::span<const std::string_view> fields,
+                 std::size_t particle, std::span<const ColumnSink> sinks, DecimalReader* decimals) {
   for (const ColumnSink& sink : sinks) {
     const std::string_view field = fields[sink.column];
     const auto value = field.empty()         ? std::numeric_limits<double>::quiet_NaN()
@@ -121,7 +121,7 @@ void read_rows(ContentReader& content, const ParticleTable& table, std::uint64_t
   std::vector<std::string_view> words;
   for_each_row(content, count, [&](std::uint64_t row, std::string_view line) {
     words_of_row(content, line, table.columns.size(), words);
-    put_row(content, table, words, static_cast<std::size_t>(row), sinks);
+    deliver_row(content, table, words, static_cast<std::size_t>(row), sinks);
   });
 }
 
@@ -129,7 +129,7 @@ void skip_rows(ContentReader& content, std::uint64_t count) {
   for_each_row(content, count, [](std::uint64_t, std::string_view) {});
 }
 
-void look_for_text(ParticleTable& table, std::span<const std::string_view> fields, bool commas) {
+void mark_text_columns(ParticleTable& table, std::span<const std::string_view> fields, bool commas) {
   for (std::size_t i = 0; i < fields.size() && i < table.columns.size(); ++i) {
     if (fields[i].empty() || number_in(fields[i]) || (commas && DecimalReader().number(fields[i]))) continue;
     table.columns[i].numeric = false;
@@ -137,10 +137,10 @@ void look_for_text(ParticleTable& table, std::span<const std::string_view> field
   }
 }
 
-void look_for_text_ahead(ContentReader& content, ParticleTable& table) {
+void mark_text_columns_ahead(ContentReader& content, ParticleTable& table) {
   std::vector<std::string_view> words;
   split_words(content.peek_line().value_or(""), words);
-  look_for_text(table, words);
+  mark_text_columns(table, words);
 }
 
 }  // namespace isoextract::particle_io

@@ -15,7 +15,7 @@ namespace isoextract::particle_io {
 // Parses all of `word` as a number, also NaN and infinity. Returns 0 for numbers too small for double, infinity for
 // numbers too large.
 [[nodiscard]] std::optional<double> number_in(std::string_view word);
-[[nodiscard]] std::optional<std::uint64_t> whole_number_in(std::string_view word);
+[[nodiscard]] std::optional<std::uint64_t> parse_whole_number(std::string_view word);
 
 // Parses numbers with a decimal point or comma, whichever the first one uses: some languages write commas. Returns
 // nothing for a number with the other mark or with both, which may be a thousands separator.
@@ -32,24 +32,24 @@ class DecimalReader {
 // Splits at spaces and tabs; everything after kMostColumns words is one word.
 void split_words(std::string_view line, std::vector<std::string_view>& words);
 
-// Splits a line that must have `count` words. Throws DamagedParticles.
+// Splits a line that must have `count` words. Throws InvalidParticleFile.
 void words_of_row(const ContentReader& content, std::string_view line, std::size_t count,
                   std::vector<std::string_view>& words);
 
 // Delivers the numbers of a row to particle `particle`. An empty field is NaN. Without `decimals`, only decimal points
-// are accepted. Throws DamagedParticles.
-void put_row(const ContentReader& content, const ParticleTable& table, std::span<const std::string_view> fields,
-             std::size_t particle, std::span<const ColumnSink> sinks, DecimalReader* decimals = nullptr);
+// are accepted. Throws InvalidParticleFile.
+void deliver_row(const ContentReader& content, const ParticleTable& table, std::span<const std::string_view> fields,
+                 std::size_t particle, std::span<const ColumnSink> sinks, DecimalReader* decimals = nullptr);
 
-// Reads the next `count` lines as rows of words. Throws DamagedParticles if the text ends before.
+// Reads the next `count` lines as rows of words. Throws InvalidParticleFile if the text ends before.
 void read_rows(ContentReader& content, const ParticleTable& table, std::uint64_t count,
                std::span<const ColumnSink> sinks);
-// Skips the next `count` lines. Throws DamagedParticles if the text ends before.
+// Skips the next `count` lines. Throws InvalidParticleFile if the text ends before.
 void skip_rows(ContentReader& content, std::uint64_t count);
 
 // Marks columns as text whose field in the first row is not a number. `commas`: accepts decimal commas.
-void look_for_text(ParticleTable& table, std::span<const std::string_view> fields, bool commas = false);
+void mark_text_columns(ParticleTable& table, std::span<const std::string_view> fields, bool commas = false);
 // Does the same for the next line, split into words.
-void look_for_text_ahead(ContentReader& content, ParticleTable& table);
+void mark_text_columns_ahead(ContentReader& content, ParticleTable& table);
 
 }  // namespace isoextract::particle_io

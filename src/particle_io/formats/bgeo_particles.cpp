@@ -15,7 +15,7 @@ namespace isoextract::particle_io {
 namespace {
 
 constexpr std::string_view kBgeoMagic = "BgeoV";
-constexpr std::size_t kMostNameBytes = 1024;  // Houdini's own names are far shorter
+constexpr std::size_t kMaxNameBytes = 1024;  // Houdini's own names are far shorter
 
 std::uint32_t bgeo_whole(ContentReader& content, std::size_t bytes, std::string_view what) {
   std::uint32_t value = 0;
@@ -27,8 +27,8 @@ std::uint32_t bgeo_whole(ContentReader& content, std::size_t bytes, std::string_
 std::uint32_t bgeo_count(ContentReader& content, std::string_view what) {
   const std::uint32_t value = bgeo_whole(content, 4, what);
   if (value > 0x7fffffff) {
-    throw DamagedParticles(fmt::format("expected the number of {} before byte {}, found {}", what, content.position(),
-                                       std::bit_cast<std::int32_t>(value)));
+    throw InvalidParticleFile(fmt::format("expected the number of {} before byte {}, found {}", what,
+                                          content.position(), std::bit_cast<std::int32_t>(value)));
   }
   return value;
 }
@@ -49,9 +49,10 @@ struct BgeoFile {
 // Reads the definition of a point attribute and its default; adds its columns and their places in a record.
 void read_bgeo_attribute(ContentReader& content, BgeoFile& bgeo) {
   const std::string name = bgeo_text(content, "the name of an attribute");
-  if (name.size() > kMostNameBytes) {
-    throw DamagedParticles(fmt::format("expected a name of an attribute of at most {} bytes before byte {}, found {}",
-                                       kMostNameBytes, content.position(), name.size()));
+  if (name.size() > kMaxNameBytes) {
+    throw InvalidParticleFile(
+        fmt::format("expected a name of an attribute of at most {} bytes before byte {}, found {}", kMaxNameBytes,
+                    content.position(), name.size()));
   }
   const std::size_t size = bgeo_whole(content, 2, "the size of an attribute");
   const std::uint32_t type = bgeo_whole(content, 4, "the type of an attribute");
@@ -60,12 +61,12 @@ void read_bgeo_attribute(ContentReader& content, BgeoFile& bgeo) {
   constexpr std::uint32_t kIndex = 4;  // index of a text
   constexpr std::uint32_t kVector = 5;
   if (type != kFloat && type != kInteger && type != kIndex && type != kVector) {
-    throw DamagedParticles(
+    throw InvalidParticleFile(
         fmt::format("expected an attribute of floats, integers, texts or a vector as '{}', found type "
                     "{}, whose size nothing tells",
                     printable(name, 80), type));
   }
-  if (bgeo.table.columns.size() + size > kMostColumns) throw DamagedParticles("expected fewer attributes");
+  if (bgeo.table.columns.size() + size > kMaxParticleColumns) throw InvalidParticleFile("expected fewer attributes");
   if (type == kIndex) {
     const std::uint32_t texts = bgeo_count(content, "texts");
     check_count(content, texts, 2);
@@ -88,7 +89,7 @@ void read_bgeo_attribute(ContentReader& content, BgeoFile& bgeo) {
 BgeoFile read_bgeo_header(ContentReader& content) {
   static_cast<void>(content.take(kBgeoMagic.size(), "the magic"));
   const std::uint32_t version = bgeo_whole(content, 4, "the version");
-  if (version != 5) throw DamagedParticles(fmt::format("expected BGEO version 5, found {}", version));
+  if (version != 5) throw InvalidParticleFile(fmt::format("expected BGEO version 5, found {}", version));
   BgeoFile bgeo;
   bgeo.points = bgeo_count(content, "points");
   const std::uint32_t primitives = bgeo_count(content, "primitives");
@@ -135,7 +136,7 @@ class BgeoParticles final : public ParticleFormat {
   }
 
   [[nodiscard]] ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const override {
-    if (is_newer(file)) return read_houdini(file, survey_houdini(file), options);
+    if (is_newer(file)) return read_houdini(file, scan_houdini(file), options);
     ContentReader content(file);
     BgeoFile bgeo = read_bgeo_header(content);
     const ColumnChoice choice = choose_columns(bgeo.table, options);
@@ -160,10 +161,10 @@ class BgeoParticles final : public ParticleFormat {
     if (is_houdini(start)) return true;
     if (files::starts_with(start, kBgeoMagic)) return false;
     if (files::starts_with(start, "scf1")) {
-      throw DamagedParticles("expected BGEO, plain or gzip, found it packed by blosc (.bgeo.sc), which is not read",
-                             "save it as .bgeo or .bgeo.gz");
+      throw InvalidParticleFile("expected BGEO, plain or gzip, found it packed by blosc (.bgeo.sc), which is not read",
+                                "save it as .bgeo or .bgeo.gz");
     }
-    throw DamagedParticles(
+    throw InvalidParticleFile(
         fmt::format("not BGEO: expected 'BgeoV' or '\\x7fNSJb' at the start, found '{}'", printable(start, 16)));
   }
 };

@@ -53,7 +53,7 @@ class FieldSplitter {
     while (true) {
       skip_spaces(line);
       if (delimiter_ == kWords && line.empty()) return true;
-      if (fields.size() == kMostColumns) {
+      if (fields.size() == kMaxParticleColumns) {
         fields.push_back(line);
         return true;
       }
@@ -122,7 +122,7 @@ bool are_names(std::span<const std::string_view> fields, char delimiter) {
          std::ranges::any_of(fields, [](std::string_view field) { return !field.empty(); });
 }
 
-std::string_view without_utf8_mark(std::string_view line) {
+std::string_view without_byte_order_mark(std::string_view line) {
   return line.starts_with("\xEF\xBB\xBF") ? line.substr(3) : line;
 }
 
@@ -191,7 +191,7 @@ CsvFile survey_csv(const files::InputFile& file) {
   std::uint64_t first_line = 0;
   std::uint64_t lines = 0;
   while (const auto raw = content.next_line()) {
-    const std::string_view line = content.line_number() == 1 ? without_utf8_mark(*raw) : *raw;
+    const std::string_view line = content.line_number() == 1 ? without_byte_order_mark(*raw) : *raw;
     if (is_blank(line)) continue;
     if (is_comment(line)) {
       if (lines == 0) comment = line;
@@ -204,10 +204,10 @@ CsvFile survey_csv(const files::InputFile& file) {
       second = line;
     }
   }
-  if (lines == 0) throw DamagedParticles("expected a table, found no line of one");
+  if (lines == 0) throw InvalidParticleFile("expected a table, found no line of one");
   const auto delimiter = find_delimiter(first, second);
   if (!delimiter) {
-    throw DamagedParticles(
+    throw InvalidParticleFile(
         fmt::format("line {}: expected three columns or more, with commas, semicolons, tabs, bars or spaces between "
                     "them, and as many in the next line, found '{}'",
                     first_line, printable(first, 40)));
@@ -216,19 +216,20 @@ CsvFile survey_csv(const files::InputFile& file) {
   FieldSplitter splitter(csv.delimiter);
   std::vector<std::string_view> fields;
   splitter.split(first, fields);
-  if (fields.size() > kMostColumns) {
-    throw DamagedParticles(fmt::format("line {}: expected at most {} columns, found more", first_line, kMostColumns));
+  if (fields.size() > kMaxParticleColumns) {
+    throw InvalidParticleFile(
+        fmt::format("line {}: expected at most {} columns, found more", first_line, kMaxParticleColumns));
   }
   const bool commas = csv.delimiter != ',';
   if (are_names(fields, csv.delimiter)) {
     csv.rows = lines - 1;
     csv.header_line = first_line;
     name_columns(csv, fields);
-    if (second && splitter.split(*second, fields)) look_for_text(csv.table, fields, commas);
+    if (second && splitter.split(*second, fields)) mark_text_columns(csv.table, fields, commas);
   } else {
     csv.rows = lines;
     name_columns_of_values(csv, comment, fields.size());
-    look_for_text(csv.table, fields, commas);
+    mark_text_columns(csv.table, fields, commas);
   }
   group_by_names(csv.table);
   return csv;
@@ -242,12 +243,12 @@ bool read_csv_rows(ContentReader& content, const CsvFile& csv, std::span<const C
   std::vector<std::string_view> fields;
   const std::size_t columns = csv.table.columns.size();
   const auto changed = [&] {
-    throw DamagedParticles(
+    throw InvalidParticleFile(
         fmt::format("expected {} rows, as there were at first; it was written to meanwhile", csv.rows));
   };
   std::uint64_t row = 0;
   while (const auto raw = content.next_line()) {
-    const std::string_view line = content.line_number() == 1 ? without_utf8_mark(*raw) : *raw;
+    const std::string_view line = content.line_number() == 1 ? without_byte_order_mark(*raw) : *raw;
     if (content.line_number() == csv.header_line || is_blank(line) || is_comment(line)) continue;
     if (row == csv.rows) changed();
     if (!splitter.split(line, fields)) content.expected("fields whose quotes end in their line", line);
@@ -256,7 +257,7 @@ bool read_csv_rows(ContentReader& content, const CsvFile& csv, std::span<const C
     if (fields.size() != columns && !ends_with_one) {
       content.expected(fmt::format("{} fields, not {}", columns, fields.size()), line);
     }
-    put_row(content, csv.table, fields, static_cast<std::size_t>(row), sinks, commas);
+    deliver_row(content, csv.table, fields, static_cast<std::size_t>(row), sinks, commas);
     ++row;
   }
   if (row < csv.rows) changed();
@@ -270,7 +271,7 @@ class CsvParticles final : public ParticleFormat {
                         .title = "table as text, with or without names of columns",
                         .extensions = {".csv", ".tsv"},
                         .has_columns = true,
-                        .known_by_name = true}) {}
+                        .needs_extension = true}) {}
 
   [[nodiscard]] ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const override {
     const CsvFile csv = survey_csv(file);

@@ -18,7 +18,7 @@ namespace isoextract::particle_io {
 namespace {
 
 constexpr std::uint64_t kMostComponents = 1024;
-constexpr std::uint64_t kMostPage = 65536;  // elements; Houdini uses 1024
+constexpr std::uint64_t kMaxPageElements = 65536;  // elements; Houdini uses 1024
 constexpr std::size_t kMostNamesOfMap = 256;
 
 // Calls use(name, first token of the value) for each pair of an array or a map; use() must consume the value. Rejects
@@ -33,8 +33,8 @@ void each_pair(HoudiniJson& json, const JsonToken& first, F&& use) {
     if (name.kind != JsonToken::Kind::text) json.expected("a name");
     if (names.size() == kMostNamesOfMap) json.expected(fmt::format("at most {} names in a map", kMostNamesOfMap));
     if (!names.insert(name.text).second) {
-      throw DamagedParticles(fmt::format("expected each name of a map once, found '{}' again before byte {}",
-                                         printable(name.text, 80), json.content().position()));
+      throw InvalidParticleFile(fmt::format("expected each name of a map once, found '{}' again before byte {}",
+                                            printable(name.text, 80), json.content().position()));
     }
     const JsonToken value = json.next();
     if (value.kind == JsonToken::Kind::end) json.expected("a value behind a name");
@@ -76,10 +76,10 @@ class AttributeSinks {
 };
 
 // Tracks the position within an attribute's pages while its numbers arrive.
-class PageWalk {
+class PageCursor {
  public:
-  PageWalk(const AttributeSinks& sinks, std::uint64_t page, std::vector<std::uint64_t> packing,
-           const std::vector<std::vector<bool>>& constant)
+  PageCursor(const AttributeSinks& sinks, std::uint64_t page, std::vector<std::uint64_t> packing,
+             const std::vector<std::vector<bool>>& constant)
       : sinks_(sinks), page_(page), packing_(std::move(packing)), constant_(constant) {}
 
   // Returns false if there are too many numbers.
@@ -151,7 +151,7 @@ void read_pages(HoudiniJson& json, const JsonToken& first, Paging& paging, const
   for (const std::uint64_t part : paging.packing) components += part;
   const bool has_empty = std::ranges::count(paging.packing, 0U) > 0;
   if (components != sinks.size() || has_empty) json.expected("sub-vectors of all components of an attribute");
-  PageWalk walk(sinks, paging.page, std::move(paging.packing), paging.constant);
+  PageCursor walk(sinks, paging.page, std::move(paging.packing), paging.constant);
   json.each_number(first, [&](double value) {
     if (!walk.take(value)) json.expected("the end of the data of pages");
   });
@@ -182,7 +182,7 @@ void read_attribute_numbers(HoudiniJson& json, const JsonToken& first, const Att
         json.expected("values of the size of their attribute");
       }
     } else if (name == "pagesize") {
-      paging.page = whole_of(json, value, "the size of a page", kMostPage);
+      paging.page = whole_of(json, value, "the size of a page", kMaxPageElements);
     } else if (name == "packing") {
       json.each_number(value, [&](double part) {
         if (!(part >= 0 && part <= kMostComponents) || paging.packing.size() == kMostComponents) {
@@ -228,7 +228,7 @@ std::optional<AttributeKind> kind_of(const HoudiniAttribute& attribute) {
 }
 
 // State of the second pass: the result of the first, and the sinks for the numbers, sorted by column.
-struct SecondWalk {
+struct SecondPass {
   const HoudiniFile& first;
   std::span<const ColumnSink> sinks;
 
@@ -242,7 +242,7 @@ struct SecondWalk {
 
 void expect_unchanged(bool same, std::string_view what) {
   if (!same) {
-    throw DamagedParticles(
+    throw InvalidParticleFile(
         fmt::format("{} changed while the file was read: expected the same in both passes over it", what),
         "convert it when nothing writes to it");
   }
@@ -290,7 +290,7 @@ std::size_t columns_of(const HoudiniAttribute& attribute) {
 }
 
 // Reads the whole file. The first pass, without `second`, finds its contents.
-HoudiniFile walk_houdini(ContentReader& content, const SecondWalk* second) {
+HoudiniFile parse_houdini(ContentReader& content, const SecondPass* second) {
   HoudiniJson json(content);
   HoudiniFile found;
   std::size_t columns = 0;
@@ -309,7 +309,7 @@ HoudiniFile walk_houdini(ContentReader& content, const SecondWalk* second) {
       }
       found.attributes.push_back(read_attribute(json, token, found.points, expected, sinks, columns));
       columns += columns_of(found.attributes.back());
-      if (columns > kMostColumns) json.expected("fewer attributes");
+      if (columns > kMaxParticleColumns) json.expected("fewer attributes");
     }
   };
   each_pair(json, json.next(), [&](const std::string& name, const JsonToken& value) {
@@ -358,22 +358,22 @@ ParticleTable houdini_table(const HoudiniFile& file) {
     add_tuple(table, attribute.name, printable(type, 40), columns_of(attribute), numeric, kind_of(attribute));
   }
   make_group_names_unique(table);
-  if (!table.position) throw DamagedParticles("expected the attribute P of points, found none");
+  if (!table.position) throw InvalidParticleFile("expected the attribute P of points, found none");
   return table;
 }
 
 }  // namespace
 
-HoudiniFile survey_houdini(const files::InputFile& file) {
+HoudiniFile scan_houdini(const files::InputFile& file) {
   const files::FileVersion version = must(files::version_of(file));
   ContentReader content(file);
-  HoudiniFile found = walk_houdini(content, nullptr);
+  HoudiniFile found = parse_houdini(content, nullptr);
   found.version = version;
   return found;
 }
 
 ParticleInfo houdini_info(const files::InputFile& file, const ParticleReadOptions& options) {
-  const HoudiniFile found = survey_houdini(file);
+  const HoudiniFile found = scan_houdini(file);
   ParticleInfo info;
   info.particles = found.points;
   info.notes = found.notes;
@@ -386,13 +386,13 @@ ParticleFile read_houdini(const files::InputFile& file, const HoudiniFile& surve
   const ColumnChoice choice = choose_columns(houdini_table(surveyed), options);
   ContentReader content(file);
   // Each page of P has at least one tuple.
-  check_count(content, (surveyed.points + kMostPage - 1) / kMostPage, 3);
+  check_count(content, (surveyed.points + kMaxPageElements - 1) / kMaxPageElements, 3);
   ParticleFile result;
   result.particles = make_particles(file.context(), file.name(), surveyed.points, choice);
   if (surveyed.points > 0) {
     const std::vector<ColumnSink> sinks = sinks_of(result.particles, choice);
-    const SecondWalk second{surveyed, sinks};
-    walk_houdini(content, &second);
+    const SecondPass second{surveyed, sinks};
+    parse_houdini(content, &second);
     must(files::check_unchanged(file, surveyed.version));
   }
   result.creator = surveyed.software.starts_with("Houdini") ? surveyed.software : kHoudiniFormat;

@@ -32,10 +32,10 @@ struct HoudiniFile {
   files::FileVersion version;
 };
 
-// All functions throw DamagedParticles and Refused.
+// All functions throw InvalidParticleFile and Refused.
 
 // Reads the whole file for its counts and attributes, without their numbers.
-[[nodiscard]] HoudiniFile survey_houdini(const files::InputFile& file);
+[[nodiscard]] HoudiniFile scan_houdini(const files::InputFile& file);
 
 // Implement ParticleFormat::info and read. Reading takes a second pass, which must find the same attributes.
 [[nodiscard]] ParticleInfo houdini_info(const files::InputFile& file, const ParticleReadOptions& options);

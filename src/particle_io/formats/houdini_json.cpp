@@ -52,12 +52,12 @@ HoudiniJson::HoudiniJson(ContentReader& content) : content_(content) {
   if (files::starts_with(magic, kHoudiniMagicBig)) {
     endian_ = std::endian::big;
   } else if (!files::starts_with(magic, kHoudiniMagicLittle)) {
-    throw DamagedParticles("expected Houdini's binary JSON, found other bytes");
+    throw InvalidParticleFile("expected Houdini's binary JSON, found other bytes");
   }
 }
 
 void HoudiniJson::expected(std::string_view what) const {
-  throw DamagedParticles(
+  throw InvalidParticleFile(
       fmt::format("expected {} before byte {}, found something else or the end", what, content_.position()));
 }
 
@@ -92,7 +92,7 @@ double HoudiniJson::number(NumberType type) {
 
 std::string HoudiniJson::text() {
   const std::uint64_t bytes = length();
-  const auto kept = static_cast<std::size_t>(std::min<std::uint64_t>(bytes, kMostText));
+  const auto kept = static_cast<std::size_t>(std::min<std::uint64_t>(bytes, kMaxText));
   const auto taken = content_.take(kept, "a text");
   std::string text(reinterpret_cast<const char*>(taken.data()), kept);
   content_.skip(bytes - kept, "a text");
@@ -107,7 +107,7 @@ JsonToken HoudiniJson::uniform_array() {
   if (const auto type = number_of_code(code)) {
     token.kind = JsonToken::Kind::numbers;
     token.type = *type;
-    if (token.count > content_.most_left() / number_size(*type)) expected("as many numbers as it says");
+    if (token.count > content_.max_remaining_bytes() / number_size(*type)) expected("as many numbers as it says");
     return token;
   }
   switch (code) {
@@ -119,7 +119,7 @@ JsonToken HoudiniJson::uniform_array() {
     case kNameReference: token.kind = JsonToken::Kind::names; break;
     default: expected("a type of the elements of an array");
   }
-  if (least > content_.most_left()) expected("as many elements as it says");
+  if (least > content_.max_remaining_bytes()) expected("as many elements as it says");
   return token;
 }
 

@@ -29,10 +29,10 @@ struct JsonToken {
   NumberType type = NumberType::f64;  // of uniform arrays: type of the elements
 };
 
-// Throws DamagedParticles and Refused.
+// Throws InvalidParticleFile and Refused.
 class HoudiniJson {
  public:
-  static constexpr std::size_t kMostText = 4096;
+  static constexpr std::size_t kMaxText = 4096;
 
   // Consumes the signature.
   explicit HoudiniJson(ContentReader& content);

@@ -47,7 +47,7 @@ std::string_view length_unit_of(std::string_view units) {
 
 std::string_view line_of(ContentReader& content, std::string_view what) {
   const auto line = content.next_line();
-  if (!line) throw CutShort(fmt::format("expected {}, found the end of the file", what));
+  if (!line) throw TruncatedFrame(fmt::format("expected {}, found the end of the file", what));
   return *line;
 }
 
@@ -125,7 +125,7 @@ bool next_lammps_frame(ContentReader& content, LammpsFrame& frame) {
   while (true) {
     const auto line = content.next_line();
     if (!line && !has_step && !has_atoms) return false;
-    if (!line) throw CutShort("expected 'ITEM: ATOMS', found the end of the file");
+    if (!line) throw TruncatedFrame("expected 'ITEM: ATOMS', found the end of the file");
     split_words(*line, words);
     if (words.empty() && !has_step) continue;
     if (words.size() < 2 || words[0] != "ITEM:") content.expected("a line 'ITEM: ...'", *line);
@@ -136,7 +136,7 @@ bool next_lammps_frame(ContentReader& content, LammpsFrame& frame) {
       frame.units = printable(line_of(content, "the units"), 40);
     } else if (words[1] == "NUMBER" && words.size() == 4 && words[3] == "ATOMS") {
       const std::string_view text = line_of(content, "the number of atoms");
-      const auto count = whole_number_in(text);
+      const auto count = parse_whole_number(text);
       if (!count) content.expected("the number of atoms", text);
       frame.atoms = *count;
       has_atoms = true;
@@ -146,7 +146,8 @@ bool next_lammps_frame(ContentReader& content, LammpsFrame& frame) {
       frame.box = read_lammps_box(content, words);
     } else if (words[1] == "ATOMS") {
       if (!has_atoms) content.expected("'ITEM: NUMBER OF ATOMS' before 'ITEM: ATOMS'", "none");
-      if (words.size() - 2 > kMostColumns) content.expected(fmt::format("at most {} columns", kMostColumns), *line);
+      if (words.size() - 2 > kMaxParticleColumns)
+        content.expected(fmt::format("at most {} columns", kMaxParticleColumns), *line);
       for (std::size_t i = 2; i < words.size(); ++i) {
         frame.table.columns.push_back({std::string(words[i]), {}, "number", true});
       }
@@ -157,7 +158,7 @@ bool next_lammps_frame(ContentReader& content, LammpsFrame& frame) {
   }
   if (frame.table.columns.empty()) content.expected("the names of columns after 'ITEM: ATOMS'", "");
   find_lammps_position(frame);
-  if (frame.atoms > 0) look_for_text_ahead(content, frame.table);
+  if (frame.atoms > 0) mark_text_columns_ahead(content, frame.table);
   group_by_names(frame.table);
   frame.unit = length_unit_of(frame.units);
   return true;
@@ -167,11 +168,11 @@ bool next_lammps_frame(ContentReader& content, LammpsFrame& frame) {
 LammpsFrame find_lammps_frame(ContentReader& content, const FrameIndex& index, const ParticleReadOptions& options) {
   const std::uint64_t wanted = wanted_frame(options);
   LammpsFrame frame;
-  for (std::uint64_t k = index.go_to_nearest(content, wanted, frame.units);; ++k) {
+  for (std::uint64_t k = index.seek_nearest_frame(content, wanted, frame.units);; ++k) {
     index.add(k, content, frame.units);
     if (!next_lammps_frame(content, frame)) {
-      if (k == 0) throw DamagedParticles("expected 'ITEM: TIMESTEP', found nothing");
-      refuse_frame(options, k);
+      if (k == 0) throw InvalidParticleFile("expected 'ITEM: TIMESTEP', found nothing");
+      throw_frame_error(options, k);
     }
     if (k == wanted) return frame;
     skip_rows(content, frame.atoms);
@@ -208,7 +209,7 @@ void unscale(Buffer<glm::dvec3>& positions, const LammpsFrame& frame, const std:
   }
   if (times == std::array{0, 0, 0}) return;
   const LammpsBox& box = frame.box;
-  if (!box.is_known) throw DamagedParticles("expected 'ITEM: BOX BOUNDS' before positions that are fractions of it");
+  if (!box.is_known) throw InvalidParticleFile("expected 'ITEM: BOX BOUNDS' before positions that are fractions of it");
   const auto axis_of = [&](std::size_t k) { return static_cast<glm::length_t>(*axes[k]); };
   if (times == std::array{1, 1, 1}) {
     for (glm::dvec3& p : positions) {
@@ -225,7 +226,7 @@ void unscale(Buffer<glm::dvec3>& positions, const LammpsFrame& frame, const std:
   if (edges != upright) {
     std::string names;
     for (const std::size_t column : columns) names += ' ' + printable(frame.table.columns[column].name, 80);
-    throw DamagedParticles(
+    throw InvalidParticleFile(
         fmt::format("expected fractions of all three edges of the triclinic box as x, y and z, found{}", names),
         "take xs, ys and zs, each once, or three columns of lengths");
   }
@@ -279,7 +280,7 @@ class LammpsParticles final : public ParticleFormat {
     index.add(wanted_frame(options) + 1, content, frame.units);
     if (!options.frame) {
       const std::uint64_t frames = count_lammps_frames(content, index, 1, frame);
-      if (frames > 1) refuse_frame(options, frames);
+      if (frames > 1) throw_frame_error(options, frames);
     }
     unscale(result.particles.positions, frame, choice.position);
     result.length_unit = frame.unit;

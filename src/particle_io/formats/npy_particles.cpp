@@ -81,13 +81,13 @@ struct NpyParticleFile {
 };
 
 [[noreturn]] void refuse_npy_type(std::string_view descr) {
-  throw DamagedParticles(fmt::format("expected numbers, found the type {}", printable(descr, 40)),
-                         "convert the array in NumPy, for example with a.astype('f4')");
+  throw InvalidParticleFile(fmt::format("expected numbers, found the type {}", printable(descr, 40)),
+                            "convert the array in NumPy, for example with a.astype('f4')");
 }
 
 bool are_rows(const volume_io::NpyHeader& header) {
   if (!header.fields.empty()) return header.shape.size() == 1;
-  return header.shape.size() == 2 && header.shape[1] >= 3 && header.shape[1] <= kMostColumns;
+  return header.shape.size() == 2 && header.shape[1] >= 3 && header.shape[1] <= kMaxParticleColumns;
 }
 
 void add_npy_fields(NpyParticleFile& npy) {
@@ -98,8 +98,8 @@ void add_npy_fields(NpyParticleFile& npy) {
     for (const std::uint64_t size : field.shape) {
       components = checked_product(components, size).value_or(~std::uint64_t{0});
     }
-    if (components > kMostColumns - npy.table.columns.size() || element->bytes > kMostFieldBytes) {
-      throw DamagedParticles(fmt::format("expected a smaller field '{}'", printable(field.name, 80)));
+    if (components > kMaxParticleColumns - npy.table.columns.size() || element->bytes > kMostFieldBytes) {
+      throw InvalidParticleFile(fmt::format("expected a smaller field '{}'", printable(field.name, 80)));
     }
     const bool numeric = element->number.has_value();
     add_tuple(npy.table, field.name, numeric ? std::string(number_name(*element->number)) : printable(field.descr, 40),
@@ -111,7 +111,7 @@ void add_npy_fields(NpyParticleFile& npy) {
   }
   make_group_names_unique(npy.table);
   // Single columns may form groups by name: x, y, z, vx, vy, vz.
-  if (std::ranges::all_of(npy.table.groups, [](const ColumnGroup& group) { return group.columns.size() == 1; })) {
+  if (std::ranges::all_of(npy.table.groups, [](const ColumnTuple& group) { return group.columns.size() == 1; })) {
     npy.table.groups.clear();
     group_by_names(npy.table);
   }
@@ -134,10 +134,10 @@ NpyParticleFile open_npy_particles(const files::InputFile& file) {
   NpyParticleFile npy;
   npy.header = must(volume_io::read_npy_header(file));
   if (!are_rows(npy.header)) {
-    throw DamagedParticles(
+    throw InvalidParticleFile(
         fmt::format("expected an array of particles with a row each, N x 3 to N x {}, or a structured "
                     "array with one axis, found shape ({}) of {}",
-                    kMostColumns, fmt::join(npy.header.shape, ", "), printable(npy.header.descr, 40)));
+                    kMaxParticleColumns, fmt::join(npy.header.shape, ", "), printable(npy.header.descr, 40)));
   }
   npy.particles = npy.header.shape[0];
   if (npy.header.fields.empty()) {
@@ -146,9 +146,9 @@ NpyParticleFile open_npy_particles(const files::InputFile& file) {
   } else {
     add_npy_fields(npy);
   }
-  if (npy.layout.bytes == 0 || npy.layout.bytes > ContentReader::kMostPeeked) {
-    throw DamagedParticles(
-        fmt::format("expected records of 1 to {} bytes, found {}", ContentReader::kMostPeeked, npy.layout.bytes));
+  if (npy.layout.bytes == 0 || npy.layout.bytes > ContentReader::kMaxPeekedBytes) {
+    throw InvalidParticleFile(
+        fmt::format("expected records of 1 to {} bytes, found {}", ContentReader::kMaxPeekedBytes, npy.layout.bytes));
   }
   return npy;
 }
@@ -209,9 +209,9 @@ class NpyParticles final : public ParticleFormat {
     } else {
       read_records(content, npy.layout, npy.particles, sinks);
     }
-    if (content.most_left() > 0) {
-      throw DamagedParticles(fmt::format("expected {} particles of {} bytes, found {} bytes more", npy.particles,
-                                         npy.layout.bytes, content.most_left()));
+    if (content.max_remaining_bytes() > 0) {
+      throw InvalidParticleFile(fmt::format("expected {} particles of {} bytes, found {} bytes more", npy.particles,
+                                            npy.layout.bytes, content.max_remaining_bytes()));
     }
     if (!options.columns) result.notes = std::move(npy.notes);
     result.notes.insert(result.notes.end(), choice.notes.begin(), choice.notes.end());

@@ -70,7 +70,7 @@ void read_ply_property(const ContentReader& content, std::span<const std::string
   PlyElement& element = ply.elements.back();
   const bool is_list = words.size() > 1 && words[1] == "list";
   if (words.size() != (is_list ? 5 : 3)) content.expected("a type and a name of a property", words.back());
-  if (element.properties.size() == kMostColumns) content.expected("fewer properties", words.back());
+  if (element.properties.size() == kMaxParticleColumns) content.expected("fewer properties", words.back());
   PlyProperty property;
   if (is_list) property.count_type = ply_type(content, words[2]);
   property.type = ply_type(content, words[words.size() - 2]);
@@ -92,15 +92,15 @@ void check_ply_is_particles(const PlyFile& ply) {
   for (const PlyElement& element : ply.elements) {
     if (element.name != "face" && element.name != "tristrips") continue;
     if (element.count == 0) continue;
-    throw DamagedParticles(fmt::format("expected particles, found a mesh: a PLY file with {} {}", element.count,
-                                       element.name == "face" ? "faces" : "triangle strips"),
-                           "write its vertices alone, without faces");
+    throw InvalidParticleFile(fmt::format("expected particles, found a mesh: a PLY file with {} {}", element.count,
+                                          element.name == "face" ? "faces" : "triangle strips"),
+                              "write its vertices alone, without faces");
   }
 }
 
 // Limit of the header, whose elements and properties are kept in memory; a compressed file could have any number of
 // them.
-constexpr std::uint64_t kMostPlyHeader = std::uint64_t{1} << 20;  // bytes
+constexpr std::uint64_t kMaxPlyHeaderBytes = std::uint64_t{1} << 20;  // bytes
 
 PlyFile read_ply_header(ContentReader& content) {
   PlyFile ply;
@@ -110,9 +110,9 @@ PlyFile read_ply_header(ContentReader& content) {
   if (!magic || *magic != "ply") content.expected("'ply'", magic.value_or(""));
   while (true) {
     const auto line = content.next_line();
-    if (!line) throw DamagedParticles("expected 'end_header' in a PLY file, found none");
-    if (content.position() > kMostPlyHeader) {
-      throw DamagedParticles(fmt::format("expected 'end_header' within {} bytes, found none", kMostPlyHeader));
+    if (!line) throw InvalidParticleFile("expected 'end_header' in a PLY file, found none");
+    if (content.position() > kMaxPlyHeaderBytes) {
+      throw InvalidParticleFile(fmt::format("expected 'end_header' within {} bytes, found none", kMaxPlyHeaderBytes));
     }
     split_words(*line, words);
     if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
@@ -121,9 +121,9 @@ PlyFile read_ply_header(ContentReader& content) {
       read_ply_format(content, words[1], ply);
       has_format = true;
     } else if (words[0] == "element" && words.size() == 3) {
-      const auto count = whole_number_in(words[2]);
+      const auto count = parse_whole_number(words[2]);
       if (!count) content.expected("a number of elements", words[2]);
-      if (ply.elements.size() == kMostColumns) content.expected("fewer elements", words[1]);
+      if (ply.elements.size() == kMaxParticleColumns) content.expected("fewer elements", words[1]);
       ply.elements.push_back({std::string(words[1]), *count, {}});
     } else if (words[0] == "property") {
       read_ply_property(content, words, ply);
@@ -131,17 +131,18 @@ PlyFile read_ply_header(ContentReader& content) {
       content.expected("format, element, property or comment", *line);
     }
   }
-  if (!has_format) throw DamagedParticles("expected a line 'format ...' in the header of a PLY file, found none");
+  if (!has_format) throw InvalidParticleFile("expected a line 'format ...' in the header of a PLY file, found none");
   check_ply_is_particles(ply);
   const auto vertex = std::ranges::find(ply.elements, "vertex", &PlyElement::name);
   if (vertex == ply.elements.end()) {
-    throw DamagedParticles("expected the element 'vertex' in the header of a PLY file, found none");
+    throw InvalidParticleFile("expected the element 'vertex' in the header of a PLY file, found none");
   }
   ply.vertices = static_cast<std::size_t>(vertex - ply.elements.begin());
   return ply;
 }
 
-// Makes a column for each number of a vertex. Lists have no columns; drop_lists() removes them from rows of text.
+// Makes a column for each number of a vertex. Lists have no columns; remove_list_words() removes them from rows of
+// text.
 ParticleTable ply_table(PlyFile& ply) {
   ParticleTable table;
   for (const PlyProperty& property : ply.vertex().properties) {
@@ -157,7 +158,7 @@ ParticleTable ply_table(PlyFile& ply) {
 
 std::uint64_t list_length(const PlyProperty& property, double length) {
   if (!(length >= 0) || length != std::floor(length) || length > 4294967295.0) {
-    throw DamagedParticles(
+    throw InvalidParticleFile(
         fmt::format("expected the length of a list '{}', found {}", printable(property.name, 80), length));
   }
   return static_cast<std::uint64_t>(length);
@@ -199,7 +200,7 @@ void skip_to_vertices(ContentReader& content, const PlyFile& ply) {
 }
 
 // Removes the words that belong to lists from a line.
-void drop_lists(const ContentReader& content, const PlyElement& vertex, std::vector<std::string_view>& words) {
+void remove_list_words(const ContentReader& content, const PlyElement& vertex, std::vector<std::string_view>& words) {
   std::size_t from = 0;
   std::vector<std::string_view> numbers;
   for (const PlyProperty& property : vertex.properties) {
@@ -224,10 +225,10 @@ void read_ply_rows(ContentReader& content, const PlyElement& vertex, const Parti
   std::vector<std::string_view> words;
   for (std::uint64_t v = 0; v < vertex.count; ++v) {
     const auto line = content.next_line();
-    if (!line) throw DamagedParticles(fmt::format("expected {} vertices, found {}", vertex.count, v));
+    if (!line) throw InvalidParticleFile(fmt::format("expected {} vertices, found {}", vertex.count, v));
     split_words(*line, words);
-    drop_lists(content, vertex, words);
-    put_row(content, table, words, static_cast<std::size_t>(v), sinks);
+    remove_list_words(content, vertex, words);
+    deliver_row(content, table, words, static_cast<std::size_t>(v), sinks);
   }
 }
 
@@ -243,7 +244,7 @@ void read_ply_records(ContentReader& content, const PlyFile& ply, std::span<cons
   std::vector<std::byte> record;
   for (std::uint64_t v = 0; v < vertex.count; ++v) {
     walk_ply_element(content, ply, vertex, record);
-    put_records(layout, record, static_cast<std::size_t>(v), sinks);
+    deliver_records(layout, record, static_cast<std::size_t>(v), sinks);
   }
 }
 

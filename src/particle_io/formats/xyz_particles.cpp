@@ -47,8 +47,9 @@ ParticleTable extended_table(const ContentReader& content, std::string_view prop
     const std::string name(next("a name"));
     const std::string_view type = next("a type");
     const std::string_view number = next("a number of columns");
-    const auto components = whole_number_in(number);
-    if (!components || *components == 0 || *components > kMostColumns - std::min(kMostColumns, table.columns.size())) {
+    const auto components = parse_whole_number(number);
+    if (!components || *components == 0 ||
+        *components > kMaxParticleColumns - std::min(kMaxParticleColumns, table.columns.size())) {
       content.expected("a number of columns in Properties", number);
     }
     if (std::string_view("RISL").find(type) == std::string_view::npos || type.size() != 1) {
@@ -72,11 +73,11 @@ ParticleTable extended_table(const ContentReader& content, std::string_view prop
 ParticleTable plain_table(ContentReader& content) {
   ParticleTable table;
   std::vector<std::string_view> words;
-  if (!content.peek_line()) throw CutShort("expected the line of an atom, found the end of the file");
+  if (!content.peek_line()) throw TruncatedFrame("expected the line of an atom, found the end of the file");
   split_words(content.peek_line().value_or(""), words);
-  if (words.size() < 3 || words.size() > kMostColumns) {
-    throw DamagedParticles(fmt::format("line {}: expected the name of an element and x, y, z, found '{}'",
-                                       content.line_number() + 1, printable(content.peek_line().value_or(""), 40)));
+  if (words.size() < 3 || words.size() > kMaxParticleColumns) {
+    throw InvalidParticleFile(fmt::format("line {}: expected the name of an element and x, y, z, found '{}'",
+                                          content.line_number() + 1, printable(content.peek_line().value_or(""), 40)));
   }
   if (words.size() > 3) add_tuple(table, "species", "number", 1);
   for (const char* axis : {"x", "y", "z"}) table.columns.push_back({axis, {}, "number", true});
@@ -86,7 +87,7 @@ ParticleTable plain_table(ContentReader& content) {
   while (table.columns.size() < words.size()) {
     add_tuple(table, fmt::format("column {}", table.columns.size() + 1), "number", 1);
   }
-  look_for_text(table, words);
+  mark_text_columns(table, words);
   return table;
 }
 
@@ -99,11 +100,11 @@ bool next_xyz_frame(ContentReader& content, XyzFrame& frame) {
     if (!line) return false;
     split_words(*line, words);
   } while (words.empty());  // after the last frame there may be empty lines
-  const auto count = whole_number_in(words.front());
+  const auto count = parse_whole_number(words.front());
   if (!count || words.size() != 1) content.expected("the number of atoms alone in a line", words.front());
   frame.atoms = *count;
   const auto comment = content.next_line();
-  if (!comment) throw CutShort("expected a comment after the number of atoms, found the end of the file");
+  if (!comment) throw TruncatedFrame("expected a comment after the number of atoms, found the end of the file");
   const auto properties = value_of_key(*comment, kProperties);
   const auto time = value_of_key(*comment, "Time=");
   if (time) frame.name = fmt::format("time {}", printable(*time, 40));
@@ -116,11 +117,11 @@ XyzFrame find_xyz_frame(ContentReader& content, const FrameIndex& index, const P
   const std::uint64_t wanted = wanted_frame(options);
   XyzFrame frame;
   std::string nothing;
-  for (std::uint64_t k = index.go_to_nearest(content, wanted, nothing);; ++k) {
+  for (std::uint64_t k = index.seek_nearest_frame(content, wanted, nothing);; ++k) {
     index.add(k, content, nothing);
     if (!next_xyz_frame(content, frame)) {
-      if (k == 0) throw DamagedParticles("expected the number of atoms, found nothing");
-      refuse_frame(options, k);
+      if (k == 0) throw InvalidParticleFile("expected the number of atoms, found nothing");
+      throw_frame_error(options, k);
     }
     if (k == wanted) return frame;
     skip_rows(content, frame.atoms);
@@ -146,7 +147,7 @@ class XyzParticles final : public ParticleFormat {
                         .extensions = {".xyz", ".extxyz"},
                         .has_frames = true,
                         .has_columns = true,
-                        .known_by_name = true}) {}
+                        .needs_extension = true}) {}
 
   // A count alone may begin any file; an extended one says what it is.
   [[nodiscard]] bool probe(const files::FileStart& start) const override {
@@ -157,7 +158,8 @@ class XyzParticles final : public ParticleFormat {
     while (!count.empty() && (count.back() == ' ' || count.back() == '\r')) count.remove_suffix(1);
     while (!count.empty() && count.front() == ' ') count.remove_prefix(1);
     text.remove_prefix(end + 1);
-    return whole_number_in(count).has_value() && value_of_key(text.substr(0, text.find('\n')), kProperties).has_value();
+    return parse_whole_number(count).has_value() &&
+           value_of_key(text.substr(0, text.find('\n')), kProperties).has_value();
   }
 
   [[nodiscard]] ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const override {
@@ -187,7 +189,7 @@ class XyzParticles final : public ParticleFormat {
     index.add(wanted_frame(options) + 1, content, {});
     if (!options.frame) {
       const std::uint64_t frames = count_xyz_frames(content, index, 1);
-      if (frames > 1) refuse_frame(options, frames);
+      if (frames > 1) throw_frame_error(options, frames);
     }
     result.notes = choice.notes;
     return result;

@@ -9,7 +9,7 @@
 
 namespace isoextract::plugin_host {
 
-enum class Said : std::uint64_t {
+enum class MessageKind : std::uint64_t {
   // From the program, for volumes:
   list_volume,  // path, first bytes of the file
   open_grid,    // grid index, bytes of the full box; with shared memory unless that is 0
@@ -22,7 +22,7 @@ enum class Said : std::uint64_t {
   refused,
   // From the worker:
   failed,            // reason
-  not_of_it,         // the file does not have the plug-in's format
+  wrong_format,      // the file does not have the plug-in's format
   listed,            // count; for each grid the members of isoextract_volume_grid
   reserve,           // bytes
   release,           // bytes
@@ -35,7 +35,7 @@ enum class Said : std::uint64_t {
 };
 
 // Returns a message that starts with this value.
-[[nodiscard]] inline sandbox::MessageWriter say(Said what) {
+[[nodiscard]] inline sandbox::MessageWriter say(MessageKind what) {
   sandbox::MessageWriter message;
   message.number(static_cast<std::uint64_t>(what));
   return message;

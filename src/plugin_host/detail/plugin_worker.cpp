@@ -43,17 +43,17 @@ class Program {
 
   bool reserve(std::uint64_t bytes) {
     const std::scoped_lock lock(mutex_);
-    return ask(say(Said::reserve).number(bytes)).has_value();
+    return ask(say(MessageKind::reserve).number(bytes)).has_value();
   }
 
   void release(std::uint64_t bytes) {
     const std::scoped_lock lock(mutex_);
-    static_cast<void>(tell(say(Said::release).number(bytes)));
+    static_cast<void>(tell(say(MessageKind::release).number(bytes)));
   }
 
   void* allocate(std::uint64_t bytes) {
     const std::scoped_lock lock(mutex_);
-    const auto granted = ask(say(Said::allocate).number(bytes));
+    const auto granted = ask(say(MessageKind::allocate).number(bytes));
     if (!granted) return nullptr;
     Mapping memory(granted->descriptor.get(), bytes, Mapping::Access::write);
     if (memory.bytes().empty()) return nullptr;
@@ -76,7 +76,7 @@ class Program {
   [[nodiscard]] std::optional<sandbox::ReceivedMessage> ask(const MessageWriter& question) const {
     if (!tell(question)) return std::nullopt;
     auto answer = hear();
-    if (!answer || answer->message.number() != static_cast<std::uint64_t>(Said::granted)) return std::nullopt;
+    if (!answer || answer->message.number() != static_cast<std::uint64_t>(MessageKind::granted)) return std::nullopt;
     return answer;
   }
 
@@ -85,14 +85,14 @@ class Program {
   std::vector<Mapping> memories_;
 };
 
-MessageWriter failure(const char* text) { return std::move(say(Said::failed).text(plugin_text(text))); }
+MessageWriter failure(const char* text) { return std::move(say(MessageKind::failed).text(plugin_text(text))); }
 
 // Volumes.
 
 using VolumePlugin = isoextract_volume_plugin_v3;
 
 MessageWriter listed(const isoextract_volume_list& list) {
-  MessageWriter message = say(Said::listed);
+  MessageWriter message = say(MessageKind::listed);
   message.number(list.grids == nullptr ? 0 : list.count);
   for (std::size_t i = 0; list.grids != nullptr && i < list.count; ++i) {
     const isoextract_volume_grid& grid = list.grids[i];
@@ -109,7 +109,7 @@ MessageWriter listed(const isoextract_volume_list& list) {
 
 // Stores the blocks in shared memory, and copies values that the plug-in has elsewhere. Returns nothing if the program
 // grants no memory.
-std::optional<SharedPlace> share_blocks(Program& program, const isoextract_sparse_samples& samples) {
+std::optional<SharedPlace> copy_blocks_to_shared_memory(Program& program, const isoextract_sparse_samples& samples) {
   const auto type = sample_type_of(samples.sample_type);
   if (!type) return std::nullopt;
   constexpr std::uint64_t kSamples =
@@ -144,7 +144,7 @@ std::optional<SharedPlace> share_tiles(Program& program, const isoextract_sparse
 
 // Returns nothing if the program grants no memory.
 std::optional<MessageWriter> grid_opened(Program& program, const isoextract_volume_samples& given) {
-  MessageWriter message = say(Said::grid_opened);
+  MessageWriter message = say(MessageKind::grid_opened);
   message.text(plugin_text(given.note)).number(given.sparse == nullptr ? 0 : 1);
   if (given.sparse == nullptr) return message;
   const isoextract_sparse_samples& samples = *given.sparse;
@@ -155,7 +155,7 @@ std::optional<MessageWriter> grid_opened(Program& program, const isoextract_volu
   SharedPlace blocks;
   SharedPlace tiles;
   if (samples.block_count > 0) {
-    const auto place = share_blocks(program, samples);
+    const auto place = copy_blocks_to_shared_memory(program, samples);
     if (!place) return std::nullopt;
     blocks = *place;
   }
@@ -186,11 +186,11 @@ class HostCalls {
 void read_volume(const VolumePlugin& plugin, int socket) {
   Program program(socket);
   auto job = program.hear();
-  if (!job || job->message.number() != static_cast<std::uint64_t>(Said::list_volume)) return;
+  if (!job || job->message.number() != static_cast<std::uint64_t>(MessageKind::list_volume)) return;
   const std::string path = job->message.text();
   const std::string start = job->message.text();
   if (plugin.probe(reinterpret_cast<const unsigned char*>(start.data()), start.size(), path.c_str()) == 0) {
-    static_cast<void>(program.tell(say(Said::not_of_it)));
+    static_cast<void>(program.tell(say(MessageKind::wrong_format)));
     return;
   }
   isoextract_volume_list list{};
@@ -200,7 +200,7 @@ void read_volume(const VolumePlugin& plugin, int socket) {
   }
   if (!program.tell(listed(list))) return;
   auto choice = program.hear();
-  if (!choice || choice->message.number() != static_cast<std::uint64_t>(Said::open_grid)) return;
+  if (!choice || choice->message.number() != static_cast<std::uint64_t>(MessageKind::open_grid)) return;
   const std::uint64_t grid = choice->message.number();
   const std::uint64_t box_bytes = choice->message.number();
   const Mapping box(choice->descriptor.get(), box_bytes, Mapping::Access::write);
@@ -217,7 +217,7 @@ void read_volume(const VolumePlugin& plugin, int socket) {
   }
   const bool fits = samples.data != nullptr && samples.bytes == box.bytes().size();
   if (fits) std::memcpy(box.bytes().data(), samples.data, box.bytes().size());
-  MessageWriter message = say(Said::box_opened);
+  MessageWriter message = say(MessageKind::box_opened);
   message.text(plugin_text(samples.note)).number(samples.data == nullptr ? 0 : 1).number(samples.bytes);
   static_cast<void>(program.tell(message));
 }
@@ -227,7 +227,7 @@ void read_volume(const VolumePlugin& plugin, int socket) {
 using ParticlePlugin = isoextract_particle_plugin_v3;
 
 MessageWriter particles_opened(const isoextract_particle_file& file) {
-  MessageWriter message = say(Said::particles_opened);
+  MessageWriter message = say(MessageKind::particles_opened);
   message.number(file.particles).number(file.frames).number(file.held_bytes);
   message.text(plugin_text(file.frame_name)).text(plugin_text(file.length_unit));
   message.number(file.quantities == nullptr ? 0 : 1).number(file.quantity_count);
@@ -255,13 +255,14 @@ bool send_filled(const ParticlePlugin& plugin, const Program& program, std::uint
     return program.tell(failure("not enough memory for its particles"));
   }
   if (fill(numbers.data()) != 0) return program.tell(failure(plugin.error_text()));
-  return program.tell(say(Said::filled).number(numbers.size_bytes())) && program.send(std::as_bytes(numbers.span()));
+  return program.tell(say(MessageKind::filled).number(numbers.size_bytes())) &&
+         program.send(std::as_bytes(numbers.span()));
 }
 
 void read_particles_of(const ParticlePlugin& plugin, int socket) {
   const Program program(socket);
   auto job = program.hear();
-  if (!job || job->message.number() != static_cast<std::uint64_t>(Said::open_particles)) return;
+  if (!job || job->message.number() != static_cast<std::uint64_t>(MessageKind::open_particles)) return;
   const std::string path = job->message.text();
   const bool has_grid = job->message.number() != 0;
   const std::string grid = job->message.text();
@@ -272,12 +273,12 @@ void read_particles_of(const ParticlePlugin& plugin, int socket) {
   }
   if (!program.tell(particles_opened(file))) return;
   while (auto wanted = program.hear()) {
-    const auto what = static_cast<Said>(wanted->message.number());
+    const auto what = static_cast<MessageKind>(wanted->message.number());
     bool sent = false;
-    if (what == Said::positions) {
+    if (what == MessageKind::positions) {
       sent = send_filled<double>(plugin, program, file.particles, 3,
                                  [&](double* values) { return plugin.positions(&file, values); });
-    } else if (what == Said::quantity) {
+    } else if (what == MessageKind::quantity) {
       const auto index = static_cast<std::size_t>(wanted->message.number());
       if (index >= file.quantity_count) return;
       sent = send_filled<float>(plugin, program, file.particles, file.quantities[index].components,

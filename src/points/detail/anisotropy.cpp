@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/parallel.hpp"
-#include "points/detail/near_spots.hpp"
+#include "points/detail/neighbor_batches.hpp"
 #include "points/detail/symmetric_eigen.hpp"
 
 namespace isoextract::points {
@@ -15,7 +15,7 @@ namespace {
 constexpr double kFullVariance = 0.15;
 
 struct ShapedKernel {
-  glm::dvec3 centre;
+  glm::dvec3 center;
   float weight;
   Ellipsoid shape;
 };
@@ -44,7 +44,7 @@ ShapedKernel shape_of(const CellGrid& grid, std::size_t spot, const Moments& mom
     form += glm::outerProduct(eigen.vectors[n], eigen.vectors[n]) / (half[n] * half[n]);
   }
   ShapedKernel kernel;
-  kernel.centre = grid.place(spot) + options.lambda * radius * mean;
+  kernel.center = grid.place(spot) + options.lambda * radius * mean;
   kernel.weight = static_cast<float>(members / (static_cast<double>(density) * axes.x * axes.y * axes.z));
   kernel.shape = {static_cast<float>(form[0][0]), static_cast<float>(form[1][0]), static_cast<float>(form[2][0]),
                   static_cast<float>(form[1][1]), static_cast<float>(form[2][1]), static_cast<float>(form[2][2]),
@@ -59,9 +59,9 @@ Result<AnisotropicKernels> make_anisotropic_kernels(const CellGrid& grid, double
                                                     const std::string& label) {
   const std::string what = fmt::format("{}: the kernels of {} particles", label, grid.size());
   auto shaped = TRY(make_reserved_buffer<ShapedKernel>(grid.size(), context, what));
-  auto centres = TRY(make_reserved_buffer<glm::dvec3>(grid.size(), context, what));
+  auto centers = TRY(make_reserved_buffer<glm::dvec3>(grid.size(), context, what));
   context.progress().begin("shaping kernels", grid.size());
-  const double radius = options.neighbourhood * support;
+  const double radius = options.neighborhood * support;
   AnisotropicKernels kernels;
   kernels.reach = reduce_ranges(
       grid.cell_count(), 32, 0.0,
@@ -69,7 +69,7 @@ Result<AnisotropicKernels> make_anisotropic_kernels(const CellGrid& grid, double
         if (context.cancelled()) return reach;
         Moments moments;
         for (std::size_t c = begin; c != end; ++c) {
-          for_each_near_batch(
+          for_each_neighbor_batch(
               grid, c, radius, [&](const CellTargets&) { moments = Moments(); },
               [&](const CellTargets& targets, const BallBatch& batch) {
                 add_moments(batch, targets.x.data(), targets.y.data(), targets.z.data(), targets.padded, moments);
@@ -79,7 +79,7 @@ Result<AnisotropicKernels> make_anisotropic_kernels(const CellGrid& grid, double
                   const std::size_t s = targets.first + t;
                   const ShapedKernel kernel = shape_of(grid, s, moments, t, radius, support, densities[s], options);
                   shaped->values[s] = kernel;
-                  centres->values[s] = kernel.centre;
+                  centers->values[s] = kernel.center;
                   reach = std::max(reach, static_cast<double>(kernel.shape.reach));
                 }
               });
@@ -90,9 +90,9 @@ Result<AnisotropicKernels> make_anisotropic_kernels(const CellGrid& grid, double
       [](double a, double b) { return std::max(a, b); });
   TRY(context.check());
 
-  kernels.grid = TRY(CellGrid::make(std::as_const(centres->values).span(), GridFrame{}, grid.side(),
+  kernels.grid = TRY(CellGrid::make(std::as_const(centers->values).span(), GridFrame{}, grid.side(),
                                     CellGrid::Coinciding::apart, context, label));
-  centres.reset();
+  centers.reset();
   auto weights = TRY(make_reserved_buffer<float>(grid.size(), context, what));
   auto shapes = TRY(make_reserved_buffer<Ellipsoid>(grid.size(), context, what));
   auto counts = TRY(make_reserved_buffer<std::uint32_t>(grid.size(), context, what));

@@ -27,8 +27,8 @@ using BrickList = std::shared_ptr<ReservedBuffer<glm::ivec3>>;
 
 // Returns the bricks for which keep(index) holds.
 template <class F>
-[[nodiscard]] Result<BrickList> chosen_bricks(std::span<const glm::ivec3> bricks, const F& keep, const Context& context,
-                                              const std::string& label) {
+[[nodiscard]] Result<BrickList> bricks_if(std::span<const glm::ivec3> bricks, const F& keep, const Context& context,
+                                          const std::string& label) {
   std::size_t count = 0;
   for (std::size_t b = 0; b < bricks.size(); ++b) count += static_cast<std::size_t>(keep(b));
   auto chosen = make_reserved_buffer<glm::ivec3>(count, context, label);

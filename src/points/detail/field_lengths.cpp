@@ -8,12 +8,13 @@
 
 namespace isoextract::points {
 
-Result<void> check_places(const ParticleSet& particles, const ParticleBounds& bounds, BadParticles bad) {
+Result<void> check_coordinate_rounding(const ParticleSet& particles, const ParticleBounds& bounds,
+                                       NonFiniteParticles bad) {
   if (particles.size() > std::numeric_limits<std::uint32_t>::max()) {
     return fail(ErrorCode::input, fmt::format("{}: expected at most {} particles, found {}", particles.label,
                                               std::numeric_limits<std::uint32_t>::max(), particles.size()));
   }
-  if (!bounds.first_broken || bad == BadParticles::skip) return {};
+  if (!bounds.first_broken || bad == NonFiniteParticles::skip) return {};
   const glm::dvec3& p = particles.positions[*bounds.first_broken];
   return fail(ErrorCode::input,
               fmt::format("{}: expected finite positions, found ({}, {}, {}) at particle {}", particles.label, p.x, p.y,
@@ -21,8 +22,8 @@ Result<void> check_places(const ParticleSet& particles, const ParticleBounds& bo
               {Remedy::set, Setting::nan_policy, "outside to leave such particles out"});
 }
 
-Result<void> settle_lengths(const ParticleSet& particles, const FieldOptions& options, FieldFigures& figures,
-                            const Context& context) {
+Result<void> resolve_lengths(const ParticleSet& particles, const FieldOptions& options,
+                             ParticleFieldStatistics& figures, const Context& context) {
   if (options.radius) {
     figures.radius = *options.radius;
   } else if (figures.radius_attribute.empty()) {

@@ -9,12 +9,13 @@
 namespace isoextract::points {
 
 // Fails with ErrorCode::input if there are too many particles for 32-bit indices, or if a position is not finite and
-// `bad` is BadParticles::error. `bounds` are those of the particles.
-[[nodiscard]] Result<void> check_places(const ParticleSet& particles, const ParticleBounds& bounds, BadParticles bad);
+// `bad` is NonFiniteParticles::error. `bounds` are those of the particles.
+[[nodiscard]] Result<void> check_coordinate_rounding(const ParticleSet& particles, const ParticleBounds& bounds,
+                                                     NonFiniteParticles bad);
 
-// Sets radius, spacing and support of `figures` from the options. If FieldFigures::radius_attribute is set, the radius
-// is already there. Requires at least one finite position.
-[[nodiscard]] Result<void> settle_lengths(const ParticleSet& particles, const FieldOptions& options,
-                                          FieldFigures& figures, const Context& context);
+// Sets radius, spacing and support of `figures` from the options. If ParticleFieldStatistics::radius_attribute is set,
+// the radius is already there. Requires at least one finite position.
+[[nodiscard]] Result<void> resolve_lengths(const ParticleSet& particles, const FieldOptions& options,
+                                           ParticleFieldStatistics& figures, const Context& context);
 
 }  // namespace isoextract::points

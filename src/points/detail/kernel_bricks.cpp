@@ -13,7 +13,7 @@ constexpr float kNearPart = 0.6F;
 
 // Returns an eighth of the median number of spots in a cell, from a sample of the cells. It only selects bricks for a
 // proof; no value depends on it.
-std::size_t crowded_cell(const CellGrid& grid) {
+std::size_t min_interior_spots(const CellGrid& grid) {
   constexpr std::size_t kAsked = 4096;
   std::vector<std::size_t> sizes;
   const std::size_t stride = std::max<std::size_t>(1, grid.cell_count() / kAsked);
@@ -24,11 +24,14 @@ std::size_t crowded_cell(const CellGrid& grid) {
 }
 
 // Returns the distance from p to the interval [low, high].
-inline double away_from(double p, double low, double high) { return std::max(std::max(low - p, p - high), 0.0); }
+inline double distance_to_interval(double p, double low, double high) {
+  return std::max(std::max(low - p, p - high), 0.0);
+}
 
 }  // namespace
 
-KernelBricks::KernelBricks(const KernelSet& kernels) : kernels_(kernels), crowded_(crowded_cell(*kernels.grid)) {}
+KernelBricks::KernelBricks(const KernelSet& kernels)
+    : kernels_(kernels), min_interior_spots_(min_interior_spots(*kernels.grid)) {}
 
 std::uint64_t KernelBricks::particles_at(std::size_t spot) const {
   return kernels_.counts != nullptr ? kernels_.counts[spot] : kernels_.grid->members(spot).size();
@@ -43,9 +46,9 @@ void KernelBricks::for_each_near(const glm::ivec3& origin, double part, const F&
     for (std::size_t s = first; s != last; ++s) {
       const double reach = kernels_.shapes != nullptr ? part * static_cast<double>(kernels_.shapes[s].reach) : most;
       const glm::dvec3& p = kernels_.grid->place(s);
-      const double x = away_from(p.x, low.x, high.x);
-      const double y = away_from(p.y, low.y, high.y);
-      const double z = away_from(p.z, low.z, high.z);
+      const double x = distance_to_interval(p.x, low.x, high.x);
+      const double y = distance_to_interval(p.y, low.y, high.y);
+      const double z = distance_to_interval(p.z, low.z, high.z);
       if (x * x + y * y + z * z < reach * reach) f(s);
     }
   });
@@ -57,7 +60,7 @@ bool KernelBricks::touches(const glm::ivec3& origin) const {
   return found;
 }
 
-void KernelBricks::sum(const glm::ivec3& origin, float part, float* values, const SpotMarks& marks) const {
+void KernelBricks::sum(const glm::ivec3& origin, float part, float* values, const ContributingSpots& marks) const {
   const glm::dvec3 low(origin);
   // Distance between samples, in units where balls have radius 1.
   const double step = kernels_.shapes != nullptr ? 1 : 1 / kernels_.reach;
@@ -92,30 +95,30 @@ void KernelBricks::sum(const glm::ivec3& origin, float part, float* values, cons
   add();
 }
 
-void KernelBricks::fill(const glm::ivec3& origin, float* values, const SpotMarks& marks) const {
+void KernelBricks::fill(const glm::ivec3& origin, float* values, const ContributingSpots& marks) const {
   std::fill_n(values, kSampleCount, 0.0F);
   sum(origin, 1, values, marks);
 }
 
-bool KernelBricks::looks_inside(const glm::ivec3& origin) const {
+bool KernelBricks::is_probably_inside(const glm::ivec3& origin) const {
   const CellGrid& cells = *kernels_.grid;
   const glm::ivec3 low = cells.cell_at(glm::dvec3(origin));
   const glm::ivec3 high = cells.cell_at(glm::dvec3(origin + (field::SparseBlock::kSize - 1)));
   std::int64_t crowded = 0;
   cells.for_each_run(low, high, [&](std::size_t first, std::size_t last) {
     for (std::size_t c = first; c != last; ++c) {
-      crowded += static_cast<std::int64_t>(cells.cell_end(c) - cells.cell(c).first >= crowded_);
+      crowded += static_cast<std::int64_t>(cells.cell_end(c) - cells.cell(c).first >= min_interior_spots_);
     }
   });
   const glm::i64vec3 dims(high - low + 1);
   return crowded == dims.x * dims.y * dims.z;
 }
 
-bool KernelBricks::surely_above(const glm::ivec3& origin, double iso) const {
+bool KernelBricks::is_proved_above(const glm::ivec3& origin, double iso) const {
   // fill() adds the same numbers in the same order, with further nonnegative ones between them. Rounding is monotone,
   // so each of its sums is at least the sum here, in floating point as well.
   alignas(64) std::array<float, kSampleCount> values{};
-  sum(origin, kNearPart, values.data(), SpotMarks(nullptr));
+  sum(origin, kNearPart, values.data(), ContributingSpots(nullptr));
   return static_cast<double>(*std::ranges::min_element(values)) > iso;
 }
 

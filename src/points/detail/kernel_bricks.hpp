@@ -38,21 +38,21 @@ class KernelBricks final : public BrickSource {
   [[nodiscard]] double reach() const override { return kernels_.reach; }
   [[nodiscard]] std::uint64_t particles_at(std::size_t spot) const override;
   [[nodiscard]] bool touches(const glm::ivec3& origin) const override;
-  void fill(const glm::ivec3& origin, float* values, const SpotMarks& marks) const override;
-  [[nodiscard]] bool looks_inside(const glm::ivec3& origin) const override;
+  void fill(const glm::ivec3& origin, float* values, const ContributingSpots& marks) const override;
+  [[nodiscard]] bool is_probably_inside(const glm::ivec3& origin) const override;
   // Sums only rows of samples near kernel centers, which hold most of a kernel's integral. Kernels are never negative,
   // so this partial sum is a lower bound of the full sum.
-  [[nodiscard]] bool surely_above(const glm::ivec3& origin, double iso) const override;
+  [[nodiscard]] bool is_proved_above(const glm::ivec3& origin, double iso) const override;
 
  private:
   // Calls f(spot) for spots closer to the brick's samples than `part` of their reach.
   template <class F>
   void for_each_near(const glm::ivec3& origin, double part, const F& f) const;
   // Adds the rows of samples within `part` of each kernel's reach.
-  void sum(const glm::ivec3& origin, float part, float* values, const SpotMarks& marks) const;
+  void sum(const glm::ivec3& origin, float part, float* values, const ContributingSpots& marks) const;
 
   KernelSet kernels_;
-  std::size_t crowded_ = 1;  // smallest number of spots of a cell that probably lies inside
+  std::size_t min_interior_spots_ = 1;  // smallest number of spots of a cell that probably lies inside
 };
 
 }  // namespace isoextract::points

@@ -36,7 +36,7 @@ Result<BrickList> occupied_bricks(const CellGrid& grid, const Context& context, 
   const auto last = std::unique(all.begin(), all.end());
   tbb::parallel_sort(all.begin(), last, brick_before);
   const auto end = std::unique(all.begin(), last);
-  return chosen_bricks(
+  return bricks_if(
       all.span().first(static_cast<std::size_t>(end - all.begin())), [](std::size_t) { return true; }, context, label);
 }
 
@@ -56,16 +56,16 @@ Result<BrickList> bricks_where(const BrickList& bricks, const char* stage, const
     context.progress().advance(end - begin);
   });
   TRY(context.check());
-  return chosen_bricks(
+  return bricks_if(
       list, [&](std::size_t b) { return kept[b] != 0; }, context, label);
 }
 
 // Returns the bricks that can become tiles: they and all their neighbors are proved to be above `iso`.
-Result<BrickList> deep_bricks(const BrickSource& source, const BrickList& bricks, double iso, const Context& context,
-                              const std::string& label) {
+Result<BrickList> bricks_far_inside(const BrickSource& source, const BrickList& bricks, double iso,
+                                    const Context& context, const std::string& label) {
   auto likely = bricks_where(
-      bricks, "looking for the inside", [&](const glm::ivec3& origin) { return source.looks_inside(origin); }, context,
-      label);
+      bricks, "looking for the inside", [&](const glm::ivec3& origin) { return source.is_probably_inside(origin); },
+      context, label);
   if (!likely) return likely;
   // Only bricks next to a possible tile need a proof.
   auto hearts = eroded((*likely)->values.span(), context, label);
@@ -73,8 +73,8 @@ Result<BrickList> deep_bricks(const BrickSource& source, const BrickList& bricks
   auto worth = dilated((*hearts)->values.span(), 1, context, label);
   if (!worth) return worth;
   auto proved = bricks_where(
-      *worth, "proving the inside", [&](const glm::ivec3& origin) { return source.surely_above(origin, iso); }, context,
-      label);
+      *worth, "proving the inside", [&](const glm::ivec3& origin) { return source.is_proved_above(origin, iso); },
+      context, label);
   if (!proved) return proved;
   return eroded((*proved)->values.span(), context, label);
 }
@@ -84,7 +84,7 @@ Result<BrickList> without(const BrickList& bricks, const BrickList& others, cons
                           const std::string& label) {
   const std::span<const glm::ivec3> list = std::as_const(bricks->values).span();
   const std::span<const glm::ivec3> removed = std::as_const(others->values).span();
-  return chosen_bricks(
+  return bricks_if(
       list, [&](std::size_t b) { return !std::binary_search(removed.begin(), removed.end(), list[b], brick_before); },
       context, label);
 }
@@ -142,23 +142,23 @@ Result<field::SparseSamples> fill_bricks(const BrickSource& source, std::optiona
   if (!bricks) return tl::unexpected(bricks.error());
   BrickList deep;
   if (iso) {
-    deep = TRY(deep_bricks(source, *bricks, *iso, context, what));
+    deep = TRY(bricks_far_inside(source, *bricks, *iso, context, what));
     bricks = without(*bricks, deep, context, what);
     if (!bricks) return tl::unexpected(bricks.error());
   }
   const std::span<const glm::ivec3> list = std::as_const((*bricks)->values).span();
   counts.bricks_stored = list.size();
-  counts.bricks_inside = deep ? deep->values.size() : 0;
+  counts.inside_tiles = deep ? deep->values.size() : 0;
   if (list.size() > std::size_t{std::numeric_limits<std::int32_t>::max()}) {
     return fail(ErrorCode::input,
                 fmt::format("{}: {} bricks of 8^3 samples are more than can be numbered", label, list.size()));
   }
 
   auto marks =
-      TRY(make_reserved_buffer<std::uint8_t>(counts.bricks_inside != 0 ? source.grid().size() : 0, context, what));
+      TRY(make_reserved_buffer<std::uint8_t>(counts.inside_tiles != 0 ? source.grid().size() : 0, context, what));
   std::ranges::fill(marks->values, std::uint8_t{0});
   auto memory = TRY(context.reserve(list.size() * (kBrickSamples * sizeof(float) + sizeof(field::SparseBlock)) +
-                                        counts.bricks_inside * sizeof(field::SparseTile),
+                                        counts.inside_tiles * sizeof(field::SparseTile),
                                     fmt::format("{}: {} bricks of 8^3 samples", label, list.size())));
   auto owned = std::make_shared<OwnedBricks>();
   owned->memory = std::move(memory);
@@ -174,7 +174,7 @@ Result<field::SparseSamples> fill_bricks(const BrickSource& source, std::optiona
         if (context.cancelled()) return part;
         for (std::size_t b = begin; b != end; ++b) {
           float* const brick = values + b * kBrickSamples;
-          source.fill(list[b] * kSide, brick, SpotMarks(marks->values.data()));
+          source.fill(list[b] * kSide, brick, ContributingSpots(marks->values.data()));
           samples.blocks[b] = {list[b] * kSide, brick};
           part.add_block(list[b] * kSide, brick);
         }
@@ -186,13 +186,13 @@ Result<field::SparseSamples> fill_bricks(const BrickSource& source, std::optiona
         return a;
       });
   TRY(context.check());
-  for (std::size_t t = 0; t < counts.bricks_inside; ++t) {
+  for (std::size_t t = 0; t < counts.inside_tiles; ++t) {
     const glm::ivec3 origin = deep->values[t] * kSide;
     samples.tiles.push_back({origin, kSide, inside});
     active.add(origin, origin + (kSide - 1), kBrickSamples);
   }
   for (std::size_t s = 0; s < marks->values.size(); ++s) {
-    if (marks->values[s] == 0) counts.particles_left_out += source.particles_at(s);
+    if (marks->values[s] == 0) counts.particles_deep_inside += source.particles_at(s);
   }
   if (active.count != 0) samples.active_box = {active.min, active.max};
   samples.active_voxels = active.count;

@@ -15,9 +15,9 @@
 namespace isoextract::points {
 
 // Marks the spots that contribute to a stored brick. Safe to use from several threads.
-class SpotMarks {
+class ContributingSpots {
  public:
-  explicit SpotMarks(std::uint8_t* marks) : marks_(marks) {}
+  explicit ContributingSpots(std::uint8_t* marks) : marks_(marks) {}
   void mark(std::size_t spot) const {
     if (marks_ != nullptr) std::atomic_ref<std::uint8_t>(marks_[spot]).store(1, std::memory_order_relaxed);
   }
@@ -40,18 +40,18 @@ class BrickSource {
   // Returns whether a sample of the brick may get a contribution.
   [[nodiscard]] virtual bool touches(const glm::ivec3& origin) const = 0;
   // Writes the 512 values, overwriting the previous ones.
-  virtual void fill(const glm::ivec3& origin, float* values, const SpotMarks& marks) const = 0;
+  virtual void fill(const glm::ivec3& origin, float* values, const ContributingSpots& marks) const = 0;
 
-  // Returns whether surely_above() is likely to succeed.
-  [[nodiscard]] virtual bool looks_inside(const glm::ivec3& origin) const = 0;
+  // Returns whether is_proved_above() is likely to succeed.
+  [[nodiscard]] virtual bool is_probably_inside(const glm::ivec3& origin) const = 0;
   // Returns true if it can prove that fill() would give more than `iso` for every sample.
-  [[nodiscard]] virtual bool surely_above(const glm::ivec3& origin, double iso) const = 0;
+  [[nodiscard]] virtual bool is_proved_above(const glm::ivec3& origin, double iso) const = 0;
 };
 
 struct BrickCounts {
   std::uint64_t bricks_stored = 0;
-  std::uint64_t bricks_inside = 0;       // replaced by tiles
-  std::uint64_t particles_left_out = 0;  // contribute to no stored brick
+  std::uint64_t inside_tiles = 0;           // replaced by tiles
+  std::uint64_t particles_deep_inside = 0;  // contribute to no stored brick
 };
 
 // Computes the bricks. If `iso` is given, replaces deep ones by tiles of value `inside`, which must be above iso. A

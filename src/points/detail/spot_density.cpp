@@ -5,14 +5,14 @@
 #include <fmt/format.h>
 
 #include "base/parallel.hpp"
-#include "points/detail/near_spots.hpp"
+#include "points/detail/neighbor_batches.hpp"
 
 namespace isoextract::points {
 namespace {
 
 void measure_cell(const CellGrid& grid, std::size_t c, double support, float* densities) {
   alignas(64) std::array<float, CellTargets::kMost> sums;
-  for_each_near_batch(
+  for_each_neighbor_batch(
       grid, c, support, [&](const CellTargets&) { sums.fill(0); },
       [&](const CellTargets& targets, const BallBatch& batch) {
         add_at_targets(batch, targets.x.data(), targets.y.data(), targets.z.data(), targets.padded, sums.data());
@@ -22,8 +22,9 @@ void measure_cell(const CellGrid& grid, std::size_t c, double support, float* de
 
 }  // namespace
 
-Result<std::shared_ptr<ReservedBuffer<float>>> measure_density(const CellGrid& grid, double support,
-                                                               const Context& context, const std::string& label) {
+Result<std::shared_ptr<ReservedBuffer<float>>> compute_spot_densities(const CellGrid& grid, double support,
+                                                                      const Context& context,
+                                                                      const std::string& label) {
   auto made = make_reserved_buffer<float>(grid.size(), context,
                                           fmt::format("{}: the densities of {} particles", label, grid.size()));
   if (!made) return made;

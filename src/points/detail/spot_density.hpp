@@ -14,8 +14,9 @@ namespace isoextract::points {
 // Returns for each spot the sum of S(distance / support) over all points including itself, so at least 1: its SPH
 // density relative to an isolated point. `support` is in grid coordinates. Fails as Context::reserve() does and if the
 // context is cancelled.
-[[nodiscard]] Result<std::shared_ptr<ReservedBuffer<float>>> measure_density(const CellGrid& grid, double support,
-                                                                             const Context& context,
-                                                                             const std::string& label);
+[[nodiscard]] Result<std::shared_ptr<ReservedBuffer<float>>> compute_spot_densities(const CellGrid& grid,
+                                                                                    double support,
+                                                                                    const Context& context,
+                                                                                    const std::string& label);
 
 }  // namespace isoextract::points

@@ -45,7 +45,7 @@ bool WeightBricks::touches(const glm::ivec3& origin) const {
   return found;
 }
 
-void WeightBricks::fill(const glm::ivec3& origin, float* values, const SpotMarks& marks) const {
+void WeightBricks::fill(const glm::ivec3& origin, float* values, const ContributingSpots& marks) const {
   std::array<double, kWeightSide * kWeightSide * kWeightSide> sums{};
   for_each_share(origin, [&](std::size_t spot, std::size_t slot, double share) {
     sums[slot] += share * static_cast<double>(grid_.members(spot).size());

@@ -16,9 +16,9 @@ class WeightBricks final : public BrickSource {
   [[nodiscard]] double reach() const override { return 1; }
   [[nodiscard]] std::uint64_t particles_at(std::size_t spot) const override { return grid_.members(spot).size(); }
   [[nodiscard]] bool touches(const glm::ivec3& origin) const override;
-  void fill(const glm::ivec3& origin, float* values, const SpotMarks& marks) const override;
-  [[nodiscard]] bool looks_inside(const glm::ivec3& /*origin*/) const override { return false; }
-  [[nodiscard]] bool surely_above(const glm::ivec3& /*origin*/, double /*iso*/) const override { return false; }
+  void fill(const glm::ivec3& origin, float* values, const ContributingSpots& marks) const override;
+  [[nodiscard]] bool is_probably_inside(const glm::ivec3& /*origin*/) const override { return false; }
+  [[nodiscard]] bool is_proved_above(const glm::ivec3& /*origin*/, double /*iso*/) const override { return false; }
 
  private:
   // Calls f(spot, slot, share) for every sample of the brick that gets a contribution; `slot` is its index in the

@@ -20,7 +20,7 @@ class CornerReader {
   explicit CornerReader(const VolumeSamples& samples) : samples_(samples), dense_(samples.dense()) {
     const field::ValueScale& scale = samples.field().scale;
     const TransferFunction& transfer = samples.transfer();
-    scale_ = {!scale.is_identity(), scale.slope, scale.intercept, transfer.min(), transfer.per_value()};
+    scale_ = {!scale.is_identity(), scale.slope, scale.intercept, transfer.min(), transfer.positions_per_value()};
   }
 
   // Reads the corners of the batch's cells and shades the batch.

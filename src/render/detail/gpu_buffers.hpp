@@ -18,7 +18,7 @@ enum class TextureUnit {
   triangle_corners,
   vertex_positions,
   vertex_normals,
-  vertex_colours,
+  vertex_colors,
   opaque_triangles,
   opaque_depths,
   list_counts,
@@ -29,7 +29,7 @@ enum class TextureUnit {
   transfer
 };
 
-inline void bind_texture(const gl::CellProgram& program, const char* name, TextureUnit unit, GLenum target,
+inline void bind_texture(const gl::ShaderProgram& program, const char* name, TextureUnit unit, GLenum target,
                          const gl::GlTexture& texture) {
   glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
   glBindTexture(target, texture.name());
@@ -46,7 +46,7 @@ class GpuArray {
                                              std::uint64_t element_bytes, const std::string& what, GpuMemory& memory);
 
   void write(std::uint64_t first, std::uint64_t count, const void* elements) const;
-  void bind(const gl::CellProgram& program, const char* name, TextureUnit unit) const {
+  void bind(const gl::ShaderProgram& program, const char* name, TextureUnit unit) const {
     bind_texture(program, name, unit, GL_TEXTURE_BUFFER, texture_);
   }
 

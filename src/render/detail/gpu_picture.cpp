@@ -69,10 +69,10 @@ gl::ProgramSource source_of(GpuPrograms::Name name) {
 
 }  // namespace
 
-Result<const gl::CellProgram*> GpuPrograms::get(const gl::GlContext& gl, Name name) {
+Result<const gl::ShaderProgram*> GpuPrograms::get(const gl::GlContext& gl, Name name) {
   auto& program = programs_[static_cast<std::size_t>(name)];
   if (!program) {
-    program = TRY(gl::CellProgram::link(gl, source_of(name)));
+    program = TRY(gl::ShaderProgram::link(gl, source_of(name)));
   }
   return &*program;
 }
@@ -86,7 +86,7 @@ Result<GpuPicture> GpuPicture::make(const GpuTask& task, GpuMemory& memory) {
   const PictureSize& size = task.options.size;
   const int width = std::min({size.width, side, viewport[0], kTilePixels});
   picture.tile_size_ = {width, std::min({size.height, side, viewport[1], std::max(1, kTilePixels / width)})};
-  const bool see_through = task.surfaces.have_see_through();
+  const bool see_through = task.surfaces.has_transparent_triangles();
   auto targets = TRY(GpuTile::make(task.gl, picture.tile_size_, !task.surfaces.empty(), see_through, memory));
   picture.targets_.emplace(std::move(targets));
 
@@ -108,7 +108,7 @@ Result<GpuPicture> GpuPicture::make(const GpuTask& task, GpuMemory& memory) {
   glBindBufferBase(GL_ATOMIC_COUNTER_BUFFER, 0, picture.met_.name());
   if (task.volume != nullptr) {
     picture.within_ =
-        pixels_of(task.camera, size, task.scene.volume->index_to_world, *box_of_volume(*task.scene.volume->field));
+        pixels_of(task.camera, size, task.scene.volume->index_to_world, *volume_box(*task.scene.volume->field));
   }
   return picture;
 }
@@ -133,7 +133,7 @@ Result<void> GpuPicture::draw_tile(const PixelBox& tile, Rendered& rendered) {
   if (!task_.surfaces.empty()) {
     TRY(draw_opaque(tile));
   }
-  if (task_.surfaces.have_see_through()) {
+  if (task_.surfaces.has_transparent_triangles()) {
     const auto count = TRY(count_fragments(tile));
     if (count > most_fragments_) {
       if (pixels_in(tile) == 1) {
@@ -179,7 +179,7 @@ Result<void> GpuPicture::draw_opaque(const PixelBox& tile) {
   glBindBuffer(GL_ATOMIC_COUNTER_BUFFER, met_.name());
   glBufferSubData(GL_ATOMIC_COUNTER_BUFFER, 0, sizeof(kZero), &kZero);
   targets_->begin_opaque(tile);
-  if (!task_.surfaces.have_opaque()) return {};
+  if (!task_.surfaces.has_opaque_triangles()) return {};
   set_view(*program, tile);
   set_clip(*program, tile);
   return task_.surfaces.draw(task_.gl, *program, true, task_.context);
@@ -227,7 +227,7 @@ Result<void> GpuPicture::cast_rays(const PixelBox& tile, const PixelBox& box, bo
   if (box.empty()) return {};
   const bool surfaces = !task_.surfaces.empty();
   const auto program = TRY(task_.programs.get(task_.gl, GpuPrograms::rays(volume, surfaces)));
-  const gl::CellProgram& rays = *program;
+  const gl::ShaderProgram& rays = *program;
   set_view(rays, tile);
   const RenderOptions& options = task_.options;
   rays.set("unit", task_.camera.unit());
@@ -238,7 +238,7 @@ Result<void> GpuPicture::cast_rays(const PixelBox& tile, const PixelBox& box, bo
     task_.surfaces.bind_shading(rays);
     targets_->bind_opaque(rays);
     targets_->bind_lists(rays);
-    rays.set("has_lists", task_.surfaces.have_see_through() ? 1 : 0);
+    rays.set("has_lists", task_.surfaces.has_transparent_triangles() ? 1 : 0);
   }
   rays.use();
   const int width = box.max.x - box.min.x;
@@ -255,7 +255,7 @@ Result<void> GpuPicture::cast_rays(const PixelBox& tile, const PixelBox& box, bo
   return {};
 }
 
-void GpuPicture::set_view(const gl::CellProgram& program, const PixelBox& tile) const {
+void GpuPicture::set_view(const gl::ShaderProgram& program, const PixelBox& tile) const {
   program.set("to_corner", task_.view.to_corner());
   program.set("per_pixel", task_.view.per_pixel());
   program.set("tile_first", tile.min);
@@ -264,7 +264,7 @@ void GpuPicture::set_view(const gl::CellProgram& program, const PixelBox& tile) 
   if (!task_.surfaces.empty()) task_.surfaces.bind_triangles(program);
 }
 
-void GpuPicture::set_clip(const gl::CellProgram& program, const PixelBox& tile) const {
+void GpuPicture::set_clip(const gl::ShaderProgram& program, const PixelBox& tile) const {
   const glm::dvec2 size(tile.max - tile.min);
   const glm::dvec2 first(tile.min);
   // The pixel of a point in view space is (x / depth - corner.x) / per_pixel.x, (corner.y - y / depth) / per_pixel.y.

@@ -17,14 +17,14 @@ class GpuPrograms {
   enum class Name { opaque, see_through, rays, rays_volume, rays_surfaces, rays_both };
   static constexpr std::size_t kCount = 6;
 
-  [[nodiscard]] Result<const gl::CellProgram*> get(const gl::GlContext& gl, Name name);
+  [[nodiscard]] Result<const gl::ShaderProgram*> get(const gl::GlContext& gl, Name name);
   [[nodiscard]] static Name rays(bool volume, bool surfaces) {
     if (surfaces) return volume ? Name::rays_both : Name::rays_surfaces;
     return volume ? Name::rays_volume : Name::rays;
   }
 
  private:
-  std::array<std::optional<gl::CellProgram>, kCount> programs_;
+  std::array<std::optional<gl::ShaderProgram>, kCount> programs_;
 };
 
 // The input of a drawing; all references must outlive it.
@@ -61,8 +61,8 @@ class GpuPicture {
   [[nodiscard]] Result<void> list_fragments(const PixelBox& tile, std::uint64_t count);
   [[nodiscard]] Result<void> draw_lists(const PixelBox& tile, bool counting);
   [[nodiscard]] Result<void> cast_rays(const PixelBox& tile, const PixelBox& box, bool volume);
-  void set_view(const gl::CellProgram& program, const PixelBox& tile) const;
-  void set_clip(const gl::CellProgram& program, const PixelBox& tile) const;
+  void set_view(const gl::ShaderProgram& program, const PixelBox& tile) const;
+  void set_clip(const gl::ShaderProgram& program, const PixelBox& tile) const;
 
   GpuTask task_;
   GpuMemory& memory_;

@@ -11,7 +11,7 @@ namespace isoextract::render::detail {
 namespace {
 
 constexpr std::uint64_t kDrawTriangles = 1 << 20;  // per draw call; cancellation is checked in between
-constexpr std::size_t kColourBatch = 1 << 16;      // vertices
+constexpr std::size_t kColorBatch = 1 << 16;       // vertices
 
 }  // namespace
 
@@ -24,7 +24,7 @@ Result<GpuSurfaces> GpuSurfaces::upload(const gl::GlContext& gl, const Scene& sc
   std::uint64_t triangles = 0;
   std::uint64_t vertices = 0;
   std::uint64_t normals = 0;
-  std::uint64_t colours = 0;
+  std::uint64_t colors = 0;
   for (std::size_t s = 0; s < scene.surfaces.size(); ++s) {
     const Surface& surface = scene.surfaces[s];
     const std::size_t count = surface.mesh->positions.size();
@@ -35,21 +35,21 @@ Result<GpuSurfaces> GpuSurfaces::upload(const gl::GlContext& gl, const Scene& sc
     record.first_triangle = static_cast<std::uint32_t>(triangles);
     record.vertex_base = static_cast<std::int32_t>(vertices);
     record.normal_base = view.is_smooth(s) ? static_cast<std::int32_t>(normals) : -1;
-    record.colour_base = view.colours(s) != nullptr ? static_cast<std::int32_t>(colours) : -1;
-    const glm::vec3 colour(surface.colour);
-    std::copy_n(&colour.x, 3, record.colour);
+    record.color_base = view.colors(s) != nullptr ? static_cast<std::int32_t>(colors) : -1;
+    const glm::vec3 color(surface.color);
+    std::copy_n(&color.x, 3, record.color);
     record.opacity = static_cast<float>(surface.opacity);
     made.records_.push_back(record);
     triangles += surface.mesh->triangles.size();
     vertices += count;
     if (view.is_smooth(s)) normals += count;
-    if (view.colours(s) != nullptr) colours += count;
+    if (view.colors(s) != nullptr) colors += count;
     if (surface.mesh->triangles.empty()) continue;
     made.has_opaque_ = made.has_opaque_ || view.hides(s);
     made.has_see_through_ = made.has_see_through_ || !view.hides(s);
   }
   if (made.empty()) return made;
-  TRY(made.take_arrays(gl, vertices, normals, colours, memory));
+  TRY(made.take_arrays(gl, vertices, normals, colors, memory));
   for (std::size_t s = 0; s < scene.surfaces.size(); ++s) {
     const mesh::Mesh& mesh = *scene.surfaces[s].mesh;
     const Record& record = made.records_[s];
@@ -58,8 +58,8 @@ Result<GpuSurfaces> GpuSurfaces::upload(const gl::GlContext& gl, const Scene& sc
     if (record.normal_base >= 0) {
       made.normals_.write(static_cast<std::uint64_t>(record.normal_base), mesh.normals.size(), mesh.normals.data());
     }
-    if (record.colour_base >= 0) {
-      made.write_colours(*view.colours(s), static_cast<std::uint64_t>(record.colour_base));
+    if (record.color_base >= 0) {
+      made.write_colors(*view.colors(s), static_cast<std::uint64_t>(record.color_base));
     }
     TRY(context.check());
   }
@@ -72,7 +72,7 @@ Result<GpuSurfaces> GpuSurfaces::upload(const gl::GlContext& gl, const Scene& sc
 }
 
 Result<void> GpuSurfaces::take_arrays(const gl::GlContext& gl, std::uint64_t vertices, std::uint64_t normals,
-                                      std::uint64_t colours, GpuMemory& memory) {
+                                      std::uint64_t colors, GpuMemory& memory) {
   const auto take = [&](GpuArray& array, GLenum format, std::uint64_t count, std::uint64_t bytes,
                         const char* what) -> Result<void> {
     array = TRY(GpuArray::make(gl, format, count, bytes, what, memory));
@@ -85,30 +85,30 @@ Result<void> GpuSurfaces::take_arrays(const gl::GlContext& gl, std::uint64_t ver
     return taken;
   }
   TRY(take(normals_, GL_RGB32F, normals, sizeof(glm::vec3), "normals of surfaces"));
-  return take(colours_, GL_RGBA32F, colours, sizeof(glm::vec4), "colours of surfaces");
+  return take(colors_, GL_RGBA32F, colors, sizeof(glm::vec4), "colours of surfaces");
 }
 
-void GpuSurfaces::write_colours(const mesh::Attribute& attribute, std::uint64_t first) const {
+void GpuSurfaces::write_colors(const mesh::Attribute& attribute, std::uint64_t first) const {
   const std::size_t count = attribute.values.size() / attribute.stride();
   std::vector<glm::vec4> batch;
-  for (std::size_t from = 0; from < count; from += kColourBatch) {
+  for (std::size_t from = 0; from < count; from += kColorBatch) {
     batch.clear();
-    for (std::size_t v = from; v < std::min(count, from + kColourBatch); ++v) {
-      batch.emplace_back(vertex_colour(attribute, v));
+    for (std::size_t v = from; v < std::min(count, from + kColorBatch); ++v) {
+      batch.emplace_back(vertex_color(attribute, v));
     }
-    colours_.write(first + from, batch.size(), batch.data());
+    colors_.write(first + from, batch.size(), batch.data());
   }
 }
 
-void GpuSurfaces::bind_triangles(const gl::CellProgram& program) const {
+void GpuSurfaces::bind_triangles(const gl::ShaderProgram& program) const {
   corners_.bind(program, "triangle_corners", TextureUnit::triangle_corners);
   positions_.bind(program, "vertex_positions", TextureUnit::vertex_positions);
   program.set("view_linear", view_->view(0).linear);  // equal for all surfaces
 }
 
-void GpuSurfaces::bind_shading(const gl::CellProgram& program) const {
+void GpuSurfaces::bind_shading(const gl::ShaderProgram& program) const {
   normals_.bind(program, "vertex_normals", TextureUnit::vertex_normals);
-  colours_.bind(program, "vertex_colours", TextureUnit::vertex_colours);
+  colors_.bind(program, "vertex_colours", TextureUnit::vertex_colors);
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, record_buffer_.name());
   program.set("surface_count", static_cast<int>(records_.size()));
   program.set("rotation", glm::mat3(view_->rotation()));
@@ -116,18 +116,18 @@ void GpuSurfaces::bind_shading(const gl::CellProgram& program) const {
   program.set("shading_terms",
               glm::vec4(glm::dvec4(shading.ambient, shading.diffuse, shading.specular, shading.shininess)));
   std::vector<glm::vec3> towards;
-  std::vector<glm::vec3> colours;
+  std::vector<glm::vec3> colors;
   for (std::size_t l = 0; l < scene_->lights.size(); ++l) {
     towards.emplace_back(view_->towards(l));
-    colours.emplace_back(scene_->lights[l].colour);
+    colors.emplace_back(scene_->lights[l].color);
   }
   program.set("light_count", static_cast<int>(towards.size()));
   if (towards.empty()) return;
   program.set("light_towards", towards);
-  program.set("light_colours", colours);
+  program.set("light_colours", colors);
 }
 
-Result<void> GpuSurfaces::draw(const gl::GlContext& gl, const gl::CellProgram& program, bool hiding,
+Result<void> GpuSurfaces::draw(const gl::GlContext& gl, const gl::ShaderProgram& program, bool hiding,
                                const Context& context) const {
   program.use();
   for (std::size_t s = 0; s < records_.size(); ++s) {

@@ -18,15 +18,15 @@ class GpuSurfaces {
                                                   GpuMemory& memory, const Context& context);
 
   [[nodiscard]] bool empty() const { return triangles_ == 0; }
-  [[nodiscard]] bool have_opaque() const { return has_opaque_; }
-  [[nodiscard]] bool have_see_through() const { return has_see_through_; }
+  [[nodiscard]] bool has_opaque_triangles() const { return has_opaque_; }
+  [[nodiscard]] bool has_transparent_triangles() const { return has_see_through_; }
 
   // Binds the positions of triangles, for programs that compute where triangles are.
-  void bind_triangles(const gl::CellProgram& program) const;
+  void bind_triangles(const gl::ShaderProgram& program) const;
   // Binds normals, colors and lights, for programs that shade.
-  void bind_shading(const gl::CellProgram& program) const;
+  void bind_shading(const gl::ShaderProgram& program) const;
   // Draws the opaque surfaces if `hiding`, otherwise the transparent ones.
-  [[nodiscard]] Result<void> draw(const gl::GlContext& gl, const gl::CellProgram& program, bool hiding,
+  [[nodiscard]] Result<void> draw(const gl::GlContext& gl, const gl::ShaderProgram& program, bool hiding,
                                   const Context& context) const;
 
  private:
@@ -36,15 +36,15 @@ class GpuSurfaces {
     std::uint32_t first_triangle;
     std::int32_t vertex_base;
     std::int32_t normal_base;
-    std::int32_t colour_base;
-    float colour[3];
+    std::int32_t color_base;
+    float color[3];
     float opacity;
   };
   static_assert(sizeof(Record) == 56);
 
   [[nodiscard]] Result<void> take_arrays(const gl::GlContext& gl, std::uint64_t vertices, std::uint64_t normals,
-                                         std::uint64_t colours, GpuMemory& memory);
-  void write_colours(const mesh::Attribute& attribute, std::uint64_t first) const;
+                                         std::uint64_t colors, GpuMemory& memory);
+  void write_colors(const mesh::Attribute& attribute, std::uint64_t first) const;
 
   const Scene* scene_ = nullptr;
   const SurfaceView* view_ = nullptr;
@@ -55,7 +55,7 @@ class GpuSurfaces {
   GpuArray corners_;
   GpuArray positions_;
   GpuArray normals_;
-  GpuArray colours_;
+  GpuArray colors_;
   gl::GlBuffer record_buffer_;
 };
 

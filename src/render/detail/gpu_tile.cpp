@@ -65,13 +65,13 @@ Result<GpuTile> GpuTile::make(const gl::GlContext& gl, const glm::ivec2& size, b
     glBindFramebuffer(GL_FRAMEBUFFER, tile.list_read_.name());
     attach(GL_COLOR_ATTACHMENT0, tile.list_counts_);
   }
-  tile.colour_ = make_image(GL_RGBA32F, size);
+  tile.color_ = make_image(GL_RGBA32F, size);
   tile.normals_ = make_image(GL_RGBA32F, size);
   tile.depths_ = make_image(GL_R32F, size);
   tile.counts_ = make_image(GL_RGBA32UI, size);
   tile.picture_ = gl::GlFramebuffer::make();
   glBindFramebuffer(GL_FRAMEBUFFER, tile.picture_.name());
-  attach(GL_COLOR_ATTACHMENT0, tile.colour_);
+  attach(GL_COLOR_ATTACHMENT0, tile.color_);
   attach(GL_COLOR_ATTACHMENT1, tile.normals_);
   attach(GL_COLOR_ATTACHMENT2, tile.depths_);
   attach(GL_COLOR_ATTACHMENT3, tile.counts_);
@@ -119,12 +119,12 @@ void GpuTile::begin_rays(const PixelBox& box) const {
   glEnable(GL_SCISSOR_TEST);
 }
 
-void GpuTile::bind_opaque(const gl::CellProgram& program) const {
+void GpuTile::bind_opaque(const gl::ShaderProgram& program) const {
   bind_texture(program, "opaque_triangles", TextureUnit::opaque_triangles, GL_TEXTURE_2D, opaque_triangles_);
   bind_texture(program, "opaque_depths", TextureUnit::opaque_depths, GL_TEXTURE_2D, opaque_depths_);
 }
 
-void GpuTile::bind_lists(const gl::CellProgram& program) const {
+void GpuTile::bind_lists(const gl::ShaderProgram& program) const {
   bind_texture(program, "list_counts", TextureUnit::list_counts, GL_TEXTURE_2D, list_counts_);
   bind_texture(program, "list_ends", TextureUnit::list_ends, GL_TEXTURE_2D, list_ends_);
 }
@@ -140,7 +140,7 @@ bool GpuTile::read(const PixelBox& box, Picture& picture, std::vector<glm::uvec4
     glReadPixels(0, 0, size.x, size.y, format, type, to);
   };
   glPixelStorei(GL_PACK_ROW_LENGTH, picture.width);
-  read_pixels(GL_COLOR_ATTACHMENT0, GL_RGBA, GL_FLOAT, picture.colour.data() + first);
+  read_pixels(GL_COLOR_ATTACHMENT0, GL_RGBA, GL_FLOAT, picture.color.data() + first);
   read_pixels(GL_COLOR_ATTACHMENT1, GL_RGB, GL_FLOAT, picture.normals.data() + first);
   read_pixels(GL_COLOR_ATTACHMENT2, GL_RED, GL_FLOAT, picture.depth.data() + first);
   glPixelStorei(GL_PACK_ROW_LENGTH, 0);

@@ -27,9 +27,9 @@ class GpuTile {
   void read_counts(const PixelBox& box, std::vector<std::uint32_t>& counts) const;
   void begin_rays(const PixelBox& box) const;
 
-  void bind_opaque(const gl::CellProgram& program) const;
+  void bind_opaque(const gl::ShaderProgram& program) const;
   // Call this even without lists, because every sampler of a program needs its own texture unit.
-  void bind_lists(const gl::CellProgram& program) const;
+  void bind_lists(const gl::ShaderProgram& program) const;
 
   // Reads the results into the pixels of `box` of the picture. `counts` has one element per pixel. Returns false if the
   // driver cut rays off.
@@ -47,7 +47,7 @@ class GpuTile {
   gl::GlTexture z_buffer_;
   gl::GlTexture list_counts_;
   gl::GlTexture list_ends_;
-  gl::GlTexture colour_;
+  gl::GlTexture color_;
   gl::GlTexture normals_;
   gl::GlTexture depths_;
   gl::GlTexture counts_;

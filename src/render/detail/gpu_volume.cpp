@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kBrickSide = VolumeBricks::kCells + 1;  // in samples
 constexpr std::uint64_t kBrickSamples = std::uint64_t{kBrickSide} * kBrickSide * kBrickSide;
-constexpr float kNoNumber = 3e38F;              // stands for NaN in the shader, since GLSL need not support NaN
+constexpr float kNanInShader = 3e38F;           // stands for NaN in the shader, since GLSL need not support NaN
 constexpr std::uint64_t kBatchSlots = 1 << 12;  // uploads about 12 MB at a time
 constexpr double kMostSlabs = 1e9;              // per ray: the shader numbers slabs by int
 
@@ -56,7 +56,7 @@ class BrickWriter {
           // Samples beyond the last one belong to cells that no ray visits, so any value will do.
           for (int i = 0; i < kBrickSide; ++i) {
             const float position = reader(glm::min(origin + glm::ivec3(i, j, k), last_));
-            to[i] = std::isnan(position) ? kNoNumber : position;
+            to[i] = std::isnan(position) ? kNanInShader : position;
           }
         }
       }
@@ -126,7 +126,7 @@ Result<GpuVolume> GpuVolume::upload(const gl::GlContext& gl, const Volume& volum
                                     RenderStatistics& statistics, GpuMemory& memory, const Context& context) {
   GpuVolume made;
   made.volume_ = &volume;
-  made.box_ = *box_of_volume(*volume.field);
+  made.box_ = *volume_box(*volume.field);
   made.step_ = step_of(volume, options);
   const std::string& source = volume.field->source;
   const glm::dvec3 extent = made.box_.max - made.box_.min;
@@ -146,7 +146,7 @@ Result<GpuVolume> GpuVolume::upload(const gl::GlContext& gl, const Volume& volum
     auto measured = TRY(VolumeBricks::measure(samples, context));
     seen.emplace(std::move(measured));
     statistics.bricks = seen->count();
-    statistics.bricks_skipped = seen->count_unseen();
+    statistics.bricks_skipped = seen->count_invisible();
   }
   const auto nodes = TRY(VolumeNodes::list(samples, seen ? &*seen : nullptr, glm::ivec3(made.box_.min),
                                            glm::ivec3(made.box_.max) - 1, context));
@@ -181,7 +181,7 @@ Result<GpuVolume> GpuVolume::upload(const gl::GlContext& gl, const Volume& volum
   return made;
 }
 
-void GpuVolume::bind(const gl::CellProgram& program, const Camera& camera) const {
+void GpuVolume::bind(const gl::ShaderProgram& program, const Camera& camera) const {
   bind_texture(program, "nodes", TextureUnit::nodes, GL_TEXTURE_3D, nodes_);
   bind_texture(program, "atlas", TextureUnit::atlas, GL_TEXTURE_3D, atlas_);
   bricks_.bind(program, "bricks", TextureUnit::bricks);
@@ -194,7 +194,7 @@ void GpuVolume::bind(const gl::CellProgram& program, const Camera& camera) const
   program.set("box_max", box_.max);
   const field::Affine index_of_world = volume_->index_to_world.inverse();
   program.set("volume_eye", index_of_world(camera.eye));
-  program.set("index_of_view", index_of_world.linear * camera.world_of_view().linear);
+  program.set("index_of_view", index_of_world.linear * camera.world_from_view().linear);
   program.set("world_step", step_);
   program.set("unit_lengths", 1 / volume_->unit_length);
 }

@@ -19,7 +19,7 @@ class GpuVolume {
                                                 GpuMemory& memory, const Context& context);
 
   // Sets all uniforms and textures that the shader needs for the volume as `camera` sees it.
-  void bind(const gl::CellProgram& program, const Camera& camera) const;
+  void bind(const gl::ShaderProgram& program, const Camera& camera) const;
 
  private:
   [[nodiscard]] Result<void> make_atlas(const gl::GlContext& gl, const std::string& source, std::uint64_t slots,

@@ -34,7 +34,7 @@ struct VolumeView {
 };
 
 struct Pixel {
-  glm::vec4 colour{0.0F};  // premultiplied
+  glm::vec4 color{0.0F};  // premultiplied
   float depth = std::numeric_limits<float>::infinity();
   glm::vec3 normal{0.0F};
 };
@@ -48,11 +48,11 @@ class Ray {
   // Adds a part of the slab from `first` to `last`. `taken` is the opacity of the part, 1 - exp(-sigma l).
   void pass(const glm::vec4& entry, double taken, double first, double last) {
     add(glm::dvec3(entry), taken);
-    if (!settled_ && light_ <= 0.5) settle(first + (last - first) / 2, glm::vec3(0));
+    if (!has_depth_ && light_ <= 0.5) settle(first + (last - first) / 2, glm::vec3(0));
   }
   void meet(const Shade& shade, double depth) {
-    add(glm::dvec3(shade.colour), shade.opacity);
-    if (settled_) return;
+    add(glm::dvec3(shade.color), shade.opacity);
+    if (has_depth_) return;
     if (light_ <= 0.5) {
       settle(depth, shade.normal);
     } else if (!std::isfinite(pixel_.depth)) {
@@ -65,27 +65,27 @@ class Ray {
 
   [[nodiscard]] Pixel end(const glm::dvec4& background) {
     const double left = ended() ? 0 : light_;
-    colour_ += left * background.a * glm::dvec3(background);
-    pixel_.colour = glm::vec4(glm::dvec4(colour_, 1 - left * (1 - background.a)));
+    color_ += left * background.a * glm::dvec3(background);
+    pixel_.color = glm::vec4(glm::dvec4(color_, 1 - left * (1 - background.a)));
     return pixel_;
   }
 
  private:
-  void add(const glm::dvec3& colour, double opacity) {
-    colour_ += light_ * opacity * colour;
+  void add(const glm::dvec3& color, double opacity) {
+    color_ += light_ * opacity * color;
     light_ *= 1 - opacity;
   }
   void settle(double depth, const glm::vec3& normal) {
-    settled_ = true;
+    has_depth_ = true;
     pixel_.depth = static_cast<float>(depth * unit_);
     pixel_.normal = normal;
   }
 
   double end_;
   double unit_;
-  glm::dvec3 colour_{0.0};
+  glm::dvec3 color_{0.0};
   double light_ = 1;  // transmittance so far
-  bool settled_ = false;
+  bool has_depth_ = false;
   Pixel pixel_;
 };
 
@@ -150,9 +150,9 @@ class RayCaster {
     std::int64_t k = 0;
     while (k < slabs) {
       const double first = enter + double(k) * step;
-      if (state.next_fragment() <= first) {
+      if (state.next_fragment_depth() <= first) {
         if (!composite(ray, way, state, meet)) break;
-        if (!state.meet_until(first, ray, meet)) {
+        if (!state.add_fragments_until(first, ray, meet)) {
           state.passed = k;
           break;
         }
@@ -182,13 +182,13 @@ class RayCaster {
     std::int64_t passed;                  // slabs passed; all of them unless the ray ended early
     std::int64_t samples = 0;             // samples taken
 
-    [[nodiscard]] double next_fragment() const {
+    [[nodiscard]] double next_fragment_depth() const {
       return fragments.empty() ? std::numeric_limits<double>::infinity() : fragments.front().depth;
     }
     // Adds the fragments up to `depth`. Returns whether the ray goes on.
     template <class Meet>
-    bool meet_until(double depth, const Ray& ray, const Meet& meet) {
-      while (!ray.ended() && next_fragment() <= depth) {
+    bool add_fragments_until(double depth, const Ray& ray, const Meet& meet) {
+      while (!ray.ended() && next_fragment_depth() <= depth) {
         meet(fragments.front());
         fragments = fragments.subspan(1);
       }
@@ -206,13 +206,13 @@ class RayCaster {
     for (std::size_t i = 0; i < batch_.size; ++i) {
       const double first = batch_.first[i];
       const double last = batch_.last[i];
-      if (state.next_fragment() <= first && !state.meet_until(first, ray, meet)) {
+      if (state.next_fragment_depth() <= first && !state.add_fragments_until(first, ray, meet)) {
         state.passed = static_cast<std::int64_t>(batch_.number[i]);
         return false;
       }
       ++state.samples;
       if (!(batch_.sigma[i] > 0)) continue;
-      if (state.next_fragment() < last) {
+      if (state.next_fragment_depth() < last) {
         divide(ray, way, i, state, meet);
       } else {
         ray.pass(batch_.entry[i], batch_.opacity[i], first, last);
@@ -234,8 +234,8 @@ class RayCaster {
     const glm::vec4& entry = batch_.entry[slab];
     const double per_depth = batch_.sigma[slab] * way.length * way.per_length;
     double from = first;
-    while (!ray.ended() && state.next_fragment() < last) {
-      const double to = state.next_fragment();
+    while (!ray.ended() && state.next_fragment_depth() < last) {
+      const double to = state.next_fragment_depth();
       if (to > from) ray.pass(entry, 1 - std::exp(-per_depth * (to - from)), first, last);
       if (ray.ended()) return;
       meet(state.fragments.front());

@@ -68,7 +68,7 @@ HWY_INLINE void positions_of(const PositionScale& scale, const CornerSamples<Raw
   const Doubles d;
   const hn::Rebind<Raw, Doubles> raw;
   const DoubleVec min = hn::Set(d, scale.min);
-  const DoubleVec per_value = hn::Set(d, scale.per_value);
+  const DoubleVec positions_per_value = hn::Set(d, scale.positions_per_value);
   const DoubleVec slope = hn::Set(d, scale.slope);
   const DoubleVec intercept = hn::Set(d, scale.intercept);
   const DoubleVec farthest = hn::Set(d, TransferFunction::kFarthest);
@@ -82,7 +82,7 @@ HWY_INLINE void positions_of(const PositionScale& scale, const CornerSamples<Raw
         value = hn::PromoteTo(d, hn::Load(raw, corners.at[n].data() + i));
       }
       if (scale.scaled) value = hn::Add(hn::Mul(slope, value), intercept);
-      DoubleVec position = hn::Mul(hn::Sub(value, min), per_value);
+      DoubleVec position = hn::Mul(hn::Sub(value, min), positions_per_value);
       position = hn::IfThenElse(hn::Lt(position, nearest), nearest, position);
       position = hn::IfThenElse(hn::Lt(farthest, position), farthest, position);
       hn::Store(hn::DemoteTo(HalfFloats(), position), HalfFloats(), positions[n].data() + i);
@@ -134,7 +134,7 @@ HWY_INLINE void look_up(const std::array<std::array<float, kSlabs>, 8>& position
 }
 
 // Returns exp(-x) for x from 0 to 60: 2^n times the exponential series of the remainder, which is within +-ln(2)/2.
-HWY_INLINE DoubleVec falling_exponential(Doubles d, DoubleVec x) {
+HWY_INLINE DoubleVec exp_of_negative(Doubles d, DoubleVec x) {
   constexpr double kPerOctave = 1.4426950408889634;
   constexpr double kOctaveHigh = 0x1.62e42feep-1;  // ln 2 as a sum of two numbers, the first with few digits
   constexpr double kOctaveLow = 0x1.a39ef35793c76p-33;
@@ -162,7 +162,7 @@ HWY_INLINE void dim(const SlabRay& ray, std::size_t count, SlabBatch& batch) {
     const DoubleVec depth =
         hn::Mul(per_depth, hn::Sub(hn::Load(d, batch.last.data() + i), hn::Load(d, batch.first.data() + i)));
     const DoubleVec counted = hn::IfThenElse(hn::Lt(depth, most), depth, most);
-    hn::Store(hn::Sub(one, falling_exponential(d, counted)), d, batch.opacity.data() + i);
+    hn::Store(hn::Sub(one, exp_of_negative(d, counted)), d, batch.opacity.data() + i);
   }
 }
 

@@ -35,7 +35,7 @@ struct PositionScale {
   double slope = 1;
   double intercept = 0;
   double min = 0;
-  double per_value = 1;
+  double positions_per_value = 1;
 };
 
 struct SlabBatch {

@@ -23,21 +23,21 @@ V blend(const glm::dvec3& weights, const V& a, const V& b, const V& c) {
 
 }  // namespace
 
-glm::dvec4 vertex_colour(const mesh::Attribute& attribute, std::size_t vertex) {
-  glm::dvec4 colour(0, 0, 0, 1);
+glm::dvec4 vertex_color(const mesh::Attribute& attribute, std::size_t vertex) {
+  glm::dvec4 color(0, 0, 0, 1);
   for (std::size_t c = 0; c < attribute.components; ++c) {
-    double& channel = colour[static_cast<int>(c)];
+    double& channel = color[static_cast<int>(c)];
     switch (attribute.type) {
       case mesh::ComponentType::u8: {
         const double encoded = component<std::uint8_t>(attribute, vertex, c) / 255.0;
-        channel = c < 3 ? linear_of_srgb(encoded) : encoded;
+        channel = c < 3 ? srgb_to_linear(encoded) : encoded;
         break;
       }
       case mesh::ComponentType::u16: channel = component<std::uint16_t>(attribute, vertex, c) / 65535.0; break;
       default: channel = double{component<float>(attribute, vertex, c)};
     }
   }
-  return colour;
+  return color;
 }
 
 SurfaceView::SurfaceView(const Scene& scene, const Camera& camera, const PictureSize& size)
@@ -47,23 +47,23 @@ SurfaceView::SurfaceView(const Scene& scene, const Camera& camera, const Picture
   to_left_ = corner.x;
   to_top_ = corner.y;
   per_pixel_ = {(opposite.x - corner.x) / size.width, (corner.y - opposite.y) / size.height};
-  const field::Affine view = camera.view_of_world();
+  const field::Affine view = camera.view_from_world();
   for (const Surface& surface : scene.surfaces) {
     const mesh::Mesh& mesh = *surface.mesh;
     first_.push_back(first_.back() + mesh.triangles.size());
     Look look;
     look.view = {view.linear, view(mesh.origin)};
     look.smooth = surface.shading == Shading::smooth && !mesh.normals.empty();
-    if (surface.vertex_colours) {
-      look.colours = &*std::ranges::find_if(mesh.attributes, [](const mesh::Attribute& attribute) {
-        return attribute.role == mesh::AttributeRole::colour;
+    if (surface.vertex_colors) {
+      look.colors = &*std::ranges::find_if(mesh.attributes, [](const mesh::Attribute& attribute) {
+        return attribute.role == mesh::AttributeRole::color;
       });
     }
-    look.hides = surface.opacity == 1 && (look.colours == nullptr || look.colours->components < 4);
+    look.hides = surface.opacity == 1 && (look.colors == nullptr || look.colors->components < 4);
     looks_.push_back(look);
   }
   for (const Light& light : scene.lights) {
-    towards_.push_back(glm::normalize(light.with_camera ? light.towards : rotation_ * light.towards));
+    towards_.push_back(glm::normalize(light.moves_with_camera ? light.towards : rotation_ * light.towards));
   }
 }
 
@@ -104,10 +104,10 @@ Shade SurfaceView::shade(std::uint64_t triangle, const glm::dvec3& direction) co
     if (glm::dot(normal, plane) < 0) normal = -normal;
   }
 
-  glm::dvec4 base(surface.colour, 1);
-  if (look.colours != nullptr) {
-    base = blend(weights, vertex_colour(*look.colours, t.x), vertex_colour(*look.colours, t.y),
-                 vertex_colour(*look.colours, t.z));
+  glm::dvec4 base(surface.color, 1);
+  if (look.colors != nullptr) {
+    base = blend(weights, vertex_color(*look.colors, t.x), vertex_color(*look.colors, t.y),
+                 vertex_color(*look.colors, t.z));
   }
   const ShadingModel& shading = scene_.shading;
   glm::dvec3 light = glm::dvec3(base) * shading.ambient;
@@ -117,7 +117,7 @@ Shade SurfaceView::shade(std::uint64_t triangle, const glm::dvec3& direction) co
     const glm::dvec3 half = towards_[l] + to_eye;
     const double half_length = glm::length(half);
     const double gloss = half_length > 0 ? std::max(glm::dot(normal, half) / half_length, 0.0) : 0;
-    light += scene_.lights[l].colour *
+    light += scene_.lights[l].color *
              (glm::dvec3(base) * (shading.diffuse * lambert) + shading.specular * std::pow(gloss, shading.shininess));
   }
   return {glm::vec3(light), static_cast<float>(std::clamp(surface.opacity * base.a, 0.0, 1.0)),

@@ -18,13 +18,13 @@ using Corners = std::array<glm::dvec3, 3>;
 
 // The result of shading a point of a surface.
 struct Shade {
-  glm::vec3 colour;  // straight alpha
+  glm::vec3 color;  // straight alpha
   float opacity;
   glm::vec3 normal;  // in the world, towards the eye
 };
 
 // Returns the linear color and alpha of a vertex, converted as Surface::vertex_colours says.
-[[nodiscard]] glm::dvec4 vertex_colour(const mesh::Attribute& attribute, std::size_t vertex);
+[[nodiscard]] glm::dvec4 vertex_color(const mesh::Attribute& attribute, std::size_t vertex);
 
 class SurfaceView {
  public:
@@ -39,7 +39,7 @@ class SurfaceView {
   [[nodiscard]] bool hides(std::size_t surface) const { return looks_[surface].hides; }
   [[nodiscard]] bool is_smooth(std::size_t surface) const { return looks_[surface].smooth; }
   // Returns the vertex colors, or null if the surface has one color.
-  [[nodiscard]] const mesh::Attribute* colours(std::size_t surface) const { return looks_[surface].colours; }
+  [[nodiscard]] const mesh::Attribute* colors(std::size_t surface) const { return looks_[surface].colors; }
   // Returns the map from stored positions to view space.
   [[nodiscard]] const field::Affine& view(std::size_t surface) const { return looks_[surface].view; }
   // Returns the map from world directions to view space.
@@ -65,8 +65,8 @@ class SurfaceView {
 
  private:
   struct Look {
-    field::Affine view;                        // from stored positions
-    const mesh::Attribute* colours = nullptr;  // vertex colors, or null
+    field::Affine view;                       // from stored positions
+    const mesh::Attribute* colors = nullptr;  // vertex colors, or null
     bool smooth = false;
     bool hides = true;
   };

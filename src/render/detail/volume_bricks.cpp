@@ -18,7 +18,7 @@ class PositionRange {
     if (position > high_) high_ = position;
   }
   [[nodiscard]] bool seen(const TransferFunction& transfer) const {
-    return low_ <= high_ && transfer.seen_between(low_, high_);
+    return low_ <= high_ && transfer.is_visible_between(low_, high_);
   }
 
  private:
@@ -110,7 +110,7 @@ bool VolumeBricks::seen(const glm::ivec3& brick) const {
   return positions.seen(samples_->transfer());
 }
 
-std::uint64_t VolumeBricks::count_unseen() const {
+std::uint64_t VolumeBricks::count_invisible() const {
   return static_cast<std::uint64_t>(std::ranges::count(seen_, std::uint8_t{0}));
 }
 

@@ -26,7 +26,7 @@ class VolumeBricks {
 
   [[nodiscard]] bool seen(const glm::ivec3& brick) const;
   [[nodiscard]] std::uint64_t count() const { return seen_.size(); }
-  [[nodiscard]] std::uint64_t count_unseen() const;
+  [[nodiscard]] std::uint64_t count_invisible() const;
 
  private:
   explicit VolumeBricks(const VolumeSamples& samples) : samples_(&samples) {}

@@ -89,7 +89,7 @@ class VolumeNodes::Lister {
       if (position < low) low = position;
       if (position > high) high = position;
     }
-    if (bricks_ != nullptr && !(low <= high && samples_.transfer().seen_between(low, high))) return kUnseen;
+    if (bricks_ != nullptr && !(low <= high && samples_.transfer().is_visible_between(low, high))) return kUnseen;
     return same ? kConstant : kOwn;
   }
 

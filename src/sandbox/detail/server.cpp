@@ -39,7 +39,7 @@ void close_from(int first) {
 }
 
 // Returns whether all other threads sleep: then none holds a lock that a forked process would wait for.
-bool others_sleep() {
+bool other_threads_sleep() {
   std::error_code error;
   const std::string self = std::to_string(::getpid());
   for (const auto& task : std::filesystem::directory_iterator("/proc/self/task", error)) {
@@ -56,14 +56,14 @@ bool others_sleep() {
 // Libraries may start threads when they are loaded, as OpenVDB's log4cplus does. They soon sleep, waiting for work that
 // never comes.
 void wait_for_other_threads() {
-  for (int tried = 0; tried < 200 && !others_sleep(); ++tried) {
+  for (int tried = 0; tried < 200 && !other_threads_sleep(); ++tried) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 }
 
 // Memory that a worker and this process share.
 struct Shared {
-  std::atomic<std::int32_t> lacked_memory{0};
+  std::atomic<std::int32_t> memory_was_refused{0};
 };
 
 Shared* make_shared_page() {
@@ -74,7 +74,7 @@ Shared* make_shared_page() {
 Shared* own_page = nullptr;  // set in a worker
 
 void note_lack_of_memory() {
-  own_page->lacked_memory = 1;
+  own_page->memory_was_refused = 1;
   throw std::bad_alloc();
 }
 
@@ -169,7 +169,7 @@ class Server {
   static void tell(const Running& worker, int wait_status) {
     WorkerStatus status{wait_status, 0};
     if (worker.shared != nullptr) {
-      status.lacked_memory = worker.shared->lacked_memory;
+      status.memory_was_refused = worker.shared->memory_was_refused;
       ::munmap(worker.shared, sizeof(Shared));
     }
     static_cast<void>(::send(worker.status.get(), &status, sizeof(status), MSG_NOSIGNAL | MSG_DONTWAIT));
@@ -183,7 +183,7 @@ class Server {
 
 }  // namespace
 
-void prepare_server() {
+void isolate_server() {
   close_from(kControlSocket + 1);
   ::fcntl(kControlSocket, F_SETFD, FD_CLOEXEC);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP, SIGPIPE}) ::signal(signal, SIG_IGN);

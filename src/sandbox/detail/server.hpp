@@ -13,14 +13,14 @@ inline constexpr int kControlSocket = 3;
 // For each worker, three descriptors arrive through the control socket: the worker's message socket, its status socket,
 // and the pipe for its output. When the worker has ended, the server sends this through the status socket:
 struct WorkerStatus {
-  std::int32_t wait_status = 0;    // in the form of waitpid; -1 if the worker could not be started
-  std::int32_t lacked_memory = 0;  // nonzero if an allocation was refused
+  std::int32_t wait_status = 0;         // in the form of waitpid; -1 if the worker could not be started
+  std::int32_t memory_was_refused = 0;  // nonzero if an allocation was refused
 };
 // The worker is ended by any byte that the parent sends through the status socket, and by the end of the parent.
 
 // Call before loading libraries: closes everything but the control socket, discards printed output, and ignores signals
 // sent to the parent's process group.
-void prepare_server();
+void isolate_server();
 
 // Serves until the parent closes the control socket. Returns the exit code.
 [[nodiscard]] int serve(const ChildWork& work);

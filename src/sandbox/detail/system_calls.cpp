@@ -106,7 +106,7 @@ class Filter {
 
 }  // namespace
 
-bool forbid_system_calls() {
+bool restrict_system_calls() {
   if (kArchitecture == 0) return false;
   const auto self = static_cast<std::uint32_t>(::getpid());
   constexpr std::uint32_t kWrites = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | O_APPEND | (O_TMPFILE & ~O_DIRECTORY);

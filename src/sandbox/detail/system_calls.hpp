@@ -6,6 +6,6 @@ namespace isoextract::sandbox::detail {
 // Makes system calls of this process fail with EPERM from now on that open a socket, start a program or a process, open
 // a file for writing, change the file system, or access another process. Returns false if the kernel or processor has
 // no such filter or does not permit it.
-bool forbid_system_calls();
+bool restrict_system_calls();
 
 }  // namespace isoextract::sandbox::detail

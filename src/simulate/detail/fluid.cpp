@@ -58,13 +58,13 @@ Result<void> Fluid::step(double duration, const Context& context) {
   if (size_ == 0) return {};
   predict(duration);
   TRY(sort_by_cells(context));
-  stabilise();
+  stabilize();
   for (int i = 0; i < options_.iterations && find_multipliers(moved_); ++i) {
     find_corrections(moved_);
     for_each_particle(size_, [&](std::size_t k) { moved_[k] = glm::clamp(moved_[k] + scratch_[k], least_, most_); });
   }
   update_velocities(duration);
-  if (options_.viscosity > 0) even_out_velocities();
+  if (options_.viscosity > 0) apply_viscosity();
   return {};
 }
 
@@ -107,12 +107,12 @@ Result<void> Fluid::sort_by_cells(const Context& context) {
   std::swap(moved_, scratch_);
   std::swap(places_, velocities_);
   std::swap(numbers_, number_scratch_);
-  return neighbours_.make(grid, moved_.span().first(size_), kernels_.reach(), context);
+  return neighbors_.make(grid, moved_.span().first(size_), kernels_.reach(), context);
 }
 
 // Combines the walls of the box as if each were a half-space. The product is exact if two walls are far apart, and
 // nearly so in edges and corners.
-Fluid::Wall Fluid::wall_at(const glm::dvec3& place) const {
+Fluid::Wall Fluid::wall_density(const glm::dvec3& place) const {
   double left = 1;  // the kernel's part inside the box
   glm::dvec3 logarithmic(0);
   for (int axis = 0; axis < 3; ++axis) {
@@ -130,7 +130,7 @@ Fluid::Wall Fluid::wall_at(const glm::dvec3& place) const {
 // Returns the density relative to rest, from the particles that were neighbors at the start of the step.
 double Fluid::density_at(std::size_t i, const Buffer<glm::dvec3>& places) const {
   double density = FluidKernels::own_density();
-  for (const std::uint32_t j : neighbours_.of(i)) {
+  for (const std::uint32_t j : neighbors_.of(i)) {
     const glm::dvec3 d = places[i] - places[j];
     const double distance2 = glm::dot(d, d);
     if (distance2 < kernels_.reach2()) density += kernels_.density(distance2);
@@ -143,12 +143,12 @@ bool Fluid::find_multipliers(const Buffer<glm::dvec3>& places) {
   const double relaxation = kRelaxation / (options_.spacing * options_.spacing);
   const auto find = [&](std::size_t i) {
     const glm::dvec3 place = places[i];
-    const Wall wall = wall_at(place);
+    const Wall wall = wall_density(place);
     const double density = density_at(i, places) + wall.share;
     if (!(density > 1)) return 0.0;
     glm::dvec3 own = wall.gradient;
     double squares = relaxation;
-    for (const std::uint32_t j : neighbours_.of(i)) {
+    for (const std::uint32_t j : neighbors_.of(i)) {
       const glm::dvec3 d = place - places[j];
       const double distance2 = glm::dot(d, d);
       if (distance2 >= kernels_.reach2()) continue;
@@ -175,20 +175,20 @@ void Fluid::find_corrections(const Buffer<glm::dvec3>& places) {
   for_each_particle(size_, [&](std::size_t i) {
     const double own = multipliers_[i];
     glm::dvec3 correction(0);
-    for (const std::uint32_t j : neighbours_.of(i)) {
+    for (const std::uint32_t j : neighbors_.of(i)) {
       const double both = own + multipliers_[j];
       if (both == 0) continue;
       const glm::dvec3 d = places[i] - places[j];
       const double distance2 = glm::dot(d, d);
       if (distance2 < kernels_.reach2()) correction += both * kernels_.gradient(d, distance2);
     }
-    if (own != 0) correction += own * wall_at(places[i]).gradient;
+    if (own != 0) correction += own * wall_density(places[i]).gradient;
     scratch_[i] = correction;
   });
 }
 
 // Moves particles that are too dense apart, equally before and after the step, so that they gain no velocity.
-void Fluid::stabilise() {
+void Fluid::stabilize() {
   if (!find_multipliers(places_)) return;
   find_corrections(places_);
   for_each_particle(size_, [&](std::size_t i) {
@@ -219,11 +219,11 @@ void Fluid::update_velocities(double duration) {
 
 // Equation 17, divided by the larger of both densities if that exceeds the rest density. Each new velocity is then a
 // weighted mean of old ones, so none exceeds the fastest.
-void Fluid::even_out_velocities() {
+void Fluid::apply_viscosity() {
   for_each_particle(size_, [&](std::size_t i) { multipliers_[i] = std::max(density_at(i, places_), 1.0); });
   for_each_particle(size_, [&](std::size_t i) {
     glm::dvec3 change(0);
-    for (const std::uint32_t j : neighbours_.of(i)) {
+    for (const std::uint32_t j : neighbors_.of(i)) {
       const glm::dvec3 d = places_[i] - places_[j];
       const double distance2 = glm::dot(d, d);
       if (distance2 >= kernels_.reach2()) continue;

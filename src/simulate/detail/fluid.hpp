@@ -26,7 +26,7 @@
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "simulate/detail/fluid_kernels.hpp"
-#include "simulate/detail/neighbour_lists.hpp"
+#include "simulate/detail/neighbor_lists.hpp"
 
 namespace isoextract::simulate {
 
@@ -69,15 +69,15 @@ class Fluid {
     double share = 0;  // fraction of the rest density
     glm::dvec3 gradient{0.0};
   };
-  [[nodiscard]] Wall wall_at(const glm::dvec3& place) const;
+  [[nodiscard]] Wall wall_density(const glm::dvec3& place) const;
   void predict(double duration);
   [[nodiscard]] Result<void> sort_by_cells(const Context& context);
   [[nodiscard]] double density_at(std::size_t i, const Buffer<glm::dvec3>& places) const;
   bool find_multipliers(const Buffer<glm::dvec3>& places);
   void find_corrections(const Buffer<glm::dvec3>& places);
-  void stabilise();
+  void stabilize();
   void update_velocities(double duration);
-  void even_out_velocities();
+  void apply_viscosity();
 
   FluidOptions options_;
   FluidKernels kernels_;
@@ -92,7 +92,7 @@ class Fluid {
   Buffer<double> multipliers_;  // lambda; later the densities for XSPH
   Buffer<std::uint32_t> numbers_;
   Buffer<std::uint32_t> number_scratch_;
-  NeighbourLists neighbours_;
+  NeighborLists neighbors_;
   Reservation memory_;
 };
 

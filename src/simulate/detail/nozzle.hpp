@@ -29,7 +29,7 @@ class Nozzle {
   [[nodiscard]] static std::uint64_t bytes(const NozzleOptions& options);
 
   // Returns the time at which particle `number` leaves.
-  [[nodiscard]] double left_at(std::uint64_t number) const {
+  [[nodiscard]] double emission_time(std::uint64_t number) const {
     const std::uint64_t layer = number / lattice_.size();
     return static_cast<double>(layer) * (options_.spacing / options_.speed);
   }
@@ -38,8 +38,8 @@ class Nozzle {
   // times. The first layer leaves at time 0. Times must not decrease from call to call.
   template <class F>
   void emit(double time, std::uint64_t room, const F& f) {
-    for (; room > 0 && left_at(emitted_) <= time; --room) {
-      const double age = time - left_at(emitted_);
+    for (; room > 0 && emission_time(emitted_) <= time; --room) {
+      const double age = time - emission_time(emitted_);
       const glm::dvec2& across = lattice_[static_cast<std::size_t>(emitted_ % lattice_.size())];
       const glm::dvec3 flown(options_.speed * age, 0, -options_.gravity * age * age / 2);
       f(options_.middle + glm::dvec3(0, across.x, across.y) + flown + jitter(),

@@ -24,7 +24,7 @@ void for_rows(glm::ivec2 size, const Row& row) {
 }
 
 // Computes the outflows of a row's cells. Free of branches, so that it vectorizes.
-void row_outflows(const WaterPlanes& planes, int y, double part) {
+void compute_outflows_of_row(const WaterPlanes& planes, int y, double part) {
   const std::ptrdiff_t pitch = planes.pitch;
   const double* const __restrict terrain = planes.terrain + pitch * y;
   const double* const __restrict water = planes.water + pitch * y;
@@ -63,7 +63,7 @@ void row_outflows(const WaterPlanes& planes, int y, double part) {
 }
 
 // Adds the inflows of a row's cells; all outflows must be known.
-void row_gathered(const WaterPlanes& planes, int y, double kept) {
+void gather_inflows_of_row(const WaterPlanes& planes, int y, double kept) {
   const std::ptrdiff_t pitch = planes.pitch;
   double* const __restrict water = planes.water + pitch * y;
   double* const __restrict energy = planes.energy + pitch * y;
@@ -87,9 +87,9 @@ void row_gathered(const WaterPlanes& planes, int y, double kept) {
 
 void conservative_step(const WaterPlanes& planes, double friction, double flow_div) {
   const double part = 1 / flow_div;
-  for_rows(planes.size, [&](int y) { row_outflows(planes, y, part); });
+  for_rows(planes.size, [&](int y) { compute_outflows_of_row(planes, y, part); });
   const double kept = 1 - friction;
-  for_rows(planes.size, [&](int y) { row_gathered(planes, y, kept); });
+  for_rows(planes.size, [&](int y) { gather_inflows_of_row(planes, y, kept); });
 }
 
 void printed_step(const WaterPlanes& planes, double friction, double flow_div) {

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "base/error.hpp"
-#include "files/packed_input.hpp"
+#include "files/compressed_input.hpp"
 
 namespace isoextract::volume_io {
 
@@ -30,7 +30,7 @@ class DeflateStream {
  private:
   [[nodiscard]] Result<void> check_end() const;
 
-  files::PackedInput input_;
+  files::CompressedInput input_;
   DeflatedMember member_;
   std::uint64_t inflated_ = 0;
   std::uint32_t crc_;

@@ -21,7 +21,7 @@ Result<std::vector<GridInfo>> DenseFormat::list(const std::string& input, const 
   const auto file = TRY(files::InputFile::open(input, context));
   const auto dense = TRY(open_header(file, options));
   if (options.volume) {
-    TRY(choose_volume(file.name(), dense.volumes, options.volume, dense.other_reading));
+    TRY(choose_volume(file.name(), dense.volumes, options.volume, dense.other_interpretation));
   }
   return std::vector{grid_of(dense, stem_of(file.path()))};
 }
@@ -84,7 +84,7 @@ GridInfo dense_grid(std::string name, const glm::ivec3& dims, field::SampleType 
 
 GridInfo grid_of(const DenseFile& dense, std::string name) {
   GridInfo grid = dense_grid(std::move(name), dense.dims, dense.type);
-  if (dense.wide != WideInteger::none) grid.type = dense.wide == WideInteger::i64 ? "i64" : "u64";
+  if (dense.wide != Integer64::none) grid.type = dense.wide == Integer64::i64 ? "i64" : "u64";
   grid.volumes = dense.volumes;
   grid.components = dense.components;
   return grid;

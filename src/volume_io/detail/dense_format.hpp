@@ -12,14 +12,14 @@
 #include "base/error.hpp"
 #include "field/scalar_field.hpp"
 #include "files/file_bytes.hpp"
-#include "volume_io/detail/placing.hpp"
+#include "volume_io/detail/placement.hpp"
 #include "volume_io/detail/sample_source.hpp"
 #include "volume_io/volume_format.hpp"
 
 namespace isoextract::volume_io {
 
 // 64-bit integers are converted to double, which is exact up to 2^53 and for some beyond; inexact ones are an error.
-enum class WideInteger { none, i64, u64 };
+enum class Integer64 { none, i64, u64 };
 
 // One or several dense volumes of equal size with a validated header; samples are not validated.
 struct DenseFile {
@@ -27,7 +27,7 @@ struct DenseFile {
   std::string world_space;
   std::string length_unit;  // as in ScalarField, like world_space
   field::SampleType type = field::SampleType::u8;
-  WideInteger wide = WideInteger::none;  // if set, `type` is f64
+  Integer64 wide = Integer64::none;  // if set, `type` is f64
   glm::ivec3 dims{0};
   std::endian endian = std::endian::native;
   bool x_slowest = false;  // stored with the last axis fastest
@@ -41,7 +41,7 @@ struct DenseFile {
   bool component_before_volume = true;  // if both axes are on the same side of the spatial ones, components are the
                                         // faster
   std::string component_names;          // names of the components in order; may be empty
-  Hint other_reading;                   // other interpretation of a file with several volumes; see choose_volume()
+  Hint other_interpretation;            // other interpretation of a file with several volumes; see choose_volume()
   std::vector<SamplePiece> pieces;      // of all volumes and components
   bool size_is_exact = false;           // bytes after the samples are an error instead of a note
   std::vector<std::string> notes;

@@ -68,7 +68,7 @@ Result<field::DenseSamples> load_samples(const files::InputFile& file, const Den
                                          const SampleSource& source, bool last, std::optional<double> no_data,
                                          std::vector<std::string>& notes) {
   const Context& context = file.context();
-  if (!dense.x_slowest && dense.wide == WideInteger::none) {
+  if (!dense.x_slowest && dense.wide == Integer64::none) {
     if (auto mapped = map_samples(source, context)) {
       const auto mapping = std::make_shared<const files::MappedFile>(std::move(*mapped));
       return field::DenseSamples{dense.type, dense.dims, mapping, mapping->data(), true, &mapping->lost()};
@@ -80,12 +80,12 @@ Result<field::DenseSamples> load_samples(const files::InputFile& file, const Den
 
   auto read =
       TRY(dense.x_slowest ? read_samples_transposed(source, dense.dims, context) : read_samples(source, context));
-  if (read.more_packed && last && source.pieces.back().gzip)
+  if (read.has_trailing_data && last && source.pieces.back().gzip)
     notes.emplace_back("bytes after the samples were not read");
   memory.shrink(source.bytes);
-  if (dense.wide != WideInteger::none) {
-    TRY(dense.wide == WideInteger::i64 ? widen<std::int64_t>(file, dense.dims, read.data.span(), no_data)
-                                       : widen<std::uint64_t>(file, dense.dims, read.data.span(), no_data));
+  if (dense.wide != Integer64::none) {
+    TRY(dense.wide == Integer64::i64 ? widen<std::int64_t>(file, dense.dims, read.data.span(), no_data)
+                                     : widen<std::uint64_t>(file, dense.dims, read.data.span(), no_data));
   }
   const auto owned = std::make_shared<const ReservedBuffer<std::byte>>(
       ReservedBuffer<std::byte>{std::move(read.data), std::move(memory)});
@@ -156,7 +156,7 @@ bool needs_double(field::SampleType type) {
 
 Result<field::ScalarField> read_dense(const files::InputFile& file, DenseFile dense, std::string name,
                                       const ReadOptions& options) {
-  const auto volume = TRY(choose_volume(file.name(), dense.volumes, options.volume, dense.other_reading));
+  const auto volume = TRY(choose_volume(file.name(), dense.volumes, options.volume, dense.other_interpretation));
   const auto chosen = TRY(choose_component(file.name(), dense.components, options.component, dense.component_names));
   std::string what = describe_samples(dense.dims, dense.type);
   if (dense.components > 1) what += fmt::format(" of {} components", dense.components);
@@ -193,7 +193,7 @@ Result<field::ScalarField> read_dense(const files::InputFile& file, DenseFile de
   if (chosen) field.scale = dense.scale;
   field.notes = std::move(dense.notes);
   field.samples = std::move(samples);
-  TRY(set_frame(field, dense.frame, options));
+  TRY(set_placement(field, dense.frame, options));
   return field;
 }
 

@@ -13,7 +13,7 @@ namespace isoextract::volume_io {
 // live. Vector lengths are computed from scaled components. They are f64 if the components are f64 or integers that
 // float cannot represent, else f32.
 //
-// Fails as set_frame() does, and with ErrorCode::input
+// Fails as set_placement() does, and with ErrorCode::input
 // - if the file is shorter than its header says,
 // - if there are several volumes or components and none is selected,
 // - if double cannot represent a 64-bit integer that is not options.no_data.

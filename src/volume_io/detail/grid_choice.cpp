@@ -22,7 +22,7 @@ std::string describe_grid(const GridInfo& grid) {
                                            box.min.y, box.min.z, box.max.x, box.max.y, box.max.z);
   }
   if (grid.kind) text += *grid.kind == field::FieldKind::level_set ? ", level set" : ", density";
-  if (!grid.frame_problem.empty()) text += "; its place cannot be used: " + grid.frame_problem;
+  if (!grid.placement_problem.empty()) text += "; its place cannot be used: " + grid.placement_problem;
   return text;
 }
 

@@ -10,7 +10,7 @@
 #include "files/file_start.hpp"
 #include "plugin_host/plugin_kinds.hpp"
 #include "plugin_host/plugin_samples.hpp"
-#include "plugin_host/plugin_visit.hpp"
+#include "plugin_host/plugin_session.hpp"
 #include "volume_io/detail/dense_format.hpp"
 #include "volume_io/detail/grid_choice.hpp"
 
@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 // A plug-in's samples, with the reservation for a full box.
 struct PluginSamples {
   Reservation box_memory;
-  plugin_host::VisitedSamples visited;
+  plugin_host::SessionSamples visited;
 };
 
 class PluginFormat final : public VolumeFormat {
@@ -62,13 +62,14 @@ class PluginFormat final : public VolumeFormat {
     field.world_space = plugin_host::plugin_text(grid.world_space);
     if (grid.kind == ISOEXTRACT_LEVEL_SET) field.kind = field::FieldKind::level_set;
     TRY(read_samples(*visit, input, chosen, context, field));
-    TRY(set_frame(field, {plugin_host::affine_of(grid.index_to_world), {}}, options));
+    TRY(set_placement(field, {plugin_host::affine_of(grid.index_to_world), {}}, options));
     return field;
   }
 
  private:
   // Opens a file with the plug-in, which lists its grids.
-  Result<std::unique_ptr<plugin_host::VolumeVisit>> visit_file(const std::string& input, const Context& context) const {
+  Result<std::unique_ptr<plugin_host::VolumeSession>> visit_file(const std::string& input,
+                                                                 const Context& context) const {
     if (files::is_standard_input(input)) {
       return fail(ErrorCode::input,
                   fmt::format("{}: plug-ins, such as the one for {}, read files by their paths",
@@ -76,7 +77,7 @@ class PluginFormat final : public VolumeFormat {
                   "write the data to a file first");
     }
     const auto file = TRY(files::InputFile::open(input, context));
-    auto visit = plugin_host::visit_volume(library_, about().id, file);
+    auto visit = plugin_host::open_volume_session(library_, about().id, file);
     if (!visit) return visit;
     if ((*visit)->list().grids == nullptr && (*visit)->list().count > 0) {
       return refused(input, "a list of grids that is not there");
@@ -118,7 +119,7 @@ class PluginFormat final : public VolumeFormat {
   }
 
   // Reads the samples of a scalar grid; the sizes of a full box have been checked.
-  Result<void> read_samples(plugin_host::VolumeVisit& visit, const std::string& input, std::size_t index,
+  Result<void> read_samples(plugin_host::VolumeSession& visit, const std::string& input, std::size_t index,
                             const Context& context, field::ScalarField& field) const {
     const isoextract_volume_grid& grid = visit.list().grids[index];
     const auto owner = std::make_shared<PluginSamples>();

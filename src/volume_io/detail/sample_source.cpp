@@ -14,8 +14,8 @@
 
 #include <fmt/format.h>
 
+#include "base/allocation_error.hpp"
 #include "base/checked.hpp"
-#include "base/no_memory.hpp"
 #include "base/parallel.hpp"
 #include "files/file_bytes.hpp"
 #include "files/gzip_stream.hpp"
@@ -188,7 +188,7 @@ Result<void> check_packed(const files::InputFile& file, const SamplePiece& piece
   const std::uint64_t found =
       piece.deflated ? piece.deflated->packed : file.size() - std::min(file.size(), piece.offset);
   const auto inflated = checked_sum(expected, piece.skip);
-  if (!inflated || *inflated / files::kMostInflated > found) {
+  if (!inflated || *inflated / files::kMaxDeflateRatio > found) {
     return fail(ErrorCode::input, fmt::format("{}: {} bytes of {} data cannot hold {} bytes ({})", file.name(), found,
                                               packing_of(piece), inflated.value_or(expected), of_what));
   }
@@ -212,8 +212,8 @@ Result<Buffer<std::byte>> allocate(std::uint64_t bytes, const SampleSource& sour
   try {
     return Buffer<std::byte>(bytes);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(fmt::format(
-        "{}: no memory for {} bytes of samples{}", files::shown_input_name(source.pieces.front().path), source.bytes,
+    return tl::unexpected(allocation_error(fmt::format(
+        "{}: no memory for {} bytes of samples{}", files::input_label(source.pieces.front().path), source.bytes,
         is_mappable(source) ? ", neither as a mapping of the file (mmap) nor as a copy" : "")));
   }
 }
@@ -296,7 +296,7 @@ Result<ReadSamples> read_samples(const SampleSource& source, const Context& cont
       auto packed = TRY(PackedSamples::open(file, piece, source, out.size()));
       TRY(packed.fill(out, context));
       const auto more = TRY(packed.more());
-      result.more_packed |= more;
+      result.has_trailing_data |= more;
     } else
       TRY(read_range(file, piece, 0, out, source, context));
   }
@@ -359,7 +359,7 @@ Result<ReadSamples> read_samples_transposed(const SampleSource& source, const gl
   }
   ReadSamples result{std::move(data), false};
   if (!packed) return result;
-  result.more_packed = TRY(packed->more());
+  result.has_trailing_data = TRY(packed->more());
   return result;
 }
 

@@ -67,7 +67,7 @@ struct Share {
 
 struct ReadSamples {
   Buffer<std::byte> data;
-  bool more_packed = false;  // decompressed bytes follow the samples
+  bool has_trailing_data = false;  // decompressed bytes follow the samples
 };
 
 // Reads all pieces into one buffer in native byte order. Reports bytes as "reading". The caller reserves the memory.

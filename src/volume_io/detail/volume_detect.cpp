@@ -9,7 +9,7 @@
 #include "base/printable.hpp"
 #include "files/file_bytes.hpp"
 #include "volume_io/detail/formats.hpp"
-#include "volume_io/detail/unread_format.hpp"
+#include "volume_io/detail/unsupported_format.hpp"
 #include "volume_io/volume_reader.hpp"
 
 namespace isoextract::volume_io {
@@ -32,7 +32,7 @@ const VolumeFormat* format_by_content(const files::FileStart& start) {
 
 // Returns the first format that has the name's ending, ignoring case.
 const VolumeFormat* format_by_extension(const std::filesystem::path& path) {
-  const std::string name = lower_case(path.filename().string());
+  const std::string name = to_lower(path.filename().string());
   for (const VolumeFormat* format : volume_formats()) {
     const auto claims = [&](const std::string& extension) { return name.ends_with(extension); };
     if (std::ranges::any_of(format->about().extensions, claims)) return format;
@@ -41,7 +41,7 @@ const VolumeFormat* format_by_extension(const std::filesystem::path& path) {
 }
 
 std::optional<Error> error_of_unread(const files::InputFile& file, std::span<const std::byte> content) {
-  const auto known = unread_format(file.path(), content);
+  const auto known = find_unsupported_format(file.path(), content);
   if (!known) return std::nullopt;
   return Error{ErrorCode::input,
                fmt::format("{}: it is {} by its {}, which isoextract does not read", file.name(), known->title,
@@ -109,7 +109,7 @@ Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions
 
 bool has_volume_extension(const std::filesystem::path& path) { return format_by_extension(path) != nullptr; }
 
-std::optional<Error> known_but_unread(const std::filesystem::path& path, const Context& context) {
+std::optional<Error> unsupported_format_error(const std::filesystem::path& path, const Context& context) {
   const auto file = files::InputFile::open(path, context);
   if (!file) return std::nullopt;
   const auto content = files::first_bytes(*file, files::kStartBytes);

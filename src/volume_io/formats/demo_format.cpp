@@ -33,7 +33,7 @@ class DemoFormat final : public VolumeFormat {
                                                 const Context& context) const override {
     auto field = field::make_demo_field(input, context);
     if (!field) return field;
-    TRY(set_frame(*field, {field->index_to_world, {}}, options));
+    TRY(set_placement(*field, {field->index_to_world, {}}, options));
     return field;
   }
 };

@@ -83,7 +83,7 @@ std::optional<NiftiHeader> parse_header(std::span<const std::byte> content) {
 struct NiftiType {
   field::SampleType type = field::SampleType::u8;
   std::uint64_t numbers = 1;  // components per sample, interleaved
-  WideInteger wide = WideInteger::none;
+  Integer64 wide = Integer64::none;
 };
 
 std::optional<NiftiType> type_of_code(int datatype) {
@@ -95,8 +95,8 @@ std::optional<NiftiType> type_of_code(int datatype) {
     case NIFTI_TYPE_INT16: return NiftiType{i16};
     case NIFTI_TYPE_UINT32: return NiftiType{u32};
     case NIFTI_TYPE_INT32: return NiftiType{i32};
-    case NIFTI_TYPE_UINT64: return NiftiType{f64, 1, WideInteger::u64};
-    case NIFTI_TYPE_INT64: return NiftiType{f64, 1, WideInteger::i64};
+    case NIFTI_TYPE_UINT64: return NiftiType{f64, 1, Integer64::u64};
+    case NIFTI_TYPE_INT64: return NiftiType{f64, 1, Integer64::i64};
     case NIFTI_TYPE_FLOAT32: return NiftiType{f32};
     case NIFTI_TYPE_FLOAT64: return NiftiType{f64};
     case NIFTI_TYPE_RGB24: return NiftiType{u8, 3};
@@ -301,8 +301,8 @@ Result<DenseFile> open_with_header(const files::InputFile& file, const NiftiHead
   if (header.swapped) {
     dense.endian = std::endian::native == std::endian::little ? std::endian::big : std::endian::little;
   }
-  const bool is_colour = header.datatype == NIFTI_TYPE_RGB24 || header.datatype == NIFTI_TYPE_RGBA32;
-  if (!is_colour) dense.scale = scale_of(header, dense.notes);  // the standard does not scale colors
+  const bool is_color = header.datatype == NIFTI_TYPE_RGB24 || header.datatype == NIFTI_TYPE_RGBA32;
+  if (!is_color) dense.scale = scale_of(header, dense.notes);  // the standard does not scale colors
   dense.frame = frame_of(header, dense.notes);
   dense.pieces = {std::move(piece)};
   dense.length_unit = length_unit_of(header);
@@ -310,7 +310,7 @@ Result<DenseFile> open_with_header(const files::InputFile& file, const NiftiHead
 }
 
 tl::unexpected<Error> fail_no_header(const files::InputFile& file) {
-  return files::fail_magic(file, "a NIfTI file", "a NIfTI-1 or NIfTI-2 header");
+  return files::bad_signature_error(file, "a NIfTI file", "a NIfTI-1 or NIfTI-2 header");
 }
 
 Result<DenseFile> open_nifti(const files::InputFile& file) {

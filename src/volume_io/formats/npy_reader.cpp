@@ -19,7 +19,7 @@ namespace {
 struct NpyType {
   field::SampleType type = field::SampleType::u8;
   std::endian endian = std::endian::native;
-  WideInteger wide = WideInteger::none;
+  Integer64 wide = Integer64::none;
   std::uint64_t numbers = 1;  // components per element
 };
 
@@ -33,13 +33,13 @@ std::optional<NpyType> parse_descr(std::string_view descr) {
        {"i2", {i16}},
        {"u4", {u32}},
        {"i4", {i32}},
-       {"u8", {f64, std::endian::native, WideInteger::u64}},
-       {"i8", {f64, std::endian::native, WideInteger::i64}},
+       {"u8", {f64, std::endian::native, Integer64::u64}},
+       {"i8", {f64, std::endian::native, Integer64::i64}},
        {"f2", {f16}},
        {"f4", {f32}},
        {"f8", {f64}},
-       {"c8", {f32, std::endian::native, WideInteger::none, 2}},
-       {"c16", {f64, std::endian::native, WideInteger::none, 2}}}};
+       {"c8", {f32, std::endian::native, Integer64::none, 2}},
+       {"c16", {f64, std::endian::native, Integer64::none, 2}}}};
   if (descr.empty()) return std::nullopt;
   const auto* const found = std::ranges::find(kTypes, descr.substr(1), &std::pair<std::string_view, NpyType>::first);
   if (found == kTypes.end()) return std::nullopt;
@@ -148,7 +148,7 @@ Result<DenseFile> npy_volume(const std::string& name, const NpyHeader& header, c
   const bool looks_like_vectors = header.shape.back() <= kFewComponents && dense.volumes > kFewComponents &&
                                   std::ranges::min(header.shape) == header.shape.back();
   if (looks_like_vectors && !options.component && !is_complex) {
-    dense.other_reading = read_as_vectors(header);
+    dense.other_interpretation = read_as_vectors(header);
   }
   dense.format = "NPY";
   dense.type = type->type;

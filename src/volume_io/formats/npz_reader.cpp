@@ -35,7 +35,7 @@ std::string member_name(const files::InputFile& file, const ZipMember& member) {
 }
 
 Result<NpzArray> read_array(const files::InputFile& file, const ZipMember& member) {
-  auto piece = TRY(locate_zip_member(file, member));
+  auto piece = TRY(find_member_bytes(file, member));
   // Nearly all headers fit into the first, small size.
   constexpr std::size_t kMostHeaders = 4096;
   for (const std::size_t count : {kMostHeaders, static_cast<std::size_t>(kMaxNpyHeader)}) {

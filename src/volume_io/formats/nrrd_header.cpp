@@ -170,7 +170,7 @@ Result<NrrdDataFiles> read_list(HeaderLines& lines, std::string_view rest) {
 bool is_data_file_field(std::string_view line, std::string_view& value) {
   const std::size_t colon = line.find(':');
   if (colon == std::string_view::npos || line.substr(colon).starts_with(":=")) return false;
-  const std::string field = lower_case(trimmed(line.substr(0, colon)));
+  const std::string field = to_lower(trimmed(line.substr(0, colon)));
   value = trimmed(line.substr(colon + 1));
   return field == "data file" || field == "datafile";
 }

@@ -330,7 +330,7 @@ Result<void> check_encoding(const std::string& file, const NrrdIoState& state) {
 
 Result<DenseFile> open_nrrd(const files::InputFile& file) {
   const auto content = TRY(files::first_bytes(file, files::kStartBytes));
-  if (!files::starts_with(content, kNrrdMagic)) return files::fail_magic(file, "a NRRD file", "'NRRD000'");
+  if (!files::starts_with(content, kNrrdMagic)) return files::bad_signature_error(file, "a NRRD file", "'NRRD000'");
   const auto text = TRY(read_nrrd_header(file));
   const auto parsed = TRY(parse_fields(file.name(), text.fields));
   const Nrrd& nrrd = *parsed.nrrd;
@@ -345,8 +345,8 @@ Result<DenseFile> open_nrrd(const files::InputFile& file) {
   const auto dims =
       TRY(checked_dims(file.name(), {nrrd.axis[axes[0]].size, nrrd.axis[axes[1]].size, nrrd.axis[axes[2]].size}, type));
   dense.dims = dims;
-  if (nrrd.type == nrrdTypeLLong) dense.wide = WideInteger::i64;
-  if (nrrd.type == nrrdTypeULLong) dense.wide = WideInteger::u64;
+  if (nrrd.type == nrrdTypeLLong) dense.wide = Integer64::i64;
+  if (nrrd.type == nrrdTypeULLong) dense.wide = Integer64::u64;
   if (found.series) {
     dense.volumes = nrrd.axis[*found.series].size;
     dense.interleaved = *found.series < axes[0];

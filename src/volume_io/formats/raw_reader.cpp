@@ -61,7 +61,8 @@ Result<DenseFile> open_raw(const files::InputFile& file, const RawLayout& layout
   TRY(check_volume_count(file.name(), dims, layout.type, dense.volumes));
   if (dense.volumes > 1) {
     const std::string types = fitting_types(expected / field::sample_size(layout.type), found);
-    if (!types.empty()) dense.other_reading = {Remedy::try_value, Setting::sample_type, types + " (as one volume)"};
+    if (!types.empty())
+      dense.other_interpretation = {Remedy::try_value, Setting::sample_type, types + " (as one volume)"};
   }
   dense.format = "raw";
   dense.type = layout.type;

@@ -139,7 +139,7 @@ Result<std::vector<ZipMember>> read_zip_directory(const files::InputFile& file) 
   return members;
 }
 
-Result<SamplePiece> locate_zip_member(const files::InputFile& file, const ZipMember& member) {
+Result<SamplePiece> find_member_bytes(const files::InputFile& file, const ZipMember& member) {
   const std::string name = printable(member.name, 100);
   if (member.encrypted) return fail(ErrorCode::input, fmt::format("{}: '{}' is encrypted", file.name(), name));
   constexpr int kStored = 0;

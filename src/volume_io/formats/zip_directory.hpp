@@ -27,7 +27,7 @@ struct ZipMember {
 
 // Returns the range of the member's bytes, stored or compressed; it starts with the content's first byte. Fails with
 // ErrorCode::input if they are encrypted, compressed by another method than Deflate, or not within the file.
-[[nodiscard]] Result<SamplePiece> locate_zip_member(const files::InputFile& file, const ZipMember& member);
+[[nodiscard]] Result<SamplePiece> find_member_bytes(const files::InputFile& file, const ZipMember& member);
 
 // Returns the first bytes of the content of `piece`, at most `count`; fewer if the content is shorter.
 [[nodiscard]] Result<std::vector<std::byte>> first_bytes_of(const files::InputFile& file, const SamplePiece& piece,

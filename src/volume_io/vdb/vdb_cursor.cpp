@@ -8,7 +8,7 @@ namespace isoextract::volume_io {
 
 void VdbCursor::seek(std::uint64_t position) {
   if (position > end_) {
-    throw VdbDamaged(fmt::format("refers to byte {}, the {} ends at {}", position, what_ends(), end_));
+    throw InvalidVdb(fmt::format("refers to byte {}, the {} ends at {}", position, range_name(), end_));
   }
   if (position < begin_ || position > begin_ + length_) {
     window_.reset();
@@ -22,7 +22,7 @@ bool VdbCursor::is_prepared(std::uint64_t count) const { return std::min(count, 
 
 void VdbCursor::prepare(std::uint64_t count) {
   if (is_prepared(count)) return;
-  if (auto wanted = file_.context().check(); !wanted) throw VdbRefused(wanted.error());
+  if (auto wanted = file_.context().check(); !wanted) throw VdbReadError(wanted.error());
   // Twice the requested size, so that no more bytes are copied between windows than are read.
   constexpr std::uint64_t kWindow = std::uint64_t{256} << 10;
   const std::size_t kept = length_ - at_;
@@ -30,7 +30,7 @@ void VdbCursor::prepare(std::uint64_t count) {
   auto window = std::make_shared_for_overwrite<std::byte[]>(length);
   std::copy_n(window_.get() + at_, kept, window.get());
   const std::span<std::byte> fresh(window.get() + kept, length - kept);
-  if (auto read = file_.read_at(position() + kept, fresh); !read) throw VdbRefused(read.error());
+  if (auto read = file_.read_at(position() + kept, fresh); !read) throw VdbReadError(read.error());
   file_.context().progress().advance(fresh.size());
   begin_ += at_;
   at_ = 0;
@@ -41,8 +41,8 @@ void VdbCursor::prepare(std::uint64_t count) {
 std::span<const std::byte> VdbCursor::take(std::uint64_t count) {
   const std::uint64_t left = end_ - position();
   if (count > left) {
-    throw VdbDamaged(
-        fmt::format("expected {} bytes from byte {} on, the {} has {}", count, position(), what_ends(), left));
+    throw InvalidVdb(
+        fmt::format("expected {} bytes from byte {} on, the {} has {}", count, position(), range_name(), left));
   }
   prepare(count);
   const std::span<const std::byte> taken(window_.get() + at_, count);
@@ -59,11 +59,11 @@ std::string VdbCursor::read_name() {
   constexpr std::uint32_t kMaxLength = 64 << 10;
   const auto length = read_value<std::uint32_t>();
   if (length > end_ - position()) {
-    throw VdbDamaged(
-        fmt::format("a name is said to be {} characters long, the {} has {}", length, what_ends(), end_ - position()));
+    throw InvalidVdb(
+        fmt::format("a name is said to be {} characters long, the {} has {}", length, range_name(), end_ - position()));
   }
   if (length > kMaxLength) {
-    throw VdbUnsupported(fmt::format("a name is {} characters long, the limit is {}", length, kMaxLength));
+    throw UnsupportedVdb(fmt::format("a name is {} characters long, the limit is {}", length, kMaxLength));
   }
   return read_text(length);
 }

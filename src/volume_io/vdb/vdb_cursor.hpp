@@ -1,5 +1,5 @@
 // Reads a VDB file sequentially, with seeks, through a buffer (the window). Sizes in the file are not trusted: reading
-// past the end throws VdbDamaged.
+// past the end throws InvalidVdb.
 #pragma once
 
 #include <cstddef>
@@ -17,21 +17,21 @@
 namespace isoextract::volume_io {
 
 // Thrown while reading a VDB file and caught within this room: what is wrong with the file.
-class VdbDamaged : public std::runtime_error {
+class InvalidVdb : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
 // Thrown for content that may be valid but is not supported.
-class VdbUnsupported : public std::runtime_error {
+class UnsupportedVdb : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
 // Thrown for errors that are not the file's fault, such as cancellation.
-class VdbRefused : public std::runtime_error {
+class VdbReadError : public std::runtime_error {
  public:
-  explicit VdbRefused(Error why) : std::runtime_error(why.message), error(std::move(why)) {}
+  explicit VdbReadError(Error why) : std::runtime_error(why.message), error(std::move(why)) {}
   Error error;
 };
 
@@ -47,7 +47,7 @@ class VdbCursor {
   // it, seek next.
   void set_end(std::uint64_t end) { end_ = end; }
 
-  // Loads the next `count` bytes into the window, or all that remain. Throws VdbRefused if they cannot be read or the
+  // Loads the next `count` bytes into the window, or all that remain. Throws VdbReadError if they cannot be read or the
   // work is cancelled.
   void prepare(std::uint64_t count);
   [[nodiscard]] bool is_prepared(std::uint64_t count) const;
@@ -64,12 +64,12 @@ class VdbCursor {
     std::memcpy(&value, take(sizeof value).data(), sizeof value);
     return value;
   }
-  // Reads a length and that many characters. Throws VdbUnsupported if the name is too long.
+  // Reads a length and that many characters. Throws UnsupportedVdb if the name is too long.
   [[nodiscard]] std::string read_name();
   [[nodiscard]] std::string read_text(std::uint64_t length);
 
  private:
-  [[nodiscard]] const char* what_ends() const { return end_ < size() ? "grid" : "file"; }
+  [[nodiscard]] const char* range_name() const { return end_ < size() ? "grid" : "file"; }
 
   const files::InputFile& file_;
   std::uint64_t end_;

@@ -83,12 +83,12 @@ std::string value_type_of(const std::string& tree_type) {
 // Reads the frame and leaves the cursor after the transform. Returns false if the transform's end is unknown.
 bool read_frame(VdbCursor& cursor, VdbGridRecord& grid) {
   try {
-    const VdbFrame frame = read_vdb_transform(cursor);
-    grid.frame_problem = frame.problem;
-    grid.in_frustum = frame.is_frustum;
+    const VdbPlacement frame = read_vdb_transform(cursor);
+    grid.placement_problem = frame.problem;
+    grid.is_in_frustum = frame.is_frustum;
     return true;
-  } catch (const VdbUnsupported& unknown) {
-    grid.frame_problem = unknown.what();
+  } catch (const UnsupportedVdb& unknown) {
+    grid.placement_problem = unknown.what();
     return false;
   }
 }
@@ -106,12 +106,12 @@ void read_streamed_grid(VdbCursor& cursor, VdbGridRecord& grid, bool last) {
   const bool known = read_grid_head(cursor, grid);
   grid.end_position = cursor.size();
   try {
-    if (!known) throw VdbUnsupported(grid.frame_problem);
+    if (!known) throw UnsupportedVdb(grid.placement_problem);
     if (grid.instance_parent.empty()) skip_vdb_tree(cursor, grid);
     grid.end_position = cursor.position();
-  } catch (const VdbUnsupported& unknown) {
+  } catch (const UnsupportedVdb& unknown) {
     if (last) return;
-    throw VdbUnsupported(fmt::format(
+    throw UnsupportedVdb(fmt::format(
         "grid '{}': {}; the file was written as a stream, so the grids behind this one cannot be found: load and save "
         "it with OpenVDB",
         printable(grid.name, 80), unknown.what()));
@@ -142,7 +142,7 @@ VdbGridRecord read_descriptor(VdbCursor& cursor, bool streamed, bool last) {
   }
   if (grid_position < static_cast<std::int64_t>(cursor.position()) || end_position < grid_position ||
       static_cast<std::uint64_t>(end_position) > cursor.size()) {
-    throw VdbDamaged(fmt::format("grid '{}' is said to be at bytes {} to {} of {}", printable(grid.name, 80),
+    throw InvalidVdb(fmt::format("grid '{}' is said to be at bytes {} to {} of {}", printable(grid.name, 80),
                                  grid_position, end_position, cursor.size()));
   }
   // Each grid must stay before its own end, so that grids do not overlap and the total time is linear in the file size.
@@ -151,9 +151,9 @@ VdbGridRecord read_descriptor(VdbCursor& cursor, bool streamed, bool last) {
   cursor.set_end(grid.end_position);
   try {
     read_grid_head(cursor, grid);
-  } catch (const VdbDamaged& damage) {
+  } catch (const InvalidVdb& damage) {
     if (grid.transform_position == 0) throw;
-    grid.frame_problem = fmt::format("it is damaged: {}", damage.what());  // other grids stay readable
+    grid.placement_problem = fmt::format("it is damaged: {}", damage.what());  // other grids stay readable
   }
   cursor.set_end(cursor.size());
   cursor.seek(grid.end_position);
@@ -165,7 +165,7 @@ VdbGridRecord read_descriptor(VdbCursor& cursor, bool streamed, bool last) {
 VdbValueLayout value_layout(const VdbGridRecord& grid, std::size_t value_size, std::size_t half_size) {
   constexpr std::uint32_t kKnown = kVdbZip | kVdbActiveMask | kVdbBlosc;
   if ((grid.compression & ~kKnown) != 0) {
-    throw VdbUnsupported(
+    throw UnsupportedVdb(
         fmt::format("grid '{}' is compressed in an unknown way ({})", printable(grid.name, 80), grid.compression));
   }
   return {value_size, grid.half ? half_size : value_size, grid.compression};
@@ -183,10 +183,10 @@ struct FileHead {
 
 FileHead read_file_head(VdbCursor& cursor) {
   FileHead head;
-  if (cursor.read_value<std::int64_t>() != kVdbMagic) throw VdbDamaged("expected 'VDB' at the start");
+  if (cursor.read_value<std::int64_t>() != kVdbMagic) throw InvalidVdb("expected 'VDB' at the start");
   head.version = cursor.read_value<std::uint32_t>();
   if (head.version < kOldestVersion) {
-    throw VdbUnsupported(
+    throw UnsupportedVdb(
         fmt::format("expected file version {} or later, found {}: load and save it with a newer OpenVDB",
                     kOldestVersion, head.version));
   }
@@ -197,7 +197,7 @@ FileHead read_file_head(VdbCursor& cursor) {
     if (is_creator(name, type)) head.creator = bytes;
   });
   head.grids = cursor.read_value<std::int32_t>();
-  if (head.grids < 0) throw VdbDamaged(fmt::format("said to hold {} grids", head.grids));
+  if (head.grids < 0) throw InvalidVdb(fmt::format("said to hold {} grids", head.grids));
   return head;
 }
 
@@ -216,7 +216,7 @@ VdbHeader read_vdb_header(VdbCursor& cursor) {
 
 bool is_point_grid(const VdbGridRecord& grid) { return grid.tree_type.starts_with("Tree_ptdataidx"); }
 
-bool holds_only_points(VdbCursor& cursor) {
+bool has_only_point_grids(VdbCursor& cursor) {
   const FileHead head = read_file_head(cursor);
   for (std::int32_t i = 0; i < head.grids; ++i) {
     const std::uint64_t place = cursor.position();

@@ -27,12 +27,12 @@ struct VdbGridRecord {
   std::optional<field::IndexBox> box;   // of the active voxels, if the file has it
   std::uint32_t compression = 0;
   std::uint64_t transform_position = 0;  // position in the file; the tree follows the transform
-  std::string frame_problem;             // why the transform cannot be used; empty if it can
-  bool in_frustum = false;               // the reason is a frustum
+  std::string placement_problem;         // why the transform cannot be used; empty if it can
+  bool is_in_frustum = false;            // the reason is a frustum
   std::uint64_t end_position = 0;        // position after the grid, where the next description starts
 };
 
-// Returns how the grid stores values of `value_size` bytes (`half_size` if saved as half). Throws VdbUnsupported for
+// Returns how the grid stores values of `value_size` bytes (`half_size` if saved as half). Throws UnsupportedVdb for
 // unknown compressions.
 [[nodiscard]] VdbValueLayout value_layout(const VdbGridRecord& grid, std::size_t value_size, std::size_t half_size);
 
@@ -45,12 +45,12 @@ struct VdbHeader {
 };
 
 // Reads the header. Files written as a stream do not store grid positions: reads them to their end, skipping each tree
-// to find the next grid. Throws VdbDamaged and VdbUnsupported.
+// to find the next grid. Throws InvalidVdb and UnsupportedVdb.
 [[nodiscard]] VdbHeader read_vdb_header(VdbCursor& cursor);
 
-// Returns whether the file has grids and all are point grids. Reads no more than necessary. Throws VdbDamaged and
-// VdbUnsupported.
-[[nodiscard]] bool holds_only_points(VdbCursor& cursor);
+// Returns whether the file has grids and all are point grids. Reads no more than necessary. Throws InvalidVdb and
+// UnsupportedVdb.
+[[nodiscard]] bool has_only_point_grids(VdbCursor& cursor);
 // Returns whether it is a point grid, of which this reader only reads the description.
 [[nodiscard]] bool is_point_grid(const VdbGridRecord& grid);
 

@@ -24,7 +24,7 @@ constexpr std::array<std::string_view, 4> kVectorParts{"[x]", "[y]", "[z]", "[le
 bool is_left_to_plugin(const VdbGridRecord& record) { return std::ranges::count(kPluginValues, record.value_type) > 0; }
 
 // "velocity[x]" -> "velocity"; other names as they are.
-std::string_view without_part(std::string_view name) {
+std::string_view remove_component_suffix(std::string_view name) {
   for (const std::string_view part : kVectorParts) {
     if (name.ends_with(part)) return name.substr(0, name.size() - part.size());
   }
@@ -33,13 +33,13 @@ std::string_view without_part(std::string_view name) {
 
 // Shifts a component of a staggered grid to the centers of the voxels' lower faces along its axis, as OpenVDB's
 // StaggeredBoxSampler does.
-void place_staggered(const std::string& part, const VdbGridRecord& record, field::ScalarField& field) {
+void shift_staggered_component(const std::string& part, const VdbGridRecord& record, field::ScalarField& field) {
   const std::string what = fmt::format("the grid '{}' is staggered: ", printable(record.name, 80));
   const std::string_view axes = "xyz";
   const std::size_t axis = part.size() == 3 ? axes.find(part[1]) : std::string_view::npos;
   if (axis == std::string_view::npos) {
     field.notes.push_back(what + "the lengths are those of three components that lie half a voxel apart");
-  } else if (record.in_frustum) {
+  } else if (record.is_in_frustum) {
     field.notes.push_back(what + "in a frustum its components were taken in the middle of voxels, half a voxel off");
   } else {
     glm::dvec3 shift(0);
@@ -65,7 +65,7 @@ void mark_plugin_grids(const VdbHeader& header, std::span<GridInfo> grids, bool 
   for (std::size_t i = 0; i < grids.size(); ++i) {
     const VdbGridRecord& record = header.grids[i];
     GridInfo& grid = grids[i];
-    const bool is_bent = grid.scalar && record.in_frustum;
+    const bool is_bent = grid.scalar && record.is_in_frustum;
     if (!is_bent && !is_left_to_plugin(record)) continue;
     grid.plugin = plugin_host::kOpenVdbPlugin;
     grid.plugin_is_missing = is_missing;
@@ -74,8 +74,8 @@ void mark_plugin_grids(const VdbHeader& header, std::span<GridInfo> grids, bool 
   }
 }
 
-std::optional<PluginGrid> grid_for_plugin(VdbCursor& cursor, const VdbHeader& header, std::span<const GridInfo> grids,
-                                          const ReadOptions& options) {
+std::optional<PluginGrid> choose_plugin_grid(VdbCursor& cursor, const VdbHeader& header,
+                                             std::span<const GridInfo> grids, const ReadOptions& options) {
   if (const auto chosen = choose_grid({}, grids, options.grid)) {
     const VdbGridRecord& record = header.grids[*chosen];
     if (grids[*chosen].plugin.empty() || options.spacing) return std::nullopt;
@@ -89,7 +89,8 @@ std::optional<PluginGrid> grid_for_plugin(VdbCursor& cursor, const VdbHeader& he
     const VdbGridRecord& record = header.grids[i];
     if (grids[i].plugin.empty()) continue;
     const std::string wanted = options.grid.value_or("");
-    if (options.grid && !grids[i].is_called(wanted) && !grids[i].is_called(without_part(wanted))) continue;
+    if (options.grid && !grids[i].matches_name(wanted) && !grids[i].matches_name(remove_component_suffix(wanted)))
+      continue;
     check_tree_ends(cursor, record);
     if (!found) found = PluginGrid{options.grid, fmt::format("'{}' holds {}", grids[i].label, grids[i].type)};
   }
@@ -114,7 +115,7 @@ Result<field::ScalarField> read_by_plugin(const VolumeFormat& plugin, const std:
     if (!is_part && grids[i].label != field->grid) continue;
     field->creator = grids[i].creator;
     if (is_part && header.grids[i].grid_class == kStaggeredClass) {
-      place_staggered(part->substr(grids[i].label.size()), header.grids[i], *field);
+      shift_staggered_component(part->substr(grids[i].label.size()), header.grids[i], *field);
     }
   }
   return field;

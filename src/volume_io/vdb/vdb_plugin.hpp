@@ -23,10 +23,10 @@ struct PluginGrid {
 };
 
 // Returns the grid that the plug-in must read; nothing if the built-in reader reads the selected grid or if no grid
-// fits. Throws VdbDamaged if the grid does not end within its range of the file, as OpenVDB does not validate its
+// fits. Throws InvalidVdb if the grid does not end within its range of the file, as OpenVDB does not validate its
 // input.
-[[nodiscard]] std::optional<PluginGrid> grid_for_plugin(VdbCursor& cursor, const VdbHeader& header,
-                                                        std::span<const GridInfo> grids, const ReadOptions& options);
+[[nodiscard]] std::optional<PluginGrid> choose_plugin_grid(VdbCursor& cursor, const VdbHeader& header,
+                                                           std::span<const GridInfo> grids, const ReadOptions& options);
 
 // Reads the grid; shifts components of staggered grids to their positions. Fails with ErrorCode::unavailable if the
 // plug-in is missing; the message says why it is needed.

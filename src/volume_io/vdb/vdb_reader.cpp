@@ -10,7 +10,7 @@
 #include "plugin_host/plugin_kinds.hpp"
 #include "volume_io/detail/formats.hpp"
 #include "volume_io/detail/grid_choice.hpp"
-#include "volume_io/detail/placing.hpp"
+#include "volume_io/detail/placement.hpp"
 #include "volume_io/detail/plugin_volumes.hpp"
 #include "volume_io/vdb/vdb_header.hpp"
 #include "volume_io/vdb/vdb_plugin.hpp"
@@ -64,7 +64,7 @@ class GridsByName {
     const auto parent = records_.find(record.instance_parent);
     if (parent == records_.end() || !parent->second->instance_parent.empty() ||
         parent->second->tree_type != record.tree_type) {
-      throw VdbDamaged(
+      throw InvalidVdb(
           fmt::format("grid '{}' shares the tree of a grid that is not there", printable(record.name, 80)));
     }
     return *parent->second;
@@ -92,11 +92,11 @@ class VoxelCounter {
       const auto [known, is_new] = counts_.try_emplace(owner.transform_position);
       if (is_new) known->second = count_tree(owner);
       return known->second;
-    } catch (const VdbDamaged&) {
+    } catch (const InvalidVdb&) {
       return std::nullopt;
-    } catch (const VdbUnsupported&) {
+    } catch (const UnsupportedVdb&) {
       return std::nullopt;
-    } catch (const VdbRefused&) {
+    } catch (const VdbReadError&) {
       return std::nullopt;
     }
   }
@@ -143,7 +143,7 @@ std::vector<GridInfo> describe_grids(VdbCursor& cursor, const files::InputFile& 
     info.creator = printable(record.creator, 200);
     info.kind_of_vectors = kind_of_vectors(record.vector_type);
     info.vectors_in_voxels = record.in_local_space;
-    info.frame_problem = printable(record.frame_problem, 300);
+    info.placement_problem = printable(record.placement_problem, 300);
     if (count) {
       info.box = count->box;
       info.voxels = count->voxels;
@@ -164,7 +164,7 @@ Result<field::ScalarField> read_grid(const files::InputFile& file, VdbCursor& cu
   if (record.grid_class == kLevelSetClass) field.kind = field::FieldKind::level_set;
 
   const Frame frame = read_transform_of(cursor, record);
-  TRY(set_frame(field, frame, options));
+  TRY(set_placement(field, frame, options));
   const VdbGridRecord& owner = GridsByName(header).tree_owner(record);
   if (&owner != &record) static_cast<void>(read_transform_of(cursor, owner));
   const VdbTreeLimits limits{file.context(), file.name(), printable(record.name, 80)};
@@ -180,7 +180,7 @@ Result<field::ScalarField> read_grid(const files::InputFile& file, VdbCursor& cu
 template <class F>
 auto with_messages(const files::InputFile& file, F&& work) -> decltype(work()) {
   if (!files::starts_with(files::first_bytes(file, files::kStartBytes).value_or(std::vector<std::byte>{}), kVdbStart)) {
-    return files::fail_magic(file, "a VDB file", "' BDV'");
+    return files::bad_signature_error(file, "a VDB file", "' BDV'");
   }
   const auto is = [&](const char* what, const std::exception& why) {
     return fail(ErrorCode::input,
@@ -188,11 +188,11 @@ auto with_messages(const files::InputFile& file, F&& work) -> decltype(work()) {
   };
   try {
     return work();
-  } catch (const VdbRefused& refused) {
+  } catch (const VdbReadError& refused) {
     return tl::unexpected(refused.error);
-  } catch (const VdbDamaged& damage) {
+  } catch (const InvalidVdb& damage) {
     return is("damaged", damage);
-  } catch (const VdbUnsupported& unknown) {
+  } catch (const UnsupportedVdb& unknown) {
     return is("not supported", unknown);
   }
 }
@@ -212,7 +212,7 @@ Result<field::ScalarField> read_vdb(const std::string& input, const files::Input
     VdbCursor cursor(file);
     const VdbHeader header = read_vdb_header(cursor);
     const std::vector<GridInfo> grids = describe_grids(cursor, file, header, false);
-    if (const auto wanted = grid_for_plugin(cursor, header, grids, options)) {
+    if (const auto wanted = choose_plugin_grid(cursor, header, grids, options)) {
       return read_by_plugin(plugin, input, *wanted, header, grids, options, file.context());
     }
     const auto chosen = TRY(choose_grid(file.name(), grids, options.grid));

@@ -58,7 +58,7 @@ std::uint64_t skip_topology(VdbCursor& cursor, const VdbValueLayout& layout) {
   constexpr std::uint64_t kUpperEntries = 32 * 32 * 32;
   constexpr std::uint64_t kLowerEntries = 16 * 16 * 16;
   const auto buffers = cursor.read_value<std::int32_t>();
-  if (buffers != 1) throw VdbDamaged(fmt::format("expected one buffer in a tree, found {}", buffers));
+  if (buffers != 1) throw InvalidVdb(fmt::format("expected one buffer in a tree, found {}", buffers));
   pass(cursor, layout.value_size);  // the background
   const auto tiles = cursor.read_value<std::uint32_t>();
   const auto uppers = cursor.read_value<std::uint32_t>();
@@ -95,7 +95,7 @@ void skip_vdb_tree(VdbCursor& cursor, const VdbGridRecord& grid) {
   // For trees of the usual configuration value_type is the plain type.
   const auto known = std::ranges::find(kTreeValues, std::string_view(grid.value_type), &TreeValues::type);
   if (known == kTreeValues.end() || !grid.tree_type.starts_with("Tree_")) {
-    throw VdbUnsupported(fmt::format("nobody knows where a tree of {} ends", printable(grid.tree_type, 80)));
+    throw UnsupportedVdb(fmt::format("nobody knows where a tree of {} ends", printable(grid.tree_type, 80)));
   }
   const VdbValueLayout layout = value_layout(grid, known->size, known->half_size);
   skip_leaves(cursor, layout, known->leaf, skip_topology(cursor, layout));

@@ -6,7 +6,7 @@
 
 namespace isoextract::volume_io {
 
-// Moves the cursor from the start of the tree to its end. Throws VdbDamaged, and VdbUnsupported for trees whose
+// Moves the cursor from the start of the tree to its end. Throws InvalidVdb, and UnsupportedVdb for trees whose
 // configuration or value size is unknown.
 void skip_vdb_tree(VdbCursor& cursor, const VdbGridRecord& grid);
 

@@ -38,7 +38,7 @@ Frame read_linear_map(VdbCursor& cursor, const std::string& name) {
   Frame frame;
   const bool scales = name == "ScaleTranslateMap" || name == "UniformScaleTranslateMap";
   if (!scales && name != "TranslationMap") {
-    throw VdbUnsupported(fmt::format("expected a linear transform, found '{}'", printable(name, 80)));
+    throw UnsupportedVdb(fmt::format("expected a linear transform, found '{}'", printable(name, 80)));
   }
   const auto offset = cursor.read_value<glm::dvec3>();
   if (scales) frame = read_scale(cursor);
@@ -48,18 +48,18 @@ Frame read_linear_map(VdbCursor& cursor, const std::string& name) {
 
 }  // namespace
 
-VdbFrame read_vdb_transform(VdbCursor& cursor) {
+VdbPlacement read_vdb_transform(VdbCursor& cursor) {
   const std::string name = cursor.read_name();
   if (name == kFrustum) {
     // A box of six doubles, taper and depth; then the frustum's linear map.
     static_cast<void>(cursor.take(8 * sizeof(double)));
     const std::string second = cursor.read_name();
-    VdbFrame frame{read_linear_map(cursor, second), true};
+    VdbPlacement frame{read_linear_map(cursor, second), true};
     frame.problem = fmt::format("expected a linear transform, found {}", kFrustum);
     return frame;
   }
-  VdbFrame frame{read_linear_map(cursor, name)};
-  if (frame.problem.empty() && !frame.index_to_world.is_regular()) {
+  VdbPlacement frame{read_linear_map(cursor, name)};
+  if (frame.problem.empty() && !frame.index_to_world.is_invertible()) {
     frame.problem = "expected a transform with an inverse: its matrix is singular or not finite";
   }
   return frame;

@@ -71,7 +71,7 @@ class TopologyReader {
 
   VdbTopology read() {
     const auto buffers = cursor_.read_value<std::int32_t>();
-    if (buffers != 1) throw VdbDamaged(fmt::format("expected one buffer in a tree, found {}", buffers));
+    if (buffers != 1) throw InvalidVdb(fmt::format("expected one buffer in a tree, found {}", buffers));
     background_ = cursor_.read_value<Value>();
     samples_.type = field::sample_type_of<Value>();
     samples_.background = static_cast<double>(background_);
@@ -81,7 +81,7 @@ class TopologyReader {
       const glm::ivec3 origin = read_root_place();
       const auto value = cursor_.read_value<Value>();
       const auto active = cursor_.read_value<std::uint8_t>();
-      if (active > 1) throw VdbDamaged(fmt::format("a tile's flag is {}", active));
+      if (active > 1) throw InvalidVdb(fmt::format("a tile's flag is {}", active));
       if (active == 1) {
         check_range(origin);
         count_tile(origin, kUpperSize);
@@ -96,7 +96,7 @@ class TopologyReader {
     }
     std::ranges::sort(root_places_, {}, by_place);
     if (const auto twice = std::ranges::adjacent_find(root_places_); twice != root_places_.end()) {
-      throw VdbDamaged(fmt::format("two nodes at ({}, {}, {})", twice->x, twice->y, twice->z));
+      throw InvalidVdb(fmt::format("two nodes at ({}, {}, {})", twice->x, twice->y, twice->z));
     }
     return std::move(topology_);
   }
@@ -107,7 +107,7 @@ class TopologyReader {
     const auto place = cursor_.read_value<glm::ivec3>();
     for (int axis = 0; axis < 3; ++axis) {
       if (place[axis] % kUpperSize == 0) continue;
-      throw VdbDamaged(
+      throw InvalidVdb(
           fmt::format("a node of {} voxels a side at index {} along axis {}", kUpperSize, place[axis], axis));
     }
     root_places_.push_back(place);
@@ -117,7 +117,7 @@ class TopologyReader {
   // Leaf values are stored in the order of positions, so all nodes must be in that order.
   static void check_order(const glm::ivec3& before, const glm::ivec3& origin) {
     if (by_place(before) <= by_place(origin)) return;
-    throw VdbDamaged(fmt::format("the node at ({}, {}, {}) comes after the one at ({}, {}, {})", origin.x, origin.y,
+    throw InvalidVdb(fmt::format("the node at ({}, {}, {}) comes after the one at ({}, {}, {})", origin.x, origin.y,
                                  origin.z, before.x, before.y, before.z));
   }
 
@@ -125,7 +125,7 @@ class TopologyReader {
   static void check_range(const glm::ivec3& origin) {
     for (int axis = 0; axis < 3; ++axis) {
       if (origin[axis] >= -field::kMaxSparseIndex && origin[axis] < field::kMaxSparseIndex) continue;
-      throw VdbUnsupported(fmt::format("voxels at index {} along axis {}: the limit is 2^29", origin[axis], axis));
+      throw UnsupportedVdb(fmt::format("voxels at index {} along axis {}: the limit is 2^29", origin[axis], axis));
     }
   }
 
@@ -206,7 +206,7 @@ class TopologyReader {
     const std::size_t capacity = std::max(kFirst, list.size() + list.size() / 2);
     auto grown = limits_.context.reserve(
         capacity * sizeof(T), fmt::format("{}: the tiles and nodes of grid '{}'", limits_.file, limits_.grid));
-    if (!grown) throw VdbRefused(grown.error());
+    if (!grown) throw VdbReadError(grown.error());
     list.reserve(capacity);
     memory = std::move(*grown);
   }
@@ -246,7 +246,7 @@ LeafRun take_run(VdbCursor& cursor, const VdbValueLayout& layout, const std::vec
   for (std::size_t i = first; i < masks.size() && cursor.is_prepared(longest); ++i) {
     const auto active = cursor.take(kLeafMaskBytes);
     if (mask_words<8>(active) != masks[i]) {
-      throw VdbDamaged(
+      throw InvalidVdb(
           fmt::format("the leaf at byte {} has another mask than the tree says", cursor.position() - kLeafMaskBytes));
     }
     run.leaves.push_back(take_values(cursor, active, layout));
@@ -268,7 +268,7 @@ field::SparseSamples read_vdb_leaves(VdbCursor& cursor, const VdbValueLayout& la
   auto reserved =
       limits.context.reserve(count * kLeafValues * sizeof(Value),
                              fmt::format("{}: the {} leaf nodes of grid '{}'", limits.file, count, limits.grid));
-  if (!reserved) throw VdbRefused(reserved.error());
+  if (!reserved) throw VdbReadError(reserved.error());
 
   field::SparseSamples samples = std::move(topology.samples);
   const auto memory = std::make_shared<TreeMemory<Value>>(

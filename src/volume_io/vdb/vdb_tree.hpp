@@ -29,7 +29,7 @@ struct VdbTreeLimits {
   std::string grid;
 };
 
-// Reads the topology; moves the cursor from the tree to the leaves' values. Throws VdbDamaged, and VdbRefused before
+// Reads the topology; moves the cursor from the tree to the leaves' values. Throws InvalidVdb, and VdbReadError before
 // tiles and blocks need more memory than there is. For float, double and int32_t.
 template <class Value>
 [[nodiscard]] VdbTopology read_vdb_topology(VdbCursor& cursor, const VdbValueLayout& layout,

@@ -41,12 +41,12 @@ void expand_blosc(const VdbPackedValues& packed, std::span<std::byte> bytes) {
   // blosc_decompress_ctx trusts the lengths in the chunk's header.
   const bool sound = ::blosc_cbuffer_validate(packed.data.data(), packed.data.size(), &size) == 0;
   if (!sound || size != bytes.size()) {
-    throw VdbDamaged(
+    throw InvalidVdb(
         fmt::format("expected a blosc chunk of {} bytes for the node at byte {}", bytes.size(), packed.position));
   }
   const int got = ::blosc_decompress_ctx(packed.data.data(), bytes.data(), bytes.size(), 1);
   if (got < 0 || static_cast<std::size_t>(got) != bytes.size()) {
-    throw VdbDamaged(fmt::format("the blosc chunk of the node at byte {} cannot be decompressed", packed.position));
+    throw InvalidVdb(fmt::format("the blosc chunk of the node at byte {} cannot be decompressed", packed.position));
   }
 }
 
@@ -55,7 +55,7 @@ void expand_zip(const VdbPackedValues& packed, std::span<std::byte> bytes) {
   const int done = ::uncompress(reinterpret_cast<Bytef*>(bytes.data()), &size,
                                 reinterpret_cast<const Bytef*>(packed.data.data()), packed.data.size());
   if (done != Z_OK || size != bytes.size()) {
-    throw VdbDamaged(fmt::format("the zip chunk of the node at byte {} cannot be decompressed", packed.position));
+    throw InvalidVdb(fmt::format("the zip chunk of the node at byte {} cannot be decompressed", packed.position));
   }
 }
 
@@ -165,7 +165,7 @@ VdbPackedValues take_values(VdbCursor& cursor, std::span<const std::byte> active
   packed.active = active;
   const auto code = cursor.read_value<std::uint8_t>();
   if (code > kAllStored) {
-    throw VdbDamaged(
+    throw InvalidVdb(
         fmt::format("the inactive values of the node at byte {} have the code {}: the last one known is {}",
                     packed.position, code, static_cast<int>(kAllStored)));
   }
@@ -188,7 +188,7 @@ VdbPackedValues take_values(VdbCursor& cursor, std::span<const std::byte> active
   const std::uint64_t length =
       packed.compressed ? static_cast<std::uint64_t>(size) : 0 - static_cast<std::uint64_t>(size);
   if (packed.compressed ? length > max_chunk(expected) : length != expected) {
-    throw VdbDamaged(fmt::format("the node at byte {} has {} bytes of values, in a chunk that is said to be {} long",
+    throw InvalidVdb(fmt::format("the node at byte {} has {} bytes of values, in a chunk that is said to be {} long",
                                  packed.position, expected, size));
   }
   packed.data = cursor.take(length);

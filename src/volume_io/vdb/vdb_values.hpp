@@ -51,11 +51,11 @@ struct VdbPackedValues {
 }
 
 // Reads the values of a node with as many entries as `active` has bits. They must lie in one window: call prepare()
-// with max_packed_bytes() first. Throws VdbDamaged.
+// with max_packed_bytes() first. Throws InvalidVdb.
 [[nodiscard]] VdbPackedValues take_values(VdbCursor& cursor, std::span<const std::byte> active,
                                           const VdbValueLayout& layout);
 
-// Fills `values`, one for each bit of the mask. For float, double and int32_t. Throws VdbDamaged.
+// Fills `values`, one for each bit of the mask. For float, double and int32_t. Throws InvalidVdb.
 template <class Value>
 void unpack_values(const VdbPackedValues& packed, const VdbValueLayout& layout, Value background,
                    std::span<Value> values);

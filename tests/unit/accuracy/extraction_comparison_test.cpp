@@ -168,7 +168,7 @@ TEST_P(ExtractionComparisonTest, FindsTurnedNormal) {
   turned.normals[7] = glm::normalize(n + static_cast<float>(std::tan(glm::radians(0.5))) * side);
   const ExtractionComparison result = compare(mesh, turned);
   EXPECT_NEAR(result.degrees, 0.5, 1e-4);
-  EXPECT_EQ(result.most_turned, mesh.edges[7]);
+  EXPECT_EQ(result.largest_angle_edge, mesh.edges[7]);
   EXPECT_FALSE(same(result));
   turned.normals = {};
   EXPECT_NE(told(compare(mesh, turned)).find("only one of the meshes has normals"), std::string::npos);

@@ -271,11 +271,11 @@ TEST(FieldError, SkipsCaps) {
   capped.cap = true;
   const mesh::Mesh closed = test::extract(field, capped).mesh;
   const FieldError error = error_of(closed, field, capped, {});
-  const FieldError of_open = error_of(open.mesh, field, open.options, {});
+  const FieldError find_open = error_of(open.mesh, field, open.options, {});
   EXPECT_EQ(error.cap_triangles, closed.triangles.size() - open.mesh.triangles.size());
-  EXPECT_EQ(error.interior.points, of_open.interior.points);
-  EXPECT_EQ(error.interior.max.world, of_open.interior.max.world);
-  EXPECT_EQ(error.vertices.points, of_open.vertices.points);
+  EXPECT_EQ(error.interior.points, find_open.interior.points);
+  EXPECT_EQ(error.interior.max.world, find_open.interior.max.world);
+  EXPECT_EQ(error.vertices.points, find_open.vertices.points);
 }
 
 TEST(FieldError, IsIndependentOfThreadsAndLayout) {

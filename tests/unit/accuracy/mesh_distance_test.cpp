@@ -83,9 +83,9 @@ mesh::Mesh random_soup(std::mt19937& random, unsigned triangles, float size) {
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> corners;
   for (unsigned t = 0; t < triangles; ++t) {
-    const glm::vec3 centre(place(random), place(random), place(random));
+    const glm::vec3 center(place(random), place(random), place(random));
     for (int c = 0; c < 3; ++c) {
-      positions.push_back(centre + size * glm::vec3(place(random), place(random), place(random)));
+      positions.push_back(center + size * glm::vec3(place(random), place(random), place(random)));
     }
     corners.emplace_back(3 * t, 3 * t + 1, 3 * t + 2);
   }
@@ -96,7 +96,8 @@ mesh::Mesh random_soup(std::mt19937& random, unsigned triangles, float size) {
 double brute_distance(const glm::dvec3& p, const mesh::Mesh& mesh) {
   double least = std::numeric_limits<double>::infinity();
   for (const glm::uvec3& t : mesh.triangles) {
-    const glm::dvec3 q = mesh::TriangleTarget(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]).closest(p);
+    const glm::dvec3 q =
+        mesh::ClosestPointTriangle(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]).closest(p);
     least = std::min(least, glm::length(p - q));
   }
   return least;
@@ -122,7 +123,7 @@ TEST(ClosestOnTriangle, MatchesSamplesIncludingZeroArea) {
     if (round % 6 == 4) c = a + (b - a) * 0.5;
     if (round % 6 == 5) b = c = a;
     const glm::dvec3 p = point() * 2.0;
-    const double found = glm::length(p - mesh::TriangleTarget(a, b, c).closest(p));
+    const double found = glm::length(p - mesh::ClosestPointTriangle(a, b, c).closest(p));
     double least = std::numeric_limits<double>::infinity();
     constexpr int kSteps = 60;
     for (int i = 0; i <= kSteps; ++i) {
@@ -159,7 +160,7 @@ TEST(ClosestOnTriangle, HandlesNeedles) {
     const glm::dvec3 b = needle.positions[1];
     const glm::dvec3 c = needle.positions[2];
     const glm::dvec3 p = glm::dvec3(start + place(random) * direction) + glm::dvec3(0.01, -0.02, 0.01);
-    const double found = glm::length(p - mesh::TriangleTarget(a, b, c).closest(p));
+    const double found = glm::length(p - mesh::ClosestPointTriangle(a, b, c).closest(p));
     const double sides = std::min({glm::length(p - mesh::closest_on_segment(p, a, b)),
                                    glm::length(p - mesh::closest_on_segment(p, b, c)),
                                    glm::length(p - mesh::closest_on_segment(p, c, a))});
@@ -179,7 +180,7 @@ TEST(TriangleTree, NearestMatchesBruteForce) {
       const auto nearest = tree.nearest(p, static_cast<std::uint32_t>(round) % triangles);
       EXPECT_DOUBLE_EQ(std::sqrt(nearest.distance_squared), brute_distance(p, soup));
       EXPECT_NEAR(glm::length(p - nearest.point), std::sqrt(nearest.distance_squared), 1e-14);
-      EXPECT_EQ(tree.nearest_in(nearest.slot, p).point, nearest.point);
+      EXPECT_EQ(tree.nearest_on_triangle(nearest.slot, p).point, nearest.point);
     }
   }
 }

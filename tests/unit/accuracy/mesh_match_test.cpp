@@ -17,7 +17,7 @@ namespace isoextract::accuracy {
 namespace {
 
 MeshMatch match(const mesh::Mesh& written, const mesh::Mesh& extracted, bool float32_world = false) {
-  return match_meshes(written, extracted, float32_world, Context()).value();
+  return match_written_mesh(written, extracted, float32_world, Context()).value();
 }
 
 std::string told(const MeshMatch& found) {
@@ -192,7 +192,7 @@ TEST_P(MeshMatchTest, HandlesEmptyMeshesAndMemoryLimit) {
   EXPECT_EQ(told(match(mesh::Mesh{}, mesh::Mesh{})), "");
   EXPECT_EQ(match(mesh, mesh::Mesh{}).triangles.only[0], mesh.triangles.size());
   EXPECT_EQ(match(mesh::Mesh{}, mesh).triangles.only[1], mesh.triangles.size());
-  const auto small = match_meshes(mesh, mesh, false, Context(MemoryBudget(1000)));
+  const auto small = match_written_mesh(mesh, mesh, false, Context(MemoryBudget(1000)));
   ASSERT_FALSE(small);
   EXPECT_EQ(small.error().code, ErrorCode::out_of_memory);
 }

@@ -29,7 +29,7 @@ Measured measure(const field::ScalarField& data, double iso, const glm::ivec3& r
                  extract::Method method = extract::Method::mc, bool cap = false) {
   Measured result;
   result.grid =
-      field::resample(data, resolution, field::ResampleKernel::linear, field::NanSamples::left_out, Context()).value();
+      field::resample(data, resolution, field::ResampleKernel::linear, field::NanHandling::left_out, Context()).value();
   result.options.iso = iso;
   result.options.method = method;
   result.options.cap = cap;

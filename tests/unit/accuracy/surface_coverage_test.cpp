@@ -58,7 +58,8 @@ TEST(SurfaceCoverage, LosesNothingOfSameSurface) {
 TEST(SurfaceCoverage, CountsAndMeasuresMissingComponents) {
   const field::ScalarField field = three_balls();
   const field::ScalarField grid =
-      field::resample(field, {17, 9, 9}, field::ResampleKernel::linear, field::NanSamples::left_out, Context()).value();
+      field::resample(field, {17, 9, 9}, field::ResampleKernel::linear, field::NanHandling::left_out, Context())
+          .value();
   const mesh::Mesh mesh = test::extract(grid, options_of(grid)).mesh;
   ASSERT_EQ(mesh::measure_topology(mesh).components, 2U);
   const SurfaceCoverage coverage = coverage_of(mesh, field, &grid);
@@ -154,7 +155,7 @@ TEST(SurfaceCoverage, IgnoresClippedParts) {
 TEST(SurfaceCoverage, IsIndependentOfThreads) {
   const field::ScalarField field = test::random_field<std::uint8_t>({30, 31, 32}, 4, 256);
   const field::ScalarField grid =
-      field::resample(field, {20, 20, 20}, field::ResampleKernel::linear, field::NanSamples::left_out, Context())
+      field::resample(field, {20, 20, 20}, field::ResampleKernel::linear, field::NanHandling::left_out, Context())
           .value();
   extract::ExtractOptions options = options_of(grid);
   options.iso = 127.3;

@@ -45,7 +45,7 @@ TEST(Buffer, ReusesLargeBlockAtAnyOffset) {
 #endif
   constexpr std::size_t kShift = std::size_t{128} << 10;
   for (int i = 0; i < 32; ++i) {
-    detail::keep_blocks_within(0);
+    detail::trim_kept_blocks(0);
     ASSERT_NE(::mmap(nullptr, kShift, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0), MAP_FAILED);
     const void* first = Buffer<char>(6'600'000).data();
     EXPECT_EQ(Buffer<char>(6'630'000).data(), first) << i;

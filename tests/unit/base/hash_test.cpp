@@ -23,7 +23,7 @@ TEST(Hash, SpreadsRegularCoordinates) {
     std::vector<int> taken(kTable, 0);
     for (std::uint64_t x = 0; x < 32; ++x) {
       for (std::uint64_t y = 0; y < 32; ++y) {
-        for (std::uint64_t z = 0; z < 32; ++z) ++taken[hash_of_three(x * step, (y - 16) * step, z * step) % kTable];
+        for (std::uint64_t z = 0; z < 32; ++z) ++taken[hash_coordinates(x * step, (y - 16) * step, z * step) % kTable];
       }
     }
     EXPECT_LE(*std::max_element(taken.begin(), taken.end()), 8) << "step " << step;
@@ -31,8 +31,8 @@ TEST(Hash, SpreadsRegularCoordinates) {
 }
 
 TEST(Hash, DependsOnOrderOfCoordinates) {
-  EXPECT_NE(hash_of_three(1, 2, 3), hash_of_three(2, 3, 1));
-  EXPECT_NE(hash_of_three(1, 2, 3), hash_of_three(1, 3, 2));
+  EXPECT_NE(hash_coordinates(1, 2, 3), hash_coordinates(2, 3, 1));
+  EXPECT_NE(hash_coordinates(1, 2, 3), hash_coordinates(1, 3, 2));
 }
 
 }  // namespace

@@ -43,9 +43,9 @@ TEST(Pages, GivesBackWholePagesAndReadsThemAgain) {
   const char* begin = static_cast<const char*>(mapping);
   EXPECT_EQ(std::memcmp(begin, bytes.data(), bytes.size()), 0);
 
-  give_back_pages(begin + 4 * page_size + 1, 30 * page_size);      // ends within page 34
-  give_back_pages(begin + 36 * page_size + 1, 2 * page_size - 2);  // holds no whole page
-  give_back_pages(begin, 0);
+  release_pages(begin + 4 * page_size + 1, 30 * page_size);      // ends within page 34
+  release_pages(begin + 36 * page_size + 1, 2 * page_size - 2);  // holds no whole page
+  release_pages(begin, 0);
   const std::vector<bool> held = present(begin, kPages, page_size);
   for (std::size_t page = 0; page < held.size(); ++page) EXPECT_EQ(held[page], page < 5 || page >= 34) << page;
   EXPECT_EQ(std::memcmp(begin, bytes.data(), bytes.size()), 0);

@@ -68,7 +68,7 @@ class AnimationTest : public testing::Test {
   }
 
   // Returns whether a later run would keep the animation.
-  [[nodiscard]] bool is_kept() const { return kept_animation(manifest(true), batch_).has_value(); }
+  [[nodiscard]] bool is_kept() const { return find_animation_record(manifest(true), batch_).has_value(); }
 
   TempFolder folder_;
   BatchJob batch_;
@@ -82,11 +82,11 @@ TEST_F(AnimationTest, KeepsAllFilesOrNone) {
   EXPECT_EQ(written.files[1].path, (folder_ / "water.part2.glb").string());
   {
     Manifest begun = manifest(false);
-    EXPECT_FALSE(kept_animation(begun, batch_));
-    ASSERT_TRUE(keep_animation(begun, batch_, records(), written));
+    EXPECT_FALSE(find_animation_record(begun, batch_));
+    ASSERT_TRUE(record_animation(begun, batch_, records(), written));
   }
   ASSERT_TRUE(is_kept());
-  const auto kept = kept_animation(manifest(true), batch_);
+  const auto kept = find_animation_record(manifest(true), batch_);
   ASSERT_EQ(kept->size(), 4U);
   EXPECT_EQ(kept->at(2).frame, 2);
   EXPECT_EQ(kept->at(2).outputs.size(), written.files.size());
@@ -111,14 +111,14 @@ TEST_F(AnimationTest, KeepsAllFilesOrNone) {
 TEST_F(AnimationTest, SeparatesRecordsFromJobRecords) {
   const auto written = write();
   Manifest manifest_of_it = manifest(false);
-  ASSERT_TRUE(keep_animation(manifest_of_it, batch_, records(), written));
+  ASSERT_TRUE(record_animation(manifest_of_it, batch_, records(), written));
   for (const FrameJob& frame : batch_.frames) EXPECT_EQ(manifest_of_it.find(convert::hash_of(frame.job)), nullptr);
 }
 
 TEST_F(AnimationTest, IgnoresTruncatedRecord) {
   {
     Manifest begun = manifest(false);
-    ASSERT_TRUE(keep_animation(begun, batch_, records(), write()));
+    ASSERT_TRUE(record_animation(begun, batch_, records(), write()));
   }
   const std::string text = read_bytes(folder_ / "isoextract.manifest");
   for (std::size_t bytes = 0; bytes < text.size(); bytes += 97) {

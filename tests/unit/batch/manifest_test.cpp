@@ -86,7 +86,7 @@ TEST(Manifest, RestoresRecord) {
   ASSERT_NE(manifest.find(record.job), nullptr);
   EXPECT_EQ(*manifest.find(record.job), record);
   EXPECT_EQ(manifest.find("another"), nullptr);
-  EXPECT_EQ(why_again(record, batch.frames[0]), "");
+  EXPECT_EQ(reason_to_reconvert(record, batch.frames[0]), "");
 }
 
 TEST(Manifest, KeepsRecordUntilFrameBeginsAgain) {
@@ -167,22 +167,22 @@ TEST(Manifest, TrustsOnlyUnchangedFiles) {
   std::string other = mesh;
   other.back() = static_cast<char>(other.back() ^ 1);
   write_bytes(out, other);
-  EXPECT_NE(why_again(record, batch.frames[0]).find("out1.ply has changed"), std::string::npos);
+  EXPECT_NE(reason_to_reconvert(record, batch.frames[0]).find("out1.ply has changed"), std::string::npos);
   write_bytes(out, mesh);
-  EXPECT_EQ(why_again(record, batch.frames[0]), "");
+  EXPECT_EQ(reason_to_reconvert(record, batch.frames[0]), "");
   std::filesystem::remove(out);
-  EXPECT_NE(why_again(record, batch.frames[0]), "");
+  EXPECT_NE(reason_to_reconvert(record, batch.frames[0]), "");
   write_bytes(out, mesh);
   std::string samples = read_bytes(in);
   const auto time = std::filesystem::last_write_time(in);
   samples[22] = 1;
   write_bytes(in, samples);
   std::filesystem::last_write_time(in, time);  // same size and time, but another content
-  EXPECT_NE(why_again(record, batch.frames[0]).find("in1.raw has changed"), std::string::npos);
-  EXPECT_EQ(why_again(record, three_frames(folder, 1).frames[0]), "its options have changed");
+  EXPECT_NE(reason_to_reconvert(record, batch.frames[0]).find("in1.raw has changed"), std::string::npos);
+  EXPECT_EQ(reason_to_reconvert(record, three_frames(folder, 1).frames[0]), "its options have changed");
   FrameRecord without_inputs = convert_frame(batch.frames[0]);
   without_inputs.inputs.clear();  // the file became readable only after the frame had begun
-  EXPECT_EQ(why_again(without_inputs, batch.frames[0]), "its inputs are not known");
+  EXPECT_EQ(reason_to_reconvert(without_inputs, batch.frames[0]), "its inputs are not known");
 }
 
 TEST(Manifest, IgnoresOtherVersionsAndKeepsOtherFiles) {

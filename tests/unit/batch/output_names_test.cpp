@@ -57,23 +57,23 @@ TEST(OutputTemplate, KnowsItsWords) {
 }
 
 TEST(SafeInFileNames, ReturnsOneVisibleName) {
-  EXPECT_EQ(safe_in_file_names("density"), "density");
-  EXPECT_EQ(safe_in_file_names("Dichte \xc3\xa4\xe2\x82\xac\xf0\x9f\x92\xa7 v1.0"),
+  EXPECT_EQ(safe_file_name("density"), "density");
+  EXPECT_EQ(safe_file_name("Dichte \xc3\xa4\xe2\x82\xac\xf0\x9f\x92\xa7 v1.0"),
             "Dichte \xc3\xa4\xe2\x82\xac\xf0\x9f\x92\xa7 v1.0");
-  EXPECT_EQ(safe_in_file_names("../../etc/passwd"), "___.._etc_passwd");
-  EXPECT_EQ(safe_in_file_names(".."), "__");
-  EXPECT_EQ(safe_in_file_names(".hidden"), "_hidden");
-  EXPECT_EQ(safe_in_file_names("a\\b:c*d?e\"f<g>h|i"), "a_b_c_d_e_f_g_h_i");
-  EXPECT_EQ(safe_in_file_names("a\nb\x1b[2J\x7f"), "a_b_[2J_");
-  EXPECT_EQ(safe_in_file_names(std::string("a\0b", 3)), "a_b");
-  EXPECT_EQ(safe_in_file_names("\xe9t\xe9"), "_t_");  // Latin-1, no valid UTF-8
-  EXPECT_EQ(safe_in_file_names("x\xe2\x80\xae"
-                               "y"),
+  EXPECT_EQ(safe_file_name("../../etc/passwd"), "___.._etc_passwd");
+  EXPECT_EQ(safe_file_name(".."), "__");
+  EXPECT_EQ(safe_file_name(".hidden"), "_hidden");
+  EXPECT_EQ(safe_file_name("a\\b:c*d?e\"f<g>h|i"), "a_b_c_d_e_f_g_h_i");
+  EXPECT_EQ(safe_file_name("a\nb\x1b[2J\x7f"), "a_b_[2J_");
+  EXPECT_EQ(safe_file_name(std::string("a\0b", 3)), "a_b");
+  EXPECT_EQ(safe_file_name("\xe9t\xe9"), "_t_");  // Latin-1, no valid UTF-8
+  EXPECT_EQ(safe_file_name("x\xe2\x80\xae"
+                           "y"),
             "x___y");  // changes the writing direction
-  EXPECT_EQ(safe_in_file_names("a\xc3"), "a_");
-  EXPECT_EQ(safe_in_file_names("\xc3/b"), "__b");
-  EXPECT_EQ(safe_in_file_names("\xf0\x9f/\x80"), "____");
-  EXPECT_EQ(safe_in_file_names("\x80\x80/"), "___");
+  EXPECT_EQ(safe_file_name("a\xc3"), "a_");
+  EXPECT_EQ(safe_file_name("\xc3/b"), "__b");
+  EXPECT_EQ(safe_file_name("\xf0\x9f/\x80"), "____");
+  EXPECT_EQ(safe_file_name("\x80\x80/"), "___");
 }
 
 TEST(StemOf, RemovesFolderAndExtension) {
@@ -173,7 +173,7 @@ TEST_F(OutputNames, RefusesTwoWritersOfFile) {
   const auto refused = name_outputs(two, "m.glb", MeshFormat::glb);
   ASSERT_FALSE(refused);
   EXPECT_TRUE(test::has_step(refused.error().hint, Remedy::use, Setting::animation));
-  // Two names that safe_in_file_names() makes equal.
+  // Two names that safe_file_name() makes equal.
   EXPECT_EQ(named({output_source(1, "a.vdb", "x/y"), output_source(1, "a.vdb", "x:y")}, "{grid}.glb"),
             Lines{"x_y.glb: frame 1 (a.vdb, grid x/y) and frame 1 (a.vdb, grid x:y) would both write it"});
 }

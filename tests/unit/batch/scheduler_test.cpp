@@ -137,7 +137,8 @@ TEST(Scheduler, RepeatsFramesThatLackMemoryTogether) {
   // With the memory of one frame known, no frame starts beside another.
   Watcher told;
   const Context again{MemoryBudget(one + one / 4)};
-  EXPECT_EQ(run(batch, every_frame(batch), {.jobs = 3, .threads = 2, .memory_of_one = one}, again, told).repeated, 0U);
+  EXPECT_EQ(run(batch, every_frame(batch), {.jobs = 3, .threads = 2, .memory_per_frame = one}, again, told).repeated,
+            0U);
   EXPECT_EQ(told.most, 1);
 }
 

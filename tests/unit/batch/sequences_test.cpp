@@ -63,14 +63,14 @@ TEST(Sequences, ContainEveryNameOnce) {
 }
 
 TEST(SingleNumber, TakesLastBeforeExtension) {
-  EXPECT_EQ(single_number("shot_3/sim_v2_0042.vdb"), 42);
-  EXPECT_EQ(single_number("a_1.mp4"), 1);
-  EXPECT_EQ(single_number("sim.0042"), 42);
-  EXPECT_EQ(single_number("sim.-0042.vdb"), -42);
-  EXPECT_EQ(single_number("sim-0042.vdb"), 42);
-  EXPECT_FALSE(single_number("shot_3/sim.vdb"));
-  EXPECT_FALSE(single_number("shot_3/sim.vdb2"));
-  EXPECT_FALSE(single_number(""));
+  EXPECT_EQ(trailing_number("shot_3/sim_v2_0042.vdb"), 42);
+  EXPECT_EQ(trailing_number("a_1.mp4"), 1);
+  EXPECT_EQ(trailing_number("sim.0042"), 42);
+  EXPECT_EQ(trailing_number("sim.-0042.vdb"), -42);
+  EXPECT_EQ(trailing_number("sim-0042.vdb"), 42);
+  EXPECT_FALSE(trailing_number("shot_3/sim.vdb"));
+  EXPECT_FALSE(trailing_number("shot_3/sim.vdb2"));
+  EXPECT_FALSE(trailing_number(""));
 }
 
 }  // namespace

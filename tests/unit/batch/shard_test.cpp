@@ -95,7 +95,7 @@ class Merge : public testing::Test {
       record.frame = batch_.frames[i].number;
       record.job = convert::hash_of(batch_.frames[i].job);
       const std::string path = batch_.frames[i].job.outputs[0].path;
-      record.outputs = {{path, files::state_of_file(path, Context()).value()}};
+      record.outputs = {{path, files::hash_file(path, Context()).value()}};
       ASSERT_TRUE(manifest->add(record));
     }
   }

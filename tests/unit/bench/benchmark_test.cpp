@@ -121,9 +121,9 @@ TEST(Benchmark, SkipsComparisonsForExactPlane) {
 
 // A closed surface in data whose size no factor divides: the dropped samples contain none of it.
 TEST(Benchmark, ComparesSurfacesInsideCoarserBox) {
-  const auto ball = [](double centre) {
+  const auto ball = [](double center) {
     return test::dense_field<float>({47, 47, 47}, [&](int i, int j, int k) {
-      return 12 - glm::length(glm::dvec3(i, j, k) - glm::dvec3(23.2, 22.7, centre));
+      return 12 - glm::length(glm::dvec3(i, j, k) - glm::dvec3(23.2, 22.7, center));
     });
   };
   const BenchResult inside = bench_field(ball(23.4), {4, 2, 1}, quick(), Context()).value();

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "mesh/joined.hpp"
+#include "mesh/join_meshes.hpp"
 #include "support/box_mesh.hpp"
 #include "support/sample_meshes.hpp"
 
@@ -25,8 +25,8 @@ MeshCheck check(const mesh::Mesh& mesh) {
 }
 
 // A cube from -half to half around `centre`, facing outward or, if turned, inward.
-mesh::Mesh centred_cube(float half, bool turned = false, const glm::vec3& centre = glm::vec3(0)) {
-  mesh::Mesh mesh = test::box_mesh(centre - half, centre + half);
+mesh::Mesh centered_cube(float half, bool turned = false, const glm::vec3& center = glm::vec3(0)) {
+  mesh::Mesh mesh = test::box_mesh(center - half, center + half);
   if (turned) {
     for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
   }
@@ -57,10 +57,10 @@ void leave_out(mesh::Mesh& mesh, std::size_t triangle) {
   mesh.triangles = std::move(left);
 }
 
-bool meets(Requirement requirement, const MeshCheck& found) { return !why_not(requirement, found); }
+bool meets(Requirement requirement, const MeshCheck& found) { return !unmet_reason(requirement, found); }
 
 TEST(MeshCheckTest, AcceptsCube) {
-  const MeshCheck found = check(centred_cube(0.5F));
+  const MeshCheck found = check(centered_cube(0.5F));
   for (const Word<Requirement>& one : words_of(Requirement{})) {
     EXPECT_EQ(meets(one.value, found), one.value != Requirement::normals) << one.word;
   }
@@ -78,7 +78,7 @@ TEST(MeshCheckTest, AcceptsCube) {
 }
 
 TEST(MeshCheckTest, CountsAndMeasuresHoles) {
-  mesh::Mesh mesh = centred_cube(0.5F);
+  mesh::Mesh mesh = centered_cube(0.5F);
   leave_out(mesh, 0);
   const MeshCheck one = check(mesh);
   ASSERT_EQ(one.loops.size(), 1U);
@@ -86,7 +86,7 @@ TEST(MeshCheckTest, CountsAndMeasuresHoles) {
   EXPECT_NEAR(one.loops[0].length, 2 + std::sqrt(2.0), 1e-12);
   EXPECT_EQ(one.components[0].shell, Shell::open);
   EXPECT_EQ(one.components[0].genus, 0);
-  EXPECT_EQ(why_not(Requirement::closed, one), "3 open edges in 1 loop");
+  EXPECT_EQ(unmet_reason(Requirement::closed, one), "3 open edges in 1 loop");
   // Without the other triangle of the face there is one hole of four edges; one triangle of the far face adds a second.
   leave_out(mesh, 0);
   EXPECT_EQ(check(mesh).loops.size(), 1U);
@@ -121,7 +121,7 @@ TEST(MeshCheckTest, TreatsVertexWithTwoFansAsTwo) {
 }
 
 TEST(MeshCheckTest, CountsMisorientedEdges) {
-  mesh::Mesh mesh = centred_cube(0.5F);
+  mesh::Mesh mesh = centered_cube(0.5F);
   std::swap(mesh.triangles[3].x, mesh.triangles[3].y);
   const MeshCheck found = check(mesh);
   EXPECT_EQ(found.components[0].edges.misoriented, 3U);
@@ -143,9 +143,9 @@ TEST(MeshCheckTest, CountsNonmanifoldEdges) {
 TEST(MeshCheckTest, SumsDefectsOfComponents) {
   mesh::Mesh open = test::sphere(8, false);
   leave_out(open, 30);
-  mesh::Mesh turned = centred_cube(5);
+  mesh::Mesh turned = centered_cube(5);
   std::swap(turned.triangles[3].x, turned.triangles[3].y);
-  const mesh::Mesh mesh = all_of(std::move(open), std::move(turned), centred_cube(9), test::tetrahedron());
+  const mesh::Mesh mesh = all_of(std::move(open), std::move(turned), centered_cube(9), test::tetrahedron());
   const MeshCheck found = check(mesh);
   ASSERT_EQ(found.components.size(), 4U);
   EdgeDefects sum;
@@ -163,21 +163,21 @@ TEST(MeshCheckTest, SumsDefectsOfComponents) {
 
 // Concentric cubes: the rays leave through edges, diagonals and corners of the outer ones.
 TEST(MeshCheckTest, FindsNestedShells) {
-  EXPECT_EQ(shells(check(all_of(centred_cube(1), centred_cube(2), centred_cube(3)))),
+  EXPECT_EQ(shells(check(all_of(centered_cube(1), centered_cube(2), centered_cube(3)))),
             (std::vector{Shell::body, Shell::nested, Shell::body}));
-  EXPECT_EQ(shells(check(all_of(centred_cube(1, true), centred_cube(2)))), (std::vector{Shell::hollow, Shell::body}));
-  EXPECT_EQ(shells(check(all_of(centred_cube(1), centred_cube(2, true)))),
+  EXPECT_EQ(shells(check(all_of(centered_cube(1, true), centered_cube(2)))), (std::vector{Shell::hollow, Shell::body}));
+  EXPECT_EQ(shells(check(all_of(centered_cube(1), centered_cube(2, true)))),
             (std::vector{Shell::nested, Shell::inside_out}));
-  EXPECT_EQ(shells(check(centred_cube(1, true))), (std::vector{Shell::inside_out}));
+  EXPECT_EQ(shells(check(centered_cube(1, true))), (std::vector{Shell::inside_out}));
   const glm::vec3 far(10, 0, 0);
-  const MeshCheck beside = check(
-      all_of(centred_cube(1), centred_cube(1, false, far), centred_cube(1, true, -far), centred_cube(0.5F, true, far)));
+  const MeshCheck beside = check(all_of(centered_cube(1), centered_cube(1, false, far), centered_cube(1, true, -far),
+                                        centered_cube(0.5F, true, far)));
   EXPECT_EQ(shells(beside), (std::vector{Shell::body, Shell::body, Shell::inside_out, Shell::hollow}));
-  EXPECT_EQ(why_not(Requirement::outward, beside), "1 component inside out");
+  EXPECT_EQ(unmet_reason(Requirement::outward, beside), "1 component inside out");
   for (std::uint32_t depth = 0; depth < 12; ++depth) {
     std::vector<mesh::Mesh> nest;
     for (std::uint32_t i = 0; i <= depth; ++i)
-      nest.push_back(centred_cube(static_cast<float>(i + 1), (depth - i) % 2 == 1));
+      nest.push_back(centered_cube(static_cast<float>(i + 1), (depth - i) % 2 == 1));
     const MeshCheck found = check(together(std::move(nest)));
     for (std::uint32_t i = 0; i <= depth; ++i) {
       EXPECT_EQ(found.components[i].within, depth - i);
@@ -190,8 +190,8 @@ TEST(MeshCheckTest, FindsNestedShells) {
 TEST(MeshCheckTest, HandlesManyShellsInARow) {
   constexpr int kBodies = 60'000;
   std::vector<mesh::Mesh> row;
-  for (int i = 0; i < kBodies; ++i) row.push_back(centred_cube(0.5F, false, {3.0F * static_cast<float>(i), 0, 0}));
-  row.push_back(centred_cube(0.25F, true));
+  for (int i = 0; i < kBodies; ++i) row.push_back(centered_cube(0.5F, false, {3.0F * static_cast<float>(i), 0, 0}));
+  row.push_back(centered_cube(0.25F, true));
   const MeshCheck found = check(together(std::move(row)));
   EXPECT_EQ(found.count(Shell::body), static_cast<std::uint64_t>(kBodies));
   EXPECT_EQ(found.count(Shell::hollow), 1U);
@@ -203,21 +203,21 @@ TEST(MeshCheckTest, DoesNotNestShellsWithSharedWalls) {
   for (const float sign : {-1.0F, 1.0F}) {
     for (const float size : {1.0F, 0.5F}) {  // the whole wall and part of it
       const glm::vec3 moved = sign * glm::vec3(1 + size, 0, 0);
-      EXPECT_EQ(shells(check(all_of(centred_cube(1), centred_cube(size, false, moved)))),
+      EXPECT_EQ(shells(check(all_of(centered_cube(1), centered_cube(size, false, moved)))),
                 (std::vector{Shell::body, Shell::body}));
     }
-    EXPECT_EQ(shells(check(all_of(centred_cube(1), centred_cube(1, false, sign * beside), centred_cube(3)))),
+    EXPECT_EQ(shells(check(all_of(centered_cube(1), centered_cube(1, false, sign * beside), centered_cube(3)))),
               (std::vector{Shell::nested, Shell::nested, Shell::body}));
   }
-  EXPECT_EQ(shells(check(all_of(centred_cube(1), centred_cube(1, true), centred_cube(2)))),
+  EXPECT_EQ(shells(check(all_of(centered_cube(1), centered_cube(1, true), centered_cube(2)))),
             (std::vector{Shell::body, Shell::hollow, Shell::body}));
 }
 
 // Rays that leave through corners or along sides, and lines that cross a shell only behind the start of the ray.
 TEST(MeshCheckTest, FindsNestedShellsWithSlantedFaces) {
-  const auto octahedron = [](float radius, const glm::vec3& centre = glm::vec3(0)) {
+  const auto octahedron = [](float radius, const glm::vec3& center = glm::vec3(0)) {
     std::vector<glm::vec3> positions{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-    for (glm::vec3& p : positions) p = p * radius + centre;
+    for (glm::vec3& p : positions) p = p * radius + center;
     return make_mesh("octahedron", positions,
                      {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}});
   };
@@ -238,15 +238,15 @@ TEST(MeshCheckTest, FindsNestedShellsWithSlantedFaces) {
   EXPECT_EQ(within(check(all_of(octahedron(8), octahedron(0.5F, {5, 2.5F, 2.5F}), octahedron(2, {8.5F, 2.5F, 2.5F})))),
             (Depths{0, 0, 0}));
   // Diagonals of the faces in front of the rays.
-  mesh::Mesh outer = centred_cube(3);
+  mesh::Mesh outer = centered_cube(3);
   for (glm::vec3& p : outer.positions) p.y = -p.y;
   for (glm::uvec3& t : outer.triangles) std::swap(t.y, t.z);
-  EXPECT_EQ(within(check(all_of(centred_cube(1), std::move(outer)))), (Depths{1, 0}));
+  EXPECT_EQ(within(check(all_of(centered_cube(1), std::move(outer)))), (Depths{1, 0}));
 }
 
 TEST(MeshCheckTest, ReportsSeamsOfDuplicatedVertices) {
   // A cube with three vertices of its own for each triangle, and one unused vertex.
-  const mesh::Mesh whole = centred_cube(1);
+  const mesh::Mesh whole = centered_cube(1);
   std::vector<glm::vec3> positions{{7, 7, 7}};
   std::vector<glm::uvec3> triangles;
   for (const glm::uvec3& t : whole.triangles) {
@@ -264,7 +264,7 @@ TEST(MeshCheckTest, ReportsSeamsOfDuplicatedVertices) {
   EXPECT_EQ(apart.joined->components, 1U);
   EXPECT_EQ(apart.intersections.pairs, 0U);
   EXPECT_EQ(apart.topology.unused_vertices, 1U);
-  ASSERT_TRUE(join_repeated_vertices(mesh, Context()));
+  ASSERT_TRUE(weld_coincident_vertices(mesh, Context()));
   const MeshCheck joined = check(mesh);
   EXPECT_TRUE(joined.topology.is_closed_oriented_manifold());
   EXPECT_EQ(joined.vertices, 9U);
@@ -274,7 +274,8 @@ TEST(MeshCheckTest, ReportsSeamsOfDuplicatedVertices) {
 
 TEST(MeshCheckTest, RejectsEmptyMeshForEveryRequirement) {
   const MeshCheck found = check(make_mesh("empty", {}, {}));
-  for (const Word<Requirement>& one : words_of(Requirement{})) EXPECT_EQ(why_not(one.value, found), "no triangles");
+  for (const Word<Requirement>& one : words_of(Requirement{}))
+    EXPECT_EQ(unmet_reason(one.value, found), "no triangles");
   const MeshCheck points = check(make_mesh("points", {{1, 2, 3}, {1, 2, 3}}, {}));
   EXPECT_EQ(points.topology.unused_vertices, 2U);
   EXPECT_EQ(points.repeated_vertices, 1U);
@@ -291,17 +292,17 @@ TEST(MeshCheckTest, CountsDegenerateTriangles) {
 
 TEST(MeshCheckTest, HandlesHugeAndSubnormalCoordinates) {
   for (const float half : {1e30F, 3e38F, 1e-40F}) {
-    const MeshCheck found = check(all_of(centred_cube(half), centred_cube(half / 2, true)));
+    const MeshCheck found = check(all_of(centered_cube(half), centered_cube(half / 2, true)));
     EXPECT_EQ(shells(found), (std::vector{Shell::body, Shell::hollow})) << half;
     EXPECT_EQ(found.intersections.pairs + found.intersections.zero_area_triangles, 0U) << half;
   }
 }
 
 TEST(MeshCheckTest, CountsFlippedMissingAndNonUnitNormals) {
-  const mesh::Mesh mesh = centred_cube(1);
+  const mesh::Mesh mesh = centered_cube(1);
   std::vector<glm::vec3> outward(mesh.positions.begin(), mesh.positions.end());
   for (glm::vec3& normal : outward) normal = glm::normalize(normal);
-  const NormalFacts sound = check_normals(mesh, outward, mesh.triangles.span());
+  const NormalFigures sound = check_normals(mesh, outward, mesh.triangles.span());
   EXPECT_EQ(sound.corners, 36U);
   EXPECT_EQ(sound.against + sound.missing + sound.not_unit, 0U);
   std::size_t corners = 0;
@@ -309,7 +310,7 @@ TEST(MeshCheckTest, CountsFlippedMissingAndNonUnitNormals) {
     for (int c = 0; c < 3; ++c) corners += t[c] == 3 ? 1 : 0;
   }
   outward[3] *= -2.0F;
-  const NormalFacts turned = check_normals(mesh, outward, mesh.triangles.span());
+  const NormalFigures turned = check_normals(mesh, outward, mesh.triangles.span());
   EXPECT_EQ(turned.against, corners);
   EXPECT_EQ(turned.not_unit, corners);
   outward[3] = glm::vec3(std::nanf(""));

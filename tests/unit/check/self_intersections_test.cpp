@@ -12,7 +12,7 @@
 #include <tbb/global_control.h>
 
 #include "check/detail/triangle_overlap.hpp"
-#include "mesh/joined.hpp"
+#include "mesh/join_meshes.hpp"
 #include "support/exact_overlap.hpp"
 #include "support/sample_meshes.hpp"
 
@@ -82,7 +82,7 @@ SelfIntersections by_force(const std::vector<WholeTriangle>& triangles) {
       if (!has_area(triangles[j]) || shared_corners(triangles[i], triangles[j]) == 3) continue;
       if (!ExactOverlap::meet(triangles[i], triangles[j])) continue;
       ++found.pairs;
-      found.neighbours += shared_corners(triangles[i], triangles[j]) > 0 ? 1 : 0;
+      found.neighbors += shared_corners(triangles[i], triangles[j]) > 0 ? 1 : 0;
       met.insert({i, j});
       if (found.examples.size() < 5) found.examples.push_back({i, j});
     }
@@ -95,7 +95,7 @@ void expect_same(const SelfIntersections& a, const SelfIntersections& b) {
   EXPECT_EQ(a.pairs, b.pairs);
   EXPECT_EQ(a.at_least, b.at_least);
   EXPECT_EQ(a.in_one_plane, b.in_one_plane);
-  EXPECT_EQ(a.neighbours, b.neighbours);
+  EXPECT_EQ(a.neighbors, b.neighbors);
   EXPECT_EQ(a.triangles, b.triangles);
   EXPECT_EQ(a.examples, b.examples);
   EXPECT_EQ(a.zero_area_triangles, b.zero_area_triangles);
@@ -141,7 +141,7 @@ TEST(TriangleOverlapTest, MatchesRationalArithmetic) {
         ASSERT_EQ(found.meet, expected) << "size " << size << ", triangles " << i << " and " << j;
         ASSERT_EQ(find_overlap(placed(q), placed(p)).meet, expected);
         if (found.meet) {
-          ASSERT_EQ(found.neighbours, shared > 0);
+          ASSERT_EQ(found.neighbors, shared > 0);
           bool flat = true;
           const glm::i64vec3 normal = glm::cross(glm::dvec3(p[1] - p[0]), glm::dvec3(p[2] - p[0]));
           for (const glm::i64vec3& corner : q) {
@@ -174,7 +174,7 @@ TEST(SelfIntersectionsTest, MatchesBruteForceAroundCrowdedPlaces) {
     for (const float scale : {1.0F, 0x1p-140F, 0x1p110F}) {
       const SelfIntersections found = find(soup(triangles, scale));
       EXPECT_EQ(found.pairs, expected.pairs) << "size " << size;
-      EXPECT_EQ(found.neighbours, expected.neighbours);
+      EXPECT_EQ(found.neighbors, expected.neighbors);
       EXPECT_EQ(found.zero_area_triangles, expected.zero_area_triangles);
       EXPECT_EQ(found.duplicate_triangles, expected.duplicate_triangles);
       EXPECT_LE(found.looked_at, 450U * 449U / 2);
@@ -264,7 +264,7 @@ TEST(SelfIntersectionsTest, FindsFoldedNeighbors) {
   const SelfIntersections folded = find(make_mesh("fold", positions, {{0, 1, 2}, {1, 0, 3}}));
   EXPECT_EQ(folded.pairs, 1U);
   EXPECT_EQ(folded.in_one_plane, 1U);
-  EXPECT_EQ(folded.neighbours, 1U);
+  EXPECT_EQ(folded.neighbors, 1U);
   EXPECT_EQ(find(make_mesh("flat", positions, {{0, 1, 2}, {1, 0, 4}})).pairs, 0U);
 }
 

@@ -47,13 +47,13 @@ TEST(AttributeSource, TransformsVectorsFromIndexToOutputSpace) {
         Case{AttributeKind::normal, true, glm::normalize(glm::vec3(0.5F, 0.5F, 0.375F))}}) {
     AttributeSource source = source_of_vectors(kind, in_voxels);
     const field::Affine output_from_world{field::scaling(glm::dvec3(10)).linear, glm::dvec3(1)};
-    ASSERT_TRUE(place_attributes(source, output_from_world.inverse(), output_from_world));
+    ASSERT_TRUE(set_attribute_maps(source, output_from_world.inverse(), output_from_world));
     mesh::Mesh mesh = test::unit_tetrahedron();
     const auto records = add_attributes(source, mesh, Context());
     ASSERT_TRUE(records);
     EXPECT_EQ(records->front().kind, kind);
-    EXPECT_EQ(records->front().changed, changes_with_mesh(kind));
-    change_attributes(mesh, source.kinds, source.output_from_world);
+    EXPECT_EQ(records->front().changed, is_transformed_with_mesh(kind));
+    transform_attributes(mesh, source.kinds, source.output_from_world);
     EXPECT_LT(glm::length(first_value(mesh) - wanted), 1e-6F * glm::length(wanted)) << word_of(kind) << in_voxels;
   }
 }

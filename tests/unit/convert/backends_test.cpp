@@ -17,8 +17,8 @@ extract::ExtractOptions half() {
   return options;
 }
 
-TEST(KeptBackends, OpensDeviceOnce) {
-  KeptBackends kept;
+TEST(BackendCache, OpensDeviceOnce) {
+  BackendCache kept;
   EXPECT_EQ(kept.devices_opened(), 0) << "not before it is asked for";
   EXPECT_EQ(kept.open(Backend::cpu, {}).value().extractor->name(), "cpu");
   EXPECT_EQ(kept.devices_opened(), 0);
@@ -40,8 +40,8 @@ TEST(KeptBackends, OpensDeviceOnce) {
   EXPECT_EQ(kept.devices_opened(), 1);
 }
 
-TEST(KeptBackends, ReopensDeviceAfterFailure) {
-  KeptBackends kept;
+TEST(BackendCache, ReopensDeviceAfterFailure) {
+  BackendCache kept;
   const field::ScalarField sound = test::random_field<float>({18, 17, 20}, 5, 1000);
   const field::ScalarField bad = test::dense_field<float>({8, 8, 8}, [](int, int, int) { return test::kNaN; });
   const auto first = kept.open(Backend::gpu, {}).value().extractor;
@@ -58,8 +58,8 @@ TEST(KeptBackends, ReopensDeviceAfterFailure) {
   EXPECT_GT(made->stats.device->samples_uploaded, 0U) << "nothing stayed of the one before";
 }
 
-TEST(KeptBackends, AutomaticRefusesSoftwareGpu) {
-  KeptBackends kept;
+TEST(BackendCache, AutomaticRefusesSoftwareGpu) {
+  BackendCache kept;
   for (int again = 0; again < 2; ++again) {
     const auto opened = kept.open(Backend::automatic, {});
     const auto alone = open_backend(Backend::automatic, {});
@@ -70,8 +70,8 @@ TEST(KeptBackends, AutomaticRefusesSoftwareGpu) {
   EXPECT_EQ(kept.devices_opened(), 1) << "it is not looked for again";
 }
 
-TEST(KeptBackends, FailsEachTimeForMissingDevice) {
-  KeptBackends kept;
+TEST(BackendCache, FailsEachTimeForMissingDevice) {
+  BackendCache kept;
   for (int again = 0; again < 2; ++again) {
     const auto opened = kept.open(Backend::gpu, {.device = 99, .memory_bytes = {}});
     ASSERT_FALSE(opened);

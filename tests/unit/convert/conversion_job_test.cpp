@@ -32,7 +32,7 @@ ConversionJob full_job() {
                           .smoothing_length = 1.2,
                           .weight = 0.3,
                           .deposit = points::Deposit::nearest,
-                          .bad = points::BadParticles::skip,
+                          .bad = points::NonFiniteParticles::skip,
                           .columns = std::array<std::string, 3>{"x", "2", "z"}};
   job.source.attributes = {{.name = "heat",
                             .from = "b.vdb[temperature]",
@@ -57,10 +57,10 @@ ConversionJob full_job() {
   job.source.placement = {Space::index, UpAxis::y, true, true, 0.001, "mm", "cm", AnatomicalSpace::lps, true};
   job.surface = {extract::Method::mt, extract::NanPolicy::hole, true, extract::VoxelFaces::plain, 3};
   job.normals = Normals::flat;
-  job.colour = ColourChoice{"heat", edit::Colormap::turbo, std::array{-1.5, 2.25}};
+  job.color = ColorChoice{"heat", edit::Colormap::turbo, std::array{-1.5, 2.25}};
   job.label_names = LabelTableFile{"lut.txt", "0123"};
   job.opacity = {0.25, 1};
-  job.edits.pieces = {LeastPiece{edit::PieceMeasure::area, 2.5, true}, true, 3, true};
+  job.edits.pieces = {MinComponentSize{edit::ComponentMeasure::area, 2.5, true}, true, 3, true};
   job.edits.smooth = SmoothChoice{7, edit::SmoothMethod::sinc, 0.25};
   job.edits.simplify = SimplifyChoice{SimplifyBound{0.1, true}, TriangleCount{2.5, true}};
   job.error = field::Interpolation::tricubic;

@@ -130,7 +130,7 @@ TEST(ResolveIsos, UsesMethodValueForParticles) {
 TEST(EachOnce, DropsRepeatedFoundValues) {
   const std::vector<ResolvedIso> isos{
       {choice("p50"), 3, {}}, {3, 3, {}}, {choice("p60"), 3, {}}, {4, 4, {}}, {4, 4, {}}, {choice("auto"), 4, {}}};
-  const std::vector<ResolvedIso> once = each_once(isos);
+  const std::vector<ResolvedIso> once = without_repeats(isos);
   ASSERT_EQ(once.size(), 3U);  // values given as numbers stay, even repeated
   EXPECT_EQ(text_of(once[0].asked), "p50");
   EXPECT_EQ(text_of(once[1].asked), "4");

@@ -10,23 +10,23 @@
 namespace isoextract::convert {
 namespace {
 
-TEST(LabelLooks, RefusesChangedTable) {
+TEST(LabelAppearance, RefusesChangedTable) {
   const test::TempFolder folder;
   const auto path = (folder.path() / "lut.txt").string();
   const auto write = [&](std::string_view text) { std::ofstream(path) << text; };
   write("1 twin 255 0 0 0\n2 twin 0 0 255 0\n3 alone 0 255 0 0\n");
   ConversionJob job;
   job.label_names = LabelTableFile{path, volume_io::LabelTable::read(path, Context())->hash()};
-  const auto looks = LabelLooks::open(job, Context());
+  const auto looks = LabelAppearance::open(job, Context());
   ASSERT_TRUE(looks) << looks.error().message;
   EXPECT_EQ(looks->name("head", 3), "alone");
   EXPECT_EQ(looks->name("head", 2), "twin label 2");
   EXPECT_EQ(looks->name("head", 9), "head label 9");
   mesh::Mesh mesh;
-  ASSERT_TRUE(looks->colour(job, 2, mesh, Context()));
-  EXPECT_EQ(mesh.material->colour, glm::dvec3(0, 0, 1));
+  ASSERT_TRUE(looks->color(job, 2, mesh, Context()));
+  EXPECT_EQ(mesh.material->color, glm::dvec3(0, 0, 1));
   write("1 other 255 0 0 0\n");
-  const auto changed = LabelLooks::open(job, Context());
+  const auto changed = LabelAppearance::open(job, Context());
   ASSERT_FALSE(changed);
   EXPECT_NE(changed.error().message.find("has changed"), std::string::npos);
 }

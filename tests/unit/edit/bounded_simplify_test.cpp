@@ -26,7 +26,7 @@ namespace isoextract::edit {
 namespace {
 
 SimplifiedMesh must_simplify(mesh::Mesh mesh, const SimplifyOptions& options) {
-  auto simplified = simplify_within(std::move(mesh), options, Context());
+  auto simplified = simplify_mesh(std::move(mesh), options, Context());
   if (!simplified) throw std::runtime_error(simplified.error().message);
   return std::move(*simplified);
 }
@@ -75,14 +75,14 @@ double expect_kept_promises(const field::ScalarField& field, const Case& c) {
   EXPECT_EQ(is.open_edges > 0, was.open_edges > 0);
   if (before.triangles.empty()) return 1;
 
-  EXPECT_LE(facts.measured_lower, facts.measured_upper);
-  EXPECT_LE(facts.measured_upper, c.max_distance);
+  EXPECT_LE(facts.distance_lower, facts.distance_upper);
+  EXPECT_LE(facts.distance_upper, c.max_distance);
   accuracy::DistanceOptions measure;
   measure.samples = 0;
   const auto distance =
       accuracy::measure_distance(placed(before, c.to_metric), placed(after, c.to_metric), measure, Context());
-  EXPECT_LE(distance->hausdorff_lower, facts.measured_upper + distance->resolution);
-  EXPECT_LE(facts.measured_lower, distance->hausdorff_upper + distance->resolution);
+  EXPECT_LE(distance->hausdorff_lower, facts.distance_upper + distance->resolution);
+  EXPECT_LE(facts.distance_lower, distance->hausdorff_upper + distance->resolution);
 
   // The vertices are a subset of the old ones, in their order and with their normals.
   std::size_t v = 0;
@@ -193,7 +193,7 @@ TEST(BoundedSimplify, ReducesTiltedPlanesToTheirCorners) {
     const auto [after, facts] = must_simplify(test::extract(plane, options).mesh, simplify);
     EXPECT_GT(facts.triangles_before, 4000U);
     EXPECT_LE(after.triangles.size(), 16U) << distance;
-    EXPECT_LE(facts.measured_upper, distance);
+    EXPECT_LE(facts.distance_upper, distance);
   }
 }
 
@@ -241,7 +241,7 @@ TEST(BoundedSimplify, ReportsProgressOverAllRounds) {
       last = now;
     }
   });
-  const auto done = simplify_within(copy(before), options, context);
+  const auto done = simplify_mesh(copy(before), options, context);
   ended = true;
   watcher.join();
   ASSERT_TRUE(done);
@@ -277,8 +277,8 @@ TEST(BoundedSimplify, IsIndependentOfThreads) {
   ASSERT_EQ(one.mesh.triangles.size(), four.mesh.triangles.size());
   EXPECT_EQ(std::memcmp(one.mesh.triangles.data(), four.mesh.triangles.data(), one.mesh.triangles.size_bytes()), 0);
   EXPECT_EQ(std::memcmp(one.mesh.positions.data(), four.mesh.positions.data(), one.mesh.positions.size_bytes()), 0);
-  EXPECT_EQ(one.facts.measured_upper, four.facts.measured_upper);
-  EXPECT_EQ(one.facts.measured_lower, four.facts.measured_lower);
+  EXPECT_EQ(one.facts.distance_upper, four.facts.distance_upper);
+  EXPECT_EQ(one.facts.distance_lower, four.facts.distance_lower);
 }
 
 TEST(BoundedSimplify, ReturnsMeshIfNothingCanCollapse) {
@@ -286,30 +286,30 @@ TEST(BoundedSimplify, ReturnsMeshIfNothingCanCollapse) {
   options.max_distance = 1e-3;
   const auto [empty, none] = must_simplify(mesh::Mesh{}, options);
   EXPECT_TRUE(empty.triangles.empty());
-  EXPECT_EQ(none.measured_upper, 0);
+  EXPECT_EQ(none.distance_upper, 0);
   const auto [same, facts] = must_simplify(test::tetrahedron(), options);
   EXPECT_EQ(same.triangles.size(), 4U);
-  EXPECT_EQ(facts.measured_upper, 0);
+  EXPECT_EQ(facts.distance_upper, 0);
 }
 
 TEST(BoundedSimplify, ObeysCancellationAndMemoryBudget) {
   SimplifyOptions options;
   options.max_distance = 0.05;
   const Context small{MemoryBudget(100000)};
-  const auto refused = simplify_within(test::sphere(40, true), options, small);
+  const auto refused = simplify_mesh(test::sphere(40, true), options, small);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().hint, Hint(Remedy::raise, Setting::memory_limit));
   EXPECT_EQ(small.memory().reserved(), 0U);
   const Context cancelled;
   cancelled.cancel();
-  const auto ended = simplify_within(test::sphere(40, true), options, cancelled);
+  const auto ended = simplify_mesh(test::sphere(40, true), options, cancelled);
   ASSERT_FALSE(ended);
   EXPECT_EQ(ended.error().code, ErrorCode::cancelled);
   // Memory that the smaller mesh does not need is released.
   const Context context;
   mesh::Mesh mesh = test::sphere(40, true);
   mesh.memory = std::move(*context.reserve(1 << 20, "test"));
-  const auto done = simplify_within(std::move(mesh), options, context);
+  const auto done = simplify_mesh(std::move(mesh), options, context);
   ASSERT_TRUE(done);
   EXPECT_EQ(context.memory().reserved(), done->mesh.memory.bytes());
   EXPECT_EQ(done->mesh.memory.bytes(),
@@ -318,7 +318,7 @@ TEST(BoundedSimplify, ObeysCancellationAndMemoryBudget) {
 
 TEST(BoundedSimplify, KeepsVertexAttributes) {
   mesh::Mesh before = test::sphere(40, true);
-  test::add_colour(before, mesh::ComponentType::u8, 3);
+  test::add_color(before, mesh::ComponentType::u8, 3);
   SimplifyOptions options;
   options.max_distance = 0.05;
   const mesh::Mesh after = must_simplify(copy(before), options).mesh;
@@ -347,7 +347,7 @@ mesh::Mesh collapsed(const std::vector<glm::vec3>& positions, const std::vector<
     if (state.gone[t] == 0) left.push_back(state.corners[t]);
   }
   // All collapses can be undone; then the mesh equals the original.
-  std::vector<PutBack> changed;
+  std::vector<RestoredTriangle> changed;
   std::size_t undone = 0;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     while (state.changed_by[t] != kNone) undone += undo_collapse(state.changed_by[t], state, logs, changed);

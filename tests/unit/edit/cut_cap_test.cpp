@@ -30,8 +30,8 @@ mesh::Mesh closed_surface(const char* demo, double iso = 0, const glm::dvec3& or
   return test::extract(field, options).mesh;
 }
 
-ClipFacts must_cap(mesh::Mesh& mesh, const std::vector<mesh::HalfSpace>& kept, const Context& context = Context()) {
-  auto facts = clip_to_half_spaces(mesh, kept, CutEnds::capped, context);
+ClipFigures must_cap(mesh::Mesh& mesh, const std::vector<mesh::HalfSpace>& kept, const Context& context = Context()) {
+  auto facts = clip_to_half_spaces(mesh, kept, CutClosing::capped, context);
   if (!facts) throw std::runtime_error(facts.error().message);
   return *facts;
 }
@@ -68,7 +68,7 @@ void expect_closed(const mesh::Mesh& mesh, const std::string& what) {
 double volume_of(const mesh::Mesh& mesh) { return mesh::measure_size(mesh).volume; }
 
 // General planes, planes along the sample axes between samples, and planes through samples.
-TEST(CutCap, ClosesBothSidesAndKeepsVolume) {
+TEST(CutCapFigures, ClosesBothSidesAndKeepsVolume) {
   struct Surface {
     const char* demo;
     double iso;
@@ -85,10 +85,10 @@ TEST(CutCap, ClosesBothSidesAndKeepsVolume) {
         const mesh::HalfSpace other{-one.normal, -offset};
         mesh::Mesh a = copy(whole);
         mesh::Mesh b = copy(whole);
-        const ClipFacts facts = must_cap(a, {one});
+        const ClipFigures facts = must_cap(a, {one});
         must_cap(b, {other});
         EXPECT_GT(facts.cap_triangles, 8U) << what;
-        EXPECT_EQ(facts.caps_overlap, 0U) << what;
+        EXPECT_EQ(facts.overlapping_cap_triangles, 0U) << what;
         EXPECT_EQ(facts.triangles_after, a.triangles.size()) << what;
         expect_closed(a, what);
         expect_closed(b, what);
@@ -105,7 +105,7 @@ TEST(CutCap, ClosesBothSidesAndKeepsVolume) {
 }
 
 // A half, a quarter and an eighth: later planes cut the caps of earlier ones. No handles, no extra components.
-TEST(CutCap, CutsCapsOfEarlierPlanes) {
+TEST(CutCapFigures, CutsCapsOfEarlierPlanes) {
   for (const glm::dvec3& origin : {glm::dvec3(0), glm::dvec3(1e5, -2e5, 3e5)}) {
     mesh::Mesh part = closed_surface("demo:sphere?size=49", 0, origin);
     double volume = volume_of(part);
@@ -127,7 +127,7 @@ TEST(CutCap, CutsCapsOfEarlierPlanes) {
 }
 
 // In a plane, triangles of a removed body go, triangles of a kept body stay, and the rest of the plane is capped.
-TEST(CutCap, DropsOrKeepsFacesInPlane) {
+TEST(CutCapFigures, DropsOrKeepsFacesInPlane) {
   // A block with a smaller one on top: the step is at z = 0.
   mesh::Mesh above = test::box_mesh({0, 0, 0}, {1, 1, 1});
   must_cap(above, {{{0, 0, 1}, 0}});
@@ -137,26 +137,26 @@ TEST(CutCap, DropsOrKeepsFacesInPlane) {
   EXPECT_TRUE(below.triangles.empty());
   mesh::Mesh half = test::box_mesh({0, 0, -1}, {1, 2, 3});
   half.normals = {};
-  const ClipFacts facts = must_cap(half, {{{0, 0, 1}, 0}});
+  const ClipFigures facts = must_cap(half, {{{0, 0, 1}, 0}});
   EXPECT_GE(facts.cap_triangles, 2U);
   EXPECT_TRUE(mesh::measure_topology(half).is_closed_oriented_manifold());
   EXPECT_NEAR(volume_of(half), 6, 1e-6);
 }
 
-TEST(CutCap, RejectsCutsThatEndAtOpenBorder) {
+TEST(CutCapFigures, RejectsCutsThatEndAtOpenBorder) {
   const field::ScalarField field = field::make_demo_field("demo:gyroid?size=30", Context()).value();
   extract::ExtractOptions options;
   options.iso = 0;
   options.output_from_index = field.index_to_world;
   mesh::Mesh open = test::extract(field, options).mesh;
   const std::vector<mesh::HalfSpace> kept{{{0.6, 0.8, 0}, 0.1}};
-  const auto refused = clip_to_half_spaces(open, kept, CutEnds::capped, Context());
+  const auto refused = clip_to_half_spaces(open, kept, CutClosing::capped, Context());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::input);
   EXPECT_NE(refused.error().message.find("cannot be closed"), std::string::npos);
 }
 
-TEST(CutCap, IsIndependentOfThreadsAndReservesMemory) {
+TEST(CutCapFigures, IsIndependentOfThreadsAndReservesMemory) {
   const std::vector<mesh::HalfSpace> kept{{glm::normalize(glm::dvec3(1, 2, 3)), 0.1}, {{0, 0, -1}, -0.5}};
   std::vector<mesh::Mesh> results;
   for (const std::size_t threads : {1, 4}) {
@@ -168,7 +168,7 @@ TEST(CutCap, IsIndependentOfThreadsAndReservesMemory) {
   EXPECT_EQ(std::memcmp(results[0].triangles.data(), results[1].triangles.data(), results[0].triangles.size_bytes()),
             0);
   mesh::Mesh mesh = closed_surface("demo:gyroid?size=30");
-  EXPECT_FALSE(clip_to_half_spaces(mesh, kept, CutEnds::capped, Context(MemoryBudget(1000))));
+  EXPECT_FALSE(clip_to_half_spaces(mesh, kept, CutClosing::capped, Context(MemoryBudget(1000))));
   const Context context(MemoryBudget(std::uint64_t{1} << 30));
   must_cap(mesh, kept, context);
   EXPECT_EQ(context.memory().reserved(),

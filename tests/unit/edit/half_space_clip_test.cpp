@@ -24,8 +24,8 @@ mesh::Mesh surface_of(const char* demo, const glm::dvec3& origin = glm::dvec3(0)
   return test::extract(field, options).mesh;
 }
 
-ClipFacts must_clip(mesh::Mesh& mesh, const std::vector<mesh::HalfSpace>& kept, const Context& context = Context()) {
-  auto facts = clip_to_half_spaces(mesh, kept, CutEnds::open, context);
+ClipFigures must_clip(mesh::Mesh& mesh, const std::vector<mesh::HalfSpace>& kept, const Context& context = Context()) {
+  auto facts = clip_to_half_spaces(mesh, kept, CutClosing::open, context);
   if (!facts) throw std::runtime_error(facts.error().message);
   return *facts;
 }
@@ -42,7 +42,7 @@ TEST(HalfSpaceClip, SplitsAreaBetweenBothSides) {
     const mesh::HalfSpace other{-normal, -one.offset};
     mesh::Mesh a = copy(whole);
     mesh::Mesh b = copy(whole);
-    const ClipFacts facts = must_clip(a, {one});
+    const ClipFigures facts = must_clip(a, {one});
     must_clip(b, {other});
     EXPECT_GT(facts.triangles_cut, 20U);
     EXPECT_EQ(facts.triangles_before, whole.triangles.size());
@@ -77,7 +77,7 @@ TEST(HalfSpaceClip, KeepsVerticesOnPlane) {
   const std::vector<glm::vec3> corners{{-1, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 2, 1}};
   const mesh::Mesh whole = test::make_mesh("m", corners, {{0, 1, 2}, {0, 3, 1}, {2, 1, 4}, {3, 0, 2}});
   mesh::Mesh right = copy(whole);
-  const ClipFacts facts = must_clip(right, {{{1, 0, 0}, 0}});
+  const ClipFigures facts = must_clip(right, {{{1, 0, 0}, 0}});
   EXPECT_EQ(facts.triangles_cut, 2U);
   EXPECT_EQ(right.triangles.size(), 3U);
   EXPECT_EQ(right.positions.size(), 5U);  // vertices 1, 2, 3, 4 and one on the edge from 0 to 1
@@ -117,7 +117,7 @@ TEST(HalfSpaceClip, IsIndependentOfThreadsAndReservesMemory) {
   EXPECT_EQ(std::memcmp(results[0].positions.data(), results[1].positions.data(), results[0].positions.size_bytes()),
             0);
   mesh::Mesh mesh = surface_of("demo:gyroid?size=30");
-  EXPECT_FALSE(clip_to_half_spaces(mesh, std::vector{kept}, CutEnds::open, Context(MemoryBudget(1000))));
+  EXPECT_FALSE(clip_to_half_spaces(mesh, std::vector{kept}, CutClosing::open, Context(MemoryBudget(1000))));
   const Context context(MemoryBudget(std::uint64_t{1} << 30));
   must_clip(mesh, {kept}, context);
   EXPECT_EQ(context.memory().reserved(),

@@ -26,11 +26,11 @@ struct PlanarLoops {
       next.push_back(first + static_cast<std::uint32_t>((i + 1) % loop.size()));
     }
   }
-  void add_circle(const glm::dvec2& centre, double radius, int count, bool hole) {
+  void add_circle(const glm::dvec2& center, double radius, int count, bool hole) {
     std::vector<glm::dvec2> loop;
     for (int i = 0; i < count; ++i) {
       const double angle = (hole ? -2 : 2) * std::numbers::pi * i / count;
-      loop.push_back(centre + radius * glm::dvec2(std::cos(angle), std::sin(angle)));
+      loop.push_back(center + radius * glm::dvec2(std::cos(angle), std::sin(angle)));
     }
     add(loop);
   }
@@ -86,7 +86,7 @@ void expect_filling(const PlanarLoops& loops, const LoopTriangles& made, const s
     const glm::dvec2 u = points[t.y] - points[t.x];
     const glm::dvec2 v = points[t.z] - points[t.x];
     area += (u.x * v.y - u.y * v.x) / 2;
-    const int turn = mesh::turn_of(points[t.x], points[t.y], points[t.z]);
+    const int turn = mesh::orientation_2d(points[t.x], points[t.y], points[t.z]);
     ASSERT_GE(turn, 0) << what;
     flat += turn == 0 ? 1 : 0;
   }

@@ -16,7 +16,7 @@
 namespace isoextract::edit {
 namespace {
 
-SmoothFacts must_smooth(mesh::Mesh& mesh, const SmoothOptions& options) {
+SmoothFigures must_smooth(mesh::Mesh& mesh, const SmoothOptions& options) {
   const auto facts = smooth(mesh, options, Context());
   if (!facts) throw std::runtime_error(facts.error().message);
   return *facts;
@@ -57,7 +57,7 @@ TEST_P(SmoothMethods, RemovesNoiseAndKeepsSize) {
   const mesh::Mesh before = copy(mesh);
   SmoothOptions options;
   options.method = GetParam();
-  const SmoothFacts facts = must_smooth(mesh, options);
+  const SmoothFigures facts = must_smooth(mesh, options);
   test::expect_sound(mesh, true);
   EXPECT_TRUE(std::ranges::equal(mesh.triangles, before.triangles));
   EXPECT_LT(roughness(mesh, 18), 0.6 * roughness(before, 18));
@@ -73,7 +73,7 @@ TEST_P(SmoothMethods, RemovesNoiseAndKeepsSize) {
     EXPECT_GT(glm::dot(glm::dvec3(mesh.normals[v]), outward), 0.4);
     EXPECT_NEAR(glm::length(mesh.normals[v]), 1, 1e-6);
   }
-  EXPECT_DOUBLE_EQ(facts.greatest_move_world, most);
+  EXPECT_DOUBLE_EQ(facts.max_displacement_world, most);
   EXPECT_GT(most, 0.1);
   EXPECT_LT(most, 2);
 }
@@ -121,7 +121,7 @@ TEST_P(SmoothMethods, KeepsOpenBorders) {
   const mesh::Mesh before = copy(mesh);
   SmoothOptions options;
   options.method = GetParam();
-  const SmoothFacts facts = must_smooth(mesh, options);
+  const SmoothFigures facts = must_smooth(mesh, options);
   test::expect_sound(mesh, false);
   std::vector<int> uses(mesh.positions.size());
   std::size_t stayed = 0;
@@ -148,8 +148,8 @@ TEST_P(SmoothMethods, KeepsCapsFlat) {
   const mesh::Mesh before = copy(mesh);
   SmoothOptions options;
   options.method = GetParam();
-  options.walls = SmoothWalls{to_index.linear, to_index.offset, glm::dvec3(0), glm::dvec3(31)};
-  const SmoothFacts facts = must_smooth(mesh, options);
+  options.walls = DataBox{to_index.linear, to_index.offset, glm::dvec3(0), glm::dvec3(31)};
+  const SmoothFigures facts = must_smooth(mesh, options);
   test::expect_sound(mesh, true);
   std::size_t on_sides = 0;
   bool moved = false;

@@ -24,15 +24,15 @@ namespace isoextract::edit {
 namespace {
 
 SimplifiedMesh simplified_to(const mesh::Mesh& mesh, const SimplifyOptions& options) {
-  auto simplified = simplify_within(copy(mesh), options, Context());
+  auto simplified = simplify_mesh(copy(mesh), options, Context());
   if (!simplified) throw std::runtime_error(simplified.error().message);
   return std::move(*simplified);
 }
 
 void expect_measured(const mesh::Mesh& before, const SimplifiedMesh& simplified) {
   const auto distance = accuracy::measure_distance(before, simplified.mesh, accuracy::DistanceOptions(), Context());
-  EXPECT_LE(distance->hausdorff_lower, simplified.facts.measured_upper + distance->resolution);
-  EXPECT_LE(simplified.facts.measured_lower, distance->hausdorff_upper + distance->resolution);
+  EXPECT_LE(distance->hausdorff_lower, simplified.facts.distance_upper + distance->resolution);
+  EXPECT_LE(simplified.facts.distance_lower, distance->hausdorff_upper + distance->resolution);
 }
 
 TEST(SimplifyToCount, ReachesTriangleCount) {
@@ -48,7 +48,7 @@ TEST(SimplifyToCount, ReachesTriangleCount) {
     EXPECT_GE(after.triangles.size() + 2, asked);
     test::expect_sound(after, true);
     expect_measured(before, done);
-    EXPECT_LE(facts.measured_upper, 1.03 * facts.measured_lower);
+    EXPECT_LE(facts.distance_upper, 1.03 * facts.distance_lower);
   }
 }
 
@@ -72,7 +72,7 @@ TEST(SimplifyToCount, ReachesTriangleCountInPatches) {
     if (std::isinf(most)) {
       EXPECT_LE(after.triangles.size(), options.triangles);
     } else {
-      EXPECT_LE(facts.measured_upper, most);
+      EXPECT_LE(facts.distance_upper, most);
       EXPECT_LT(after.triangles.size(), before.triangles.size() / 2);
     }
     const mesh::Topology is = mesh::measure_topology(after);
@@ -84,7 +84,7 @@ TEST(SimplifyToCount, ReachesTriangleCountInPatches) {
     const auto alone = simplified_to(before, options);
     ASSERT_EQ(alone.mesh.triangles.size(), after.triangles.size());
     EXPECT_EQ(std::memcmp(alone.mesh.triangles.data(), after.triangles.data(), after.triangles.size_bytes()), 0);
-    EXPECT_EQ(alone.facts.measured_upper, facts.measured_upper);
+    EXPECT_EQ(alone.facts.distance_upper, facts.distance_upper);
   }
 }
 
@@ -104,19 +104,19 @@ TEST(SimplifyToCount, ReplacesUndoneCollapses) {
   const auto field = test::dense_field<float>(
       {kSide, kSide, 20}, [&](int i, int j, int k) { return height[j * kSide + i] - (static_cast<float>(k) - 3.7F); });
   const mesh::Mesh before = test::extract(field, extract).mesh;
-  std::uint64_t taken_back = 0;
+  std::uint64_t undone_collapses = 0;
   for (const int percent : {6, 8, 10}) {
     SimplifyOptions options;
     options.max_distance = std::numeric_limits<double>::infinity();
     options.triangles = before.triangles.size() * static_cast<std::size_t>(percent) / 100;
     const SimplifiedMesh done = simplified_to(before, options);
     const auto& [after, facts] = done;
-    taken_back += facts.taken_back;
+    undone_collapses += facts.undone_collapses;
 
     test::expect_sound(after, false);
     expect_measured(before, done);
   }
-  EXPECT_GT(taken_back, 0U);
+  EXPECT_GT(undone_collapses, 0U);
 }
 
 // A vertex that an undo restored must not be in a sample list: the next collapse would list it twice.
@@ -130,9 +130,9 @@ TEST(SimplifyToCount, DropsSamplesOfRestoredVertices) {
   const std::vector<CollapseLog> logs{collapse_edges(state, patch, {locked, wanted}, {.triangles = 100}, 0)};
   const auto collapses = static_cast<std::uint32_t>(logs[0].collapses.size());
   ASSERT_GT(collapses, 100U);
-  std::vector<PutBack> changed;
+  std::vector<RestoredTriangle> changed;
   undo_collapse(collapses / 2, state, logs, changed);
-  drop_samples_that_are_back(state);
+  drop_restored_samples(state);
 
   std::vector<int> held(mesh.positions.size(), 0);
   for (std::uint32_t sample : state.first_sample) {

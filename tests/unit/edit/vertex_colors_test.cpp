@@ -39,7 +39,7 @@ TEST(VertexColors, StoresLinearForGltfAndSrgbForPly) {
   ASSERT_TRUE(record);
   EXPECT_EQ(record->range, (std::array{0.0, 1.0}));
   EXPECT_EQ(mesh.attributes.back().type, mesh::ComponentType::u16);
-  EXPECT_TRUE(mesh.attributes.back().normalised);
+  EXPECT_TRUE(mesh.attributes.back().normalized);
   const auto linear = colors_of<std::uint16_t>(mesh);
   EXPECT_EQ((std::vector(linear.begin(), linear.begin() + 8)),
             (std::vector<std::uint16_t>{0, 0, 0, 65535, 65535, 65535, 65535, 65535}));
@@ -55,8 +55,8 @@ TEST(VertexColors, HandlesRangesVectorsAndNan) {
   auto record = color_by_values(mesh, "heat", Colormap::gray, std::array{0.0, 10.0}, kBytes, Context());
   ASSERT_TRUE(record);
   EXPECT_EQ(record->not_numbers, 1U);
-  const auto grey = colors_of<std::uint8_t>(mesh);
-  EXPECT_EQ((std::array{grey[0], grey[3], grey[6], grey[9]}), (std::array<std::uint8_t, 4>{128, 128, 255, 255}));
+  const auto gray = colors_of<std::uint8_t>(mesh);
+  EXPECT_EQ((std::array{gray[0], gray[3], gray[6], gray[9]}), (std::array<std::uint8_t, 4>{128, 128, 255, 255}));
 
   mesh::Mesh vectors = with_values({3, 4, 0, 0, 0, 0, 0, -5, 12}, 3);
   record = color_by_values(vectors, "heat", Colormap::gray, {}, kBytes, Context());
@@ -81,7 +81,7 @@ TEST(VertexColors, HandlesRangesVectorsAndNan) {
 
 TEST(VertexColors, ColorsAllVertices) {
   mesh::Mesh mesh = with_values({1, 2});
-  ASSERT_TRUE(color_all(mesh, {1, 0.5, 0}, Context()));
+  ASSERT_TRUE(color_uniformly(mesh, {1, 0.5, 0}, Context()));
   EXPECT_EQ(colors_of<std::uint8_t>(mesh), (std::vector<std::uint8_t>{255, 128, 0, 255, 128, 0}));
 }
 

@@ -1,4 +1,4 @@
-// Extraction reports whether the surface meets the data boundary (meets_border). These tests compare that with the
+// Extraction reports whether the surface meets the data boundary (meets_boundary). These tests compare that with the
 // mesh. A surface that is always closed never meets it.
 #include <algorithm>
 #include <map>
@@ -25,9 +25,9 @@ INSTANTIATE_TEST_SUITE_P(Methods, BorderHoles, testing::ValuesIn(test::methods_w
                          test::method_name);
 
 // Returns a field that is inside in a ball, or outside of it if `turned`.
-field::ScalarField ball(const glm::dvec3& centre, double radius, bool turned) {
+field::ScalarField ball(const glm::dvec3& center, double radius, bool turned) {
   return test::dense_field<float>(kDims, [&](int i, int j, int k) {
-    const double value = radius - glm::length(glm::dvec3(i, j, k) - centre);
+    const double value = radius - glm::length(glm::dvec3(i, j, k) - center);
     return turned ? -value : value;
   });
 }
@@ -54,13 +54,13 @@ bool is_open_at(const mesh::Mesh& mesh, const field::IndexBox& box) {
 bool expect_told(const field::ScalarField& field, ExtractOptions options, const field::IndexBox& box) {
   options.cap = false;
   const Extraction open = test::extract(field, options);
-  EXPECT_EQ(open.stats.meets_border, is_open_at(open.mesh, box));
+  EXPECT_EQ(open.stats.meets_boundary, is_open_at(open.mesh, box));
   options.cap = true;
   const Extraction capped = test::extract(field, options);
-  EXPECT_EQ(capped.stats.meets_border, open.stats.meets_border);
-  EXPECT_EQ(capped.stats.inside_at_border, open.stats.inside_at_border);
-  EXPECT_EQ(capped.stats.inside_at_border, capped.mesh.triangles.size() > open.mesh.triangles.size());
-  return open.stats.meets_border;
+  EXPECT_EQ(capped.stats.meets_boundary, open.stats.meets_boundary);
+  EXPECT_EQ(capped.stats.inside_at_boundary, open.stats.inside_at_boundary);
+  EXPECT_EQ(capped.stats.inside_at_boundary, capped.mesh.triangles.size() > open.mesh.triangles.size());
+  return open.stats.meets_boundary;
 }
 
 TEST_P(Border, TellsSidesForBalls) {
@@ -68,17 +68,17 @@ TEST_P(Border, TellsSidesForBalls) {
   int missed = 0;
   for (const bool turned : {false, true}) {
     // Within the data, at a face, an edge, a corner, and next to the ends of words and blocks.
-    for (const glm::dvec3 centre :
+    for (const glm::dvec3 center :
          {glm::dvec3(36, 12, 8), glm::dvec3(0, 12, 8), glm::dvec3(71, 12, 8), glm::dvec3(36, 0, 0),
           glm::dvec3(71, 23, 15), glm::dvec3(63.5, 12, 8), glm::dvec3(36, 20.7, 8)}) {
       for (const double radius : {2.2, 5.0}) {
-        SCOPED_TRACE(testing::Message() << centre.x << ", " << centre.y << ", " << centre.z << " radius " << radius);
-        const field::ScalarField field = ball(centre, radius, turned);
+        SCOPED_TRACE(testing::Message() << center.x << ", " << center.y << ", " << center.z << " radius " << radius);
+        const field::ScalarField field = ball(center, radius, turned);
         (expect_told(field, at(0), kAll) ? met : missed) += 1;
         // Background on the outer side of the ball surrounds the data and closes the surface; a region opens it again.
         const field::ScalarField sparse = test::sparse_copy<float>(field, turned ? 100 : -100);
-        EXPECT_FALSE(test::extract(sparse, at(0)).stats.meets_border);
-        EXPECT_FALSE(test::extract(sparse, at(0)).stats.inside_at_border);
+        EXPECT_FALSE(test::extract(sparse, at(0)).stats.meets_boundary);
+        EXPECT_FALSE(test::extract(sparse, at(0)).stats.inside_at_boundary);
         ExtractOptions options = at(0);
         for (const field::IndexBox& region : {kAll, field::IndexBox{{3, 2, 1}, {69, 21, 14}}}) {
           options.region = region;
@@ -120,12 +120,12 @@ TEST_P(BorderHoles, DoNotCountAsBorder) {
       return j == 1 && i >= first ? test::kNaN : static_cast<double>(values[i + kDims.x * (j + kDims.y * k)]);
     });
     const Extraction result = test::extract(field, options);
-    EXPECT_EQ(result.stats.meets_border, is_open_at(result.mesh, kAll)) << first;
-    met += result.stats.meets_border ? 1 : 0;
+    EXPECT_EQ(result.stats.meets_boundary, is_open_at(result.mesh, kAll)) << first;
+    met += result.stats.meets_boundary ? 1 : 0;
     ExtractOptions within = options;
     within.region = kAll;
-    EXPECT_EQ(test::extract(test::sparse_copy<float>(field, -100), within).stats.meets_border,
-              result.stats.meets_border);
+    EXPECT_EQ(test::extract(test::sparse_copy<float>(field, -100), within).stats.meets_boundary,
+              result.stats.meets_boundary);
   }
   EXPECT_EQ(met, 2);
 }

@@ -14,7 +14,7 @@ namespace {
 
 using Labels = std::map<std::int64_t, mesh::Mesh>;
 
-ExtractOptions net_options(std::uint64_t relaxations = kUsualRelaxations) {
+ExtractOptions net_options(std::uint64_t relaxations = kDefaultRelaxations) {
   ExtractOptions options;
   options.method = Method::surface_nets;
   options.relaxations = relaxations;

@@ -88,12 +88,12 @@ TEST_P(Sparse, ExtractsNegativeIndicesAndLevelSets) {
   test::expect_sound(mesh, true);
   EXPECT_EQ(mesh::measure_topology(mesh).genus(), 0);
   const double radius = 0.7 * 31 / 2;
-  const glm::dvec3 centre(15.5 - 16);
+  const glm::dvec3 center(15.5 - 16);
   // If the surface does not follow the field, a vertex may be anywhere in a cell that the sphere passes.
   const double tolerance = traits.follows_interpolant ? 0.05 : std::sqrt(3.0);
   ASSERT_EQ(mesh.normals.size(), traits.gradient_normals ? mesh.positions.size() : 0);
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-    const glm::dvec3 out = mesh.position(v) - centre;
+    const glm::dvec3 out = mesh.position(v) - center;
     EXPECT_NEAR(glm::length(out), radius, tolerance);
     if (!traits.gradient_normals) continue;
     EXPECT_GT(glm::dot(glm::dvec3(mesh.normals[v]), glm::normalize(out)), 0.99);

@@ -130,10 +130,10 @@ TEST(DemoFieldTime, MovesAsHelpSays) {
 }
 
 TEST(DemoFieldTime, HasFormulaOnlyAtTimeZero) {
-  EXPECT_NE(formula_of(make_demo_field("demo:sphere?size=8", Context()).value()), nullptr);
-  EXPECT_NE(formula_of(make_demo_field("demo:sphere?size=8&time=2", Context()).value()), nullptr);
-  EXPECT_EQ(formula_of(make_demo_field("demo:sphere?size=8&time=0.5", Context()).value()), nullptr);
-  EXPECT_EQ(formula_of(make_demo_field("demo:random?size=8", Context()).value()), nullptr);
+  EXPECT_NE(find_formula(make_demo_field("demo:sphere?size=8", Context()).value()), nullptr);
+  EXPECT_NE(find_formula(make_demo_field("demo:sphere?size=8&time=2", Context()).value()), nullptr);
+  EXPECT_EQ(find_formula(make_demo_field("demo:sphere?size=8&time=0.5", Context()).value()), nullptr);
+  EXPECT_EQ(find_formula(make_demo_field("demo:random?size=8", Context()).value()), nullptr);
 }
 
 TEST(DemoField, ReservesItsSamples) {

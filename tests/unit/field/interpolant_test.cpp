@@ -135,8 +135,10 @@ TEST(Interpolant, CellsAgreeOnSharedFaces) {
     Interpolant::Cursor other(interpolant);
     for (int step = 0; step <= 10; ++step) {
       const double t = step / 10.0;
-      EXPECT_EQ(one.in_cell({1, 2, 1}, {1, t, 0.3}).value, other.in_cell({2, 2, 1}, {0, t, 0.3}).value);
-      EXPECT_EQ(one.in_cell({1, 2, 1}, {t, 0.7, 1}).value, other.in_cell({1, 2, 2}, {t, 0.7, 0}).value);
+      EXPECT_EQ(one.evaluate_in_cell({1, 2, 1}, {1, t, 0.3}).value,
+                other.evaluate_in_cell({2, 2, 1}, {0, t, 0.3}).value);
+      EXPECT_EQ(one.evaluate_in_cell({1, 2, 1}, {t, 0.7, 1}).value,
+                other.evaluate_in_cell({1, 2, 2}, {t, 0.7, 0}).value);
     }
   }
 }
@@ -151,9 +153,9 @@ TEST(Interpolant, CellReturnsRangeAndGreatestBend) {
   ASSERT_TRUE(range);
   EXPECT_EQ(range->low, -1);
   EXPECT_EQ(range->high, 4);
-  EXPECT_NEAR(at.greatest_bend({0, 0, 0}).value(), std::sqrt(2.0 * (9 + 4)), 1e-12);
+  EXPECT_NEAR(at.max_second_derivative({0, 0, 0}).value(), std::sqrt(2.0 * (9 + 4)), 1e-12);
   EXPECT_FALSE(at.range({1, 1, 1}));
-  EXPECT_FALSE(at.greatest_bend({1, 1, 1}));
+  EXPECT_FALSE(at.max_second_derivative({1, 1, 1}));
 }
 
 TEST(Interpolant, ReturnsNanAtNan) {

@@ -23,7 +23,7 @@ const DenseSamples& dense_samples(const ScalarField& field) { return std::get<De
 constexpr ResampleKernel kLinear = ResampleKernel::linear;
 
 ScalarField resampled(const ScalarField& field, const glm::ivec3& resolution, ResampleKernel kernel = kLinear,
-                      NanSamples nan = NanSamples::left_out) {
+                      NanHandling nan = NanHandling::left_out) {
   ScalarField result = resample(field, resolution, kernel, nan, Context()).value();
   EXPECT_EQ(dense_samples(result).dims, resolution);
   return result;
@@ -49,7 +49,7 @@ void for_each_sample(const glm::ivec3& dims, const F& visit) {
 
 // Resamples a row along x, in a field that is constant along y and z.
 std::vector<double> row_of(const std::vector<double>& samples, int count, ResampleKernel kernel = kLinear,
-                           NanSamples nan = NanSamples::left_out) {
+                           NanHandling nan = NanHandling::left_out) {
   const ScalarField field = test::dense_field<double>(
       {static_cast<int>(samples.size()), 2, 2}, [&](int i, int, int) { return samples[static_cast<std::size_t>(i)]; });
   const ScalarField result = resampled(field, {count, 3, 5}, kernel, nan);
@@ -179,7 +179,7 @@ TEST(Resample, CoarserGridEqualsMeanOverStep) {
   const std::vector<double> flat = row_of(stripes, 17);
   for (std::size_t i = 1; i < 16; ++i) EXPECT_LT(std::abs(flat[i]), 0.01);
   stripes[32] = test::kNaN;
-  EXPECT_TRUE(std::isnan(row_of(stripes, 17, kLinear, NanSamples::spread)[8]));
+  EXPECT_TRUE(std::isnan(row_of(stripes, 17, kLinear, NanHandling::spread)[8]));
   const std::vector<double> holed = row_of(stripes, 17);
   EXPECT_NEAR(holed[8], -1.0 / 3, 1e-12) << "(1/2 - 1 - 1 + 1/2) of a weight of 3";
   EXPECT_EQ(holed[10], flat[10]);
@@ -249,13 +249,13 @@ TEST(Resample, NearestReturnsOldSamples) {
 TEST(Resample, KernelsAreLinearBesideNonFiniteSamples) {
   const std::vector<double> samples{1, 2, 5, test::kNaN, 5, 2, 1, 0};
   for (const ResampleKernel kernel : {ResampleKernel::cubic, ResampleKernel::bspline}) {
-    for (const NanSamples nan : {NanSamples::left_out, NanSamples::spread}) {
+    for (const NanHandling nan : {NanHandling::left_out, NanHandling::spread}) {
       const std::vector<double> row = row_of(samples, 15, kernel, nan);
       EXPECT_EQ(row[3], 3.5);
       for (std::size_t i = 0; i < row.size(); ++i) {
-        EXPECT_EQ(std::isnan(row[i]), nan == NanSamples::spread ? i >= 5 && i <= 7 : i == 6) << i;
+        EXPECT_EQ(std::isnan(row[i]), nan == NanHandling::spread ? i >= 5 && i <= 7 : i == 6) << i;
       }
-      if (nan == NanSamples::left_out) {
+      if (nan == NanHandling::left_out) {
         EXPECT_EQ(row[5], 5);
         EXPECT_EQ(row[7], 5);
       }
@@ -388,22 +388,22 @@ TEST(Resample, AcceptsNegativeIndicesTilesAndEmptyField) {
 TEST(Resample, FailsForInvalidSizesAndLowMemory) {
   const ScalarField field = test::dense_field<float>({4, 4, 4}, [](int i, int, int) { return i; });
   EXPECT_EQ(
-      resample(field, {4, 1, 4}, field::ResampleKernel::linear, field::NanSamples::left_out, Context()).error().code,
+      resample(field, {4, 1, 4}, field::ResampleKernel::linear, field::NanHandling::left_out, Context()).error().code,
       ErrorCode::usage);
   const ScalarField flat = test::dense_field<float>({4, 4, 1}, [](int i, int, int) { return i; });
   EXPECT_EQ(
-      resample(flat, {4, 4, 4}, field::ResampleKernel::linear, field::NanSamples::left_out, Context()).error().code,
+      resample(flat, {4, 4, 4}, field::ResampleKernel::linear, field::NanHandling::left_out, Context()).error().code,
       ErrorCode::input);
   const Error large =
-      resample(field, {100, 100, 100}, kLinear, NanSamples::left_out, Context(MemoryBudget(4'000'000 - 1))).error();
+      resample(field, {100, 100, 100}, kLinear, NanHandling::left_out, Context(MemoryBudget(4'000'000 - 1))).error();
   EXPECT_EQ(large.code, ErrorCode::out_of_memory);
   EXPECT_EQ(large.hint, Hint(Remedy::raise, Setting::memory_limit));
-  EXPECT_TRUE(resample(field, {100, 100, 100}, kLinear, NanSamples::left_out, Context(MemoryBudget(4'000'000))));
-  EXPECT_TRUE(resample(field, {4, 4, 4}, kLinear, NanSamples::left_out, Context(MemoryBudget(0))))
+  EXPECT_TRUE(resample(field, {100, 100, 100}, kLinear, NanHandling::left_out, Context(MemoryBudget(4'000'000))));
+  EXPECT_TRUE(resample(field, {4, 4, 4}, kLinear, NanHandling::left_out, Context(MemoryBudget(0))))
       << "nothing is allocated";
   const int most = std::numeric_limits<int>::max();
   EXPECT_EQ(
-      resample(field, glm::ivec3(most), kLinear, NanSamples::left_out, Context(MemoryBudget(1ULL << 62))).error().code,
+      resample(field, glm::ivec3(most), kLinear, NanHandling::left_out, Context(MemoryBudget(1ULL << 62))).error().code,
       ErrorCode::out_of_memory);
 }
 
@@ -425,7 +425,7 @@ TEST(Resample, EndsEarlyWhenCancelled) {
   for (const ScalarField& field : {dense, test::sparse_copy<float>(dense, 0)}) {
     const Context context;
     context.cancel();
-    const auto made = resample(field, {40, 40, 40}, kLinear, NanSamples::left_out, context);
+    const auto made = resample(field, {40, 40, 40}, kLinear, NanHandling::left_out, context);
     ASSERT_FALSE(made);
     EXPECT_EQ(made.error().code, ErrorCode::cancelled);
     EXPECT_EQ(context.progress().done(), 0U);
@@ -434,7 +434,7 @@ TEST(Resample, EndsEarlyWhenCancelled) {
 
 TEST(Resample, ReservesMemoryForSparseBlocks) {
   const ScalarField field = test::row_of_blocks(20, 128);
-  const auto made = resample(field, {4, 4, 4}, kLinear, NanSamples::left_out, Context(MemoryBudget(100'000)));
+  const auto made = resample(field, {4, 4, 4}, kLinear, NanHandling::left_out, Context(MemoryBudget(100'000)));
   ASSERT_FALSE(made);
   EXPECT_EQ(made.error().code, ErrorCode::out_of_memory);
 }

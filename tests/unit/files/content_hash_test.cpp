@@ -32,11 +32,11 @@ TEST(ContentHash, HashesAnUnchangedFileOnce) {
   test::write_bytes(path, std::string(kBytes, 'a'));
   settle();
   const std::uint64_t before = bytes_read();
-  const auto first = state_of_file(path, Context());
+  const auto first = hash_file(path, Context());
   const std::uint64_t once = bytes_read() - before;
   ASSERT_TRUE(first) << first.error().message;
   EXPECT_GE(once, kBytes);
-  for (int frame = 0; frame < 100; ++frame) EXPECT_EQ(state_of_file(path, Context()).value(), *first);
+  for (int frame = 0; frame < 100; ++frame) EXPECT_EQ(hash_file(path, Context()).value(), *first);
   EXPECT_LT(bytes_read() - before, once + kBytes);
 }
 
@@ -45,18 +45,18 @@ TEST(ContentHash, DetectsChanges) {
   const std::string path = folder / "a.xyz";
   test::write_bytes(path, std::string(1000, 'a'));
   settle();
-  const FileState first = state_of_file(path, Context()).value();
+  const ContentState first = hash_file(path, Context()).value();
   const auto time = std::filesystem::last_write_time(path);
   // The size and modification time stay the same; the ctime reveals the change.
   test::write_bytes(path, std::string(1000, 'b'));
   std::filesystem::last_write_time(path, time);
-  const FileState second = state_of_file(path, Context()).value();
+  const ContentState second = hash_file(path, Context()).value();
   EXPECT_EQ(second.modified, first.modified);
   EXPECT_NE(second.hash, first.hash);
   settle();
-  EXPECT_EQ(state_of_file(path, Context()).value(), second);
+  EXPECT_EQ(hash_file(path, Context()).value(), second);
   test::write_bytes(path, std::string(1000, 'a'));
-  EXPECT_EQ(state_of_file(path, Context()).value().hash, first.hash);
+  EXPECT_EQ(hash_file(path, Context()).value().hash, first.hash);
   EXPECT_EQ(content_hash(std::string(1000, 'a')), first.hash);
 }
 

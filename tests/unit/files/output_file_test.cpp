@@ -384,21 +384,21 @@ TEST(SamePlace, ComparesFilesNotNames) {
   fs::create_hard_link(folder / "a", folder / "hard");
   ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
   fs::create_hard_link(folder / "pipe", folder / "twin");
-  EXPECT_TRUE(same_place(folder / "a", folder / "link"));
-  EXPECT_TRUE(same_place(folder / "hard", folder / "a"));
-  EXPECT_TRUE(same_place(folder / "pipe", folder / "twin"));
-  EXPECT_FALSE(same_place(folder / "a", folder / "b"));
-  EXPECT_FALSE(same_place(folder / "a", folder / "pipe"));
-  EXPECT_FALSE(same_place(folder / "a", folder / "c"));
-  EXPECT_TRUE(same_place(folder / "c", folder / "." / "c")) << "neither is there";
+  EXPECT_TRUE(is_same_output(folder / "a", folder / "link"));
+  EXPECT_TRUE(is_same_output(folder / "hard", folder / "a"));
+  EXPECT_TRUE(is_same_output(folder / "pipe", folder / "twin"));
+  EXPECT_FALSE(is_same_output(folder / "a", folder / "b"));
+  EXPECT_FALSE(is_same_output(folder / "a", folder / "pipe"));
+  EXPECT_FALSE(is_same_output(folder / "a", folder / "c"));
+  EXPECT_TRUE(is_same_output(folder / "c", folder / "." / "c")) << "neither is there";
   fs::create_symlink("c", folder / "to_c");
   fs::create_symlink("to_c", folder / "to_to_c");
-  EXPECT_TRUE(same_place(folder / "c", folder / "to_to_c")) << "what is written through a link makes its file";
-  EXPECT_FALSE(same_place(folder / "d", folder / "to_c"));
-  EXPECT_TRUE(same_place("-", "/dev/stdout"));
-  EXPECT_TRUE(same_place("/proc/self/fd/1", "-"));
-  EXPECT_FALSE(same_place("-", folder / "a"));
-  EXPECT_FALSE(same_place("-", folder / "c"));
+  EXPECT_TRUE(is_same_output(folder / "c", folder / "to_to_c")) << "what is written through a link makes its file";
+  EXPECT_FALSE(is_same_output(folder / "d", folder / "to_c"));
+  EXPECT_TRUE(is_same_output("-", "/dev/stdout"));
+  EXPECT_TRUE(is_same_output("/proc/self/fd/1", "-"));
+  EXPECT_FALSE(is_same_output("-", folder / "a"));
+  EXPECT_FALSE(is_same_output("-", folder / "c"));
 }
 
 }  // namespace

@@ -22,7 +22,7 @@
 namespace isoextract::files {
 namespace {
 
-using detail::KeptInput;
+using detail::BufferedInput;
 
 class Descriptor {
  public:
@@ -72,7 +72,7 @@ std::string random_text(std::size_t size) {
   return text;
 }
 
-std::string all_of(const KeptInput& input) {
+std::string all_of(const BufferedInput& input) {
   const Descriptor file(input.open());
   struct stat status {};
   EXPECT_EQ(::fstat(file.get(), &status), 0);
@@ -86,7 +86,7 @@ TEST(StandardInput, KeepsAPipeForRepeatedReading) {
   const WrittenPipe pipe(text);
   const Context context;
   {
-    const auto input = KeptInput::take(pipe.get(), context);
+    const auto input = BufferedInput::take(pipe.get(), context);
     ASSERT_TRUE(input) << input.error().message;
     EXPECT_EQ(all_of(*input), text);
     const Descriptor first(input->open());
@@ -103,7 +103,7 @@ TEST(StandardInput, WaitsForASlowPipe) {
   for (const bool blocking : {true, false}) {
     const WrittenPipe pipe(text, 7, 5);
     ASSERT_EQ(::fcntl(pipe.get(), F_SETFL, blocking ? 0 : O_NONBLOCK), 0);
-    const auto input = KeptInput::take(pipe.get(), Context());
+    const auto input = BufferedInput::take(pipe.get(), Context());
     ASSERT_TRUE(input) << input.error().message;
     EXPECT_EQ(all_of(*input), text);
   }
@@ -114,7 +114,7 @@ TEST(StandardInput, RespectsTheMemoryLimit) {
   const Context enough(MemoryBudget(text.size()));
   {
     const WrittenPipe pipe(text);
-    EXPECT_TRUE(KeptInput::take(pipe.get(), enough));
+    EXPECT_TRUE(BufferedInput::take(pipe.get(), enough));
   }
   const Context little(MemoryBudget(text.size() - 1));
   std::array<int, 2> ends{};
@@ -125,7 +125,7 @@ TEST(StandardInput, RespectsTheMemoryLimit) {
     }
     ::close(ends[1]);
   });
-  const auto input = KeptInput::take(ends[0], little);
+  const auto input = BufferedInput::take(ends[0], little);
   std::string rest(text.size(), '\0');
   while (::read(ends[0], rest.data(), rest.size()) > 0) {
   }
@@ -144,7 +144,7 @@ TEST(StandardInput, OpensAFileWithoutCopying) {
   test::write_bytes(folder / "v", text);
   const Context context;
   const Descriptor file(::open((folder / "v").c_str(), O_RDONLY | O_CLOEXEC));
-  const auto input = KeptInput::take(file.get(), context);
+  const auto input = BufferedInput::take(file.get(), context);
   ASSERT_TRUE(input);
   EXPECT_EQ(context.memory().reserved(), 0U);
   EXPECT_EQ(all_of(*input), text);
@@ -161,7 +161,7 @@ TEST(StandardInput, ReadsTheRestOfAPartlyReadFile) {
   test::write_bytes(folder / "v", "headertext");
   const Descriptor file(::open((folder / "v").c_str(), O_RDONLY | O_CLOEXEC));
   ASSERT_EQ(::lseek(file.get(), 6, SEEK_SET), 6);
-  const auto input = KeptInput::take(file.get(), Context());
+  const auto input = BufferedInput::take(file.get(), Context());
   ASSERT_TRUE(input);
   EXPECT_EQ(all_of(*input), "text");
 }
@@ -169,16 +169,16 @@ TEST(StandardInput, ReadsTheRestOfAPartlyReadFile) {
 TEST(StandardInput, RejectsFoldersAndTerminals) {
   const test::TempFolder folder;
   const Descriptor directory(::open(folder.path().c_str(), O_RDONLY | O_CLOEXEC));
-  const auto of_folder = KeptInput::take(directory.get(), Context());
+  const auto of_folder = BufferedInput::take(directory.get(), Context());
   ASSERT_FALSE(of_folder);
   EXPECT_EQ(of_folder.error().code, ErrorCode::input);
-  EXPECT_FALSE(KeptInput::take(-1, Context()));
+  EXPECT_FALSE(BufferedInput::take(-1, Context()));
 
   const Descriptor ours(::posix_openpt(O_RDWR | O_NOCTTY));
   ASSERT_EQ(::grantpt(ours.get()), 0);
   ASSERT_EQ(::unlockpt(ours.get()), 0);
   const Descriptor terminal(::open(::ptsname(ours.get()), O_RDWR | O_NOCTTY));
-  const auto typed = KeptInput::take(terminal.get(), Context());
+  const auto typed = BufferedInput::take(terminal.get(), Context());
   ASSERT_FALSE(typed);
   EXPECT_EQ(typed.error().code, ErrorCode::usage);
   EXPECT_NE(typed.error().message.find("terminal"), std::string::npos);
@@ -188,7 +188,7 @@ TEST(StandardInput, CanBeCancelled) {
   const WrittenPipe pipe("text");
   const Context context;
   context.cancel();
-  const auto input = KeptInput::take(pipe.get(), context);
+  const auto input = BufferedInput::take(pipe.get(), context);
   ASSERT_FALSE(input);
   EXPECT_EQ(input.error().code, ErrorCode::cancelled);
 }

@@ -83,11 +83,11 @@ inline Result<void> capture_sites(
   kind.counting = true;
   kind.normals = gpu::CapturedNormals::none;
   const auto counting = TRY(kOwnContext->programs().find(context, kind));
-  const extract::OutputFrame placement(sites.options.output_from_index, sites.stored, sites.field->kind,
-                                       sites.field->scale);
+  const extract::OutputPlacement placement(sites.options.output_from_index, sites.stored, sites.field->kind,
+                                           sites.field->scale);
   const glm::dmat3 outward = placement.outward_covectors();
   const field::Affine& local = placement.local_from_index();
-  for (const gl::CellProgram* program : {counting, capturing}) {
+  for (const gl::ShaderProgram* program : {counting, capturing}) {
     program->set("inside_from", sites.keys.from);
     program->set("inside_to", sites.keys.to);
     program->set("first_cell", sites.region.min);

@@ -181,8 +181,8 @@ std::size_t expect_parity(const field::ScalarField& field, extract::ExtractOptio
     expect_same_surface(expected->mesh, found->mesh);
     EXPECT_EQ(expected->stats.nan_samples, found->stats.nan_samples);
     EXPECT_EQ(expected->stats.hole_cells, found->stats.hole_cells);
-    EXPECT_EQ(expected->stats.inside_at_border, found->stats.inside_at_border);
-    EXPECT_EQ(expected->stats.meets_border, found->stats.meets_border);
+    EXPECT_EQ(expected->stats.inside_at_boundary, found->stats.inside_at_boundary);
+    EXPECT_EQ(expected->stats.meets_boundary, found->stats.meets_boundary);
     if (drawing.method == extract::Method::mt && found->stats.device) {
       EXPECT_EQ(found->stats.device->cells_decided, 0U) << "nothing is ambiguous";
     }

@@ -19,7 +19,7 @@ constexpr int kAcross = 37;
 constexpr int kDown = 21;
 
 struct Light {
-  std::vector<glm::vec4> colours;
+  std::vector<glm::vec4> colors;
   std::vector<float> depths;
   std::vector<glm::vec3> normals;
 
@@ -27,7 +27,7 @@ struct Light {
     for (int y = 0; y < kDown; ++y) {
       for (int x = 0; x < kAcross; ++x) {
         const float f = static_cast<float>(x) / kAcross + static_cast<float>(y);
-        colours.emplace_back(f, 1 / (1 + f), -f, 0.5F);
+        colors.emplace_back(f, 1 / (1 + f), -f, 0.5F);
         depths.push_back(x == 3 ? std::numeric_limits<float>::infinity() : 1e5F + f);
         normals.emplace_back(0.1F * f, 1, -0.25F);
       }
@@ -56,17 +56,17 @@ TEST(ExrWriter, ReadsBackEveryChannel) {
   const auto path = folder.path() / "a.exr";
   const Light light;
   auto file = files::OutputFile::create(path).value();
-  ASSERT_TRUE(write_exr(file, {kAcross, kDown, light.colours, light.depths, light.normals}, Context()));
+  ASSERT_TRUE(write_exr(file, {kAcross, kDown, light.colors, light.depths, light.normals}, Context()));
   ASSERT_TRUE(file.commit());
 
   Imf::InputFile read(path.c_str());
   EXPECT_EQ(names_of(read), (std::vector<std::string>{"A", "B", "G", "N.X", "N.Y", "N.Z", "R", "Z"}));
   EXPECT_EQ(read.header().channels()["R"].type, Imf::HALF);
   EXPECT_EQ(read.header().channels()["Z"].type, Imf::FLOAT);
-  const char* const colours[] = {"R", "G", "B", "A"};
+  const char* const colors[] = {"R", "G", "B", "A"};
   for (int c = 0; c < 4; ++c) {
-    const std::vector<float> values = channel(read, colours[c]);
-    for (std::size_t i = 0; i < values.size(); ++i) EXPECT_EQ(values[i], float{Imath::half(light.colours[i][c])});
+    const std::vector<float> values = channel(read, colors[c]);
+    for (std::size_t i = 0; i < values.size(); ++i) EXPECT_EQ(values[i], float{Imath::half(light.colors[i][c])});
   }
   const char* const normals[] = {"N.X", "N.Y", "N.Z"};
   for (int c = 0; c < 3; ++c) {
@@ -81,7 +81,7 @@ TEST(ExrWriter, OmitsMissingDepthAndNormals) {
   const auto path = folder.path() / "a.exr";
   const Light light;
   auto file = files::OutputFile::create(path).value();
-  ASSERT_TRUE(write_exr(file, {kAcross, kDown, light.colours, {}, {}}, Context()));
+  ASSERT_TRUE(write_exr(file, {kAcross, kDown, light.colors, {}, {}}, Context()));
   ASSERT_TRUE(file.commit());
   EXPECT_EQ(names_of(Imf::InputFile(path.c_str())), (std::vector<std::string>{"A", "B", "G", "R"}));
 }
@@ -91,7 +91,7 @@ TEST(ExrWriter, ReservesMemory) {
   auto file = files::OutputFile::create(folder.path() / "a.exr").value();
   const Light light;
   const Context small{MemoryBudget(10000)};
-  const auto written = write_exr(file, {kAcross, kDown, light.colours, light.depths, light.normals}, small);
+  const auto written = write_exr(file, {kAcross, kDown, light.colors, light.depths, light.normals}, small);
   ASSERT_FALSE(written);
   EXPECT_EQ(written.error().hint, Hint(Remedy::raise, Setting::memory_limit));
   EXPECT_EQ(small.memory().reserved(), 0U);

@@ -30,10 +30,10 @@ Decoded decode(const std::string& bytes) {
 
 class PngWriter : public testing::Test {
  protected:
-  std::string write(int width, int height, const std::vector<glm::vec4>& colours) {
+  std::string write(int width, int height, const std::vector<glm::vec4>& colors) {
     const auto path = folder_.path() / "a.png";
     auto file = files::OutputFile::create(path).value();
-    EXPECT_TRUE(write_png(file, {width, height, colours, {}, {}}, Context()));
+    EXPECT_TRUE(write_png(file, {width, height, colors, {}, {}}, Context()));
     EXPECT_TRUE(file.commit());
     return test::read_bytes(path);
   }
@@ -66,9 +66,9 @@ TEST_F(PngWriter, ClampsLightAndNan) {
 
 TEST_F(PngWriter, ReservesMemory) {
   auto file = files::OutputFile::create(folder_.path() / "a.png").value();
-  const std::vector<glm::vec4> colours(10000);
+  const std::vector<glm::vec4> colors(10000);
   const Context small{MemoryBudget(40000)};
-  const auto written = write_png(file, {100, 100, colours, {}, {}}, small);
+  const auto written = write_png(file, {100, 100, colors, {}, {}}, small);
   ASSERT_FALSE(written);
   EXPECT_EQ(written.error().hint, Hint(Remedy::raise, Setting::memory_limit));
   EXPECT_EQ(small.memory().reserved(), 0U);

@@ -55,7 +55,7 @@ TEST(AttributeMap, MappedIntegersBecomeFloats) {
 
 TEST(AttributeMap, KeepsColorsAndOtherComponentCounts) {
   Mesh mesh = test::unit_tetrahedron();
-  test::add_colour(mesh, ComponentType::f32, 3);
+  test::add_color(mesh, ComponentType::f32, 3);
   test::add_attribute(mesh, "pair", ComponentType::f32, 2);
   const Mesh before = copy(mesh);
   for (std::size_t a = 0; a < 2; ++a) {

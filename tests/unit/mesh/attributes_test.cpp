@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mesh/vertex_fans.hpp"
+#include "mesh/split_vertices.hpp"
 #include "support/sample_attributes.hpp"
 #include "unit/mesh/shapes.hpp"
 
@@ -20,7 +20,7 @@ Mesh mesh_with_everything() {
     mesh.normals[v] = glm::vec3(static_cast<float>(v));
     mesh.edges[v] = {glm::ivec3(static_cast<std::int32_t>(v)), 1};
   }
-  test::add_colour(mesh, ComponentType::u8, 3);
+  test::add_color(mesh, ComponentType::u8, 3);
   test::add_attribute(mesh, "heat", ComponentType::f64, 1);
   return mesh;
 }
@@ -53,7 +53,7 @@ TEST(Attributes, SplitFansCopyAttributes) {
   mesh.triangles = Buffer<glm::uvec3>(2);
   std::ranges::copy(kTwoFans, mesh.triangles.begin());
   const Mesh before = copy(mesh);
-  ASSERT_TRUE(make_one_vertex_a_fan(mesh, "test", Context()));
+  ASSERT_TRUE(split_nonmanifold_vertices(mesh, "test", Context()));
   for (std::size_t t = 0; t < 2; ++t) {
     for (int corner = 0; corner < 3; ++corner) {
       EXPECT_TRUE(same_vertex(mesh, mesh.triangles[t][corner], before, before.triangles[t][corner]));

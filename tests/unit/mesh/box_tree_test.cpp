@@ -25,7 +25,7 @@ std::vector<FloatBox> random_boxes(std::size_t count) {
 
 BoxTree tree_of(const std::vector<FloatBox>& boxes, std::span<const std::uint32_t> groups = {}) {
   Buffer<BoxTree::Item> items(boxes.size());
-  for (std::uint32_t i = 0; i < boxes.size(); ++i) items[i] = {boxes[i].centre(), i};
+  for (std::uint32_t i = 0; i < boxes.size(); ++i) items[i] = {boxes[i].center(), i};
   return {items.span(), [&](std::uint32_t i) { return boxes[i]; }, groups};
 }
 

@@ -26,16 +26,16 @@ int whole_side(const std::array<glm::i64vec3, 4>& p) {
 int side(const std::array<glm::i64vec3, 4>& p, double scale) {
   std::array<glm::dvec3, 4> d;
   for (std::size_t i = 0; i < 4; ++i) d[i] = glm::dvec3(p[i]) * scale;
-  return side_of_plane(d[0], d[1], d[2], d[3]);
+  return orientation_3d(d[0], d[1], d[2], d[3]);
 }
 
 TEST(ExactSign, DecidesSideOfPlane) {
-  EXPECT_EQ(side_of_plane({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}), 1);
-  EXPECT_EQ(side_of_plane({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, -1}), -1);
-  EXPECT_EQ(side_of_plane({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 7, 0}), 0);
-  EXPECT_EQ(turn_of({0, 0}, {1, 0}, {0, 1}), 1);
-  EXPECT_EQ(turn_of({0, 0}, {0, 1}, {1, 0}), -1);
-  EXPECT_EQ(turn_of({0, 0}, {1, 1}, {3, 3}), 0);
+  EXPECT_EQ(orientation_3d({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}), 1);
+  EXPECT_EQ(orientation_3d({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, -1}), -1);
+  EXPECT_EQ(orientation_3d({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 7, 0}), 0);
+  EXPECT_EQ(orientation_2d({0, 0}, {1, 0}, {0, 1}), 1);
+  EXPECT_EQ(orientation_2d({0, 0}, {0, 1}, {1, 0}), -1);
+  EXPECT_EQ(orientation_2d({0, 0}, {1, 1}, {3, 3}), 0);
 }
 
 // Points on a plane, or off it by one part in 2^22, which the sum in double cannot decide.
@@ -95,8 +95,8 @@ TEST(ExactSign, TurnIsExactNearLine) {
     const glm::i64vec2 b(coordinate(random), coordinate(random));
     const glm::i64vec2 c = a + factor(random) * (b - a) + glm::i64vec2(off(random), off(random));
     const int expected = sign_of(Whole{b.x - a.x} * (c.y - a.y) - Whole{b.y - a.y} * (c.x - a.x));
-    ASSERT_EQ(turn_of(glm::dvec2(a) * 0x1p-149, glm::dvec2(b) * 0x1p-149, glm::dvec2(c) * 0x1p-149), expected);
-    ASSERT_EQ(turn_of(glm::dvec2(a), glm::dvec2(b), glm::dvec2(c)), expected);
+    ASSERT_EQ(orientation_2d(glm::dvec2(a) * 0x1p-149, glm::dvec2(b) * 0x1p-149, glm::dvec2(c) * 0x1p-149), expected);
+    ASSERT_EQ(orientation_2d(glm::dvec2(a), glm::dvec2(b), glm::dvec2(c)), expected);
   }
 }
 
@@ -104,12 +104,12 @@ TEST(ExactSign, TurnIsExactNearLine) {
 TEST(ExactSign, KeepsAllBitsOfDistantMagnitudes) {
   const double large = std::numeric_limits<float>::max();
   const double tiny = std::numeric_limits<float>::denorm_min();
-  EXPECT_EQ(side_of_plane({large, 0, 0}, {0, large, 0}, {-large, -large, 0}, {0, 0, tiny}), 1);
-  EXPECT_EQ(side_of_plane({large, 0, 0}, {0, large, 0}, {-large, -large, 0}, {0, 0, -tiny}), -1);
-  EXPECT_EQ(turn_of({0, 0}, {large, large}, {tiny, 2 * tiny}), 1);
-  EXPECT_EQ(turn_of({large, large}, {-large, -large}, {tiny, 0}), 1);
-  EXPECT_EQ(turn_of({large, large}, {-large, -large}, {0, tiny}), -1);
-  EXPECT_EQ(turn_of({large, large}, {-large, -large}, {tiny, tiny}), 0);
+  EXPECT_EQ(orientation_3d({large, 0, 0}, {0, large, 0}, {-large, -large, 0}, {0, 0, tiny}), 1);
+  EXPECT_EQ(orientation_3d({large, 0, 0}, {0, large, 0}, {-large, -large, 0}, {0, 0, -tiny}), -1);
+  EXPECT_EQ(orientation_2d({0, 0}, {large, large}, {tiny, 2 * tiny}), 1);
+  EXPECT_EQ(orientation_2d({large, large}, {-large, -large}, {tiny, 0}), 1);
+  EXPECT_EQ(orientation_2d({large, large}, {-large, -large}, {0, tiny}), -1);
+  EXPECT_EQ(orientation_2d({large, large}, {-large, -large}, {tiny, tiny}), 0);
   EXPECT_TRUE(are_collinear({large, large, large}, {tiny, tiny, tiny}, {0, 0, 0}));
   EXPECT_FALSE(are_collinear({large, large, large}, {tiny, tiny, 0}, {0, 0, 0}));
 }

@@ -53,7 +53,7 @@ Mesh rough(std::uint32_t side, unsigned seed) {
 
 TEST(ShadingNormals, CubeFacesAreFlat) {
   Mesh mesh = cube();
-  const auto copies = shade_by_triangles(mesh, {.planes = {}, .crease_degrees = 30}, "cube", Context());
+  const auto copies = compute_shading_normals(mesh, {.planes = {}, .crease_degrees = 30}, "cube", Context());
   ASSERT_TRUE(copies);
   EXPECT_EQ(*copies, 16U);
   ASSERT_EQ(mesh.positions.size(), 24U);
@@ -74,7 +74,7 @@ TEST(ShadingNormals, CubeFacesAreFlat) {
 TEST(ShadingNormals, PlanesAreCreasesAndOthersKeepNormals) {
   Mesh mesh = cube();
   const std::array<std::uint8_t, 12> planes{1, 1};  // the bottom, like a cap
-  const auto copies = shade_by_triangles(mesh, {.planes = planes, .crease_degrees = {}}, "cube", Context());
+  const auto copies = compute_shading_normals(mesh, {.planes = planes, .crease_degrees = {}}, "cube", Context());
   ASSERT_TRUE(copies);
   EXPECT_EQ(*copies, 4U);
   for (std::size_t t = 0; t < 12; ++t) {
@@ -90,7 +90,7 @@ TEST(ShadingNormals, MeansCopyNoVertex) {
   Mesh mesh = cube();
   mesh.normals = {};
   const auto copies =
-      shade_by_triangles(mesh, {.planes = {}, .crease_degrees = {}, .may_copy = false}, "cube", Context());
+      compute_shading_normals(mesh, {.planes = {}, .crease_degrees = {}, .may_copy = false}, "cube", Context());
   ASSERT_TRUE(copies);
   EXPECT_EQ(*copies, 0U);
   ASSERT_EQ(mesh.normals.size(), 8U);
@@ -107,7 +107,7 @@ TEST(ShadingNormals, AgreeWithAllTriangles) {
     const NormalAgreement before = measure_normal_agreement(mesh);
     EXPECT_EQ(before.pairs, 3 * mesh.triangles.size());
     EXPECT_GT(before.against, before.pairs / 100);
-    const auto copies = shade_by_triangles(mesh, {.planes = {}, .crease_degrees = 30}, "rough", Context());
+    const auto copies = compute_shading_normals(mesh, {.planes = {}, .crease_degrees = 30}, "rough", Context());
     ASSERT_TRUE(copies);
     EXPECT_EQ(measure_normal_agreement(mesh).against, 0U);
     EXPECT_GT(*copies, 0U);
@@ -123,7 +123,7 @@ TEST(ShadingNormals, KeepsNormalsThatAgree) {
   mesh.normals = Buffer<glm::vec3>(5);
   const glm::vec3 leaning = glm::normalize(glm::vec3(0.1F, 0, 1));
   std::ranges::fill(mesh.normals.span(), leaning);
-  ASSERT_TRUE(shade_by_triangles(mesh, {.planes = {}, .crease_degrees = 30}, "fan", Context()));
+  ASSERT_TRUE(compute_shading_normals(mesh, {.planes = {}, .crease_degrees = 30}, "fan", Context()));
   EXPECT_EQ(mesh.positions.size(), 5U);
   EXPECT_EQ(mesh.normals[0], leaning);
 }
@@ -136,7 +136,7 @@ TEST(ShadingNormals, CopiesHaveAllVertexAttributes) {
   number.values = Buffer<std::byte>(8);
   for (std::size_t v = 0; v < 8; ++v) number.values[v] = static_cast<std::byte>(v);
   mesh.attributes.push_back(std::move(number));
-  ASSERT_TRUE(shade_by_triangles(mesh, {.planes = {}, .crease_degrees = 30}, "cube", Context()));
+  ASSERT_TRUE(compute_shading_normals(mesh, {.planes = {}, .crease_degrees = 30}, "cube", Context()));
   ASSERT_EQ(mesh.attributes.front().values.size(), mesh.positions.size());
   const Mesh before = cube();
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
@@ -148,7 +148,7 @@ TEST(ShadingNormals, DoNotDependOnThreads) {
   const auto shaded = [](int threads) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
     Mesh mesh = rough(150, 7);
-    EXPECT_TRUE(shade_by_triangles(mesh, {.planes = {}, .crease_degrees = 30}, "rough", Context()));
+    EXPECT_TRUE(compute_shading_normals(mesh, {.planes = {}, .crease_degrees = 30}, "rough", Context()));
     return mesh;
   };
   const Mesh one = shaded(1);
@@ -164,7 +164,7 @@ TEST(ShadingNormals, AcceptsDegenerateAndRandomTriangles) {
     std::vector<glm::vec3> positions;
     for (int v = 0; v < 40; ++v) positions.emplace_back(engine() % 3, engine() % 3, engine() % 3);
     Mesh mesh = test::make_mesh(positions, test::random_triangles(200, 40, seed));
-    ASSERT_TRUE(shade_by_triangles(mesh, {.planes = {}, .crease_degrees = 30}, "random", Context()));
+    ASSERT_TRUE(compute_shading_normals(mesh, {.planes = {}, .crease_degrees = 30}, "random", Context()));
     ASSERT_EQ(mesh.normals.size(), mesh.positions.size());
     EXPECT_EQ(measure_normal_agreement(mesh).against, 0U);
     for (const glm::vec3& normal : mesh.normals) EXPECT_NEAR(glm::length(normal), 1, 1e-5);
@@ -173,7 +173,8 @@ TEST(ShadingNormals, AcceptsDegenerateAndRandomTriangles) {
 
 TEST(ShadingNormals, KeepsToMemoryLimit) {
   Mesh mesh = cube();
-  const auto done = shade_by_triangles(mesh, {.planes = {}, .crease_degrees = 30}, "a.raw", Context(MemoryBudget(100)));
+  const auto done =
+      compute_shading_normals(mesh, {.planes = {}, .crease_degrees = 30}, "a.raw", Context(MemoryBudget(100)));
   ASSERT_FALSE(done);
   EXPECT_NE(done.error().message.find("a.raw"), std::string::npos);
 }

@@ -6,7 +6,7 @@
 #include <tbb/global_control.h>
 
 #include "mesh/exact_sign.hpp"
-#include "mesh/joined.hpp"
+#include "mesh/join_meshes.hpp"
 #include "mesh/metrics.hpp"
 #include "support/box_mesh.hpp"
 #include "support/sample_meshes.hpp"
@@ -19,7 +19,7 @@ const glm::vec3 kWay(8112, 4361, 3897);
 const glm::vec3 kAcross(-4361, 8112, 0);
 const glm::vec3 kUp(0, -3897, 4361);
 
-Mesh cube(float half, const glm::vec3& centre = glm::vec3(0)) { return test::box_mesh(centre - half, centre + half); }
+Mesh cube(float half, const glm::vec3& center = glm::vec3(0)) { return test::box_mesh(center - half, center + half); }
 
 Mesh turned(Mesh mesh) {
   for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
@@ -29,10 +29,10 @@ Mesh turned(Mesh mesh) {
 // A cube whose farthest corner along the rays is `tip`.
 Mesh cube_with_tip(const glm::vec3& tip) { return test::box_mesh(tip - 1.0F, tip); }
 
-std::vector<Surroundings> surroundings_of(std::vector<Mesh> shells, bool of_outward = true) {
+std::vector<Surroundings> surroundings_of(std::vector<Mesh> shells, bool test_outward = true) {
   const Mesh mesh = std::move(*join_meshes(shells, Context()));
   const Components components(mesh.triangles.span(), mesh.positions.size());
-  ShellQuestion question{.of_outward = of_outward, .of_open = true};
+  ShellQuery question{.test_outward = test_outward, .find_open = true};
   for (const Mesh& shell : shells) {
     const double volume = measure_size(shell).volume;
     question.facing.push_back(shell.triangles.size() % 2 == 1 ? Facing::open
@@ -40,7 +40,7 @@ std::vector<Surroundings> surroundings_of(std::vector<Mesh> shells, bool of_outw
                                                               : Facing::outward);
   }
   EXPECT_EQ(components.count(), shells.size());
-  auto found = find_surroundings(mesh, components, question, Context());
+  auto found = find_enclosing_shells(mesh, components, question, Context());
   EXPECT_TRUE(found);
   return found ? std::move(*found) : std::vector<Surroundings>(shells.size());
 }
@@ -52,9 +52,9 @@ std::vector<Surroundings> surroundings(Meshes... meshes) {
   return surroundings_of(std::move(list));
 }
 
-Mesh octahedron(const glm::vec3& centre, float radius) {
+Mesh octahedron(const glm::vec3& center, float radius) {
   std::vector<glm::vec3> at{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-  for (glm::vec3& p : at) p = p * radius + centre;
+  for (glm::vec3& p : at) p = p * radius + center;
   return test::make_mesh("octahedron", at,
                          {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}});
 }
@@ -115,11 +115,11 @@ TEST(Shells, DecidesRaysThroughCornersAndEdges) {
     std::vector<glm::vec3> at{corner(), corner(), corner(), corner()};
     const std::vector<glm::uvec3> triangles{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
     const auto side = [&](const glm::uvec3& t, const glm::vec3& p) {
-      return side_of_plane(glm::dvec3(at[t.x]), glm::dvec3(at[t.y]), glm::dvec3(at[t.z]), glm::dvec3(p));
+      return orientation_3d(glm::dvec3(at[t.x]), glm::dvec3(at[t.y]), glm::dvec3(at[t.z]), glm::dvec3(p));
     };
     if (side({0, 1, 2}, at[3]) == 0) continue;
     if (side({0, 1, 2}, at[3]) < 0) std::swap(at[0], at[1]);
-    int most = -1;  // the greatest side_of_plane() of the tip
+    int most = -1;  // the greatest orientation_3d() of the tip
     for (const glm::uvec3& t : triangles) most = std::max(most, side(t, tip));
     (most < 0 ? inside : most > 0 ? outside : touching) += 1;
     if (most == 0) continue;
@@ -153,9 +153,9 @@ TEST(Shells, DecidesTouchingShellsBesideTheirVertex) {
 TEST(Shells, IgnoresShellsWhereRayEnds) {
   const glm::vec3 tip(0, 5, 5);
   for (float far = 0; far < 12; far += 0.125F) {
-    const glm::vec3 centre = tip + (2.0F + far) * glm::normalize(kWay);
+    const glm::vec3 center = tip + (2.0F + far) * glm::normalize(kWay);
     const auto found =
-        surroundings(octahedron(glm::vec3(0), 8), cube_with_tip(tip), cube(1.5F, centre), cube(0.5F, centre));
+        surroundings(octahedron(glm::vec3(0), 8), cube_with_tip(tip), cube(1.5F, center), cube(0.5F, center));
     for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(found[i].around, Numbers()) << i << ' ' << far;
     EXPECT_EQ(found[3].around, Numbers{2});
   }
@@ -176,18 +176,18 @@ TEST(Shells, DoesNotDependOnThreadsAndKeepsToMemory) {
   std::vector<Mesh> list;
   std::mt19937 random(8);
   for (unsigned i = 0; i < 400; ++i) {
-    const glm::vec3 centre(random() % 9, random() % 9, random() % 9);
-    list.push_back(cube(static_cast<float>(1 + random() % 7) / 2, centre));
+    const glm::vec3 center(random() % 9, random() % 9, random() % 9);
+    list.push_back(cube(static_cast<float>(1 + random() % 7) / 2, center));
     if (i % 2 == 0) list.back() = turned(std::move(list.back()));
   }
   const Mesh mesh = std::move(*join_meshes(list, Context()));
   const Components components(mesh.triangles.span(), mesh.positions.size());
-  ShellQuestion question;
+  ShellQuery question;
   for (unsigned i = 0; i < list.size(); ++i) question.facing.push_back(i % 2 == 0 ? Facing::inward : Facing::outward);
   std::vector<std::vector<Surroundings>> results;
   for (const std::size_t threads : {1, 4}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    results.push_back(find_surroundings(mesh, components, question, Context()).value());
+    results.push_back(find_enclosing_shells(mesh, components, question, Context()).value());
   }
   std::size_t most = 0;
   for (std::size_t i = 0; i < list.size(); ++i) {
@@ -195,12 +195,12 @@ TEST(Shells, DoesNotDependOnThreadsAndKeepsToMemory) {
     most = std::max(most, results[0][i].around.size());
   }
   EXPECT_GT(most, 10U);
-  const auto little = find_surroundings(mesh, components, question, Context(MemoryBudget(1000)));
+  const auto little = find_enclosing_shells(mesh, components, question, Context(MemoryBudget(1000)));
   ASSERT_FALSE(little);
   EXPECT_EQ(little.error().hint, Hint(Remedy::raise, Setting::memory_limit));
   const Context cancelled;
   cancelled.cancel();
-  const auto ended = find_surroundings(mesh, components, question, cancelled);
+  const auto ended = find_enclosing_shells(mesh, components, question, cancelled);
   ASSERT_FALSE(ended);
   EXPECT_EQ(ended.error().code, ErrorCode::cancelled);
 }

@@ -49,7 +49,7 @@ TEST(TriangleTreeTest, FindsNearestPointOfFan) {
   for (const glm::dvec3& p : points_near(fan, 300)) {
     double expected = std::numeric_limits<double>::infinity();
     for (std::uint32_t slot = 0; slot < tree.size(); ++slot) {
-      expected = std::min(expected, tree.nearest_in(slot, p).distance_squared);
+      expected = std::min(expected, tree.nearest_on_triangle(slot, p).distance_squared);
     }
     EXPECT_EQ(tree.nearest(p, 17).distance_squared, expected);
   }
@@ -62,7 +62,7 @@ TEST(TriangleTreeTest, WorkDoesNotGrowWithFanSize) {
     const TriangleTree tree(fan.positions, fan.triangles);
     const std::vector<glm::dvec3> points = points_near(fan, 500);
     for (const glm::dvec3& p : points) {
-      leaves[doubled] += static_cast<double>(tree.leaves_within(p, tree.nearest(p, 0).distance_squared)) / 500;
+      leaves[doubled] += static_cast<double>(tree.count_leaves_within(p, tree.nearest(p, 0).distance_squared)) / 500;
     }
   }
   EXPECT_LT(leaves[0], 8000.0 / 4 / 20);  // of all leaves

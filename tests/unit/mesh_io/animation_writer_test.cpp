@@ -135,16 +135,16 @@ TEST_F(Animation, WritesNoDataIfAllFramesAreEmpty) {
 }
 
 TEST_F(Animation, WritesFramesLikeSingleFiles) {
-  mesh::Mesh coloured = sphere(12, true, "coloured", {1000.0 + 1.0 / 3, -7, 0});
-  add_colour(coloured, mesh::ComponentType::u8, 3);
-  add_attribute(coloured, "label", mesh::ComponentType::u8, 1);
+  mesh::Mesh colored = sphere(12, true, "coloured", {1000.0 + 1.0 / 3, -7, 0});
+  add_color(colored, mesh::ComponentType::u8, 3);
+  add_attribute(colored, "label", mesh::ComponentType::u8, 1);
   for (const bool flat : {false, true}) {
-    if (flat) coloured.normals = {};
+    if (flat) colored.normals = {};
     const MeshWriteOptions options{MeshFormat::glb, flat, false};
-    must_write(std::span(&coloured, 1), folder_ / "single.glb", options);
+    must_write(std::span(&colored, 1), folder_ / "single.glb", options);
     AnimationWriter writer = this->writer(24, 3, kLargestGlb, options);
     must_add(writer, 1, tetrahedron());
-    must_add(writer, 2, coloured);
+    must_add(writer, 2, colored);
     must_add(writer, 3, triangle());
     const auto result = must_finish(writer);
     const auto single = load_gltf((folder_ / "single.glb").string());
@@ -231,7 +231,7 @@ TEST_F(Animation, RefusesFrameNumbersThatDoNotGrow) {
 // The writer computes sizes in advance: for any limit, no file exceeds it and each frame is in one file.
 TEST_F(Animation, SplitsBeforeFileIsTooLarge) {
   constexpr int kFrames = 24;
-  std::size_t most_parts = 0;
+  std::size_t max_parts = 0;
   for (std::uint64_t largest = 6'000; largest < 60'000; largest += largest / 7 / 4 * 4 + 4) {
     for (const std::uint64_t announced : {1, kFrames, 100'000}) {
       const TempFolder folder;
@@ -239,14 +239,14 @@ TEST_F(Animation, SplitsBeforeFileIsTooLarge) {
       AnimationWriter writer = this->writer(24, announced, largest);
       for (int i = 0; i < kFrames; ++i) must_add(writer, 100 + i, sphere(3, false));
       const auto result = must_finish(writer);
-      most_parts = std::max(most_parts, result.files.size());
+      max_parts = std::max(max_parts, result.files.size());
       std::vector<PlayedGlb> parts;
       Names names;
       for (std::size_t p = 0; p < result.files.size(); ++p) {
         const fs::path path = folder / (p == 0 ? "water.glb" : fmt::format("water.part{}.glb", p + 1));
         names.insert(path.filename().string());
         EXPECT_EQ(result.files[p].path, path.string());
-        EXPECT_EQ(animation_part_path(path_, p + 1), path);
+        EXPECT_EQ(path_of_animation_part(path_, p + 1), path);
         EXPECT_EQ(result.files[p].bytes, fs::file_size(path));
         ASSERT_LE(fs::file_size(path), largest);
         parts.emplace_back(path);
@@ -268,7 +268,7 @@ TEST_F(Animation, SplitsBeforeFileIsTooLarge) {
       }
     }
   }
-  EXPECT_GT(most_parts, 4U);
+  EXPECT_GT(max_parts, 4U);
 }
 
 TEST_F(Animation, RefusesFrameLargerThanFile) {
@@ -405,8 +405,8 @@ TEST_F(Animation, NotesLeftoverPartOfEarlierRun) {
 }
 
 TEST_F(Animation, NamesPartsWithoutExtension) {
-  EXPECT_EQ(animation_part_path("a.b/water", 2), "a.b/water.part2");
-  EXPECT_EQ(animation_part_path("water.v1.glb", 12), "water.v1.part12.glb");
+  EXPECT_EQ(path_of_animation_part("a.b/water", 2), "a.b/water.part2");
+  EXPECT_EQ(path_of_animation_part("water.v1.glb", 12), "water.v1.part12.glb");
 }
 
 TEST_F(Animation, StopsWhenCancelled) {

@@ -64,7 +64,7 @@ void expect_same_corners(const mesh::Mesh& found, const mesh::Mesh& expected) {
     EXPECT_EQ(is->role, wanted.role);
     EXPECT_EQ(is->type, wanted.type) << wanted.name;
     EXPECT_EQ(is->components, wanted.components) << wanted.name;
-    EXPECT_EQ(is->normalised, wanted.normalised) << wanted.name;
+    EXPECT_EQ(is->normalized, wanted.normalized) << wanted.name;
     ASSERT_EQ(is->values.size(), found.positions.size() * wanted.stride());
     bool same = true;
     for (std::size_t t = 0; t < found.triangles.size(); ++t) {
@@ -108,7 +108,7 @@ TEST_F(AttributeTest, ReadsBackColors) {
         SCOPED_TRACE(fmt::format("{} {} {}", form.name, component_name(type), components));
         mesh::Mesh mesh = sphere(5, false, "far", {1e7 + 0.5, -3e7, 5});
         add_attribute(mesh, "before", ComponentType::u8, 1);
-        add_colour(mesh, type, components);
+        add_color(mesh, type, components);
         write(copy(mesh), form);
         expect_same_corners(read(form.name).mesh, mesh);
       }
@@ -118,7 +118,7 @@ TEST_F(AttributeTest, ReadsBackColors) {
 
 TEST_F(AttributeTest, UsesCommonPlyNames) {
   mesh::Mesh mesh = tetrahedron();
-  add_colour(mesh, ComponentType::u8, 4);
+  add_color(mesh, ComponentType::u8, 4);
   add_attribute(mesh, "quality", ComponentType::f32, 1);
   add_attribute(mesh, "way", ComponentType::i32, 2);
   write(std::move(mesh), kForms[0]);
@@ -134,7 +134,7 @@ TEST_F(AttributeTest, ReplacesUnsupportedNames) {
   for (const char* name : {"two words", "x", "red", "same", "same", "", "\xFF"}) {
     add_attribute(mesh, name, ComponentType::u8, 1);
   }
-  add_colour(mesh, ComponentType::u8, 3);
+  add_color(mesh, ComponentType::u8, 3);
   const auto names = [](const mesh::Mesh& found) {
     std::vector<std::string> all;
     for (const mesh::Attribute& attribute : found.attributes) all.push_back(attribute.name);
@@ -194,12 +194,12 @@ TEST_F(AttributeTest, ReadsPlyPropertiesOfOtherPrograms) {
   EXPECT_EQ(ply("property uchar red\nproperty uchar green\nproperty float blue\n", "1 2 3").mesh.attributes.size(), 3U);
   EXPECT_EQ(ply("property int red\nproperty int green\nproperty int blue\n", "1 2 3").mesh.attributes.size(), 3U);
   EXPECT_EQ(ply("property uchar red\nproperty uchar green\n", "1 2").mesh.attributes.size(), 2U);
-  const MeshFile colour =
+  const MeshFile color =
       ply("property uchar blue\nproperty uchar green\nproperty float alpha\nproperty uchar red\n", "3 2 0.5 1");
-  ASSERT_EQ(colour.mesh.attributes.size(), 2U);
-  EXPECT_EQ(colour.mesh.attributes[0].role, mesh::AttributeRole::colour);
-  EXPECT_EQ(colour.mesh.attributes[0].at(2)[0], std::byte{1});
-  EXPECT_EQ(colour.mesh.attributes[1].name, "alpha");
+  ASSERT_EQ(color.mesh.attributes.size(), 2U);
+  EXPECT_EQ(color.mesh.attributes[0].role, mesh::AttributeRole::color);
+  EXPECT_EQ(color.mesh.attributes[0].at(2)[0], std::byte{1});
+  EXPECT_EQ(color.mesh.attributes[1].name, "alpha");
   // More than four numbered properties become separate attributes.
   std::string properties;
   for (int i = 0; i < 5; ++i) properties += fmt::format("property short f_{}\n", i);

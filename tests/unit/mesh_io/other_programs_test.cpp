@@ -210,10 +210,10 @@ TEST_F(OtherProgramsTest, ReadsGltfSparseValues) {
 TEST_F(OtherProgramsTest, ReadsGltfQuantizedPositions) {
   const std::string required = R"("extensionsRequired":["KHR_mesh_quantization"],)";
   const std::string node = R"("mesh":0,"scale":[2,2,4],"translation":[1,1,1])";
-  const auto quantised = [&](int type, bool normalised, std::size_t stride, const std::string& more) {
+  const auto quantized = [&](int type, bool normalized, std::size_t stride, const std::string& more) {
     return model(kPositions,
                  fmt::format(R"({{"bufferView":0,"componentType":{},"normalized":{},"count":3,"type":"VEC3"}})", type,
-                             normalised),
+                             normalized),
                  fmt::format(R"({{"buffer":0,"byteLength":{},"byteStride":{}}})", 3 * stride, stride), 3 * stride, more,
                  node);
   };
@@ -226,17 +226,17 @@ TEST_F(OtherProgramsTest, ReadsGltfQuantizedPositions) {
   };
   // Bytes, each vector with one byte of padding: (0, 0, 0), (127, 0, -128), (0, 255 or -1, 0).
   test::write_bytes(folder_ / "data.bin", std::string("\0\0\0\0\177\0\200\0\0\377\0\0", 12));
-  expect_corners(quantised(5120, false, 4, required), {{{1, 1, 1}, {255, 1, -511}, {1, -1, 1}}});
-  expect_corners(quantised(5120, true, 4, required), {{{1, 1, 1}, {3, 1, -3}, {1, 1 - 2.0 / 127, 1}}});
-  expect_corners(quantised(5121, true, 4, required),
+  expect_corners(quantized(5120, false, 4, required), {{{1, 1, 1}, {255, 1, -511}, {1, -1, 1}}});
+  expect_corners(quantized(5120, true, 4, required), {{{1, 1, 1}, {3, 1, -3}, {1, 1 - 2.0 / 127, 1}}});
+  expect_corners(quantized(5121, true, 4, required),
                  {{{1, 1, 1}, {1 + 2 * 127.0 / 255, 1, 1 + 4 * 128.0 / 255}, {1, 3, 1}}});
   // (0, 0, 0), (32767, 0, -32768), (0, 65535 or -1, 0).
   test::write_bytes(folder_ / "data.bin",
                     std::string("\0\0\0\0\0\0\0\0\377\177\0\0\0\200\0\0\0\0\377\377\0\0\0\0", 24));
-  expect_corners(quantised(5122, true, 8, required), {{{1, 1, 1}, {3, 1, -3}, {1, 1 - 2.0 / 32767, 1}}});
-  expect_corners(quantised(5123, false, 8, required), {{{1, 1, 1}, {65535, 1, 131073}, {1, 131071, 1}}});
-  expect_error("b.gltf", quantised(5123, false, 8, ""), "expected positions of component type 5126, found 5123");
-  expect_error("b.gltf", quantised(5125, false, 8, required), "expected");
+  expect_corners(quantized(5122, true, 8, required), {{{1, 1, 1}, {3, 1, -3}, {1, 1 - 2.0 / 32767, 1}}});
+  expect_corners(quantized(5123, false, 8, required), {{{1, 1, 1}, {65535, 1, 131073}, {1, 131071, 1}}});
+  expect_error("b.gltf", quantized(5123, false, 8, ""), "expected positions of component type 5126, found 5123");
+  expect_error("b.gltf", quantized(5125, false, 8, required), "expected");
 }
 
 TEST_F(OtherProgramsTest, RefusesUnsupportedRequiredGltfExtensions) {
@@ -305,19 +305,19 @@ TEST_F(OtherProgramsTest, FindsGeneratorAndUpAxis) {
     const bool is_gltf = info.format == MeshFormat::glb || info.format == MeshFormat::gltf;
     const std::string name = fmt::format("ours.{}", info.name);
     test::must_write(meshes, folder_ / name, {info.format, false, false});
-    EXPECT_TRUE(must_read(name).is_ours) << name;
+    EXPECT_TRUE(must_read(name).is_by_isoextract) << name;
     EXPECT_EQ(must_read(name).y_up, is_gltf) << name;
   }
-  EXPECT_FALSE(read_text("a.obj", "# isoextractor\n" + std::string(kObj)).is_ours);
-  EXPECT_FALSE(read_text("a.stl", binary_stl("any")).is_ours);
-  EXPECT_FALSE(read_text("b.stl", text_stl()).is_ours);
+  EXPECT_FALSE(read_text("a.obj", "# isoextractor\n" + std::string(kObj)).is_by_isoextract);
+  EXPECT_FALSE(read_text("a.stl", binary_stl("any")).is_by_isoextract);
+  EXPECT_FALSE(read_text("b.stl", text_stl()).is_by_isoextract);
   const MeshFile theirs = read_text("a.gltf", gltf(R"({"mesh":0})"));
-  EXPECT_FALSE(theirs.is_ours);
+  EXPECT_FALSE(theirs.is_by_isoextract);
   EXPECT_TRUE(theirs.y_up);
   EXPECT_FALSE(read_text("a.ply",
                          "ply\nformat ascii 1.0\ncomment by hand\nelement vertex 0\nproperty float x\n"
                          "property float y\nproperty float z\nend_header\n")
-                   .is_ours);
+                   .is_by_isoextract);
 }
 
 }  // namespace

@@ -70,7 +70,7 @@ mesh::Mesh must_read(const std::filesystem::path& path) {
     ADD_FAILURE() << read.error().message;
     return {};
   }
-  EXPECT_TRUE(read->is_ours);
+  EXPECT_TRUE(read->is_by_isoextract);
   return std::move(read->mesh);
 }
 
@@ -112,23 +112,23 @@ TEST_P(Packing, KeepsTheMeshWithinHalfAStep) {
   const PackedFacts& facts = result.packed[0];
   EXPECT_EQ(facts.positions.has_value(), GetParam().packing.quantizes());
   EXPECT_GT(facts.bytes_before, facts.bytes_after);
-  EXPECT_FALSE(facts.one_by_one);
+  EXPECT_FALSE(facts.used_sequential_method);
   if (!facts.positions) {
     EXPECT_EQ(farthest_vertex(meshes[0], found), 0);
     return;
   }
-  EXPECT_GT(facts.positions->largest_axis, 0);
-  EXPECT_LE(facts.positions->largest_axis, facts.positions->step / 2);
-  EXPECT_LE(facts.positions->largest, std::sqrt(3.0) * facts.positions->largest_axis);
-  EXPECT_LE(farthest_vertex(meshes[0], found), facts.positions->largest_axis * (1 + 1e-12));
+  EXPECT_GT(facts.positions->largest_axis_move, 0);
+  EXPECT_LE(facts.positions->largest_axis_move, facts.positions->step / 2);
+  EXPECT_LE(facts.positions->largest, std::sqrt(3.0) * facts.positions->largest_axis_move);
+  EXPECT_LE(farthest_vertex(meshes[0], found), facts.positions->largest_axis_move * (1 + 1e-12));
   EXPECT_EQ(std::exp2(std::round(std::log2(facts.positions->step))), facts.positions->step);
   if (GetParam().packing.voxel > 0) {
     EXPECT_LE(facts.positions->step, GetParam().packing.voxel / 32);
     EXPECT_GT(facts.positions->step, GetParam().packing.voxel / 64);
   }
-  ASSERT_TRUE(facts.largest_normal_turn);
-  EXPECT_GT(*facts.largest_normal_turn, 0);
-  EXPECT_LT(*facts.largest_normal_turn, 0.6);
+  ASSERT_TRUE(facts.largest_normal_angle);
+  EXPECT_GT(*facts.largest_normal_angle, 0);
+  EXPECT_LT(*facts.largest_normal_angle, 0.6);
 }
 
 TEST_P(Packing, WritesSameBytesForAnyThreadCount) {
@@ -165,7 +165,7 @@ TEST_P(Packing, PacksMeshFarFromOrigin) {
   const auto meshes = one(test::sphere(12, true, "far", far));
   const auto result = must_write(meshes, folder_ / GetParam().file(), GetParam().options());
   const mesh::Mesh found = must_read(folder_ / GetParam().file());
-  const double axis = result.packed[0].positions ? result.packed[0].positions->largest_axis : 0;
+  const double axis = result.packed[0].positions ? result.packed[0].positions->largest_axis_move : 0;
   EXPECT_LT(axis, 0.01);
   // The reader applies a node's scale in double and stores float32 relative to another origin.
   EXPECT_LE(farthest_vertex(meshes[0], found), axis + 1e-7);
@@ -173,7 +173,7 @@ TEST_P(Packing, PacksMeshFarFromOrigin) {
 
 TEST_P(Packing, KeepsColorsAndAttributes) {
   mesh::Mesh mesh = test::sphere(8, true);
-  test::add_colour(mesh, mesh::ComponentType::u8, 3);
+  test::add_color(mesh, mesh::ComponentType::u8, 3);
   test::add_attribute(mesh, "heat", mesh::ComponentType::f32, 1);
   test::add_attribute(mesh, "label", mesh::ComponentType::u8, 1);
   test::add_attribute(mesh, "way", mesh::ComponentType::i16, 3, true);
@@ -203,7 +203,7 @@ TEST_P(Packing, KeepsColorsAndAttributes) {
     ASSERT_NE(it, found.attributes.end()) << attribute.name;
     EXPECT_EQ(it->type, attribute.type);
     EXPECT_EQ(it->components, attribute.components);
-    EXPECT_EQ(it->normalised, attribute.normalised);
+    EXPECT_EQ(it->normalized, attribute.normalized);
     EXPECT_EQ(it->role, attribute.role);
   }
 }
@@ -231,7 +231,7 @@ TEST_P(Packing, KeepsNonManifoldMesh) {
   EXPECT_EQ(found.positions.size(), meshes[0].positions.size());
   EXPECT_EQ(found.triangles.size(), meshes[0].triangles.size());
   EXPECT_EQ(mesh::measure_topology(found).nonmanifold_edges, mesh::measure_topology(meshes[0]).nonmanifold_edges);
-  EXPECT_EQ(result.packed[0].one_by_one, GetParam().packing.compression == Compression::draco);
+  EXPECT_EQ(result.packed[0].used_sequential_method, GetParam().packing.compression == Compression::draco);
 }
 
 TEST_P(Packing, KeepsMemoryLimit) {
@@ -361,7 +361,7 @@ TEST(PackingOptions, KeepsMeshWhenReordering) {
 TEST_P(Packing, RefusesDamagedFiles) {
   if (GetParam().format == MeshFormat::gltf) return;
   mesh::Mesh mesh = test::sphere(6, true);
-  test::add_colour(mesh, mesh::ComponentType::u8, 3);
+  test::add_color(mesh, mesh::ComponentType::u8, 3);
   const auto meshes = one(std::move(mesh));
   must_write(meshes, folder_ / GetParam().file(), GetParam().options());
   const std::string good = test::read_bytes(folder_ / GetParam().file());

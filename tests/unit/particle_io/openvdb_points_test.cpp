@@ -27,7 +27,7 @@ Result<particle_io::ParticleFile> try_points(const std::filesystem::path& path,
                                              const particle_io::ParticleFormat& format = points_with_plugin()) {
   try {
     return format.read(particle_io::must(files::InputFile::open(path, Context())), options);
-  } catch (const particle_io::DamagedParticles& damaged) {
+  } catch (const particle_io::InvalidParticleFile& damaged) {
     return fail(ErrorCode::input, damaged.what(), damaged.hint);
   } catch (const particle_io::Refused& refused) {
     return tl::unexpected(refused.error);

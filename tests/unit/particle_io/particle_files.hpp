@@ -47,7 +47,7 @@ inline particle_io::ParticleInfo must_inform(const ParticleInput& input,
                                              const particle_io::ParticleReadOptions& options = {}) {
   const TempFolder folder;
   write_bytes(folder / input.name, input.bytes);
-  auto info = particle_io::particle_info((folder / input.name).string(), options, Context());
+  auto info = particle_io::list_particles((folder / input.name).string(), options, Context());
   if (!info) throw std::runtime_error(info.error().message + "\n" + test::text_of(info.error().hint));
   return std::move(*info);
 }

@@ -266,12 +266,12 @@ TEST(ParticlesBgeo, DetectsChangesBetweenPasses) {
     write_bytes(path, three);
     const auto file = files::InputFile::open(path, Context());
     if (!file) throw std::runtime_error(file.error().message);
-    const particle_io::HoudiniFile surveyed = particle_io::survey_houdini(*file);
+    const particle_io::HoudiniFile surveyed = particle_io::scan_houdini(*file);
     write_bytes(path, changed);
     std::filesystem::last_write_time(path, std::filesystem::last_write_time(path) + std::chrono::seconds(2));
     try {
       static_cast<void>(particle_io::read_houdini(*file, surveyed, with_all()));
-    } catch (const particle_io::DamagedParticles& damaged) {
+    } catch (const particle_io::InvalidParticleFile& damaged) {
       return std::string(damaged.what());
     } catch (const particle_io::Refused& refused) {
       return refused.error.message;
@@ -297,8 +297,8 @@ TEST(ParticlesColumns, RejectParticlesBeyondTheLast) {
   ASSERT_EQ(sinks.size(), 4U);
   for (const particle_io::ColumnSink& sink : sinks) {
     EXPECT_NO_THROW(sink.put(1, 0.5));
-    EXPECT_THROW(sink.put(2, 0.5), particle_io::DamagedParticles);
-    EXPECT_THROW(sink.put(~std::size_t{0} / 2, 0.5), particle_io::DamagedParticles);
+    EXPECT_THROW(sink.put(2, 0.5), particle_io::InvalidParticleFile);
+    EXPECT_THROW(sink.put(~std::size_t{0} / 2, 0.5), particle_io::InvalidParticleFile);
   }
 }
 
@@ -408,11 +408,11 @@ TEST(ParticlesColumns, RejectFieldsOutsideTheirRecord) {
   particle_io::RecordLayout layout{12, {}};
   for (std::size_t i = 0; i < 3; ++i)
     layout.fields.push_back({particle_io::NumberType::f32, 4 * i, std::endian::little});
-  EXPECT_NO_THROW(particle_io::put_records(layout, record, 0, sinks));
+  EXPECT_NO_THROW(particle_io::deliver_records(layout, record, 0, sinks));
   layout.fields[2].offset = 9;
-  EXPECT_THROW(particle_io::put_records(layout, record, 0, sinks), particle_io::DamagedParticles);
+  EXPECT_THROW(particle_io::deliver_records(layout, record, 0, sinks), particle_io::InvalidParticleFile);
   layout.fields[2] = {std::nullopt, 8, std::endian::little};
-  EXPECT_THROW(particle_io::put_records(layout, record, 0, sinks), particle_io::DamagedParticles);
+  EXPECT_THROW(particle_io::deliver_records(layout, record, 0, sinks), particle_io::InvalidParticleFile);
 }
 
 TEST(ParticlesNpy, RejectsInvalidArrays) {

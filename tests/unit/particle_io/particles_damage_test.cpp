@@ -36,7 +36,7 @@ void read_damaged(const std::filesystem::path& path, const std::string& bytes) {
     {
       const auto read = particle_io::read_particles(path.string(), options, context);
       EXPECT_TRUE(read || !read.error().message.empty());
-      static_cast<void>(particle_io::particle_info(path.string(), options, context));
+      static_cast<void>(particle_io::list_particles(path.string(), options, context));
     }
     EXPECT_LE(context.memory().peak(), kMost);
     EXPECT_EQ(context.memory().reserved(), 0U);

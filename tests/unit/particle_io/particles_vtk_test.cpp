@@ -20,7 +20,7 @@ Result<particle_io::ParticleFile> read_vtk(const std::filesystem::path& path,
                                            const Context& context = Context()) {
   try {
     return vtk_format().read(particle_io::must(files::InputFile::open(path, context)), options);
-  } catch (const particle_io::DamagedParticles& damaged) {
+  } catch (const particle_io::InvalidParticleFile& damaged) {
     return fail(ErrorCode::input, damaged.what(), damaged.hint);
   } catch (const particle_io::Refused& refused) {
     return tl::unexpected(refused.error);

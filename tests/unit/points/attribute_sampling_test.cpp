@@ -48,7 +48,7 @@ TEST(AttributeSampling, EqualsTheWeightedMean) {
   ASSERT_EQ(result.attributes.size(), 2U);
   EXPECT_EQ(result.attributes[0].name, "place");
   EXPECT_EQ(result.attributes[0].components, 3U);
-  EXPECT_EQ(result.out_of_reach, 0U);
+  EXPECT_EQ(result.vertices_beyond_kernels, 0U);
   const double support = 4 * kSamplingRadius;
   const auto kernel = [&](double distance) { return spline_shape(distance / support); };
   for (std::size_t v = 0; v < vertices.size(); ++v) {
@@ -83,7 +83,7 @@ TEST(AttributeSampling, UsesTheNearestParticleBeyondAllKernels) {
   positions.emplace_back(std::numeric_limits<double>::quiet_NaN(), 0, 0);
   const ParticleSet set = with_attributes(positions);
   const SampledAttributes result = sampled(set, {1}, {{0.1, 0, 0}, {0.6, 0, 0}, {-1e300, 0, 0}});
-  EXPECT_EQ(result.out_of_reach, 2U);
+  EXPECT_EQ(result.vertices_beyond_kernels, 2U);
   EXPECT_EQ(result.attributes[0].values[0], 0);
   EXPECT_EQ(result.attributes[0].values[3], 1);
   EXPECT_EQ(result.attributes[0].values[6], 0);

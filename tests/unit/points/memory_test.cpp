@@ -15,7 +15,7 @@ class FieldMemory : public testing::TestWithParam<Method> {
   FieldMemory() {
     options_.method = GetParam();
     options_.radius = kMemoryRadius;
-    options_.leave_out_inside = method_info(GetParam()).iso;
+    options_.tile_iso = method_info(GetParam()).iso;
     if (GetParam() == Method::weight) options_.cell_size = 1;
   }
 

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "points/detail/near_spots.hpp"
+#include "points/detail/neighbor_batches.hpp"
 #include "points/detail/symmetric_eigen.hpp"
 #include "support/hints.hpp"
 #include "unit/points/particles.hpp"
@@ -99,10 +99,10 @@ TEST(AnisotropicField, MatchesTheEquations) {
   options.radius = kRadius;
   const AnisotropyOptions& k = options.anisotropy;
   const double h = 2 * options.smoothing_length * kRadius;
-  const double r = k.neighbourhood * h;
+  const double r = k.neighborhood * h;
   const std::vector<double> densities = textbook_densities(positions, 1, h);
   struct Kernel {
-    glm::dvec3 centre;
+    glm::dvec3 center;
     glm::dmat3 g;
     double volume;
   };
@@ -111,7 +111,7 @@ TEST(AnisotropicField, MatchesTheEquations) {
   for (std::size_t i = 0; i < positions.size(); ++i) {
     double total = 0;
     glm::dvec3 mean(0);
-    int neighbours = -1;
+    int neighbors = -1;
     const auto w = [&](std::size_t j) {
       const double d = glm::length(positions[j] - positions[i]);
       return d < r ? 1 - std::pow(d / r, 3) : 0;
@@ -119,7 +119,7 @@ TEST(AnisotropicField, MatchesTheEquations) {
     for (std::size_t j = 0; j < positions.size(); ++j) {
       total += w(j);
       mean += w(j) * positions[j];
-      neighbours += static_cast<int>(glm::length(positions[j] - positions[i]) < r);
+      neighbors += static_cast<int>(glm::length(positions[j] - positions[i]) < r);
     }
     mean /= total;
     glm::dmat3 c(0.0);
@@ -128,7 +128,7 @@ TEST(AnisotropicField, MatchesTheEquations) {
     }
     const SymmetricEigen eigen = symmetric_eigen(c);
     glm::dvec3 sigma = k.k_s / (0.15 * r * r) * eigen.values;
-    if (neighbours > k.few && sigma.x >= k.k_n) {
+    if (neighbors > k.few && sigma.x >= k.k_n) {
       sigma = glm::max(sigma, glm::dvec3(sigma.x / k.k_r));
       flat += static_cast<std::size_t>(sigma.z < 0.5 * sigma.x);
     } else {
@@ -145,7 +145,7 @@ TEST(AnisotropicField, MatchesTheEquations) {
         double sum = 0;
         for (const Kernel& kernel : kernels) {
           sum += kernel.volume * glm::determinant(kernel.g) *
-                 textbook_kernel(glm::length(kernel.g * (x - kernel.centre)), 1);
+                 textbook_kernel(glm::length(kernel.g * (x - kernel.center)), 1);
         }
         return sum;
       },
@@ -157,7 +157,7 @@ TEST(ParticleField, IsTheSameForAnyNumberOfThreads) {
   for (const Method method : {Method::weight, Method::sph, Method::anisotropic}) {
     FieldOptions options;
     options.method = method;
-    options.leave_out_inside = method_info(method).iso;
+    options.tile_iso = method_info(method).iso;
     std::optional<ParticleField> first;
     for (const std::size_t threads : {1U, 2U, 5U}) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
@@ -167,7 +167,7 @@ TEST(ParticleField, IsTheSameForAnyNumberOfThreads) {
         continue;
       }
       EXPECT_TRUE(same_samples(samples_of(*first), samples_of(made))) << word_of(method);
-      EXPECT_EQ(first->figures.particles_left_out, made.figures.particles_left_out);
+      EXPECT_EQ(first->figures.particles_deep_inside, made.figures.particles_deep_inside);
       EXPECT_EQ(first->figures.radius, made.figures.radius);
     }
   }
@@ -268,7 +268,7 @@ TEST(ParticleField, ReportsOrDropsNonFinitePositions) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::input);
   EXPECT_NE(refused.error().message.find("particle 7"), std::string::npos) << refused.error().message;
-  options.bad = BadParticles::skip;
+  options.bad = NonFiniteParticles::skip;
   const ParticleField made = field_of(particles_at(positions), options);
   EXPECT_EQ(made.figures.particles, 40U);
   EXPECT_EQ(made.figures.particles_dropped, 2U);
@@ -291,7 +291,7 @@ TEST(ParticleField, HasLinearWork) {
   const auto pairs_of = [](const std::vector<glm::dvec3>& positions) {
     const auto grid = CellGrid::make(positions, GridFrame{}, kSide, CellGrid::Coinciding::merged, Context(), "test");
     if (!grid) throw std::runtime_error(grid.error().message);
-    return std::pair(count_near_pairs(*grid, kSide, ~std::uint64_t{0}), std::uint64_t{grid->size()});
+    return std::pair(count_neighbor_pairs(*grid, kSide, ~std::uint64_t{0}), std::uint64_t{grid->size()});
   };
   // Twice as many particles at the same distances: about twice as many pairs.
   const auto [loose, loose_spots] = pairs_of(random_positions(4000, 40, 1));
@@ -350,8 +350,8 @@ TEST(ParticleField, RejectsInvalidOptions) {
   usage("k_s", [](FieldOptions& o) { o.anisotropy.k_s = 0; });
   usage("k_n", [](FieldOptions& o) { o.anisotropy.k_n = -1; });
   usage("neighbours that are few", [](FieldOptions& o) { o.anisotropy.few = -1; });
-  usage("neighbourhood", [](FieldOptions& o) { o.anisotropy.neighbourhood = 0; });
-  usage("finite iso value", [](FieldOptions& o) { o.leave_out_inside = std::nan(""); });
+  usage("neighbourhood", [](FieldOptions& o) { o.anisotropy.neighborhood = 0; });
+  usage("finite iso value", [](FieldOptions& o) { o.tile_iso = std::nan(""); });
   usage("as far apart as a kernel reaches", [](FieldOptions& o) { o.cell_size = 4.5; });
   const auto input = [&](const std::vector<glm::dvec3>& at, const char* words) {
     refuses(particles_at(at), ErrorCode::input, words, [](FieldOptions&) {});

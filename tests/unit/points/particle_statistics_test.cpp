@@ -26,27 +26,27 @@ TEST(ParticleStatistics, MeasureBoundsAndDistances) {
   EXPECT_EQ(s.bounds.not_finite, 1U);
   EXPECT_EQ(s.bounds.first_broken, count + 1);
   EXPECT_EQ(s.bounds.box, (field::Box{{-4, -4, -4}, {1e6, 4, 4}}));
-  ASSERT_TRUE(s.neighbours);
-  EXPECT_EQ(s.neighbours->asked, count + 2);
-  EXPECT_EQ(s.neighbours->min, 1) << "none is its own neighbour, nor what is at its place";
-  EXPECT_EQ(s.neighbours->median, 1);
-  EXPECT_EQ(s.neighbours->max, 1e6 - 4);
+  ASSERT_TRUE(s.neighbors);
+  EXPECT_EQ(s.neighbors->asked, count + 2);
+  EXPECT_EQ(s.neighbors->min, 1) << "none is its own neighbour, nor what is at its place";
+  EXPECT_EQ(s.neighbors->median, 1);
+  EXPECT_EQ(s.neighbors->max, 1e6 - 4);
   EXPECT_EQ(s.suggested_radius(), 0.5);
 }
 
 TEST(ParticleStatistics, HaveNoDistanceForOneParticle) {
   EXPECT_EQ(statistics_of({}).bounds.finite, 0U);
-  EXPECT_FALSE(statistics_of({}).neighbours);
+  EXPECT_FALSE(statistics_of({}).neighbors);
   EXPECT_FALSE(statistics_of({{1, 2, 3}}).suggested_radius());
-  EXPECT_FALSE(statistics_of(std::vector<glm::dvec3>(100000, {1, 2, 3})).neighbours);
+  EXPECT_FALSE(statistics_of(std::vector<glm::dvec3>(100000, {1, 2, 3})).neighbors);
 }
 
 TEST(ParticleStatistics, SampleLargeSets) {
   const std::vector<glm::dvec3> positions = lattice_ball(0.5, 26);
   ASSERT_GT(positions.size(), std::size_t{1} << 16U);
   const ParticleStatistics s = statistics_of(positions);
-  EXPECT_EQ(s.neighbours->asked, std::size_t{1} << 16U);
-  EXPECT_EQ(s.neighbours->max, 1);
+  EXPECT_EQ(s.neighbors->asked, std::size_t{1} << 16U);
+  EXPECT_EQ(s.neighbors->max, 1);
 }
 
 }  // namespace

@@ -43,8 +43,8 @@ TEST(ParticleSurface, IsASphereForOneParticle) {
   for (const Method method : {Method::sph, Method::anisotropic}) {
     FieldOptions options = options_of(method);
     options.cell_size = 0.25;
-    const glm::dvec3 centre(3.01, -2.02, 7.3);
-    const mesh::Mesh mesh = surface_of({centre}, options);
+    const glm::dvec3 center(3.01, -2.02, 7.3);
+    const mesh::Mesh mesh = surface_of({center}, options);
     test::expect_sound(mesh, true);
     EXPECT_EQ(mesh::measure_topology(mesh).components, 1U);
     // The field of an isolated particle is W / W(0), which is 0.6 at about a third of the support. Its anisotropic
@@ -52,7 +52,7 @@ TEST(ParticleSurface, IsASphereForOneParticle) {
     double low = 1;
     double high = 0;
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-      const double distance = glm::length(mesh.position(v) - centre);
+      const double distance = glm::length(mesh.position(v) - center);
       low = std::min(low, distance);
       high = std::max(high, distance);
     }
@@ -123,11 +123,11 @@ TEST(ParticleSurface, IsTheSameWithInsideTiles) {
     options.cell_size = cell;
     const double iso = method_info(method).iso;
     const mesh::Mesh whole = surface_of(field_of(particles, options), iso);
-    options.leave_out_inside = iso;
+    options.tile_iso = iso;
     const ParticleField left_out = field_of(particles, options);
-    EXPECT_GT(left_out.figures.bricks_inside, 15U);
-    EXPECT_GT(left_out.figures.particles_left_out, 20U);
-    EXPECT_LT(left_out.figures.particles_left_out, positions.size());
+    EXPECT_GT(left_out.figures.inside_tiles, 15U);
+    EXPECT_GT(left_out.figures.particles_deep_inside, 20U);
+    EXPECT_LT(left_out.figures.particles_deep_inside, positions.size());
     const mesh::Mesh mesh = surface_of(left_out, iso);
     EXPECT_EQ(mesh.origin, whole.origin);
     EXPECT_TRUE(equal_bytes(mesh.positions, whole.positions));
@@ -138,8 +138,8 @@ TEST(ParticleSurface, IsTheSameWithInsideTiles) {
 
 TEST(ParticleSurface, HasNoTilesForIsoValuesOfOneAndMore) {
   FieldOptions options = options_of(Method::sph);
-  options.leave_out_inside = 1.0;
-  EXPECT_EQ(field_of(particles_at(lattice_ball(kSurfaceRadius, 0.5)), options).figures.bricks_inside, 0U);
+  options.tile_iso = 1.0;
+  EXPECT_EQ(field_of(particles_at(lattice_ball(kSurfaceRadius, 0.5)), options).figures.inside_tiles, 0U);
 }
 
 TEST(ParticleSurface, IsSmootherWithAnisotropicKernels) {

@@ -10,14 +10,14 @@ namespace {
 
 constexpr PictureSize kSize{64, 48};
 
-Camera tilted() { return framing({{-1, -2, -3}, {5, 4, 3}}, {33, 21}, UpAxis::z, kSize); }
+Camera tilted() { return frame_box({{-1, -2, -3}, {5, 4, 3}}, {33, 21}, UpAxis::z, kSize); }
 
 TEST(Camera, DirectionsMatchClipMatrix) {
   const Camera camera = tilted();
-  const field::Affine world = camera.world_of_view();
+  const field::Affine world = camera.world_from_view();
   for (const auto& [x, y] : {std::pair{0, 0}, std::pair{63, 0}, std::pair{0, 47}, std::pair{30, 17}}) {
     const glm::dvec3 p = world(2.5 * direction_through(camera, kSize, x + 0.5, y + 0.5));
-    const glm::dvec4 clip = camera.clip_of_world(kSize) * glm::dvec4(p, 1);
+    const glm::dvec4 clip = camera.clip_from_world(kSize) * glm::dvec4(p, 1);
     EXPECT_NEAR((clip.x / clip.w + 1) / 2 * kSize.width, x + 0.5, 1e-9);
     EXPECT_NEAR((1 - clip.y / clip.w) / 2 * kSize.height, y + 0.5, 1e-9);
     EXPECT_NEAR(clip.w, 2.5, 1e-12);  // the depth
@@ -27,8 +27,8 @@ TEST(Camera, DirectionsMatchClipMatrix) {
 TEST(Camera, ViewAndWorldMapsAreInverses) {
   const Camera camera = tilted();
   const glm::dvec3 p(0.3, -7, 2);
-  EXPECT_NEAR(glm::length(camera.world_of_view()(camera.view_of_world()(p)) - p), 0, 1e-12);
-  EXPECT_NEAR(glm::length(camera.view_of_world()(camera.target) - glm::dvec3(0, 0, -1)), 0, 1e-12);
+  EXPECT_NEAR(glm::length(camera.world_from_view()(camera.view_from_world()(p)) - p), 0, 1e-12);
+  EXPECT_NEAR(glm::length(camera.view_from_world()(camera.target) - glm::dvec3(0, 0, -1)), 0, 1e-12);
 }
 
 TEST(Camera, FramesWholeBoxFromEveryAngle) {
@@ -37,11 +37,11 @@ TEST(Camera, FramesWholeBoxFromEveryAngle) {
     for (const double azimuth : {0.0, 50.0, 200.0}) {
       for (const double elevation : {-90.0, -30.0, 0.0, 90.0}) {
         for (const PictureSize size : {PictureSize{90, 30}, PictureSize{30, 90}}) {
-          const Camera camera = framing(box, {azimuth, elevation}, up, size);
+          const Camera camera = frame_box(box, {azimuth, elevation}, up, size);
           ASSERT_TRUE(camera.check());
           for (int corner = 0; corner < 8; ++corner) {
             const glm::dvec4 clip =
-                camera.clip_of_world(size) *
+                camera.clip_from_world(size) *
                 glm::dvec4((corner & 1) != 0 ? 13 : 10, (corner & 2) != 0 ? -3 : -4, (corner & 4) != 0 ? 11 : 3, 1);
             for (int axis = 0; axis < 3; ++axis) EXPECT_LE(std::abs(clip[axis]), clip.w);
           }
@@ -54,7 +54,7 @@ TEST(Camera, FramesWholeBoxFromEveryAngle) {
 TEST(Camera, PlacesEyeByAzimuthAndElevation) {
   const field::Box box{{-1, -1, -1}, {1, 1, 1}};
   const auto eye = [&](double azimuth, double elevation, UpAxis up) {
-    return framing(box, {azimuth, elevation, 5}, up, kSize).eye;
+    return frame_box(box, {azimuth, elevation, 5}, up, kSize).eye;
   };
   const auto near = [](const glm::dvec3& a, const glm::dvec3& b) { return glm::length(a - b) < 1e-9; };
   EXPECT_TRUE(near(eye(0, 0, UpAxis::z), {0, -5, 0}));
@@ -75,7 +75,7 @@ TEST(Camera, BoundsVisiblePixelsTightly) {
   glm::dvec2 high(-1e9);
   for (int corner = 0; corner < 8; ++corner) {
     const glm::dvec4 clip =
-        camera.clip_of_world(kSize) *
+        camera.clip_from_world(kSize) *
         glm::dvec4((corner & 1) != 0 ? 2 : 0, (corner & 2) != 0 ? 1 : 0, (corner & 4) != 0 ? 1 : 0, 1);
     const glm::dvec2 at((clip.x / clip.w + 1) / 2 * kSize.width, (1 - clip.y / clip.w) / 2 * kSize.height);
     low = glm::min(low, at);

@@ -38,7 +38,7 @@ TEST(Compositing, OpacityIsIndependentOfStep) {
     RenderOptions options{{1, 1}};
     options.samples_per_voxel = samples;
     const Rendered rendered = test::draw(scene, camera, options);
-    EXPECT_NEAR(rendered.picture.colour[0].a, 0.3, 1e-6);
+    EXPECT_NEAR(rendered.picture.color[0].a, 0.3, 1e-6);
     EXPECT_EQ(rendered.statistics.samples, static_cast<std::uint64_t>(std::ceil(4 * samples - 1e-9)));
   }
 }
@@ -64,7 +64,7 @@ TEST(Compositing, SetsDepthWhereHalfOfLightIsLeft) {
         EXPECT_NEAR(picture.depth[i], (3.37 - ray.eye.y) / ray.along.y, 1e-5);
         EXPECT_NEAR(glm::length(picture.normals[i] - glm::vec3(0, -1, 0)), 0, 1e-6);
       }
-      if (expected.met == Case::volume_only && picture.colour[i].a == 1 && std::isfinite(picture.depth[i])) {
+      if (expected.met == Case::volume_only && picture.color[i].a == 1 && std::isfinite(picture.depth[i])) {
         double enter = 0;
         for (int axis = 0; axis < 3; ++axis) {
           enter = std::max(enter, std::min(-ray.eye[axis] / ray.along[axis], (8 - ray.eye[axis]) / ray.along[axis]));
@@ -95,13 +95,13 @@ TEST(Compositing, SortsTransparentSurfacesByDepth) {
     scene.surfaces.clear();
     for (const int i : turn) scene.surfaces.push_back(order[static_cast<std::size_t>(i)]);
     const Picture picture = test::draw(scene, camera, {{3, 3}}).picture;
-    for (const glm::vec4& pixel : picture.colour) {
+    for (const glm::vec4& pixel : picture.color) {
       EXPECT_NEAR(glm::length(pixel - glm::vec4(0.5, 0.125, 0.375, 1)), 0, 1e-6);
     }
   }
   // At equal depth, the surface that comes first in the scene is in front.
   scene.surfaces = {{&near, {1, 0, 0}, 1}, {&near, {0, 1, 0}, 1}};
-  EXPECT_EQ(test::draw(scene, camera, {{1, 1}}).picture.colour[0], glm::vec4(1, 0, 0, 1));
+  EXPECT_EQ(test::draw(scene, camera, {{1, 1}}).picture.color[0], glm::vec4(1, 0, 0, 1));
 }
 
 }  // namespace

@@ -34,8 +34,8 @@ inline mesh::Mesh rectangle(double y, double x0, double x1, double z0, double z1
 }
 
 // One color and opacity for all values.
-inline render::TransferFunction constant_transfer(const glm::dvec3& colour, double opacity) {
-  const std::array points{render::ControlPoint{0, colour, opacity}, render::ControlPoint{2, colour, opacity}};
+inline render::TransferFunction constant_transfer(const glm::dvec3& color, double opacity) {
+  const std::array points{render::ControlPoint{0, color, opacity}, render::ControlPoint{2, color, opacity}};
   return render::TransferFunction::create(points).value();
 }
 
@@ -56,7 +56,7 @@ struct WorldRay {
   glm::dvec3 along;
 };
 inline WorldRay ray_of(const render::Camera& camera, const render::PictureSize& size, int x, int y) {
-  const glm::dmat4 back = glm::inverse(camera.clip_of_world(size));
+  const glm::dmat4 back = glm::inverse(camera.clip_from_world(size));
   const glm::dvec4 far(2 * (x + 0.5) / size.width - 1, 1 - 2 * (y + 0.5) / size.height, 0.5, 1);
   const glm::dvec4 at = back * far;
   const glm::dvec3 way = glm::dvec3(at) / at.w - camera.eye;
@@ -72,14 +72,14 @@ bool same_bytes(const Buffer<T>& a, const Buffer<T>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
 }
 inline bool same_picture(const render::Picture& a, const render::Picture& b) {
-  return same_bytes(a.colour, b.colour) && same_bytes(a.depth, b.depth) && same_bytes(a.normals, b.normals);
+  return same_bytes(a.color, b.color) && same_bytes(a.depth, b.depth) && same_bytes(a.normals, b.normals);
 }
 
 inline float largest_difference(const render::Picture& a, const render::Picture& b) {
   float largest = a.pixels() == b.pixels() ? 0 : std::numeric_limits<float>::infinity();
   for (std::size_t i = 0; i < a.pixels() && i < b.pixels(); ++i) {
     for (int c = 0; c < 4; ++c) {
-      const float difference = std::abs(a.colour[i][c] - b.colour[i][c]);
+      const float difference = std::abs(a.color[i][c] - b.color[i][c]);
       if (!(difference <= largest)) largest = difference;
     }
   }

@@ -39,7 +39,7 @@ void keep(const Picture& picture, const fs::path& path) {
   fs::create_directories(path.parent_path());
   auto file = files::OutputFile::create(path);
   ASSERT_TRUE(file);
-  ASSERT_TRUE(image_io::write_png(*file, {picture.width, picture.height, picture.colour.span(), {}, {}}, Context()));
+  ASSERT_TRUE(image_io::write_png(*file, {picture.width, picture.height, picture.color.span(), {}, {}}, Context()));
   ASSERT_TRUE(file->commit());
 }
 
@@ -79,13 +79,13 @@ TEST(Golden, MatchesVolumeWithSurfaces) {
   mesh::Mesh sphere = test::sphere(16, false, "sphere", {15, 15, 15});
   for (glm::vec3& p : sphere.positions) p *= 6.0F;
   ASSERT_TRUE(add_normals(sphere, "sphere", Context()));
-  Volume volume{&field, field.index_to_world, TransferFunction::create(built_in(BuiltInTransfer::fire, 0, 1)).value(),
-                1};
+  Volume volume{&field, field.index_to_world,
+                TransferFunction::create(built_in_points(BuiltInTransfer::fire, 0, 1)).value(), 1};
   Scene scene;
   scene.volume = &volume;
   scene.surfaces = {{&rectangle, {0.1, 0.4, 0.9}, 0.5}, {&sphere, {0.8, 0.8, 0.8}, 1}};
   scene.background = {0.02, 0.02, 0.03, 1};
-  const Camera camera = framing({{0, 0, 0}, {31, 31, 31}}, {35, 20}, UpAxis::z, kSmall);
+  const Camera camera = frame_box({{0, 0, 0}, {31, 31, 31}}, {35, 20}, UpAxis::z, kSmall);
   expect_as_kept(test::draw(scene, camera, {kSmall}).picture, "volume_with_surfaces");
 }
 
@@ -95,7 +95,7 @@ TEST(Golden, MatchesFlatTransparentSurfaces) {
   for (glm::vec3& p : outer.positions) p *= 1.6F;
   Scene scene;
   scene.surfaces = {{&outer, {0.2, 0.7, 0.4}, 0.35, Shading::flat}, {&inner, {0.9, 0.5, 0.2}, 1, Shading::flat}};
-  const Camera camera = framing({glm::dvec3(-1.6), glm::dvec3(1.6)}, {10, 30}, UpAxis::z, kSmall);
+  const Camera camera = frame_box({glm::dvec3(-1.6), glm::dvec3(1.6)}, {10, 30}, UpAxis::z, kSmall);
   expect_as_kept(test::draw(scene, camera, {kSmall}).picture, "flat_and_see_through");
 }
 

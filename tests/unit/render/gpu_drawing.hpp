@@ -48,7 +48,7 @@ inline std::size_t pixels_off(const render::Picture& a, const render::Picture& b
   std::size_t off = 0;
   for (std::size_t i = 0; i < a.pixels() && i < b.pixels(); ++i) {
     bool same = true;
-    for (int c = 0; c < 4; ++c) same = same && std::abs(a.colour[i][c] - b.colour[i][c]) <= bound;
+    for (int c = 0; c < 4; ++c) same = same && std::abs(a.color[i][c] - b.color[i][c]) <= bound;
     off += same ? 0 : 1;
   }
   return off;

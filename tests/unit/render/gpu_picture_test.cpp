@@ -36,8 +36,8 @@ std::vector<Camera> cameras(const Scene& scene, const PictureSize& size, unsigne
   std::mt19937 engine(seed);
   std::uniform_real_distribution<double> angle(-180, 180);
   const field::Box box = *box_of(scene);
-  std::vector<Camera> all{framing(box, {angle(engine), angle(engine) / 2.1}, UpAxis::z, size)};
-  Camera within = framing(box, {angle(engine), angle(engine) / 3}, UpAxis::y, size);
+  std::vector<Camera> all{frame_box(box, {angle(engine), angle(engine) / 2.1}, UpAxis::z, size)};
+  Camera within = frame_box(box, {angle(engine), angle(engine) / 3}, UpAxis::y, size);
   within.eye = within.target + 0.07 * (within.eye - within.target);
   within.near_depth = 1e-3 * within.unit();
   all.push_back(within);
@@ -89,11 +89,11 @@ TEST(GpuPicture, SkipsEmptySpaceWithoutChange) {
     scene.volume = &volume;
     RenderOptions options{{64, 48}};
     options.early_termination = false;
-    const Camera camera = framing(*box_of(scene), {30, 10}, UpAxis::z, options.size);
+    const Camera camera = frame_box(*box_of(scene), {30, 10}, UpAxis::z, options.size);
     const Rendered skipping = test::draw_on_gpu(scene, camera, options);
     options.empty_space_skipping = false;
     const Rendered taking_all = test::draw_on_gpu(scene, camera, options);
-    EXPECT_TRUE(test::same_bytes(skipping.picture.colour, taking_all.picture.colour));
+    EXPECT_TRUE(test::same_bytes(skipping.picture.color, taking_all.picture.color));
     EXPECT_TRUE(test::same_bytes(skipping.picture.depth, taking_all.picture.depth));
     EXPECT_EQ(taking_all.statistics.samples_skipped, 0U);
     EXPECT_GT(skipping.statistics.samples_skipped, skipping.statistics.samples / 2);
@@ -153,10 +153,10 @@ class Spheres {
     meshes_.push_back(test::sphere(16, true, "painted", {1e5 - 0.5, -0.2, 0.3}));
     mesh::Attribute paint;
     paint.name = "colour";
-    paint.role = mesh::AttributeRole::colour;
+    paint.role = mesh::AttributeRole::color;
     paint.type = mesh::ComponentType::u8;
     paint.components = 4;
-    paint.normalised = true;
+    paint.normalized = true;
     std::vector<std::byte> bytes;
     for (std::size_t v = 0; v < meshes_[2].positions.size(); ++v) {
       for (const std::size_t c : {v % 256, (3 * v) % 256, 255 - v % 256, 100 + v % 150})
@@ -239,7 +239,7 @@ TEST(GpuPicture, SortsManyTransparentSurfaces) {
   scene.surfaces.back().mesh = &layers.back();
   scene.shading = test::unlit();
   RenderOptions options{{64, 48}};
-  const Camera camera = framing(*box_of(scene), {12, 7}, UpAxis::z, options.size);
+  const Camera camera = frame_box(*box_of(scene), {12, 7}, UpAxis::z, options.size);
   const Compared both = compare(scene, camera, options);
   EXPECT_LE(both.off, 64U * 48 / 200);
   EXPECT_GT(both.gpu.fragments, 15000U);

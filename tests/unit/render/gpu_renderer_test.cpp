@@ -24,7 +24,7 @@ class BallInLayers {
   BallInLayers(const BallInLayers&) = delete;
   BallInLayers& operator=(const BallInLayers&) = delete;
   const Scene& scene() const { return scene_; }
-  Camera camera(const PictureSize& size) const { return framing(*box_of(scene_), {30, 10}, UpAxis::z, size); }
+  Camera camera(const PictureSize& size) const { return frame_box(*box_of(scene_), {30, 10}, UpAxis::z, size); }
 
  private:
   field::ScalarField field_ = test::ball(24);

@@ -6,9 +6,9 @@ namespace {
 
 constexpr PictureSize kFrame{48, 40};
 
-class KeptVolume : public testing::TestWithParam<bool> {
+class VolumeKeeper : public testing::TestWithParam<bool> {
  protected:
-  KeptVolume()
+  VolumeKeeper()
       : dense_(test::ball(40)),
         sparse_(test::sparse_copy<float>(dense_, 0)),
         rectangle_(test::rectangle(20, 5, 35, -3, 30)) {
@@ -24,11 +24,11 @@ class KeptVolume : public testing::TestWithParam<bool> {
       renderer_ = on_cpu_.get();
     }
   }
-  ~KeptVolume() override {
+  ~VolumeKeeper() override {
     if (renderer_ != nullptr) renderer_->keep(nullptr);
   }
   Rendered draw(double azimuth, const RenderOptions& options = {kFrame}) {
-    const Camera camera = framing({glm::dvec3(0), glm::dvec3(39)}, {azimuth, 15}, UpAxis::z, kFrame);
+    const Camera camera = frame_box({glm::dvec3(0), glm::dvec3(39)}, {azimuth, 15}, UpAxis::z, kFrame);
     auto drawn = renderer_->draw(scene_, camera, options, context_);
     EXPECT_TRUE(drawn) << (drawn ? "" : drawn.error().message);
     return drawn ? std::move(*drawn) : Rendered();
@@ -45,7 +45,7 @@ class KeptVolume : public testing::TestWithParam<bool> {
   Renderer* renderer_ = nullptr;
 };
 
-TEST_P(KeptVolume, ReadsVolumeOnceForSeveralViews) {
+TEST_P(VolumeKeeper, ReadsVolumeOnceForSeveralViews) {
   ASSERT_NE(renderer_, nullptr);
   for (const field::ScalarField* field : {&dense_, &sparse_}) {
     volume_.field = field;
@@ -58,15 +58,15 @@ TEST_P(KeptVolume, ReadsVolumeOnceForSeveralViews) {
       const Rendered& expected = anew[static_cast<std::size_t>(number)];
       EXPECT_TRUE(test::same_picture(expected.picture, drawn.picture)) << azimuth;
       EXPECT_EQ(expected.statistics, drawn.statistics) << azimuth;
-      EXPECT_FALSE(expected.volume_kept);
-      EXPECT_EQ(drawn.volume_kept, number > 0);
+      EXPECT_FALSE(expected.reused_volume);
+      EXPECT_EQ(drawn.reused_volume, number > 0);
       ++number;
     }
     renderer_->keep(nullptr);
   }
 }
 
-TEST_P(KeptVolume, DoesNotReadSamplesAgain) {
+TEST_P(VolumeKeeper, DoesNotReadSamplesAgain) {
   // Violates the contract on purpose to see whether samples are read: brick ranges from before the ball was added hide
   // it.
   ASSERT_NE(renderer_, nullptr);
@@ -76,7 +76,7 @@ TEST_P(KeptVolume, DoesNotReadSamplesAgain) {
   scene_.surfaces.clear();
   const auto most = [](const Rendered& drawn) {
     float largest = 0;
-    for (const glm::vec4& pixel : drawn.picture.colour) largest = std::max(largest, pixel.a);
+    for (const glm::vec4& pixel : drawn.picture.color) largest = std::max(largest, pixel.a);
     return largest;
   };
   std::fill(values, values + ball.size(), 0.0F);
@@ -88,32 +88,32 @@ TEST_P(KeptVolume, DoesNotReadSamplesAgain) {
   EXPECT_GT(most(draw(0)), 0.5F);
 }
 
-TEST_P(KeptVolume, ServesOnlySameVolumeAndOptions) {
+TEST_P(VolumeKeeper, ServesOnlySameVolumeAndOptions) {
   ASSERT_NE(renderer_, nullptr);
   renderer_->keep(&volume_);
-  EXPECT_FALSE(draw(0).volume_kept);
-  EXPECT_TRUE(draw(0).volume_kept);
+  EXPECT_FALSE(draw(0).reused_volume);
+  EXPECT_TRUE(draw(0).reused_volume);
   RenderOptions options{kFrame};
   options.empty_space_skipping = false;
   const Rendered all = draw(0, options);
-  EXPECT_FALSE(all.volume_kept);
+  EXPECT_FALSE(all.reused_volume);
   EXPECT_EQ(all.statistics.samples_skipped, 0U);
   EXPECT_EQ(all.statistics.bricks, 0U);
-  EXPECT_TRUE(draw(0, options).volume_kept);
+  EXPECT_TRUE(draw(0, options).reused_volume);
   options.empty_space_skipping = true;
   EXPECT_GT(draw(0, options).statistics.samples_skipped, 0U);
 
   other_.transfer = test::rising_transfer(0.5, 0.9);
   scene_.volume = &other_;
-  EXPECT_FALSE(draw(0).volume_kept);
-  EXPECT_FALSE(draw(0).volume_kept);
+  EXPECT_FALSE(draw(0).reused_volume);
+  EXPECT_FALSE(draw(0).reused_volume);
   scene_.volume = nullptr;
-  EXPECT_FALSE(draw(0).volume_kept);
+  EXPECT_FALSE(draw(0).reused_volume);
   scene_.volume = &volume_;
-  EXPECT_TRUE(draw(0).volume_kept);
+  EXPECT_TRUE(draw(0).reused_volume);
 }
 
-TEST_P(KeptVolume, HoldsItsMemoryReservation) {
+TEST_P(VolumeKeeper, HoldsItsMemoryReservation) {
   ASSERT_NE(renderer_, nullptr);
   draw(0);
   EXPECT_EQ(context_.memory().reserved(), 0U);
@@ -127,7 +127,7 @@ TEST_P(KeptVolume, HoldsItsMemoryReservation) {
   EXPECT_EQ(context_.memory().reserved(), 0U);
 }
 
-INSTANTIATE_TEST_SUITE_P(Renderers, KeptVolume, testing::Bool(),
+INSTANTIATE_TEST_SUITE_P(Renderers, VolumeKeeper, testing::Bool(),
                          [](const auto& test) { return test.param ? "Gpu" : "Cpu"; });
 
 }  // namespace

@@ -210,11 +210,11 @@ render::Rendered draw_plainly(const render::Scene& scene, const render::Camera& 
   if (options.empty_space_skipping) {
     view.bricks = &bricks;
     rendered.statistics.bricks = bricks.count();
-    rendered.statistics.bricks_skipped = bricks.count_unseen();
+    rendered.statistics.bricks_skipped = bricks.count_invisible();
   }
-  view.box = *render::box_of_volume(*volume.field);
+  view.box = *render::volume_box(*volume.field);
   view.eye = index_of_world(camera.eye);
-  view.index_of_view = index_of_world.linear * camera.world_of_view().linear;
+  view.index_of_view = index_of_world.linear * camera.world_from_view().linear;
   view.unit = camera.unit();
   view.step = render::step_of(volume, options);
   view.per_length = 1 / volume.unit_length;
@@ -231,7 +231,7 @@ render::Rendered draw_plainly(const render::Scene& scene, const render::Camera& 
         const render::detail::Pixel pixel = rays.cast(
             surfaces.direction(x + 0.5, y + 0.5), fragments.of(static_cast<std::size_t>(in_tile)), rendered.statistics);
         const std::size_t at = pixel_of(rendered.picture, x, y);
-        rendered.picture.colour[at] = pixel.colour;
+        rendered.picture.color[at] = pixel.color;
         rendered.picture.depth[at] = pixel.depth;
         rendered.picture.normals[at] = pixel.normal;
       }

@@ -19,7 +19,7 @@ inline const glm::dvec4 kBehind(0.05, 0.15, 0.1, 1);
 enum class Case { neither, surface_only, volume_only, surface_in_front, volume_in_front, inside };
 
 struct Expected {
-  glm::dvec4 colour;
+  glm::dvec4 color;
   Case met;
 };
 
@@ -36,7 +36,7 @@ class PlaneInFog {
     scene_.surfaces.push_back({&rectangle_, kPaint, opacity});
     scene_.shading = test::unlit();
     scene_.background = kBehind;
-    camera_ = framing({{-4, -4, -4}, {12, 12, 12}}, {20, 15}, UpAxis::z, size());
+    camera_ = frame_box({{-4, -4, -4}, {12, 12, 12}}, {20, 15}, UpAxis::z, size());
   }
   static PictureSize size() { return {60, 44}; }
   const Scene& scene() const { return scene_; }
@@ -104,7 +104,7 @@ inline double difference(const PlaneInFog& setup, const Picture& picture, std::m
     for (int x = 0; x < picture.width; ++x) {
       const Expected expected = setup.expected(x, y);
       ++met[expected.met];
-      const glm::dvec4 off = glm::abs(glm::dvec4(picture.colour[test::pixel_of(picture, x, y)]) - expected.colour);
+      const glm::dvec4 off = glm::abs(glm::dvec4(picture.color[test::pixel_of(picture, x, y)]) - expected.color);
       largest = std::max({largest, off.r, off.g, off.b, off.a});
     }
   }

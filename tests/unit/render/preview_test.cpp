@@ -54,8 +54,8 @@ TEST(Preview, DrawsBackgroundWithoutSurface) {
   PreviewOptions options;
   options.size = {8, 6};
   const Picture picture = preview_of(mesh::Mesh(), options);
-  for (const glm::vec4& pixel : picture.colour) EXPECT_EQ(pixel, picture.colour[0]);
-  EXPECT_EQ(picture.colour[0].a, 1.0F);
+  for (const glm::vec4& pixel : picture.color) EXPECT_EQ(pixel, picture.color[0]);
+  EXPECT_EQ(picture.color[0].a, 1.0F);
 }
 
 // Adds a box of its own color, offset from the center by `right`, `up` and `near` as the camera sees it.
@@ -66,13 +66,13 @@ class BoxesInView {
     options_.angles = angles;
     options_.box = field::Box{glm::dvec3(-4), glm::dvec3(4)};
     options_.scale_bar = false;
-    camera_ = framing(*options_.box, angles, options_.up, options_.size);
+    camera_ = frame_box(*options_.box, angles, options_.up, options_.size);
   }
-  void add(double right, double up, double near, double half, const glm::dvec3& colour) {
+  void add(double right, double up, double near, double half, const glm::dvec3& color) {
     const glm::vec3 at(glm::transpose(camera_.rotation()) * glm::dvec3(right, up, near));
     const auto side = static_cast<float>(half);
     const mesh::Mesh& mesh = meshes_.emplace_back(test::box_mesh(at - side, at + side));
-    surfaces_.push_back({&mesh, colour, 1, Shading::flat});
+    surfaces_.push_back({&mesh, color, 1, Shading::flat});
   }
   [[nodiscard]] PreviewOptions& options() { return options_; }
   [[nodiscard]] Picture draw() const {
@@ -100,7 +100,7 @@ TEST(Preview, OrientsPictureAndHidesFartherBoxes) {
     std::array<int, 3> count{};
     for (int y = 0; y < picture.height; ++y) {
       for (int x = 0; x < picture.width; ++x) {
-        const glm::vec4& pixel = picture.colour[static_cast<std::size_t>(x + picture.width * y)];
+        const glm::vec4& pixel = picture.color[static_cast<std::size_t>(x + picture.width * y)];
         for (int c = 0; c < 3; ++c) {
           if (pixel[c] <= 2 * std::max(pixel[(c + 1) % 3], pixel[(c + 2) % 3])) continue;
           middle[static_cast<std::size_t>(c)] += glm::dvec2(x, y);
@@ -119,7 +119,7 @@ TEST(Preview, OrientsPictureAndHidesFartherBoxes) {
     const auto depth = [&](const glm::ivec2& at) {
       return picture.depth[static_cast<std::size_t>(at.x + picture.width * at.y)];
     };
-    EXPECT_GT(picture.colour[static_cast<std::size_t>(80 + picture.width * 60)].b, 0.2F);
+    EXPECT_GT(picture.color[static_cast<std::size_t>(80 + picture.width * 60)].b, 0.2F);
     EXPECT_LT(depth({80, 60}), depth(glm::ivec2(middle[1])) - 1) << angles.azimuth;
   }
 }
@@ -132,7 +132,7 @@ TEST(Preview, DrawsScaleBarOfStatedLength) {
     const Picture without = boxes.draw();
     boxes.options().scale_bar = true;
     const Picture with = boxes.draw();
-    const Camera camera = framing(*boxes.options().box, boxes.options().angles, UpAxis::z, size);
+    const Camera camera = frame_box(*boxes.options().box, boxes.options().angles, UpAxis::z, size);
     const ScaleBar bar = scale_bar(camera, size, "");
     // The lowest row that differs from the background has the whole bar and nothing else.
     int first = -1;
@@ -140,7 +140,7 @@ TEST(Preview, DrawsScaleBarOfStatedLength) {
     for (int y = size.height - 1; y >= 0 && count == 0; --y) {
       for (int x = 0; x < size.width; ++x) {
         const auto at = static_cast<std::size_t>(x + size.width * y);
-        if (with.colour[at] == without.colour[at]) continue;
+        if (with.color[at] == without.color[at]) continue;
         if (first < 0) first = x;
         EXPECT_EQ(x, first + count);
         ++count;
@@ -154,7 +154,7 @@ TEST(Preview, DrawsScaleBarOfStatedLength) {
 TEST(ScaleBar, HasRoundLengthOfMatchingPixels) {
   for (const double size : {1e-9, 0.3, 1.0, 7.0, 42.0, 3e7}) {
     const PictureSize pixels{800, 600};
-    const Camera camera = framing({glm::dvec3(-size), glm::dvec3(size)}, {}, UpAxis::z, pixels);
+    const Camera camera = frame_box({glm::dvec3(-size), glm::dvec3(size)}, {}, UpAxis::z, pixels);
     const ScaleBar bar = scale_bar(camera, pixels, "mm");
     const double digits = bar.length / std::pow(10, std::floor(std::log10(bar.length * (1 + 1e-9))));
     EXPECT_TRUE(std::abs(digits - 1) < 1e-6 || std::abs(digits - 2) < 1e-6 || std::abs(digits - 5) < 1e-6) << digits;
@@ -162,7 +162,7 @@ TEST(ScaleBar, HasRoundLengthOfMatchingPixels) {
     EXPECT_LE(bar.pixels, 800 / 4 + 1);
     EXPECT_TRUE(bar.text.ends_with(" mm"));
     // Projects two points that far apart, at the target's distance, and compares their distance in pixels.
-    const glm::dmat4 clip = camera.clip_of_world(pixels);
+    const glm::dmat4 clip = camera.clip_from_world(pixels);
     const glm::dvec3 right = glm::transpose(camera.rotation()) * glm::dvec3(bar.length, 0, 0);
     const glm::dvec4 a = clip * glm::dvec4(camera.target, 1);
     const glm::dvec4 b = clip * glm::dvec4(camera.target + right, 1);
@@ -175,7 +175,7 @@ TEST(PictureText, DrawsTextClippedToPicture) {
   ASSERT_TRUE(picture.has_value());
   fill_box(*picture, {0, 0}, {20, 12}, glm::vec3(1));
   draw_text(*picture, {1, 1}, "1L", 1, glm::vec3(0));
-  const auto dark = [&](int x, int y) { return picture->colour[static_cast<std::size_t>(x + 20 * y)].r < 0.5F; };
+  const auto dark = [&](int x, int y) { return picture->color[static_cast<std::size_t>(x + 20 * y)].r < 0.5F; };
   // The foot of the 1 is three dots wide, its stem one.
   EXPECT_TRUE(dark(2, 8) && dark(3, 8) && dark(4, 8) && !dark(5, 8));
   EXPECT_TRUE(dark(3, 5) && !dark(2, 5) && !dark(4, 5));
@@ -195,7 +195,7 @@ TEST(ContactSheet, PlacesPicturesInOrder) {
   const Picture& picture = sheet->picture();
   for (std::size_t n = 0; n < 5; ++n) {
     std::size_t found = 0;
-    for (const glm::vec4& pixel : picture.colour) {
+    for (const glm::vec4& pixel : picture.color) {
       found += pixel == glm::vec4(0.1F * static_cast<float>(n + 1), 0, 0, 1) ? 1 : 0;
     }
     EXPECT_EQ(found, 600U) << n;
@@ -211,7 +211,7 @@ TEST(Preview, DrawsBoxFarBehindTarget) {
   options.scale_bar = false;
   options.angles.azimuth = 0;
   options.angles.elevation = 0;
-  const Camera camera = framing({glm::dvec3(-1), glm::dvec3(1)}, options.angles, options.up, options.size);
+  const Camera camera = frame_box({glm::dvec3(-1), glm::dvec3(1)}, options.angles, options.up, options.size);
   options.angles.look_at = glm::transpose(camera.rotation()) * glm::dvec3(0, 0, 4);
   const Picture picture = preview_of(mesh, options);
   ASSERT_EQ(picture.width, 120);

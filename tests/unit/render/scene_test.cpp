@@ -9,9 +9,9 @@ namespace {
 
 TEST(Scene, BoundsEverythingVisible) {
   const auto dense = test::dense_field<float>({4, 5, 6}, [](int, int, int) { return 1; });
-  EXPECT_EQ(box_of_volume(dense).value(), (field::Box{{0, 0, 0}, {3, 4, 5}}));
+  EXPECT_EQ(volume_box(dense).value(), (field::Box{{0, 0, 0}, {3, 4, 5}}));
   const auto sparse = test::sparse_copy<float>(test::ball(40), 0);
-  EXPECT_EQ(box_of_volume(sparse).value(), (field::Box{{-1, -1, -1}, {40, 40, 40}}));
+  EXPECT_EQ(volume_box(sparse).value(), (field::Box{{-1, -1, -1}, {40, 40, 40}}));
 
   const mesh::Mesh rectangle = test::rectangle(7, -3, 1, -2, 2);
   Volume volume{&dense, field::scaling(glm::dvec3(2)), {}, 1};
@@ -26,12 +26,12 @@ TEST(Scene, BoundsEverythingVisible) {
 
 TEST(Scene, RefusesFlatAndEmptyVolumes) {
   const auto flat = test::dense_field<float>({4, 1, 6}, [](int, int, int) { return 1; });
-  const auto refused = box_of_volume(flat);
+  const auto refused = volume_box(flat);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().message, "test field: expected at least two samples along each axis, found 4 x 1 x 6");
   field::ScalarField empty;
   empty.samples = field::SparseSamples();
-  EXPECT_EQ(box_of_volume(empty).error().code, ErrorCode::empty_grid);
+  EXPECT_EQ(volume_box(empty).error().code, ErrorCode::empty_grid);
 }
 
 TEST(Scene, RefusesInvalidScenes) {
@@ -52,8 +52,8 @@ TEST(Scene, RefusesInvalidScenes) {
   const int input = exit_code_of(ErrorCode::input);
   EXPECT_EQ(kind_of([](Scene&, RenderOptions&) {}), 0);
   EXPECT_EQ(kind_of([](Scene& s, RenderOptions&) { s.surfaces[0].opacity = 0; }), usage);
-  EXPECT_EQ(kind_of([](Scene& s, RenderOptions&) { s.surfaces[0].colour.g = -1; }), usage);
-  EXPECT_EQ(kind_of([](Scene& s, RenderOptions&) { s.surfaces[0].vertex_colours = true; }), input);
+  EXPECT_EQ(kind_of([](Scene& s, RenderOptions&) { s.surfaces[0].color.g = -1; }), usage);
+  EXPECT_EQ(kind_of([](Scene& s, RenderOptions&) { s.surfaces[0].vertex_colors = true; }), input);
   EXPECT_EQ(kind_of([](Scene& s, RenderOptions&) { s.lights[0].towards = glm::dvec3(0); }), usage);
   EXPECT_EQ(kind_of([](Scene& s, RenderOptions&) { s.lights.resize(9); }), usage);
   EXPECT_EQ(kind_of([](Scene& s, RenderOptions&) { s.shading.shininess = 0; }), usage);

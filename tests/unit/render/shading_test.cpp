@@ -43,8 +43,8 @@ TEST(Shading, LightsRectangleByFormula) {
       // With reversed winding the normal is flipped towards the eye.
       const glm::dvec3 normal(0, -1, 0);
       for (int c = 0; c < 3; ++c) {
-        const double base = scene.surfaces[0].colour[c];
-        EXPECT_NEAR(rendered.picture.colour[i][c],
+        const double base = scene.surfaces[0].color[c];
+        EXPECT_NEAR(rendered.picture.color[i][c],
                     blinn_of(normal, {0.3, -0.8, 0.4}, -glm::normalize(ray.along), base, scene.shading), 1e-6);
       }
       EXPECT_NEAR(rendered.picture.depth[i], 4, 1e-6);
@@ -74,7 +74,7 @@ TEST(Shading, LightsSphereByLambert) {
         const double a = glm::dot(ray.along, ray.along);
         const double b = glm::dot(ray.along, ray.eye);
         const double inside = b * b - a * (glm::dot(ray.eye, ray.eye) - 1);
-        const glm::vec4 pixel = picture.colour[test::pixel_of(picture, x, y)];
+        const glm::vec4 pixel = picture.color[test::pixel_of(picture, x, y)];
         if (inside < -0.5) {
           EXPECT_EQ(pixel, glm::vec4(0));
         }
@@ -109,12 +109,12 @@ TEST(Shading, ComputesMissingVertexNormals) {
 
 TEST(Shading, InterpolatesVertexColorsInLinearLight) {
   mesh::Mesh rectangle = test::rectangle(0, -1, 1, -1, 1);
-  mesh::Attribute colours{"COLOR", mesh::AttributeRole::colour, mesh::ComponentType::f32, 4,
-                          false,   Buffer<std::byte>(64)};
+  mesh::Attribute colors{"COLOR", mesh::AttributeRole::color, mesh::ComponentType::f32, 4,
+                         false,   Buffer<std::byte>(64)};
   // Red on the left, blue and half transparent on the right.
   const std::array<glm::vec4, 4> values{glm::vec4(1, 0, 0, 1), {0, 0, 1, 0.5}, {0, 0, 1, 0.5}, {1, 0, 0, 1}};
-  std::memcpy(colours.values.data(), values.data(), 64);
-  rectangle.attributes.push_back(std::move(colours));
+  std::memcpy(colors.values.data(), values.data(), 64);
+  rectangle.attributes.push_back(std::move(colors));
   Scene scene;
   scene.surfaces.push_back({&rectangle, {0, 1, 0}, 1, Shading::flat, true});
   scene.shading = test::unlit();
@@ -127,7 +127,7 @@ TEST(Shading, InterpolatesVertexColorsInLinearLight) {
       if (std::abs(at.x) > 0.999 || std::abs(at.z) > 0.999) continue;
       const double right = (at.x + 1) / 2;
       const double alpha = 1 - right / 2;
-      const glm::vec4 pixel = picture.colour[test::pixel_of(picture, x, y)];
+      const glm::vec4 pixel = picture.color[test::pixel_of(picture, x, y)];
       EXPECT_NEAR(glm::length(glm::dvec4(pixel) - glm::dvec4(alpha * (1 - right), 0, alpha * right, alpha)), 0, 1e-5);
       ++seen;
     }
@@ -167,7 +167,7 @@ TEST(Shading, CoversSharedEdgesExactlyOnce) {
     // Skips the border, which moved vertices may leave uncovered.
     for (int y = 1; y + 1 < kSide; ++y) {
       for (int x = 1; x + 1 < kSide; ++x) {
-        EXPECT_EQ(picture.colour[test::pixel_of(picture, x, y)].a, 0.5F) << x << " " << y << " " << jitter;
+        EXPECT_EQ(picture.color[test::pixel_of(picture, x, y)].a, 0.5F) << x << " " << y << " " << jitter;
       }
     }
   }
@@ -189,7 +189,7 @@ TEST(Shading, DrawsTrianglesAroundEye) {
       const double depth = -1 / ray.along.z;
       const glm::dvec3 p = ray.eye + depth * ray.along;
       const bool on_floor = depth > 0 && std::abs(p.x) < 50 * (80 - p.y) / 130 && p.y < 80;
-      EXPECT_EQ(picture.colour[test::pixel_of(picture, x, y)].a, on_floor ? 1 : 0) << x << " " << y;
+      EXPECT_EQ(picture.color[test::pixel_of(picture, x, y)].a, on_floor ? 1 : 0) << x << " " << y;
     }
   }
 }

@@ -20,7 +20,7 @@ class BallScene {
     volume_ = {&field_, field::scaling(glm::dvec3(scale)), test::rising_transfer(0.1, opacity), scale};
     scene_.volume = &volume_;
     scene_.surfaces.push_back({&rectangle_, {0.9, 0.8, 0.1}, 0.6});
-    camera_ = framing({glm::dvec3(0), glm::dvec3(39 * scale)}, {25, 15}, UpAxis::z, kFrame);
+    camera_ = frame_box({glm::dvec3(0), glm::dvec3(39 * scale)}, {25, 15}, UpAxis::z, kFrame);
   }
   [[nodiscard]] Rendered draw(const RenderOptions& options) const { return test::draw(scene_, camera_, options); }
   [[nodiscard]] const Scene& scene() const { return scene_; }
@@ -69,7 +69,7 @@ TEST(Skipping, SeesBrickWithOneVisibleSample) {
   Volume volume{&field, {}, test::rising_transfer(0.01, 0.5), 1};
   Scene scene;
   scene.volume = &volume;
-  const Camera camera = framing({glm::dvec3(15), glm::dvec3(17)}, {30, 40}, UpAxis::z, kFrame);
+  const Camera camera = frame_box({glm::dvec3(15), glm::dvec3(17)}, {30, 40}, UpAxis::z, kFrame);
   RenderOptions options = without_shortcuts();
   options.samples_per_voxel = 4;
   const Rendered all = test::draw(scene, camera, options);
@@ -79,7 +79,7 @@ TEST(Skipping, SeesBrickWithOneVisibleSample) {
   EXPECT_EQ(skipped.statistics.bricks, 64U);
   EXPECT_EQ(skipped.statistics.bricks_skipped, 56U);
   float most = 0;
-  for (const glm::vec4& pixel : all.picture.colour) most = std::max(most, pixel.a);
+  for (const glm::vec4& pixel : all.picture.color) most = std::max(most, pixel.a);
   EXPECT_GT(most, 0.1F);
 }
 
@@ -133,10 +133,10 @@ TEST(Skipping, HidesNan) {
     Volume volume{&field, {}, test::rising_transfer(0.5, 0.5), 1};
     Scene scene;
     scene.volume = &volume;
-    const Camera camera = framing({glm::dvec3(8), glm::dvec3(12)}, {30, 40}, UpAxis::z, kFrame);
+    const Camera camera = frame_box({glm::dvec3(8), glm::dvec3(12)}, {30, 40}, UpAxis::z, kFrame);
     const Rendered rendered = test::draw(scene, camera, {kFrame});
     float most = 0;
-    for (const glm::vec4& pixel : rendered.picture.colour) {
+    for (const glm::vec4& pixel : rendered.picture.color) {
       for (int c = 0; c < 4; ++c) ASSERT_TRUE(std::isfinite(pixel[c])) << strange;
       most = std::max(most, pixel.a);
     }
@@ -197,7 +197,7 @@ TEST(Skipping, ReservesFragmentLists) {
   const Context roomy{MemoryBudget(64U << 20U)};
   const auto drawn = renderer->draw(scene, camera, {{32, 32}}, roomy);
   ASSERT_TRUE(drawn);
-  EXPECT_NEAR(drawn->picture.colour[77].a, 1 - std::pow(0.99, 300), 1e-5);
+  EXPECT_NEAR(drawn->picture.color[77].a, 1 - std::pow(0.99, 300), 1e-5);
   EXPECT_GE(roomy.memory().peak(), 300U * 32 * 32 * 16);
   const Context small{MemoryBudget(300U * 32 * 32 * 16)};
   const auto refused = renderer->draw(scene, camera, {{32, 32}}, small);

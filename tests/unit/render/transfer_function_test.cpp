@@ -46,24 +46,24 @@ TEST(TransferFunction, FindsVisiblePositionsInRange) {
   // Entries 0 to 511, and from 900 on, are transparent.
   const TransferFunction transfer =
       of({{0, {}, 0}, {511, {}, 0}, {512, {}, 0.1}, {899, {}, 0.1}, {900, {}, 0}, {1023, {}, 0}});
-  EXPECT_FALSE(transfer.seen_between(0, 510.9F));
-  EXPECT_FALSE(transfer.seen_between(-1e6F, 500));
-  EXPECT_FALSE(transfer.seen_between(511, 511));
-  EXPECT_TRUE(transfer.seen_between(511.01F, 511.01F));
-  EXPECT_TRUE(transfer.seen_between(0, 511.5F));
-  EXPECT_TRUE(transfer.seen_between(-1e30F, 1e30F));
-  EXPECT_TRUE(transfer.seen_between(700, 710));
-  EXPECT_TRUE(transfer.seen_between(899.5F, 899.5F));
-  EXPECT_FALSE(transfer.seen_between(902, 1e6F));
+  EXPECT_FALSE(transfer.is_visible_between(0, 510.9F));
+  EXPECT_FALSE(transfer.is_visible_between(-1e6F, 500));
+  EXPECT_FALSE(transfer.is_visible_between(511, 511));
+  EXPECT_TRUE(transfer.is_visible_between(511.01F, 511.01F));
+  EXPECT_TRUE(transfer.is_visible_between(0, 511.5F));
+  EXPECT_TRUE(transfer.is_visible_between(-1e30F, 1e30F));
+  EXPECT_TRUE(transfer.is_visible_between(700, 710));
+  EXPECT_TRUE(transfer.is_visible_between(899.5F, 899.5F));
+  EXPECT_FALSE(transfer.is_visible_between(902, 1e6F));
   // Between such extremes rounding may give any position.
-  EXPECT_TRUE(transfer.seen_between(-1e30F, 500));
-  EXPECT_FALSE(TransferFunction().seen_between(-1e30F, 1e30F));
+  EXPECT_TRUE(transfer.is_visible_between(-1e30F, 500));
+  EXPECT_FALSE(TransferFunction().is_visible_between(-1e30F, 1e30F));
   // Must never miss a position that lookup() finds visible.
   for (float low = -3; low < 1030; low += 17.3F) {
     for (float high = low; high < 1030; high += 31.7F) {
       for (float p = low; p <= high; p += 0.9F) {
         if (transfer.lookup(p).a > 0) {
-          EXPECT_TRUE(transfer.seen_between(low, high)) << low << " " << high;
+          EXPECT_TRUE(transfer.is_visible_between(low, high)) << low << " " << high;
         }
       }
     }
@@ -90,7 +90,7 @@ TEST(TransferFunction, ParsesTextAndNamesBadLine) {
       parse_transfer_function("# comment\n\n 0 0 0 0 0\n12.5\t1 0.5 0.25 0.75 # end\r\n", "a.tf").value();
   ASSERT_EQ(points.size(), 2U);
   EXPECT_EQ(points[1].value, 12.5);
-  EXPECT_EQ(points[1].colour, glm::dvec3(1, linear_of_srgb(0.5), linear_of_srgb(0.25)));
+  EXPECT_EQ(points[1].color, glm::dvec3(1, srgb_to_linear(0.5), srgb_to_linear(0.25)));
   EXPECT_EQ(points[1].opacity, 0.75);
   for (const char* wrong : {"0 0 0 0", "0 0 0 0 0 0", "0 0 0 0 x", "0 2 0 0 0", "nan 0 0 0 0", "0 0 0 0 -0.1"}) {
     const auto refused = parse_transfer_function(std::string("0 0 0 0 0\n") + wrong, "a.tf");
@@ -102,7 +102,7 @@ TEST(TransferFunction, ParsesTextAndNamesBadLine) {
 
 TEST(TransferFunction, BuiltInFunctionsBeginTransparent) {
   for (const auto& word : words_of(BuiltInTransfer{})) {
-    const TransferFunction transfer = of(built_in(word.value, -3, 5));
+    const TransferFunction transfer = of(built_in_points(word.value, -3, 5));
     EXPECT_EQ(transfer.min(), -3);
     EXPECT_EQ(transfer.max(), 5);
     EXPECT_EQ(at(transfer, -3).a, 0) << word.word;

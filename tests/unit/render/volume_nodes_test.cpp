@@ -24,7 +24,7 @@ Listed list(const Volume& volume, bool skipping) {
   Listed listed;
   listed.samples = std::make_unique<VolumeSamples>(VolumeSamples::open(volume, context).value());
   if (skipping) listed.bricks.emplace(VolumeBricks::measure(*listed.samples, context).value());
-  const field::Box box = box_of_volume(*volume.field).value();
+  const field::Box box = volume_box(*volume.field).value();
   listed.first = glm::ivec3(box.min);
   listed.last = glm::ivec3(box.max) - 1;
   listed.nodes =
@@ -83,7 +83,7 @@ TEST(VolumeNodes, AssignsSlotToEachVisibleDenseBrick) {
   const Listed listed = list(volume, true);
   const std::size_t there = expect_samples(listed);
   EXPECT_EQ(listed.nodes.slots().size(), there);
-  EXPECT_EQ(there, listed.bricks->count() - listed.bricks->count_unseen());
+  EXPECT_EQ(there, listed.bricks->count() - listed.bricks->count_invisible());
   EXPECT_LT(there, listed.bricks->count() / 2);
   EXPECT_EQ(list(volume, false).nodes.slots().size(), 18U * 18 * 18);
 }

@@ -55,8 +55,8 @@ TEST(Terrain, DependsOnSeed) {
   ASSERT_EQ(heights.size(), 1200U);
   EXPECT_TRUE(std::ranges::equal(heights, (*again)->values.span()));
   EXPECT_FALSE(std::ranges::equal(heights, (*other)->values.span()));
-  EXPECT_DOUBLE_EQ(std::ranges::min(heights), kLowestLand);
-  EXPECT_DOUBLE_EQ(std::ranges::max(heights), kLowestLand + 12);
+  EXPECT_DOUBLE_EQ(std::ranges::min(heights), kMinLandHeight);
+  EXPECT_DOUBLE_EQ(std::ranges::max(heights), kMinLandHeight + 12);
 }
 
 TEST(Terrain, SlopesIntoBasin) {
@@ -86,7 +86,7 @@ TEST(Terrain, IsFlatForZeroRelief) {
   options.relief = 0;
   const auto land = make_terrain(options, Context());
   ASSERT_TRUE(land);
-  EXPECT_TRUE(std::ranges::all_of((*land)->values.span(), [](double height) { return height == kLowestLand; }));
+  EXPECT_TRUE(std::ranges::all_of((*land)->values.span(), [](double height) { return height == kMinLandHeight; }));
 }
 
 TEST(Terrain, RejectsInvalidOptions) {

@@ -19,8 +19,8 @@ const field::DenseSamples& dense(const field::ScalarField& field) {
 
 TEST(WaterFields, FillVoxelsFromBelow) {
   const WaterAutomaton automaton = columns({0.25, 2, 1.5, 3}, {0, 0.5, 2.25, 0});
-  ASSERT_EQ(layers_for(automaton), 5);  // 3.75 high, plus an empty layer
-  const auto fields = water_fields(automaton, WaterContent::both, 5, {2, 3, 4}, Context());
+  ASSERT_EQ(count_layers(automaton), 5);  // 3.75 high, plus an empty layer
+  const auto fields = water_fields(automaton, WaterOutput::both, 5, {2, 3, 4}, Context());
   ASSERT_TRUE(fields);
   ASSERT_EQ(fields->size(), 2U);
   EXPECT_EQ((*fields)[0].name, "terrain");
@@ -44,8 +44,8 @@ TEST(WaterFields, FillVoxelsFromBelow) {
 
 TEST(WaterFields, ContainRequestedFields) {
   const WaterAutomaton automaton = columns({1, 1, 1, 1}, {1, 0, 0, 0});
-  for (const auto& [content, names] : {std::pair{WaterContent::water, std::vector<std::string>{"water"}},
-                                       std::pair{WaterContent::terrain, std::vector<std::string>{"terrain"}}}) {
+  for (const auto& [content, names] : {std::pair{WaterOutput::water, std::vector<std::string>{"water"}},
+                                       std::pair{WaterOutput::terrain, std::vector<std::string>{"terrain"}}}) {
     EXPECT_EQ(field_names(content), names);
     const auto fields = water_fields(automaton, content, 3, glm::dvec3(1), Context());
     ASSERT_TRUE(fields);
@@ -56,7 +56,7 @@ TEST(WaterFields, ContainRequestedFields) {
 
 TEST(WaterFields, MapsKeepExactNumbers) {
   const WaterAutomaton automaton = columns({0.1, 2, 1.5, 3}, {0.3, 0.5, 2.25, 0});
-  const auto fields = water_fields(automaton, WaterContent::heights, 1, glm::dvec3(1), Context());
+  const auto fields = water_fields(automaton, WaterOutput::heights, 1, glm::dvec3(1), Context());
   ASSERT_TRUE(fields);
   EXPECT_EQ(dense((*fields)[0]).dims, glm::ivec3(2, 2, 1));
   EXPECT_EQ(dense((*fields)[0]).type, field::SampleType::f64);
@@ -80,7 +80,7 @@ TEST(WaterFields, TreatNegativeDepthsAsEmpty) {
     ASSERT_TRUE(automaton.run(1));
     ASSERT_LT(automaton.steps_done(), 200U);
   }
-  const auto fields = water_fields(automaton, WaterContent::water, 12, glm::dvec3(1), Context());
+  const auto fields = water_fields(automaton, WaterOutput::water, 12, glm::dvec3(1), Context());
   ASSERT_TRUE(fields);
   const auto* values = static_cast<const float*>(dense(fields->front()).data);
   for (std::size_t n = 0; n < dense(fields->front()).count(); ++n) {
@@ -91,9 +91,9 @@ TEST(WaterFields, TreatNegativeDepthsAsEmpty) {
 
 TEST(WaterFields, RejectHeightsThatDoNotFit) {
   const WaterAutomaton tower = columns({0, 0, 0, 1e6}, {});
-  EXPECT_EQ(layers_for(tower).error().code, ErrorCode::output);
+  EXPECT_EQ(count_layers(tower).error().code, ErrorCode::output);
   const WaterAutomaton low = columns({1, 1, 1, 1}, {});
-  const auto poor = water_fields(low, WaterContent::water, 1000, glm::dvec3(1), Context(MemoryBudget(1000)));
+  const auto poor = water_fields(low, WaterOutput::water, 1000, glm::dvec3(1), Context(MemoryBudget(1000)));
   EXPECT_EQ(poor.error().hint, Hint(Remedy::raise, Setting::memory_limit));
 }
 

@@ -273,7 +273,7 @@ TEST(ConservativeRule, ComesToRestAboveFourOverFriction) {
     WaterAutomaton automaton = automaton_on({12, 12}, std::vector<double>(144, 0), depth, options);
     ASSERT_TRUE(automaton.run(20'000));
     const WaterExtremes found = automaton.extremes();
-    EXPECT_EQ(found.most_depth - found.least_depth < 1e-9, rests) << friction << " " << flow_div;
+    EXPECT_EQ(found.max_depth - found.least_depth < 1e-9, rests) << friction << " " << flow_div;
   }
 }
 

@@ -145,14 +145,14 @@ TEST(Components, AreReadFromNiftiAfterTheVolumes) {
 
 TEST(Components, AreReadFromNiftiColorsAndComplexNumbers) {
   const TempFolder folder;
-  std::string colours;
+  std::string colors;
   std::string complexes;
   for (int i = 0; i < 60; ++i) {
-    for (int c = 0; c < 3; ++c) colours += static_cast<char>(4 * i + c);
+    for (int c = 0; c < 3; ++c) colors += static_cast<char>(4 * i + c);
     complexes += pack(static_cast<float>(3 * i)) + pack(static_cast<float>(-4 * i));
   }
   // The standard does not scale colors.
-  write_bytes(folder / "c.nii", nifti_of({3, 3, 4, 5}, 128, colours, 2, 1));
+  write_bytes(folder / "c.nii", nifti_of({3, 3, 4, 5}, 128, colors, 2, 1));
   const field::ScalarField green = must_read(folder / "c.nii", component(1));
   EXPECT_EQ(dense_value<std::uint8_t>(green, 2, 3, 4), 237);
   EXPECT_TRUE(green.scale.is_identity());

@@ -35,7 +35,7 @@ TEST(LabelTable, ReadsFreeSurferAndSlicerTables) {
       "t");
   ASSERT_TRUE(table) << table.error().message;
   EXPECT_EQ(table->find(17)->name, "Left-Hippocampus");
-  EXPECT_EQ(table->find(-3)->colour, glm::dvec3(1, 2, 3) / 255.0);
+  EXPECT_EQ(table->find(-3)->color, glm::dvec3(1, 2, 3) / 255.0);
   EXPECT_EQ(table->hash().size(), 32U);
   EXPECT_NE(table->hash(), LabelTable::parse(kItkSnap, "t")->hash());
 }
@@ -66,13 +66,13 @@ TEST(LabelTable, RejectsInvalidTables) {
 
 TEST(LabelTable, ChoosesDistinctDefaultColors) {
   for (std::int64_t label = -20; label < 20; ++label) {
-    const glm::dvec3 colour = usual_label_colour(label);
-    for (int c = 0; c < 3; ++c) EXPECT_TRUE(colour[c] >= 0 && colour[c] <= 1);
+    const glm::dvec3 color = default_label_color(label);
+    for (int c = 0; c < 3; ++c) EXPECT_TRUE(color[c] >= 0 && color[c] <= 1);
     for (std::int64_t other = label + 1; other < label + 5; ++other) {
-      EXPECT_GT(glm::distance(colour, usual_label_colour(other)), 0.2) << label << " and " << other;
+      EXPECT_GT(glm::distance(color, default_label_color(other)), 0.2) << label << " and " << other;
     }
   }
-  EXPECT_EQ(usual_label_colour(0).x, 0.9);
+  EXPECT_EQ(default_label_color(0).x, 0.9);
 }
 
 }  // namespace

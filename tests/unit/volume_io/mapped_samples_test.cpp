@@ -162,12 +162,12 @@ TEST(MappedFormats, ReportLossOfTruncatedFiles) {
   volume_io::ReadOptions options = raw_options(field::SampleType::u8);
   options.raw->dims = dims;
   const field::ScalarField field = must_read(folder / "v.raw", options);
-  EXPECT_TRUE(volume_io::check_not_lost(field));
+  EXPECT_TRUE(volume_io::check_mapping_intact(field));
   std::filesystem::resize_file(folder / "v.raw", 4096);
   EXPECT_EQ(dense_value<std::uint8_t>(field, 1, 0, 0), ramp<std::uint8_t>(1, 0, 0));
-  EXPECT_TRUE(volume_io::check_not_lost(field));
+  EXPECT_TRUE(volume_io::check_mapping_intact(field));
   EXPECT_EQ(dense_value<std::uint8_t>(field, 1, 1, 63), 0);
-  const auto whole = volume_io::check_not_lost(field);
+  const auto whole = volume_io::check_mapping_intact(field);
   ASSERT_FALSE(whole);
   EXPECT_EQ(whole.error().code, ErrorCode::input);
   expect_in(whole.error().message, "became shorter");

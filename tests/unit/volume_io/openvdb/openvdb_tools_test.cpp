@@ -178,7 +178,7 @@ TEST(OpenVdbTools, KeepsTheVolumeOfSpheres) {
   options.voxel = 0.125;
   const Context context;
   {
-    const auto field = volume_io::spheres_to_field(two_balls(), options, context);
+    const auto field = volume_io::rasterize_spheres(two_balls(), options, context);
     ASSERT_TRUE(field) << field.error().message;
     EXPECT_EQ(field->field.kind, field::FieldKind::level_set);
     EXPECT_EQ(samples_of(field->field).background, 0.375);
@@ -190,7 +190,7 @@ TEST(OpenVdbTools, KeepsTheVolumeOfSpheres) {
     options.radii = {};
     options.radius = 1;
     options.kind = field::FieldKind::density;
-    const auto fog = volume_io::spheres_to_field(two_balls(), options, context);
+    const auto fog = volume_io::rasterize_spheres(two_balls(), options, context);
     ASSERT_TRUE(fog) << fog.error().message;
     EXPECT_EQ(fog->field.kind, field::FieldKind::density);
     EXPECT_EQ(sparse_value<float>(samples_of(fog->field), {40, 40, 40}), 1);
@@ -207,7 +207,7 @@ TEST(OpenVdbTools, ReservesMemoryWhileCountingLeaves) {
   options.voxel = 0.001;
   constexpr std::uint64_t kLimit = std::uint64_t{16} << 20;
   const Context context = with_memory(kLimit);
-  EXPECT_FALSE(volume_io::spheres_to_field(two_balls(), options, context));
+  EXPECT_FALSE(volume_io::rasterize_spheres(two_balls(), options, context));
   EXPECT_GT(context.memory().peak(), kLimit / 2);  // rejected while counting
 }
 
@@ -219,7 +219,7 @@ TEST(OpenVdbTools, MakesASphereOfASingleSmoothSphere) {
   options.radius = 1;
   options.search_radius = 2;
   options.voxel = 0.125;
-  const auto field = volume_io::spheres_to_field(two_balls(), options, Context());
+  const auto field = volume_io::rasterize_spheres(two_balls(), options, Context());
   ASSERT_TRUE(field) << field.error().message;
   EXPECT_NEAR(inner_volume(field->field, 2), 4.0 / 3 * std::numbers::pi, 0.03);
 }
@@ -270,10 +270,10 @@ TEST(OpenVdbTools, NamesTheMissingPlugin) {
   };
   expect_missing(volume_io::write_vdb(folder / "w.vdb", field, {}, Context()).error());
   expect_missing(volume_io::filter_level_set(field, volume_io::LevelSetFilter::mean, 1, 1, Context()).error());
-  expect_missing(volume_io::spheres_to_field(two_balls(), options, Context()).error());
+  expect_missing(volume_io::rasterize_spheres(two_balls(), options, Context()).error());
   EXPECT_FALSE(std::filesystem::exists(folder / "w.vdb"));
   options.voxel = 0;
-  EXPECT_EQ(volume_io::spheres_to_field(two_balls(), options, Context()).error().code, ErrorCode::usage);
+  EXPECT_EQ(volume_io::rasterize_spheres(two_balls(), options, Context()).error().code, ErrorCode::usage);
 }
 
 }  // namespace

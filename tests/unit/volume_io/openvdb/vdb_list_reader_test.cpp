@@ -125,7 +125,7 @@ TEST(VdbGridList, ListsGridsBesideAnUnusableTransform) {
   const std::array<std::string, 3> problems{"", "expected a linear transform, found NonlinearFrustumMap",
                                             "expected a linear transform, found 'XniformScaleMap'"};
   for (std::size_t i = 0; i < problems.size(); ++i) {
-    EXPECT_EQ(grids->at(i).frame_problem, problems[i]);
+    EXPECT_EQ(grids->at(i).placement_problem, problems[i]);
     EXPECT_EQ(grids->at(i).voxels, 1U);
   }
   volume_io::ReadOptions options;
@@ -144,8 +144,8 @@ TEST(VdbGridList, ListsGridsBesideADamagedTransform) {
   write_bytes(folder / "v.vdb", bytes);
   const auto grids = volume_io::list_grids((folder / "v.vdb").string(), {}, Context());
   ASSERT_TRUE(grids);
-  EXPECT_EQ(grids->at(0).frame_problem, "");
-  expect_in(grids->at(1).frame_problem, "it is damaged: a name is said to be 4294967295 characters long");
+  EXPECT_EQ(grids->at(0).placement_problem, "");
+  expect_in(grids->at(1).placement_problem, "it is damaged: a name is said to be 4294967295 characters long");
   volume_io::ReadOptions options;
   options.grid = "first";
   EXPECT_EQ(std::get<field::SparseSamples>(must_read(folder / "v.vdb", options).samples).active_voxels, 1U);

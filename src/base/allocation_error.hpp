@@ -1,0 +1,23 @@
+// Errors for failed allocations, with the limit of the process's address space.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "base/error.hpp"
+
+namespace isoextract {
+
+// Returns the limit of this process's address space (RLIMIT_AS, "ulimit -v") in bytes, or nothing if it is unlimited.
+[[nodiscard]] std::optional<std::uint64_t> address_space_limit();
+
+// The hint that tells how to raise that limit.
+inline constexpr const char* kRaiseAddressSpaceHint =
+    "raise that limit (ulimit -v unlimited; in a batch job, its limit of virtual memory)";
+
+// Returns the error for a failed allocation. If the address space is limited, the message names that limit and the hint
+// suggests raising it, because neither the machine's memory nor the memory budget is the cause.
+[[nodiscard]] Error allocation_error(std::string message, Hint hint = {});
+
+}  // namespace isoextract

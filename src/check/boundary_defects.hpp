@@ -1,0 +1,43 @@
+// Counts the defects of edges and vertices of each component, and finds the loops of open edges.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "mesh/components.hpp"
+#include "mesh/mesh.hpp"
+#include "mesh/topology.hpp"
+
+namespace isoextract::check {
+
+// Counted as in mesh::Topology.
+struct EdgeDefects {
+  std::uint64_t open = 0;
+  std::uint64_t nonmanifold = 0;
+  std::uint64_t misoriented = 0;
+  std::uint64_t nonmanifold_vertices = 0;
+
+  [[nodiscard]] bool none() const { return open + nonmanifold + misoriented + nonmanifold_vertices == 0; }
+};
+
+// The rim of a hole: open edges connected through fans of triangles. A vertex with several fans counts as one vertex
+// for each fan. A non-manifold edge that ends on several rims joins them into one loop.
+struct BoundaryLoop {
+  std::uint64_t edges = 0;
+  double length = 0;
+  std::uint32_t component = 0;
+};
+
+struct BoundaryDefects {
+  std::vector<EdgeDefects> components;  // one for each component
+  std::vector<BoundaryLoop> loops;      // ordered by their edges with the lowest vertices
+};
+
+// Finds the defects and loops of a mesh; `topology` and `components` must be the mesh's own. Fails if the working
+// memory exceeds the budget: if there are defects, 24 bytes a triangle, 9 a vertex and 80 an open edge.
+[[nodiscard]] Result<BoundaryDefects> find_boundary_defects(const mesh::Mesh& mesh, const mesh::Topology& topology,
+                                                            const mesh::Components& components, const Context& context);
+
+}  // namespace isoextract::check

@@ -1,0 +1,48 @@
+#include "cli/closed_text.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace isoextract::cli {
+
+std::string closed_or_open_text(const convert::WrittenOutput& output, const convert::ConversionJob& job) {
+  if (output.triangles == 0) return "empty";
+  std::vector<std::string> at_border;
+  bool at_clip = false;
+  bool closed = output.open_edges.value_or(0) == 0;
+  std::uint64_t hole_cells = 0;
+  // Keyed by field and iso value, since the components of a surface can be several meshes.
+  std::map<std::pair<std::string, convert::SurfaceId>, convert::OpenBoundary> surfaces;
+  for (const convert::WrittenOutput::Part& part : output.surfaces) surfaces[{part.label, part.id}] = part.end;
+  const bool of_one_field = std::ranges::all_of(
+      output.surfaces, [&](const auto& part) { return part.label == output.surfaces.front().label; });
+  for (const auto& [surface, end] : surfaces) {
+    if (!end.counted && end.at_border) closed = false;
+    const bool cut_at_clip = end.cut && !job.source.clip.empty();
+    if (end.at_border || (end.cut && !cut_at_clip)) {
+      at_border.push_back(fmt::format("{}{}", of_one_field ? "" : surface.first + " iso ", surface.second.text()));
+    }
+    at_clip = at_clip || cut_at_clip;
+    hole_cells += end.hole_cells;
+  }
+  std::string text = closed ? "closed" : "open";
+  if (!closed && !at_border.empty()) {
+    text += job.source.roi ? " at the border of the --roi" : " at the border of the data";
+    if (at_border.size() < surfaces.size()) {
+      text += fmt::format(" {}{}", of_one_field ? "at iso " : "of ", fmt::join(at_border, ", "));
+    }
+  }
+  if (!closed && at_clip) text += at_border.empty() ? " where --clip cut it" : " and where --clip cut it";
+  if (!closed && (at_clip || !at_border.empty())) text += " (--cap closes it)";
+  if (hole_cells > 0) text += fmt::format("; without {} cells around samples that are not numbers", hole_cells);
+  const bool rectangles = job.surface.voxel_faces == extract::VoxelFaces::rectangles;
+  return closed && rectangles ? text + ", but not edge by edge (--t-junctions)" : text;
+}
+
+}  // namespace isoextract::cli

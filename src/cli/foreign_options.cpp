@@ -1,0 +1,73 @@
+#include "cli/foreign_options.hpp"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "cli/plan_parts.hpp"
+#include "mesh_io/mesh_writer.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+struct ForeignOption {
+  std::string_view name;
+  std::string_view ours;  // the equivalent option
+  std::string_view does;  // its effect, as text after its name
+};
+
+// Names from VTK, ParaView, splashsurf, vdb_tool, gltfpack, scikit-image and medical tools.
+constexpr std::array kForeignOptions{
+    ForeignOption{"--threshold", "--iso", "V is the value whose surface is extracted"},
+    ForeignOption{"--surface-threshold", "--iso", "V is the value whose surface is extracted"},
+    ForeignOption{"--isovalue", "--iso", "V is the value whose surface is extracted"},
+    ForeignOption{"--isolevel", "--iso", "V is the value whose surface is extracted"},
+    ForeignOption{"--level", "--iso", "V is the value whose surface is extracted"},
+    ForeignOption{"--contour", "--iso", "V is the value whose surface is extracted"},
+    ForeignOption{"--decimate", "--simplify",
+                  "D leaves out triangles and keeps the surface within D voxels, --triangles N|P% all but so many"},
+    ForeignOption{"--reduce", "--simplify",
+                  "D leaves out triangles and keeps the surface within D voxels, --triangles N|P% all but so many"},
+    ForeignOption{"--target-reduction", "--triangles", "10% keeps a tenth of the triangles"},
+    ForeignOption{"--target-count", "--triangles", "N keeps N triangles"},
+    ForeignOption{"--faces", "--triangles", "N keeps N triangles"},
+    ForeignOption{"--adaptivity", "--simplify", "D leaves out triangles and keeps the surface within D voxels"},
+    ForeignOption{"--crop", "--roi", "X0,Y0,Z0,X1,Y1,Z1 extracts from that box only"},
+    ForeignOption{"--bbox", "--roi", "X0,Y0,Z0,X1,Y1,Z1 extracts from that box only"},
+    ForeignOption{"--extent", "--roi", "X0,Y0,Z0,X1,Y1,Z1 extracts from that box only"},
+    ForeignOption{"--watertight", "--cap", "closes the surface where it leaves the data"},
+    ForeignOption{"--closed", "--cap", "closes the surface where it leaves the data"},
+    ForeignOption{"--flip", "--inside", "above|below says which side of the iso value is inside"},
+    ForeignOption{"--invert", "--inside", "above|below says which side of the iso value is inside"},
+    ForeignOption{"--cuda", "--backend", "gpu extracts on the GPU"},
+    ForeignOption{"--gpu", "--backend", "gpu extracts on the GPU"},
+    ForeignOption{"--shape", "--dims", "NX,NY,NZ are the samples of a raw file"},
+    ForeignOption{"--datatype", "--dtype", "is the type of a raw file's samples"},
+};
+
+}  // namespace
+
+std::string hint_for_other_programs_option(const OptionSet& options, std::string_view name) {
+  const auto* const found = std::ranges::find(kForeignOptions, name, &ForeignOption::name);
+  if (found == kForeignOptions.end()) return "";
+  if (options.find(found->ours) == nullptr) return "";
+  return fmt::format("{} {}", found->ours, found->does);
+}
+
+Result<void> refuse_output_among_inputs(const ConvertFlags& flags) {
+  const std::vector<std::string>& inputs = flags.input.inputs;
+  if (flags.output || inputs.size() < 2) return {};
+  const std::string& last = inputs.back();
+  const auto format = mesh_io::mesh_format_by_path(last);
+  if (!format) return {};
+  // An existing PLY may be an input of particles.
+  std::error_code none;
+  if (*format == mesh_io::MeshFormat::ply && std::filesystem::exists(last, none)) return {};
+  return refuse_usage(fmt::format("{}: the name of a mesh stands among the inputs", last),
+                      fmt::format("the output comes after -o: -o {}", shell_quoted(last)));
+}
+
+}  // namespace isoextract::cli

@@ -1,0 +1,118 @@
+#include "convert/stages/vertex_colors.hpp"
+
+#include <algorithm>
+#include <set>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/printable.hpp"
+#include "base/srgb.hpp"
+#include "convert/stages/surface_stages.hpp"
+#include "edit/vertex_colors.hpp"
+
+namespace isoextract::convert {
+namespace {
+
+// Opacity of the outermost of several surfaces. The innermost is opaque; steps between are equal.
+constexpr double kOutermostOpacity = 0.25;
+
+// Returns the position from the outermost (0) to the innermost surface (1); 1 for a single surface. Surfaces that have
+// the same iso value count once.
+double depth_of(const std::vector<SurfaceId>& all, const SurfaceId& id, field::FieldKind kind) {
+  const std::set<SurfaceId> surfaces(all.begin(), all.end());
+  if (surfaces.size() < 2) return 1;
+  const auto outer = std::ranges::count_if(
+      surfaces, [&](const SurfaceId& other) { return kind == field::FieldKind::density ? other < id : other > id; });
+  return static_cast<double>(outer) / static_cast<double>(surfaces.size() - 1);
+}
+
+double opacity_of(const ConversionJob& job, std::span<const SurfaceId> all, const SurfaceId& id,
+                  field::FieldKind kind) {
+  if (job.opacity.size() == 1) return job.opacity.front();
+  if (!job.opacity.empty()) {
+    const auto at = static_cast<std::size_t>(std::ranges::find(all, id) - all.begin());
+    return job.opacity[std::min(at, job.opacity.size() - 1)];
+  }
+  const bool by_iso = job.color && !job.color->attribute;
+  if (!by_iso) return 1;
+  std::vector<SurfaceId> around(all.begin(), all.end());  // surfaces that may enclose this one, or lie inside it
+  if (job.source.away_from_zero) {
+    const bool above = kind == field::FieldKind::density;
+    std::erase_if(around, [&](const SurfaceId& other) { return other != id && !(above ? other > 0.0 : other < 0.0); });
+  }
+  return kOutermostOpacity + (1 - kOutermostOpacity) * depth_of(around, id, kind);
+}
+
+// Removes the attributes that only give colors.
+void drop_unwritten(const ConversionJob& job, mesh::Mesh& mesh) {
+  for (const AttributeChoice& choice : job.source.attributes) {
+    if (choice.written) continue;
+    std::erase_if(mesh.attributes, [&](const mesh::Attribute& a) {
+      return a.role != mesh::AttributeRole::color && a.name == choice.name;
+    });
+  }
+}
+
+Result<StageReport> color_by_attribute(Surface& surface, const StageContext& stage) {
+  const ConversionJob& job = stage.job;
+  if (!job.color || !job.color->attribute) return StageReport();
+  const std::string& attribute = *job.color->attribute;
+  const auto is_meant = [&](const MissingAttribute& missing) { return missing.choice.name == attribute; };
+  // sample_vertex_attributes() or the source has reported it.
+  if (std::ranges::any_of(stage.source.attributes->missing, is_meant)) return StageReport();
+  const auto made = TRY(edit::color_by_values(
+      surface.mesh, attribute, job.color->map, job.color->range,
+      mesh_io::is_gltf(job.meshes().format) ? edit::ColorStorage::linear_u16 : edit::ColorStorage::srgb_u8,
+      stage.context));
+  const bool own_range = !job.color->range;
+  StageReport report = stage.report_on(StageName::color, surface);
+  report.entries.push_back({{Key::attribute, attribute},
+                            {Key::map, word_of(job.color->map)},
+                            {Key::range, Value(made.range)},
+                            {Key::own_range, own_range},
+                            {Key::not_numbers, made.not_numbers}});
+  report.lines.push_back({fmt::format("colours of {}: {}, {} from {:.6g} to {:.6g}{}", surface.id.name(),
+                                      printable(attribute), word_of(job.color->map), made.range[0], made.range[1],
+                                      own_range ? ", the range of its vertices" : "")});
+  if (made.not_numbers > 0) {
+    report.notes.push_back(fmt::format("{}: {} of {} vertices are grey, as '{}' is no number there", report.subject,
+                                       made.not_numbers, surface.mesh.positions.size(), printable(attribute)));
+  }
+  drop_unwritten(job, surface.mesh);
+  return report;
+}
+
+}  // namespace
+
+std::optional<mesh::Material> material_of(const ConversionJob& job, std::span<const SurfaceId> all, const SurfaceId& id,
+                                          field::FieldKind kind, bool open) {
+  const bool by_iso = job.color && !job.color->attribute;
+  if (!by_iso && job.opacity.empty() && !open) return std::nullopt;
+  mesh::Material material;
+  material.double_sided = open;
+  material.opacity = opacity_of(job, all, id, kind);
+  if (!by_iso) return material;
+  const auto [least, greatest] = std::ranges::minmax(all);
+  const glm::dvec3 color = edit::color_at(
+      job.color->map,
+      edit::place_in(job.color->range.value_or(edit::ValueRange{least.figure(), greatest.figure()}), id.figure()));
+  material.color = glm::dvec3(srgb_to_linear(color.x), srgb_to_linear(color.y), srgb_to_linear(color.z));
+  return material;
+}
+
+Result<StageReport> color_surface(Surface& surface, const StageContext& stage) {
+  const SurfaceFacts& facts = stage.facts;
+  surface.mesh.material = material_of(stage.job, facts.all, surface.id, stage.source.field.kind, facts.may_be_open);
+  if (facts.labels != nullptr) {
+    TRY(facts.labels->color(stage.job, surface.id.label(), surface.mesh, stage.context));
+  }
+  auto report = color_by_attribute(surface, stage);
+  // Attributes change only now, because colors depend on the input's values.
+  if (const auto& attributes = stage.source.attributes; report && attributes) {
+    transform_attributes(surface.mesh, attributes->kinds, attributes->output_from_world);
+  }
+  return report;
+}
+
+}  // namespace isoextract::convert

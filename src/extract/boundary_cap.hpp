@@ -1,0 +1,232 @@
+// Caps the surface at the faces of a box of samples: the inside part of every boundary square becomes triangles.
+//
+// A cap vertex stands at every inside sample of the box's faces. The other corners of cap polygons are vertices that
+// the surface already has on edges in these faces, so the cap is welded to the surface. Squares with alternating
+// corners are decided like the cells behind them (asymptotic_decider.hpp). For methods with edges across cell faces, a
+// square is split into the same two triangles as in its cell.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "extract/asymptotic_decider.hpp"
+#include "extract/edge_geometry.hpp"
+#include "extract/extractor.hpp"
+#include "field/samples.hpp"
+
+namespace isoextract::extract {
+
+struct BoundaryCap {
+  std::vector<glm::ivec3> samples;    // positions of the cap vertices, in the order of their numbers
+  std::vector<glm::uvec3> triangles;  // vertex numbers; counter-clockwise seen from outside in right-handed index space
+};
+
+namespace detail {
+
+struct BoxFace {
+  int axis;     // the axis normal to the face
+  bool at_max;  // at box.max, otherwise at box.min
+  int u, v;     // the axes in the face; (u, v, outward) is right-handed
+
+  // `face` is 2 * axis, plus 1 at box.max.
+  static BoxFace of(int face) {
+    const int axis = face / 2;
+    const bool at_max = face % 2 != 0;
+    const int next = (axis + 1) % 3;
+    const int after = (axis + 2) % 3;
+    return at_max ? BoxFace{axis, at_max, next, after} : BoxFace{axis, at_max, after, next};
+  }
+};
+
+// Calls visit(face number, box face, sample) face by face. A sample on several faces is visited once for each.
+template <class Visit>
+void for_each_boundary_sample(const field::IndexBox& box, const Visit& visit) {
+  for (int face = 0; face < 6; ++face) {
+    const BoxFace f = BoxFace::of(face);
+    glm::ivec3 p;
+    p[f.axis] = f.at_max ? box.max[f.axis] : box.min[f.axis];
+    for (p[f.v] = box.min[f.v]; p[f.v] <= box.max[f.v]; ++p[f.v]) {
+      for (p[f.u] = box.min[f.u]; p[f.u] <= box.max[f.u]; ++p[f.u]) visit(face, f, p);
+    }
+  }
+}
+
+using Square = std::array<glm::ivec3, 4>;  // four samples, counter-clockwise seen from outside
+
+// Calls visit(box face, square) for every square of the six faces.
+template <class Visit>
+void for_each_boundary_square(const field::IndexBox& box, const Visit& visit) {
+  for_each_boundary_sample(box, [&](int, const BoxFace& f, const glm::ivec3& p) {
+    if (p[f.u] == box.max[f.u] || p[f.v] == box.max[f.v]) return;
+    glm::ivec3 du(0);
+    glm::ivec3 dv(0);
+    du[f.u] = 1;
+    dv[f.v] = 1;
+    visit(f, Square{p, p + du, p + du + dv, p + dv});
+  });
+}
+
+// The vertex number of each sample on the six faces. A sample on several faces is stored with the first of them.
+class CapVertexNumbers {
+ public:
+  explicit CapVertexNumbers(const field::IndexBox& box) : box_(box), dims_(box.dims()) {
+    for (int face = 0; face < 6; ++face) {
+      const BoxFace f = BoxFace::of(face);
+      numbers_[face].resize(static_cast<std::size_t>(dims_[f.u] * dims_[f.v]));
+    }
+  }
+
+  [[nodiscard]] int first_face(const glm::ivec3& p) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (p[axis] == box_.min[axis]) return 2 * axis;
+      if (p[axis] == box_.max[axis]) return 2 * axis + 1;
+    }
+    return -1;
+  }
+
+  std::uint32_t& of(const glm::ivec3& p) {
+    const int face = first_face(p);
+    const BoxFace f = BoxFace::of(face);
+    return numbers_[face][static_cast<std::size_t>(p[f.u] - box_.min[f.u] + dims_[f.u] * (p[f.v] - box_.min[f.v]))];
+  }
+
+ private:
+  field::IndexBox box_;
+  glm::i64vec3 dims_;
+  std::array<std::vector<std::uint32_t>, 6> numbers_;
+};
+
+}  // namespace detail
+
+// Returns the cap of `box`. The callbacks take samples by index:
+// - inside(p): whether the sample is inside;
+// - edge_vertex(p, direction): the surface vertex on the crossed edge from sample p along the axis bits `direction`;
+// - depth(p): InsideRule::depth of the sample;
+// - missing(p): whether the sample is missing (NaN); squares with a missing corner are left out.
+// Cap vertices are numbered from `first_number`. `whole_squares` is MethodTraits::axis_edges_only; if false, each
+// square is split into two triangles first.
+template <class Inside, class EdgeVertex, class Depth, class Missing>
+BoundaryCap make_boundary_cap(const field::IndexBox& box, bool whole_squares, std::uint32_t first_number,
+                              const Inside& inside, const EdgeVertex& edge_vertex, const Depth& depth,
+                              const Missing& missing) {
+  BoundaryCap cap;
+  detail::CapVertexNumbers numbers(box);
+
+  // Adds the inside part of a polygon of samples. Each run of inside corners, with the crossings before and after it,
+  // is a convex polygon. It becomes a fan around the crossing before the run, or around a corner if all corners are
+  // inside.
+  const auto fill = [&](std::span<const glm::ivec3> corners) {
+    const std::size_t count = corners.size();
+    std::array<bool, 4> in{};
+    for (std::size_t c = 0; c < count; ++c) in[c] = inside(corners[c]);
+    const auto crossing = [&](std::size_t c) {
+      const glm::ivec3& a = corners[c];
+      const glm::ivec3& b = corners[(c + 1) % count];
+      const glm::ivec3 low = glm::min(a, b);  // edges lead upward along each of their axes
+      return edge_vertex(low, step_direction(glm::max(a, b) - low));
+    };
+    const auto fan = [&](std::span<const std::uint32_t> ring) {
+      for (std::size_t i = 1; i + 1 < ring.size(); ++i) cap.triangles.push_back({ring[0], ring[i], ring[i + 1]});
+    };
+    std::array<std::uint32_t, 6> ring{};
+    if (std::all_of(in.begin(), in.begin() + static_cast<std::ptrdiff_t>(count), [](bool b) { return b; })) {
+      for (std::size_t c = 0; c < count; ++c) ring[c] = numbers.of(corners[c]);
+      fan({ring.data(), count});
+      return;
+    }
+    const bool alternating = count == 4 && in[0] == in[2] && in[1] == in[3];
+    const std::size_t a = in[0] ? 0 : 1;  // an inside corner, if the square alternates
+    const std::size_t b = 1 - a;
+    if (alternating && in[0] != in[1] &&
+        joins_inside(depth(corners[a]), depth(corners[a + 2]), depth(corners[b]), depth(corners[b + 2]))) {
+      // The fan starts at a corner, so that no diagonal joins two crossings: the cell behind may draw such a diagonal.
+      fan(std::array{numbers.of(corners[a]), crossing(a), crossing(a + 1), numbers.of(corners[a + 2]), crossing(a + 2),
+                     crossing((a + 3) % 4)});
+      return;
+    }
+    for (std::size_t start = 0; start < count; ++start) {
+      if (in[start] || !in[(start + 1) % count]) continue;
+      std::size_t size = 0;
+      ring[size++] = crossing(start);
+      std::size_t c = (start + 1) % count;
+      for (; in[c]; c = (c + 1) % count) ring[size++] = numbers.of(corners[c]);
+      ring[size++] = crossing((c + count - 1) % count);
+      fan({ring.data(), size});
+    }
+  };
+
+  detail::for_each_boundary_sample(box, [&](int face, const detail::BoxFace&, const glm::ivec3& p) {
+    if (numbers.first_face(p) != face || !inside(p)) return;
+    numbers.of(p) = first_number + static_cast<std::uint32_t>(cap.samples.size());
+    cap.samples.push_back(p);
+  });
+  detail::for_each_boundary_square(box, [&](const detail::BoxFace&, const detail::Square& square) {
+    if (std::any_of(square.begin(), square.end(), missing)) return;
+    if (whole_squares) {
+      fill(square);
+    } else {
+      fill(std::array{square[0], square[1], square[2]});
+      fill(std::array{square[0], square[2], square[3]});
+    }
+  });
+  return cap;
+}
+
+// Returns whether the cell behind a boundary square has no missing sample (missing(p) is true for none of its eight).
+template <class Missing>
+[[nodiscard]] bool has_complete_cell_behind(const detail::BoxFace& face, const detail::Square& square,
+                                            const Missing& missing) {
+  glm::ivec3 inward(0);
+  inward[face.axis] = face.at_max ? -1 : 1;
+  return std::ranges::none_of(square, [&](const glm::ivec3& p) { return missing(p) || missing(p + inward); });
+}
+
+// Returns whether any cell at the faces of the box draws triangles that reach the face. Cells with a missing sample
+// draw nothing. So the answer is true if a square has corners on both sides and the cell behind it misses no sample.
+template <class Inside, class Missing>
+[[nodiscard]] bool draws_at_boundary(const field::IndexBox& box, const Inside& inside, const Missing& missing) {
+  bool found = false;
+  detail::for_each_boundary_square(box, [&](const detail::BoxFace& face, const detail::Square& square) {
+    if (found) return;
+    const auto in = std::ranges::count_if(square, inside);
+    found = in != 0 && in != std::ssize(square) && has_complete_cell_behind(face, square, missing);
+  });
+  return found;
+}
+
+// Returns the same for the squares next to one crossed edge only: the edge from `p` along `axis`, which lies in a face
+// of the box.
+template <class Missing>
+[[nodiscard]] bool draws_beside_edge(const field::IndexBox& box, const glm::ivec3& p, int axis,
+                                     const Missing& missing) {
+  glm::ivec3 along(0);
+  along[axis] = 1;
+  for (int number = 0; number < 6; ++number) {
+    const auto face = detail::BoxFace::of(number);
+    if (face.axis == axis || p[face.axis] != (face.at_max ? box.max : box.min)[face.axis]) continue;
+    const int other = 3 - axis - face.axis;
+    glm::ivec3 beside(0);
+    beside[other] = 1;
+    if (p[other] < box.max[other] &&
+        has_complete_cell_behind(face, {p, p + along, p + along + beside, p + beside}, missing)) {
+      return true;
+    }
+    if (p[other] > box.min[other] &&
+        has_complete_cell_behind(face, {p, p + along, p + along - beside, p - beside}, missing)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+// Returns the sum of the outward axes of the faces that contain `p`, as a covector in index space.
+[[nodiscard]] inline glm::dvec3 boundary_normal(const field::IndexBox& box, const glm::ivec3& p) {
+  return glm::dvec3(glm::equal(p, box.max)) - glm::dvec3(glm::equal(p, box.min));
+}
+
+}  // namespace isoextract::extract

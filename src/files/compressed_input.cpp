@@ -1,0 +1,37 @@
+#include "files/compressed_input.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <new>
+#include <span>
+
+#include <zlib.h>
+
+namespace isoextract::files {
+
+void CompressedInput::End::operator()(z_stream_s* stream) const {
+  ::inflateEnd(stream);
+  delete stream;
+}
+
+CompressedInput::CompressedInput(const InputFile& file, std::uint64_t begin, std::uint64_t end, int window_bits)
+    : file_(&file), next_(begin), end_(end) {
+  auto stream = std::make_unique<z_stream_s>();
+  if (::inflateInit2(stream.get(), window_bits) != Z_OK) throw std::bad_alloc();
+  stream_.reset(stream.release());
+}
+
+Result<void> CompressedInput::refill() {
+  constexpr std::uint64_t kBlock = std::uint64_t{1} << 18;
+  const std::size_t left = stream_->avail_in;
+  std::copy(packed_.end() - static_cast<std::ptrdiff_t>(left), packed_.end(), packed_.begin());
+  const std::uint64_t more = is_read() ? 0 : std::min(kBlock, end_ - next_);
+  packed_.resize(left + static_cast<std::size_t>(more));
+  TRY(file_->read_at(next_, std::span(packed_).subspan(left)));
+  next_ += more;
+  stream_->next_in = reinterpret_cast<Bytef*>(packed_.data());
+  stream_->avail_in = static_cast<uInt>(packed_.size());
+  return {};
+}
+
+}  // namespace isoextract::files

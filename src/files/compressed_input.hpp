@@ -1,0 +1,45 @@
+// Feeds compressed bytes of a file to zlib, one block at a time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "base/error.hpp"
+#include "files/file_bytes.hpp"
+
+struct z_stream_s;
+
+namespace isoextract::files {
+
+// The file must outlive it.
+class CompressedInput {
+ public:
+  // The compressed bytes are [begin, end) of the file. `window_bits` selects the container format as in zlib's
+  // inflateInit2().
+  CompressedInput(const InputFile& file, std::uint64_t begin, std::uint64_t end, int window_bits);
+
+  [[nodiscard]] const InputFile& file() const { return *file_; }
+  // Returns the stream for inflate(): next_in and avail_in are the bytes read and not yet decompressed.
+  [[nodiscard]] z_stream_s& stream() { return *stream_; }
+  [[nodiscard]] const z_stream_s& stream() const { return *stream_; }
+  // Returns whether all compressed bytes have been read from the file.
+  [[nodiscard]] bool is_read() const { return next_ >= end_; }
+
+  // Reads the next block; keeps unconsumed bytes in front of it.
+  [[nodiscard]] Result<void> refill();
+
+ private:
+  struct End {
+    void operator()(z_stream_s* stream) const;
+  };
+
+  const InputFile* file_;
+  std::uint64_t next_;
+  std::uint64_t end_;
+  std::unique_ptr<z_stream_s, End> stream_;
+  std::vector<std::byte> packed_;
+};
+
+}  // namespace isoextract::files

@@ -1,0 +1,37 @@
+// Checks whether rounding coordinates to the numbers of a file would destroy a mesh that is far from the origin.
+//
+// A mesh with origin 0 is written as the float32 numbers it consists of: nothing is rounded. For other meshes, the
+// coordinates in the file are sums of origin and position. They are float32 in STL and DRC, and double in PLY and OBJ.
+// glTF stores both separately, and programs that read it add them; it is checked in double.
+// Rounding moves a vertex by up to half the spacing of such numbers at its place. Far away that exceeds the width of a
+// triangle: triangles become flat, flip or collapse to a point, although their indices still form a closed mesh.
+//
+// The measure is the damage to triangles, not the distance. For each triangle, take the cross product of two sides
+// before and after rounding. The measure is the sum of the lengths of the differences, divided by the sum of the
+// lengths before.
+// This is about the mean angle, in radians, by which rounding tilts a triangle; it is 1 if all triangles lose their
+// area. It grows with rounding relative to the sides of triangles. Slivers, which every isosurface has, count by their
+// area, so they weigh little.
+// More than 1/4 is refused: coordinates are then about 1/5 of a voxel apart, and the viewer sees their lattice. For
+// comparison, a scan in millimeters with triangles of 0.1 at 1000 measures about 1/1000.
+//
+// glTF also needs a translation within the range of float32, because programs read it as float32.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "base/error.hpp"
+#include "mesh/mesh.hpp"
+#include "mesh_io/mesh_writer.hpp"
+
+namespace isoextract::mesh_io {
+
+// Returns how many triangles get two corners at the same coordinates in the file. Fails with ErrorCode::output if
+// rounding would destroy the mesh; the hint has the formats that keep it.
+// Returns at once for origin 0, visits only the vertices if the file's rounding is no coarser than that of the mesh's
+// own numbers, and visits the triangles otherwise.
+[[nodiscard]] Result<std::uint64_t> check_coordinate_rounding(const mesh::Mesh& mesh, const std::filesystem::path& path,
+                                                              MeshFormat format);
+
+}  // namespace isoextract::mesh_io

@@ -1,0 +1,48 @@
+// Lists the neighbors of each particle.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "base/buffer.hpp"
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "points/cell_grid.hpp"
+
+namespace isoextract::simulate {
+
+class NeighborLists {
+ public:
+  // Finds all pairs of particles nearer than `reach`. `places` are in the order of the grid's spots, one particle a
+  // spot; grid cells are at least `reach` wide. Each list is in spot order, without the particle itself. Keeps memory
+  // for the next call. Fails as Context::reserve() does.
+  [[nodiscard]] Result<void> make(const points::CellGrid& grid, std::span<const glm::dvec3> places, double reach,
+                                  const Context& context);
+
+  [[nodiscard]] std::span<const std::uint32_t> of(std::size_t particle) const { return lists_[particle]; }
+
+ private:
+  // The lists of some cells' particles, filled by one thread. Their length is not known beforehand.
+  struct Block {
+    Buffer<std::uint32_t> neighbors;
+    std::size_t used = 0;
+    Reservation memory;
+    std::optional<Error> error;
+
+    // Returns whether there is room for `count` more; keeps the content.
+    bool make_room(std::size_t count, const Context& context);
+  };
+  void fill(Block& block, std::size_t first_cell, std::size_t last_cell, const points::CellGrid& grid,
+            std::span<const glm::dvec3> places, double reach, const Context& context);
+
+  std::vector<Block> blocks_;
+  Buffer<std::span<const std::uint32_t>> lists_;
+  Reservation lists_memory_;
+};
+
+}  // namespace isoextract::simulate
