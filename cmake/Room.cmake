@@ -1,21 +1,21 @@
-# A room is a folder of src: one static library of all its sources, but a main.cpp, that sees the headers of the rooms it
-# links and of no other.
+# A room is a folder of src: one static library of all its sources except main.cpp. It sees only the headers of the
+# rooms that it links.
 #
 # isoextract_room(NAME [SHELL] ROOMS base field ... LIBRARIES Some::lib ...)
 #
-# SHELL: a release compiles it with -O1. What loops it has over vertices or triangles are a small part of any run.
+# SHELL: a release compiles the room with -O1. Its loops over vertices or triangles are a small part of any run.
 #
 # A unity build compiles each room as one file: most compile time goes into headers and templates.
 #
-# Headers are included as "room/header.hpp". What other rooms see of a room is an include directory that holds links to the
-# headers at its top and to nothing else: an include that crosses the link line, or one of what lies in a subfolder of
-# another room, does not compile. The room itself and its unit tests see all of it.
+# Headers are included as "room/header.hpp". Other rooms see an include directory with links to the headers at the
+# room's top only. So an include of a room that is not linked, or of a header in a subfolder of another room, does not
+# compile. The room itself and its unit tests see all of its headers.
 
 add_library(isoextract_options INTERFACE)
 target_compile_options(isoextract_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
   -Wno-sign-conversion -Wold-style-cast -Wnon-virtual-dtor -Woverloaded-virtual -Wnull-dereference)
 if(CMAKE_UNITY_BUILD)
-  # What is in an anonymous namespace of a file that is included by another file of the compiler's own making.
+  # A unity build includes the sources in a generated file, and GCC then warns about their anonymous namespaces.
   target_compile_options(isoextract_options INTERFACE -Wno-subobject-linkage)
 endif()
 # Lets GCC use 2 GiB before it collects garbage, which took a fifth of the compile time (CompilerMemory.cmake).

@@ -17,7 +17,7 @@ using namespace isoextract;
 // Collects messages instead of printing them: the conversions call it on two threads.
 class Listener final : public convert::Events {
  public:
-  void note(const std::string& text) override { told += "note: " + text + "\n"; }
+  void note(const isoextract::Note& note) override { told += "note: " + note.text + "\n"; }
   void end(const convert::StageReport& report) override {
     if (report.stage == convert::StageName::read && report.time) {
       const auto format = value_at<std::string>(report.entries.front(), {convert::Key::format});

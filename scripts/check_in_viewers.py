@@ -1,12 +1,12 @@
 #!/usr/bin/python3
-"""Opens meshes in headless Blender and MeshLab and compares what they see with what the files hold.
+"""Opens meshes in headless Blender and MeshLab and compares the counts and bounds there with those of the files.
 
     scripts/check_in_viewers.py [--closed] FILE...
 
-FILE: .glb, .gltf, .ply, .obj, .stl as isoextract writes them. For each file one row says what the file itself holds,
-read here without any program, and one row a program says what that program made of it: vertices, triangles, edges of
-one triangle (open), edges of more than two (crossed), and bounds. Counts must be equal; bounds must be equal to a
-float32, as both programs keep no more. --closed: an open or crossed edge is an error as well.
+FILE: .glb, .gltf, .ply, .obj, .stl as isoextract writes them. For each file one row has the figures of the file itself,
+which this script reads, and one row per program has those of the imported mesh. The figures are vertices, triangles,
+edges of one triangle (open), edges of more than two (crossed), and bounds. Counts must be equal; bounds must be equal
+to a float32, as both programs keep no more. --closed: an open or crossed edge is an error as well.
 
 Meshes without connectivity (.stl, and glTF with flat normals) are compared after vertices at one place became one and
 triangles that then have two equal corners were dropped: all three do it. Blender alone drops the second of two

@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""Writes src/edit/colormap_tables.cpp: colour maps of matplotlib as control points.
+"""Writes src/edit/colormap_tables.cpp: color maps of matplotlib as control points.
 
     scripts/colormaps.py > src/edit/colormap_tables.cpp
 
-Each map becomes colours at equal distances, with straight lines between them in sRGB, and the greatest difference of a
-channel from the full map of 256 colours is told beside it. Needs Debian's package python3-matplotlib, and runs with
-Debian's own python3. Nothing else needs either: the tables are kept.
+Each map becomes colors at equal distances, with straight lines between them in sRGB. A comment in the output states the
+greatest difference of a channel from the full map of 256 colors. Needs Debian's package python3-matplotlib, and runs
+with Debian's own python3. The build needs neither: the repository has the tables.
 """
 
 import matplotlib
@@ -17,10 +17,11 @@ A_LINE = 11
 
 HEAD = """// Written by scripts/colormaps.py from matplotlib {version}: change that and not this.
 //
-// viridis, plasma, magma and inferno by Nathaniel Smith, Stefan van der Walt and (viridis) Eric Firing, given to the
-// public domain (CC0); cividis by Nunez, Anderton and Renslow, "Optimizing colormaps with consideration for color
-// vision deficiency", 2018; turbo by Anton Mikhailov, Google, 2019 (Apache 2.0); coolwarm by Kenneth Moreland,
-// "Diverging color maps for scientific visualization", 2009.
+// viridis, plasma, magma and inferno: Nathaniel Smith, Stefan van der Walt and (viridis) Eric Firing, in the public
+// domain (CC0).
+// cividis: Nunez, Anderton and Renslow, "Optimizing colormaps with consideration for color vision deficiency", 2018.
+// turbo: Anton Mikhailov, Google, 2019 (Apache 2.0).
+// coolwarm: Kenneth Moreland, "Diverging color maps for scientific visualization", 2009.
 #include "edit/colormap.hpp"
 
 namespace isoextract::edit {{
@@ -35,10 +36,10 @@ def lines():
     full = numpy.linspace(0, 1, 256)
     yield HEAD.format(version=matplotlib.__version__)
     for name in NAMES:
-        colours = matplotlib.colormaps[name](numpy.arange(256))[:, :3]
-        points = [numpy.interp(places, full, colours[:, c]) for c in range(3)]
+        colors = matplotlib.colormaps[name](numpy.arange(256))[:, :3]
+        points = [numpy.interp(places, full, colors[:, c]) for c in range(3)]
         bytes_ = numpy.rint(255 * numpy.array(points)).astype(int)
-        error = max(numpy.abs(numpy.interp(full, places, bytes_[c] / 255) - colours[:, c]).max() for c in range(3))
+        error = max(numpy.abs(numpy.interp(full, places, bytes_[c] / 255) - colors[:, c]).max() for c in range(3))
         yield f"// Within {255 * error:.2f} of 255 of the full map."
         yield f"constexpr Points k{name.capitalize()}{{"
         words = [f"0x{r:02X}{g:02X}{b:02X}" for r, g, b in bytes_.T]

@@ -1,12 +1,13 @@
 #!/usr/bin/python3
-"""What --error tells of meshes against the true distances, found without a line of isoextract's code.
+"""Compares the figures of --error with the true distances, found without a line of isoextract's code.
 
     scripts/compare_error.py [--isoextract PROGRAM] [--fields NAME,...] [--sizes N,...] [--methods NAME,...] [--json FILE]
 
-Eight fields are sampled at several resolutions and extracted by every method. The true isosurface is a cloud of its points
-on lines along the axes, found by bisection, five lines a cell; from the nearest ones of a position, steps along the surface
-lead to the foot. The other way, points of the cloud are measured to the triangles of the file, one by one. All figures are
-in voxels. Prints a line for each mesh and direction, and ends with 1 where a figure is more than a tenth off.
+Eight fields are sampled at several resolutions and extracted by every method. The true isosurface is a cloud of its
+points on lines along the axes, found by bisection, five lines a cell. From the cloud's points nearest to a position,
+steps along the surface lead to the foot. For the other direction, the script measures the distance from each point of
+the cloud to the triangles of the file. All figures are in voxels. Prints a line for each mesh and direction, and ends
+with 1 if a figure is more than a tenth off.
 """
 
 import argparse
@@ -194,15 +195,15 @@ class Surface:
 
 
 class Buckets:
-    """Things by the cell that they are in, and the nearest ones of a position among those of the cells around it."""
+    """Numbers of elements by the cell of their place. Finds the elements nearest to a position in the cells around it."""
 
     FARTHEST = 4  # cells
 
-    def __init__(self, places, things, last):
+    def __init__(self, places, elements, last):
         self.dims = last + 2 * self.FARTHEST + 3
         cells = self.number(numpy.floor(places).astype(int))
         order = numpy.argsort(cells, kind="stable")
-        self.things = things[order]
+        self.elements = elements[order]
         self.first = numpy.searchsorted(cells[order], numpy.arange(self.dims.prod() + 1))
 
     def number(self, cells):
@@ -210,7 +211,7 @@ class Buckets:
         return x + self.dims[0] * (y + self.dims[1] * z)
 
     def nearest(self, places, squared, count, slack=0):
-        """The numbers of the `count` nearest things, -1 where there are fewer. A thing is within `slack` of where it is filed."""
+        """The numbers of the `count` nearest elements, -1 where there are fewer. An element is within `slack` of its place."""
         result = numpy.full((len(places), count), -1)
         left = numpy.arange(len(places))
         for ring in range(1, self.FARTHEST + 1):
@@ -235,12 +236,12 @@ class Buckets:
             rows = numpy.repeat(numpy.arange(len(part)), total)
             flat = counts.ravel()
             inside = numpy.arange(flat.sum()) - numpy.repeat(numpy.cumsum(flat) - flat, flat)
-            things = self.things[numpy.repeat(self.first[near].ravel(), flat) + inside]
-            distance = squared(part[rows], things)
+            elements = self.elements[numpy.repeat(self.first[near].ravel(), flat) + inside]
+            distance = squared(part[rows], elements)
             order = numpy.lexsort((distance, rows))
             rank = numpy.arange(len(order)) - numpy.repeat(numpy.cumsum(total) - total, total)
             keep = rank < count
-            result[first + rows[order][keep], rank[keep]] = things[order][keep]
+            result[first + rows[order][keep], rank[keep]] = elements[order][keep]
             least[first + rows[order][rank == 0]] = distance[order][rank == 0]
         return result, least
 
@@ -382,7 +383,7 @@ def rows_of(program, field, size, methods, folder, count):
 
 
 def is_true(row):
-    """The rms and the maximum to a tenth; no distance is greater than what is told as the most, but for a tenth."""
+    """The rms and the maximum to a tenth; no distance exceeds the reported bound by more than a tenth."""
     _, _, told_rms, true_rms, told_max, true_max, at_most = row
     floor = 1e-5  # what float32 leaves
     return (abs(told_rms - true_rms) <= ALLOWED * true_rms + floor and true_max <= (1 + ALLOWED) * at_most + floor and

@@ -3,10 +3,10 @@
 
     scripts/compare_topology.py [--fields N] [--json FILE]
 
-Builds what writes the fields (tests/topology, in build/topology), runs the peers that are installed (Debian packages
-python3-vtk9 and python3-skimage) on the same samples, and prints how many surfaces have the right components with the
-right Euler numbers. Peers are right with either topology where samples or saddles have the very value iso. scripts/measure makes a page of the file
-that --json writes.
+Builds the program that writes the fields (tests/topology, in build/topology) and runs the installed peers (Debian
+packages python3-vtk9 and python3-skimage) on the same samples. Prints how many surfaces have the right components with
+the right Euler numbers. Peers are right with either topology where samples or saddles have exactly the iso value.
+scripts/measure makes a page of the file that --json writes.
 """
 
 import argparse

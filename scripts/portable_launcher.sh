@@ -6,9 +6,9 @@
 #
 # - Most are this folder's (lib).
 # - A GPU's driver is always the machine's, because it has to fit the kernel. It runs in the same process, so it has to
-#   get on with every library that it shares with the program. The rule for those: the machine's own, if it has every
-#   symbol version that the program asks for, and else this folder's, which then is the newer one. Either way nobody
-#   finds a library older than the one it was built with. That goes for
+#   get on with every library that it shares with the program. The rule for these libraries: the machine's own, if it has
+#   every symbol version that the program asks for, and else this folder's, which then is the newer one. Either way the
+#   driver and the program find no library older than the one they were built with. The rule applies to
 #   - glibc (lib/glibc), with its loader, as one piece;
 #   - what Mesa and its LLVM use too (lib/spare). Below the folder's own glibc these are the folder's as well.
 # - EGL and OpenGL without a driver, that is GLVND (lib/egl, lib/opengl), come from here only where the machine has none.

@@ -12,7 +12,7 @@ uniform ivec3 window_base;  // the sample that texel (0, 0, 0) would hold if the
 uniform ivec3 window_size;
 #else
 uniform usampler3D leaf_atlas;
-uniform isamplerBuffer neighbours;  // 3x3x3 places for each site, x fastest: a slot of the atlas, or ~number of a
+uniform isamplerBuffer neighbors;  // 3x3x3 places for each site, x fastest: a slot of the atlas, or ~number of a
                                     // constant
 uniform usamplerBuffer constants;   // values of places without a leaf
 #endif
@@ -31,7 +31,7 @@ uvec2 sample_bits(Site site, ivec3 p) {
 #else
   ivec3 local = p - site.origin;
   ivec3 place = (local >> 3) + 1;
-  int slot = texelFetch(neighbours, 27 * site.number + place.x + 3 * place.y + 9 * place.z).x;
+  int slot = texelFetch(neighbors, 27 * site.number + place.x + 3 * place.y + 9 * place.z).x;
   if (slot < 0) return texelFetch(constants, ~slot).xy;
   ivec3 slots = textureSize(leaf_atlas, 0) >> 3;
   ivec3 leaf = ivec3(slot % slots.x, slot / slots.x % slots.y, slot / (slots.x * slots.y));

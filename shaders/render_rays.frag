@@ -1,6 +1,6 @@
 // Casts one ray a pixel through the volume and past the surfaces: steps 2 to 7 of the model (render/renderer.hpp).
 // VOLUME and SURFACES tell which of them exist.
-layout(location = 0) out vec4 picture_colour;  // premultiplied
+layout(location = 0) out vec4 picture_color;  // premultiplied
 layout(location = 1) out vec3 picture_normal;
 layout(location = 2) out float picture_depth;
 layout(location = 3) out uvec4 picture_counts;  // rays in the volume, samples taken, skipped, terminated
@@ -47,7 +47,7 @@ bool sort(uint begin, uint count) {
 #endif
 
 // The accumulated color and counts.
-vec3 colour = vec3(0.0);
+vec3 color = vec3(0.0);
 float light = 1.0;  // light left
 bool settled = false;
 bool found_depth = false;
@@ -57,7 +57,7 @@ vec3 normal_found = vec3(0.0);
 bool has_ended() { return light <= 0.0 || light < least_light; }
 
 void add(vec3 added, float opacity) {
-  colour += light * opacity * added;
+  color += light * opacity * added;
   light *= 1.0 - opacity;
 }
 
@@ -173,7 +173,7 @@ void main() {
 #ifdef SURFACES
     if (meets) {
       Shade there = shade(fragment_triangle, direction);
-      add(there.colour, there.opacity);
+      add(there.color, there.opacity);
       if (!settled && (light <= 0.5 || !found_depth)) {
         settled = light <= 0.5;
         settle(fragment_depth, there.normal);
@@ -187,7 +187,7 @@ void main() {
   is_whole = is_whole && (has_ended() || (k >= slabs && fragment_depth >= kNever));
   int reached = inside ? k + 1 : k;
   float left = has_ended() ? 0.0 : light;
-  picture_colour = vec4(colour + left * background.a * background.rgb, 1.0 - left * (1.0 - background.a));
+  picture_color = vec4(color + left * background.a * background.rgb, 1.0 - left * (1.0 - background.a));
   picture_normal = normal_found;
   picture_depth = found_depth ? float(depth_found * unit) : uintBitsToFloat(0x7f800000u);
   picture_counts = uvec4(is_whole ? rays : rays | kCutOff, samples, skipped, uint(max(slabs - reached, 0)));

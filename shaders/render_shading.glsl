@@ -11,17 +11,17 @@ struct Surface {
 layout(std430, binding = 0) readonly buffer Surfaces { Surface surfaces[]; };
 uniform int surface_count;
 uniform samplerBuffer vertex_normals;
-uniform samplerBuffer vertex_colours;  // linear light, straight alpha
+uniform samplerBuffer vertex_colors;  // linear light, straight alpha
 
 const int kMaxLights = 8;
 uniform int light_count;
 uniform vec3 light_towards[kMaxLights];  // in view space
-uniform vec3 light_colours[kMaxLights];
+uniform vec3 light_colors[kMaxLights];
 uniform vec4 shading_terms;  // ambient, diffuse, specular, shininess
 uniform mat3 rotation;       // maps world directions to view space
 
 struct Shade {
-  vec3 colour;
+  vec3 color;
   float opacity;
   vec3 normal;  // in world space, toward the eye
 };
@@ -71,8 +71,8 @@ Shade shade(uint number, dvec3 direction) {
   vec4 base = vec4(surface.red, surface.green, surface.blue, 1.0);
   if (surface.color_base >= 0) {
     ivec3 at = ivec3(corners) + surface.color_base;
-    base = share.x * texelFetch(vertex_colours, at.x) + share.y * texelFetch(vertex_colours, at.y) +
-           share.z * texelFetch(vertex_colours, at.z);
+    base = share.x * texelFetch(vertex_colors, at.x) + share.y * texelFetch(vertex_colors, at.y) +
+           share.z * texelFetch(vertex_colors, at.z);
   }
   vec3 light = base.rgb * shading_terms.x;
   for (int l = 0; l < light_count; ++l) {
@@ -82,7 +82,7 @@ Shade shade(uint number, dvec3 direction) {
     float size = length(half_way);
     float gloss = size > 0.0 ? max(dot(normal, half_way) / size, 0.0) : 0.0;
     float shine = gloss > 0.0 ? pow(gloss, shading_terms.w) : 0.0;
-    light += light_colours[l] * (base.rgb * (shading_terms.y * lambert) + shading_terms.z * shine);
+    light += light_colors[l] * (base.rgb * (shading_terms.y * lambert) + shading_terms.z * shine);
   }
   return Shade(light, clamp(surface.opacity * base.a, 0.0, 1.0), transpose(rotation) * normal);
 }

@@ -21,6 +21,6 @@ Triangle triangle_of(uvec3 corners, int vertex_base, dvec3 view_offset) {
 
 // Returns the view direction through the center of a pixel of the tile, with z = -1: depth is the parameter along it.
 dvec3 direction_of(ivec2 pixel) {
-  dvec2 centre = dvec2(tile_first + pixel) + 0.5lf;
-  return dvec3(to_corner.x + per_pixel.x * centre.x, to_corner.y - per_pixel.y * centre.y, -1.0lf);
+  dvec2 center = dvec2(tile_first + pixel) + 0.5lf;
+  return dvec3(to_corner.x + per_pixel.x * center.x, to_corner.y - per_pixel.y * center.y, -1.0lf);
 }

@@ -14,7 +14,7 @@ uniform dvec3 volume_eye;
 uniform dmat3 index_of_view;       // of directions
 
 const int kBrickSamples = 9;
-const float kNanInShader = 2e30;  // positions are smaller; larger values mean NaN
+const float kNanThreshold = 2e30;  // positions are smaller; larger values mean NaN
 
 // The brick or node of the last sample.
 struct Brick {
@@ -46,7 +46,7 @@ vec4 entry_at(Brick brick, ivec3 cell, vec3 t) {
   vec4 high = vec4(texelFetch(atlas, at + ivec3(1, 0, 0), 0).r, texelFetch(atlas, at + ivec3(1, 1, 0), 0).r,
                    texelFetch(atlas, at + ivec3(1, 0, 1), 0).r, texelFetch(atlas, at + ivec3(1, 1, 1), 0).r);
   vec4 most = max(low, high);
-  if (max(max(most.x, most.y), max(most.z, most.w)) > kNanInShader) return vec4(0.0);
+  if (max(max(most.x, most.y), max(most.z, most.w)) > kNanThreshold) return vec4(0.0);
   vec4 along_x = low + t.x * (high - low);
   vec2 along_y = along_x.xz + t.y * (along_x.yw - along_x.xz);
   float position = clamp(along_y.x + t.z * (along_y.y - along_y.x), 0.0, float(kEntries - 1));
@@ -77,8 +77,8 @@ int slab_beyond(Brick brick, dvec3 along, double enter, double depth_step, int k
   double leave = 1e300lf;
   for (int axis = 0; axis < 3; ++axis) {
     if (along[axis] == 0.0lf) continue;
-    int border = (brick.at[axis] + (along[axis] > 0.0lf ? 1 : 0)) << brick.shift;
-    leave = min(leave, (double(border) - volume_eye[axis]) / along[axis]);
+    int face = (brick.at[axis] + (along[axis] > 0.0lf ? 1 : 0)) << brick.shift;
+    leave = min(leave, (double(face) - volume_eye[axis]) / along[axis]);
   }
   double number = (leave - enter) / depth_step;
   double next = ceil(number - 0.5lf - 1e-9lf * (1.0lf + abs(number)));

@@ -243,7 +243,7 @@ class Particles {
     for (std::uint64_t i = 0; i < job.count; ++i) {
       const double radius = radius_of(i);
       if (!(std::isfinite(radius) && radius >= 0)) {
-        throw PluginError("expected radii of 0 and more, found " + std::to_string(radius));
+        throw PluginError("expected radii of 0 or more, found " + std::to_string(radius));
       }
       const openvdb::Vec3d at = position_of(i);
       for (int axis = 0; axis < 3; ++axis) {
@@ -363,9 +363,9 @@ FloatGrid::Ptr smooth_spheres(const Particles& particles, const isoextract_spher
 
 void check_spheres(const isoextract_sphere_job& job) {
   const auto positive = [](double value) { return std::isfinite(value) && value > 0; };
-  if (!positive(job.voxel)) throw PluginError("expected voxels of a size above 0");
-  if (!(job.half_band >= 2 && job.half_band < 1000)) {
-    throw PluginError("expected a band of 2 to 1000 voxels on either side of the surface");
+  if (!positive(job.voxel)) throw PluginError("expected a voxel size above 0");
+  if (!(job.half_band >= 2 && job.half_band <= 1000)) {
+    throw PluginError("expected a narrow band of 2 to 1000 voxels on either side of the surface");
   }
   if (job.method == ISOEXTRACT_SMOOTH_SPHERES && !positive(job.search_radius)) {
     throw PluginError("expected a search radius above 0");
@@ -452,7 +452,7 @@ int write_vdb(const isoextract_vdb_job* job, const isoextract_plugin_host* host)
     } catch (const std::ios_base::failure&) {
       if (!buffer.failed()) throw;
     }
-    if (buffer.failed()) throw PluginError("the file cannot be written");
+    if (buffer.failed()) throw PluginError("writing the file failed");
   });
 }
 

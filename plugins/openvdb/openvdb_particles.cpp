@@ -89,7 +89,7 @@ std::string chosen_grid(openvdb::io::File& file, const char* wanted) {
     throw PluginError("expected a grid of points, found " + (others.empty() ? std::string("no grid") : others));
   }
   if (wanted != nullptr) throw PluginError("there is no grid of points '" + std::string(wanted) + "'; there is " + all);
-  if (sets.size() > 1) throw PluginError("expected the name of one of its grids of points: " + all);
+  if (sets.size() > 1) throw PluginError("expected the name of one of the grids of points: " + all);
   return sets.front();
 }
 
@@ -134,11 +134,12 @@ std::unique_ptr<Opened> open_points(const char* path, const char* wanted) {
     openvdb::Index32 before = 0;
     for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) {
       const auto end = static_cast<openvdb::Index32>(leaf->getValue(i));
-      if (end < before || end > places->size()) throw PluginError("the file is damaged: points that are not there");
+      if (end < before || end > places->size())
+        throw PluginError("the file is damaged: a leaf refers to points that it does not have");
       before = end;
     }
-    if (before != places->size()) throw PluginError("the file is damaged: points of no voxel");
-    if (places->stride() != 1) throw PluginError("the file is damaged: expected one position a point");
+    if (before != places->size()) throw PluginError("the file is damaged: a leaf has points that belong to no voxel");
+    if (places->stride() != 1) throw PluginError("the file is damaged: expected one position per point");
     check_bytes(*places, kPosition);
   }
   describe_attributes(*opened);
@@ -198,7 +199,7 @@ int quantity(const isoextract_particle_file* file, std::size_t number, float* va
       const bool known = array != nullptr && array->type().first == type &&
                          visit_attribute(type, [&]<class Value>(Value, std::uint64_t in_value) {
                            if (array->stride() * in_value != components) {
-                             throw PluginError("expected as many values of '" + name + "' at every point");
+                             throw PluginError("expected the same number of values of '" + name + "' at every point");
                            }
                            check_bytes(*array, name);
                            const points::AttributeHandle<Value> handle(*array);

@@ -39,7 +39,7 @@ int catch_exceptions(F&& work) {
   } catch (const std::exception& error) {
     problem = std::string("OpenVDB says: ") + error.what();
   } catch (...) {
-    problem = "OpenVDB failed and does not say why";
+    problem = "OpenVDB failed and gave no reason";
   }
   std::ranges::replace(problem, '\n', ' ');
   return 1;
@@ -55,7 +55,7 @@ class Reserved {
 
   void take(std::uint64_t bytes) {
     if (host_.reserve(host_.self, bytes) != 0)
-      throw PluginError("not enough memory: it needs " + std::to_string(bytes));
+      throw PluginError("not enough memory: the work needs " + std::to_string(bytes) + " bytes");
     bytes_ += bytes;
   }
   // Changes the total to `bytes`.
@@ -68,7 +68,7 @@ class Reserved {
   [[nodiscard]] void* allocate(std::uint64_t bytes) const {
     if (bytes == 0) return nullptr;
     void* memory = host_.allocate(host_.self, bytes);
-    if (memory == nullptr) throw PluginError("not enough memory: the samples need " + std::to_string(bytes));
+    if (memory == nullptr) throw PluginError("not enough memory: the samples need " + std::to_string(bytes) + " bytes");
     return memory;
   }
   // Leaves the reservation to the call's results.

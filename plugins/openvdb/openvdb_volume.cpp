@@ -137,7 +137,7 @@ void add_grid(Listed& listed, const std::string& stored_name, const openvdb::Gri
     if (entry.is_in_frustum) {
       entry.spacing = frustum_spacing(grid.transform());
       if (entry.spacing == 0) {
-        entry.type += " in a place that is not known";
+        entry.type += " with an unknown placement";
         sample_type = kNotScalar;
       }
     }
@@ -331,7 +331,7 @@ class Resampling {
 std::string spacing_note(const Entry& entry) {
   std::array<char, 64> number{};
   std::snprintf(number.data(), number.size(), "%.6g", entry.spacing);
-  return "the grid lies in a frustum and was resampled, trilinearly, to cubic voxels with a spacing of " +
+  return "the grid lies in a frustum; the reader resamples it trilinearly to cubic voxels with a spacing of " +
          std::string(number.data());
 }
 
@@ -365,7 +365,7 @@ void read_grid(openvdb::io::File& file, const char* path, const Entry& entry, co
     }
     put(typename SampleOf<typename Grid::ValueType>::type{});
   });
-  if (rounded) store.note += std::string(store.note.empty() ? "" : "; ") + "integers beyond 2^53 were rounded";
+  if (rounded) store.note += std::string(store.note.empty() ? "" : "; ") + "the reader rounds integers beyond 2^53";
   for_samples.keep();
 }
 
@@ -393,7 +393,8 @@ int open(const char* path, std::size_t grid, const isoextract_plugin_host* host,
     file.setCopyMaxBytes(0);
     file.open(false);
     const auto listed = list_file(file);
-    if (grid >= listed->entries.size()) throw PluginError("the file has become another one meanwhile");
+    if (grid >= listed->entries.size())
+      throw PluginError("the file changed during the run: a grid that it listed is missing");
     auto store = std::make_unique<SparseStore>();
     read_grid(file, path, listed->entries[grid], *host, *store);
     *samples = {nullptr, 0, &store->samples, store->note.c_str(), store.get()};

@@ -92,7 +92,7 @@ void check_point_count(std::string_view start, std::uint64_t bytes) {
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), count);
   // A coordinate has at least a digit and a separator in text, and at least a byte in a binary file.
   if (status != std::errc{} || count > bytes / 3) {
-    throw PluginError("expected as many points as the file has room for, found POINTS " +
+    throw PluginError("expected at most as many points as fit into the file, found POINTS " +
                       std::string(text.substr(0, text.find('\n'))).substr(0, 40));
   }
 }
@@ -121,7 +121,7 @@ vtkSmartPointer<vtkPointSet> read_points(const char* path) {
   } else {
     read(vtkSmartPointer<vtkXMLUnstructuredGridReader>::New());
   }
-  if (!vtk_messages.empty()) throw PluginError("VTK cannot read it: " + last_sentence(vtk_messages));
+  if (!vtk_messages.empty()) throw PluginError("VTK cannot read the file: " + last_sentence(vtk_messages));
   if (points == nullptr) throw PluginError("expected an unstructured grid or poly data of VTK, found neither");
   return points;
 }
@@ -157,7 +157,7 @@ std::unique_ptr<Opened> open_points(const char* path) {
   auto opened = std::make_unique<Opened>();
   opened->points = read_points(path);
   if (const vtkIdType cells = other_cells(opened->points); cells > 0) {
-    throw PluginError("expected particles, found a grid with " + std::to_string(cells) + " cells that are no points");
+    throw PluginError("expected particles, found a grid with " + std::to_string(cells) + " cells that are not points");
   }
   vtkPointData* data = opened->points->GetPointData();
   const int count = data->GetNumberOfArrays();

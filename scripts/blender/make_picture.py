@@ -32,12 +32,12 @@ def pixels_of(path):
     return pixels.reshape(HEIGHT, WIDTH, 4)
 
 
-def main(file, picture, frames, colour="0.8,0.8,0.8", view="-55,25"):
+def main(file, picture, frames, color="0.8,0.8,0.8", view="-55,25"):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     isosurface_sequence.register()
     bpy.ops.import_mesh.isosurface_sequence(filepath=str(pathlib.Path(file).resolve()))
     scene, item = bpy.context.scene, bpy.context.object
-    picture_scene.paint([item], colour)
+    picture_scene.paint([item], color)
     corners = []
     frames = [int(frame) for frame in frames.split(",")]
     for frame in frames:

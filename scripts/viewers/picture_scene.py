@@ -13,17 +13,17 @@ def corners_of(item):
     return [item.matrix_world @ Vector(corner) for corner in item.bound_box]
 
 
-def paint(items, colour):
-    """Gives the objects one material. colour: "R,G,B", or "vertices" for the colours that those have."""
+def paint(items, color):
+    """Gives the objects one material. color: "R,G,B", or "vertices" for the colors that those have."""
     material = bpy.data.materials.new("surface")
     material.use_nodes = True
     shader = material.node_tree.nodes["Principled BSDF"]
-    if colour == "vertices":
+    if color == "vertices":
         vertices = material.node_tree.nodes.new("ShaderNodeVertexColor")
         vertices.layer_name = items[0].data.color_attributes[0].name
         material.node_tree.links.new(vertices.outputs["Color"], shader.inputs["Base Color"])
     else:
-        shader.inputs["Base Color"].default_value = (*(float(c) for c in colour.split(",")), 1)
+        shader.inputs["Base Color"].default_value = (*(float(c) for c in color.split(",")), 1)
     shader.inputs["Roughness"].default_value = 0.45
     for item in items:
         item.data.materials.clear()
@@ -34,7 +34,7 @@ def set_up(corners, view):
     """Camera, light and Cycles, so that the box of the corners fills the picture. view: "AZIMUTH,ELEVATION"."""
     low = Vector(min(c[a] for c in corners) for a in range(3))
     high = Vector(max(c[a] for c in corners) for a in range(3))
-    centre, radius = (low + high) / 2, (high - low).length / 2
+    center, radius = (low + high) / 2, (high - low).length / 2
     azimuth, elevation = (math.radians(float(a)) for a in view.split(","))
     direction = Vector(
         (math.cos(azimuth) * math.cos(elevation), math.sin(azimuth) * math.cos(elevation), math.sin(elevation))
@@ -42,7 +42,7 @@ def set_up(corners, view):
     scene = bpy.context.scene
     camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
     camera.data.angle = math.radians(30)
-    camera.location = centre + direction * radius * 3.8
+    camera.location = center + direction * radius * 3.8
     camera.data.clip_start, camera.data.clip_end = radius / 10, radius * 10
     camera.rotation_euler = (-direction).to_track_quat("-Z", "Y").to_euler()
     scene.collection.objects.link(camera)

@@ -24,8 +24,9 @@ struct AnalyticError {
   // True: distances and normals are known in closed form (sphere, torus). False: iterations start at the nearest point
   // of a mesh of the formula, which is at least as fine as the samples.
   bool closed_form = false;
-  // True distance at seven points inside each triangle, or each part of a large one, weighted by area. The maximum
-  // includes the vertices. `unreached` counts points where no iteration converged.
+  // True distance at seven points inside each triangle, or inside each part of a triangle with a side longer than 1.75
+  // voxels (detail/quadrature.hpp), weighted by area. The maximum includes the vertices. `unreached` counts points
+  // where no iteration converged.
   ErrorStatistics interior;
   ErrorStatistics vertices;
   // Normals interpolated across the triangle, as a renderer does; no points if the mesh has no normals.

@@ -38,7 +38,7 @@ struct AttributeMatches {
 // It is relative to world coordinates if these are all float32 numbers, else to local coordinates.
 [[nodiscard]] double coordinate_rounding(const mesh::Mesh& mesh);
 
-// Compares all attributes. `colours` says whether color values mean the same in both meshes; if not, they are not
+// Compares all attributes. `colors` says whether color values mean the same in both meshes; if not, they are not
 // compared. Vertices correspond if no coordinate differs by more than `tolerance`.
 [[nodiscard]] AttributeMatches match_attributes(const mesh::Mesh& a, const mesh::Mesh& b, bool colors,
                                                 double tolerance = 0);

@@ -167,7 +167,7 @@ Result<ExtractionComparison> compare_extractions(const mesh::Mesh& a, const mesh
   for (const mesh::Mesh* mesh : {&a, &b}) {
     if (mesh->edges.size() == mesh->positions.size()) continue;
     return fail(ErrorCode::verification,
-                fmt::format("{}: expected the edge of each of the {} vertices, found those of {}", mesh->name,
+                fmt::format("{}: expected an edge key for each of the {} vertices, found {} keys", mesh->name,
                             mesh->positions.size(), mesh->edges.size()));
   }
   const std::uint64_t bytes =
@@ -206,11 +206,11 @@ std::vector<std::string> differences(const ExtractionComparison& comparison, con
   if (comparison.origins_differ) add("the meshes have different origins");
   if (comparison.normals_in_one_only) add("only one of the meshes has normals");
   if (!(comparison.ulps <= kStabilityUlps)) {
-    add(fmt::format("a vertex is {:.3g} ulps off, allowed {:.3g}, at sample {}", comparison.ulps, kStabilityUlps,
+    add(fmt::format("a vertex differs by {:.3g} ulps, allowed {:.3g}, at sample {}", comparison.ulps, kStabilityUlps,
                     edge_text(*comparison.farthest)));
   }
   if (!(comparison.degrees <= kNormalDegrees)) {
-    add(fmt::format("a normal is turned by {:.3g} degrees, allowed {:.3g}, at sample {}", comparison.degrees,
+    add(fmt::format("a normal differs by {:.3g} degrees, allowed {:.3g}, at sample {}", comparison.degrees,
                     kNormalDegrees, edge_text(*comparison.largest_angle_edge)));
   }
   return found;

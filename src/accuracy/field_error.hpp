@@ -1,10 +1,10 @@
 // Measures how far a mesh is from the isosurface of its data, and the isosurface from the mesh.
 //
-// Distances go to the nearest point. The isosurface of an interpolant is extracted again, brick by brick and in parts
-// of cells (detail/subdivided_surface.hpp). From a point of the mesh, the search finds the nearest of those triangles
-// and then the nearest point of the isosurface itself. If the surface may be nearer outside the brick and its margin,
-// the search uses the isosurface of all data, in whole cells. In the other direction, several isosurface points in each
-// cell are measured to the nearest triangle of the mesh.
+// Every distance is to the nearest point. The program extracts the isosurface of the interpolant again, brick by brick,
+// on cells divided into subcells (detail/subdivided_surface.hpp). From a point of the mesh, the search finds the
+// nearest triangle of this extraction, then the nearest point of the isosurface itself. If the nearest point may lie
+// outside the brick and its margin, the search uses the isosurface of all data, in whole cells. In the other direction,
+// several isosurface points in each cell are measured to the nearest triangle of the mesh.
 #pragma once
 
 #include <cstdint>
@@ -23,10 +23,10 @@
 namespace isoextract::accuracy {
 
 struct FieldErrorOptions {
-  field::Interpolation interpolation = field::Interpolation::trilinear;  // its isosurface is the truth
+  field::Interpolation interpolation = field::Interpolation::trilinear;  // its isosurface is the reference
   // Set if the mesh was extracted from a grid that resample() made of the field.
   const field::ScalarField* grid = nullptr;
-  bool vertices_on_edges = true;  // MethodTraits::vertices_on_edges; false: no `storage` error
+  bool vertices_on_edges = true;  // MethodTraits::vertices_on_edges; if false, FieldError::storage is not measured
   CapPlanes caps = {};
   // Half-spaces that the mesh was clipped to; isosurface outside them does not count.
   std::span<const mesh::HalfSpace> clipped = {};
@@ -34,18 +34,21 @@ struct FieldErrorOptions {
 
 struct FieldError {
   field::Interpolation interpolation = field::Interpolation::trilinear;
-  // From the mesh to the isosurface, at seven points inside each triangle, or each part of a large one
-  // (quadrature.hpp), weighted by area. The maximum includes the vertices.
+  // Distances from the mesh to the isosurface, weighted by area. Triangles with a side longer than 1.75 voxels are
+  // divided into parts; each triangle or part is measured at seven points inside it (detail/quadrature.hpp). The
+  // maximum includes the vertices.
   ErrorStatistics interior;
   ErrorStatistics vertices;  // at the vertices, equally weighted
 
-  // At vertices on axis-aligned grid edges, against the trilinear interpolant, whose crossing there is exact. This is
-  // the cost of float32 positions and of the margin at edge ends (extract/edge_geometry.hpp). Vertices of marching
-  // tetrahedra on diagonals are in `vertices` only. Has no points if the mesh comes from another grid, or if the method
-  // puts vertices off the edges.
+  // Error of storing positions: distances of the vertices on axis-aligned grid edges from the isosurface of the
+  // trilinear interpolant, on which the exact crossings lie. So it contains only the rounding to float32 and the shift
+  // of vertices away from the ends of their edges (extract/edge_geometry.hpp). Vertices of marching tetrahedra on
+  // diagonals are in `vertices` only. Has no points if the mesh comes from another grid, or if the method has no
+  // vertices on edges.
   ErrorStatistics storage;
 
-  // Triangles that were not measured: on the data boundary, in a cut, or beyond the outermost samples.
+  // Triangles that were not measured: caps at the data boundary and in clip planes, and triangles beyond the outermost
+  // samples.
   std::uint64_t cap_triangles = 0;
 
   int parts = 0;  // parts of a cell along each axis
@@ -54,8 +57,9 @@ struct FieldError {
 };
 
 // Measures `mesh`, which may have been edited after it was extracted with options `extracted` from `field`, or from the
-// grid in `options`. Takes iso value, placement, region and cap from `extracted`; voxels are those of `field`. Fails as
-// an extraction of the field does, or if memory is short. The result does not depend on the number of threads.
+// grid in `options`. Uses the iso value, transform, region and cap of `extracted`; distances in voxels refer to
+// `field`. Fails as an extraction of the field does, or if memory is short. The result does not depend on the number of
+// threads.
 [[nodiscard]] Result<FieldError> measure_field_error(const mesh::Mesh& mesh, const field::ScalarField& field,
                                                      const extract::ExtractOptions& extracted,
                                                      const FieldErrorOptions& options, const Context& context);

@@ -23,7 +23,7 @@ class IndexMesh {
   IndexMesh(const mesh::Mesh& mesh, const field::ScalarField& field, const extract::ExtractOptions& extracted,
             const field::ScalarField* grid = nullptr);
 
-  // The map from indices of `field` to the mesh's coordinates.
+  // Returns the map from indices of `field` to the mesh's coordinates.
   [[nodiscard]] const field::Affine& output_from_index() const { return output_from_index_; }
 
   // Returns a vertex in index space. Subtracts the two large offsets of a far-away frame first, to keep precision.

@@ -159,9 +159,8 @@ Result<MeshDistance> measure_distance(const mesh::Mesh& a, const mesh::Mesh& b, 
   }
   constexpr double kFarthest = 1e150;
   if (const double apart = glm::length(a.origin - b.origin); !(apart <= kFarthest)) {
-    return fail(ErrorCode::input,
-                fmt::format("expected meshes at most {:g} apart, found {} and {} farther from each other", kFarthest,
-                            a.name, b.name));
+    return fail(ErrorCode::input, fmt::format("expected mesh origins at most {:g} apart, found {:g} between {} and {}",
+                                              kFarthest, apart, a.name, b.name));
   }
   const auto memory = TRY(context.reserve(std::max(Direction::bytes(a, b, options), Direction::bytes(b, a, options)),
                                           fmt::format("{} and {}: the distances of their triangles", a.name, b.name)));

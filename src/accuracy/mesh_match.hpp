@@ -46,7 +46,7 @@ struct MeshMatch {
   glm::dvec3 farthest{0.0};  // place of that pair
 };
 
-// Matches the meshes. `float32_world`: the file's format has float32 world coordinates only. `quantised`: its positions
+// Matches the meshes. `float32_world`: the file's format has float32 world coordinates only. `quantized`: its positions
 // were quantized. Fails with ErrorCode::out_of_memory if memory is short.
 [[nodiscard]] Result<MeshMatch> match_written_mesh(const mesh::Mesh& written, const mesh::Mesh& extracted,
                                                    bool float32_world, const Context& context, bool quantized = false);

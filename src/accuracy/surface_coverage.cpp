@@ -56,7 +56,7 @@ void count_components(const mesh::Mesh& mesh, const mesh::Mesh& surface, const m
   const std::vector<std::uint8_t> counts = components_kept(surface, components, clipped);
   coverage.components = coverage.lost = static_cast<std::uint64_t>(std::ranges::count(counts, 1));
   if (mesh.triangles.empty() || tree == nullptr) return;
-  context.progress().begin("measuring what was lost", mesh.positions.size());
+  context.progress().begin("counting lost components", mesh.positions.size());
   coverage.lost -= count_found(mesh, surface, *tree, components, counts, context);
 }
 

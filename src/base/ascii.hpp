@@ -17,6 +17,12 @@ inline constexpr std::string_view kDigits = "0123456789";
   return lower;
 }
 
+[[nodiscard]] inline std::string to_upper(std::string_view text) {
+  std::string upper(text);
+  for (char& c : upper) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  return upper;
+}
+
 // Returns `text` without spaces, tabs and carriage returns at both ends.
 [[nodiscard]] inline std::string_view trimmed(std::string_view text) {
   constexpr std::string_view kBlanks = " \t\r";

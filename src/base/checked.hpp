@@ -7,7 +7,7 @@
 
 namespace isoextract {
 
-// Return the product or the sum of all arguments, or nothing if it exceeds 64 bits.
+// Each returns the product or the sum of all arguments, or nothing if it exceeds 64 bits.
 template <std::unsigned_integral... Ts>
 [[nodiscard]] constexpr std::optional<std::uint64_t> checked_product(Ts... factors) {
   std::uint64_t product = 1;

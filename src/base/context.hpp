@@ -1,6 +1,6 @@
 // The environment of a task: its memory budget, a cancellation flag, counters and progress. Long-running functions take
-// a `const Context&` as their last argument. Context() has the machine's memory and no observer. None of this is
-// global, so conversions can run side by side.
+// a `const Context&` as their last argument. Context() may use all memory that this process may use
+// (available_memory()). None of this is global, so conversions can run side by side.
 #pragma once
 
 #include <atomic>
@@ -30,7 +30,8 @@ class Context {
       : memory_(std::move(memory)), state_(std::make_shared<State>()), opened_(std::make_shared<Opened>()) {}
 
   // Returns the context of a subtask: a part of this memory budget, with its own counters, progress and cancellation.
-  // The subtask uses the files that are open here, and closes the files that it opens itself.
+  // The subtask shares the open files of this context; files that it opens itself are closed when the part and its
+  // copies are destroyed.
   [[nodiscard]] Context part() const {
     Context part(memory_.part());
     const std::lock_guard lock(opened_->mutex);
@@ -52,8 +53,8 @@ class Context {
   [[nodiscard]] Counters& counters() const { return state_->counters; }
   [[nodiscard]] Progress& progress() const { return state_->progress; }
 
-  // Asks the work in this context to end soon, with ErrorCode::cancelled. Call it from the thread that waits for
-  // signals, not from a signal handler.
+  // Asks the work in this context to end soon, with ErrorCode::cancelled. Safe from any thread, but not from
+  // a signal handler. The batch scheduler calls it when a run ends early.
   void cancel() const { state_->cancelled.store(true, std::memory_order_relaxed); }
   [[nodiscard]] bool cancelled() const { return state_->cancelled.load(std::memory_order_relaxed); }
   // Fails if cancel() was called. Long stages call this between steps.
@@ -62,8 +63,8 @@ class Context {
     return {};
   }
 
-  // For files::InputFile: returns the table of the files that stay open until this context and its copies are
-  // destroyed. The first call makes the table by make(table of the context that part() was called on, or null).
+  // Returns the table of open files, which lives as long as this context and its copies. The first call creates it by
+  // make(parent): `parent` is the table of the nearest enclosing context that has one, or null. For files::InputFile.
   template <class Make>
   [[nodiscard]] std::shared_ptr<files::OpenedFiles> opened_files(const Make& make) const {
     const std::lock_guard lock(opened_->mutex);

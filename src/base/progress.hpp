@@ -1,5 +1,5 @@
-// Progress of a long stage, for `cli` to read from another thread. A long-running function takes a `Progress*` (null if
-// nobody watches) and never prints.
+// Progress of a long stage, for `cli` to read from another thread. Long-running functions report through
+// Context::progress(). Functions without a context take a `Progress*`, which may be null. None of them prints.
 #pragma once
 
 #include <atomic>
@@ -9,7 +9,8 @@ namespace isoextract {
 
 class Progress {
  public:
-  // `stage` must be a string literal. The stage chooses the unit of `total`; 0 means unknown.
+  // Begins a stage; `stage` must be a string literal. The unit of `total` depends on the stage (bytes, bricks, frames).
+  // A total of 0 means unknown.
   void begin(const char* stage, std::uint64_t total) {
     done_.store(0, std::memory_order_relaxed);
     total_.store(total, std::memory_order_relaxed);

@@ -5,7 +5,7 @@
 
 namespace isoextract {
 
-[[nodiscard]] std::string_view version();    // "0.1.0"
-[[nodiscard]] std::string_view generator();  // "isoextract 0.1.0": the generator that output files name
+[[nodiscard]] std::string_view version();    // "0.2.0"
+[[nodiscard]] std::string_view generator();  // "isoextract 0.2.0": the generator that output files name
 
 }  // namespace isoextract

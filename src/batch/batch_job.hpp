@@ -34,7 +34,7 @@ struct BatchJob {
   friend bool operator==(const BatchJob&, const BatchJob&) = default;
 };
 
-// Returns the files that a frame writes. Of an output split into pieces it returns only the first piece's files.
+// Returns the files that a frame writes. Of an output split into bodies it returns only the first body's files.
 [[nodiscard]] std::vector<std::filesystem::path> files_of(const convert::ConversionJob& job);
 
 // Returns 32 hexadecimal digits that identify all frames and their jobs, as convert::hash_of() does for one job.

@@ -209,14 +209,15 @@ Result<mesh_io::MeshWriteResult> BatchRun::State::finish_animation() {
     if (status == FrameStatus::not_started || status == FrameStatus::cancelled) is_whole = false;
   }
   if (!is_whole || missing.size() == frames.size() || (options.scheduler.fail_fast && failed > 0)) {
-    return mesh_io::MeshWriteResult{{}, {fmt::format("{} was not written", batch.animation->path)}};
+    return mesh_io::MeshWriteResult{
+        {}, {{NoteId::missing_frames, fmt::format("the run did not write {}", batch.animation->path)}}};
   }
   auto written = TRY(animation->finish());
   for (FrameRow& row : rows) {
     if (row.status != FrameStatus::done) continue;
     for (const mesh_io::WrittenFile& file : written.files) row.outputs.push_back(file.path);
   }
-  if (!missing.empty()) written.notes.push_back(missing_frames_note(batch, missing));
+  if (!missing.empty()) written.notes.push_back({NoteId::missing_frames, missing_frames_note(batch, missing)});
   if (failed > 0 || !manifest) return written;
   TRY(record_animation(*manifest, batch, std::move(records), written));
   return written;
@@ -229,7 +230,8 @@ RunResult BatchRun::State::run(RunEvents& the_events) {
   batch::run(batch, others, options.scheduler, context, *this, animation ? &*animation : nullptr);
   mesh_io::MeshWriteResult animated;
   if (animation && others.empty()) {
-    animated.notes.push_back(fmt::format("{} is left as it is", batch.animation->path));
+    animated.notes.push_back({NoteId::animation_kept,
+                              fmt::format("{} stays unchanged: no frame needs a conversion", batch.animation->path)});
   } else if (animation && !fatal_error) {
     auto finished = finish_animation();
     if (finished) {

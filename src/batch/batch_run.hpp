@@ -1,5 +1,5 @@
-// Runs a batch from its first frame to the last record. Keeps frames that an earlier run finished, records each
-// finished frame in the manifest, renames old meshes of frames that fail, and finally names the animation.
+// Runs a batch: skips frames that an earlier run finished, records each finished frame in the manifest, renames old
+// meshes of frames that fail, and last writes the animation file.
 #pragma once
 
 #include <cstddef>
@@ -11,6 +11,7 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "base/note.hpp"
 #include "batch/batch_job.hpp"
 #include "batch/frame_table.hpp"
 #include "batch/output_names.hpp"
@@ -37,7 +38,7 @@ struct RunOptions {
   std::string absent = {};                  // requested frames without input, as FrameRange text (ManifestHeader)
   bool keeps_records = true;                // keep records in the manifest, for later runs
   bool keeps_figures = true;                // keep figures in RunResult::rows, which takes memory for each frame
-  SchedulerOptions scheduler = {};          // BatchRun replaces its field_note by RunEvents::field_note
+  SchedulerOptions scheduler = {};          // BatchRun sets extras.field_note and extras.hash_files
 };
 
 // Events of a run. The converting threads call them concurrently, so a listener must guard its data.
@@ -48,17 +49,15 @@ class RunEvents {
   // Called before a frame is converted; see FrameEvents::started().
   [[nodiscard]] virtual convert::Events* started(std::size_t /*frame*/, const Context& /*context*/) { return nullptr; }
   // Returns a note about the field of a frame (convert::ConversionOptions).
-  [[nodiscard]] virtual std::optional<std::string> field_note(const field::ScalarField& /*field*/) {
-    return std::nullopt;
-  }
+  [[nodiscard]] virtual std::optional<Note> field_note(const field::ScalarField& /*field*/) { return std::nullopt; }
   // Returns whether the report of a frame, as write_report() writes it, exists. A frame without one is not kept.
   [[nodiscard]] virtual bool has_report(std::size_t /*frame*/) { return true; }
   // Writes the report of a frame. If that fails, the frame fails.
   [[nodiscard]] virtual Result<void> write_report(std::size_t /*frame*/, const convert::Outcome& /*outcome*/) {
     return {};
   }
-  // Called once for each frame, after its last event. `outcome` is null for a kept frame, `error` is null unless the
-  // frame failed.
+  // Called once for each kept frame and each frame that started, after its other events. `outcome` is null for a kept
+  // frame. `error` is set if the frame failed or was cancelled.
   virtual void over(std::size_t /*frame*/, const FrameRow& /*row*/, const convert::Outcome* /*outcome*/,
                     const Error* /*error*/) {}
 };
@@ -76,10 +75,11 @@ struct RunResult {
 // Returns the deepest folder that contains all outputs of the batch. The manifest is in this folder.
 [[nodiscard]] std::filesystem::path manifest_folder(const BatchJob& batch);
 
-// Returns all files that the frames read, including files that only the inputs name. Returns nullopt if nothing can be
-// overwritten: no file to write exists yet, and no output has names that are known late (pieces).
+// Fails with ErrorCode::usage if an existing output or an existing file of `others.written` is also read. Fails as
+// check_replaced_shard() does.
 //
-// Fails with ErrorCode::usage if a file to write is also read. Fails as check_replaced_shard() does.
+// Returns the set of the files that the run reads, including data files that input headers name. Files of single bodies
+// are checked against it later. Returns nullopt if no output exists yet and no surface is split into bodies.
 [[nodiscard]] Result<std::optional<files::InputFileSet>> check_written_files(const BatchJob& batch, const Shard& shard,
                                                                              const OtherFiles& others,
                                                                              const Context& context);

@@ -32,7 +32,7 @@ constexpr std::size_t kShownRuns = 8;
 struct FoundFrames {
   std::vector<Frame> frames;
   bool numbered = true;  // by their names; false: by position, which leaves no gaps
-  std::vector<std::string> notes;
+  Notes notes;
 };
 
 // Returns the numbers missing between the frames, at the greatest step that all numbers share. `frames` is not empty.
@@ -55,7 +55,7 @@ tl::unexpected<Error> fail_too_many(const std::string& input) {
 Result<Frames> chosen_frames(FoundFrames found, const std::optional<FrameRange>& range, const std::string& input) {
   if (range) std::erase_if(found.frames, [&](const Frame& frame) { return !range->contains(frame.number); });
   if (found.frames.empty()) {
-    return fail(ErrorCode::input, fmt::format("{}: none of the frames {} is there", printable(input),
+    return fail(ErrorCode::input, fmt::format("{}: expected files of the frames {}, found none", printable(input),
                                               text_of(range->runs(), kShownRuns)));
   }
   if (found.frames.size() > kMaxFrames) return fail_too_many(input);
@@ -82,9 +82,12 @@ Result<Frames> chosen_frames(FoundFrames found, const std::optional<FrameRange>&
 Result<Frames> without_files(const FramePattern& pattern, const std::optional<FrameRange>& range,
                              const std::string& input) {
   if (!range) {
-    return fail(ErrorCode::usage,
-                fmt::format("{}: there is no folder in which to look for the frames", printable(input)),
-                {Remedy::give, Setting::frames});
+    return fail(
+        ErrorCode::usage,
+        fmt::format(
+            "{}: expected the numbers of the frames, because this input is not a file and has no folder to search",
+            printable(input)),
+        {Remedy::give, Setting::frames});
   }
   Frames frames;
   for (const std::int64_t number : range->numbers()) frames.frames.push_back({number, pattern.expand(number), {}});
@@ -123,16 +126,17 @@ FractionKind judge_numbers(const FramePattern& pattern, std::span<const std::str
 // Adds a note if digits after a point could be whole numbers or fractions.
 void add_note_of_unclear(const FramePattern& pattern, std::span<const std::string> names, FoundFrames& found) {
   if (judge_numbers(pattern, names) != FractionKind::unclear) return;
-  found.notes.push_back(fmt::format("{}: the digits after the point are taken as whole numbers, in which 10 follows 9",
-                                    printable(pattern.text())));
+  found.notes.push_back(
+      {NoteId::frame_order,
+       fmt::format("{}: the digits after the point count as whole numbers: 10 follows 9", printable(pattern.text()))});
 }
 
 tl::unexpected<Error> fail_decimals(const std::string& input, const EntryPattern& entries,
                                     std::span<const std::string> names) {
   return fail(ErrorCode::usage,
-              fmt::format("{}: expected whole numbers of frames, found parts of decimal numbers: {} and {}",
+              fmt::format("{}: expected whole frame numbers, found decimal numbers in the names {} and {}",
                           printable(input), printable(names.front()), printable(names.back())),
-              fmt::format("list the files, without quotes: {}*{}; they are ordered by their decimal numbers",
+              fmt::format("list the files, without quotes: {}*{}; the run orders the files by their decimal numbers",
                           printable(entries.folder + entries.pattern.prefix()),
                           printable(entries.pattern.suffix() + entries.rest)));
 }
@@ -162,21 +166,21 @@ Result<FoundFrames> matching_files(const FramePattern& pattern, const std::optio
   if (judge_numbers(entries.pattern, matched) == FractionKind::fractions) return fail_decimals(input, entries, matched);
   add_note_of_unclear(entries.pattern, matched, found);
   if (!found.frames.empty()) return found;
-  std::string message = fmt::format("{}: no file has such a name", printable(input));
-  if (range) message += fmt::format(" with a number of {}", text_of(range->runs(), kShownRuns));
+  std::string message = fmt::format("{}: no file matches this pattern", printable(input));
+  if (range) message += fmt::format(" with a number in {}", text_of(range->runs(), kShownRuns));
   return fail(ErrorCode::input, std::move(message),
-              other_width.empty() ? "" : fmt::format("{{}} would match {}", printable(other_width)));
+              other_width.empty() ? "" : fmt::format("{{}} matches {}", printable(other_width)));
 }
 
 std::string note_by_position(std::size_t count) {
-  return fmt::format("the names do not differ in one number alone: the frames are numbered 1 to {} by their order",
-                     count);
+  return fmt::format(
+      "the file names do not differ in exactly one number: the run numbers the frames 1 to {} by their order", count);
 }
 
 std::string note_by_decimals(const std::string& first, const std::string& last, std::size_t count) {
   return fmt::format(
-      "the names differ in a decimal number: the frames are numbered 1 to {} by its value, from {} to {}", count,
-      printable(first), printable(last));
+      "the file names differ in a decimal number: the run numbers the frames 1 to {} by its value, from {} to {}",
+      count, printable(first), printable(last));
 }
 
 // Numbers the members of one sequence by their names, several sequences by decimal number or by position.
@@ -190,10 +194,10 @@ FoundFrames numbered_frames(std::span<const std::string> names, std::span<const 
     found.frames.push_back({number, folder + names[name], {}});
   }
   if (decimals) {
-    found.notes.push_back(
-        note_by_decimals(names[decimals->names.front()], names[decimals->names.back()], names.size()));
+    found.notes.push_back({NoteId::frame_order, note_by_decimals(names[decimals->names.front()],
+                                                                 names[decimals->names.back()], names.size())});
   } else if (!found.numbered) {
-    found.notes.push_back(note_by_position(names.size()));
+    found.notes.push_back({NoteId::frame_order, note_by_position(names.size())});
   } else if (const auto pattern = FramePattern::parse(sequences.front().pattern); pattern && *pattern) {
     add_note_of_unclear(**pattern, names, found);
   }
@@ -210,13 +214,14 @@ tl::unexpected<Error> fail_several(const std::string& folder, std::span<const Se
   return fail(
       ErrorCode::usage,
       fmt::format("{}: expected one sequence in the folder, found {}: {}", printable(folder), sequences.size(), list),
-      "name one of them by its pattern, with the folder before it");
+      "give the pattern of one sequence, with the folder before the pattern");
 }
 
 // The folder may hold files of a known kind without telling names, such as a DICOM series.
 tl::unexpected<Error> fail_no_names(const std::string& folder, const std::string& first) {
-  std::string message = fmt::format("{}: no file in the folder is named like a volume or particles", printable(folder));
-  Hint hint("files of any name are found by a pattern, with the folder before it");
+  std::string message =
+      fmt::format("{}: no file in the folder has the extension of a volume or particle format", printable(folder));
+  Hint hint("give a pattern, with the folder before it, to find files of any name");
   if (const auto known =
           first.empty() ? std::nullopt : volume_io::unsupported_format_error(fs::path(folder) / first, Context())) {
     message += fmt::format("; {}", known->message);
@@ -259,8 +264,9 @@ Result<FoundFrames> files_of_folder(const std::string& folder) {
   if (!is_one && std::ranges::any_of(sequences, is_several)) return fail_several(folder, sequences);
   FoundFrames found = numbered_frames(names, sequences, decimals, folder.ends_with('/') ? folder : folder + '/');
   if (others > 0) {
-    found.notes.push_back(fmt::format("{}: {} other file{} not named like {}", printable(folder), others,
-                                      others == 1 ? " is" : "s are", are_particles ? "particles" : "a volume"));
+    found.notes.push_back({NoteId::other_files,
+                           fmt::format("{}: {} other file{} the extension of {} format", printable(folder), others,
+                                       others == 1 ? " lacks" : "s lack", are_particles ? "a particle" : "a volume")});
   }
   return found;
 }
@@ -270,7 +276,8 @@ Result<FoundFrames> listed_files(std::span<const std::string> inputs) {
   bool all_files = true;
   for (const std::string& input : inputs) {
     if (!known.insert(input).second) {
-      return fail(ErrorCode::usage, fmt::format("{}: the input was given twice", printable(input)));
+      return fail(ErrorCode::usage,
+                  fmt::format("{}: expected each input once, found this input twice", printable(input)));
     }
     fs::file_status status;
     if (std::error_code none; is_file_name(input)) {
@@ -288,10 +295,10 @@ Result<FoundFrames> listed_files(std::span<const std::string> inputs) {
     return fail(ErrorCode::usage,
                 fmt::format("{}: expected files, found a {} as one of {} inputs", printable(input),
                             fs::is_directory(status) ? "folder" : "pattern", inputs.size()),
-                "give it alone");
+                "give the folder or the pattern as the only input");
   }
   if (all_files) return numbered_frames(inputs, sequences_of(inputs), order_by_decimals(inputs), {});
-  FoundFrames found{{}, false, {note_by_position(inputs.size())}};
+  FoundFrames found{{}, false, {{NoteId::frame_order, note_by_position(inputs.size())}}};
   for (const std::string& input : inputs) {
     found.frames.push_back({static_cast<std::int64_t>(found.frames.size()) + 1, input, {}});
   }
@@ -332,9 +339,9 @@ Result<Frames> find_frames(std::span<const std::string> inputs, const std::optio
   }
   if (range) {
     return fail(ErrorCode::usage,
-                fmt::format("{}: expected a sequence from which to take the frames {}, found one input",
-                            printable(input), text_of(range->runs(), kShownRuns)),
-                "{} or {:04} in the name stands for the number");
+                fmt::format("{}: expected a sequence for the frames {}, found one input", printable(input),
+                            text_of(range->runs(), kShownRuns)),
+                "write {} or {:04} where the input's name has the frame number, for example smoke_{:04}.vdb");
   }
   const std::int64_t number = is_file_name(input) ? trailing_number(input).value_or(1) : 1;
   return Frames{{{number, input, {}}}, {}, {}};

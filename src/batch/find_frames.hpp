@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/note.hpp"
 #include "batch/frame_range.hpp"
 
 namespace isoextract::batch {
@@ -22,9 +23,9 @@ struct Frame {
 };
 
 struct Frames {
-  std::vector<Frame> frames;       // at least one, ordered by number, without duplicates
-  std::vector<FrameRun> gaps;      // with a range: its numbers without a frame; else the numbers missing between frames
-  std::vector<std::string> notes;  // decisions made, one sentence each, safe to print on a terminal
+  std::vector<Frame> frames;   // at least one, ordered by number, without duplicates
+  std::vector<FrameRun> gaps;  // with a range: its numbers without a frame; else the numbers missing between frames
+  Notes notes;                 // decisions made, one sentence each, safe to print on a terminal
 };
 
 // Returns the numbers of the range without a frame. `frames` are ordered by number.

@@ -21,10 +21,10 @@ Result<std::optional<FramePattern>> FramePattern::parse(std::string_view name) {
     } else if (number == nullptr) {
       number = &part;
     } else {
-      return fail(
-          ErrorCode::usage,
-          fmt::format("{}: expected one numbering, found '{}' and '{}'", printable(name), number->text, part.text),
-          "{{, }}, %% and {#} stand for the characters themselves");
+      return fail(ErrorCode::usage,
+                  fmt::format("{}: expected one placeholder of the frame number, found '{}' and '{}'", printable(name),
+                              number->text, part.text),
+                  "write {{, }}, %% and {#} for the characters themselves");
     }
   }
   if (number == nullptr) return std::nullopt;

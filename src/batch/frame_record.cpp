@@ -35,7 +35,7 @@ Result<FileRecord> file_record_of(const mesh_io::WrittenFile& file, const Contex
 std::string first_changed_file(const std::vector<FileRecord>& before, bool with_times) {
   for (const FileRecord& file : before) {
     const auto now = files::hash_file(file.path, Context());
-    if (!now) return fmt::format("{} cannot be read", file.path);
+    if (!now) return fmt::format("the run cannot read {}", file.path);
     const bool same = now->bytes == file.state.bytes && now->hash == file.state.hash;
     if (!same || (with_times && now->modified != file.state.modified)) return fmt::format("{} has changed", file.path);
   }
@@ -217,9 +217,9 @@ void add_mesh(const Figures& mesh, SurfaceFigures& surface) {
   surface.volume = surface.volume.value_or(0) + value_at<double>(mesh, {Key::volume}).value_or(0);
 }
 
-// Adds the figures of the meshes of a surface: several if its pieces are separate meshes.
+// Adds the figures of the meshes of a surface: several if its bodies are separate meshes.
 void add_meshes(const convert::Outcome& outcome, SurfaceFigures& surface) {
-  // A second output may repeat the surface: count each mesh name from one file only. Pieces have names of their own.
+  // A second output may repeat the surface: count each mesh name from one file only. Bodies have names of their own.
   std::unordered_map<std::string, std::string> file_of_name;
   for (const Figures* mesh : meshes_of(outcome)) {
     if (!is_of(*mesh, surface)) continue;
@@ -230,7 +230,7 @@ void add_meshes(const convert::Outcome& outcome, SurfaceFigures& surface) {
   if (!surface.closed.value_or(false)) surface.volume.reset();
 }
 
-// Adds the figures of each file of a surface whose pieces have files of their own.
+// Adds the figures of each file of a surface whose bodies have files of their own.
 void add_files(const convert::Outcome& outcome, SurfaceFigures& surface) {
   const auto first =
       std::ranges::find_if(outcome.written, [&](const auto& written) { return is_of(written, surface); });
@@ -241,7 +241,7 @@ void add_files(const convert::Outcome& outcome, SurfaceFigures& surface) {
   for (auto piece = first; piece != outcome.written.end(); ++piece) {
     if (!is_of(*piece, surface) || piece->output != first->output) continue;
     if (piece->files == 0 || piece->first_file + piece->files > outcome.files.size()) continue;
-    if (!files.empty() && piece->first_file < end) return;  // the pieces share a file
+    if (!files.empty() && piece->first_file < end) return;  // the bodies share a file
     end = piece->first_file + piece->files;
     SurfaceFigures& file = files.emplace_back(surface);
     file.triangles = piece->triangles;
@@ -335,17 +335,17 @@ std::string find_changed_file(const FrameRecord& record) {
 
 std::string find_added_input(const FrameRecord& record, const FrameJob& frame) {
   const auto paths = input_paths(frame, Context());
-  if (!paths) return "its inputs cannot be listed";
+  if (!paths) return "the run cannot list its inputs";
   for (const std::string& path : *paths) {
     if (std::ranges::find(record.inputs, path, &FileRecord::path) == record.inputs.end())
-      return fmt::format("{} was not there", path);
+      return fmt::format("{} is new", path);
   }
   return {};
 }
 
 std::string reason_to_reconvert(const FrameRecord& record, const FrameJob& frame) {
   if (record.job != convert::hash_of(frame.job)) return "its options have changed";
-  if (!knows_inputs(record, frame)) return "its inputs are not known";
+  if (!knows_inputs(record, frame)) return "its record lists no inputs";
   std::string changed = find_changed_file(record);
   return changed.empty() ? find_added_input(record, frame) : changed;
 }

@@ -18,7 +18,7 @@ struct SurfaceFigures {
   double iso = 0;
   std::string asked;  // "p99"; empty if a number was given
   std::uint64_t triangles = 0;
-  // Set if the facts of meshes were requested.
+  // Set if mesh statistics were requested (ConversionOptions::mesh_facts).
   std::optional<std::uint64_t> vertices;
   std::optional<std::uint64_t> components;
   std::optional<bool> closed;
@@ -27,13 +27,14 @@ struct SurfaceFigures {
   // Set if the surface was written to files of its frame.
   std::string output;                  // the first of these files
   std::optional<std::uint64_t> bytes;  // of all these files, including other surfaces in them
-  // Set if the error was measured. In voxels; error: from the mesh to the data's surface, coverage: back.
+  // Set if the error was measured. In voxels; error: distances from the mesh to the isosurface of the data, coverage:
+  // distances from that isosurface to the mesh.
   std::optional<double> error_rms;
   std::optional<double> error_max;
   std::optional<double> coverage_rms;
   std::optional<double> coverage_max;
   std::string grid = {};  // the surface's grid, if the conversion has several
-  // Set if the surface's pieces have several files: the figures of each file. Errors are those of the whole surface.
+  // Set if the surface's bodies have several files: the figures of each file. Errors are those of the whole surface.
   std::vector<SurfaceFigures> files = {};
 
   friend bool operator==(const SurfaceFigures&, const SurfaceFigures&) = default;
@@ -53,7 +54,7 @@ struct FrameFigures {
 
 [[nodiscard]] FrameFigures figures_of(const convert::Outcome& outcome);
 
-// Returns one row for each surface, or for each file of a surface whose pieces have several files.
+// Returns one row for each surface, or for each file of a surface whose bodies have several files.
 [[nodiscard]] std::vector<const SurfaceFigures*> rows_of(const FrameFigures& figures);
 
 struct FileRecord {
@@ -66,7 +67,7 @@ struct FileRecord {
 struct FrameRecord {
   std::int64_t frame = 0;
   std::string job;                  // convert::hash_of()
-  std::vector<FileRecord> inputs;   // including files with separate samples; none for a demo field
+  std::vector<FileRecord> inputs;   // including data files that headers (.nhdr, .hdr) name; none for a demo field
   std::vector<FileRecord> outputs;  // none if the surface was empty and skipped
   FrameFigures figures;
 
@@ -83,11 +84,11 @@ struct FrameRecord {
                                             const convert::Outcome& outcome, const Context& context);
 
 // Returns an input of the frame that exists now but not in the record, such as the file of an optional attribute:
-// "h_03.npy was not there". Empty if there is none.
+// "h_03.npy is new". Empty if there is none.
 [[nodiscard]] std::string find_added_input(const FrameRecord& record, const FrameJob& frame);
 
-// Returns false if the inputs could not be read before the conversion but could during it: then the record does not
-// know them.
+// Returns whether the record lists the inputs. False if they could not be hashed before the conversion; a demo field
+// needs none.
 [[nodiscard]] bool knows_inputs(const FrameRecord& record, const FrameJob& frame);
 
 // Returns the first file of the record that has changed: "in.vdb has changed". Empty if none has. Compares the bytes of
@@ -95,11 +96,12 @@ struct FrameRecord {
 [[nodiscard]] std::string find_changed_file(const FrameRecord& record);
 
 // Returns why a recorded frame must be converted again: "in.vdb has changed". Empty if its options are unchanged,
-// find_changed_file() finds no change, and no input was added. A record without inputs is trusted only for demo fields.
+// find_changed_file() finds no change, and no input was added. A record without inputs counts
+// as changed, except for demo fields.
 [[nodiscard]] std::string reason_to_reconvert(const FrameRecord& record, const FrameJob& frame);
 
 [[nodiscard]] convert::Json json_of(const FrameRecord& record);
-// Parses a record. Returns nullopt if the JSON is none.
+// Parses a record. Returns nullopt if the JSON is not a frame record.
 [[nodiscard]] std::optional<FrameRecord> record_of(const convert::Json& json);
 
 }  // namespace isoextract::batch

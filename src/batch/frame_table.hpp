@@ -43,7 +43,7 @@ struct FrameRow {
 [[nodiscard]] bool is_empty(const FrameFigures& figures);
 
 // Returns the frames as CSV (RFC 4180) with a header. There is one row for each surface, or for each file of a surface
-// whose pieces have several files (rows_of()). A frame without surfaces has one row with an empty iso value.
+// whose bodies have several files (rows_of()). A frame without surfaces has one row with an empty iso value.
 //
 // Columns:
 //   frame, input, output           `output` is the first file of the row

@@ -159,7 +159,7 @@ Result<IsoTable> IsoTable::parse(std::string_view text, const std::string& name)
       return fail(
           ErrorCode::input,
           fmt::format("{}: expected {} fields as in the header, found {}", place, columns->count, fields->size()),
-          "decimals have a point");
+          "write decimals with a point where commas separate the fields");
     }
     const std::string& frame_field = (*fields)[columns->frame];
     const auto frame = field_number<std::int64_t>(frame_field);
@@ -196,7 +196,7 @@ Result<void> IsoTable::sort_rows() {
   const auto twice = std::ranges::adjacent_find(rows_, repeats);
   if (twice != rows_.end()) {
     return fail(ErrorCode::input,
-                fmt::format("{}:{}: expected iso {} of frame {} once, found it in line {} as well", name_,
+                fmt::format("{}:{}: expected iso {} of frame {} once, found the same pair in line {}", name_,
                             std::next(twice)->line, text_of(twice->iso), twice->frame, twice->line));
   }
   std::ranges::sort(rows_, {}, [](const Row& row) { return std::pair(row.frame, row.line); });

@@ -165,7 +165,7 @@ Result<std::vector<fs::path>> manifest_paths(const fs::path& folder) {
     if (is_manifest_name(entry->path().filename().string())) paths.push_back(entry->path());
   }
   if (error) {
-    return fail(ErrorCode::input, fmt::format("{}: the folder cannot be read: {}", folder.string(), error.message()));
+    return fail(ErrorCode::input, fmt::format("{}: cannot read the folder: {}", folder.string(), error.message()));
   }
   std::ranges::sort(paths);
   return paths;
@@ -174,7 +174,8 @@ Result<std::vector<fs::path>> manifest_paths(const fs::path& folder) {
 Result<ManifestContent> read_manifest(const fs::path& path) {
   const auto text = TRY(text_of_file(path));
   auto content = content_of(text);
-  if (!content) return fail(ErrorCode::input, fmt::format("{}: it is no manifest of a batch", path.string()));
+  if (!content)
+    return fail(ErrorCode::input, fmt::format("{}: this file is not the manifest of a batch", path.string()));
   return std::move(*content);
 }
 
@@ -225,7 +226,7 @@ Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& he
   const auto in_use = [&] {
     return fail(ErrorCode::output,
                 fmt::format("{}: another run writes into this folder", folder.empty() ? "." : folder.string()),
-                "wait for its end, or choose another folder");
+                "wait until that run ends, or choose another folder");
   };
   // Shards share the folder, other runs lock it exclusively. Some file systems cannot lock folders; then only files are
   // locked.
@@ -247,7 +248,8 @@ Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& he
   auto old = content_of(*text);
   if (!old && !may_be_truncated(*text)) {
     return fail(ErrorCode::output,
-                fmt::format("{}: it is no manifest of a batch; it is not overwritten", state->path.string()),
+                fmt::format("{}: this file is not the manifest of a batch, and the run does not overwrite the file",
+                            state->path.string()),
                 "choose another folder, or move the file away");
   }
   state->resume = resume;

@@ -1,8 +1,8 @@
 // The manifest of a batch: a file beside the outputs that lists the finished frames, so that a later run can resume.
 //
-// A text file: a header line, then one line for each record, added when the frame's outputs are in place. A line "begun
-// anew" for a job revokes its earlier record. Each line is a hash followed by the JSON that it covers, written at once.
-// A line that a crash has truncated is ignored, and so is everything after it.
+// A text file: a header line, then one line for each record, added when the frame's outputs are in place. A line
+// {"begun_anew": JOB} revokes the earlier record of that job. Each line is a hash followed by the JSON that it covers,
+// written at once. A line that a crash has truncated is ignored, and so is everything after it.
 //
 // The manifest is locked while its batch runs; the lock ends with the process.
 #pragma once
@@ -26,7 +26,8 @@ struct ManifestHeader {
   std::string batch;         // hash_of() all frames of all shards
   std::uint64_t frames = 0;  // number of frames in the batch
   Shard shard;
-  std::vector<std::string> arguments;  // of the run that began the manifest, for readers
+  // The command line of the run that created the manifest. For people: the program does not use it.
+  std::vector<std::string> arguments;
   // FrameRange texts; empty in manifests that older versions wrote.
   std::string numbers = {};  // the numbers of the batch's frames
   std::string absent = {};   // requested frames without input, if missing inputs are an error
@@ -40,7 +41,8 @@ struct ManifestHeader {
 
 struct ManifestContent {
   ManifestHeader header;
-  std::vector<FrameRecord> records;  // the last record of each job, in the order of the file
+  // The last record of each job that is not revoked, in the order in which the jobs first occur in the file.
+  std::vector<FrameRecord> records;
 };
 
 // Reads a manifest. Fails with ErrorCode::input if the file does not exist or is no manifest.
@@ -49,7 +51,7 @@ struct ManifestContent {
 // Returns the manifest's file name: "isoextract.manifest", with the shard's number and count if there are several.
 [[nodiscard]] std::string manifest_name(const Shard& shard);
 
-// Returns whether manifests have names like this: of a whole batch or of one shard.
+// Returns whether this is the file name of a manifest, of a whole batch or of a shard.
 [[nodiscard]] bool is_manifest_name(std::string_view name);
 
 // Returns the manifests in a folder, of whole batches and of shards, sorted by name. Fails with ErrorCode::input if the
@@ -58,14 +60,16 @@ struct ManifestContent {
 
 class Manifest {
  public:
-  // Opens or creates the manifest in `folder` and locks it. Locks the folder, too, against runs with another kind of
-  // shards.
+  // Opens or creates the manifest in `folder` and locks it. Also locks the folder: shared for a run of one shard,
+  // exclusive for a run without shards.
   //
-  // Keeps the records of the same program until their frame begins again. A shard's manifest, which belongs to one
-  // batch, keeps of another batch only the records of `jobs`: the hashes of this run's jobs. With `resume`, takes over
-  // the records of `jobs` from other manifests in the folder, so that a run with another number of shards can resume.
+  // Keeps the records that this version of the program wrote; begin() revokes them one by one. A shard's manifest holds
+  // one batch: if the file is of another batch, only the records of `jobs` (the hashes of this run's jobs) stay. With
+  // `resume`, takes over the records of `jobs` from other manifests in the folder, so that a run with another number of
+  // shards can resume.
   //
-  // Fails with ErrorCode::output if it cannot do so, or if another run holds the lock.
+  // Fails with ErrorCode::output if the file cannot be read or written, if it is no manifest, or if another run holds
+  // the lock.
   [[nodiscard]] static Result<Manifest> open(const std::filesystem::path& folder, const ManifestHeader& header,
                                              bool resume, const std::unordered_set<std::string>& jobs);
 

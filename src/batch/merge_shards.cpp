@@ -121,7 +121,7 @@ Result<std::vector<ShardGroup>> read_groups(const fs::path& folder) {
   for (const fs::path& path : paths) {
     auto content = TRY(read_manifest(path));
     const Shard& shard = content.header.shard;
-    if (shard.number < 1 || shard.number > shard.count) return bad(path, "its shard is none");
+    if (shard.number < 1 || shard.number > shard.count) return bad(path, "the manifest has an invalid shard number");
     auto group = std::ranges::find_if(groups, [&](const ShardGroup& known) {
       return known.is_of_batch(content.header) && known.header().shard.count == shard.count;
     });
@@ -176,10 +176,10 @@ Result<std::optional<ShardGroup>> choose_group(const fs::path& folder, const Joi
   if (open.empty()) return std::move(groups.front());
   if (open.size() == 1) return std::move(*open.front());
   return bad(open.front()->shards.front().path,
-             fmt::format("it is of another batch than {}: other frames or options, or another version",
+             fmt::format("this manifest and {} are of different batches: frames, options or program version differ",
                          open.back()->shards.front().path.string()),
-             fmt::format("one batch is joined at a time: remove the manifests of the batch that is given up, for "
-                         "example of the older one: {}",
+             fmt::format("merge joins one batch at a time: remove the manifests of the batch that you give up, for "
+                         "example of the older batch: {}",
                          fmt::join(open.back()->paths(), " ")));
 }
 
@@ -200,13 +200,13 @@ std::string missing_text(const ManifestHeader& header, const std::map<std::int64
 Result<void> check_outputs(const FrameRecord& record) {
   for (const FileRecord& output : record.outputs) {
     const auto now = TRY(files::hash_file(output.path, Context()));
-    if (now.hash != output.state.hash) return bad(output.path, "it is not what its shard has written");
+    if (now.hash != output.state.hash) return bad(output.path, "this file has changed since its shard wrote it");
   }
   return {};
 }
 
 std::string absent_text(const ManifestHeader& header) {
-  return header.absent.empty() ? "" : fmt::format("; frames that were asked for and have no input: {}", header.absent);
+  return header.absent.empty() ? "" : fmt::format("; requested frames without input: {}", header.absent);
 }
 
 tl::unexpected<Error> fail_missing(const fs::path& folder, const ManifestHeader& header,
@@ -217,7 +217,7 @@ tl::unexpected<Error> fail_missing(const fs::path& folder, const ManifestHeader&
 
 // Checks the last run without shards (or shard 1 of 1), which needs no joining.
 Result<MergedShards> check_whole(const fs::path& folder, const JoinedManifest& joined) {
-  if (!joined.is_there()) return bad(folder, "there is no manifest of a shard in this folder");
+  if (!joined.is_there()) return bad(folder, "this folder has no manifest of a shard");
   const ManifestHeader& header = joined.header();
   MergedShards merged{joined.path(), 1, header.frames, header.absent};
   if (const FrameRecord* const animation = joined.find(animation_key(header.batch))) {
@@ -247,7 +247,8 @@ Result<MergedShards> merge_shards(const fs::path& folder) {
   std::map<std::int64_t, FrameRecord> found;
   for (auto& [path, content] : group->shards) {
     const auto place = static_cast<std::size_t>(content.header.shard.number - 1);
-    if (seen[place]) return bad(path, fmt::format("shard {} is there twice", content.header.shard.number));
+    if (seen[place])
+      return bad(path, fmt::format("expected each shard once, found shard {} twice", content.header.shard.number));
     seen[place] = true;
     if (header.absent.empty()) header.absent = content.header.absent;
     for (FrameRecord& record : content.records) {
@@ -258,7 +259,7 @@ Result<MergedShards> merge_shards(const fs::path& folder) {
       TRY(check_outputs(record));
       const std::int64_t frame = record.frame;
       if (!found.emplace(frame, std::move(record)).second) {
-        return bad(path, fmt::format("frame {} is there twice", frame));
+        return bad(path, fmt::format("expected each frame once, found frame {} twice", frame));
       }
     }
   }
@@ -303,9 +304,9 @@ Result<void> check_replaced_shard(const fs::path& folder, const BatchJob& batch,
   if (lost == 0) return {};
   return fail(
       ErrorCode::output,
-      fmt::format("{}: it has {} frame{} of another batch that is not joined yet, and this run would replace it",
+      fmt::format("{}: this run would replace the manifest, which has {} frame{} of another, unmerged batch",
                   path.string(), lost, lost == 1 ? "" : "s"),
-      fmt::format("join that batch first: isoextract merge {}; or give it up by removing its manifests, or "
+      fmt::format("merge that batch first: isoextract merge {}; or give that batch up and remove its manifests, or "
                   "choose another folder",
                   folder.empty() ? "." : folder.string()));
 }

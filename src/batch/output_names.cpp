@@ -62,7 +62,7 @@ class FileUses {
     const std::string shown = printable(files::output_label(file));
     const Hint hint = use.source != nullptr ? Hint(Remedy::change, Setting::output_name) : use.other->hint;
     if (is_manifest_name(file.filename().string())) {
-      return fail(ErrorCode::usage, fmt::format("{}: a batch keeps its record in files of this name", shown), hint);
+      return fail(ErrorCode::usage, fmt::format("{}: only the manifest of a batch may have this name", shown), hint);
     }
     const std::string key = places_.key(file);
     if (const auto reader = readers_.find(key); reader != readers_.end()) {
@@ -77,26 +77,27 @@ class FileUses {
   static std::string over_read(const std::string& shown, const FileUse& use, const std::string& reader) {
     constexpr std::string_view kKept = "it is not overwritten";
     if (use.source == nullptr) {
-      return fmt::format("{}: {} would be written there, and this {}; {}", shown, use.other->what, reader, kKept);
+      return fmt::format("{}: {} needs another name: this {}; {}", shown, use.other->what, reader, kKept);
     }
     if (use.source->alone) return fmt::format("{}: this {}; {}", shown, reader, kKept);
-    return fmt::format("{}: {} would write it, and it {}; {}", shown, label_of_source(*use.source), reader, kKept);
+    return fmt::format("{}: {} needs another output name: this {}; {}", shown, label_of_source(*use.source), reader,
+                       kKept);
   }
 
   static tl::unexpected<Error> twice(const std::string& shown, const FileUse& first, const FileUse& second) {
     if (second.source == nullptr) {
       return fail(ErrorCode::usage,
-                  fmt::format("{}: {} would be written there, and this is {} as well", shown, second.other->what,
+                  fmt::format("{}: {} and {} would share this file", shown, second.other->what,
                               first.source != nullptr ? mesh_text(*first.source) : first.other->what),
                   second.other->hint);
     }
     const std::string label = label_of_source(*second.source);
     return fail(ErrorCode::usage,
-                first.source == second.source
-                    ? fmt::format("{}: two outputs of {} would be this file", shown, label)
-                    : fmt::format("{}: {} and {} would both write it", shown, label_of_source(*first.source), label),
+                first.source == second.source ? fmt::format("{}: two outputs of {} would share this file", shown, label)
+                                              : fmt::format("{}: {} and {} would both write this file", shown,
+                                                            label_of_source(*first.source), label),
                 {{Remedy::change, Setting::output_name,
-                  "that tells them apart: with {frame:04}, {}, {stem}, {grid} or {iso} in it"},
+                  "with {frame:04}, {}, {stem}, {grid} or {iso} in it, to tell the outputs apart"},
                  {Remedy::use, Setting::animation}});
   }
 
@@ -139,20 +140,24 @@ Result<OutputTemplate> template_of(std::span<const OutputSource> sources, const 
 Result<void> check_words(const OutputSource& source, const OutputTemplate& names, mesh_io::MeshFormat format) {
   if (names.uses(OutputWord::grid) && source.grid.empty()) {
     return fail(ErrorCode::usage,
-                fmt::format("{}: expected a grid to name the output after, found none chosen", label_of_source(source)),
+                fmt::format("{}: expected the name of a grid for {{grid}} in the output name, found none",
+                            label_of_source(source)),
                 "choose the grid by its name");
   }
   const mesh_io::MeshFormatInfo& info = mesh_io::mesh_format_info(format);
   const bool all_labels = !source.isos.empty() && source.isos.front().kind == convert::IsoChoice::Kind::all_labels;
   if (names.uses(OutputWord::piece) && (source.isos.size() > 1 || all_labels) && !names.uses(OutputWord::iso)) {
     return fail(ErrorCode::usage,
-                fmt::format("{}: pieces of several surfaces would have the same names", label_of_source(source)),
+                fmt::format("{}: bodies of several surfaces would have the same file names", label_of_source(source)),
                 "put {iso} into the name as well");
   }
   if (all_labels && names.uses(OutputWord::iso)) {
-    return fail(ErrorCode::usage,
-                fmt::format("{}: which labels there are is known once they are read", label_of_source(source)),
-                "list the labels, which 'isoextract info' shows, or write all into a glb");
+    return fail(
+        ErrorCode::usage,
+        fmt::format(
+            "{}: expected a list of labels for {{iso}} in the output name: the run names files before it reads labels",
+            label_of_source(source)),
+        "list the labels, which 'isoextract info' shows, or write all into a glb");
   }
   if (info.can_hold_several_meshes) return {};
   if (!source.more_grids.empty() && !names.uses(OutputWord::grid)) {
@@ -164,8 +169,8 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
   if ((source.isos.size() < 2 && !all_labels) || names.uses(OutputWord::iso)) return {};
   if (all_labels) {
     return fail(ErrorCode::usage,
-                fmt::format("{}: one {} file holds one surface, and all labels may be several", label_of_source(source),
-                            info.name),
+                fmt::format("{}: one {} file holds one surface, and all labels may be several surfaces",
+                            label_of_source(source), info.name),
                 "write all into a glb, or list the labels, which 'isoextract info' shows, and put {iso} into the name");
   }
   std::vector<std::string_view> others;
@@ -176,7 +181,7 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
               fmt::format("{}: one {} file holds one surface, found {} {}", label_of_source(source), info.name,
                           source.isos.size(), source.isos.front().is_label() ? "labels" : "iso values"),
               {{Remedy::set, Setting::mesh_format, fmt::format("{}", fmt::join(others, ", "))},
-               {Remedy::change, Setting::output_name, "with {iso} in it, for a file of each"}});
+               {Remedy::change, Setting::output_name, "with {iso} in it, to get a file for each"}});
 }
 
 OutputFiles files_of(const OutputSource& source, const OutputTemplate& names) {
@@ -210,21 +215,20 @@ Result<void> check_piece_files(std::span<const OutputSource> sources, std::span<
       any = true;
       for (const fs::path& file : convert::mesh_files(output, format)) {
         if (file.string().find(convert::kPiecePlaceholder) == std::string::npos) {
-          return fail(ErrorCode::usage,
-                      fmt::format("{}: all components would share this file", printable(file.string())),
+          return fail(ErrorCode::usage, fmt::format("{}: all bodies would share this file", printable(file.string())),
                       "put {piece} before the extension");
         }
         const auto first = names.add(places.by_name(file), i);
         if (!first) continue;
         if (*first == i) {
           return fail(ErrorCode::usage,
-                      fmt::format("{}: pieces of two surfaces may have one name", printable(file.string())),
-                      "put something that is no digit before and behind {piece}");
+                      fmt::format("{}: bodies of two surfaces may get the same file name", printable(file.string())),
+                      "put a character other than a digit before and behind {piece}");
         }
         return fail(ErrorCode::usage,
-                    fmt::format("{}: pieces of {} and of {} may have one name", printable(file.string()),
+                    fmt::format("{}: bodies of {} and of {} may get the same file name", printable(file.string()),
                                 label_of_source(sources[*first]), label_of_source(sources[i])),
-                    "put something that is no digit before and behind {piece}, and {frame} into the name");
+                    "put {frame} into the name, and a character that is not a digit before and behind {piece}");
       }
     }
   }
@@ -233,7 +237,7 @@ Result<void> check_piece_files(std::span<const OutputSource> sources, std::span<
     if (!writer) continue;
     return fail(
         ErrorCode::usage,
-        fmt::format("{}: a piece of {} may have this name, and {} would be written there",
+        fmt::format("{}: a body of {} may get this file name, which is the name of {}",
                     printable(others.written[i].path), label_of_source(sources[*writer]), others.written[i].what),
         others.written[i].hint);
   }
@@ -242,10 +246,11 @@ Result<void> check_piece_files(std::span<const OutputSource> sources, std::span<
     const auto writer = names.find_collision(places.by_name(sources[i].input));
     if (!writer) continue;
     const std::string reader =
-        sources[i].alone ? "this is the input" : "it is the input of " + label_of_source(sources[i]);
+        sources[i].alone ? "this is the input" : "this is the input of " + label_of_source(sources[i]);
     return fail(ErrorCode::usage,
-                fmt::format("{}: a piece of {} may have this name, and {}; it is not overwritten",
-                            printable(sources[i].input), label_of_source(sources[*writer]), reader),
+                fmt::format("{}: {}, and the mesh of a body of {} may get the same name; the program does not "
+                            "overwrite its input",
+                            printable(sources[i].input), reader, label_of_source(sources[*writer])),
                 {Remedy::change, Setting::output_name});
   }
   return {};

@@ -29,8 +29,10 @@ struct OutputSource {
 // A file that a run reads or writes besides the inputs and outputs of its conversions.
 struct NamedFile {
   std::string path;
-  std::string what;  // for a file that is read, what it does ("has the options"), else what it is ("the table")
-  Hint hint = {};    // for a file that is written, how to choose another name
+  // Text for messages. Files of OtherFiles::read have a clause, "has the options"; files of OtherFiles::written have a
+  // noun, "the table".
+  std::string what;
+  Hint hint = {};  // for a file that is written, how to choose another name
 
   friend bool operator==(const NamedFile&, const NamedFile&) = default;
 };
@@ -43,18 +45,24 @@ struct OtherFiles {
 using OutputFiles = std::vector<convert::OutputFileJob>;  // of one conversion
 
 // Returns the outputs of every source. `output` is what the user asked for:
-//   a template    output_template.hpp; with {iso} each iso value gets a file, else a source's surfaces share one
-//   a folder      an existing one, or any text that ends with a slash, in which words may occur
+//   a template    (output_template.hpp) one file for each source; with {iso} for each iso value, with {grid} for each
+//                 grid
+//   a folder      an existing one, or a path ending in a slash, which may contain placeholders
 //   nothing       the current folder
 //   "-"           standard output
 //
 // Files in a folder are named {stem}.EXTENSION, or {stem}_{frame:04}.EXTENSION if inputs of several frames have the
-// same stem. They get more digits if a frame number needs them, and then _{grid} if one frame has several grids.
-// EXTENSION is the format's unless another is given, because not all outputs are meshes.
+// same stem. The frame number gets more digits if needed. If two sources read different grids of one frame, _{grid}
+// comes before the extension. EXTENSION is `extension` if it is not empty (for outputs that are no meshes), else
+// the extension of `format`.
 //
-// Fails with ErrorCode::usage in these cases: the template is invalid; it contains {grid} but no grid was chosen;
-// several iso values share a file of a format that holds one mesh; it contains {piece} but not {iso}, for several iso
-// values. Fails as check_outputs() does. Folders need not exist.
+// Fails with ErrorCode::usage in these cases:
+//   - the template is invalid, or `output` is empty;
+//   - the name contains {grid}, but a source has no grid name;
+//   - the name contains {iso}, and all labels are requested;
+//   - the name contains {piece} but not {iso}, for several iso values or for all labels;
+//   - several iso values, labels or grids share a file of a format that holds one mesh.
+// Fails as check_outputs() does. Folders need not exist.
 [[nodiscard]] Result<std::vector<OutputFiles>> name_outputs(std::span<const OutputSource> sources,
                                                             const std::optional<std::string>& output,
                                                             mesh_io::MeshFormat format, std::string_view extension = {},
@@ -66,16 +74,16 @@ using OutputFiles = std::vector<convert::OutputFileJob>;  // of one conversion
                                                                       mesh_io::MeshFormat format,
                                                                       std::string_view extension);
 
-// Checks that every file is written once, that no file is both written and read, and that no file has a manifest's
-// name. `outputs` are those of `sources`; `others` are checked together with them. Files are compared by their place on
-// disk, so links and different spellings of an existing path make no difference. Formats with two files (.gltf and
-// .bin) count both.
+// Checks that no two outputs are one file (except devices), that no output is also read, and that no output has the
+// name of a manifest. `outputs` are those of `sources`; `others` are checked together with them. Files are compared by
+// location after links are resolved (files::is_same_output). For formats with two files (.gltf and .bin), both are
+// checked.
 //
-// Refuses names with {piece} if some piece numbers could make two of them equal, or equal to an input. Does not cover
-// data files that an input's header names: convert::check_mesh_files() does.
+// Refuses names with {piece} if two bodies could get the same name, or if a body could get the name of an input or of a
+// file in `others.written`. Does not cover data files that an input's header names: convert::check_mesh_files() does.
 //
-// Fails with ErrorCode::usage; the message names the file and who would write it. Takes O(n log n) time and two file
-// system queries for each file.
+// Fails with ErrorCode::usage; the message names the file and the frames or options that would write it. Takes O(n log
+// n) time and two file system queries for each file.
 [[nodiscard]] Result<void> check_outputs(std::span<const OutputSource> sources, std::span<const OutputFiles> outputs,
                                          mesh_io::MeshFormat format, const OtherFiles& others = {});
 

@@ -26,7 +26,7 @@ Result<OutputTemplate> OutputTemplate::parse(std::string_view name) {
           ErrorCode::usage,
           fmt::format("{}: expected {{stem}}, {{frame}}, {{frame:04}}, {{grid}}, {{iso}} or {{piece}}, found '{}'",
                       printable(name), printable(part.text)),
-          "{{ and }} stand for braces");
+          "write {{ and }} for braces");
     }
     result.parts_.push_back({std::exchange(result.end_, {}), *word, part.width});
   }

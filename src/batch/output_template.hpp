@@ -35,8 +35,8 @@ class OutputTemplate {
 
   [[nodiscard]] bool uses(OutputWord word) const;
 
-  // Returns the name. Stem and grid are made safe by safe_file_name(). {piece} stays as convert::kPieceWord,
-  // because piece numbers are known only when pieces exist.
+  // Returns the name. Stem and grid are made safe by safe_file_name(). {piece} stays as convert::kPiecePlaceholder,
+  // because the numbers of bodies are known only when the bodies exist.
   [[nodiscard]] std::string expand(const OutputWords& words) const;
 
  private:

@@ -176,7 +176,7 @@ class Scheduler {
   const Context& context_;
   FrameEvents& events_;
   convert::BackendCache kept_backends_;
-  convert::BackendCache* backends_;  // null for a single frame, which has nobody to keep a device for
+  convert::BackendCache* backends_;  // null for a single frame: no later frame needs the device
   FrameReceiver* receiver_;
 
   std::mutex mutex_;  // guards the members below

@@ -27,11 +27,11 @@ struct Scheme {
 };
 constexpr std::array kSchemes{
     Scheme{"SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_COUNT", "SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_STEP",
-           "Slurm sets it in the tasks of an array; or name the shard K/N"},
+           "Slurm sets the count in the tasks of an array; or give the shard as K/N"},
     Scheme{
         "JOB_COMPLETION_INDEX", "JOB_COMPLETIONS", nullptr, nullptr,
         "Kubernetes does not set JOB_COMPLETIONS: give it the number that the job has as spec.completions, in env of "
-        "the container (name: JOB_COMPLETIONS, value: \"8\"); or name the shard K/N"},
+        "the container (name: JOB_COMPLETIONS, value: \"8\"); or give the shard as K/N"},
 };
 
 // Returns the variable's number, or nullopt if it is not set.
@@ -67,15 +67,18 @@ Result<std::optional<Shard>> shard_of_environment(const std::function<const char
     const auto [number, count, first, step] = found;
     if (!number) continue;
     if (!count) {
-      return fail(ErrorCode::usage,
-                  fmt::format("{} is {}, and {} does not say how many there are", scheme.number, *number, scheme.count),
-                  scheme.hint);
+      return fail(
+          ErrorCode::usage,
+          fmt::format("{} is {}, but {}, the number of shards, is missing", scheme.number, *number, scheme.count),
+          scheme.hint);
     }
     const std::int64_t from_first = std::int64_t{*number} - first.value_or(0);
     const std::int64_t index = step.value_or(1) > 0 ? from_first / step.value_or(1) : -1;
     if (from_first < 0 || index < 0 || index >= *count || index * step.value_or(1) != from_first) {
-      return fail(ErrorCode::usage, fmt::format("{} is {}, which is none of {} (from {} on)", scheme.number, *number,
-                                                *count, first.value_or(0)));
+      return fail(ErrorCode::usage,
+                  fmt::format("{}: expected one of the {} task numbers from {} on in steps of {}, found {}",
+                              scheme.number, *count, first.value_or(0), step.value_or(1), *number),
+                  "give the shard as K/N");
     }
     return Shard{static_cast<int>(index) + 1, *count};
   }

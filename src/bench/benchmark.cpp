@@ -163,11 +163,11 @@ struct MeasuredMesh {
 tl::unexpected<Error> no_surface(const field::ScalarField& field, double iso, bool in_finer) {
   const field::FieldStatistics statistics = field::measure_statistics(field);
   if (statistics.samples == 0) {
-    return fail(ErrorCode::input, fmt::format("{}: there is no surface: no sample is a finite number", field.source));
+    return fail(ErrorCode::input, fmt::format("{}: no surface: no sample is a finite number", field.source));
   }
   return fail(
       ErrorCode::input,
-      fmt::format("{}: no surface at iso {} with {} samples along an axis; the values run from {:.6g} to {:.6g}",
+      fmt::format("{}: no surface at iso {} with {} samples along an axis; the values range from {:.6g} to {:.6g}",
                   field.source, iso, size_text(field), statistics.min, statistics.max),
       in_finer ? Hint{{Remedy::change, Setting::resolutions, "without the coarsest"}, {Remedy::change, Setting::iso}}
                : Hint(Remedy::try_value, Setting::iso, fmt::format("{}", field::suggest_iso(field, statistics).iso)));
@@ -331,8 +331,9 @@ std::string dropped_samples_note(const field::ScalarField& field, int factor) {
   if (dense == nullptr) return "";
   const glm::ivec3 rest = dense->dims % factor;
   if (rest == glm::ivec3(0)) return "";
-  return fmt::format("coarser by {}: left out are the last {}, {} and {} samples along x, y and z, which fill no {}^3",
-                     factor, rest.x, rest.y, rest.z, factor);
+  return fmt::format(
+      "coarser by {}: without the last {}, {} and {} samples along x, y and z, which do not fill a block of {}^3",
+      factor, rest.x, rest.y, rest.z, factor);
 }
 
 }  // namespace
@@ -353,9 +354,10 @@ Result<void> check_thread_counts(std::span<const int> threads) {
   const int most = tbb::this_task_arena::max_concurrency();
   for (const int count : threads) {
     if (count <= most) continue;
-    return fail(ErrorCode::usage,
-                fmt::format("expected at most {} threads, which can run at a time here, found {}", most, count),
-                "more would run no faster, and the times would have the wrong name");
+    return fail(
+        ErrorCode::usage,
+        fmt::format("expected at most {} threads, which this machine can run at the same time, found {}", most, count),
+        "choose fewer threads: the program would report times for a thread count that does not run");
   }
   return {};
 }
@@ -365,8 +367,8 @@ Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& si
   const field::AnalyticField* formula = field::find_analytic_field(name);
   if (formula == nullptr) {
     return fail(ErrorCode::usage,
-                fmt::format("{}{}: there is no formula to measure errors against", field::kDemoPrefix, name),
-                "take another demo field, or a file");
+                fmt::format("{}{}: the demo field has no formula to measure errors against", field::kDemoPrefix, name),
+                "choose another demo field, or a file");
   }
   TRY(check_thread_counts(options.threads));
   const ReferenceSize reference = find_reference_size(*formula, options.iso, &context.progress());
@@ -404,8 +406,8 @@ Result<BenchResult> bench_field(const field::ScalarField& field, const std::vect
   result.input = field.source;
   result.iso = options.iso;
   result.truth = fmt::format(
-      "the trilinear interpolant of the finest data ({}); area and volume against its meshes; it "
-      "counts in no order of convergence",
+      "the trilinear interpolant of the finest data ({}); area and volume of its meshes; the orders of "
+      "convergence exclude the finest data",
       size_text(field));
   std::vector<ReferenceSurface> finest;  // by contestant number
   for (const Contestant& contestant : contestants(options)) {
@@ -444,10 +446,10 @@ Result<BenchResult> bench_field(const field::ScalarField& field, const std::vect
     result.levels.back().is_truth = factor == 1;
   }
   if (!not_comparable.empty()) {
-    result.notes.push_back(
-        fmt::format("area and volume are not compared with {} samples along an axis: the surface is open there, or in "
-                    "the finest data leaves the smaller box that the coarser data cover",
-                    fmt::join(not_comparable, ", ")));
+    result.notes.push_back(fmt::format(
+        "no errors of area and volume with {} samples along an axis: the surface is open, or the surface of "
+        "the finest data extends beyond the box of the coarser data",
+        fmt::join(not_comparable, ", ")));
   }
   add_orders_and_front(result, options);
   return result;

@@ -26,13 +26,14 @@ void run_once(const StabilityScene& scene, const extract::ExtractOptions& option
   };
   const auto extraction = extractor.extract(scene.field, options, context);
   if (scene.outcome == StabilityOutcome::refusal && !traits.always_closed) {
-    if (extraction || extraction.error().code != ErrorCode::input) add("the samples were not refused");
+    if (extraction || extraction.error().code != ErrorCode::input)
+      add("the extraction accepted samples that it must reject");
     return;
   }
   if (!extraction) return add(extraction.error().message);
   const mesh::Mesh& mesh = extraction->mesh;
   const bool expected = expects_triangles(scene.outcome, options.cap, traits.always_closed);
-  if (mesh.triangles.empty() == expected) add(expected ? "no surface" : "a surface where there is none");
+  if (mesh.triangles.empty() == expected) add(expected ? "no surface, expected one" : "a surface, expected none");
   const StabilityFindings findings = check_stability(mesh, scene.field, options, traits);
   const bool must_be_closed =
       traits.always_closed || (options.nan != extract::NanPolicy::hole && (options.cap || scene.closed));

@@ -97,17 +97,17 @@ constexpr std::string_view kSurvives = "survives";
 
 constexpr std::array kCases{
     StabilityCase{"float-max", "Samples of 3e38 and -3e38: their difference is beyond float32.",
-                  "f1 - f0 is infinite, t is 0, and vertices fall together on samples", true,
+                  "f1 - f0 is infinite, t is 0, and vertices coincide at samples", true,
                   [] { return scene<float>(0, [](auto p) { return 3e38 * side(p) * (1 - 0.1 * wobble(p)); }); }},
     StabilityCase{"double-max", "Samples of 1.7e308 and -1.7e308: their difference is beyond double.",
                   "the samples themselves become infinite, and t is not a number", true,
                   [] { return scene<double>(0, [](auto p) { return 1.7e308 * side(p) * (1 - 0.1 * wobble(p)); }); }},
-    StabilityCase{"float-subnormal", "Odd multiples of the least float32 around 0.",
-                  "survives where subnormal numbers are kept; hardware that flushes them to 0 divides 0 by 0", false,
-                  [] {
-                    return scene<float>(
-                        0, [](auto p) { return 1.401298464324817e-45 * (2 * std::floor(20 * ball(p)) + 1); });
-                  }},
+    StabilityCase{
+        "float-subnormal", "Odd multiples of the least float32 around 0.",
+        "survives on hardware that keeps subnormal numbers; hardware that flushes them to 0 divides 0 by 0", false,
+        [] {
+          return scene<float>(0, [](auto p) { return 1.401298464324817e-45 * (2 * std::floor(20 * ball(p)) + 1); });
+        }},
     StabilityCase{
         "double-subnormal", "Odd multiples of the least double around 0.", "all samples become 0, and t is 0 / 0", true,
         [] {
@@ -116,12 +116,12 @@ constexpr std::array kCases{
         }},
     StabilityCase{
         "jump", "Jumps of 1e30 over one edge, from samples at 1.",
-        "t rounds to an end of the edge, and vertices fall together there", true,
+        "t rounds to an end of the edge, and vertices coincide at that end", true,
         [] { return scene<float>(0, [](auto p) { return ball(p) > 0            ? 1.0
                                                         : scattered(p, 2) == 0 ? -1e30
                                                                                : -1.0; }); }},
     StabilityCase{"grazing", "Inside samples that pass the iso value by 1e-9 of a step.",
-                  "t rounds to 1, and the vertices around a sample fall together on it", true,
+                  "t rounds to 1, and the vertices around a sample coincide at it", true,
                   [] { return scene<float>(0, [](auto p) { return ball(p) > 0 ? 1e-9 : -1 - wobble(p); }); }},
     StabilityCase{"near-flat", "A field of 1 that varies by 1e-12.", "all samples become 1, and t is 0 / 0", true,
                   [] { return scene<double>(1, [](auto p) { return 1 + 1e-12 * ball(p); }); }},
@@ -151,7 +151,8 @@ constexpr std::array kCases{
                   [] {
                     return placed_ball(field::scaling({0.001, 1, 1}));
                   }},
-    StabilityCase{"mirrored", "A frame that mirrors: triangles must be turned over.", kSurvives, false,
+    StabilityCase{"mirrored", "A frame that mirrors: the extractor must reverse the winding of triangles.", kSurvives,
+                  false,
                   [] {
                     return placed_ball(moved(field::scaling({-1, 1, 1}), {2, 3, 4}));
                   }},
@@ -166,7 +167,7 @@ constexpr std::array kCases{
                   }},
     StabilityCase{"constant-at-iso", "Every sample is the iso value: nothing is inside.", kSurvives, false,
                   [] { return with(scene<float>(1, [](auto) { return 1.0; }), StabilityOutcome::nothing); }},
-    StabilityCase{"constant-inside", "Every sample is inside: the cap alone is left.", kSurvives, false,
+    StabilityCase{"constant-inside", "Every sample is inside: the mesh is the cap alone.", kSurvives, false,
                   [] { return with(scene<float>(0, [](auto) { return 1.0; }), StabilityOutcome::cap_only); }},
     StabilityCase{"checkerboard", "Inside and outside alternate along every axis.", kSurvives, false,
                   [] { return open(scene<std::uint8_t>(0.5, [](auto p) { return (p.x + p.y + p.z) % 2; })); }},

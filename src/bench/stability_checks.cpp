@@ -114,8 +114,8 @@ class Checker {
     if (glm::any(glm::lessThan(edge.low, glm::ivec3(0))) || glm::any(glm::greaterThan(high, last))) return false;
     const extract::InsideRule inside{field_.kind, options_.iso};
     if (edge.step != glm::ivec3(0)) return inside(value(edge.low)) != inside(value(high));
-    const bool on_border = glm::any(glm::equal(edge.low, glm::ivec3(0))) || glm::any(glm::equal(edge.low, last));
-    return options_.cap && on_border && inside(value(edge.low));
+    const bool on_boundary = glm::any(glm::equal(edge.low, glm::ivec3(0))) || glm::any(glm::equal(edge.low, last));
+    return options_.cap && on_boundary && inside(value(edge.low));
   }
 
   [[nodiscard]] Real reference(const GridEdge& edge) const {
@@ -224,15 +224,16 @@ std::vector<std::string> failures(const StabilityFindings& findings, bool must_b
   const auto count = [&](std::uint64_t number, std::string_view what) {
     if (number > 0) words.push_back(fmt::format("{} {}", number, what));
   };
-  count(findings.not_finite, "vertices not finite");
+  count(findings.not_finite, "vertices with non-finite coordinates");
   count(findings.off_edge, "vertices outside their edge");
-  count(findings.repeated, "vertices or triangles twice");
+  count(findings.repeated, "duplicate vertices or triangles");
   count(findings.zero_area, "zero-area triangles");
-  if (must_be_closed) count(findings.open_edges, "open edges");
-  count(findings.unsound, "places not manifold or oriented");
-  if (!(findings.ulps <= ulps)) words.push_back(fmt::format("{:.3g} ulps off, allowed {:.3g}", findings.ulps, ulps));
+  if (must_be_closed) count(findings.open_edges, "boundary edges");
+  count(findings.unsound, "non-manifold, misoriented or unused elements");
+  if (!(findings.ulps <= ulps))
+    words.push_back(fmt::format("an error of {:.3g} ulps (limit {:.3g})", findings.ulps, ulps));
   if (!(findings.voxels <= voxels)) {
-    words.push_back(fmt::format("{:.3g} voxels off, allowed {:.3g}", findings.voxels, voxels));
+    words.push_back(fmt::format("an error of {:.3g} voxels (limit {:.3g})", findings.voxels, voxels));
   }
   return words;
 }

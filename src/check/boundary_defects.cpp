@@ -159,16 +159,16 @@ Result<BoundaryDefects> find_boundary_defects(const mesh::Mesh& mesh, const mesh
       0;
   const std::uint64_t search_bytes =
       mesh::Adjacency::bytes(mesh.triangles.size(), vertices) + vertices + topology.open_edges * kEdgeBytes;
-  const std::string what = fmt::format("{}: the borders of its surface", mesh.name);
+  const std::string what = fmt::format("{}: the boundary edges of its surface", mesh.name);
   const auto memory =
       TRY(context.reserve(components.count() * sizeof(EdgeDefects) + (all_sound ? 0 : search_bytes), what));
   try {
     if (!all_sound) return BoundarySearch(mesh, topology, components).run();
-    BoundaryDefects borders;
-    borders.components.resize(components.count());
-    return borders;
+    BoundaryDefects defects;
+    defects.components.resize(components.count());
+    return defects;
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(allocation_error(what + " need more memory than there is"));
+    return tl::unexpected(allocation_error(what + " need more memory than is available"));
   }
 }
 

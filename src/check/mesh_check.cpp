@@ -13,7 +13,7 @@
 namespace isoextract::check {
 namespace {
 
-constexpr const char* kPlacesText = "the vertices at one place";
+constexpr const char* kPlacesText = "the vertices at equal positions";
 
 // Copies positions and name; the triangles refer to the first vertex at each place.
 mesh::Mesh with_joined_triangles(const mesh::Mesh& mesh, const CoincidentVertices& places) {
@@ -42,17 +42,17 @@ Result<void> check_components(const mesh::Mesh& mesh, const Context& context, Me
   const auto memory = TRY(
       context.reserve(mesh::Components::bytes(mesh.positions.size()), fmt::format("{}: its components", mesh.name)));
   const mesh::Components components(mesh.triangles.span(), mesh.positions.size());
-  auto borders = TRY(find_boundary_defects(mesh, check.topology, components, context));
+  auto defects = TRY(find_boundary_defects(mesh, check.topology, components, context));
   check.memory =
-      TRY(context.reserve(components.count() * sizeof(Component) + borders.loops.size() * sizeof(BoundaryLoop),
+      TRY(context.reserve(components.count() * sizeof(Component) + defects.loops.size() * sizeof(BoundaryLoop),
                           fmt::format("{}: the table of its components", mesh.name)));
-  auto described = TRY(describe_components(mesh, components, borders, context));
+  auto described = TRY(describe_components(mesh, components, defects, context));
   // Only vertices of triangles count: an unused vertex is not on the surface.
   for (const Component& component : described) {
     if (&component == &described.front()) check.bounds = component.bounds;
     check.bounds = {glm::min(check.bounds.min, component.bounds.min), glm::max(check.bounds.max, component.bounds.max)};
   }
-  check.loops = std::move(borders.loops);
+  check.loops = std::move(defects.loops);
   check.components = std::move(described);
   return {};
 }
@@ -137,7 +137,8 @@ Result<MeshCheck> check_mesh(const mesh::Mesh& mesh, const Context& context) {
   try {
     return run_checks(mesh, context);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(allocation_error(fmt::format("{}: checking it needs more memory than there is", mesh.name)));
+    return tl::unexpected(
+        allocation_error(fmt::format("{}: checking it needs more memory than is available", mesh.name)));
   }
 }
 
@@ -161,7 +162,7 @@ Result<void> weld_coincident_vertices(mesh::Mesh& mesh, const Context& context) 
     for (glm::uvec3& t : mesh.triangles) t = {new_of_old[t.x], new_of_old[t.y], new_of_old[t.z]};
     return {};
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(allocation_error(what + " need more memory than there is"));
+    return tl::unexpected(allocation_error(what + " need more memory than is available"));
   }
 }
 

@@ -1,4 +1,4 @@
-// Finds the defects of a mesh that matter to its next user: slicer, engine or solver.
+// Finds the defects of a mesh that break slicers, game engines and solvers.
 #pragma once
 
 #include <cstdint>
@@ -22,19 +22,20 @@ namespace isoextract::check {
 struct MeshCheck {
   std::uint64_t vertices = 0;
   std::uint64_t triangles = 0;
-  std::uint64_t repeated_vertices = 0;  // at exactly the place of an earlier vertex
+  std::uint64_t repeated_vertices = 0;  // vertices with the coordinates of an earlier vertex
   mesh::Topology topology;
-  // The topology with those vertices merged; only if there are any, and open edges.
+  // The topology after welding repeated_vertices; absent if the mesh has no repeated vertices or no open edges.
   std::optional<mesh::Topology> joined;
   mesh::MeshSize size;
   mesh::Bounds bounds;
   std::vector<BoundaryLoop> loops;
   std::vector<Component> components;
   SelfIntersections intersections;
-  std::optional<NormalFigures> normals;  // only if the file has normals
-  Reservation memory;                    // for loops and components
+  // Set by the caller from check_normals(), if the file has normals; check_mesh() leaves it empty.
+  std::optional<NormalFigures> normals;
+  Reservation memory;  // for loops and components
 
-  // Returns the number of components of this kind.
+  // Counts the components with this shell type.
   [[nodiscard]] std::uint64_t count(Shell shell) const;
 };
 

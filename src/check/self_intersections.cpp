@@ -175,7 +175,7 @@ Result<SelfIntersections> find_self_intersections(const mesh::Mesh& mesh, const 
     context.progress().begin("looking for self-intersections", mesh.triangles.size());
     return IntersectionSearch(mesh, options, context).run();
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(allocation_error(what + " needs more memory than there is"));
+    return tl::unexpected(allocation_error(what + " needs more memory than is available"));
   }
 }
 

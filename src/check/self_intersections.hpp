@@ -29,7 +29,7 @@ struct SelfIntersections {
   std::uint64_t pairs = 0;         // pairs of triangles; a triangle with n copies counts n times
   bool at_least = false;           // there are more than `pairs`, which is then IntersectionOptions::most_pairs
   std::uint64_t in_one_plane = 0;  // pairs that overlap in one plane
-  std::uint64_t neighbors = 0;     // pairs that share a corner or a side, and more
+  std::uint64_t neighbors = 0;     // pairs that share a corner or an edge and also touch elsewhere
   std::uint64_t triangles = 0;     // triangles in these pairs, copies counted once
   // The first pairs, ordered by first and then by second triangle; the lower number comes first.
   std::vector<std::array<std::uint32_t, 2>> examples;
@@ -39,7 +39,7 @@ struct SelfIntersections {
   std::uint64_t duplicate_triangles = 0;  // with the corners of an earlier triangle, in either winding
 };
 
-// Finds the self-intersections of a mesh with finite positions. If at_least is set, in_one_plane, neighbours, triangles
+// Finds the self-intersections of a mesh with finite positions. If at_least is set, in_one_plane, neighbors, triangles
 // and looked_at are 0. The result does not depend on the number of threads. Fails with ErrorCode::out_of_memory if
 // memory is short, or with ErrorCode::cancelled.
 [[nodiscard]] Result<SelfIntersections> find_self_intersections(const mesh::Mesh& mesh,

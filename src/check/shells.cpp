@@ -37,14 +37,14 @@ glm::dvec3 area_vector(const mesh::Mesh& mesh, const glm::uvec3& t) {
 
 // Adds in the order of vertices and triangles, so that sums do not depend on threads.
 std::vector<Component> measure_components(const mesh::Mesh& mesh, const mesh::Components& components,
-                                          const BoundaryDefects& borders) {
+                                          const BoundaryDefects& defects) {
   std::vector<Component> result(components.count());
   const std::vector<std::uint32_t> apexes = rightmost_vertices(mesh, components);
   for (std::size_t c = 0; c < result.size(); ++c) {
-    result[c].edges = borders.components[c];
+    result[c].edges = defects.components[c];
     result[c].bounds = {glm::dvec3(kBoundless), glm::dvec3(-kBoundless)};
   }
-  for (const BoundaryLoop& loop : borders.loops) ++result[loop.component].loops;
+  for (const BoundaryLoop& loop : defects.loops) ++result[loop.component].loops;
   for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
     const std::uint32_t c = components.of_vertex(v);
     if (c == mesh::Components::kNone) continue;
@@ -92,12 +92,12 @@ Shell shell_of(const Component& component) {
 }  // namespace
 
 Result<std::vector<Component>> describe_components(const mesh::Mesh& mesh, const mesh::Components& components,
-                                                   const BoundaryDefects& borders, const Context& context) {
+                                                   const BoundaryDefects& defects, const Context& context) {
   const std::string what = fmt::format("{}: its components", mesh.name);
   const std::uint64_t of_one = sizeof(Component) + sizeof(mesh::Surroundings) + sizeof(std::uint32_t);
   const auto memory = TRY(context.reserve(components.count() * of_one, what));
   try {
-    std::vector<Component> all = measure_components(mesh, components, borders);
+    std::vector<Component> all = measure_components(mesh, components, defects);
     mesh::ShellQuery question;
     for (const Component& component : all) question.facing.push_back(facing_of(component));
     if (all.size() - std::ranges::count(question.facing, mesh::Facing::open) > 1) {
@@ -109,7 +109,7 @@ Result<std::vector<Component>> describe_components(const mesh::Mesh& mesh, const
     for (Component& component : all) component.shell = shell_of(component);
     return all;
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(allocation_error(what + " need more memory than there is"));
+    return tl::unexpected(allocation_error(what + " need more memory than is available"));
   }
 }
 

@@ -1,4 +1,4 @@
-// Describes the components of a mesh as bodies: size, holes, and which closed ones lie inside others.
+// Measures the size, the holes and the nesting of the components of a mesh.
 #pragma once
 
 #include <array>
@@ -49,7 +49,7 @@ struct Component {
 // ErrorCode::cancelled.
 [[nodiscard]] Result<std::vector<Component>> describe_components(const mesh::Mesh& mesh,
                                                                  const mesh::Components& components,
-                                                                 const BoundaryDefects& borders,
+                                                                 const BoundaryDefects& defects,
                                                                  const Context& context);
 
 }  // namespace isoextract::check

@@ -15,14 +15,15 @@ std::string match_text(const accuracy::AttributeMatch& match, bool same_vertices
   const auto& [first, second] = match.components;
   if (first != second) return fmt::format("{} and {} components", first, second);
   if (!match.difference) {
-    return same_vertices ? "in both; of glTF it is linear light, of other formats sRGB, and was not compared"
-                         : "in both; the vertices are others, so its values were not compared";
+    return same_vertices ? "in both; not compared: glTF stores linear light, other formats store sRGB"
+                         : "in both; not compared, because the vertices differ";
   }
   const accuracy::AttributeMatch::Difference& difference = *match.difference;
   std::string text = difference.largest == 0 ? "the same values"
-                                             : fmt::format("at most {:.6g} apart, at vertex {}; mean {:.6g}",
+                                             : fmt::format("largest difference {:.6g}, at vertex {}; mean {:.6g}",
                                                            difference.largest, difference.vertex, difference.mean);
-  if (difference.not_finite > 0) text += fmt::format("; {} that are finite in one only", difference.not_finite);
+  if (difference.not_finite > 0)
+    text += fmt::format("; {} vertices with a finite value in only one mesh", difference.not_finite);
   return text;
 }
 
@@ -36,8 +37,8 @@ void add_attributes(NamedLines& lines, const accuracy::AttributeMatches& matches
   for (const accuracy::AttributeMatch& match : matches.both) {
     lines.add(printable(match.name), match_text(match, matches.same_vertices));
   }
-  for (const std::string& name : first) lines.add(printable(name), "in the first only");
-  for (const std::string& name : second) lines.add(printable(name), "in the 2nd only");
+  for (const std::string& name : first) lines.add(printable(name), "only in the first mesh");
+  for (const std::string& name : second) lines.add(printable(name), "only in the second mesh");
 }
 
 convert::Json attributes_json(const accuracy::AttributeMatches& matches) {

@@ -20,8 +20,8 @@ Result<std::vector<NamedBackend>> parse_backends(std::string_view text) {
     const bool known = std::ranges::find(kNames, backend.name) != kNames.end();
     const bool again = std::ranges::find(backends, backend.name, &NamedBackend::name) != backends.end();
     if (!known || again) {
-      return fail(ErrorCode::usage,
-                  fmt::format("expected some of {}, each once, found '{}'", fmt::join(kNames, ", "), text));
+      return fail(ErrorCode::usage, fmt::format("expected a comma-separated list of {}, each at most once, found '{}'",
+                                                fmt::join(kNames, ", "), text));
     }
     backends.push_back(std::move(backend));
     begin = end + 1;

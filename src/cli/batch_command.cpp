@@ -48,7 +48,7 @@ std::string reason_of(const convert::ConversionJob& job, const Error& error) {
   };
   leave_out(job.source.input);
   for (const fs::path& file : batch::files_of(job)) leave_out(file.string());
-  return text;
+  return text.starts_with("*: ") ? text.substr(3) : text;
 }
 
 bool shows_rows(const BatchPlan& plan) { return plan.flags.table || plan.flags.plot || plan.common.pages.any(); }
@@ -60,7 +60,7 @@ class FramePrinter final : public batch::RunEvents {
                HtmlPage& page)
       : plan_(plan), arguments_(arguments), progress_(progress), page_(page) {}
 
-  std::optional<std::string> field_note(const field::ScalarField& field) override {
+  std::optional<Note> field_note(const field::ScalarField& field) override {
     if (!plan_.common.on_side_text) return std::nullopt;
     auto note = up_axis_note(field, plan_.common.job.source.placement.up, *plan_.common.on_side_text);
     if (note) progress_.print_note_once(*note);
@@ -80,7 +80,8 @@ class FramePrinter final : public batch::RunEvents {
   void over(std::size_t frame, const batch::FrameRow& row, const convert::Outcome* outcome,
             const Error* error) override {
     for (const std::string& name : row.figures.lacked_attributes) {
-      progress_.add_remark(row.frame, fmt::format("without the optional attribute '{}'", printable(name)));
+      progress_.add_remark(
+          row.frame, {NoteId::attribute_missing, fmt::format("lack the optional attribute '{}'", printable(name))});
     }
     if (outcome != nullptr) tell(plan_.batch.frames[frame].job, row, *outcome, error);
     progress_.over(row);
@@ -90,7 +91,8 @@ class FramePrinter final : public batch::RunEvents {
   void tell(const convert::ConversionJob& job, const batch::FrameRow& row, const convert::Outcome& outcome,
             const Error* error) {
     if (outcome.empty_picture)
-      progress_.add_remark(row.frame, "in whose picture the camera sees nothing of the surfaces");
+      progress_.add_remark(
+          row.frame, {NoteId::empty_picture, "have an empty picture, because the camera sees nothing of the surfaces"});
     if (plan_.common.pages.html) {
       const std::lock_guard lock(mutex_);
       page_.add(row.frame, outcome);
@@ -99,7 +101,7 @@ class FramePrinter final : public batch::RunEvents {
       if (error->code != ErrorCode::cancelled) progress_.failed(row.frame, *error, reason_of(job, *error));
       return;
     }
-    for (const std::string& note : outcome.notes) progress_.detail(fmt::format("frame {}: {}", row.frame, note));
+    for (const Note& note : outcome.notes) progress_.detail(fmt::format("frame {}: {}", row.frame, note.text));
     progress_.detail(fmt::format("frame {}: {}: {:.2f} s, {}", row.frame, printable(row.input),
                                  row.figures.wall_seconds, format_byte_size(row.figures.bytes)));
   }
@@ -136,12 +138,12 @@ std::uint64_t count_of(std::span<const batch::FrameRun> runs) {
 
 std::string missing_text(std::span<const batch::FrameRun> gaps) {
   const std::uint64_t count = count_of(gaps);
-  return fmt::format("{} frame{} not there: {}", count, count == 1 ? " is" : "s are",
+  return fmt::format("{} requested frame{} no input: {}", count, count == 1 ? " has" : "s have",
                      batch::text_of(gaps, batch::kShownFrameRuns));
 }
 
 tl::unexpected<Error> fail_missing(std::span<const batch::FrameRun> gaps) {
-  return fail(ErrorCode::frames, missing_text(gaps), "--missing note makes this no error");
+  return fail(ErrorCode::frames, missing_text(gaps), "--missing note turns this error into a note");
 }
 
 void tell_animation(const batch::AnimationJob& animation, const mesh_io::MeshWriteResult& written,
@@ -150,7 +152,7 @@ void tell_animation(const batch::AnimationJob& animation, const mesh_io::MeshWri
     messages.summary(fmt::format("{}: {} frames per second, {}", printable(file.path), animation.frames_per_second,
                                  format_byte_size(file.bytes)));
   }
-  for (const std::string& note : written.notes) messages.note(note);
+  for (const Note& note : written.notes) messages.note(note);
 }
 
 Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& arguments, const Messages& messages) {
@@ -174,12 +176,13 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
                  .volume_hint = std::string(kHowToKeepVolumes),
                  .read = read ? &*read : nullptr}};
   auto run = TRY(batch::BatchRun::open(plan.batch, std::move(options), context));
-  const auto tell = [&](const std::string& note) {
+  const auto tell = [&](const Note& note) {
     if (plan.progress != ProgressStyle::json) messages.note(note);
   };
-  for (const std::string& note : plan.common.notes) tell(note);
+  for (const Note& note : plan.common.notes) tell(note);
   if (!plan.gaps.empty())
-    tell(fmt::format("frames that are not there: {}", batch::text_of(plan.gaps, batch::kShownFrameRuns)));
+    tell({NoteId::missing_frames,
+          fmt::format("the inputs lack the frames {}", batch::text_of(plan.gaps, batch::kShownFrameRuns))});
 
   BatchProgress progress(plan.progress, messages, plan.frames.size());
   HtmlPage page;
@@ -197,16 +200,15 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
                 .not_started = not_started,
                 .missing = missing});
   if (const auto& old = result.set_aside; !old.empty()) {
-    tell(fmt::format("{} of an earlier run, of frames that failed, {} renamed: {}{}",
-                     old.size() == 1 ? "a mesh" : fmt::format("{} meshes", old.size()),
-                     old.size() == 1 ? "was" : "were", old.front(),
-                     old.size() == 1 ? "" : fmt::format(" to {}", old.back())));
+    tell({NoteId::old_pieces, fmt::format("this run renamed {} that an earlier run wrote for failed frames, to {}{}",
+                                          old.size() == 1 ? "a mesh" : fmt::format("{} meshes", old.size()),
+                                          old.front(), old.size() == 1 ? "" : fmt::format(" through {}", old.back()))});
   }
   if (plan.batch.animation && plan.progress != ProgressStyle::json) {
     tell_animation(*plan.batch.animation, result.animation, messages);
   }
   if (plan.flags.table || plan.flags.plot || plan.common.pages.html) {
-    if (const std::string note = units_note(result.rows); !note.empty()) tell(note);
+    if (const std::string note = units_note(result.rows); !note.empty()) tell({NoteId::length_unit, note});
   }
   if (plan.flags.table || plan.flags.plot) {
     TRY(write_tables(plan, result.rows));
@@ -219,17 +221,18 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
   if (result.error) return tl::unexpected(*result.error);
   if (failed + cancelled + not_started == 0) return missing == 0 ? Result<void>() : fail_missing(plan.gaps);
   std::string text = fmt::format("{} of {} frames failed", failed, plan.frames.size());
-  if (cancelled > 0) text += fmt::format(", {} {} cancelled", cancelled, cancelled == 1 ? "was" : "were");
-  if (not_started > 0) text += fmt::format(", and {} were not started", not_started);
+  if (cancelled > 0) text += fmt::format(", {} cancelled", cancelled);
+  if (not_started > 0) text += fmt::format(", {} not started", not_started);
   if (missing > 0) text += fmt::format("; {}", missing_text(plan.gaps));
-  return fail(ErrorCode::frames, text, "--resume does what is not done yet, once that is mended");
+  return fail(ErrorCode::frames, text,
+              "fix the cause, then run again with --resume to convert only the unfinished frames");
 }
 
 }  // namespace
 
 Result<void> run_batch(const ConvertFlags& flags, const std::vector<std::string>& arguments) {
   const auto plan = TRY(plan_batch(flags, [](const char* name) -> const char* { return std::getenv(name); }));
-  return run_planned(plan, arguments, Messages(plan.common.verbosity));
+  return run_planned(plan, arguments, Messages(plan.common.shown));
 }
 
 }  // namespace isoextract::cli

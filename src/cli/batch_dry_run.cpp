@@ -31,8 +31,8 @@ std::uint64_t size_of_input(const batch::FrameJob& frame) {
   return none ? 0 : size;
 }
 
-// Returns the indices of the frames whose memory is estimated: of those with the largest inputs the first, the middle
-// and the last.
+// Returns the indices of the frames for the memory estimate: the first, the middle and the last of the frames with the
+// largest inputs.
 std::vector<std::size_t> sampled_frames(const BatchPlan& plan) {
   std::uint64_t largest = 0;
   std::vector<std::size_t> of_largest;
@@ -51,7 +51,7 @@ struct FrameMemory {
   std::uint64_t bytes = 0;
 };
 
-// Returns "memory: about 118 MiB (117 MiB for frame 3, 1 at a time; the most of frames 0, 2, 3)".
+// Returns "memory: about 118 MiB (117 MiB for frame 3, 1 at a time; largest of the estimates for frames 0, 2, 3)".
 Result<std::string> memory_text(const BatchPlan& plan, const Messages& messages) {
   std::vector<std::int64_t> estimated;
   std::optional<FrameMemory> most;
@@ -61,7 +61,8 @@ Result<std::string> memory_text(const BatchPlan& plan, const Messages& messages)
     const auto bytes = convert::estimated_memory(frame.job, plan.common.context.memory());
     if (!bytes) {
       if (!failed) failed = bytes.error();
-      messages.note(fmt::format("frame {}: its memory cannot be estimated: {}", frame.number, bytes.error().message));
+      messages.note({NoteId::memory_unknown, fmt::format("frame {}: the dry run cannot estimate the memory: {}",
+                                                         frame.number, bytes.error().message)});
       continue;
     }
     estimated.push_back(frame.number);
@@ -70,7 +71,7 @@ Result<std::string> memory_text(const BatchPlan& plan, const Messages& messages)
   if (!most) return tl::unexpected(std::move(*failed));
   constexpr std::uint64_t kMiB = 1 << 20;
   const std::uint64_t at_once = std::min<std::uint64_t>(static_cast<std::uint64_t>(plan.jobs), plan.frames.size());
-  const std::string sampled = fmt::format("; the most of frames {}", fmt::join(estimated, ", "));
+  const std::string sampled = fmt::format("; largest of the estimates for frames {}", fmt::join(estimated, ", "));
   return fmt::format("memory: about {} MiB ({} for frame {}, {} at a time{})\n",
                      (most->bytes * at_once + kMiB - 1) / kMiB, format_byte_size(most->bytes), most->frame, at_once,
                      estimated.size() > 1 ? sampled : "");
@@ -91,12 +92,12 @@ Result<void> print_batch_plan(const BatchPlan& plan, const Messages& messages) {
     for (const convert::OutputFileJob& output : frame.job.outputs) {
       text += fmt::format("frame {}: {}{} -> {}{}\n", frame.number, printable(input),
                           none ? "" : fmt::format(" ({})", format_byte_size(size)), printable(output.path),
-                          files::is_there(output.path) ? ", which is there" : "");
+                          files::is_there(output.path) ? " (exists)" : "");
     }
   }
   text += fmt::format(
       "frames: {}, {} of inputs; {}\n", plan.frames.size(), format_byte_size(bytes),
-      plan.gaps.empty() ? "no gaps" : fmt::format("not there: {}", batch::text_of(plan.gaps, batch::kShownFrameRuns)));
+      plan.gaps.empty() ? "no gaps" : fmt::format("missing: {}", batch::text_of(plan.gaps, batch::kShownFrameRuns)));
   if (plan.batch.animation) {
     text += fmt::format("animation: {}, {} frames per second\n", printable(plan.batch.animation->path),
                         plan.batch.animation->frames_per_second);
@@ -108,7 +109,7 @@ Result<void> print_batch_plan(const BatchPlan& plan, const Messages& messages) {
     const auto memory = TRY(memory_text(plan, messages));
     text += memory;
   }
-  for (const std::string& note : plan.common.notes) messages.note(note);
+  for (const Note& note : plan.common.notes) messages.note(note);
   return print_to_stdout(text);
 }
 

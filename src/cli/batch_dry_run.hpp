@@ -9,7 +9,7 @@ namespace isoextract::cli {
 
 // Prints frames, files, gaps and an estimate of the memory to stdout. For the estimate it reads the first, the middle
 // and the last of the largest inputs; inputs of equal size, and frames of one file, count as equally large. Fails if
-// none of these can be estimated.
+// the estimate fails for all of them.
 [[nodiscard]] Result<void> print_batch_plan(const BatchPlan& plan, const Messages& messages);
 
 }  // namespace isoextract::cli

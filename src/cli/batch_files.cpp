@@ -47,11 +47,11 @@ std::string units_note(std::span<const batch::FrameRow> rows) {
   }
   if (frames.size() < 2) return {};
   std::vector<std::string> texts;
-  for (const auto& [unit, count] : frames) texts.push_back(fmt::format("{} in {} of them", unit, count));
+  for (const auto& [unit, count] : frames)
+    texts.push_back(fmt::format("{} in {} frame{}", unit, count, count == 1 ? "" : "s"));
   return fmt::format(
-      "the frames have lengths in unlike units ({}): their areas and volumes compare only where the column 'unit' is "
-      "the "
-      "same; --unit file --to-unit mm writes all in one",
+      "the frames have different length units ({}): compare areas and volumes only between rows with the same 'unit'; "
+      "--unit file --to-unit mm writes all frames in one unit",
       fmt::join(texts, ", "));
 }
 

@@ -18,8 +18,8 @@ namespace isoextract::cli {
 [[nodiscard]] Result<void> make_folders(const BatchPlan& plan);
 
 // Checks that no output replaces a file that the batch reads. Returns all files that the frames read, including those
-// that only inputs refer to. Returns nullopt if no output exists yet and all output names are known, since then nothing
-// could be replaced.
+// that only inputs refer to. Returns nullopt if no output exists yet and all output names are known, since then the
+// batch replaces no file.
 // Fails with ErrorCode::usage if an output is also an input, and as convert::check_output_file() for tables, plots and
 // pages.
 [[nodiscard]] Result<std::optional<files::InputFileSet>> check_batch_files(const BatchPlan& plan);

@@ -65,8 +65,8 @@ std::string changing_isos(const ConvertFlags& flags, std::size_t frames) {
   }
   if (words.empty() || frames < 2) return {};
   return fmt::format(
-      "--iso {}: found for each frame by itself, so surfaces may jump from one to the next; a number is "
-      "the same for all",
+      "--iso {}: each frame gets its own iso value, so the surface may jump between frames; give a number for one "
+      "iso value in all frames",
       fmt::join(words, ", "));
 }
 
@@ -78,13 +78,14 @@ bool wants_all_volumes(const ConvertFlags& flags) {
 Result<batch::Frames> volumes_of(const ConvertFlags& flags, const volume_io::ReadOptions& read,
                                  const Context& context) {
   const std::vector<std::string>& inputs = flags.input.inputs;
-  const char* const one_file = "give one file; of several, each in a run of its own";
+  const char* const one_file = "give one file, and convert each further file in a run of its own";
   if (inputs.size() > 1) {
-    return refuse_usage("--volume all takes the volumes of one file, and several were given", one_file);
+    return refuse_usage("--volume all takes the volumes of one file, found several files", one_file);
   }
   if (is_frame_pattern(inputs.front())) {
     return refuse_usage(
-        fmt::format("--volume all takes the volumes of one file, and {} stands for several", printable(inputs.front())),
+        fmt::format("--volume all takes the volumes of one file, and the pattern {} stands for several files",
+                    printable(inputs.front())),
         one_file);
   }
   auto particles = TRY(plan_particles(flags.particles, flags.surface.nan, has_attributes(flags)));
@@ -94,15 +95,16 @@ Result<batch::Frames> volumes_of(const ConvertFlags& flags, const volume_io::Rea
   source.particles = std::move(particles);
   const auto count = TRY(convert::count_frames(source, context.beside()));
   if (count > batch::kMaxFrames) {
-    return refuse_usage(
-        fmt::format("{}: {} volumes are more than {}, the most frames", inputs.front(), count, batch::kMaxFrames));
+    return refuse_usage(fmt::format("{}: found {} volumes, expected at most {}, the limit of frames in a batch",
+                                    inputs.front(), count, batch::kMaxFrames));
   }
   batch::Frames found;
   for (std::int64_t k = 0; k < static_cast<std::int64_t>(count); ++k) {
     if (!flags.batch.frames || flags.batch.frames->contains(k)) found.frames.push_back({k, inputs.front(), k});
   }
   if (found.frames.empty()) {
-    return refuse_usage(fmt::format("--frames: {} has the volumes 0 to {}", inputs.front(), count - 1));
+    return refuse_usage(
+        fmt::format("--frames selects no volume: {} has the volumes 0 to {}", inputs.front(), count - 1));
   }
   if (flags.batch.frames) found.gaps = batch::gaps_of(*flags.batch.frames, found.frames);
   return found;
@@ -113,9 +115,10 @@ Result<void> plan_report(const ConvertFlags& flags, BatchPlan& plan) {
   auto name = TRY(plan_report_name(*flags.report));
   if (!name.uses(batch::OutputWord::frame)) {
     return refuse_usage(
-        fmt::format("--report {}: frames have a report each, and this name has no place for their number",
-                    *flags.report),
-        "write --report r_{:04}.json; --table is one file for all frames");
+        fmt::format(
+            "--report {}: each frame has its own report, and this file name has no placeholder for the frame number",
+            *flags.report),
+        "write --report r_{:04}.json, or write one file for all frames with --table");
   }
   plan.report = std::move(name);
   return {};
@@ -136,13 +139,14 @@ Result<void> plan_tables(const BatchFlags& flags, BatchPlan& plan) {
   return {};
 }
 
-// Refuses folders named after pieces, because their names are known only after the extraction.
+// Refuses {piece} in folder names: the batch makes folders before the extraction, which finds the bodies.
 Result<void> check_piece_folders(const std::vector<batch::OutputFiles>& outputs) {
   for (const batch::OutputFiles& files : outputs) {
     for (const convert::OutputFileJob& output : files) {
       if (fs::path(output.path).parent_path().string().find(convert::kPiecePlaceholder) == std::string::npos) continue;
-      return refuse_usage(fmt::format("-o {}: {} is in the name of a folder", output.path, convert::kPiecePlaceholder),
-                          "put it into the name of the file");
+      return refuse_usage(
+          fmt::format("-o {}: the name of a folder contains {}", output.path, convert::kPiecePlaceholder),
+          "put it into the file name");
     }
   }
   return {};
@@ -154,24 +158,26 @@ Result<std::vector<batch::OutputFiles>> plan_animation(const ConvertFlags& flags
                                                        mesh_io::MeshFormat format, const batch::OtherFiles& others,
                                                        batch::BatchJob& job) {
   const std::string example = "for example -o water.glb";
-  if (!flags.output) return refuse_usage("--animate makes one file of all frames, whose name has to be given", example);
+  if (!flags.output) return refuse_usage("--animate writes all frames into one file and needs its name", example);
   const std::string& output = *flags.output;
   std::error_code none;
   if (output.ends_with('/') || fs::is_directory(output, none)) {
-    return refuse_usage(fmt::format("-o {}: --animate makes one file of all frames, and this is a folder", output),
-                        example);
+    return refuse_usage(
+        fmt::format("-o {}: --animate writes all frames into one file, and this path is a folder", output), example);
   }
   const auto name = TRY(batch::OutputTemplate::parse(output));
   for (const auto& word : words_of(batch::OutputWord{})) {
     if (!name.uses(word.value)) continue;
     return refuse_usage(
-        fmt::format("-o {}: --animate makes one file of all frames, and this name has a place for {{{}}}", output,
-                    word.word),
-        example + "; without --animate each frame has its file");
+        fmt::format(
+            "-o {}: --animate writes all frames into one file, and this file name contains the placeholder {{{}}}",
+            output, word.word),
+        example + "; without --animate each frame gets its own file");
   }
   if (format != mesh_io::MeshFormat::glb) {
-    return refuse_usage(fmt::format("--animate writes glb, found {}", mesh_io::mesh_format_info(format).name),
-                        "name the file .glb; without --animate each frame has its file, in any format");
+    return refuse_usage(
+        fmt::format("--animate writes glb, found {}", mesh_io::mesh_format_info(format).name),
+        "give a file name that ends in .glb; without --animate each frame gets its own file, in any format");
   }
   job.animation =
       batch::AnimationJob{name.expand({}), flags.batch.fps.value_or(batch::AnimationJob().frames_per_second)};
@@ -182,12 +188,14 @@ Result<std::vector<batch::OutputFiles>> plan_animation(const ConvertFlags& flags
   return outputs;
 }
 
-// `note` tells if a job scheduler's variable is set but --shard was not given.
+// Fills `note` if the environment has a job scheduler's variable and --shard is absent.
 Result<batch::Shard> plan_shard(const BatchFlags& flags, const char* (*environment)(const char*), std::string& note) {
   if (!flags.shard) {
     if (const std::string variable = batch::scheduler_variable(environment); !variable.empty()) {
-      note =
-          fmt::format("{} is set, and all frames are converted: --shard auto converts the part of this task", variable);
+      note = fmt::format(
+          "the environment has {}, but this run converts all frames: give --shard auto to convert only this task's "
+          "frames",
+          variable);
     }
     return batch::Shard();
   }
@@ -196,14 +204,14 @@ Result<batch::Shard> plan_shard(const BatchFlags& flags, const char* (*environme
     const auto found = TRY(batch::shard_of_environment(environment));
     if (!found) {
       return refuse_usage("--shard auto: the environment has no SLURM_ARRAY_TASK_ID and no JOB_COMPLETION_INDEX",
-                          "give the part as --shard K/N");
+                          "give the shard as --shard K/N");
     }
     shard = *found;
   }
   if (!flags.animate || shard.is_all()) return shard;
-  return refuse_usage(
-      fmt::format("--animate needs all frames in one process, and this one is shard {}/{}", shard.number, shard.count),
-      "convert the shards to files of their own, or use one machine without --shard");
+  return refuse_usage(fmt::format("--animate needs all frames in one process, and this process converts shard {}/{}",
+                                  shard.number, shard.count),
+                      "write one file per frame without --animate, or run on one machine without --shard");
 }
 
 // Adds the shard to the names of tables, plots and pages: t.csv becomes t.2-of-3.csv. Returns a note that says so, or
@@ -220,8 +228,8 @@ std::string name_after_shard(const batch::Shard& shard, ConvertFlags& flags) {
   }
   if (names.empty()) return {};
   return fmt::format(
-      "{}: of the frames of this shard; after isoextract merge, a run of the same without --shard and with --resume "
-      "writes it of all frames",
+      "{}: covers the frames of this shard only; to cover all frames, run isoextract merge, then the same command "
+      "without --shard and with --resume",
       fmt::join(names, ", "));
 }
 
@@ -246,10 +254,12 @@ bool is_frame_pattern(const std::string& input) {
 Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environment)(const char*)) {
   ConvertFlags flags = given;
   TRY(take_labels(flags));
-  if (flags.output == "-") return refuse_usage("frames are written into files, not to stdout", "give a name with -o");
-  if (flags.explain) return refuse_usage("--explain is about one conversion", "--table and -v tell about frames");
+  if (flags.output == "-") return refuse_usage("a batch writes frames to files, not to stdout", "give a name with -o");
+  if (flags.explain)
+    return refuse_usage("--explain describes one conversion, not a batch", "use --table or -v for frames");
   if (flags.batch.fps && !flags.batch.animate) {
-    return refuse_usage("--fps is how fast an animation plays, and none is made", "--animate makes one");
+    return refuse_usage("--fps sets the speed of an animation and needs --animate",
+                        "give --animate, or leave --fps out");
   }
   BatchPlan plan;
   std::string of_environment;
@@ -264,26 +274,29 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   std::string usual_iso;
   if (!flags.batch.iso_table && !writes_field(flags)) {
     usual_iso = TRY(set_default_iso(one, found.frames.front().input, context));
-    if (!usual_iso.empty()) found.notes.push_back(usual_iso);
+    if (!usual_iso.empty()) found.notes.push_back({NoteId::iso_chosen, usual_iso});
     flags.isos = one.isos;
   }
   auto sources = TRY(sources_of(flags, found));
   auto common = TRY(plan_conversion(one, sources.front().isos, context));
   plan.common = std::move(common);
   plan.frame_notes = plan.common.notes;
-  if (!usual_iso.empty()) plan.frame_notes.push_back(std::move(usual_iso));
-  if (std::string note = changing_isos(flags, sources.size()); !note.empty()) found.notes.push_back(std::move(note));
-  for (std::string& note : found.notes) plan.common.notes.push_back(std::move(note));
-  if (std::string note = color_range_note(plan.common.job); !note.empty()) plan.common.notes.push_back(std::move(note));
+  if (!usual_iso.empty()) plan.frame_notes.push_back({NoteId::iso_chosen, std::move(usual_iso)});
+  if (std::string note = changing_isos(flags, sources.size()); !note.empty())
+    found.notes.push_back({NoteId::iso_chosen, std::move(note)});
+  for (Note& note : found.notes) plan.common.notes.push_back(std::move(note));
+  if (std::string note = color_range_note(plan.common.job); !note.empty())
+    plan.common.notes.push_back({NoteId::color_range, std::move(note)});
   if (flags.placement.center && !flags.surface.roi) {
-    plan.common.notes.emplace_back(
-        "--center: each frame is moved by the middle of its own samples; of sparse volumes and particles, whose box "
-        "changes, the frames move against each other, which --roi prevents");
+    plan.common.notes.push_back({NoteId::frames_move,
+                                 "--center moves each frame by the center of its own samples; the bounds of sparse "
+                                 "volumes and particles change, "
+                                 "so their frames shift against each other; --roi prevents that"});
   }
   const auto* picture = plan.common.job.writes<convert::PictureFileOptions>();
   if (picture != nullptr && sources.size() > 1) {
     std::string note = cameras_note(*picture);
-    if (!note.empty()) plan.common.notes.push_back(std::move(note));
+    if (!note.empty()) plan.common.notes.push_back({NoteId::one_camera, std::move(note)});
   }
   TRY(plan_report(flags, plan));
   TRY(plan_tables(flags.batch, plan));
@@ -305,15 +318,15 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   plan.needs_all = flags.batch.missing.value_or(flags.batch.frames ? MissingPolicy::error : MissingPolicy::note) ==
                    MissingPolicy::error;
 
-  if (!of_environment.empty()) plan.common.notes.push_back(std::move(of_environment));
-  if (!of_shard.empty()) plan.common.notes.push_back(of_shard);
+  if (!of_environment.empty()) plan.common.notes.push_back({NoteId::shard, std::move(of_environment)});
+  if (!of_shard.empty()) plan.common.notes.push_back({NoteId::shard, of_shard});
   plan.shard = shard;
   plan.frames = batch::frames_of(plan.batch, plan.shard);
 
   const int threads = plan.common.threads.value_or(tbb::this_task_arena::max_concurrency());
   plan.jobs = flags.batch.jobs.value_or(threads);
   plan.flags = flags.batch;
-  TRY(refuse_both(plan.flags.resume, plan.flags.no_clobber, "", "--resume does only what is not done yet"));
+  TRY(refuse_both(plan.flags.resume, plan.flags.no_clobber, "", "--resume converts only the unfinished frames"));
   if (plan.flags.resume) plan.earlier = batch::ResumePolicy::keep_unchanged;
   if (plan.flags.no_clobber) plan.earlier = batch::ResumePolicy::keep_existing;
   plan.make_folders = flags.batch.make_folders || (flags.output && flags.output->ends_with('/'));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/note.hpp"
 #include "batch/batch_job.hpp"
 #include "batch/batch_run.hpp"
 #include "batch/frame_range.hpp"
@@ -20,8 +21,8 @@
 namespace isoextract::cli {
 
 struct BatchPlan {
-  ConvertPlan common;                    // shared by all frames; its job has no input, iso values and outputs
-  std::vector<std::string> frame_notes;  // the notes of common that a conversion of one frame would print
+  ConvertPlan common;  // shared by all frames; its job has no input, iso values and outputs
+  Notes frame_notes;   // the notes of common that a conversion of one frame would print
   batch::BatchJob batch;
   std::vector<std::size_t> frames;    // indices of this run's frames: those of its shard
   std::vector<batch::FrameRun> gaps;  // missing frames
@@ -42,8 +43,8 @@ struct BatchPlan {
 // Returns whether this input names the frames of a sequence: a folder or a pattern.
 [[nodiscard]] bool is_frame_pattern(const std::string& input);
 
-// `environment` is std::getenv, or a replacement in tests: job schedulers set variables that say which shard this
-// process has.
+// `environment` is std::getenv, or a replacement in tests: job schedulers set variables with the shard of this
+// process.
 [[nodiscard]] Result<BatchPlan> plan_batch(const ConvertFlags& flags, const char* (*environment)(const char*));
 
 }  // namespace isoextract::cli

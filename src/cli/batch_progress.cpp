@@ -16,8 +16,6 @@
 namespace isoextract::cli {
 namespace {
 
-constexpr std::size_t kToldOfOneReason = 3;
-
 std::string duration_text(double seconds) {
   const auto whole = static_cast<std::uint64_t>(std::llround(seconds));
   return whole >= 3600 ? fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60)
@@ -29,7 +27,7 @@ std::string duration_text(double seconds) {
 std::string speed_text(std::uint64_t done, std::uint64_t total, double seconds) {
   if (done == 0 || seconds <= 0) return {};
   const double rate = static_cast<double>(done) / seconds;
-  std::string text = rate >= 1 ? fmt::format("{:.1f} frames/s", rate) : fmt::format("{:.1f} s a frame", 1 / rate);
+  std::string text = rate >= 1 ? fmt::format("{:.1f} frames/s", rate) : fmt::format("{:.1f} s per frame", 1 / rate);
   if (done < total) text += fmt::format(", {} left", duration_text(static_cast<double>(total - done) / rate));
   return text;
 }
@@ -58,27 +56,23 @@ void BatchProgress::line(const convert::Json& event) {
 void BatchProgress::failed(std::int64_t frame, const Error& error, const std::string& reason) {
   const std::lock_guard lock(mutex_);
   if (style_ == ProgressStyle::json) return;  // the frame's line has the reason
-  Reason& known = reasons_[reason];
-  if (known.told.size() == kToldOfOneReason) {
-    known.untold.push_back(frame);
-    return;
-  }
-  known.told.push_back(frame);
+  std::vector<std::int64_t>& frames = reasons_[reason];
+  frames.push_back(frame);
+  if (frames.size() > 1) return;
   Error named = error;
   named.message = fmt::format("frame {}: {}", frame, error.message);
   bar_->above([&] { messages_.error(named); });
 }
 
 void BatchProgress::tell_folded() {
-  for (auto& [text, reason] : reasons_) {
-    if (reason.untold.empty()) continue;
-    std::ranges::sort(reason.untold);
-    const std::size_t count = reason.untold.size();
-    messages_.error(
-        {ErrorCode::frames,
-         fmt::format("{} more frame{} failed for the reason of frame {}: {}", count, count == 1 ? "" : "s",
-                     reason.told.front(), batch::text_of(batch::runs_of(reason.untold), batch::kShownFrameRuns)),
-         {}});
+  for (auto& [reason, frames] : reasons_) {
+    if (frames.size() == 1) continue;
+    const std::int64_t first = frames.front();
+    std::ranges::sort(frames);
+    messages_.error({ErrorCode::frames,
+                     fmt::format("{} frames: {}; first: frame {}; all: {}", frames.size(), reason, first,
+                                 batch::text_of(batch::runs_of(frames), batch::kShownFrameRuns)),
+                     {}});
   }
 }
 
@@ -87,22 +81,22 @@ void BatchProgress::detail(const std::string& text) {
   bar_->above([&] { messages_.detail(text); });
 }
 
-void BatchProgress::print_note_once(const std::string& text) {
+void BatchProgress::print_note_once(const Note& note) {
   const std::lock_guard lock(mutex_);
   if (std::exchange(noted_, true) || style_ == ProgressStyle::json) return;
-  bar_->above([&] { messages_.note(text); });
+  bar_->above([&] { messages_.note(note); });
 }
 
-void BatchProgress::add_remark(std::int64_t frame, const std::string& text) {
+void BatchProgress::add_remark(std::int64_t frame, const Note& remark) {
   const std::lock_guard lock(mutex_);
-  remarks_[text].insert(frame);
+  remarks_[remark].insert(frame);
 }
 
 void BatchProgress::tell_remarks() {
-  for (const auto& [text, frames] : remarks_) {
+  for (const auto& [remark, frames] : remarks_) {
     const std::vector<std::int64_t> numbers(frames.begin(), frames.end());
-    messages_.note(fmt::format("{} of {} frames {}: {}", numbers.size(), frames_, text,
-                               batch::text_of(batch::runs_of(numbers), batch::kShownFrameRuns)));
+    messages_.note({remark.id, fmt::format("{} of {} frames {}: {}", numbers.size(), frames_, remark.text,
+                                           batch::text_of(batch::runs_of(numbers), batch::kShownFrameRuns))});
   }
 }
 
@@ -138,7 +132,7 @@ void BatchProgress::end(const FrameCounts& counts) {
   if (counts.failed > 0) text += fmt::format(", {} failed", counts.failed);
   if (counts.cancelled > 0) text += fmt::format(", {} cancelled", counts.cancelled);
   if (counts.not_started > 0) text += fmt::format(", {} not started", counts.not_started);
-  if (counts.missing > 0) text += fmt::format(", and {} not there", counts.missing);
+  if (counts.missing > 0) text += fmt::format(", {} missing", counts.missing);
   const std::uint64_t tried = counts.done + counts.failed;
   const std::string speed = speed_text(tried, tried, seconds());
   messages_.summary(fmt::format("{}; {:.2f} s{}{}", text, seconds(), speed.empty() ? "" : ", ", speed));

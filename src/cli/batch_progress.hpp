@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "base/note.hpp"
 #include "base/progress.hpp"
 #include "base/stopwatch.hpp"
 #include "batch/frame_table.hpp"
@@ -20,10 +21,10 @@
 
 namespace isoextract::cli {
 
-// Returns "12.3 frames/s, 0:09 left" or "4.2 s a frame, 1:02:11 left".
+// Returns "12.3 frames/s, 0:09 left" or "4.2 s per frame, 1:02:11 left".
 [[nodiscard]] std::string speed_text(std::uint64_t done, std::uint64_t total, double seconds);
 
-// The number of frames by outcome. Missing frames are counted only as missing.
+// The number of frames by outcome. Missing frames count only as missing.
 struct FrameCounts {
   std::uint64_t done = 0;
   std::uint64_t failed = 0;
@@ -38,14 +39,14 @@ class BatchProgress {
  public:
   BatchProgress(ProgressStyle style, const Messages& messages, std::uint64_t frames);
 
-  // Prints the error of the first frames that fail for one reason; end() summarizes the others. `reason` is the error's
-  // message without the parts that only this frame has, such as file names.
+  // Prints the error of the first frame that fails for a reason; end() prints one line for all frames of the reason.
+  // `reason` is the error's message without the parts that only this frame has, such as file names.
   void failed(std::int64_t frame, const Error& error, const std::string& reason);
   void detail(const std::string& text);
-  // Prints only the first note it is called with, since other frames have the same one.
-  void print_note_once(const std::string& text);
+  // Prints only the note of the first call, since other frames have the same note.
+  void print_note_once(const Note& note);
   // Records a remark about a frame. end() prints each remark once for all its frames: "2 of 3 frames TEXT: 1-2".
-  void add_remark(std::int64_t frame, const std::string& text);
+  void add_remark(std::int64_t frame, const Note& remark);
   // Records a finished frame, whatever its outcome.
   void over(const batch::FrameRow& row);
   // Call once, last.
@@ -54,11 +55,6 @@ class BatchProgress {
   [[nodiscard]] double seconds() const { return watch_.elapsed().wall_seconds; }
 
  private:
-  struct Reason {
-    std::vector<std::int64_t> told;  // the frames whose error was printed
-    std::vector<std::int64_t> untold;
-  };
-
   void line(const convert::Json& event);
   void tell_folded();
   void tell_remarks();
@@ -71,9 +67,9 @@ class BatchProgress {
   Stopwatch watch_;
   Progress progress_;
   std::mutex mutex_;
-  std::map<std::string, Reason> reasons_;                  // why frames failed
-  std::map<std::string, std::set<std::int64_t>> remarks_;  // frames by remark
-  std::optional<ProgressBar> bar_;                         // declared after the members that it reads
+  std::map<std::string, std::vector<std::int64_t>> reasons_;  // failed frames by reason, in the order of failure
+  std::map<Note, std::set<std::int64_t>> remarks_;            // frames by remark
+  std::optional<ProgressBar> bar_;                            // declared after the members that it reads
 };
 
 }  // namespace isoextract::cli

@@ -41,7 +41,7 @@ class Bench {
   }
 
  private:
-  // Checks before the work what would otherwise fail at its end.
+  // Checks all output files and gnuplot before the measurements.
   [[nodiscard]] Result<void> check() const {
     std::vector<std::string> files;
     files::InputFileSet read;
@@ -56,8 +56,8 @@ class Bench {
       TRY(convert::check_output_file(*file, read));
       for (const std::string& other : files) {
         if (!files::is_same_output(*file, other)) continue;
-        return fail(ErrorCode::usage, fmt::format("{}: this is the name of two files to write", *file),
-                    "choose another name for one");
+        return fail(ErrorCode::usage, fmt::format("{}: two options name this output file", *file),
+                    "choose another name for one of the two");
       }
       files.push_back(*file);
     }
@@ -76,7 +76,7 @@ class Bench {
       const auto failed = std::ranges::find_if(level.makers, [](const auto& row) { return row.problem.has_value(); });
       if (failed == level.makers.end()) continue;
       return fail(ErrorCode::unavailable, fmt::format("{}^3 cells: {}", level.size, *failed->problem),
-                  "leave out grids that are too large with --sizes");
+                  "choose smaller grids with --sizes");
     }
     return {};
   }
@@ -116,9 +116,9 @@ class Bench {
     if (!convert::is_particles(source, context).value_or(false)) return {};  // the reader reports other errors
     return fail(ErrorCode::usage,
                 fmt::format("{}: expected a volume, found particles: bench compares resolutions of a volume's samples, "
-                            "and particles have none",
+                            "and particles have no samples",
                             printable(files::input_label(input))),
-                "--report FILE of a conversion has the time of each stage, and --error measures its mesh");
+                "convert with --report FILE for the time of each stage, and with --error for the error of the mesh");
   }
 
   Result<bench::BenchResult> measure_file(const std::string& input) const {
@@ -130,7 +130,7 @@ class Bench {
       convert::Events unheard;
       field = TRY(convert::read_field(input, plan_.read, context, unheard));
     }
-    for (const std::string& text : field->notes) messages_.note(text);
+    for (const Note& text : field->notes) messages_.note(text);
     const std::vector<int> factors = factors_for(*field);
     const ProgressBar bar(context.progress(), bar_wanted());
     bench::BenchOptions options = options_;
@@ -150,8 +150,10 @@ class Bench {
         if (smallest / factor >= kFewest) {
           factors.push_back(factor);
         } else {
-          messages_.note(fmt::format("{}: not coarser by {}, which leaves fewer than {} samples along an axis",
-                                     field.source, factor, kFewest));
+          messages_.note(
+              {NoteId::not_coarsened,
+               fmt::format("{}: bench does not coarsen by {}, because fewer than {} samples would remain along an axis",
+                           field.source, factor, kFewest)});
         }
       }
     }
@@ -162,7 +164,9 @@ class Bench {
   [[nodiscard]] Result<void> write() const {
     std::optional<std::string> picture;
     const bool drawn = plan_.plot && measured();
-    if (plan_.plot && !drawn) messages_.note(fmt::format("{}: not drawn, because no error was measured", *plan_.plot));
+    if (plan_.plot && !drawn)
+      messages_.note(
+          {NoteId::no_plot, fmt::format("{}: bench draws no plot, because it measured no error", *plan_.plot)});
     if (drawn) {
       picture = TRY(run_gnuplot(error_plot_script(results_, plan_.options.repeats, plan_.picture)));
     }
@@ -206,14 +210,14 @@ class BenchCommand final : public CommandOf<BenchFlags> {
 
   Result<int> run(const std::vector<std::string>& /*arguments*/) override {
     choose_process(flags().input);
-    const Verbosity verbosity = TRY(plan_verbosity(flags().run));
+    const MessageChoice shown = TRY(plan_messages(flags().run));
     const BenchPlan plan = TRY(plan_bench(flags()));
     if (!plan.gpu_threads) {
       // Limits the threads to the largest number compared, because oneTBB would start more after a comparison with
       // fewer.
       TRY(limit_threads(std::ranges::max(plan.options.threads)));
     }
-    TRY(Bench(plan, Messages(verbosity)).run());
+    TRY(Bench(plan, Messages(shown)).run());
     return kDone;
   }
 };

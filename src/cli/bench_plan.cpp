@@ -37,8 +37,8 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   plan.options.repeats = flags.repeats.value_or(plan.options.repeats);
   if (std::ranges::find(plan.inputs, "gpu-threads") != plan.inputs.end()) {
     if (plan.inputs.size() == 1) return plan_gpu_threads(flags, std::move(plan));
-    return refuse_usage("bench gpu-threads extracts no surface, so it takes no other input beside it",
-                        "run bench twice");
+    return refuse_usage("bench gpu-threads extracts no surface and takes no other input",
+                        "run bench once for gpu-threads and once for the inputs");
   }
   if (plan.inputs.empty()) plan.inputs.push_back(fmt::format("{}torus", field::kDemoPrefix));
   const auto is_demo = [](const std::string& input) { return input.starts_with(field::kDemoPrefix); };
@@ -49,15 +49,17 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
     if (!files::is_standard_input(*file) && !std::filesystem::exists(*file, unknown)) {
       return fail(ErrorCode::input, fmt::format("{}: there is no such file", *file));
     }
-    return refuse_usage(fmt::format("{}: a file needs --iso V, the value whose surface is extracted", *file),
-                        fmt::format("'isoextract info {}' shows the values and suggests one", shell_quoted(*file)));
+    return refuse_usage(
+        fmt::format("{}: a file needs --iso V, the iso value of the surface", *file),
+        fmt::format("'isoextract info {}' shows the range of values and suggests iso values", shell_quoted(*file)));
   }
   if (flags.sizes && demo == plan.inputs.end()) {
-    return refuse_usage("--sizes are those of demo fields",
-                        "files have their own size, and coarser ones with --coarser");
+    return refuse_usage("--sizes sets the sizes of demo fields, but all inputs are files",
+                        "files keep their own size; --coarser measures coarser grids as well");
   }
   if (flags.coarser && file == plan.inputs.end()) {
-    return refuse_usage("--coarser is for files", "demo fields are made in the --sizes that are asked for");
+    return refuse_usage("--coarser applies to files, but all inputs are demo fields",
+                        "choose the sizes of demo fields with --sizes");
   }
   for (const std::string& input : plan.inputs) {
     if (!is_demo(input)) continue;
@@ -65,7 +67,7 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
     if (input.find('?') != std::string::npos) {
       return refuse_usage(
           fmt::format("{}: expected a demo field without settings, found '{}'", input, input.substr(input.find('?'))),
-          fmt::format("bench measures several sizes: {}{} --sizes {}", field::kDemoPrefix, spec.name, spec.size));
+          fmt::format("give the size as an option: {}{} --sizes {}", field::kDemoPrefix, spec.name, spec.size));
     }
   }
   plan.iso = flags.iso;
@@ -89,7 +91,8 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
 
   for (const auto& path : {flags.csv, flags.json, flags.plot}) {
     if (path && (path->empty() || *path == "-")) {
-      return refuse_usage("--csv, --json and --plot need the name of a file", "the table goes to stdout");
+      return refuse_usage("--csv, --json and --plot need the name of a file",
+                          "give a file name; stdout shows the table in any case");
     }
   }
   plan.csv = flags.csv;

@@ -52,7 +52,7 @@ std::string front_text(const bench::BenchResult& result) {
   }
   if (front.empty()) return "";
   std::ranges::sort(front, {}, &bench::BenchRow::median_seconds);
-  std::string text = "Nothing is better in both, error and time (*):\n";
+  std::string text = "No row has both a lower error and a shorter time (*):\n";
   for (const bench::BenchRow* row : front) {
     text += fmt::format("  {}: {} ms, rms {:.3g}\n", setting_text(result, *row), milliseconds(row->median_seconds),
                         row->position->rms.world);
@@ -141,7 +141,8 @@ std::string device_text(const bench::BenchResult& result) {
                     format_byte_size(times.bytes_captured)});
   }
   if (rows.size() == 2) return "";
-  return "On the GPU, medians; draw is count and capture, cells are all of the grid\n" + aligned_table(rows, 2) + "\n";
+  return "Times on the GPU, medians: draw = count + capture; cells/s counts all cells of the grid\n" +
+         aligned_table(rows, 2) + "\n";
 }
 
 }  // namespace
@@ -187,7 +188,7 @@ std::string bench_table(const bench::BenchResult& result, int repeats) {
   text += aligned_table(rows, 2);
   for (const std::string& note : result.notes) text += fmt::format("Note: {}.\n", printable(note));
   if (const std::uint64_t points = unmeasured_points(result); points > 0) {
-    text += fmt::format("Not in this: up to {} points of a mesh without a surface to measure to.\n", points);
+    text += fmt::format("Not included: up to {} points of a mesh without a surface to measure to.\n", points);
   }
   text += "\n";
   if (std::ranges::count(result.levels, false, &bench::BenchLevel::is_truth) >= 2) text += orders_text(result) + "\n";

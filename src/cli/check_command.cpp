@@ -38,7 +38,7 @@ Result<check::MeshCheck> check_one(mesh::Mesh& mesh, const mesh_io::FileNormals&
   return check;
 }
 
-// Copies the positions and triangles of a part, which is all that is checked.
+// Copies the positions and triangles of a part; the checks need no other data.
 Result<mesh::Mesh> copy_of_part(const mesh::Mesh& mesh, const mesh_io::MeshPart& part, const Context& context) {
   auto memory = TRY(context.reserve(part.vertices * sizeof(glm::vec3) + part.triangles * sizeof(glm::uvec3),
                                     fmt::format("{}: one of its meshes", mesh.name)));
@@ -77,7 +77,7 @@ Result<CheckReport> make_report(const CheckPlan& plan, const Messages& messages,
   auto file = mesh_io::read_mesh(plan.mesh, context, {.normals = true});
   if (!file) return tl::unexpected(add_mesh_file_hint(std::move(file.error()), plan.mesh));
   bar.above([&] {
-    for (const std::string& note : file->notes) messages.note(note);
+    for (const Note& note : file->notes) messages.note(note);
   });
   file->mesh.name = report.file;
   report.format = file->format;
@@ -104,8 +104,8 @@ Result<void> meet_requirements(const CheckReport& report) {
   const auto& joined = report.whole.joined;
   const bool would_close = joined && joined->open_edges == 0 && report.whole.topology.open_edges > 0;
   return fail(ErrorCode::verification,
-              fmt::format("{}: it is not {}: {}", report.file, fmt::join(words, ", "), fmt::join(found, "; ")),
-              would_close ? "--weld joins vertices at one place, and then it is closed" : "");
+              fmt::format("{}: the mesh is not {}: {}", report.file, fmt::join(words, ", "), fmt::join(found, "; ")),
+              would_close ? "with --weld, which welds vertices at equal positions, the mesh is closed" : "");
 }
 
 // Fails with ErrorCode::verification, after the report, if the mesh is not what --require asks for.

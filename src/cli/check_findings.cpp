@@ -31,13 +31,13 @@ class Findings {
       return {{kSlicer, "There is nothing to print: the mesh has no triangles."},
               {kEngine, "There is nothing to draw: the mesh has no triangles."}};
     }
-    tell_borders();
+    tell_boundaries();
     tell_sides();
     tell_overlaps();
     tell_bodies();
     tell_shading();
     if (slicers_.empty()) {
-      slicer("It takes the mesh as it is: closed, manifold, facing outward, and nowhere through itself.");
+      slicer("It needs no repair: the mesh is closed, manifold, faces outward and does not intersect itself.");
     }
     tell_size();
     slicers_.insert(slicers_.end(), engines_.begin(), engines_.end());
@@ -48,40 +48,40 @@ class Findings {
   void slicer(std::string text) { slicers_.push_back({kSlicer, std::move(text)}); }
   void engine(std::string text) { engines_.push_back({kEngine, std::move(text)}); }
 
-  void tell_borders() {
+  void tell_boundaries() {
     const auto& topology = check_.topology;
     if (topology.open_edges > 0 && check_.joined && check_.joined->open_edges == 0) {
-      slicer("It joins vertices at one place, and then the mesh is closed; with --weld this report is about that.");
-      engine("It keeps vertices at one place apart: seams of colours, textures or normals.");
+      slicer("It welds vertices at equal positions, which closes the mesh; --weld reports on the welded mesh.");
+      engine("It keeps vertices at equal positions apart: seams of colors, textures or normals.");
     } else if (topology.open_edges > 0) {
       const auto* longest = &*std::ranges::max_element(check_.loops, {}, &check::BoundaryLoop::length);
-      slicer(fmt::format("It fills {} in its own way, the longest {:.4g} around, or refuses the mesh.",
+      slicer(fmt::format("It fills {} in its own way, or refuses the mesh; the longest boundary loop measures {:.4g}.",
                          amount(check_.loops.size(), "hole", "holes"), longest->length));
-      engine("It shows the back of the surface through the holes, or nothing: draw both sides of its triangles.");
+      engine("Through the holes it shows the back of the surface, or nothing: draw both sides of the triangles.");
     }
     if (topology.nonmanifold_edges > 0) {
-      slicer(fmt::format("At {} of more than two triangles it has to guess what is inside.",
+      slicer(fmt::format("It must guess the inside at {} with more than two triangles.",
                          amount(topology.nonmanifold_edges, "edge", "edges")));
     }
     if (topology.nonmanifold_edges + topology.nonmanifold_vertices > 0) {
-      engine("Subdivision, unwrapping and collision solids want a manifold, and may refuse this mesh.");
+      engine("Subdivision, unwrapping and collision solids need a manifold and may refuse this mesh.");
     }
   }
 
   void tell_sides() {
     const std::uint64_t inside_out = check_.count(Shell::inside_out);
     if (check_.topology.misoriented_edges > 0) {
-      slicer(fmt::format("It has to turn triangles round: at {} neighbours wind against each other.",
+      slicer(fmt::format("It must flip triangles: neighbors have opposite winding at {}.",
                          amount(check_.topology.misoriented_edges, "edge", "edges")));
     }
     if (inside_out > 0) {
-      slicer(fmt::format("It takes {}: turn the triangles round.",
-                         amount(inside_out, "component that is inside out for a hollow",
-                                "components that are inside out for hollows")));
-      engine("It shows the inside of what is inside out, where it draws one side of triangles only.");
+      slicer(fmt::format("It treats {}: flip the triangles.",
+                         amount(inside_out, "component that is inside out as a cavity",
+                                "components that are inside out as cavities")));
+      engine("It shows the inside of components that are inside out, if it draws only one side of triangles.");
     }
     if (check_.topology.misoriented_edges > 0) {
-      engine(fmt::format("It does not draw a part of the triangles: at {} neighbours wind against each other.",
+      engine(fmt::format("It does not draw some triangles: neighbors have opposite winding at {}.",
                          amount(check_.topology.misoriented_edges, "edge", "edges")));
     }
   }
@@ -90,15 +90,15 @@ class Findings {
     const auto& found = check_.intersections;
     if (found.pairs > 0) {
       slicer(
-          fmt::format("It finds {}{} of triangles that pass through each other: walls inside of walls, and slices "
-                      "whose outlines cross.",
+          fmt::format("It finds {}{} of triangles that intersect: walls inside walls, and slices with crossing "
+                      "outlines.",
                       found.at_least ? "more than " : "", amount(found.pairs, "pair", "pairs")));
     }
     if (found.in_one_plane + found.duplicate_triangles > 0) {
-      engine("Triangles that lie on others in one plane flicker.");
+      engine("Triangles that overlap in one plane flicker.");
     }
     if (check_.count(Shell::nested) > 0) {
-      slicer(fmt::format("It fills {} within {} twice, or makes it hollow.",
+      slicer(fmt::format("It fills {} inside {} twice, or leaves a cavity there.",
                          amount(check_.count(Shell::nested), "body", "bodies"),
                          check_.count(Shell::nested) == 1 ? "another" : "others"));
     }
@@ -111,7 +111,7 @@ class Findings {
       for (const check::Component& component : check_.components) {
         if (component.shell != Shell::hollow) smallest = std::min(smallest, component.triangles);
       }
-      slicer(fmt::format("It prints {} separate pieces; the smallest has {}.", bodies,
+      slicer(fmt::format("It prints {} separate bodies; the smallest has {}.", bodies,
                          amount(smallest, "triangle", "triangles")));
     }
   }
@@ -126,7 +126,7 @@ class Findings {
                          100 * check_.normals->flipped_fraction()));
     }
     if (!report_.has_normals) {
-      engine("It makes normals of its own: the file has none.");
+      engine("It computes its own normals: the file has none.");
     }
   }
 
@@ -134,18 +134,18 @@ class Findings {
     const glm::dvec3 size = check_.bounds.max - check_.bounds.min;
     if (report_.is_gltf) {
       engine(fmt::format("It is {} large.", size_text(size, 1, "m")));
-      slicer(fmt::format("It is {} large, if it knows that glTF is in metres.", size_text(size, 1000, "mm")));
+      slicer(fmt::format("It is {} large, if the slicer reads glTF in meters.", size_text(size, 1000, "mm")));
       return;
     }
     std::string besides;
     if (const auto& unit = report_.unit) {
       const double scale = convert::unit_ratio(*unit, *convert::find_length_unit("mm"));
-      besides = scale == 1 ? ", which they are"
-                           : fmt::format("; the file says they are in {}: scale by {:g}", unit->name, scale);
+      besides =
+          scale == 1 ? ", as the file states" : fmt::format("; the file states {}: scale by {:g}", unit->name, scale);
     } else if (std::max({size.x, size.y, size.z}) < 1) {
-      besides = "; if they are metres, scale by 1000";
+      besides = "; if the numbers are meters, scale by 1000";
     }
-    slicer(fmt::format("It reads the numbers as millimetres: {}{}.", size_text(size, 1, "mm"), besides));
+    slicer(fmt::format("It reads the numbers as millimeters: {}{}.", size_text(size, 1, "mm"), besides));
   }
 
   const CheckReport& report_;

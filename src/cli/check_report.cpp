@@ -61,12 +61,12 @@ std::string closed_line(const MeshCheck& check) {
   std::string text = answer(Requirement::closed, check);
   if (check.loops.empty()) return text;
   const BoundaryLoop& loop = check.loops[longest_loops(check, 1).front()];
-  text += fmt::format("; the longest of {} edges, {:.6g}", loop.edges, loop.length);
+  text += fmt::format("; the longest has {} edges and length {:.6g}", loop.edges, loop.length);
   if (check.joined) {
     text += check.joined->open_edges == 0
-                ? fmt::format("; closed were {} vertices joined with others at their place", check.repeated_vertices)
-                : fmt::format("; {} open edges were {} vertices joined with others at their place",
-                              check.joined->open_edges, check.repeated_vertices);
+                ? fmt::format("; closed after welding {} vertices at equal positions", check.repeated_vertices)
+                : fmt::format("; {} open edges after welding {} vertices at equal positions", check.joined->open_edges,
+                              check.repeated_vertices);
   }
   return text;
 }
@@ -76,12 +76,12 @@ std::string intersection_line(const MeshCheck& check) {
   std::string text = none_or(Requirement::no_self_intersections, check);
   if (found.pairs == 0) return text;
   if (!found.at_least) {
-    text += fmt::format(", {} triangles in all", found.triangles);
+    text += fmt::format(", {} triangles in total", found.triangles);
     if (found.in_one_plane > 0) text += fmt::format("; {} pairs in one plane", found.in_one_plane);
-    if (found.neighbors > 0) text += fmt::format("; {} of neighbours", found.neighbors);
+    if (found.neighbors > 0) text += fmt::format("; {} pairs of neighbors", found.neighbors);
   }
   const auto& [first, second] = found.examples.front();
-  return text + fmt::format("; the first are {} and {}", first, second);
+  return text + fmt::format("; first pair: triangles {} and {}", first, second);
 }
 
 std::string components_line(const MeshCheck& check) {
@@ -108,12 +108,12 @@ std::string normals_line(const MeshCheck& check) {
 
 void add_mesh(NamedLines& lines, const CheckReport& report, const MeshCheck& check) {
   lines.add("vertices", check.repeated_vertices == 0 ? fmt::format("{}", check.vertices)
-                                                     : fmt::format("{}, {} of them at the place of another",
+                                                     : fmt::format("{}, {} of them at the position of another vertex",
                                                                    check.vertices, check.repeated_vertices));
   lines.add("triangles", fmt::format("{}", check.triangles));
   const glm::dvec3 size = check.bounds.max - check.bounds.min;
   lines.add("size", fmt::format("{:.6g} x {:.6g} x {:.6g}{}", size.x, size.y, size.z,
-                                report.unit ? fmt::format(" {}", report.unit->name) : "; the file has no unit"));
+                                report.unit ? fmt::format(" {}", report.unit->name) : "; the file states no unit"));
   lines.add("bounds", fmt::format("{} .. {}", point_in_words(check.bounds.min), point_in_words(check.bounds.max)));
   lines.add("area",
             fmt::format("{:.9g}{}", check.size.area, report.unit ? fmt::format(" {}2", report.unit->name) : ""));
@@ -128,7 +128,7 @@ void add_mesh(NamedLines& lines, const CheckReport& report, const MeshCheck& che
   lines.add("oriented", answer(Requirement::oriented, check));
   lines.add("outward", check.components.empty() || check.count(Shell::open) < check.components.size()
                            ? answer(Requirement::outward, check)
-                           : "not known: nothing is closed");
+                           : "unknown: no component is closed");
   lines.add("intersections", intersection_line(check));
   lines.add("zero area", none_or(Requirement::no_zero_area, check));
   lines.add("duplicates", none_or(Requirement::no_duplicates, check));
@@ -151,7 +151,7 @@ void add_components(NamedLines& lines, const MeshCheck& check) {
                             word_of(component.shell)));
   }
   if (check.components.size() > rows.size()) {
-    lines.plain(fmt::format("  and {} smaller ones", check.components.size() - rows.size()));
+    lines.plain(fmt::format("  and {} smaller components", check.components.size() - rows.size()));
   }
 }
 
@@ -168,7 +168,7 @@ void add_parts(NamedLines& lines, const CheckReport& report) {
   }
   if (shown < report.parts.size()) {
     lines.plain("");
-    lines.plain(fmt::format("and {} meshes more, which the JSON report has", report.parts.size() - shown));
+    lines.plain(fmt::format("and {} more meshes, listed in the JSON report", report.parts.size() - shown));
   }
 }
 
@@ -281,13 +281,14 @@ std::string check_text(const CheckReport& report) {
   NamedLines lines;
   lines.plain(printable(report.file));
   lines.add("format", report.format);
-  if (!report.parts.empty()) lines.add("meshes", fmt::format("{}; here all as one", report.parts.size()));
-  if (report.welded) lines.add("welded", "vertices at one place were joined");
+  if (!report.parts.empty())
+    lines.add("meshes", fmt::format("{}; the figures below are for all meshes together", report.parts.size()));
+  if (report.welded) lines.add("welded", "vertices at equal positions");
   add_mesh(lines, report, report.whole);
   add_components(lines, report.whole);
   add_parts(lines, report);
   lines.plain("");
-  lines.plain("what others would make of it");
+  lines.plain("how slicers and game engines treat the mesh");
   for (const Finding& finding : findings_of(report)) lines.add(finding.who, finding.text);
   return lines.take();
 }

@@ -13,7 +13,7 @@ namespace isoextract::cli {
 
 std::string closed_or_open_text(const convert::WrittenOutput& output, const convert::ConversionJob& job) {
   if (output.triangles == 0) return "empty";
-  std::vector<std::string> at_border;
+  std::vector<std::string> at_boundary;
   bool at_clip = false;
   bool closed = output.open_edges.value_or(0) == 0;
   std::uint64_t hole_cells = 0;
@@ -26,23 +26,23 @@ std::string closed_or_open_text(const convert::WrittenOutput& output, const conv
     if (!end.counted && end.at_border) closed = false;
     const bool cut_at_clip = end.cut && !job.source.clip.empty();
     if (end.at_border || (end.cut && !cut_at_clip)) {
-      at_border.push_back(fmt::format("{}{}", of_one_field ? "" : surface.first + " iso ", surface.second.text()));
+      at_boundary.push_back(fmt::format("{}{}", of_one_field ? "" : surface.first + " iso ", surface.second.text()));
     }
     at_clip = at_clip || cut_at_clip;
     hole_cells += end.hole_cells;
   }
   std::string text = closed ? "closed" : "open";
-  if (!closed && !at_border.empty()) {
-    text += job.source.roi ? " at the border of the --roi" : " at the border of the data";
-    if (at_border.size() < surfaces.size()) {
-      text += fmt::format(" {}{}", of_one_field ? "at iso " : "of ", fmt::join(at_border, ", "));
+  if (!closed && !at_boundary.empty()) {
+    text += job.source.roi ? " at the boundary of --roi" : " at the data boundary";
+    if (at_boundary.size() < surfaces.size()) {
+      text += fmt::format(" {}{}", of_one_field ? "at iso " : "of ", fmt::join(at_boundary, ", "));
     }
   }
-  if (!closed && at_clip) text += at_border.empty() ? " where --clip cut it" : " and where --clip cut it";
-  if (!closed && (at_clip || !at_border.empty())) text += " (--cap closes it)";
-  if (hole_cells > 0) text += fmt::format("; without {} cells around samples that are not numbers", hole_cells);
+  if (!closed && at_clip) text += at_boundary.empty() ? " where --clip cut it" : " and where --clip cut it";
+  if (!closed && (at_clip || !at_boundary.empty())) text += " (--cap closes it)";
+  if (hole_cells > 0) text += fmt::format("; without {} cells around NaN samples", hole_cells);
   const bool rectangles = job.surface.voxel_faces == extract::VoxelFaces::rectangles;
-  return closed && rectangles ? text + ", but not edge by edge (--t-junctions)" : text;
+  return closed && rectangles ? text + ", except for T-junctions along edges (--t-junctions)" : text;
 }
 
 }  // namespace isoextract::cli

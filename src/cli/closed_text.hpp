@@ -9,7 +9,7 @@
 
 namespace isoextract::cli {
 
-// Returns "closed", or "open" with where it is open and the option that closes it.
+// Returns "closed", or "open" with the location of the boundary and the option that closes it.
 [[nodiscard]] std::string closed_or_open_text(const convert::WrittenOutput& output, const convert::ConversionJob& job);
 
 }  // namespace isoextract::cli

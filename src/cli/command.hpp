@@ -1,5 +1,5 @@
-// A command of the program: its name, its options, its action. make_program() (commands.hpp) lists all commands.
-// Parser, help, man page and completions walk that tree; none of them depends on a command's name.
+// A command of the program: its name, its options, its action. make_program() (commands.hpp) builds the
+// tree of commands. The parser, help, man page and completions traverse it; none of them depends on a command's name.
 #pragma once
 
 #include <memory>
@@ -15,7 +15,7 @@
 
 namespace isoextract::cli {
 
-inline constexpr int kDone = 0;  // the exit code
+inline constexpr int kDone = 0;  // the exit code of success
 
 struct CommandWords {
   std::string name;
@@ -32,31 +32,31 @@ class Command {
 
   [[nodiscard]] const std::string& name() const { return words_.name; }
   [[nodiscard]] const std::string& summary() const { return words_.summary; }
-  // The words after the program's name: {"simulate", "water"} and "simulate water".
+  // Returns the names of the outer commands and of this one, without the program: {"simulate", "water"}.
   [[nodiscard]] std::vector<std::string> path() const;
-  [[nodiscard]] std::string full_name() const;
-  [[nodiscard]] std::string synopsis() const;  // "isoextract info INPUT... [options]"
+  [[nodiscard]] std::string full_name() const;  // path() joined by spaces: "simulate water"
+  [[nodiscard]] std::string synopsis() const;   // "isoextract info INPUT... [options]"
 
   // Adds a command to the program, or a sub-command such as `simulate water`.
   void add(std::unique_ptr<Command> inner);
   [[nodiscard]] const std::vector<std::unique_ptr<Command>>& inner() const { return inner_; }
   [[nodiscard]] std::vector<std::string> inner_names() const;
-  [[nodiscard]] Command* find(std::string_view name) const;  // among the inner commands; or nullptr
+  [[nodiscard]] Command* find(std::string_view name) const;  // the inner command with this name, or nullptr
   [[nodiscard]] const Command& program() const;              // the outermost command
   [[nodiscard]] bool is_default() const;                     // the program's first command, which runs if none is named
 
-  // Returns the options. They are declared on the first call, because a run needs those of one command only.
+  // Returns the options; constructs them on the first call, since a run uses the options of one command only.
   [[nodiscard]] virtual OptionSet& options() const = 0;
   // Resets all options to their defaults.
   virtual void forget() = 0;
-  // What the words that were given ask for, if they ask for help.
+  // Returns the help that the command line requests, or nullopt.
   [[nodiscard]] std::optional<HelpDetail> help_asked() const;
 
-  // Checks the words of the command together, before anything else.
+  // Checks the parsed values of several options against each other before run().
   [[nodiscard]] virtual Result<void> check_words() const { return {}; }
   // Runs the command and returns the exit code. `arguments` are all words of the command line.
   [[nodiscard]] virtual Result<int> run(const std::vector<std::string>& arguments) = 0;
-  // Called instead of run() if the options cannot be parsed.
+  // Writes the report that the options request. Called in place of run() if the parser refuses the options.
   virtual void report_failure(const std::vector<std::string>& /*arguments*/, const Error& /*error*/) {}
   // Returns a hint about an option that the default command has and this one lacks.
   [[nodiscard]] virtual std::string hint_for_default_command_option(std::string_view option) const;
@@ -67,7 +67,8 @@ class Command {
   std::vector<std::unique_ptr<Command>> inner_;
 };
 
-// A command whose options are a `Flags`, constructed from nothing or from the command.
+// A command whose options are in a struct `Flags`. If `Flags` has a constructor that takes a `const Command&`, it gets
+// this command.
 template <class Flags>
 class CommandOf : public Command {
  public:

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/nearest_name.hpp"
 #include "cli/foreign_options.hpp"
 #include "cli/parser.hpp"
 #include "cli/values.hpp"
@@ -92,8 +93,8 @@ Result<void> take_trailing(const Command& command, std::span<const std::string> 
   for (const std::string& word : words) {
     std::error_code unknown;
     if (command.options().find(name_in(word)) != nullptr && !std::filesystem::exists(word, unknown)) {
-      return fail(ErrorCode::usage, fmt::format("'{}' comes after '--', where all words are names of files", word),
-                  "options come before '--'");
+      return fail(ErrorCode::usage, fmt::format("'{}' comes after '--', where every word is a file name", word),
+                  "put options before '--'");
     }
     TRY(take_file(command, word));
   }
@@ -116,7 +117,7 @@ tl::unexpected<Error> unknown_option(const Command& command, const std::string& 
     meant = command.hint_for_default_command_option(name);
   }
   return fail(ErrorCode::usage, fmt::format("unknown option '{}' for '{}'", name, command.full_name()),
-              is_file          ? fmt::format("the file of that name is written {}", shell_quoted("./" + word))
+              is_file          ? fmt::format("to name the file, write {}", shell_quoted("./" + word))
               : !meant.empty() ? meant
               : !near.empty()  ? fmt::format("did you mean '{}'?", near)
                                : help_hint(command));
@@ -135,8 +136,8 @@ Result<void> take_rest(const Command& command, const std::vector<std::string>& r
 Result<void> check_given_once(const Option& option) {
   if (option.texts().size() < 2 || !option.takes_value() || option.is_repeatable()) return {};
   return fail(ErrorCode::usage,
-              fmt::format("{} was given {} times; it takes one value",
-                          option.is_positional() ? option.spelling() : option.name(), option.texts().size()));
+              fmt::format("{} takes one value, found {}", option.is_positional() ? option.spelling() : option.name(),
+                          option.texts().size()));
 }
 
 // Explains a parse failure in the terms of the declared options. CLI11's own texts name types that users do not know.
@@ -171,10 +172,11 @@ Result<void> check_inner_name(const Command& command, const std::vector<std::str
               near.empty() ? command.synopsis() : fmt::format("did you mean '{}'?", near));
 }
 
-// Refuses a first input that is probably a misspelled command, if it is not a file.
+// Refuses a first input that is not a file and resembles a command's name.
 Result<void> check_first_input(const Command& command) {
   const std::vector<std::string>& inputs = command.options().operand()->texts();
-  if (inputs.size() < 2 || std::filesystem::exists(inputs.front())) return {};
+  std::error_code error;  // such as a loop of links: reading the input reports it
+  if (inputs.empty() || std::filesystem::exists(inputs.front(), error) || error) return {};
   const std::string near = nearest_name(inputs.front(), command.program().inner_names());
   if (near.empty()) return {};
   return fail(ErrorCode::usage, fmt::format("'{}' is neither a command nor a file", inputs.front()),

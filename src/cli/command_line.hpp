@@ -28,7 +28,7 @@ struct Parsed {
 
 // Parses the words after a command's name. The command's options must have their defaults.
 [[nodiscard]] Result<void> parse_words(Command& command, std::vector<std::string> words);
-// Reads as much as possible from words that parse_words() refused. Skips values that their options refuse. All other
+// Reads as many as possible of the words that parse_words() refused. Skips values that their options refuse. All other
 // words become operands.
 void read_words_leniently(Command& command, const std::vector<std::string>& words);
 

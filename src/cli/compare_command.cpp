@@ -71,7 +71,7 @@ Result<convert::ResolvedPlacement> placement_from(const Side& mine, const Side& 
   if (up && (of_origin.turn_z_up_to_y_up || of_origin.turn_y_up_to_z_up)) {
     if (convert::output_up(of_origin) != *up) {
       return fail(ErrorCode::usage,
-                  fmt::format("{} says that it was {}, and --up {} was given", other.path,
+                  fmt::format("{}: the file records another placement ({}) than --up {} gives", other.path,
                               convert::placement_text(other.placement), word_of(*up)),
                   "leave --up out");
     }
@@ -90,7 +90,8 @@ Result<void> bring_into_one_frame(std::array<Side, 2>& sides, const std::optiona
   for (Side& side : sides) {
     const auto record = convert::parse_placement_record(side.file.placement);
     if (!record && !side.file.placement.empty()) {
-      messages.note(fmt::format("{}: what it says of its placement cannot be read, and is left aside", side.path));
+      messages.note({NoteId::placement_unknown,
+                     fmt::format("{}: the placement record is not readable; compare ignores it", side.path)});
     }
     asked = asked || (!record && side.file.y_up);
     side.placement = record.value_or(convert::default_placement(side.file.y_up, up.value_or(convert::UpAxis::z)));
@@ -103,19 +104,19 @@ Result<void> bring_into_one_frame(std::array<Side, 2>& sides, const std::optiona
   }
   if (sides[0].placement.placement.space != sides[1].placement.placement.space) {
     const bool first = sides[0].placement.placement.space == convert::Space::index;
-    messages.note(
-        fmt::format("{} is in voxel coordinates, and {} is in those of the world: the distances are between "
-                    "the numbers in the files",
-                    sides[first ? 0 : 1].path, sides[first ? 1 : 0].path));
+    messages.note({NoteId::placement_differs,
+                   fmt::format("{} is in voxel coordinates, and {} is in world coordinates: the distances compare "
+                               "the numbers in the files",
+                               sides[first ? 0 : 1].path, sides[first ? 1 : 0].path)});
     return {};
   }
   const bool alike = sides[0].placement.output_from_world() == sides[1].placement.output_from_world();
   const bool both_usual = sides[0].file.y_up && sides[1].file.y_up && alike;
   if (up && (!asked || both_usual)) {
-    const std::string_view why = both_usual                                 ? "both meshes are glTF, which is y up"
-                                 : sides[0].file.y_up || sides[1].file.y_up ? "the glTF says how it was turned"
+    const std::string_view why = both_usual                                 ? "both meshes are glTF with y up"
+                                 : sides[0].file.y_up || sides[1].file.y_up ? "the glTF file states its turn"
                                                                             : "neither mesh is glTF";
-    messages.note(fmt::format("--up changes nothing: {}", why));
+    messages.note({NoteId::no_effect, fmt::format("--up changes nothing: {}", why)});
   }
   if (alike) return {};
   for (Side& side : sides) {
@@ -140,8 +141,8 @@ std::string closed_text(const mesh::Topology& topology) {
     before = ", ";
   };
   add(topology.open_edges, "open edges");
-  add(topology.nonmanifold_edges, "edges of more than two triangles");
-  add(topology.misoriented_edges, "edges whose triangles wind against each other");
+  add(topology.nonmanifold_edges, "edges with more than two triangles");
+  add(topology.misoriented_edges, "edges with opposite winding of the triangles");
   add(topology.nonmanifold_vertices, "vertices where surfaces touch");
   add(topology.repeated_index_triangles, "triangles that repeat a vertex");
   return text;
@@ -180,10 +181,9 @@ std::string text_of(const std::array<Side, 2>& sides, const accuracy::MeshDistan
   NamedLines lines;
   for (const Side& side : sides) add_side(lines, side);
   const bool moved = sides[0].undone || sides[1].undone;
-  lines.plain(moved ? "distances, in the unit of the world that the meshes were made of"
-                    : "distances, in the unit of the meshes");
-  add_direction(lines, "first to 2nd", distance.a_to_b);
-  add_direction(lines, "2nd to first", distance.b_to_a);
+  lines.plain(moved ? "distances, in the unit of the meshes' source world" : "distances, in the unit of the meshes");
+  add_direction(lines, "first to second", distance.a_to_b);
+  add_direction(lines, "second to first", distance.b_to_a);
   lines.add("Hausdorff", interval_text(distance.hausdorff_lower, distance.hausdorff_upper));
   lines.add("rms", fmt::format("{:.6g}", distance.rms));
   lines.add("mean", fmt::format("{:.6g}", distance.mean));
@@ -249,12 +249,12 @@ void look_closer(const std::array<Side, 2>& sides, double limit, accuracy::Dista
   distance.hausdorff_upper = std::max(distance.a_to_b.max_upper, distance.b_to_a.max_upper);
 }
 
-// Adds a hint if a mesh without triangles was written by isoextract, which explains how it came about.
+// Adds a hint on the likely cause if isoextract wrote one of the meshes without triangles.
 Error measuring_failed(Error error, const std::array<Side, 2>& sides) {
   for (const Side& side : sides) {
     if (!side.file.mesh.triangles.empty() || !side.file.is_by_isoextract || !error.hint.empty()) continue;
     error.hint =
-        "'isoextract info' shows the range of the data; a surface is empty where the iso value lies outside of it";
+        "'isoextract info' shows the range of the data; a surface is empty if the iso value lies outside this range";
   }
   return error;
 }
@@ -268,13 +268,13 @@ Result<void> check_distance(const ComparePlan& plan, const std::array<Side, 2>& 
   const auto turned = std::ranges::find_if(sides, [&](const Side& side) {
     return !plan.up && side.undone && side.file.placement.empty() && side.placement.placement.turn_z_up_to_y_up;
   });
-  const std::string hint = turned == sides.end()
-                               ? ""
-                               : fmt::format("{} was turned from y up to z up; --up y leaves it as it is in its file",
-                                             printable(turned->path));
+  const std::string hint =
+      turned == sides.end() ? ""
+                            : fmt::format("compare turned {} from y up to z up; --up y compares it without this turn",
+                                          printable(turned->path));
   return fail(ErrorCode::verification,
-              fmt::format("{} and {}: their Hausdorff distance is {} {:.6g}, and --max-distance is {}", plan.meshes[0],
-                          plan.meshes[1], surely ? "at least" : "not known to be below",
+              fmt::format("{} and {}: the Hausdorff distance is {} {:.6g}, and --max-distance is {}", plan.meshes[0],
+                          plan.meshes[1], surely ? "at least" : "possibly as large as",
                           surely ? distance.hausdorff_lower : distance.hausdorff_upper, *plan.max_distance),
               hint);
 }
@@ -291,7 +291,7 @@ Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
       sides[i] = TRY(read_side(plan.meshes[i], context));
     }
     // Prints notes now, because data left out may be why the next step fails.
-    for (const std::string& note : sides[i].file.notes) messages.note(note);
+    for (const Note& note : sides[i].file.notes) messages.note(note);
   }
   TRY(bring_into_one_frame(sides, plan.up, messages));
   accuracy::MeshDistance distance;

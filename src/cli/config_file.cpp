@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 #include <toml++/toml.h>
 
+#include "base/nearest_name.hpp"
 #include "base/printable.hpp"
 #include "cli/command_line.hpp"
 #include "files/file_bytes.hpp"
@@ -76,7 +77,7 @@ class ConfigReader {
     }
     const std::string near = nearest_name(key, known);
     return bad(node, fmt::format("unknown key '{}'", printable(key)),
-               near.empty() ? "keys are the long names of the options of convert, and input"
+               near.empty() ? "keys are the long option names of convert, and input"
                             : fmt::format("did you mean '{}'?", near));
   }
 
@@ -144,7 +145,7 @@ class ConfigReader {
     } else if (!add(node)) {
       wrong = &node;
     }
-    if (cut != nullptr) return bad(*cut, fmt::format("{}: a text cannot have a character of code 0", key));
+    if (cut != nullptr) return bad(*cut, fmt::format("{}: expected a text without NUL characters", key));
     if (wrong == nullptr) return texts;
     return bad(*wrong, fmt::format("{}: expected a text, a number or a list of them, found {}", key, kind_of(*wrong)));
   }

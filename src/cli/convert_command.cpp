@@ -54,7 +54,7 @@ std::string_view option_for(const convert::WorkFact& fact) {
   return "";
 }
 
-// Returns what the number of a surface means: "label" or "iso".
+// Returns the kind of the surfaces' values: "label" or "iso".
 std::string_view surface_word(const convert::ConversionJob& job) {
   const std::vector<convert::IsoChoice> isos = job.isos();
   return !isos.empty() && isos.front().is_label() ? "label" : "iso";
@@ -76,8 +76,8 @@ class ConversionPrinter final : public convert::Events {
   ConversionPrinter(const ConvertPlan& plan, const Messages& messages, ProgressBar& bar)
       : plan_(plan), messages_(messages), bar_(bar), word_(surface_word(plan.job)) {}
 
-  void note(const std::string& text) override {
-    bar_.above([&] { messages_.note(text); });
+  void note(const Note& note) override {
+    bar_.above([&] { messages_.note(note); });
   }
 
   void end(const convert::StageReport& report) override {
@@ -174,7 +174,7 @@ Result<void> check_stdout(const convert::ConversionJob& job) {
                           meshes != nullptr ? mesh_io::mesh_format_info(meshes->format).name
                           : job.writes<convert::PictureFileOptions>() != nullptr ? kPictureFormat
                                                                                  : kFieldFormat),
-              "redirect it to a file or a pipe");
+              "redirect stdout to a file or a pipe");
 }
 
 // Returns the result of `step`, with exceptions turned into errors.
@@ -222,7 +222,7 @@ class Conversion final : public batch::RunEvents {
     bar_.emplace(context.progress(), messages_.verbosity() != Verbosity::quiet);
     return &narrator_.emplace(plan_, messages_, *bar_);
   }
-  std::optional<std::string> field_note(const field::ScalarField& field) override {
+  std::optional<Note> field_note(const field::ScalarField& field) override {
     if (!plan_.on_side_text || printed_axis_note_) return std::nullopt;
     auto note = up_axis_note(field, plan_.job.source.placement.up, *plan_.on_side_text);
     printed_axis_note_ = note.has_value();  // once, even if there are several grids
@@ -284,7 +284,7 @@ bool names_report_twice(const ConvertFlags& flags) {
 
 Result<void> run_convert(const ConvertFlags& flags, const std::vector<std::string>& arguments) {
   const auto plan = attempt([&] { return plan_convert(flags); });
-  const Messages messages(plan ? plan->verbosity : Verbosity::normal);
+  const Messages messages(plan ? plan->shown : MessageChoice());
   if (!plan) {
     const auto reported = attempt([&] { return report_no_plan(flags, arguments, plan.error()); });
     if (!reported) messages.error(reported.error());
@@ -302,7 +302,7 @@ Result<void> run_convert(const ConvertFlags& flags, const std::vector<std::strin
     if (!page) continue;
     TRY(check_report_file(*page, plan->job, plan->context));
   }
-  for (const std::string& text : plan->notes) messages.note(text);
+  for (const Note& text : plan->notes) messages.note(text);
   Converted converted = convert_as_planned(*plan, messages);
   convert::Outcome& outcome = converted.outcome;
   outcome.notes.insert(outcome.notes.begin(), plan->notes.begin(), plan->notes.end());
@@ -347,7 +347,7 @@ class ConvertCommand final : public CommandOf<ConvertFlags> {
       if (flags().report && names_report_twice(flags())) return {};
       return report_no_plan(flags(), arguments, error);
     });
-    if (!reported) Messages(Verbosity::normal).error(reported.error());
+    if (!reported) Messages({}).error(reported.error());
   }
 
  private:
@@ -355,7 +355,7 @@ class ConvertCommand final : public CommandOf<ConvertFlags> {
     choose_process(flags().input);
     auto done = is_batch(flags()) ? run_batch(flags(), arguments) : run_convert(flags(), arguments);
     if (!done && done.error().code == ErrorCode::usage && flags().config) {
-      done.error().message += fmt::format(" (options come from {}, too)", printable(*flags().config));
+      done.error().message += fmt::format(" (some options come from {})", printable(*flags().config));
     }
     TRY(std::move(done));
     return kDone;

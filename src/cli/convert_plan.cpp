@@ -32,13 +32,13 @@ Result<mesh_io::MeshFormat> plan_format(const ConvertFlags& flags) {
   if (!flags.output || is_folder(*flags.output)) return mesh_io::MeshFormat::glb;
   if (*flags.output == "-") return refuse_usage("-o - needs --format", "for example --format ply");
   return format_of_path(*flags.output, "choose the format with --format",
-                        ", png for a picture, or vdb for the field itself");
+                        ", .png for a picture, or .vdb for the field itself");
 }
 
 Result<convert::Normals> plan_normals(const ConvertFlags& flags, mesh_io::MeshFormat format) {
   if (format == mesh_io::MeshFormat::stl) {
     if (flags.normals.value_or(convert::Normals::flat) == convert::Normals::flat) return convert::Normals::flat;
-    return refuse_usage(fmt::format("--normals {} does not go with stl, which always stores one normal a triangle",
+    return refuse_usage(fmt::format("--normals {} does not work with stl, which always stores one normal per triangle",
                                     word_of(*flags.normals)),
                         "leave out --normals, or choose another format");
   }
@@ -46,7 +46,7 @@ Result<convert::Normals> plan_normals(const ConvertFlags& flags, mesh_io::MeshFo
   if (!method.traits.gradient_normals) {
     if (flags.normals != convert::Normals::smooth) return flags.normals.value_or(convert::Normals::none);
     return refuse_usage(fmt::format("--normals smooth: {}", extract::why_no_gradient_normals(method)),
-                        "--normals flat and --normals area need none");
+                        "use --normals flat or --normals area");
   }
   return flags.normals.value_or(is_gltf(format) ? convert::Normals::smooth : convert::Normals::none);
 }
@@ -59,15 +59,15 @@ std::string_view format_name(const ConvertFlags& flags, const mesh_io::MeshForma
 // Checks the output of a single conversion; batches check theirs elsewhere.
 Result<void> check_output_name(const ConvertFlags& flags, const mesh_io::MeshFormatInfo& format) {
   if (!flags.output && files::is_standard_input(flags.input.inputs.front())) {
-    return refuse_usage(
-        fmt::format("an input from stdin has no name that the {} could have", writes_field(flags) ? "field" : "mesh"),
-        "give -o FILE, or -o - for stdout");
+    return refuse_usage(fmt::format("an input from stdin has no file name for the output, a {}",
+                                    writes_field(flags) ? "field" : "mesh"),
+                        "give -o FILE, or -o - for stdout");
   }
   const bool is_mesh = other_extension(flags).empty();
   if (flags.output != "-" || format.can_stream || !is_mesh) return {};
-  return refuse_usage(
-      fmt::format("{} cannot be written to stdout", format.name),
-      format.format == mesh_io::MeshFormat::gltf ? "it is two files; use --format glb" : "give a file with -o");
+  return refuse_usage(fmt::format("isoextract cannot write {} to stdout", format.name),
+                      format.format == mesh_io::MeshFormat::gltf ? "gltf consists of two files; use --format glb"
+                                                                 : "give a file with -o");
 }
 
 // Refuses options that cannot be combined with several grids, and says why.
@@ -75,7 +75,7 @@ Result<void> check_grids(const ConvertFlags& flags, const convert::ConversionJob
   const std::vector<std::string>& grids = flags.input.grids;
   for (auto grid = grids.begin(); grid != grids.end(); ++grid) {
     if (std::find(grids.begin(), grid, *grid) == grid) continue;
-    return refuse_usage(fmt::format("--grid {} was given twice", printable(*grid)), "give each grid once");
+    return refuse_usage(fmt::format("--grid {} occurs twice", printable(*grid)), "give each grid once");
   }
   if (grids.size() < 2) return {};
   struct OfOneGrid {
@@ -83,17 +83,17 @@ Result<void> check_grids(const ConvertFlags& flags, const convert::ConversionJob
     std::string_view why;
   };
   const std::array<OfOneGrid, 7> of_one_grid{
-      OfOneGrid{flags.labels.has_value(), "--labels are the values of one label map"},
+      OfOneGrid{flags.labels.has_value(), "--labels needs one label map"},
       OfOneGrid{job.writes<convert::FieldFileOptions>() != nullptr, "a .vdb output holds one grid"},
       OfOneGrid{flags.placement.center,
-                "--center moves each grid by the middle of its own samples, and so against "
-                "the others"},
+                "--center moves each grid by the center of its own samples, which shifts the "
+                "grids against each other"},
       OfOneGrid{job.source.placement.space == convert::Space::index,
-                "--space index gives each grid coordinates of its own voxels, which are no common place"},
+                "--space index gives each grid its own voxel coordinates, so the grids do not line up"},
       OfOneGrid{flags.edits.split, "--split-components numbers the components of one grid"},
       OfOneGrid{job.meshes().packing.packs(),
                 "--draco, --meshopt, --quantize and .drc files round positions by the voxels of one grid"},
-      OfOneGrid{job.source.particles.expected, "options of particles are for particles, which have no grids"}};
+      OfOneGrid{job.source.particles.expected, "particle options need particles, which have no grids"}};
   const auto* const found = std::ranges::find(of_one_grid, true, &OfOneGrid::given);
   if (found == of_one_grid.end()) return {};
   return refuse_usage(fmt::format("{}; expected one --grid, found {}", found->why, grids.size()),
@@ -123,11 +123,11 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   const bool as_field = writes_field(flags);
   TRY(as_field ? Result<void>() : check_isos(isos));
   TRY(check_filters(flags.surface, flags.particles));
-  const auto verbosity = TRY(plan_verbosity(flags.run));
+  auto shown = TRY(plan_messages(flags.run));
   TRY(refuse_both(flags.run.quiet, flags.explain));
 
   ConvertPlan plan;
-  plan.verbosity = verbosity;
+  plan.shown = std::move(shown);
   plan.threads = flags.run.threads;
   convert::ConversionJob& job = plan.job;
   job.source.read = TRY(plan_read(flags.input));
@@ -139,11 +139,13 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   const auto picture = TRY(plan_picture(flags));
   const auto by_name = flags.output ? mesh_io::mesh_format_by_path(*flags.output) : std::nullopt;
   if (by_name && (as_field || writes_picture(flags) || *by_name != format)) {
-    plan.notes.push_back(fmt::format("{}: its format is {}, as --format says, and not what its name says",
-                                     *flags.output, format_name(flags, info)));
+    plan.notes.push_back(
+        {NoteId::format_not_by_name,
+         fmt::format("{}: isoextract writes {} because of --format, although the file name suggests another format",
+                     *flags.output, format_name(flags, info))});
   }
   if (flags.ascii && !info.has_ascii) {
-    return refuse_usage(fmt::format("--ascii does not go with {}", info.name), "ply and stl can be written as text");
+    return refuse_usage(fmt::format("--ascii does not work with {}", info.name), "ply and stl have a text form");
   }
   job.normals = TRY(plan_normals(flags, format));
   job.file = convert::MeshFileOptions{format};
@@ -166,7 +168,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   job.verify = flags.verify;
   job.backend = {flags.backend.value_or(convert::Backend::cpu), plan_gpu(flags.device)};
   if (job.backend.backend == convert::Backend::cpu && !job.verify) {
-    TRY(flags.refuse(About::gpu, "{} is about the GPU, which --backend cpu does not use",
+    TRY(flags.refuse(About::gpu, "{} sets up the GPU, which --backend cpu does not use",
                      "give --backend gpu or --backend auto"));
   }
   job.source.away_from_zero = flags.input.inside == InsideChoice::away_from_zero;
@@ -188,14 +190,14 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
 
 Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
   const std::vector<std::string>& inputs = given.input.inputs;
-  if (inputs.empty()) return refuse_usage("no INPUT was given", "isoextract INPUT --iso V -o OUT.glb");
+  if (inputs.empty()) return refuse_usage("INPUT is missing", "isoextract INPUT --iso V -o OUT.glb");
   ConvertFlags flags = given;
   TRY(take_labels(flags));
   const Context context(plan_memory(flags.input.memory_limit));
   auto note = TRY(writes_field(flags) ? std::string() : set_default_iso(flags, inputs.front(), context));
   auto plan = plan_conversion(flags, flags.isos, context);
   if (!plan) return plan;
-  if (!note.empty()) plan->notes.push_back(std::move(note));
+  if (!note.empty()) plan->notes.push_back({NoteId::iso_chosen, std::move(note)});
   plan->job.source.input = inputs.front();
   const mesh_io::MeshFormatInfo& format = mesh_io::mesh_format_info(plan->job.meshes().format);
   TRY(check_output_name(flags, format));

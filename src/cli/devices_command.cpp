@@ -21,9 +21,9 @@ std::string device_text(const gl::GpuDevice& device) {
   if (device.problem) return fmt::format("{}  not usable: {}\n", device.index, device.problem->message);
   std::string text = fmt::format("{}  {}\n", device.index, device.renderer);
   text += fmt::format("   vendor  {}\n   OpenGL  {}\n", device.vendor, device.version);
-  text += fmt::format("   memory  {}\n", device.memory_bytes ? format_byte_size(*device.memory_bytes) : "not told");
+  text += fmt::format("   memory  {}\n", device.memory_bytes ? format_byte_size(*device.memory_bytes) : "unknown");
   if (device.cuda_index) text += fmt::format("   CUDA    {}\n", *device.cuda_index);
-  if (device.software) text += "   draws on the processor: right, but never faster than --backend cpu\n";
+  if (device.software) text += "   renders in software on the CPU: correct, but never faster than --backend cpu\n";
   return text;
 }
 

@@ -13,11 +13,11 @@ namespace isoextract::cli {
 Result<void> plan_edits(const ConvertFlags& flags, convert::ConversionJob& job) {
   const EditFlags& edits = flags.edits;
   if (!flags.surface.blurs.empty() && flags.labels) {
-    return refuse_usage("--blur does not go with --labels: between two labels there is none",
-                        "leave --blur out; --smooth smooths the meshes");
+    return refuse_usage("--blur does not work with --labels: the average of two labels is no label",
+                        "leave --blur out, or smooth the meshes with --smooth");
   }
   if (edits.split && flags.error) {
-    return refuse_usage("--error measures a surface as a whole, and --split-components makes meshes of its pieces",
+    return refuse_usage("--error measures a whole surface, and --split-components writes each body as its own mesh",
                         "leave one of them out");
   }
   job.source.blurs = flags.surface.blurs;
@@ -31,21 +31,22 @@ Result<void> check_piece_outputs(const ConvertFlags& flags, const std::string& p
   const bool has_word = path.find(convert::kPiecePlaceholder) != std::string::npos;
   if (!flags.edits.split) {
     if (!has_word) return {};
-    return refuse_usage(fmt::format("-o {}: {} stands for pieces of a surface, which is written whole", path,
-                                    convert::kPiecePlaceholder),
+    return refuse_usage(fmt::format("-o {}: {} stands for the number of a body, but the output is the whole surface",
+                                    path, convert::kPiecePlaceholder),
                         "give --split-components");
   }
   if (!has_word) {
     if (format.can_hold_several_meshes) return {};
-    return refuse_usage(fmt::format("one {} file holds one mesh, and --split-components may give several", format.name),
-                        fmt::format("write one file each with -o {}_{}.{}, or all into a glb",
-                                    printable(batch::template_of(batch::stem_of(flags.input.inputs.front()))),
-                                    convert::kPiecePlaceholder, format.name));
+    return refuse_usage(
+        fmt::format("one {} file holds one mesh, and --split-components may write several", format.name),
+        fmt::format("write one file per body with -o {}_{}.{}, or all bodies into one glb",
+                    printable(batch::template_of(batch::stem_of(flags.input.inputs.front()))),
+                    convert::kPiecePlaceholder, format.name));
   }
   if (has_all_labels(flags) || (flags.isos.size() > 1 && path.find("{iso}") == std::string::npos)) {
-    return refuse_usage(fmt::format("-o {}: pieces of several surfaces would have the same names", path),
-                        has_all_labels(flags) ? "list the labels, and put {iso} into the name as well"
-                                              : "put {iso} into the name as well");
+    return refuse_usage(fmt::format("-o {}: bodies of several surfaces would have the same file names", path),
+                        has_all_labels(flags) ? "list the labels, and put {iso} into the file name as well"
+                                              : "put {iso} into the file name as well");
   }
   return {};
 }

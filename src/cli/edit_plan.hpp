@@ -13,7 +13,7 @@ namespace isoextract::cli {
 // Sets the edits of a job whose other options are already planned.
 [[nodiscard]] Result<void> plan_edits(const ConvertFlags& flags, convert::ConversionJob& job);
 
-// Checks that pieces can be written to `path`, the value of -o.
+// Checks that the output `path`, the value of -o, suits the components of --split-components.
 [[nodiscard]] Result<void> check_piece_outputs(const ConvertFlags& flags, const std::string& path,
                                                const mesh_io::MeshFormatInfo& format);
 }  // namespace isoextract::cli

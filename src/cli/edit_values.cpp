@@ -49,7 +49,7 @@ Result<convert::MinComponentSize> parse_least_piece(std::string_view text) {
     }
   }
   return expected_but(
-      "a number of triangles such as 100, or area:40 or volume:5, in voxels or as in volume:5world in the "
+      "a number of triangles such as 100, or area:40 or volume:5 in voxels, or volume:5world in the "
       "units of the written mesh",
       text);
 }
@@ -77,8 +77,8 @@ Result<convert::SmoothChoice> parse_smoothing(std::string_view text) {
   }
   if (!fits) {
     return expected_but(
-        fmt::format("a number of passes from 1 to {}, alone or as in 20:taubin or 20:sinc, and behind that "
-                    "perhaps a pass band between 0 and 1 as in 20:sinc:0.05",
+        fmt::format("a number of passes from 1 to {}, optionally a method as in 20:taubin or 20:sinc, and optionally "
+                    "a pass band between 0 and 1 as in 20:sinc:0.05",
                     edit::kMaxSmoothPasses),
         text);
   }
@@ -98,7 +98,7 @@ Result<convert::BlurStep> parse_blur(std::string_view text) {
     return convert::BlurStep{convert::BlurKind::gaussian, sigma->amount, sigma->in_world_units};
   }
   return expected_but(
-      fmt::format("the standard deviation of a Gaussian, above 0 and at most {} voxels, such as 1.5, or in the "
+      fmt::format("the standard deviation of a Gaussian, above 0 and at most {} voxels such as 1.5, or in "
                   "units of the input such as 0.7world; or median:1 to median:{}",
                   field::kMaxBlurSigma, field::kMaxMedianWidth),
       text);

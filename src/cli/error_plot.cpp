@@ -142,7 +142,7 @@ std::string error_plot_script(const std::vector<bench::BenchResult>& results, in
   script += fmt::format("$front << END\n{}END\n", front_of(results));
   plots.emplace_back(
       "$front using 1:2 with points pointtype 6 pointsize 1.9 linewidth 1.5 linecolor '#000000' "
-      "title 'nothing is better in both'");
+      "title 'best error for its time'");
   return script + fmt::format("plot {}\n", fmt::join(plots, ", \\\n     "));
 }
 

@@ -16,21 +16,23 @@ bool writes_field(const ConvertFlags& flags) {
 Result<void> check_field_options(const ConvertFlags& flags) {
   if (!writes_field(flags)) {
     if (!flags.half) return {};
-    return refuse_usage("--half is about a field that is stored, and a mesh is written", "name the output .vdb");
+    return refuse_usage("--half applies to a stored field, but the output is a mesh",
+                        "give an output name that ends in .vdb");
   }
   std::vector<std::string_view> given;
   for (const Option* option : flags.set_about(About::surface)) given.push_back(option->name());
   if (!given.empty()) {
     const std::string names = fmt::format("{}", fmt::join(given, ", "));
-    return refuse_usage(fmt::format("{} {} about a surface, and the output is the field itself, in which there is none",
-                                    names, given.size() == 1 ? "is" : "are"),
-                        fmt::format("leave {} out, or name the output as a mesh", names));
+    return refuse_usage(
+        fmt::format("{} {} a surface, but the output is the field itself", names, given.size() == 1 ? "needs" : "need"),
+        fmt::format("leave {} out, or give the output a name of a mesh format", names));
   }
   if (flags.surface.nan == extract::NanPolicy::hole) {
-    return refuse_usage("--nan hole is about a surface: samples that are not numbers are stored as they are");
+    return refuse_usage(
+        "--nan hole needs a surface, but the output is the field itself, which keeps NaN samples unchanged");
   }
   if (flags.output && flags.output->find("{iso}") != std::string::npos) {
-    return refuse_usage(fmt::format("-o {}: a field has no iso value", *flags.output));
+    return refuse_usage(fmt::format("-o {}: a field has no iso value", *flags.output), "leave {iso} out");
   }
   return {};
 }
@@ -39,8 +41,8 @@ Result<void> check_filters(const SurfaceFlags& surface, const ParticleFlags& par
   if (surface.filters.empty() || !particles.method) return {};
   if (points::method_info(*particles.method).kind == field::FieldKind::level_set) return {};
   return refuse_usage(
-      fmt::format("--filter is for level sets, and --particles {} makes a density", word_of(*particles.method)),
-      "--particles spheres and --particles smooth make level sets");
+      fmt::format("--filter works on level sets, and --particles {} makes a density", word_of(*particles.method)),
+      "use --particles spheres or --particles smooth, which make level sets");
 }
 
 }  // namespace isoextract::cli

@@ -21,30 +21,32 @@ struct ForeignOption {
 
 // Names from VTK, ParaView, splashsurf, vdb_tool, gltfpack, scikit-image and medical tools.
 constexpr std::array kForeignOptions{
-    ForeignOption{"--threshold", "--iso", "V is the value whose surface is extracted"},
-    ForeignOption{"--surface-threshold", "--iso", "V is the value whose surface is extracted"},
-    ForeignOption{"--isovalue", "--iso", "V is the value whose surface is extracted"},
-    ForeignOption{"--isolevel", "--iso", "V is the value whose surface is extracted"},
-    ForeignOption{"--level", "--iso", "V is the value whose surface is extracted"},
-    ForeignOption{"--contour", "--iso", "V is the value whose surface is extracted"},
-    ForeignOption{"--decimate", "--simplify",
-                  "D leaves out triangles and keeps the surface within D voxels, --triangles N|P% all but so many"},
-    ForeignOption{"--reduce", "--simplify",
-                  "D leaves out triangles and keeps the surface within D voxels, --triangles N|P% all but so many"},
+    ForeignOption{"--threshold", "--iso", "V sets the iso value of the surface"},
+    ForeignOption{"--surface-threshold", "--iso", "V sets the iso value of the surface"},
+    ForeignOption{"--isovalue", "--iso", "V sets the iso value of the surface"},
+    ForeignOption{"--isolevel", "--iso", "V sets the iso value of the surface"},
+    ForeignOption{"--level", "--iso", "V sets the iso value of the surface"},
+    ForeignOption{"--contour", "--iso", "V sets the iso value of the surface"},
+    ForeignOption{
+        "--decimate", "--simplify",
+        "D removes triangles and keeps the surface within D voxels, --triangles N|P% keeps N triangles or P percent"},
+    ForeignOption{
+        "--reduce", "--simplify",
+        "D removes triangles and keeps the surface within D voxels, --triangles N|P% keeps N triangles or P percent"},
     ForeignOption{"--target-reduction", "--triangles", "10% keeps a tenth of the triangles"},
     ForeignOption{"--target-count", "--triangles", "N keeps N triangles"},
     ForeignOption{"--faces", "--triangles", "N keeps N triangles"},
-    ForeignOption{"--adaptivity", "--simplify", "D leaves out triangles and keeps the surface within D voxels"},
+    ForeignOption{"--adaptivity", "--simplify", "D removes triangles and keeps the surface within D voxels"},
     ForeignOption{"--crop", "--roi", "X0,Y0,Z0,X1,Y1,Z1 extracts from that box only"},
     ForeignOption{"--bbox", "--roi", "X0,Y0,Z0,X1,Y1,Z1 extracts from that box only"},
     ForeignOption{"--extent", "--roi", "X0,Y0,Z0,X1,Y1,Z1 extracts from that box only"},
     ForeignOption{"--watertight", "--cap", "closes the surface where it leaves the data"},
     ForeignOption{"--closed", "--cap", "closes the surface where it leaves the data"},
-    ForeignOption{"--flip", "--inside", "above|below says which side of the iso value is inside"},
-    ForeignOption{"--invert", "--inside", "above|below says which side of the iso value is inside"},
+    ForeignOption{"--flip", "--inside", "above|below sets which side of the iso value is inside"},
+    ForeignOption{"--invert", "--inside", "above|below sets which side of the iso value is inside"},
     ForeignOption{"--cuda", "--backend", "gpu extracts on the GPU"},
     ForeignOption{"--gpu", "--backend", "gpu extracts on the GPU"},
-    ForeignOption{"--shape", "--dims", "NX,NY,NZ are the samples of a raw file"},
+    ForeignOption{"--shape", "--dims", "NX,NY,NZ sets the size of a raw file in samples"},
     ForeignOption{"--datatype", "--dtype", "is the type of a raw file's samples"},
 };
 
@@ -66,8 +68,8 @@ Result<void> refuse_output_among_inputs(const ConvertFlags& flags) {
   // An existing PLY may be an input of particles.
   std::error_code none;
   if (*format == mesh_io::MeshFormat::ply && std::filesystem::exists(last, none)) return {};
-  return refuse_usage(fmt::format("{}: the name of a mesh stands among the inputs", last),
-                      fmt::format("the output comes after -o: -o {}", shell_quoted(last)));
+  return refuse_usage(fmt::format("{}: the last input has the name of a mesh file, and -o is missing", last),
+                      fmt::format("give the output with -o: -o {}", shell_quoted(last)));
 }
 
 }  // namespace isoextract::cli

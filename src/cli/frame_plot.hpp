@@ -10,8 +10,8 @@
 namespace isoextract::cli {
 
 // Returns a script with four plots below each other: triangles, area, volume (of closed surfaces) and components. It
-// has one line per iso value if all frames have the same ones, else one for all. A plot without data says why. Dashed
-// lines mark frames that failed or were not started.
+// has one line per iso value if all frames have the same iso values, else one line. A plot without data shows the
+// reason. Dashed lines mark failed and unstarted frames.
 [[nodiscard]] std::string frame_plot_script(std::span<const batch::FrameRow> rows, PictureFormat format);
 
 }  // namespace isoextract::cli

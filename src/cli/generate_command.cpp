@@ -26,7 +26,7 @@ class GenerateCommand final : public CommandOf<GenerateFlags> {
 
   Result<int> run(const std::vector<std::string>& /*arguments*/) override {
     const auto& document = flags().document;
-    if (!document) return fail(ErrorCode::usage, "generate needs the name of a document", synopsis());
+    if (!document) return fail(ErrorCode::usage, "generate needs a document: man, bash, zsh or fish", synopsis());
     TRY(print_to_stdout((*document)(program())));
     return kDone;
   }

@@ -123,7 +123,7 @@ Result<void> check_gnuplot(std::string_view option) {
   return fail(ErrorCode::unavailable,
               fmt::format("{} needs gnuplot, which {}", option,
                           finished.error == ENOENT ? "is not installed"
-                          : finished.error != 0    ? fmt::format("cannot be run: {}", std::strerror(finished.error))
+                          : finished.error != 0    ? fmt::format("does not start: {}", std::strerror(finished.error))
                                                    : fmt::format("does not work: {}", first_line(finished.err))),
               kHint);
 }
@@ -132,7 +132,7 @@ Result<std::string> run_gnuplot(const std::string& script) {
   Finished finished = run(script);
   if (ended_well(finished) && !finished.out.empty()) return std::move(finished.out);
   return fail(ErrorCode::unavailable, fmt::format("gnuplot made no picture: {}", first_line(finished.err)),
-              finished.error != 0 ? kHint : "please report it with the command");
+              finished.error != 0 ? kHint : "please report this error with the command");
 }
 
 std::string gnuplot_quoted(std::string_view text) {

@@ -9,7 +9,7 @@
 
 namespace isoextract::cli {
 
-// Fails with ErrorCode::unavailable if gnuplot, which `option` needs, cannot be run; the hint names its package.
+// Fails with ErrorCode::unavailable if gnuplot, which `option` needs, does not run; the hint names its package.
 [[nodiscard]] Result<void> check_gnuplot(std::string_view option);
 
 // Runs the script without the user's settings and returns its standard output. Fails with ErrorCode::unavailable and

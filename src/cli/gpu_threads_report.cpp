@@ -24,10 +24,10 @@ std::string ratio_text(double other, double tessellation) {
 }  // namespace
 
 std::string gpu_threads_table(const gpu::ThreadCreationResult& result, int repeats) {
-  std::string text = "One geometry-shader thread a cell, which ends at once (Timokhin and Mikhaylyuk)\n";
+  std::string text = "One geometry-shader thread per cell, which ends immediately (Timokhin and Mikhaylyuk)\n";
   text += fmt::format("Times: a pass over all cells, median of {} (least .. most), {}.\n", repeats,
                       describe(result.device));
-  text += fmt::format("Copying on the device: {:.1f} GB/s, reading and writing counted.\n\n",
+  text += fmt::format("Copying on the device: {:.1f} GB/s, counting reads and writes.\n\n",
                       result.copy_bytes_per_second / 1e9);
   std::vector<std::vector<std::string>> rows{
       {"cells", "threads by", "ms", "", "cells/s", "vertex data", "driver says", "time", "memory"}};
@@ -50,8 +50,7 @@ std::string gpu_threads_table(const gpu::ThreadCreationResult& result, int repea
     }
   }
   text += aligned_table(rows, 2);
-  text +=
-      "\nTime and memory in the last columns: over those of tessellation. A dummy vertex has 4 bytes, a patch 16.\n";
+  text += "\nThe last columns give time and memory relative to tessellation. A dummy vertex has 4 bytes, a patch 16.\n";
   text += "The paper, GTX 1080 Ti, up to 2000^3: dummy vertices take 5 times the time and 8 times the memory.\n";
   return text;
 }

@@ -9,6 +9,7 @@
 #include "base/ascii.hpp"
 #include "base/version.hpp"
 #include "cli/field_plan.hpp"
+#include "cli/note_guide.hpp"
 #include "field/demo_field.hpp"
 #include "mesh_io/mesh_writer.hpp"
 #include "particle_io/particle_format.hpp"
@@ -49,7 +50,7 @@ constexpr std::array kExamples{
 HelpTopic formats_topic() {
   HelpTopic topic{"formats", "Formats", "What can be read and written.", {}};
   HelpBlock read{
-      "Volumes that can be read. The format is found by the content of the file, then by its extension; "
+      "Volumes that isoextract reads. It finds the format by the content of the file, then by its extension; "
       "--input-format overrides both.",
       {}};
   for (const volume_io::VolumeFormat* format : volume_io::volume_formats()) {
@@ -60,13 +61,14 @@ HelpTopic formats_topic() {
     read.rows.push_back({about.id, text});
   }
   HelpBlock particles{
-      "Particles that can be read. They become a field, as 'isoextract help particles' says, and that a surface.", {}};
+      "Particles that isoextract reads. It turns them into a field ('isoextract help particles') and extracts that.",
+      {}};
   for (const particle_io::ParticleFormatDescription& about : particle_io::particle_format_descriptions()) {
     std::string text = about.title;
     if (about.has_frames) text += "; a file may hold several frames";
     particles.rows.push_back({about.id, fmt::format("{} ({})", text, fmt::join(about.extensions, " "))});
   }
-  HelpBlock written{"Meshes that can be written. The format is chosen by the extension of the output, or by --format.",
+  HelpBlock written{"Meshes that isoextract writes. The extension of the output chooses the format, or --format does.",
                     {}};
   for (const mesh_io::MeshFormatInfo& info : mesh_io::mesh_formats()) {
     std::string text(info.title);
@@ -75,8 +77,7 @@ HelpTopic formats_topic() {
     written.rows.push_back({std::string(info.name), text});
   }
   HelpBlock field{
-      "In place of a mesh the field itself can be written, as volumes are read or particles make it, resampled and "
-      "filtered. It needs no iso value.",
+      "isoextract can also write the field itself, after resampling and filters. A field needs no iso value.",
       {{std::string(kFieldFormat), "OpenVDB, one grid of floats, or with --half of 16-bit ones"}}};
   topic.blocks = {std::move(read), std::move(particles), std::move(written), std::move(field)};
   return topic;
@@ -85,13 +86,11 @@ HelpTopic formats_topic() {
 HelpTopic demo_topic() {
   HelpTopic topic{"demo", "Demo fields", "Inputs that need no file.", {}};
   HelpBlock block{
-      "demo:NAME is an input like any other, computed from a formula on the cube from -1 to 1. "
-      "demo:NAME?size=N has N samples along each axis (2 to 2048, default 64); quote it, as in "
-      "'demo:torus?size=200', for a shell may take the question mark for a pattern. Inside is above the iso value. "
-      "Some move: demo:NAME?size=N&time=T shows them at the time T. They come back to where they were after a time of "
-      "1, "
-      "so that 'demo:metaballs?time=0.125' is an eighth of the way. --error measures a field that has moved against "
-      "its samples alone, not against the formula.",
+      "demo:NAME is an input without a file: a formula on the cube from -1 to 1. demo:NAME?size=N has N samples along "
+      "each axis (2 to 2048, default 64). Quote it for the shell, as in 'demo:torus?size=200'. Inside is above the iso "
+      "value. Some fields move: demo:NAME?size=N&time=T is the field at time T, and T = 1 equals T = 0. For times "
+      "other "
+      "than 0, --error compares with the samples only, not with the formula.",
       {}};
   for (const field::DemoDescription& demo : field::demo_fields()) {
     block.rows.push_back(
@@ -106,51 +105,65 @@ HelpTopic coordinates_topic() {
   return {
       "coordinates",
       "Coordinates",
-      "Where the mesh is, and what --up, --scale, --unit and --center do.",
-      {{"By default the mesh stands where the input says: each sample has its place in the input's world, by the "
-        "transform, spacing, axes and origin of the file, and the mesh uses that world. --spacing and --origin "
-        "replace what the file says.",
+      "Where the mesh lies, and what --up, --scale, --unit and --center do.",
+      {{"By default the mesh lies in the input's world coordinates: the transform, spacing, axes and origin of the "
+        "file "
+        "place each sample there. --spacing and --origin replace those of the file.",
         {}},
-       {"Only for glb and gltf, whose standard prescribes that y points up, the world is turned: with --up z, "
-        "the default, (x, y, z) becomes (x, z, -y). With --up y the input's axes are kept. ply, obj, stl and drc "
-        "prescribe nothing, and keep the input's axes. --up-out turns any of them.",
+       {"glb and gltf prescribe that y points up, so isoextract rotates the mesh for them: with --up z, the default, "
+        "(x, y, z) becomes (x, z, -y); with --up y the axes stay. ply, obj, stl and drc prescribe no up axis and keep "
+        "the axes of the input. --up-out z|y rotates the mesh for any format.",
         {}},
-       {"--scale multiplies the coordinates. --unit names the unit of the input's world: glb and gltf are then "
-        "written in metres, other formats in that unit, and all in that of --to-unit; without it coordinates are "
-        "written as they are, whatever their unit. --unit file is the unit that the file states; 'isoextract info' "
-        "shows it.",
+       {"--scale multiplies the coordinates. --unit names the unit of the input's world: isoextract then writes glb "
+        "and "
+        "gltf in meters, other formats in that unit, and any format in the unit of --to-unit. Without --unit it writes "
+        "the coordinates as they are. --unit file takes the unit that the file states; 'isoextract info' shows it.",
         {}},
-       {"--to-space ras or lps mirrors x and y of a scan whose file says which of the two its world is, as NIfTI "
-        "always does and NRRD may.",
+       {"--to-space ras or lps mirrors x and y of a scan, if the file states the space of its world: NIfTI always "
+        "does, "
+        "NRRD may.",
         {}},
-       {"--center moves the middle of the samples to the origin, last of all: of the whole volume or of --roi.", {}},
-       {"The file says what of this was asked for; binary stl does so in its header, as far as 80 bytes reach, and stl "
-        "as text does not. compare undoes it where two meshes were placed otherwise, and glTF's turn as well; of a "
-        "glTF file of another program its --up says what was up.",
+       {"--center comes last and moves the center of the samples, or of --roi, to the origin.", {}},
+       {"Mesh files record these options; binary stl has 80 bytes for them, stl as text has none. compare undoes "
+        "different placements of two meshes. For a glTF file of another program, --up of compare names its up axis.",
         {}},
-       {"--space index ignores all of this and gives voxel coordinates: the first sample is at (0, 0, 0), its "
-        "neighbours at distance 1. With --resolution these are the input's voxels as well, so that the mesh lies "
-        "where it lies without.",
+       {"--space index ignores all of this and writes voxel coordinates: the first sample is at (0, 0, 0), its "
+        "neighbors are at distance 1. With --resolution these are voxels of the input.",
         {}},
        {"--roi is a box in the input's world, before --up, --scale and --unit, or in voxel coordinates with "
-        "--space index. The triangles are cut at its faces, so that the surface ends there exactly, also where the "
-        "samples' axes are oblique to the world's. --roi-snap cuts nothing and ends the surface at the outermost "
-        "samples in the box, as labels and --method voxels always do.",
+        "--space index. The surface ends exactly at its faces, also where the axes of the samples are oblique. With "
+        "--roi-snap it ends at the outermost samples in the box instead, as labels and --method voxels always do.",
         {}}}};
 }
 
 HelpTopic exit_codes_topic() {
   return {"exit-codes",
           "Exit codes",
-          "What the exit code says.",
-          {{"Data goes to stdout, everything else to stderr. No partial file is ever left behind.",
+          "The exit codes of all commands.",
+          {{"Data goes to stdout, messages to stderr. The program never leaves a partial file.",
             {{"0", "done"},
-             {"1", "usage: the options or their combination make no sense"},
-             {"2", "the input cannot be read, or does not hold what was asked for"},
-             {"3", "a feature or device that was asked for, or a thread, is not available"},
-             {"4", "the result cannot be written"},
-             {"5", "some frames of a batch failed, or were not started; the others are done"},
-             {"6", "what was to be verified does not hold"}}}}};
+             {"1", "usage: the options or their combination are invalid"},
+             {"2", "input: the program cannot read the input, has too little memory for it, or finds no surface in it"},
+             {"3", "unavailable: a feature, a plug-in, a device or a thread is missing"},
+             {"4", "output: the program cannot write the result"},
+             {"5", "frames: frames of a batch failed or were not started; the others are done"},
+             {"6", "verification: a mesh does not match or fails a requirement (verify, compare, check, stability)"},
+             {"130", "cancelled: Ctrl-C ended the program; if another signal N ends it, shells show 128 + N"}}}}};
+}
+
+HelpTopic notes_topic() {
+  HelpTopic topic{"notes", "Notes", "The ids of notes, and how to hide notes.", {}};
+  HelpBlock block{
+      "A note describes a result that you may not expect; it changes no exit code. --no-note ID,ID,... hides the notes "
+      "of these ids on the terminal.",
+      {}};
+  for (const NoteGuide& note : note_guide()) {
+    block.rows.push_back({std::string(word_of(note.id)), note.remedy.empty()
+                                                             ? std::string(note.cause)
+                                                             : fmt::format("{} {}", note.cause, note.remedy)});
+  }
+  topic.blocks = {std::move(block)};
+  return topic;
 }
 
 // Those that options of the default command are in: each is a topic.
@@ -200,7 +213,7 @@ std::string help_of_group(const Command& program, const Word<OptionGroup>& group
 }  // namespace
 
 std::vector<HelpTopic> help_topics() {
-  return {formats_topic(), demo_topic(), coordinates_topic(), exit_codes_topic()};
+  return {formats_topic(), demo_topic(), coordinates_topic(), exit_codes_topic(), notes_topic()};
 }
 
 std::span<const Example> examples() { return kExamples; }

@@ -1,4 +1,4 @@
-// What the help says beyond the options: subjects, examples, and how all of it is put together.
+// Help pages: subjects, examples, and the composition of all pages.
 #pragma once
 
 #include <span>
@@ -11,7 +11,7 @@
 
 namespace isoextract::cli {
 
-// A subject of its own, in the help and as a section of the man page.
+// A subject of the help, which is also a section of the man page.
 struct HelpTopic {
   std::string_view name;  // as in 'isoextract help NAME'
   std::string_view title;
@@ -29,18 +29,18 @@ struct Example {
 };
 [[nodiscard]] std::span<const Example> examples();
 
-// The rows of a command's options in a group.
+// Returns the rows of a command's options in a group.
 [[nodiscard]] HelpBlock group_block(const Command& command, OptionGroup group);
 
-// Every word that 'isoextract help' takes: commands, groups, subjects, and "examples".
+// Returns the words that 'isoextract help' takes: commands, groups, subjects, and "examples".
 [[nodiscard]] std::vector<std::string> help_names(const Command& program);
 
-// The first page: usage, the everyday options, a few examples, and where the rest is. Fits a screen of 40 lines.
+// Returns the first page: usage, everyday options, a few examples, and the names of other pages. Fits 40 lines.
 [[nodiscard]] std::string help_overview(const Command& program);
 [[nodiscard]] std::string help_of_command(const Command& command, HelpDetail detail);
 // `name` is one of help_names().
 [[nodiscard]] std::string help_of(const Command& program, std::string_view name);
-// A few lines for someone who gave no argument at all.
+// Returns the few lines that a call without arguments prints.
 [[nodiscard]] std::string short_usage(const Command& program);
 
 }  // namespace isoextract::cli

@@ -140,16 +140,16 @@ void HtmlPage::add(std::int64_t frame, const convert::Outcome& outcome) {
   for (const convert::StageReport& report : outcome.reports) std::ranges::for_each(report.work, take);
   for (const auto& part : outcome.times()) stages_[std::string(word_of(part.stage))] += part.time.wall_seconds;
   if (!outcome.device.empty()) devices_.insert(fmt::format("{} ({})", outcome.device, outcome.backend));
-  for (const std::string& note : outcome.notes) notes_.emplace_back(frame, note);
+  for (const Note& note : outcome.notes) notes_.emplace_back(frame, note);
 }
 
 std::string HtmlPage::left_out_section() const {
   if (left_out_.empty()) return {};
-  std::string html = "<h2>What was looked at, and what was left out</h2>\n<ul>\n";
+  std::string html = "<h2>Work done, and work left out</h2>\n<ul>\n";
   for (const auto& [name, fact] : left_out_) {
     html += fmt::format("<li><b>{}</b> {}: {}", html_text(name.first), html_text(name.second), html_text(fact.first));
     if (fact.times > 1 && fact.total > 0) {
-      html += fmt::format("; in all {} of {} over {} surfaces or frames", fact.count, fact.total, fact.times);
+      html += fmt::format("; in total {} of {} over {} surfaces or frames", fact.count, fact.total, fact.times);
     }
     html += "</li>\n";
   }
@@ -158,7 +158,7 @@ std::string HtmlPage::left_out_section() const {
 
 std::string HtmlPage::error_section() const {
   if (errors_.empty()) {
-    return "<h2>Error</h2>\n<p>It was not measured; <code>--error</code> measures the distance of each mesh from its "
+    return "<h2>Error</h2>\n<p>Not measured; <code>--error</code> measures the distance of each mesh from its "
            "isosurface.</p>\n";
   }
   std::string html = "<h2>Error</h2>\n<p>Distances of the meshes from their isosurfaces.</p>\n" + std::string(kTable) +
@@ -214,7 +214,7 @@ Result<std::string> HtmlPage::text(std::span<const batch::FrameRow> rows, const 
   html += error_section() + left_out_section() + stage_section();
   if (!notes_.empty()) {
     html += "<h2>Notes</h2>\n<ul>\n";
-    for (const auto& [frame, note] : notes_) html += fmt::format("<li>{}: {}</li>\n", frame, html_text(note));
+    for (const auto& [frame, note] : notes_) html += fmt::format("<li>{}: {}</li>\n", frame, html_text(note.text));
     html += "</ul>\n";
   }
   html += fmt::format("<h2>Versions</h2>\n<p>{}", html_text(generator()));

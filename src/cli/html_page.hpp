@@ -13,6 +13,7 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "base/note.hpp"
 #include "batch/frame_table.hpp"
 #include "cli/mesh_pictures.hpp"
 #include "convert/outcome.hpp"
@@ -21,7 +22,7 @@ namespace isoextract::cli {
 
 class HtmlPage {
  public:
-  // Adds the facts about a frame that its row lacks. Not thread-safe.
+  // Adds data of a frame that its row lacks: errors, stages, notes, devices. Not thread-safe.
   void add(std::int64_t frame, const convert::Outcome& outcome);
 
   // Returns the page. `rows` has all frames; a frame that this run did not convert has no errors and stages. `svg` is
@@ -55,7 +56,7 @@ class HtmlPage {
   std::map<std::pair<std::string, std::string>, SkippedWork> left_out_;  // by topic and action
   std::map<std::string, double> stages_;                                 // seconds, summed over all frames
   std::set<std::string> devices_;
-  std::vector<std::pair<std::int64_t, std::string>> notes_;
+  std::vector<std::pair<std::int64_t, Note>> notes_;
 };
 
 }  // namespace isoextract::cli

@@ -27,7 +27,7 @@
 namespace isoextract::cli {
 namespace {
 
-// The volume and component that are described, if there are several.
+// The volume and component that the report describes, if the file has several.
 struct Described {
   std::optional<std::int64_t> volume;
   std::optional<volume_io::ComponentChoice> component;
@@ -122,7 +122,7 @@ InputReport look_at_particles(const InfoPlan& plan, const std::string& input, co
   field.field = std::move(*measured->field);
   field.statistics = field::measure_statistics(field.field, &context.progress());
   const points::MethodInfo& method = points::method_info(plan.particles.method);
-  field.suggestion = {method.iso, fmt::format("the usual one of {}", method.title),
+  field.suggestion = {method.iso, fmt::format("the default of {}", method.title),
                       method.iso >= field.statistics.min && method.iso < field.statistics.max};
   const std::uint64_t made = convert::kProgramBytes + context.memory().peak();
   report.field = report_of(plan, input, {report.volume, {}}, std::move(field));
@@ -149,7 +149,7 @@ InputReport look_at(const InfoPlan& plan, const std::string& input, const Messag
   report.grids = std::move(*grids);
   if (!plan.read.grid && !report.grids.empty()) {
     const volume_io::GridInfo* only = grid_without_choice(report.grids);
-    // The list tells why it cannot be read.
+    // The list of grids states why no reader reads this grid.
     if (only == nullptr || (!only->is_readable() && !plan.read.spacing)) return report;
   }
   report.volume = plan.read.volume;
@@ -169,10 +169,10 @@ InputReport look_at(const InfoPlan& plan, const std::string& input, const Messag
 
 void tell_notes(const InputReport& report, const Messages& messages) {
   if (report.field) {
-    for (const std::string& note : report.field->field.notes) messages.note(note);
+    for (const Note& note : report.field->field.notes) messages.note(note);
   }
   if (report.particles) {
-    for (const std::string& note : report.particles->notes) messages.note(note);
+    for (const Note& note : report.particles->notes) messages.note(note);
   }
 }
 
@@ -202,7 +202,7 @@ class InfoPage {
       add(report, true);
       return;
     }
-    for (const std::string& note : found->notes) messages_.note(note);
+    for (const Note& note : found->notes) messages_.note(note);
     SequenceReport sequence{input, {}, std::move(found->gaps), plan_.input_arguments, {}, {}};
     bool has_nan = false;
     for (const batch::Frame& frame : found->frames) {

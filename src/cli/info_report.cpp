@@ -46,23 +46,23 @@ std::string several_text(const volume_io::GridInfo& grid) {
 // Returns "; the plug-in for openvdb reads it", or why no reader does.
 std::string reader_text(const volume_io::GridInfo& grid) {
   if (grid.plugin.empty()) {
-    if (!grid.scalar) return "; no surface can be extracted from this type";
-    return grid.placement_problem.empty() ? "" : "; its place cannot be used: " + grid.placement_problem;
+    if (!grid.scalar) return "; isoextract cannot extract a surface from this type";
+    return grid.placement_problem.empty() ? "" : "; its placement is not usable: " + grid.placement_problem;
   }
-  if (grid.plugin_is_missing) return fmt::format("; needs the plug-in for {}, which is not there", grid.plugin);
+  if (grid.plugin_is_missing) return fmt::format("; needs the plug-in for {}, which is not installed", grid.plugin);
   return fmt::format("; the plug-in for {} reads it{}", grid.plugin,
                      grid.parts.empty() ? "" : fmt::format(" as {}", fmt::join(grid.parts, ", ")));
 }
 
 std::string component_text(const volume_io::ComponentChoice& choice) {
-  return choice.number ? fmt::format("{}", *choice.number) : "the length of all";
+  return choice.number ? fmt::format("{}", *choice.number) : "the length of the vector";
 }
 
 void add_creator(NamedLines& lines, std::string_view creator) {
   if (creator.empty()) return;
   const auto up = convert::up_axis_of(creator);
   lines.add("creator", fmt::format("{}{}", printable(std::string(creator), kMaxName),
-                                   up ? fmt::format("; {0} points up in it: add --up {0}", word_of(*up)) : ""));
+                                   up ? fmt::format("; {0} is the up axis: add --up {0}", word_of(*up)) : ""));
 }
 
 void add_grids(NamedLines& lines, const InputReport& report) {
@@ -89,13 +89,15 @@ void add_volumes(NamedLines& lines, const InputReport& report) {
   if (report.grids.size() != 1) return;  // the list of grids shows them
   for (const volume_io::GridInfo& grid : report.grids) {
     if (has_several_components(grid)) {
-      lines.add("components",
-                fmt::format("{}, counted from 0; {} is described, --component K or --component length chooses another",
-                            grid.components, component_text(report.component.value_or(volume_io::ComponentChoice{0}))));
+      lines.add(
+          "components",
+          fmt::format(
+              "{}, counted from 0; this report describes {}, choose another with --component K or --component length",
+              grid.components, component_text(report.component.value_or(volume_io::ComponentChoice{0}))));
     }
     if (!has_several_volumes(grid)) continue;
-    lines.add("volumes", fmt::format("{}, counted from 0; {} is described, --volume K chooses another", grid.volumes,
-                                     report.volume.value_or(0)));
+    lines.add("volumes", fmt::format("{}, counted from 0; this report describes {}, choose another with --volume K",
+                                     grid.volumes, report.volume.value_or(0)));
   }
 }
 
@@ -108,7 +110,7 @@ void add_shape(NamedLines& lines, const FieldReport& report) {
   const field::IndexBox box = field.extents();
   if (const auto* sparse = std::get_if<field::SparseSamples>(&field.samples)) {
     lines.add("samples",
-              fmt::format("{}, sparse: {} active voxels; {} blocks and {} tiles are stored; background {:.6g}",
+              fmt::format("{}, sparse: {} active voxels; {} stored blocks and {} stored tiles; background {:.6g}",
                           field::sample_type_name(sparse->type), sparse->active_voxels, sparse->blocks.size(),
                           sparse->tiles.size(), field.scale(sparse->background)));
     lines.add("extents", box.empty() ? dims_text(box)
@@ -134,13 +136,13 @@ void add_shape(NamedLines& lines, const FieldReport& report) {
   if (!field.world_space.empty()) lines.add("world space", printable(field.world_space, kMaxName));
   if (!field.length_unit.empty()) {
     lines.add("unit", fmt::format("{}{}", printable(field.length_unit, kMaxName),
-                                  convert::find_length_unit(field.length_unit) ? "; --unit file takes it" : ""));
+                                  convert::find_length_unit(field.length_unit) ? "; use it with --unit file" : ""));
   }
 }
 
 void add_histogram(NamedLines& lines, const field::FieldStatistics& statistics) {
   if (statistics.histogram.empty() || statistics.min == statistics.max) return;
-  lines.add("histogram", "from each value to the next; bars show the square root of the share");
+  lines.add("histogram", "each row covers the values up to the next row; bars show the square root of the share");
   const std::size_t bins_a_row = statistics.histogram.size() / kHistogramRows;
   std::array<std::uint64_t, kHistogramRows> rows{};
   for (std::size_t i = 0; i < statistics.histogram.size(); ++i) rows[i / bins_a_row] += statistics.histogram[i];
@@ -163,7 +165,7 @@ void add_distinct(NamedLines& lines, const field::FieldStatistics& statistics) {
   if (count == 0) return;
   const bool shows = count <= kMostShown;
   lines.add("distinct",
-            fmt::format("{} values{}", count, shows ? ", and how often each occurs" : "; --json lists them"));
+            fmt::format("{} values{}", count, shows ? ", with the number of samples of each" : "; --json lists them"));
   std::string row;
   for (std::size_t i = 0; shows && i < count; ++i) {
     const auto& [value, times] = statistics.values[i];
@@ -186,10 +188,10 @@ void add_values(NamedLines& lines, const FieldReport& report) {
     lines.add("percentiles", percentiles[0]);
     lines.add("", percentiles[1]);
   } else if (statistics.nan + statistics.infinite == 0) {
-    lines.add("values", "none but the background");
+    lines.add("values", "only the background");
   }
   if (statistics.nan + statistics.infinite > 0) {
-    lines.add("not finite", fmt::format("{} not a number, {} infinite", statistics.nan, statistics.infinite));
+    lines.add("not finite", fmt::format("{} NaN, {} infinite", statistics.nan, statistics.infinite));
   }
   add_distinct(lines, statistics);
   add_histogram(lines, statistics);
@@ -201,14 +203,14 @@ void add_advice(NamedLines& lines, const FieldReport& report) {
   if (report.statistics.samples == 0 && !suggestion.separates) return;
   if (!suggestion.separates) {
     const bool constant = report.statistics.min == report.statistics.max;
-    lines.add("suggestion", constant ? std::string("none: the field is constant, and has no surface")
+    lines.add("suggestion", constant ? std::string("none: the field is constant and has no surface")
                                      : fmt::format("none: no surface at {}, {}", suggestion.iso, suggestion.method));
     return;
   }
   lines.add("suggestion", fmt::format("--iso {}: {}", suggestion.iso, suggestion.method));
   lines.add("", fmt::format("about {} triangles; converting takes about {} of memory",
                             convert::estimated_triangles(report.size), format_byte_size(report.bytes)));
-  if (!report.fits_one_mesh) lines.add("", "its voxels lie too far apart for one mesh: extract parts with --roi");
+  if (!report.fits_one_mesh) lines.add("", "the voxels lie too far apart for one mesh: extract regions with --roi");
   if (!report.command.empty()) lines.plain(fmt::format("\n  {}", report.command));
 }
 
@@ -277,7 +279,7 @@ convert::Json json_of(const FieldReport& report) {
                           {"command", report.command}};
   }
   json["memory"] = {{"samples", report.size.sample_bytes}, {"conversion", report.bytes}};
-  json["notes"] = field.notes;
+  json["notes"] = convert::json_of_notes(field.notes);
   return json;
 }
 
@@ -320,7 +322,7 @@ std::string text_of(const InputReport& report) {
     add_values(lines, *report.field);
     add_advice(lines, *report.field);
   } else if (has_choice(report.grids)) {
-    lines.plain("  --grid NAME chooses one of them");
+    lines.plain("  choose one grid with --grid NAME");
   }
   return lines.take();
 }

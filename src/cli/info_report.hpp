@@ -24,21 +24,21 @@ struct FieldReport {
   field::IsoSuggestion suggestion;
   convert::ConversionSize size;
   std::uint64_t bytes = 0;    // memory that a conversion needs
-  bool fits_one_mesh = true;  // otherwise only parts can be extracted
+  bool fits_one_mesh = true;  // otherwise only regions of the field fit one mesh
   std::string command;        // a command line that extracts it; may be empty
 };
 
 struct InputReport {
   std::string input;
   std::vector<volume_io::GridInfo> grids;
-  std::optional<std::int64_t> volume;                   // the volume described, if one was chosen or there are several
-  std::optional<volume_io::ComponentChoice> component;  // the component described, in the same cases
+  std::optional<std::int64_t> volume;                   // this report's volume, if chosen or one of several
+  std::optional<volume_io::ComponentChoice> component;  // this report's component, in the same cases
   std::optional<ParticleReport> particles;              // for particles, which have no grids
   std::optional<FieldReport> field;  // unset if the grid or its placement is not chosen, or on an error
   std::optional<Error> error;
 };
 
-// Returns the grid that read_volume reads if none is named; null if a name is needed or no grid can be read.
+// Returns the grid that read_volume() reads without a name; null if a name is necessary or no grid is readable.
 [[nodiscard]] const volume_io::GridInfo* grid_without_choice(std::span<const volume_io::GridInfo> grids);
 [[nodiscard]] bool has_several_volumes(const volume_io::GridInfo& grid);
 [[nodiscard]] bool has_several_components(const volume_io::GridInfo& grid);

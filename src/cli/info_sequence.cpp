@@ -63,7 +63,7 @@ std::string frame_text(const FrameSummary& frame) {
   std::string text = fmt::format("{:>6}  {}", frame.frame, printable(frame.input));
   if (frame.min && frame.max) text += fmt::format("  {:.6g} to {:.6g}", *frame.min, *frame.max);
   if (frame.iso) text += fmt::format("  iso {:.6g}", *frame.iso);
-  if (frame.error) text += "  cannot be read";
+  if (frame.error) text += "  unreadable";
   return text;
 }
 

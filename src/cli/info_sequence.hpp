@@ -21,7 +21,7 @@ struct FrameSummary {
   std::optional<double> max;
   std::optional<field::SurfaceRange> passed;
   std::optional<double> iso;  // the suggested value, if it separates inside from outside
-  std::string method;         // that found the suggestion
+  std::string method;         // name of the method that found `iso`
   std::optional<Error> error;
 };
 

@@ -27,7 +27,9 @@ class JetRun {
     const auto frames = TRY(check_sequence(plan_.sequence));
     const std::size_t left = plan_.sequence.frames.size() - frames.size();
     if (left > 0)
-      messages_.note(fmt::format("{} of {} frames are there and left alone", left, plan_.sequence.frames.size()));
+      messages_.note(
+          {NoteId::frames_kept, fmt::format("{} of {} frames exist already; the simulation does not overwrite them",
+                                            left, plan_.sequence.frames.size())});
     if (frames.empty()) return {};
     auto jet = TRY(simulate::ParticleJet::make(plan_.jet, work_));
     {
@@ -64,12 +66,15 @@ class JetRun {
                     jet.size(), jet.radius(), figures.frames, figures.steps, 1e-6 * moved,
                     seconds_ > 0 ? 1e-6 * moved / seconds_ : 0));
     if (jet.size() < plan_.jet.count) {
-      messages_.note(fmt::format("{} of {} particles have not left the nozzle: more frames let them in",
-                                 plan_.jet.count - jet.size(), plan_.jet.count));
+      messages_.note({NoteId::simulation_limits,
+                      fmt::format("{} of {} particles have not left the nozzle; simulate more frames to release them",
+                                  plan_.jet.count - jet.size(), plan_.jet.count)});
     }
     if (figures.slowed_down > 0) {
-      messages_.note(fmt::format("particles were slowed down {} times, to twice the speed of a fall through the tank",
-                                 figures.slowed_down));
+      messages_.note(
+          {NoteId::simulation_limits,
+           fmt::format("the simulation slowed particles down {} times, to twice the speed of a fall through the tank",
+                       figures.slowed_down)});
     }
     if (!plan_.pattern.empty()) tell_how_to_convert(jet.radius());
     const std::string first = printable(frames.front().files.front().string());
@@ -82,7 +87,7 @@ class JetRun {
   // Suggests one radius for all frames, since only this gives all frames the same grid.
   void tell_how_to_convert(double radius) const {
     messages_.summary(fmt::format(
-        "to be converted with: isoextract {} --particles weight --iso {} --radius {:.12g} --animate "
+        "convert with: isoextract {} --particles weight --iso {} --radius {:.12g} --animate "
         "--fps {} -o jet.glb",
         shell_quoted(plan_.pattern), points::method_info(points::Method::weight).iso, radius, plan_.jet.fps));
   }

@@ -24,21 +24,20 @@ class MergeCommand final : public CommandOf<MergeFlags> {
   // Fails with ErrorCode::frames if all shards are done but requested frames have no input.
   Result<int> run(const std::vector<std::string>& /*arguments*/) override {
     if (!flags().folder || flags().folder->empty()) {
-      return fail(ErrorCode::usage, "merge needs the folder of the shards' outputs", "isoextract merge FOLDER");
+      return fail(ErrorCode::usage, "merge needs the output folder of the shards", "isoextract merge FOLDER");
     }
     const auto merged = TRY(batch::merge_shards(*flags().folder));
-    Messages(flags().run.quiet ? Verbosity::quiet : Verbosity::normal)
+    Messages({flags().run.quiet ? Verbosity::quiet : Verbosity::normal})
         .summary(fmt::format("{}: {} frame{} of {} shard{}{}", printable(merged.manifest.string()), merged.frames,
                              merged.frames == 1 ? "" : "s", merged.shards, merged.shards == 1 ? "" : "s",
-                             merged.absent.empty() ? ", all there" : ""));
+                             merged.absent.empty() ? ", complete" : ""));
     if (merged.absent.empty()) return kDone;
     const auto absent = TRY(batch::FrameRange::parse(merged.absent));
     const bool is_one = absent.count() == 1;
-    return fail(
-        ErrorCode::frames,
-        fmt::format("{} frame{} asked for and {} no input: {}", absent.count(), is_one ? " was" : "s were",
-                    is_one ? "has" : "have", batch::text_of(absent.runs(), batch::kShownFrameRuns)),
-        "once their files are there, run the shards again with --resume; with --missing note they are no error");
+    return fail(ErrorCode::frames,
+                fmt::format("{} requested frame{} {} no input: {}", absent.count(), is_one ? "" : "s",
+                            is_one ? "has" : "have", batch::text_of(absent.runs(), batch::kShownFrameRuns)),
+                "add the files and run the shards again with --resume, or give --missing note to allow missing frames");
   }
 };
 

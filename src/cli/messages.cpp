@@ -1,7 +1,9 @@
 #include "cli/messages.hpp"
 
+#include <algorithm>
 #include <exception>
 #include <new>
+#include <utility>
 
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_sinks.h>
@@ -45,12 +47,12 @@ std::string printable_lines(std::string_view text) {
 
 }  // namespace
 
-Messages::Messages(Verbosity verbosity)
-    : verbosity_(verbosity),
+Messages::Messages(MessageChoice choice)
+    : choice_(std::move(choice)),
       colors_(stderr_has_colors()),
       log_(std::make_shared<spdlog::logger>("isoextract", std::make_shared<spdlog::sinks::stderr_sink_mt>())) {
   log_->set_pattern("%v");
-  log_->set_level(level_of(verbosity));
+  log_->set_level(level_of(choice_.verbosity));
 }
 
 std::string Messages::colored(std::string_view word, std::string_view color) const {
@@ -63,8 +65,9 @@ void Messages::error(const Error& error) const {
   if (!hint.empty()) log_->error("  {} {}", colored("hint:", kCyan), printable_lines(hint));
 }
 
-void Messages::note(std::string_view text) const {
-  log_->warn("isoextract: {} {}", colored("note:", kYellow), printable(text));
+void Messages::note(const Note& note) const {
+  if (std::ranges::find(choice_.hidden, note.id) != choice_.hidden.end()) return;
+  log_->warn("isoextract: {} {}", colored(fmt::format("note[{}]:", word_of(note.id)), kYellow), printable(note.text));
 }
 void Messages::summary(std::string_view text) const { log_->info("{}", printable(text)); }
 void Messages::explanation(std::string_view text) const { log_->info("{}", printable(text)); }
@@ -76,7 +79,7 @@ Error error_of_exception() {
   } catch (const std::bad_alloc&) {
     return allocation_error("not enough memory", {Remedy::use, Setting::parts});
   } catch (const std::exception& error) {
-    return {ErrorCode::input, fmt::format("unexpected: {}", error.what()), ""};
+    return {ErrorCode::input, fmt::format("internal error: {}", error.what()), "please report this message"};
   }
 }
 

@@ -1,12 +1,14 @@
-// Prints the program's messages to stderr, one line each; only hints can have a list. Text from files and paths is made
-// printable (base/printable.hpp). stdout carries data only.
+// Prints the program's messages to stderr, one line each; only hints may have several lines. Text from files and paths
+// is made printable (base/printable.hpp). stdout carries data only.
 #pragma once
 
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/error.hpp"
+#include "base/note.hpp"
 
 namespace spdlog {
 class logger;
@@ -16,23 +18,30 @@ namespace isoextract::cli {
 
 enum class Verbosity { quiet, normal, verbose };
 
+// Which messages are printed.
+struct MessageChoice {
+  Verbosity verbosity = Verbosity::normal;
+  std::vector<NoteId> hidden = {};  // notes that are not printed
+};
+
 class Messages {
  public:
-  explicit Messages(Verbosity verbosity);
+  explicit Messages(MessageChoice choice);
 
-  void error(const Error& error) const;           // "isoextract: error: ..." and "  hint: ..."; never silent
-  void note(std::string_view text) const;         // "isoextract: note: ..."; not when quiet
-  void summary(std::string_view text) const;      // results; not when quiet
-  void explanation(std::string_view text) const;  // only with --explain; not when quiet
-  void detail(std::string_view text) const;       // only when verbose
+  void error(const Error& error) const;       // "isoextract: error: ..." and "  hint: ..."; never silent
+  void note(const Note& note) const;          // "isoextract: note[ID]: ..."; not when quiet or hidden
+  void summary(std::string_view text) const;  // results; not when quiet
+  // Prints lines for --explain; not when quiet. The caller checks whether --explain is given.
+  void explanation(std::string_view text) const;
+  void detail(std::string_view text) const;  // only when verbose
 
-  [[nodiscard]] Verbosity verbosity() const { return verbosity_; }
+  [[nodiscard]] Verbosity verbosity() const { return choice_.verbosity; }
 
  private:
-  // The word in a color where the terminal shows colors.
+  // Returns the word, in color if the terminal shows colors.
   [[nodiscard]] std::string colored(std::string_view word, std::string_view color) const;
 
-  Verbosity verbosity_;
+  MessageChoice choice_;
   bool colors_;
   std::shared_ptr<spdlog::logger> log_;
 };

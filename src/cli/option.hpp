@@ -1,12 +1,12 @@
-// An option: its one declaration, and what was given for it. Each is a member of the flags of its commands:
+// Declares command-line options and stores the texts given for them. Every option is a member of a command's struct:
 //
 //   struct RunFlags : OptionSet {
 //     Value<int> threads{*this, "--threads", "N", parse_thread_count, "Threads to use (default: all)."};
 //     Flag quiet{*this, "-q,--quiet", "Say nothing but errors."};
 //   };
 //
-// Parser, help, man page, completions, --config and the errors about options without an effect are made from these.
-// A metavar with '|' in it ("mc|mt") lists all values; FILE and INPUT are completed with paths.
+// The parser, help, man page, completions, --config and the refusal of options without effect read these declarations.
+// A metavar with '|' in it ("mc|mt") lists all values; shells complete FILE and INPUT with paths.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@
 
 namespace isoextract::cli {
 
-// The groups that options are in, in the order of the help.
+// Groups of options; the help lists the options of a group under its heading.
 enum class OptionGroup {
   input,
   scene,
@@ -53,21 +53,21 @@ constexpr auto words_of(OptionGroup /*type*/) {
                     Word{OptionGroup::run, "Run"}};
 }
 
-// What an option is about. Where there is none of it, the option has no effect and is refused (OptionSet::refuse).
+// Conditions under which an option has an effect. OptionSet::refuse() rejects options whose condition is not met.
 enum class About : std::uint32_t {
   anything = 0,
-  surface = 1U << 0,        // not where the field itself is written
-  mesh_file = 1U << 1,      // not where a picture is drawn
-  picture = 1U << 2,        // only where one is drawn
+  surface = 1U << 0,        // not if the output is the field itself
+  mesh_file = 1U << 1,      // not if the output is a picture
+  picture = 1U << 2,        // only if the output is a picture
   edit = 1U << 3,           // changes a surface after its extraction
   world = 1U << 4,          // not with voxel coordinates
   raw_file = 1U << 5,       // only with the samples of a raw file
-  gpu = 1U << 6,            // not on the processor
-  weights = 1U << 7,        // only of particles that add a weight
-  extraction = 1U << 8,     // not where nothing is extracted
-  drawn_surface = 1U << 9,  // only of surfaces of a volume that is drawn
-  drawn_volume = 1U << 10,  // only of a volume that is drawn
-  voxel_faces = 1U << 11,   // only of the method of voxel faces
+  gpu = 1U << 6,            // not with --backend cpu
+  weights = 1U << 7,        // only with --particles weight
+  extraction = 1U << 8,     // only if the command extracts a surface
+  drawn_surface = 1U << 9,  // only if `render` draws surfaces of the volume (--iso)
+  drawn_volume = 1U << 10,  // only if `render` draws the volume itself (no --tf none)
+  voxel_faces = 1U << 11,   // only with --method voxels
 };
 constexpr About operator|(About a, About b) {
   return static_cast<About>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
@@ -76,55 +76,55 @@ constexpr About operator&(About a, About b) {
   return static_cast<About>(static_cast<std::uint32_t>(a) & static_cast<std::uint32_t>(b));
 }
 
-// How much the help of a command says.
+// Amount of text in a command's help.
 enum class HelpDetail {
-  summaries,  // a line an option: --help
+  summaries,  // one line per option: --help
   all,        // the whole text of each option, and examples: --help-all
 };
 
 class Option;
 class OptionSet;
 
-// Where an option is declared: in a group of a set. Without a set no command has it, and it is never set.
+// The OptionSet and the help group of an option. Without a set, the option belongs to no command and gets no value.
 struct Place {
   OptionSet* set = nullptr;
   OptionGroup group = OptionGroup::run;
-  bool everyday = false;  // the overview of the help shows it: few options are
+  bool everyday = false;  // the overview of the help shows this option
 };
 [[nodiscard]] inline Place everyday(Place place) {
   place.everyday = true;
   return place;
 }
 
-// The options of a command or of a part of it: the base of flags, whose members they are. A copy of flags has options
-// of its own: the set knows its options by their distance from itself, so it is copied as a part of all its flags only.
+// Base class of the options structs. Stores each option as its byte offset from this object, so that a copied struct
+// refers to its own options. Copy the whole struct, never the base alone.
 class OptionSet {
  public:
   OptionSet() = default;
-  // A part, whose options are those of `whole`, too.
+  // Makes a group of options inside the struct `whole`, which gets the same options.
   OptionSet(OptionSet& whole, OptionGroup group) : OptionSet(&whole, group) {}
 
-  // The place of options in the group of the part, and in any group.
-  operator Place() { return {this, group_}; }  // NOLINT(google-explicit-constructor): an option is put into a set
+  // Returns the registration of an option in this struct's group; in(group) does so for another group.
+  operator Place() { return {this, group_}; }  // NOLINT(google-explicit-constructor): *this registers an option
   [[nodiscard]] Place in(OptionGroup group) { return {this, group}; }
 
-  // In the order of their declaration, but those of a group together, and the group "Run" last.
+  // Returns the options by group, in the order of their declaration; the group `run` comes last.
   [[nodiscard]] std::vector<Option*> options();
   [[nodiscard]] std::vector<const Option*> options() const;
   [[nodiscard]] std::vector<const Option*> in_group(OptionGroup group) const;
-  // By one of its names, or nullptr.
+  // Returns the option with this name, such as "-o" or "--output", or nullptr. Positional options have no such name.
   [[nodiscard]] const Option* find(std::string_view name) const;
-  // The first that is given by its place, or nullptr.
+  // Returns the first positional option, or nullptr.
   [[nodiscard]] const Option* operand() const;
   [[nodiscard]] bool any_set() const;
 
-  // All that are set, and about `what`.
+  // Returns the options that have a value and all conditions of `what`.
   [[nodiscard]] std::vector<const Option*> set_about(About what) const;
-  // Fails with ErrorCode::usage where there is one. In `why` and `hint` the first of them takes the place of {}.
+  // Fails with ErrorCode::usage if set_about(what) has an option. The name of the first one replaces {} in both texts.
   [[nodiscard]] Result<void> refuse(About what, std::string_view why, std::string_view hint = "") const;
 
  protected:
-  // A part of nothing, where there is no whole.
+  // Adds no options elsewhere if `whole` is null.
   OptionSet(OptionSet* whole, OptionGroup group) : whole_(whole), group_(group) {}
   OptionSet(const OptionSet&) = default;
   OptionSet& operator=(const OptionSet&) = default;
@@ -135,32 +135,32 @@ class OptionSet {
   void add(const Option& option);
   [[nodiscard]] const Option& at(std::ptrdiff_t distance) const;
 
-  OptionSet* whole_ = nullptr;  // while options are declared
+  OptionSet* whole_ = nullptr;  // also gets the options; used only during construction
   OptionGroup group_ = OptionGroup::run;
   std::vector<std::ptrdiff_t> options_;
 };
 
-// A word of the command line and what it means.
+// A word that an option accepts as its value, and the C++ value of the word.
 template <class T>
 struct Choice {
   std::string name;
   T value;
 };
 
-// The value that is meant where an option's own is left out.
+// Value of an option that the user gives without a value, such as --draco.
 struct IfLeftOut {
   std::string text;
 };
 
-// The words of an option, and where it has an effect.
+// Names, value placeholder, help text and conditions of an option.
 struct OptionRow {
   OptionGroup group = OptionGroup::run;
   std::vector<std::string> names;  // with their dashes, the long one last; one without dashes is positional
   std::string metavar;             // empty: takes no value
   std::string help;                // the first sentence is the summary: at most kSummaryWidth characters
   About about = About::anything;
-  std::size_t most = 1;                 // values
-  std::optional<std::string> left_out;  // the value may be left out, and this one is meant
+  std::size_t most = 1;                 // largest number of values
+  std::optional<std::string> left_out;  // value if the user gives none; unset: a value is required
   bool everyday = false;
 };
 
@@ -170,7 +170,7 @@ class Option {
 
   [[nodiscard]] const OptionRow& row() const { return *row_; }
   [[nodiscard]] const std::string& name() const { return row_->names.back(); }  // "--output"
-  [[nodiscard]] std::string key() const { return name().substr(2); }            // "output", as --config has it
+  [[nodiscard]] std::string key() const { return name().substr(2); }            // "output", the key in a --config file
   [[nodiscard]] std::string spelling() const;                                   // "-o, --output FILE"
   [[nodiscard]] std::vector<std::string> choices() const;                       // empty: takes any value
   [[nodiscard]] bool is_positional() const { return !row_->names.back().starts_with('-'); }
@@ -179,16 +179,16 @@ class Option {
   [[nodiscard]] bool is_repeatable() const { return row_->most > 1; }
   [[nodiscard]] bool is_about(About what) const { return (row_->about & what) == what; }
 
-  // What was given for it on the command line, word for word. take() makes values of them; its errors begin with the
+  // Returns the unparsed texts of the command line or the --config file. take() parses them; its errors begin with the
   // option's name.
   [[nodiscard]] const std::vector<std::string>& texts() const { return texts_; }
   void add_text(std::string text) { texts_.push_back(std::move(text)); }
   [[nodiscard]] virtual Result<void> take() = 0;
 
-  // Which help the option asks for; none for all options but HelpFlag.
+  // Returns the help that the option requests; nullopt except for HelpFlag.
   [[nodiscard]] virtual std::optional<HelpDetail> help() const { return std::nullopt; }
 
-  // Whether it has a value now, whoever gave it.
+  // Returns whether the option has a value, from the user or assigned by the program.
   [[nodiscard]] virtual bool is_set() const = 0;
 
  protected:
@@ -205,11 +205,11 @@ class Option {
   std::vector<std::string> texts_;
 };
 
-// "a,b" as {"a", "b"}.
+// Returns {"a", "b"} for "a,b".
 [[nodiscard]] std::vector<std::string> split_names(std::string_view names);
 // "mc|mt"
 [[nodiscard]] std::string metavar_of(const std::vector<std::string>& words);
-// The place of `text` among `words`, or an error that names the nearest of them.
+// Returns the index of `text` in `words`. Otherwise fails with ErrorCode::usage; the hint names a similar word.
 [[nodiscard]] Result<std::size_t> place_among(const std::vector<std::string>& words, std::string_view text);
 
 template <class T>
@@ -247,7 +247,7 @@ class Value : public Option, public std::optional<T> {
                        left_out ? std::optional(left_out->text) : std::nullopt}),
         parse_(std::move(parse)) {}
 
-  // Of an enum, by its own words.
+  // Takes the words of an enum as values.
   Value(const Place& place, std::string_view names, std::string help,
         About about = About::anything) requires HasWords<T>
       : Value(place, names, choices_of_words<T>(), std::move(help), about) {}
@@ -279,7 +279,7 @@ class Value : public Option, public std::optional<T> {
   Parse<T> parse_;
 };
 
-// An option that may be given several times.
+// An option that the user may give several times.
 template <class T>
 class Values : public Option, public std::vector<T> {
  public:
@@ -316,7 +316,7 @@ class Flag : public Option {
     on_ = on;
     return *this;
   }
-  operator bool() const { return on_; }  // NOLINT(google-explicit-constructor): reads as the bool that it stands for
+  operator bool() const { return on_; }  // NOLINT(google-explicit-constructor): reads as a bool
 
   [[nodiscard]] bool is_set() const override { return on_; }
   [[nodiscard]] Result<void> take() override {
@@ -328,7 +328,7 @@ class Flag : public Option {
   bool on_ = false;
 };
 
-// An option that asks for help in place of a run.
+// A flag that prints help instead of running the command.
 class HelpFlag : public Flag {
  public:
   HelpFlag(const Place& place, std::string_view names, HelpDetail detail, std::string help)

@@ -1,4 +1,4 @@
-// The options of the commands that make plans of them.
+// Includes the options of all commands that have plans.
 #pragma once
 
 #include "cli/options/convert.hpp"

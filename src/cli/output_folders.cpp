@@ -22,7 +22,7 @@ Result<void> check_or_make_folders(std::span<const fs::path> files, bool make) {
     if (folder.empty() || files::is_there(folder)) continue;
     if (!make) {
       return fail(ErrorCode::output, fmt::format("{}: there is no such folder", folder.string()),
-                  "--mkdir makes the folders of the outputs");
+                  "make the folder, or give --mkdir");
     }
     std::error_code error;
     fs::create_directories(folder, error);

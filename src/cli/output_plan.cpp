@@ -19,8 +19,8 @@ Result<std::vector<batch::OutputFiles>> plan_outputs(const ConvertFlags& flags,
 Result<batch::OutputTemplate> plan_report_name(const std::string& report) {
   auto name = batch::OutputTemplate::parse(report);
   if (name && name->uses(batch::OutputWord::piece)) {
-    return refuse_usage(fmt::format("--report {}: a report is of a whole frame, not of a piece", report),
-                        "leave {piece} out of its name");
+    return refuse_usage(fmt::format("--report {}: a report covers a whole frame, not one body", report),
+                        "leave {piece} out of the file name");
   }
   return name;
 }

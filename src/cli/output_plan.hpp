@@ -27,7 +27,7 @@ namespace isoextract::cli {
 // Returns the path of a source's report.
 [[nodiscard]] std::string report_path(const batch::OutputTemplate& name, const batch::OutputSource& source);
 
-// Returns all files that the options name besides inputs and -o: files to read and files to write. If `report` is set,
+// Returns all files that the options name besides inputs and -o: files to read and files to write. With `report` set,
 // it includes a report for each source.
 [[nodiscard]] batch::OtherFiles other_files(const ConvertFlags& flags, std::span<const batch::OutputSource> sources,
                                             const std::optional<batch::OutputTemplate>& report);

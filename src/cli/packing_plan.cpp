@@ -17,18 +17,21 @@ Result<mesh_io::PackingOptions> plan_packing(const ConvertFlags& flags, mesh_io:
                                  : flags.meshopt        ? &flags.meshopt
                                                         : nullptr;
     if (option != nullptr) {
-      return refuse_usage(fmt::format("{} does not go with {}, which has no such packing", option->name(), name),
-                          is_drc ? "drc is Draco's already; glb and gltf have it" : "glb and gltf have it");
+      return refuse_usage(
+          fmt::format("{} does not work with {}, which cannot pack meshes this way", option->name(), name),
+          is_drc ? "drc always uses Draco; glb and gltf support this option" : "glb and gltf support this option");
     }
   }
   const bool draco = flags.draco || is_drc;
   const std::string_view by_draco = flags.draco ? std::string_view(flags.draco.name()) : "drc";
-  TRY(refuse_both(flags.draco, flags.meshopt, "a mesh is compressed once", "leave out one of them"));
-  TRY(refuse_both(flags.draco, flags.quantize, "Draco rounds positions by itself, to the bits it is given",
-                  "--draco=16 has as many bits as --quantize"));
+  TRY(refuse_both(flags.draco, flags.meshopt, "a file compresses a mesh once", "leave one of them out"));
+  TRY(refuse_both(flags.draco, flags.quantize, "Draco itself rounds positions to the number of bits of --draco",
+                  "--draco=16 keeps as many bits as --quantize"));
   if (draco && flags.optimize_order) {
-    return refuse_usage(fmt::format("--optimize-order does not go with {}: Draco has an order of its own", by_draco),
-                        "leave it out");
+    return refuse_usage(
+        fmt::format("--optimize-order does not work with {}: Draco stores its own order of triangles and vertices",
+                    by_draco),
+        "leave it out");
   }
   mesh_io::PackingOptions packing;
   packing.quantize = flags.quantize;

@@ -1,4 +1,4 @@
-// Plans how meshes are packed, from all options about it.
+// Plans the packing of meshes (--draco, --meshopt, --quantize, --optimize-order).
 #pragma once
 
 #include "base/error.hpp"

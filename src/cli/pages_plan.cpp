@@ -48,16 +48,16 @@ Result<PagesPlan> plan_pages(const ConvertFlags& flags, const convert::Conversio
     return refuse_usage(fmt::format("--contact-sheet {}: expected a name that ends in .png", *plan.contact_sheet));
   }
   if (job.writes<convert::MeshFileOptions>() == nullptr) {
-    return refuse_usage(fmt::format("{} shows the meshes that are written, and none is", option),
-                        "name the output as a mesh");
+    return refuse_usage(fmt::format("{} shows the written meshes, but the output is not a mesh", option),
+                        "give the output a name of a mesh format");
   }
   if (flags.batch.animate) {
     return refuse_usage(
-        fmt::format("{} shows the meshes of frames, which have no files of their own with --animate", option),
+        fmt::format("{} shows one mesh file per frame, but --animate writes all frames into one file", option),
         "leave --animate out");
   }
   if (flags.output == "-") {
-    return refuse_usage(fmt::format("{} shows the mesh's file, and there is none on stdout", option),
+    return refuse_usage(fmt::format("{} reads the mesh from its file, but -o - writes it to stdout", option),
                         "give a file with -o");
   }
   return plan;
@@ -69,7 +69,7 @@ Result<void> write_pages(const PagesPlan& plan, std::span<const batch::FrameRow>
     const auto pictures =
         TRY(MeshPictures::open(evenly_spaced(meshes_of(rows), kPicturesOfSheet), kOnSheet, up, context));
     if (pictures.count() == 0) {
-      return fail(ErrorCode::output, fmt::format("{}: there is no mesh to draw", *plan.contact_sheet));
+      return fail(ErrorCode::output, fmt::format("{}: the run wrote no mesh to draw", *plan.contact_sheet));
     }
     TRY(write_contact_sheet(*plan.contact_sheet, pictures, context));
   }

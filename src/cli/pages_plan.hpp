@@ -1,4 +1,4 @@
-// Plans and writes the documents about a conversion or a batch: an HTML page, a contact sheet.
+// Plans and writes the HTML page and the contact sheet of a conversion or a batch.
 #pragma once
 
 #include <span>
@@ -19,7 +19,7 @@ namespace isoextract::cli {
 [[nodiscard]] Result<PagesPlan> plan_pages(const ConvertFlags& flags, const convert::ConversionJob& job);
 
 // Call after all conversions. `rows` has all frames with the files that they wrote; `page` has the facts about them.
-// Fails as MeshPictures does, with ErrorCode::unavailable if a plot of several frames needs gnuplot and there is none,
+// Fails as MeshPictures does, with ErrorCode::unavailable if a plot of several frames needs gnuplot and it is missing,
 // and with ErrorCode::output.
 [[nodiscard]] Result<void> write_pages(const PagesPlan& plan, std::span<const batch::FrameRow> rows,
                                        const HtmlPage& page, convert::UpAxis up,

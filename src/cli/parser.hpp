@@ -13,7 +13,7 @@ struct ReadWords {
   std::string problem;            // why reading ended early; empty if it did not
 };
 
-// Appends to the texts of each option those that `words` give for it.
+// Appends the texts in `words` to the options they belong to.
 [[nodiscard]] ReadWords read_words(OptionSet& options, const std::vector<std::string>& words);
 
 }  // namespace isoextract::cli

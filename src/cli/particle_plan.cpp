@@ -17,15 +17,14 @@ Result<void> check_method(const ParticleFlags& flags, points::Method method, boo
   const bool weighs = method == points::Method::weight;
   const bool has_kernels = !weighs && method != points::Method::spheres;
   if (!weighs) {
-    TRY(flags.refuse(About::weights,
-                     fmt::format("{{}} is about --particles weight, and the method is {}", word_of(method)),
+    TRY(flags.refuse(About::weights, fmt::format("{{}} needs --particles weight, found the method {}", word_of(method)),
                      "give --particles weight"));
   }
   // Attributes are interpolated with these kernels by every method.
   if (!has_kernels && flags.smoothing_length && !has_attributes) {
     return refuse_usage(
-        fmt::format("--smoothing-length is about kernels, which --particles {} has not", word_of(method)),
-        "--particles sph, anisotropic and smooth have them");
+        fmt::format("--smoothing-length sets the size of kernels, and --particles {} uses no kernels", word_of(method)),
+        "use --particles sph, anisotropic or smooth");
   }
   return {};
 }
@@ -39,8 +38,8 @@ Result<convert::ParticleOptions> plan_particles(const ParticleFlags& flags, std:
   options.method = flags.method.value_or(options.method);
   TRY(check_method(flags, options.method, has_attributes));
   if (options.expected && nan == extract::NanPolicy::hole) {
-    return refuse_usage("--nan hole is about samples of a volume, and particles leave no holes",
-                        "--nan outside leaves out particles at places that are no numbers");
+    return refuse_usage("--nan hole applies to samples of a volume, not to particles",
+                        "use --nan outside to skip particles with NaN positions");
   }
   options.bad =
       nan == extract::NanPolicy::outside ? points::NonFiniteParticles::skip : points::NonFiniteParticles::error;
@@ -78,7 +77,7 @@ Result<std::string> set_default_iso(ConvertFlags& flags, const std::string& inpu
     if (!of_particles.value_or(false)) return take_zero();  // the reader reports files that cannot be read
   }
   flags.isos.emplace_back(method.iso);
-  return fmt::format("iso {}, the usual one of {}; --iso V takes another", method.iso, method.title);
+  return fmt::format("iso {}, the default of {}; choose another with --iso V", method.iso, method.title);
 }
 
 }  // namespace isoextract::cli

@@ -73,9 +73,10 @@ void add_field(NamedLines& lines, const ParticleReport& report) {
   if (!report.figures || report.figures->particles == 0) return;
   lines.add("field", fmt::format("{}: samples {:.6g} apart, in {} bricks (8x8x8)", method.title,
                                  report.figures->spacing, report.figures->bricks_stored));
-  lines.add("time",
-            fmt::format("{:.2f} s to read, {:.2f} s to make the field, as it took here; the surface comes on top",
-                        report.read_seconds, report.field_seconds));
+  lines.add(
+      "time",
+      fmt::format("{:.2f} s to read, {:.2f} s to make the field in this run; the extraction takes additional time",
+                  report.read_seconds, report.field_seconds));
 }
 
 }  // namespace
@@ -113,7 +114,7 @@ Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source
   report.field_seconds = making.elapsed().wall_seconds;
   report.figures = made->figures;
   made->field.creator = file.creator;
-  for (const std::string& note : made->field.notes) report.notes.push_back(note);
+  for (const Note& note : made->field.notes) report.notes.push_back(note);
   if (made->figures.particles > 0) measured.field = std::move(made->field);
   return measured;
 }
@@ -122,7 +123,7 @@ void add_particles(NamedLines& lines, const ParticleReport& report) {
   lines.add("format", fmt::format("{}: {}", report.info.format, report.title));
   lines.add("particles", fmt::format("{}", report.particles));
   if (report.info.frames > 1) {
-    lines.add("frames", fmt::format("{}, counted from 0; {} is described, --volume K chooses another",
+    lines.add("frames", fmt::format("{}, counted from 0; this report describes {}, choose another with --volume K",
                                     report.info.frames, report.frame.value_or(0)));
   }
   if (!report.info.frame_name.empty()) lines.add("frame", printable(report.info.frame_name, kShownName));
@@ -130,13 +131,13 @@ void add_particles(NamedLines& lines, const ParticleReport& report) {
   if (bounds.finite > 0) lines.add("bounds", convert::box_text(bounds.box));
   if (!report.info.length_unit.empty()) lines.add("unit", printable(report.info.length_unit, kShownName));
   if (bounds.not_finite > 0) {
-    lines.add("not finite", fmt::format("{} particles; --nan outside leaves them out", bounds.not_finite));
+    lines.add("not finite", fmt::format("{} particles; skip them with --nan outside", bounds.not_finite));
   }
   if (const auto& neighbors = report.statistics.neighbors) {
-    lines.add("neighbours", fmt::format("{:.6g} .. {:.6g} to the nearest, median {:.6g}, of {} particles",
-                                        neighbors->min, neighbors->max, neighbors->median, neighbors->asked));
+    lines.add("neighbors", fmt::format("nearest at {:.6g} .. {:.6g}, median {:.6g}, of {} particles", neighbors->min,
+                                       neighbors->max, neighbors->median, neighbors->asked));
     lines.add("radius",
-              fmt::format("{:.6g}: half that median; --radius R says another, and so do radii that the particles have",
+              fmt::format("{:.6g}: half of the median distance; radii in the file or --radius R take precedence",
                           *report.statistics.suggested_radius()));
   }
   add_attributes(lines, report.attributes);
@@ -184,7 +185,7 @@ convert::Json json_of(const ParticleReport& report) {
   if (report.no_field) {
     json["no_field"] = {{"message", report.no_field->message}, {"hint", words_of(report.no_field->hint)}};
   }
-  json["notes"] = report.notes;
+  json["notes"] = convert::json_of_notes(report.notes);
   return json;
 }
 

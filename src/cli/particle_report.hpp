@@ -8,6 +8,7 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "base/note.hpp"
 #include "cli/layout.hpp"
 #include "convert/conversion_job.hpp"
 #include "convert/json_type.hpp"
@@ -20,7 +21,7 @@ namespace isoextract::cli {
 // The range of an attribute's finite values over all components.
 struct AttributeRange {
   particle_io::ParticleQuantity quantity;
-  bool read = false;  // it is numeric and was read
+  bool read = false;  // the attribute is numeric, and the report has its range
   std::uint64_t not_finite = 0;
   std::optional<double> min;  // unset if no value is finite
   std::optional<double> max;
@@ -29,7 +30,7 @@ struct AttributeRange {
 struct ParticleReport {
   particle_io::ParticleInfo info;
   std::string title;                  // of the format
-  std::optional<std::int64_t> frame;  // the frame described, if one was chosen or there are several
+  std::optional<std::int64_t> frame;  // the frame of this report, if the user chose one or the file has several
   std::uint64_t particles = 0;
   points::ParticleStatistics statistics;
   std::vector<AttributeRange> attributes;
@@ -38,10 +39,10 @@ struct ParticleReport {
   std::optional<Error> no_field;                           // why there is no field
   double read_seconds = 0;                                 // time of reading, as a conversion would need it
   double field_seconds = 0;
-  std::vector<std::string> notes;
+  Notes notes;
 };
 
-// The results for particles and their field; `field` is unset if there is none.
+// Results for particles and their field; `field` is unset if there is no field.
 struct MeasuredParticles {
   ParticleReport report;
   std::optional<field::ScalarField> field;

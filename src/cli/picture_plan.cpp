@@ -14,11 +14,12 @@ bool writes_picture(const ConvertFlags& flags) {
 
 Result<std::optional<convert::PictureFileOptions>> plan_picture(const ConvertFlags& flags) {
   if (!writes_picture(flags)) {
-    TRY(flags.refuse(About::picture, "{} is about a picture, and none is drawn", "name the output .png"));
+    TRY(flags.refuse(About::picture, "{} applies to pictures, but the output is not a picture",
+                     "give an output name that ends in .png"));
     return std::nullopt;
   }
-  TRY(flags.refuse(About::mesh_file, "{} is about the file of a mesh, and the output is a picture",
-                   "leave {} out, or name the output as a mesh"));
+  TRY(flags.refuse(About::mesh_file, "{} applies to mesh files, but the output is a picture",
+                   "leave {} out, or give the output a name of a mesh format"));
   convert::PictureFileOptions picture;
   if (flags.size) {
     picture.width = flags.size->width;
@@ -32,9 +33,10 @@ Result<std::optional<convert::PictureFileOptions>> plan_picture(const ConvertFla
 std::string cameras_note(const convert::PictureFileOptions& picture) {
   if (picture.angles.is_fixed()) return {};
   return fmt::format(
-      "each picture {} its own surfaces, so it does not show how they {}: for one camera give --camera "
+      "the camera of each picture {} its own surfaces, so the pictures do not show how the surfaces {}: for one camera "
+      "give --camera "
       "AZ,EL,DISTANCE and --look-at X,Y,Z",
-      picture.angles.look_at ? "is taken from as far as needs" : "looks at the middle of",
+      picture.angles.look_at ? "takes its distance from" : "looks at the center of",
       picture.angles.look_at ? "grow" : "move");
 }
 

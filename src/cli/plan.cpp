@@ -36,8 +36,8 @@ std::string foreign_numbering(const std::string& input) {
 Result<std::optional<std::int64_t>> plan_one_volume(const InputFlags& flags) {
   if (!flags.volume) return std::nullopt;
   if (const auto* number = std::get_if<std::int64_t>(&*flags.volume)) return *number;
-  return refuse_usage("--volume all stands for several volumes, where one is needed",
-                      "give the number of one; 'isoextract info INPUT' tells how many there are");
+  return refuse_usage("--volume all selects several volumes, and this command needs one volume",
+                      "give the number of one volume; 'isoextract info INPUT' shows the number of volumes");
 }
 
 }  // namespace
@@ -50,7 +50,7 @@ Result<mesh_io::MeshFormat> format_of_path(const std::string& path, std::string 
   if (const auto format = mesh_io::mesh_format_by_path(path)) return *format;
   std::vector<std::string_view> names;
   for (const mesh_io::MeshFormatInfo& info : mesh_io::mesh_formats()) names.push_back(info.name);
-  return refuse_usage(fmt::format("{}: expected an extension of {}{}", path, fmt::join(names, ", "), besides),
+  return refuse_usage(fmt::format("{}: expected a name that ends in .{}{}", path, fmt::join(names, ", ."), besides),
                       std::move(hint));
 }
 
@@ -64,7 +64,8 @@ convert::SurfaceOptions plan_surface(const SurfaceFlags& flags, const InputFlags
 
 Result<void> plan_region(const SurfaceFlags& flags, convert::SourceOptions& source) {
   if (flags.roi_snap && !flags.roi) {
-    return refuse_usage("--roi-snap says where a --roi ends, and none is given", "give --roi X0,Y0,Z0,X1,Y1,Z1");
+    return refuse_usage("--roi-snap needs --roi: --roi-snap sets where the region of --roi ends",
+                        "give --roi X0,Y0,Z0,X1,Y1,Z1");
   }
   source.roi = flags.roi;
   source.roi_snap = flags.roi_snap;
@@ -74,11 +75,10 @@ Result<void> plan_region(const SurfaceFlags& flags, convert::SourceOptions& sour
 
 Result<void> plan_resolution(const SurfaceFlags& flags, convert::SourceOptions& source) {
   if (flags.resolution && flags.voxel_size) {
-    return refuse_usage("--resolution and --voxel-size both say what the grid to extract from is",
-                        "leave one of them out");
+    return refuse_usage("--resolution and --voxel-size both set the grid of the extraction", "leave one of them out");
   }
   if (flags.kernel && !flags.resolution && !flags.voxel_size) {
-    return refuse_usage("--kernel says what is between the samples of a finer grid, and none is asked for",
+    return refuse_usage("--kernel sets the interpolation of resampling and needs --resolution or --voxel-size",
                         "give --resolution N or --voxel-size S, or leave --kernel out");
   }
   source.resolution = flags.resolution;
@@ -94,7 +94,7 @@ extract::NanPolicy default_nan_policy(const InputFlags& input) {
 std::string extension_of(const std::string& path) { return to_lower(std::filesystem::path(path).extension().string()); }
 
 Result<convert::Placement> plan_placement(const PlacementFlags& flags, mesh_io::MeshFormat format, bool draws_mesh,
-                                          std::vector<std::string>& notes) {
+                                          Notes& notes) {
   convert::Placement placement;
   placement.space = flags.space.value_or(convert::Space::world);
   placement.up = flags.up.value_or(convert::UpAxis::z);
@@ -106,7 +106,7 @@ Result<convert::Placement> plan_placement(const PlacementFlags& flags, mesh_io::
   TRY(refuse_both(flags.scale, flags.unit));
   if (flags.to_unit && !flags.unit) {
     return refuse_usage("--to-unit needs the unit of the input's world as well",
-                        "give --unit file where the input states it, or for example --unit mm");
+                        "give --unit file if the input states its unit, or for example --unit mm");
   }
   const std::string_view format_name = mesh_io::mesh_format_info(format).name;
   const convert::UpAxis up_out = flags.up_out.value_or(is_gltf(format) ? convert::UpAxis::y : placement.up);
@@ -114,13 +114,15 @@ Result<convert::Placement> plan_placement(const PlacementFlags& flags, mesh_io::
   placement.turn_y_up_to_z_up = placement.up == convert::UpAxis::y && up_out == convert::UpAxis::z;
   if (flags.up && !flags.up_out && !is_gltf(format) && !draws_mesh) {
     notes.push_back(
-        fmt::format("--up changes nothing: {} prescribes no up axis and keeps the input's axes; --up-out "
-                    "turns them",
-                    format_name));
+        {NoteId::no_effect,
+         fmt::format("--up changes nothing: {} prescribes no up axis, so the mesh keeps the input's axes; --up-out "
+                     "turns the mesh",
+                     format_name)});
   }
   if (is_gltf(format) && up_out == convert::UpAxis::z) {
     notes.push_back(
-        fmt::format("--up-out z: {} prescribes y up, so that other programs show the mesh lying down", format_name));
+        {NoteId::up_axis,
+         fmt::format("--up-out z: {} prescribes y up, so other programs show the mesh on its side", format_name)});
   }
   placement.to_space = flags.to_space;
   if (flags.scale) placement.scale = *flags.scale;
@@ -134,8 +136,9 @@ Result<convert::Placement> plan_placement(const PlacementFlags& flags, mesh_io::
   placement.unit = flags.unit->unit ? flags.unit->unit->name : convert::kFileUnit;
   if (flags.unit->unit) placement.scale = convert::unit_ratio(*flags.unit->unit, *to);
   if (is_gltf(format) && placement.to_unit != convert::meter().name) {
-    notes.push_back(fmt::format("--to-unit {}: {} prescribes metres, which other programs take its numbers for",
-                                placement.to_unit, format_name));
+    notes.push_back({NoteId::length_unit,
+                     fmt::format("--to-unit {}: {} prescribes meters, so other programs read the coordinates as meters",
+                                 placement.to_unit, format_name)});
   }
   return placement;
 }
@@ -144,7 +147,7 @@ Result<void> check_isos(const std::vector<convert::IsoChoice>& isos) {
   std::vector<convert::IsoChoice> sorted = isos;
   std::sort(sorted.begin(), sorted.end());
   const auto repeated = std::adjacent_find(sorted.begin(), sorted.end());
-  if (repeated != sorted.end()) return refuse_usage(fmt::format("--iso {} was given twice", text_of(*repeated)));
+  if (repeated != sorted.end()) return refuse_usage(fmt::format("--iso {} occurs twice", text_of(*repeated)));
   return {};
 }
 
@@ -153,13 +156,13 @@ Result<volume_io::ReadOptions> plan_read(const InputFlags& flags) {
     if (input.empty()) return refuse_usage("INPUT is empty");
     if (const std::string mark = foreign_numbering(input); !mark.empty()) {
       return refuse_usage(
-          fmt::format("{}: there is no such file, and {} is no pattern", printable(input), mark),
-          "write {} where the number of a frame is, {:04} where it has 4 digits or more, or let the shell "
-          "expand *, without quotes");
+          fmt::format("{}: there is no such file, and isoextract does not expand {}", printable(input), mark),
+          "write {} in place of the frame number, {:04} for a frame number of 4 or more digits, or let the shell "
+          "expand * without quotes");
     }
   }
   if (std::ranges::count_if(flags.inputs, files::is_standard_input) > 1) {
-    return refuse_usage("'-' was given twice, and stdin can be read once");
+    return refuse_usage("INPUT '-' occurs twice, but isoextract can read stdin only once");
   }
   const auto volume = TRY(plan_one_volume(flags));
   volume_io::ReadOptions read;
@@ -181,7 +184,7 @@ Result<volume_io::ReadOptions> plan_read(const InputFlags& flags) {
     raw.skip = flags.skip.value_or(raw.skip);
     read.raw = raw;
   } else {
-    TRY(flags.refuse(About::raw_file, "{} describes a raw file, which needs --dims as well", "give --dims NX,NY,NZ"));
+    TRY(flags.refuse(About::raw_file, "{} describes a raw file and needs --dims as well", "give --dims NX,NY,NZ"));
   }
   return read;
 }
@@ -204,22 +207,26 @@ std::vector<NamedBackend> plan_backends(std::vector<NamedBackend> backends, cons
 Result<void> refuse_several_grids(const InputFlags& flags, std::string_view command) {
   if (flags.grids.size() < 2) return {};
   return refuse_usage(fmt::format("{} takes one --grid, found {}", command, flags.grids.size()),
-                      "run it once for each grid; a conversion takes several");
+                      "run it once for each grid; only a conversion takes several grids");
 }
 
 Result<void> refuse_away_from_zero(const InputFlags& flags, std::string_view command) {
   if (flags.inside != InsideChoice::away_from_zero) return {};
-  return refuse_usage(fmt::format("--inside away-from-zero does not go with {}, whose field has one side", command),
-                      "give --inside above or below");
+  return refuse_usage(
+      fmt::format("{} does not support --inside away-from-zero, which orients each surface by its iso value", command),
+      "give --inside above or below");
 }
 
-Result<Verbosity> plan_verbosity(const RunFlags& flags) {
+Result<MessageChoice> plan_messages(const RunFlags& flags) {
   TRY(refuse_both(flags.quiet, flags.verbose));
-  return flags.quiet ? Verbosity::quiet : flags.verbose ? Verbosity::verbose : Verbosity::normal;
+  return MessageChoice{flags.quiet     ? Verbosity::quiet
+                       : flags.verbose ? Verbosity::verbose
+                                       : Verbosity::normal,
+                       flags.no_note.value_or(std::vector<NoteId>())};
 }
 
 Result<InfoPlan> plan_info(const InfoFlags& flags) {
-  if (flags.input.inputs.empty()) return refuse_usage("no INPUT was given", "isoextract info INPUT");
+  if (flags.input.inputs.empty()) return refuse_usage("INPUT is missing", "isoextract info INPUT");
   InfoPlan plan;
   TRY(refuse_away_from_zero(flags.input, "info"));
   TRY(refuse_several_grids(flags.input, "info"));
@@ -235,7 +242,7 @@ Result<InfoPlan> plan_info(const InfoFlags& flags) {
     for (const Option* option : flags.in_group(group)) {
       if (option->is_positional() || option->texts().empty()) continue;
       plan.input_arguments.push_back(option->name());
-      plan.input_arguments.push_back(shell_quoted(option->texts().front()));
+      if (option->takes_value()) plan.input_arguments.push_back(shell_quoted(option->texts().front()));
     }
   }
   return plan;
@@ -248,7 +255,7 @@ Result<ComparePlan> plan_compare(const CompareFlags& flags) {
                         "isoextract compare A.glb B.glb");
   }
   if (std::ranges::any_of(flags.meshes, files::is_standard_input)) {
-    return refuse_usage("the meshes to compare cannot be read from stdin", "give the paths of files");
+    return refuse_usage("compare cannot read a mesh from stdin", "give the paths of two files");
   }
   ComparePlan plan;
   plan.meshes = {flags.meshes[0], flags.meshes[1]};

@@ -1,5 +1,5 @@
-// Makes plans from flags: applies defaults and checks combinations. Opens no file, except an input that may hold
-// particles, since these have their own default iso value.
+// Turns parsed options into the validated settings of each command. Opens only the table of --label-names, and
+// inputs without --iso, to find out whether they hold particles, which have a default iso value of their own.
 #pragma once
 
 #include <array>
@@ -11,6 +11,7 @@
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "base/memory_budget.hpp"
+#include "base/note.hpp"
 #include "cli/error_plot.hpp"
 #include "cli/messages.hpp"
 #include "cli/options.hpp"
@@ -20,7 +21,7 @@
 
 namespace isoextract::cli {
 
-// The documents about a conversion or a batch.
+// Paths of the HTML page and the contact sheet that show the results.
 struct PagesPlan {
   std::optional<std::string> html;
   std::optional<std::string> contact_sheet;
@@ -30,15 +31,17 @@ struct PagesPlan {
 
 struct ConvertPlan {
   convert::ConversionJob job;
-  Context context;  // for everything that the conversion reads
+  Context context;  // memory limit and cancellation of the conversion
   std::optional<int> threads;
-  Verbosity verbosity = Verbosity::normal;
+  MessageChoice shown;
   bool explain = false;
   std::optional<std::string> report;  // the path of the JSON report
   bool make_folders = false;          // makes missing folders of outputs
   PagesPlan pages;
-  std::optional<std::string> on_side_text;  // describes the output if the volume's up axis is not the default
-  std::vector<std::string> notes;           // options without an effect, one sentence each
+  // The end of the note about a volume whose file has y up: "the mesh lies on its side". Unset if --up is given or the
+  // up axis changes nothing.
+  std::optional<std::string> on_side_text;
+  Notes notes;  // notes about the options, one sentence each
 };
 
 struct InfoPlan {
@@ -53,17 +56,17 @@ struct InfoPlan {
 
 struct VerifyPlan {
   Context context;
-  convert::ConversionJob job;       // the conversion that should have made the mesh; its only output is that mesh
+  convert::ConversionJob job;       // the conversion that made the mesh, with the mesh as its only output
   std::optional<std::string> mesh;  // if unset, compares the backends
-  bool is_placed = false;           // placement options are given, so the mesh's own placement is ignored
+  bool is_placed = false;           // placement options are given and replace the mesh's own placement
   bool float32_world = false;       // the mesh's format stores only float32 world coordinates
   bool json = false;
-  std::vector<std::string> notes;
+  Notes notes;
 };
 
 struct ComparePlan {
   std::array<std::string, 2> meshes;
-  std::optional<convert::UpAxis> up;  // up axis of the mesh that is not glTF, if the other one is; default z
+  std::optional<convert::UpAxis> up;  // up axis of the non-glTF mesh if the other mesh is glTF; default z
   std::optional<double> max_distance;
   MemoryBudget memory;
   bool json = false;
@@ -72,11 +75,11 @@ struct ComparePlan {
 struct BenchPlan {
   MemoryBudget memory;
   std::vector<std::string> inputs;
-  bool gpu_threads = false;                           // measures GPU threads instead of inputs
+  bool gpu_threads = false;                           // bench gpu-threads: times the creation of GPU threads
   std::optional<std::vector<NamedBackend>> backends;  // default: cpu, and gpu unless it renders in software
   gpu::GpuChoice gpu;                                 // for the default backends
   volume_io::ReadOptions read;
-  std::optional<double> iso;    // default: that of each demo field
+  std::optional<double> iso;    // default: the iso value of each demo field
   std::vector<int> sizes;       // for demo fields
   std::vector<int> coarser;     // coarsening factors for files, descending, without 1; empty: chosen by size
   bench::BenchOptions options;  // all except iso and backends
@@ -86,29 +89,29 @@ struct BenchPlan {
   PictureFormat picture = PictureFormat::svg;
 };
 
-// The end of the note that relaxing changed volumes.
+// Last part of the note about volumes that --relax changed.
 inline constexpr std::string_view kHowToKeepVolumes = ": --relax 0 keeps the volumes of the voxels";
 
-// Plans --device and --gpu-memory.
+// Returns the GPU that --device and --gpu-memory choose.
 [[nodiscard]] gpu::GpuChoice plan_gpu(const DeviceFlags& flags);
 // Applies --device and --gpu-memory to each backend of a list.
 [[nodiscard]] std::vector<NamedBackend> plan_backends(std::vector<NamedBackend> backends, const DeviceFlags& flags);
-[[nodiscard]] Result<Verbosity> plan_verbosity(const RunFlags& flags);
+[[nodiscard]] Result<MessageChoice> plan_messages(const RunFlags& flags);
 [[nodiscard]] Result<ConvertPlan> plan_convert(const ConvertFlags& flags);
 // Does not handle --inside away-from-zero: the caller puts it into SourceOptions, or calls refuse_away_from_zero().
 [[nodiscard]] Result<volume_io::ReadOptions> plan_read(const InputFlags& flags);
-// For commands that read one grid.
+// Refuses several grids; for commands that read one grid.
 [[nodiscard]] Result<void> refuse_several_grids(const InputFlags& flags, std::string_view command);
-// For commands without iso values, which cannot orient each surface by its iso value.
+// Refuses --inside away-from-zero; for info and bench, which do not support it.
 [[nodiscard]] Result<void> refuse_away_from_zero(const InputFlags& flags, std::string_view command);
 // Plans everything except the files: the job has no input and no outputs. `isos` are the iso values of the first input;
-// `context` becomes the plan's.
+// `context` is stored in the plan.
 [[nodiscard]] Result<ConvertPlan> plan_conversion(const ConvertFlags& flags,
                                                   const std::vector<convert::IsoChoice>& isos, const Context& context);
-// Finds the format by the extension.
+// Returns svg or png by the extension of `path`. Fails with ErrorCode::usage for other extensions.
 [[nodiscard]] Result<PictureFormat> picture_format_of(const std::string& path);
-// For options that plan_convert() refuses: returns one job per input, at least one, with only the files that the
-// options name.
+// Returns the input and output paths that options name, as one job per input and at least one job. Used if
+// plan_convert() fails: the report of the failure must not overwrite these files.
 [[nodiscard]] std::vector<convert::ConversionJob> plan_named_files(const ConvertFlags& flags);
 [[nodiscard]] Result<BenchPlan> plan_bench(const BenchFlags& flags);
 [[nodiscard]] Result<InfoPlan> plan_info(const InfoFlags& flags);

@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "base/error.hpp"
+#include "base/note.hpp"
 #include "cli/options.hpp"
 #include "cli/plan.hpp"
 
@@ -35,7 +36,7 @@ template <class Format, class ByPath>
   if (const auto format = by_path(output)) return *format;
   std::vector<std::string_view> names;
   for (const auto& entry : words_of(Format{})) names.push_back(entry.word);
-  return refuse_usage(fmt::format("-o {}: expected an extension of {}", output, fmt::join(names, ", ")),
+  return refuse_usage(fmt::format("-o {}: expected a name that ends in .{}", output, fmt::join(names, ", .")),
                       "or give --format");
 }
 
@@ -50,7 +51,7 @@ template <class Format, class ByPath>
 [[nodiscard]] extract::NanPolicy default_nan_policy(const InputFlags& input);
 // `draws_mesh` tells whether pages or contact sheets show the mesh, which need its up axis in every format.
 [[nodiscard]] Result<convert::Placement> plan_placement(const PlacementFlags& flags, mesh_io::MeshFormat format,
-                                                        bool draws_mesh, std::vector<std::string>& notes);
+                                                        bool draws_mesh, Notes& notes);
 // Refuses repeated iso values.
 [[nodiscard]] Result<void> check_isos(const std::vector<convert::IsoChoice>& isos);
 

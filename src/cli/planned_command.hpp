@@ -1,4 +1,4 @@
-// Commands whose options become a plan, which is checked completely before any work.
+// Commands that turn their options into a plan and check it completely before any work.
 #pragma once
 
 #include <string>
@@ -37,13 +37,13 @@ class PlannedCommand : public CommandOf<Flags> {
 
  private:
   static Result<int> run_as_planned(const Flags& flags, const RunFlags& asked) {
-    const Verbosity verbosity = TRY(plan_verbosity(asked));
+    const MessageChoice shown = TRY(plan_messages(asked));
     const auto plan = TRY(plan_of(flags));
     TRY(limit_threads(asked.threads));
-    if constexpr (std::is_same_v<decltype(run_plan(plan, Messages(verbosity))), Result<int>>) {
-      return run_plan(plan, Messages(verbosity));
+    if constexpr (std::is_same_v<decltype(run_plan(plan, Messages(shown))), Result<int>>) {
+      return run_plan(plan, Messages(shown));
     } else {
-      TRY(run_plan(plan, Messages(verbosity)));
+      TRY(run_plan(plan, Messages(shown)));
       return kDone;
     }
   }

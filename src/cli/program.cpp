@@ -23,7 +23,7 @@ namespace isoextract::cli {
 namespace {
 
 int report(const Error& error) {
-  Messages(Verbosity::quiet).error(error);
+  Messages({Verbosity::quiet}).error(error);
   return exit_code_of(error.code);
 }
 

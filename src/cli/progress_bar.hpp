@@ -1,5 +1,5 @@
-// Shows a progress bar on stderr for work that takes over a second, if stderr is a terminal and a thread can be
-// started. Otherwise prints nothing or, if requested, a line every half minute.
+// Shows a progress bar on stderr for work of more than a second, if stderr is a terminal and a thread for the bar
+// starts. Otherwise prints nothing or, if requested, a line every half minute.
 #pragma once
 
 #include <condition_variable>

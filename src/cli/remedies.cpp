@@ -48,7 +48,7 @@ SettingWords setting_words(Setting setting) {
     case Setting::demo_fields: return {{"'isoextract help demo'"}, " for the demo fields and their keys"};
     case Setting::iso: return {{"--iso V"}, ""};
     case Setting::region: return {{"--roi X0,Y0,Z0,X1,Y1,Z1"}, ""};
-    case Setting::parts: return {{"--roi X0,Y0,Z0,X1,Y1,Z1"}, " to extract it in parts"};
+    case Setting::parts: return {{"--roi X0,Y0,Z0,X1,Y1,Z1"}, " to extract the volume in parts"};
     case Setting::clip: return {{"--clip NX,NY,NZ,D"}, ""};
     case Setting::nan_policy: return {{"--nan POLICY"}, ""};
     case Setting::empty_policy: return {{"--empty skip", "--empty write"}, " if an empty surface is no error"};
@@ -84,7 +84,7 @@ std::string_view name_of(std::string_view option) {
   return option.starts_with("--") ? option.substr(0, option.find(' ')) : option;
 }
 
-bool is_placeholder_normal(std::string_view option) {
+bool is_unknown_option(std::string_view option) {
   return known_options() && option.starts_with("--") &&
          std::ranges::find(*known_options(), name_of(option)) == known_options()->end();
 }
@@ -99,7 +99,7 @@ std::string step_words(const Step& step) {
   const std::string& text = step.text;
   if (step.remedy == Remedy::say) return text;
   auto [options, note] = setting_words(step.setting);
-  std::erase_if(options, is_placeholder_normal);
+  std::erase_if(options, is_unknown_option);
   if (options.empty()) return "";
   const std::string_view name = name_of(options.front());
   const std::string_view value = options.front().substr(options.front().find_last_of(" =") + 1);

@@ -28,8 +28,8 @@ namespace {
 class RenderNotes final : public convert::Events {
  public:
   RenderNotes(const Messages& messages, ProgressBar& bar) : messages_(messages), bar_(bar) {}
-  void note(const std::string& text) override {
-    bar_.above([&] { messages_.note(text); });
+  void note(const Note& note) override {
+    bar_.above([&] { messages_.note(note); });
   }
 
  private:
@@ -46,12 +46,12 @@ Result<std::unique_ptr<render::Renderer>> open_renderer(const RenderPlan& plan, 
     return std::move(gpu->renderer);
   }
   if (gpu && !gpu->device.software) {
-    messages.note(fmt::format("backend: gpu, {}", gl::describe(gpu->device)));
+    messages.note({NoteId::backend, fmt::format("backend: gpu, {}", gl::describe(gpu->device))});
     return std::move(gpu->renderer);
   }
-  messages.detail(
-      fmt::format("backend: cpu, because {}",
-                  gpu ? fmt::format("{} draws on the processor", gl::describe(gpu->device)) : gpu.error().message));
+  messages.detail(fmt::format(
+      "backend: cpu, because {}",
+      gpu ? fmt::format("{} renders in software on the CPU", gl::describe(gpu->device)) : gpu.error().message));
   return render::make_cpu_renderer();
 }
 
@@ -138,7 +138,8 @@ class Pictures {
         auto read = source.read_volume(*picture.input, picture.output, context_, notes);
         if (!read) {
           if (!plan_.is_sequence || !has_no_surface(read.error().code)) return read;
-          notes.note(fmt::format("frame {}: {}: the picture shows none of it", picture.frame, read.error().message));
+          notes.note({NoteId::no_surface,
+                      fmt::format("frame {}: {}: the picture shows no volume", picture.frame, read.error().message)});
           if (!nothing) nothing = read.error();
           source.remove_volume();
         }
@@ -192,12 +193,13 @@ class Pictures {
                       name, rendered.picture.width, rendered.picture.height, drawing.wall_seconds));
       if (is_empty)
         messages_.note(
-            fmt::format("{}: the picture is empty: what is drawn is not before the camera, or the transfer function "
-                        "leaves it clear",
-                        name));
+            {NoteId::empty_picture,
+             fmt::format("{}: the picture is empty: the scene is outside the camera's view, or the transfer function "
+                         "makes it transparent",
+                         name)});
       messages_.detail(fmt::format(
-          "{}: {} rays, {} samples, {} left out in empty bricks ({} of {} bricks), {} behind what hides them; {} "
-          "fragments of surfaces; read in {:.2f} s, written in {:.2f} s; {}; peak memory {}",
+          "{}: {} rays, {} samples, {} skipped in empty bricks ({} of {} bricks), {} hidden; {} surface fragments; "
+          "read in {:.2f} s, written in {:.2f} s; {}; peak memory {}",
           name, statistics.rays, statistics.samples, statistics.samples_skipped, statistics.bricks_skipped,
           statistics.bricks, statistics.samples_terminated, statistics.fragments, reading.wall_seconds,
           writing.wall_seconds, renderer_.device(), format_byte_size(peak_memory())));
@@ -214,7 +216,7 @@ class Pictures {
   convert::Json records_ = convert::Json::array();
 };
 
-// Checks before the work whether all outputs can be written.
+// Checks before drawing that every output is writable.
 Result<void> check_outputs(const RenderPlan& plan, const Context& context) {
   files::InputFileSet read;
   for (const std::string& mesh : plan.meshes) convert::add_read_mesh(read, mesh, context);
@@ -232,16 +234,15 @@ Result<void> check_outputs(const RenderPlan& plan, const Context& context) {
     if (picture.output == "-") continue;
     TRY(convert::check_output_file(picture.output, read));
     if (plan.json && files::is_same_output(*plan.json, picture.output)) {
-      return fail(ErrorCode::usage,
-                  fmt::format("{}: it would be written twice, as a picture and by --json", *plan.json));
+      return fail(ErrorCode::usage, fmt::format("{}: both a picture and --json name this file", *plan.json));
     }
   }
   return {};
 }
 
-// Draws picture by picture; stops at the first that cannot be drawn or written.
+// Draws picture by picture; stops at the first error.
 Result<void> run_render(const RenderPlan& plan, const Messages& messages) {
-  for (const std::string& note : plan.notes) messages.note(note);
+  for (const Note& note : plan.notes) messages.note(note);
   const Context context{plan.memory};
   TRY(check_outputs(plan, context));
   const auto renderer = TRY(open_renderer(plan, messages));
@@ -255,8 +256,8 @@ Result<void> run_render(const RenderPlan& plan, const Messages& messages) {
   }
   if (plan.missing.empty()) return {};
   return fail(ErrorCode::frames,
-              fmt::format("frames that are not there: {}", batch::text_of(plan.missing, batch::kShownFrameRuns)),
-              "name frames that are there with --frames");
+              fmt::format("the inputs lack the frames {}", batch::text_of(plan.missing, batch::kShownFrameRuns)),
+              "give --frames only frames that have an input");
 }
 
 }  // namespace

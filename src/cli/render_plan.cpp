@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/nearest_name.hpp"
 #include "batch/find_frames.hpp"
 #include "batch/frame_range.hpp"
 #include "batch/output_names.hpp"
@@ -55,8 +56,9 @@ Result<int> turns_of(const std::string& text) {
   const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), count);
   if (problem != std::errc() || end != text.data() + text.size() || count < 1 || count > kMostTurns) {
     return refuse_usage(
-        fmt::format("--frames: expected the number of pictures of a turn, 1 to {}, found '{}'", kMostTurns, text),
-        "a range is for the frames of a sequence, and INPUT is none");
+        fmt::format("--frames: expected the number of pictures for one turn of the camera, 1 to {}, found '{}'",
+                    kMostTurns, text),
+        "only a sequence takes a range of frames, and INPUT is one volume");
   }
   return count;
 }
@@ -85,16 +87,17 @@ Result<void> plan_frames(const RenderFlags& flags, const Inputs& inputs, RenderP
     range = TRY(batch::FrameRange::parse(*flags.frames));
   }
   auto found = TRY(batch::find_frames(inputs.volumes, range));
-  for (std::string& note : found.notes) plan.notes.push_back(std::move(note));
+  for (Note& note : found.notes) plan.notes.push_back(std::move(note));
   if (flags.frames) {
     plan.missing = std::move(found.gaps);
   } else if (!found.gaps.empty()) {
-    plan.notes.push_back(fmt::format("no input for frames {}", batch::text_of(found.gaps, batch::kShownFrameRuns)));
+    plan.notes.push_back({NoteId::missing_frames, fmt::format("the inputs lack the frames {}",
+                                                              batch::text_of(found.gaps, batch::kShownFrameRuns))});
   }
   for (batch::Frame& frame : found.frames) {
     if (frame.step) {
-      return refuse_usage(fmt::format("{}: its time steps cannot be drawn as frames", frame.input),
-                          "give the number of one with --volume");
+      return refuse_usage(fmt::format("{}: render cannot draw the time steps of one file as frames", frame.input),
+                          "choose one time step with --volume");
     }
     PicturePlan picture;
     picture.frame = frame.number;
@@ -108,13 +111,12 @@ Result<void> name_pictures(const RenderFlags& flags, const Inputs& inputs, std::
   if (flags.output && flags.output->empty()) return refuse_usage("-o needs the name of a file");
   if (flags.output == "-") {
     if (pictures.size() > 1)
-      return refuse_usage("several pictures are written into files, not to stdout", "give a name with -o");
+      return refuse_usage("render writes several pictures to files, not to stdout", "give a name with -o");
     pictures.front().output = "-";
     return {};
   }
   if (!flags.output && std::ranges::any_of(flags.input.inputs, files::is_standard_input)) {
-    return refuse_usage("an input from stdin has no name that the picture could have",
-                        "give -o FILE, or -o - for stdout");
+    return refuse_usage("an input from stdin has no file name for the picture", "give -o FILE, or -o - for stdout");
   }
   std::vector<batch::OutputSource> sources;
   for (const PicturePlan& picture : pictures) {
@@ -124,14 +126,14 @@ Result<void> name_pictures(const RenderFlags& flags, const Inputs& inputs, std::
                        {}});
   }
   if (flags.output && flags.output->find(convert::kPiecePlaceholder) != std::string::npos) {
-    return refuse_usage(fmt::format("-o {}: a picture shows a whole mesh", *flags.output),
+    return refuse_usage(fmt::format("-o {}: a picture shows the whole mesh, not one body", *flags.output),
                         fmt::format("leave {} out", convert::kPiecePlaceholder));
   }
   const auto names = TRY(batch::name_outputs(sources, flags.output, mesh_io::MeshFormat::glb, "png"));
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     pictures[i].output = names[i].front().path;
     if (!picture_file_of(pictures[i].output)) {
-      return refuse_usage(fmt::format("{}: expected an extension of png, exr", pictures[i].output));
+      return refuse_usage(fmt::format("{}: expected a name that ends in .png or .exr", pictures[i].output));
     }
   }
   return {};
@@ -141,27 +143,28 @@ Result<void> name_pictures(const RenderFlags& flags, const Inputs& inputs, std::
 Result<void> check_useful(const RenderFlags& flags, const Inputs& inputs, const RenderPlan& plan) {
   const bool surfaces = !plan.isos.empty();
   if (!surfaces) {
-    TRY(flags.refuse(About::drawn_surface, "{} is for surfaces of the volume, and none is asked for", "give --iso V"));
+    TRY(flags.refuse(About::drawn_surface, "{} applies to surfaces of the volume and needs --iso", "give --iso V"));
   }
-  if (surfaces && inputs.volumes.empty()) return refuse_usage("--iso is for volumes, and only meshes were given");
+  if (surfaces && inputs.volumes.empty()) return refuse_usage("--iso needs a volume, but all inputs are meshes");
   if (flags.opacity && !surfaces && inputs.meshes.empty()) {
-    return refuse_usage("--opacity is for surfaces and meshes, and there are none");
+    return refuse_usage("--opacity applies to surfaces and meshes, and the scene has none");
   }
   if (flags.color && flags.color->attribute) {
-    return refuse_usage("--color-by: render colours surfaces by their iso values", "give --color-by iso");
+    return refuse_usage("--color-by: 'isoextract render' colors surfaces only by their iso values",
+                        "give --color-by iso");
   }
   const std::size_t parts = plan.isos.size() + inputs.meshes.size();
   if (flags.opacity && flags.opacity->size() != 1 && flags.opacity->size() != parts) {
     return refuse_usage(fmt::format("--opacity: expected one value or {}, found {}", parts, flags.opacity->size()));
   }
   if (!plan.draws_volume) {
-    TRY(flags.refuse(About::drawn_volume, "{} is for the volume, which --tf none leaves out"));
+    TRY(flags.refuse(About::drawn_volume, "{} applies to the volume, which --tf none does not draw"));
   }
   if (plan.transfer_file && flags.transfer_range) {
-    return refuse_usage("--tf-range is for transfer functions by name, and a file has values of its own");
+    return refuse_usage("--tf-range scales named transfer functions, but --tf names a file that states its own values");
   }
   if (!plan.draws_volume && plan.isos.empty() && inputs.meshes.empty()) {
-    return refuse_usage("there is nothing to draw: --tf none leaves the volume out", "give --iso V, or a mesh");
+    return refuse_usage("the scene is empty: --tf none does not draw the volume", "give --iso V, or a mesh");
   }
   return {};
 }
@@ -177,7 +180,7 @@ std::optional<PictureFile> picture_file_of(const std::string& path) {
 
 Result<RenderPlan> plan_render(const RenderFlags& flags) {
   if (flags.input.inputs.empty())
-    return refuse_usage("no INPUT was given", "isoextract render INPUT [MESH...] -o FILE.png");
+    return refuse_usage("INPUT is missing", "isoextract render INPUT [MESH...] -o FILE.png");
   RenderPlan plan;
   plan.memory = plan_memory(flags.input.memory_limit);
   const Inputs inputs = sorted_inputs(flags, plan.memory);
@@ -203,7 +206,7 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
   plan.opacity = flags.opacity.value_or(plan.opacity);
   plan.draws_volume = !inputs.volumes.empty();
   if (flags.transfer) {
-    if (inputs.volumes.empty()) return refuse_usage("--tf is for volumes, and only meshes were given");
+    if (inputs.volumes.empty()) return refuse_usage("--tf needs a volume, but all inputs are meshes");
     const auto named = value_of<render::BuiltInTransfer>(*flags.transfer);
     if (*flags.transfer == "none") {
       plan.draws_volume = false;
@@ -223,7 +226,7 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
   }
   TRY(check_useful(flags, inputs, plan));
   if (flags.surface.roi && plan.draws_volume)
-    plan.notes.emplace_back("--roi is for the surfaces: the volume is drawn whole");
+    plan.notes.push_back({NoteId::no_effect, "--roi cuts only the surfaces: render draws the whole volume"});
   plan.transfer_range = flags.transfer_range;
   plan.unit_length = flags.unit_length;
   plan.camera = flags.camera.value_or(plan.camera);
@@ -238,8 +241,9 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
   plan.background = flags.background.value_or(plan.background);
   plan.mesh_colors = flags.mesh_colors.value_or(plan.mesh_colors);
   if (plan.mesh_colors.size() > 1 && plan.mesh_colors.size() != plan.meshes.size()) {
-    return refuse_usage(fmt::format("--mesh-color: expected one colour or one for each mesh, found {} for {}",
-                                    plan.mesh_colors.size(), plan.meshes.size()));
+    return refuse_usage(
+        fmt::format("--mesh-color: expected one color or one color for each mesh, found {} colors for {} meshes",
+                    plan.mesh_colors.size(), plan.meshes.size()));
   }
   plan.backend = flags.backend.value_or(plan.backend);
   plan.gpu = plan_gpu(flags.device);
@@ -250,9 +254,9 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
   TRY(plan_frames(flags, inputs, plan));
   plan.is_sequence = plan.pictures.size() > 1 && plan.pictures[1].input != plan.pictures[0].input;
   if (plan.is_sequence && !plan.camera.is_fixed()) {
-    plan.notes.emplace_back(
-        "the camera is placed by the first picture: what moves or grows out of its view is not seen in the others; "
-        "--camera AZ,EL,DISTANCE and --look-at X,Y,Z place it otherwise");
+    plan.notes.push_back({NoteId::one_camera,
+                          "the first picture sets the camera for all pictures, so later frames may leave the view; "
+                          "--camera AZ,EL,DISTANCE and --look-at X,Y,Z set another camera"});
   }
   TRY(name_pictures(flags, inputs, plan.pictures));
   return plan;

@@ -10,6 +10,7 @@
 
 #include "base/error.hpp"
 #include "base/memory_budget.hpp"
+#include "base/note.hpp"
 #include "batch/frame_range.hpp"
 #include "cli/options.hpp"
 #include "convert/backends.hpp"
@@ -51,7 +52,7 @@ struct RenderPlan {
   convert::Backend backend = convert::Backend::automatic;
   gpu::GpuChoice gpu;
   std::optional<std::string> json;
-  std::vector<std::string> notes;
+  Notes notes;
 };
 
 [[nodiscard]] Result<RenderPlan> plan_render(const RenderFlags& flags);

@@ -16,13 +16,12 @@ Result<void> check_report_file(const std::string& path, const convert::Conversio
 }
 
 Result<void> write_report(const std::string& path, const convert::ConversionJob* job, const convert::Outcome& outcome,
-                          const std::vector<std::string>& notes, const std::vector<std::string>& arguments,
-                          std::uint64_t memory_limit) {
+                          const Notes& notes, const std::vector<std::string>& arguments, std::uint64_t memory_limit) {
   const std::string hint = outcome.error ? words_of(outcome.error->hint) : "";
   convert::Json report = convert::report_of(job, outcome, arguments, memory_limit, hint);
-  convert::Json all = notes;
-  for (const std::string& note : outcome.notes) all.push_back(note);
-  report["notes"] = std::move(all);
+  Notes all = notes;
+  all.insert(all.end(), outcome.notes.begin(), outcome.notes.end());
+  report["notes"] = convert::json_of_notes(all);
   return files::write_file(path, convert::json_text(report));
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/note.hpp"
 #include "convert/outcome.hpp"
 
 namespace isoextract::cli {
@@ -16,7 +17,7 @@ namespace isoextract::cli {
 
 // `job` is passed to convert::report_of(). `notes` precede those of the outcome.
 [[nodiscard]] Result<void> write_report(const std::string& path, const convert::ConversionJob* job,
-                                        const convert::Outcome& outcome, const std::vector<std::string>& notes,
+                                        const convert::Outcome& outcome, const Notes& notes,
                                         const std::vector<std::string>& arguments, std::uint64_t memory_limit);
 
 }  // namespace isoextract::cli

@@ -32,17 +32,18 @@ Result<PlacedMesh> read_mesh(const std::string& path, const RenderPlan& plan, co
                              convert::Events& events) {
   context.progress().begin("reading meshes", 0);
   auto file = TRY(mesh_io::read_mesh(path, context));
-  for (const std::string& note : file.notes) events.note(note);
+  for (const Note& note : file.notes) events.note(note);
   const auto record = convert::parse_placement_record(file.placement);
   if (!record && !file.placement.empty()) {
-    events.note(
-        fmt::format("{}: what it says of its placement cannot be read, and is left aside", files::input_label(path)));
+    events.note({NoteId::placement_unknown,
+                 fmt::format("{}: the placement record is not readable; render ignores it", files::input_label(path))});
   }
   const bool in_voxels = record && record->placement.space == convert::Space::index;
   const bool has_volume = plan.pictures.front().input.has_value();
   if (in_voxels && has_volume && plan.job.source.placement.space == convert::Space::world) {
-    events.note(fmt::format("{}: it is in voxel coordinates, and the volume is drawn in those of the world",
-                            files::input_label(path)));
+    events.note({NoteId::placement_differs,
+                 fmt::format("{}: the mesh is in voxel coordinates, but render draws the volume in world coordinates",
+                             files::input_label(path))});
   }
   const bool y_up = plan.up == render::UpAxis::y;
   const auto usual = convert::default_placement(file.y_up, y_up ? convert::UpAxis::y : convert::UpAxis::z);
@@ -118,7 +119,7 @@ Result<void> SceneSource::read_volume(const std::string& input, const std::strin
   remove_volume();
   convert::ConversionJob job = plan_->job;
   job.source.input = input;
-  const auto field_note = [&](const field::ScalarField& field) -> std::optional<std::string> {
+  const auto field_note = [&](const field::ScalarField& field) -> std::optional<Note> {
     if (plan_->up || printed_up_axis_note_) return std::nullopt;
     auto note = up_axis_note(field, convert::UpAxis::z, "the picture shows it on its side");
     printed_up_axis_note_ = note.has_value();
@@ -132,7 +133,7 @@ Result<void> SceneSource::read_volume(const std::string& input, const std::strin
       const bool shows_volume = plan_->is_sequence && plan_->draws_volume;
       const bool goes_on = shows_volume && outcome.error->code == ErrorCode::no_surface;
       if (!goes_on) return tl::unexpected(std::move(*outcome.error));
-      events.note(outcome.error->message);
+      events.note({NoteId::no_surface, outcome.error->message});
     }
     surfaces_ = std::move(collected.meshes);
     source_ = std::move(collected.source);
@@ -153,8 +154,10 @@ Result<void> SceneSource::place_volume(const Context& context, convert::Events& 
   const auto box = TRY(render::volume_box(source_->field));
   const auto statistics = field::measure_statistics(source_->field, &context.progress(), field::WithPercentiles::no);
   if (statistics.nan > 0) {
-    events.note(fmt::format("{}: {} of {} samples are not numbers (NaN): nothing is drawn in cells that touch them",
-                            source_->label, statistics.nan, statistics.samples + statistics.nan + statistics.infinite));
+    events.note(
+        {NoteId::nan_samples,
+         fmt::format("{}: {} of {} samples are NaN: render draws nothing in cells with such samples", source_->label,
+                     statistics.nan, statistics.samples + statistics.nan + statistics.infinite)});
   }
   TRY(choose_transfer(source_->field, statistics));
   if (!unit_length_) {

@@ -35,7 +35,7 @@ class SceneSource {
   [[nodiscard]] render::Scene scene() const;
   // Returns the up axis of the options, or else of the mesh files.
   [[nodiscard]] render::UpAxis up() const { return plan_->up.value_or(up_of_meshes_); }
-  // Fails if reading the volume's file has failed meanwhile.
+  // Fails if a later read of the volume's file has failed.
   [[nodiscard]] Result<void> check_mapping_intact() const;
 
  private:

@@ -39,15 +39,19 @@ class WaterRun {
     auto frames = TRY(check_sequence(plan_.sequence));
     const std::size_t left = plan_.sequence.frames.size() - frames.size();
     if (left > 0)
-      messages_.note(fmt::format("{} of {} frames are there and left alone", left, plan_.sequence.frames.size()));
+      messages_.note(
+          {NoteId::frames_kept, fmt::format("{} of {} frames exist already; the simulation does not overwrite them",
+                                            left, plan_.sequence.frames.size())});
     if (frames.empty()) return {};
     if (plan_.format == volume_io::VolumeFileFormat::vdb) {
       TRY(volume_io::check_grid_tools(frames.front().files.front().string()));
     }
     if (plan_.water.flow_div * plan_.water.friction < 4) {
       messages_.note(
-          fmt::format("water does not come to rest with --flow-div {} and --friction {}: their product is below 4",
-                      plan_.water.flow_div, plan_.water.friction));
+          {NoteId::simulation_limits,
+           fmt::format(
+               "the water does not come to rest with --flow-div {} and --friction {}, because their product is below 4",
+               plan_.water.flow_div, plan_.water.friction)});
     }
     auto automaton = TRY(make_automaton());
     const ProgressBar bar(context_.progress(), messages_.verbosity() != Verbosity::quiet);
@@ -105,18 +109,21 @@ class WaterRun {
                                   automaton.steps_done(), size.x, size.y, word_of(plan_.water.rule),
                                   seconds_ > 0 ? 1e-6 * cells / seconds_ : 0));
     messages_.summary(
-        fmt::format("water: {:.6g} at the start, {:.6g} poured, {:.6g} drained, {:.6g} there; out of balance by {:.1e} "
-                    "of it; depths {:.4g} to {:.4g}",
+        fmt::format("water: {:.6g} at the start, {:.6g} poured, {:.6g} drained, {:.6g} at the end; relative imbalance "
+                    "{:.1e}; depths {:.4g} to {:.4g}",
                     balance.at_start, balance.poured, balance.drained, balance.there, balance.drift(),
                     found.least_depth, found.max_depth));
     if (found.below_zero > 0) {
-      messages_.note(fmt::format("{} of {} cells have a depth below 0, as the printed rule leaves them{}",
-                                 found.below_zero, std::int64_t{size.x} * size.y,
-                                 plan_.what == simulate::WaterOutput::heights ? "" : "; in a volume they are empty"));
+      messages_.note(
+          {NoteId::simulation_limits,
+           fmt::format("{} of {} cells have a depth below 0, which the printed rule allows{}", found.below_zero,
+                       std::int64_t{size.x} * size.y,
+                       plan_.what == simulate::WaterOutput::heights ? "" : "; volumes have no water there")});
     }
     for (std::size_t g = 1; g < grown_.size(); ++g) {
-      messages_.note(fmt::format("{}: the water stands higher, so volumes have {} layers in place of {} from here on",
-                                 printable(grown_[g].first), grown_[g].second, grown_[g - 1].second));
+      messages_.note({NoteId::simulation_limits,
+                      fmt::format("{}: the water rises, so volumes have {} layers instead of {} from this file on",
+                                  printable(grown_[g].first), grown_[g].second, grown_[g - 1].second)});
     }
     tell_how_to_read(frames);
     std::size_t files = 0;
@@ -139,7 +146,7 @@ class WaterRun {
       options += fmt::format(" --dims {},{},{} --dtype f32", plan_.terrain.size.x, plan_.terrain.size.y, layers_);
     if (s != glm::dvec3(1.0)) options += fmt::format(" --spacing {},{},{}", s.x, s.y, s.z);
     options += fmt::format(" --origin {},{},{}", 0.5 * s.x, 0.5 * s.y, 0.5 * s.z);
-    messages_.summary(fmt::format("to be read with: isoextract {} --iso 0.5{}",
+    messages_.summary(fmt::format("read with: isoextract {} --iso 0.5{}",
                                   shell_quoted(frames.back().files.back().string()), options));
   }
 
@@ -157,14 +164,14 @@ struct SimulateFlags : OptionSet {
   RunFlags run{*this, RunFlags::Taken::help};
 };
 
-// Does nothing itself; its sub-commands do the work.
+// Prints its synopsis as an error; the subcommands simulate.
 class SimulateCommand final : public CommandOf<SimulateFlags> {
  public:
   SimulateCommand() : CommandOf({"simulate", "", "Simulate water or a jet, and write its frames."}) {}
 
   Result<int> run(const std::vector<std::string>& /*arguments*/) override {
-    return fail(ErrorCode::usage, fmt::format("{} needs one of {} after it", name(), fmt::join(inner_names(), ", ")),
-                synopsis());
+    return fail(ErrorCode::usage,
+                fmt::format("{} needs a subcommand, one of {}", name(), fmt::join(inner_names(), ", ")), synopsis());
   }
 };
 

@@ -10,7 +10,7 @@
 
 namespace isoextract::cli {
 
-// Checks before the work that the folders and files of the frames can be written, and makes folders if the plan allows
+// Checks before the simulation that folders and files of the frames are writable, and makes folders if the plan allows
 // it. Returns the frames to write; with --no-clobber, skips frames of which any file exists. Each frame's files are
 // written together or not at all.
 [[nodiscard]] Result<std::vector<SequenceFrame>> check_sequence(const SequencePlan& plan);

@@ -23,16 +23,16 @@ Result<bool> names_sequence(const std::string& output, const SequenceKind& kind)
   if (is_folder(output)) return true;
   const auto name = TRY(batch::OutputTemplate::parse(output));
   if (name.uses(batch::OutputWord::iso)) {
-    return refuse_usage(fmt::format("-o {}: what is simulated has no iso value", output));
+    return refuse_usage(fmt::format("-o {}: a simulation has no iso value", output), "leave {iso} out");
   }
   if (name.uses(batch::OutputWord::piece)) {
-    return refuse_usage(fmt::format("-o {}: what is simulated has no pieces", output), "leave {piece} out");
+    return refuse_usage(fmt::format("-o {}: a simulation has no bodies", output), "leave {piece} out");
   }
   if (name.uses(batch::OutputWord::grid) && kind.grids.front().empty()) {
     return refuse_usage(fmt::format("-o {}: one file holds all grids", output), "leave {grid} out");
   }
   if (kind.grids.size() > 1 && !name.uses(batch::OutputWord::grid)) {
-    return refuse_usage(fmt::format("-o {}: {} are files of their own, which {{grid}} in the name tells apart", output,
+    return refuse_usage(fmt::format("-o {}: {} go to separate files, so the file name needs {{grid}}", output,
                                     fmt::join(kind.grids, " and ")),
                         fmt::format("for example {}", fs::path(kind.example).stem().string() + "_{grid}" +
                                                           fs::path(kind.example).extension().string()));
@@ -45,19 +45,20 @@ Result<std::vector<std::uint64_t>> frame_steps(const SequenceFlags& flags, const
   if (!is_sequence) {
     if (!flags.every) return std::vector{steps};
     return refuse_usage(
-        fmt::format("--every {}: there are several frames, and the name {} has no place for their number", *flags.every,
-                    *flags.output),
+        fmt::format("--every {} makes several frames, but the file name {} has no placeholder for the frame number",
+                    *flags.every, *flags.output),
         fmt::format("write -o {}", kind.example));
   }
   const std::uint64_t every = flags.every.value_or(kind.every);
   if (steps % every != 0) {
     return refuse_usage(
-        fmt::format("--steps {}: expected a multiple of --every, which is {}{}: the last steps would be in no frame",
+        fmt::format("--steps {}: expected a multiple of --every ({}{}); otherwise the last steps are in no frame",
                     steps, every, flags.every ? "" : " by default"),
         fmt::format("for example --steps {}", steps + every - steps % every));
   }
   if (steps / every >= batch::kMaxFrames) {
-    return refuse_usage(fmt::format("--steps {} --every {}: more than {} frames", steps, every, batch::kMaxFrames));
+    return refuse_usage(
+        fmt::format("--steps {} --every {}: expected at most {} frames", steps, every, batch::kMaxFrames));
   }
   std::vector<std::uint64_t> frames;
   for (std::uint64_t step = kind.first * every; step <= steps; step += every) frames.push_back(step);
@@ -77,7 +78,7 @@ Result<void> check_taps(const std::vector<simulate::WaterTap>& taps, glm::ivec2 
 
 Result<SequencePlan> plan_sequence(const SequenceFlags& flags, const SequenceKind& kind) {
   if (!flags.output || flags.output->empty()) {
-    return refuse_usage("-o FILE is missing: where the simulation is written",
+    return refuse_usage("-o FILE is missing: the file that the simulation writes",
                         fmt::format("for example -o {}", kind.example));
   }
   const auto is_sequence = TRY(names_sequence(*flags.output, kind));
@@ -132,9 +133,10 @@ Result<WaterPlan> plan_water(const WaterFlags& flags) {
   }
   if (plan.what == simulate::WaterOutput::heights) {
     if (flags.sequence.output && plan.format != volume_io::VolumeFileFormat::npy) {
-      return refuse_usage("--what heights writes NPY arrays", "name the output .npy");
+      return refuse_usage("--what heights writes NPY arrays", "give an output name that ends in .npy");
     }
-    if (flags.spacing) return refuse_usage("--what heights has no voxels, which --spacing would place");
+    if (flags.spacing)
+      return refuse_usage("--spacing sets the distance of voxels, and --what heights writes no voxels");
   }
   plan.sequence = TRY(plan_sequence(flags.sequence, kind));
   return plan;

@@ -40,8 +40,8 @@ struct SequenceKind {
   std::uint64_t first = 0;  // the number of the first frame
 };
 
-// Plans the frames and their files. Fails with ErrorCode::usage if names repeat, or if several frames have no place for
-// their number in the name.
+// Plans the frames and their files. Fails with ErrorCode::usage if names repeat, or if the name of several frames lacks
+// a placeholder for the frame number.
 [[nodiscard]] Result<SequencePlan> plan_sequence(const SequenceFlags& flags, const SequenceKind& kind);
 
 struct WaterPlan {

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "accuracy/extraction_comparison.hpp"
+#include "base/nearest_name.hpp"
 #include "base/version.hpp"
 #include "bench/stability.hpp"
 #include "cli/backends.hpp"
@@ -30,7 +31,7 @@ Result<std::vector<bench::BenchBackend>> choose_backends(const StabilityFlags& f
   if (gpu) {
     backends.push_back({"gpu", std::move(gpu->extractor), {}});
   } else {
-    messages.note(fmt::format("without gpu, because {}", gpu.error().message));
+    messages.note({NoteId::backend, fmt::format("stability tests no GPU, because {}", gpu.error().message)});
   }
   return backends;
 }
@@ -42,8 +43,9 @@ Result<std::vector<const bench::StabilityCase*>> chosen_cases(const std::vector<
   for (const std::string& name : names) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     const std::string near = nearest_name(name, known);
-    return fail(ErrorCode::usage, fmt::format("--case: there is no case '{}'", name),
-                near.empty() ? "'isoextract stability --list' names them" : fmt::format("did you mean '{}'?", near));
+    return fail(
+        ErrorCode::usage, fmt::format("--case: there is no case '{}'", name),
+        near.empty() ? "'isoextract stability --list' lists the cases" : fmt::format("did you mean '{}'?", near));
   }
   std::vector<const bench::StabilityCase*> chosen;
   for (const bench::StabilityCase& test : bench::stability_cases()) {
@@ -115,9 +117,9 @@ std::vector<std::string> checked_methods(const std::vector<bench::StabilityRow>&
     if (std::ranges::find(rows, method.method, &bench::StabilityRow::method) == rows.end()) continue;
     const bench::StabilityFindings checked = bench::empty_findings(method.traits);
     std::string line = fmt::format("{}: finite vertices", method.title);
-    if (checked.edges_checked) line += ", each within its own edge of the grid";
+    if (checked.edges_checked) line += ", each inside its own grid edge";
     if (checked.crossings_checked) line += " and at its crossing";
-    line += fmt::format("; triangles with an area, once each; manifold, oriented, closed {}",
+    line += fmt::format("; triangles with an area, none repeated; manifold, oriented, closed {}",
                         method.traits.always_closed ? "everywhere" : "with a cap");
     lines.push_back(std::move(line));
   }
@@ -170,7 +172,8 @@ Result<std::vector<bench::StabilityRow>> extracted_rows(const std::vector<const 
                                                         const StabilityFlags& flags, const Messages& messages) {
   const auto backends = TRY(choose_backends(flags, messages));
   const std::span<const extract::MethodInfo> methods = extract::kMethods;
-  for (const std::string& missing : bench::missing_methods(backends, methods)) messages.note(missing);
+  for (const std::string& missing : bench::missing_methods(backends, methods))
+    messages.note({NoteId::backend, missing});
   std::vector<bench::StabilityRow> rows;
   for (const bench::StabilityCase* test : cases) {
     for (const extract::MethodInfo& method : methods) {
@@ -211,7 +214,7 @@ Result<void> run_stability(const StabilityFlags& flags, const Messages& messages
   TRY(print_to_stdout(flags.json ? convert::json_text(json) : text));
   if (failed == 0) return {};
   return fail(ErrorCode::verification, fmt::format("{} of {} cases failed", failed, rows.size() + water_rows.size()),
-              "the verdicts say how; please report them");
+              "please report the verdicts of the failed cases");
 }
 
 class StabilityCommand final : public CommandOf<StabilityFlags> {
@@ -219,9 +222,9 @@ class StabilityCommand final : public CommandOf<StabilityFlags> {
   StabilityCommand() : CommandOf({"stability", "[options]", "Extract extreme fields and check every vertex."}) {}
 
   Result<int> run(const std::vector<std::string>& /*arguments*/) override {
-    const Verbosity verbosity = TRY(plan_verbosity(flags().run));
+    const MessageChoice shown = TRY(plan_messages(flags().run));
     TRY(limit_threads(flags().run.threads));
-    TRY(run_stability(flags(), Messages(verbosity)));
+    TRY(run_stability(flags(), Messages(shown)));
     return kDone;
   }
 };

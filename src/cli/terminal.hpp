@@ -6,7 +6,7 @@ namespace isoextract::cli {
 // Returns true if stderr is a terminal that understands escape sequences (TERM is set and not "dumb").
 [[nodiscard]] bool stderr_is_terminal();
 
-// Returns true if messages may be colored: stderr is a terminal, and the variable NO_COLOR is unset or empty
+// Returns true if messages may have colors: stderr is a terminal, and the variable NO_COLOR is unset or empty
 // (no-color.org).
 [[nodiscard]] bool stderr_has_colors();
 

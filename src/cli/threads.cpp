@@ -22,9 +22,9 @@ Result<void> limit_threads(const std::optional<int>& threads) {
   if (others.refusal.empty()) return {};
   const int could = others.count + 1;
   return fail(ErrorCode::unavailable,
-              fmt::format("cannot start {} threads, no more than {}: {}", wanted, could, others.refusal),
-              fmt::format("use no more with --threads {}, or raise the limit (ulimit {})", could,
-                          address_space_limit() ? "-v: a thread's stack takes address space, too" : "-u"));
+              fmt::format("cannot start {} threads, only {}: {}", wanted, could, others.refusal),
+              fmt::format("give --threads {}, or raise the limit (ulimit {})", could,
+                          address_space_limit() ? "-v, because each thread's stack takes address space" : "-u"));
 }
 
 }  // namespace isoextract::cli

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/note.hpp"
 #include "convert/placement.hpp"
 #include "field/scalar_field.hpp"
 
@@ -12,7 +13,7 @@ namespace isoextract::cli {
 
 // Returns nullopt if the creator's up axis is `up` or unknown. `consequence` is the effect on the output: "the mesh
 // lies on its side".
-[[nodiscard]] std::optional<std::string> up_axis_note(const field::ScalarField& field, convert::UpAxis up,
-                                                      std::string_view consequence);
+[[nodiscard]] std::optional<Note> up_axis_note(const field::ScalarField& field, convert::UpAxis up,
+                                               std::string_view consequence);
 
 }  // namespace isoextract::cli

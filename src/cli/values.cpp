@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "base/byte_size.hpp"
+#include "base/nearest_name.hpp"
 #include "base/printable.hpp"
 #include "simulate/terrain.hpp"
 
@@ -98,24 +99,6 @@ std::optional<glm::dvec3> three_above_0(std::string_view text, std::string_view 
     numbers[axis] = *number;
   }
   return numbers;
-}
-
-// Returns the edit distance: insertions, deletions, replacements and swaps of letters from a to b.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::vector<std::size_t>> cost(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
-  for (std::size_t i = 0; i <= a.size(); ++i) {
-    for (std::size_t j = 0; j <= b.size(); ++j) {
-      if (i == 0 || j == 0) {
-        cost[i][j] = i + j;
-        continue;
-      }
-      cost[i][j] = std::min({cost[i - 1][j] + 1, cost[i][j - 1] + 1, cost[i - 1][j - 1] + (a[i - 1] != b[j - 1])});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
-        cost[i][j] = std::min(cost[i][j], cost[i - 2][j - 2] + 1);
-      }
-    }
-  }
-  return cost[a.size()][b.size()];
 }
 
 }  // namespace
@@ -213,7 +196,7 @@ Result<simulate::WaterTap> parse_tap(std::string_view text) {
     const auto rate = parse_positive(parts[2]);
     if (x && y && rate) return simulate::WaterTap{{*x, *y}, *rate};
   }
-  return expected_found("X,Y,RATE: a cell, counted from 0, and a depth a step above 0", text);
+  return expected_found("X,Y,RATE: a cell, counted from 0, and a depth per step, above 0", text);
 }
 
 Result<double> parse_not_negative(std::string_view text) {
@@ -321,10 +304,10 @@ Result<convert::FilterStep> parse_filter(std::string_view text) {
   std::optional<int> width = 1;
   if (colon != std::string_view::npos) width = whole_text_as<int>(text.substr(colon + 1));
   if (!filter || !width || *width < 1 || *width > volume_io::kMaxFilterWidth) {
-    return expected_found(fmt::format("gaussian, median or mean, alone or with a width of 1 to {} voxels as in "
-                                      "gaussian:2",
-                                      volume_io::kMaxFilterWidth),
-                          text);
+    return expected_found(
+        fmt::format("gaussian, median or mean, optionally with a width of 1 to {} voxels (gaussian:2)",
+                    volume_io::kMaxFilterWidth),
+        text);
   }
   return convert::FilterStep{*filter, static_cast<std::uint64_t>(*width)};
 }
@@ -334,7 +317,7 @@ Result<convert::ClipPlane> parse_clip_plane(std::string_view text) {
   if (!numbers) return expected_found("four numbers NX,NY,NZ,D", text);
   const glm::dvec3 normal((*numbers)[0], (*numbers)[1], (*numbers)[2]);
   const double length = glm::length(normal);
-  if (!(std::isfinite(length) && length > 0)) return expected_found("a normal NX,NY,NZ that is a direction", text);
+  if (!(std::isfinite(length) && length > 0)) return expected_found("a normal NX,NY,NZ other than 0,0,0", text);
   return convert::ClipPlane{normal, (*numbers)[3]};
 }
 
@@ -401,7 +384,8 @@ Result<std::vector<extract::Method>> parse_methods(std::string_view text) {
     const auto method = value_of<extract::Method>(word);
     if (!method) {
       const auto ids = extract::method_ids();
-      return expected_found(fmt::format("some of {}, such as {},{}", fmt::join(ids, ", "), ids[0], ids[1]), text);
+      return expected_found(
+          fmt::format("a comma-separated list of {}, such as {},{}", fmt::join(ids, ", "), ids[0], ids[1]), text);
     }
     if (std::ranges::find(methods, *method) != methods.end()) return expected_found("each method once", text);
     methods.push_back(*method);
@@ -419,19 +403,20 @@ Result<int> parse_repeats(std::string_view text) {
 
 Result<std::uint64_t> parse_size(std::string_view text) { return parse_byte_size(text); }
 
-std::string nearest_name(std::string_view text, const std::vector<std::string>& candidates) {
-  const std::size_t tolerance = std::max<std::size_t>(1, text.size() / 3);
-  std::string best;
-  std::size_t best_distance = tolerance + 1;
-  for (const std::string& candidate : candidates) {
-    const bool is_prefix = text.size() >= 3 && candidate.starts_with(text);
-    const std::size_t distance = is_prefix ? 0 : edit_distance(text, candidate);
-    if (distance < best_distance) {
-      best_distance = distance;
-      best = candidate;
+Result<std::vector<NoteId>> parse_note_ids(std::string_view text) {
+  std::vector<NoteId> ids;
+  for (const std::string_view word : split(text, ",")) {
+    const auto id = value_of<NoteId>(word);
+    if (!id) {
+      std::vector<std::string> known;
+      for (const auto& entry : words_of(NoteId{})) known.emplace_back(entry.word);
+      return fail(ErrorCode::usage, fmt::format("expected ids of notes, found '{}'{}", word, did_you_mean(word, known)),
+                  "see 'isoextract help notes' for all ids");
     }
+    if (std::ranges::find(ids, *id) != ids.end()) return expected_found("each id once", text);
+    ids.push_back(*id);
   }
-  return best;
+  return ids;
 }
 
 namespace {

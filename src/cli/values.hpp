@@ -12,6 +12,7 @@
 #include <glm/glm.hpp>
 
 #include "base/error.hpp"
+#include "base/note.hpp"
 #include "convert/conversion_job.hpp"
 #include "extract/extractor.hpp"
 #include "field/affine.hpp"
@@ -37,7 +38,7 @@ using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
 [[nodiscard]] Result<double> parse_one_or_more(std::string_view text);                     // finite, 1 or above
 [[nodiscard]] Result<std::uint64_t> parse_count(std::string_view text);                    // a whole number, 0 or above
 [[nodiscard]] Result<std::uint64_t> parse_relaxations(std::string_view text);              // 0..10000
-[[nodiscard]] Result<std::uint64_t> parse_positive_count(std::string_view text);           // likewise, 1 or above
+[[nodiscard]] Result<std::uint64_t> parse_positive_count(std::string_view text);           // a whole number, 1 or above
 [[nodiscard]] Result<glm::ivec2> parse_grid_size(std::string_view text);                   // NXxNY or NX,NY, 2 or above
 [[nodiscard]] Result<glm::dvec3> parse_sides(std::string_view text);        // AxBxC or one for all, above 0
 [[nodiscard]] Result<simulate::WaterTap> parse_tap(std::string_view text);  // X,Y,RATE
@@ -64,19 +65,17 @@ using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
 // Parses finite numbers separated by commas, at least one; nullopt for anything else.
 [[nodiscard]] std::optional<std::vector<double>> parse_numbers(std::string_view text);
 
-// Parse lists separated by commas, without repetition. The results are in ascending order unless noted.
+// Parses a list separated by commas, without repetition. The result is in ascending order unless noted.
 [[nodiscard]] Result<std::vector<int>> parse_thread_counts(std::string_view text);        // each as one
 [[nodiscard]] Result<std::vector<int>> parse_demo_sizes(std::string_view text);           // 8..2048
 [[nodiscard]] Result<std::vector<int>> parse_coarse_factors(std::string_view text);       // powers of two from 2 to 64
 [[nodiscard]] Result<std::vector<extract::Method>> parse_methods(std::string_view text);  // in the order given
 
+[[nodiscard]] Result<std::vector<NoteId>> parse_note_ids(std::string_view text);  // in the order given
+
 [[nodiscard]] Result<gl::DeviceChoice> parse_device(std::string_view text);  // N, cuda:N or a name
 
 [[nodiscard]] Result<int> parse_repeats(std::string_view text);  // 1..1000
-
-// Returns the candidate that `text` most likely means: one that starts with `text` or differs by few letters. Empty if
-// there is none.
-[[nodiscard]] std::string nearest_name(std::string_view text, const std::vector<std::string>& candidates);
 
 // Returns `text` as one word of a POSIX shell, quoted only if needed. Characters that are not printable become escapes,
 // as in $'a\nb'.

@@ -12,8 +12,8 @@ namespace isoextract::cli {
 namespace {
 
 std::string worst_text(double worst, std::string_view unit, double allowed, const std::optional<mesh::EdgeKey>& edge) {
-  std::string text = fmt::format("at most {:.3g} {} apart, allowed {:.3g}", worst, unit, allowed);
-  if (edge) text += fmt::format("; the most at sample {}", accuracy::edge_text(*edge));
+  std::string text = fmt::format("largest difference {:.3g} {}, allowed {:.3g}", worst, unit, allowed);
+  if (edge) text += fmt::format("; largest at sample {}", accuracy::edge_text(*edge));
   return text;
 }
 
@@ -29,7 +29,7 @@ std::string verification_table(const std::string& label, const convert::Verifica
   }
   const auto counts = [&](std::string_view name, const std::array<std::uint64_t, 2>& total,
                           const std::array<std::uint64_t, 2>& only) {
-    lines.add(name, fmt::format("{} and {}; {} and {} in one only", total[0], total[1], only[0], only[1]));
+    lines.add(name, fmt::format("{} and {}; without a match {} and {}", total[0], total[1], only[0], only[1]));
   };
   counts("triangles", found.triangles.total, found.triangles.only);
   counts("vertices", found.vertices, found.vertices_only);

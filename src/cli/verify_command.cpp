@@ -35,11 +35,11 @@ struct NewExtraction {
 };
 
 // Prints only notes; the comparison tells the rest.
-class Notes final : public convert::Events {
+class NotePrinter final : public convert::Events {
  public:
-  Notes(const Messages& messages, ProgressBar& bar) : messages_(messages), bar_(bar) {}
-  void note(const std::string& text) override {
-    bar_.above([&] { messages_.note(text); });
+  NotePrinter(const Messages& messages, ProgressBar& bar) : messages_(messages), bar_(bar) {}
+  void note(const Note& note) override {
+    bar_.above([&] { messages_.note(note); });
   }
 
  private:
@@ -114,7 +114,7 @@ Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, c
   std::string label;
   {
     ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
-    Notes notes(messages, bar);
+    NotePrinter notes(messages, bar);
     auto source = open_source(plan, context, notes);
     if (!source) return tl::unexpected(add_volume_file_hint(source.error(), plan.job.source.input));
     label = source->label;
@@ -135,22 +135,22 @@ Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, c
 }
 
 std::string distance_text(const accuracy::MeshMatch& match) {
-  if (match.matched == 0) return "none is at the same place in both";
-  if (match.distance == glm::dvec3(0)) return "the very same numbers";
-  return fmt::format("at most {} apart, at {}", accuracy::point_text(match.distance),
+  if (match.matched == 0) return "no vertex has the same position in both";
+  if (match.distance == glm::dvec3(0)) return "identical";
+  return fmt::format("largest difference {}, at {}", accuracy::point_text(match.distance),
                      accuracy::point_text(match.farthest));
 }
 
 std::string match_table(const std::string& path, const NewExtraction& anew, const accuracy::MeshMatch& match) {
   NamedLines lines;
   lines.plain(fmt::format("{} and {}", printable(path), anew.surface));
-  lines.add("made anew", fmt::format("by {}: {}", anew.backend, fmt::join(anew.stages, ", ")));
+  lines.add("new surface", fmt::format("by {}: {}", anew.backend, fmt::join(anew.stages, ", ")));
   const auto counts = [&](std::string_view name, const std::array<std::uint64_t, 2>& total,
                           const std::array<std::uint64_t, 2>& only, std::string_view what) {
-    lines.add(name, fmt::format("{} and {}; {} and {} {} only", total[0], total[1], only[0], only[1], what));
+    lines.add(name, fmt::format("{} and {}; without a match {} and {}{}", total[0], total[1], only[0], only[1], what));
   };
-  counts("triangles", match.triangles.total, match.triangles.only, "in one");
-  counts("vertices", match.vertices, match.vertices_only, "places in one");
+  counts("triangles", match.triangles.total, match.triangles.only, "");
+  counts("vertices", match.vertices, match.vertices_only, " positions");
   lines.add("positions", distance_text(match));
   lines.add("allowed", accuracy::point_text(match.allowed));
   const bool same =
@@ -164,33 +164,35 @@ std::string hint_for(const convert::ConversionJob& job, const accuracy::MeshMatc
   const auto& [theirs, ours] = match.triangles.total;
   if (theirs == 0 || ours == 0) return "";
   if (match.triangles.only[0] == 0 && theirs < ours) {
-    return "it is a part of that: give the --largest, --drop-components, --fill-cavities, --clip or --roi that it was "
-           "written with";
+    return "the mesh is a part of that surface: give the --largest, --drop-components, --fill-cavities, --clip or "
+           "--roi "
+           "of its conversion";
   }
   if (!job.edits.simplify && theirs < ours && match.vertices_only[0] == 0) {
-    return "it looks simplified: give the --simplify or --triangles that it was written with; 'isoextract compare' "
-           "measures how far it is from a mesh that was written without";
+    return "the mesh looks simplified: give the --simplify or --triangles of its conversion; 'isoextract compare' "
+           "measures the distance from a mesh without simplification";
   }
   if (job.edits.simplify && match.matched > 0) {
     return fmt::format(
-        "give the same options that it was written with. Simplifying takes other turns where positions differ in their "
-        "last bits: a mesh by another backend (--backend {}) or version may be as good, and 'isoextract compare' "
-        "measures how far it is from one that is written now",
+        "give all options of its conversion. Simplification depends on the last bits of positions. "
+        "A mesh of another backend (--backend {}) or version may be as good: 'isoextract compare' "
+        "measures its distance from a new mesh",
         word_of(job.backend.backend == convert::Backend::gpu ? convert::Backend::cpu : convert::Backend::gpu));
   }
   if (match.matched > 0 && match.vertices_only[0] > 0 && match.vertices_only[1] == 0) {
-    return "it holds more than that: give every --iso, and --cap if it was written with it; leave out what it was "
-           "written without";
+    return "the mesh holds more than that surface: give every --iso of its conversion, and --cap if it has caps; leave "
+           "out "
+           "all other options";
   }
   if (match.vertices_only[0] > match.vertices[0] / 2 || theirs != ours) {
-    return "give the --iso, --method, --roi, --clip, --smooth, --simplify and placement options that it was written "
-           "with";
+    return "give the --iso, --method, --roi, --clip, --smooth, --simplify and placement options "
+           "of its conversion";
   }
   return "";
 }
 
 // Extracts all requested surfaces as one mesh.
-Result<mesh::Mesh> extract_again(const VerifyPlan& plan, const Context& context, Notes& events,
+Result<mesh::Mesh> extract_again(const VerifyPlan& plan, const Context& context, NotePrinter& events,
                                  convert::Outcome& outcome) {
   convert::MeshCollector made{.checks_files = false};
   outcome = convert::run(plan.job, context, events, {}, nullptr, &made);
@@ -204,33 +206,35 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
   NewExtraction anew;
   {
     ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
-    Notes notes(messages, bar);
+    NotePrinter notes(messages, bar);
     context.progress().begin("reading the mesh", 0);
     auto file = mesh_io::read_mesh(*plan.mesh, context);
     if (!file) return tl::unexpected(add_mesh_file_hint(std::move(file.error()), *plan.mesh));
-    for (const std::string& text : file->notes) notes.note(text);
+    for (const Note& text : file->notes) notes.note(text);
     if (!file->mesh.attributes.empty()) {
       std::vector<std::string> names;
       for (const mesh::Attribute& attribute : file->mesh.attributes) names.push_back(printable(attribute.name));
-      notes.note(fmt::format("{}: attributes and colours of its vertices are not verified: {}", *plan.mesh,
-                             fmt::join(names, ", ")));
+      notes.note({NoteId::not_verified, fmt::format("{}: verify does not check attributes and colors of vertices: {}",
+                                                    *plan.mesh, fmt::join(names, ", "))});
     }
     VerifyPlan placed = plan;
     const auto record = plan.is_placed ? std::nullopt : convert::parse_placement_record(file->placement);
     if (!record && !plan.is_placed && !file->placement.empty()) {
-      notes.note(fmt::format("{}: what it says of its placement cannot be read, and is left aside", *plan.mesh));
+      notes.note({NoteId::placement_unknown,
+                  fmt::format("{}: the placement record is not readable; verify ignores it", *plan.mesh)});
     }
     if (record) {
       const std::string text = convert::placement_text(*record);
-      notes.note(fmt::format("{}: it says that it was placed otherwise than usual, and the surface is placed so: {}",
-                             *plan.mesh, text.empty() ? "as the world is" : text));
+      notes.note({NoteId::placement_differs,
+                  fmt::format("{}: the file states its own placement, and verify places the surface accordingly: {}",
+                              *plan.mesh, text.empty() ? "world coordinates" : text)});
       placed.job.source.placement = record->placement;
     }
     convert::Outcome outcome;
     auto made = extract_again(placed, context, notes, outcome);
     if (!made && record && made.error().code == ErrorCode::usage) {
-      return fail(ErrorCode::input,
-                  fmt::format("{}: the volume cannot be placed as it says: {}", *plan.mesh, made.error().message));
+      return fail(ErrorCode::input, fmt::format("{}: verify cannot place the volume as this file states: {}",
+                                                *plan.mesh, made.error().message));
     }
     if (!made) return tl::unexpected(made.error());
     anew = made_anew(plan.job, outcome);
@@ -247,15 +251,16 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
     return printed;
   }
   if (found.empty()) return {};
-  return fail(ErrorCode::verification,
-              fmt::format("{}: it is not the surface of {}: {}", *plan.mesh, anew.surface, fmt::join(found, "; ")),
-              hint_for(plan.job, match));
+  return fail(
+      ErrorCode::verification,
+      fmt::format("{}: the mesh is not the surface of {}: {}", *plan.mesh, anew.surface, fmt::join(found, "; ")),
+      hint_for(plan.job, match));
 }
 
 // Fails with ErrorCode::verification, after the report on stdout, if something differs.
 Result<void> run_verify(const VerifyPlan& plan, const Messages& messages) {
   const Stopwatch watch;
-  for (const std::string& note : plan.notes) messages.note(note);
+  for (const Note& note : plan.notes) messages.note(note);
   const auto done =
       plan.mesh ? verify_mesh(plan, messages, plan.context) : verify_backends(plan, messages, plan.context);
   messages.detail(fmt::format("verified in {:.2f} s, peak memory {}", watch.elapsed().wall_seconds,
@@ -270,7 +275,7 @@ class VerifyCommand final : public PlannedCommand<VerifyFlags, plan_verify, run_
             {"verify", "INPUT --iso V [MESH] [options]", "Check a mesh against its volume, or GPU against CPU."}) {}
 
   [[nodiscard]] std::string hint_for_default_command_option(std::string_view option) const override {
-    return fmt::format("leave {} out: of {}'s options {} has those that decide about the triangles of a mesh", option,
+    return fmt::format("leave {} out: of the options of {}, {} takes only those that change triangles", option,
                        default_command(program()).name(), name());
   }
 };

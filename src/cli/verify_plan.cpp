@@ -14,15 +14,16 @@ namespace {
 // Refuses options that have no effect without a mesh, because backends are compared directly after extraction.
 Result<void> check_backends_only(const ConvertFlags& flags) {
   TRY(flags.refuse(About::edit,
-                   "{} changes a surface after it is extracted, and without MESH the backends are compared, which only "
+                   "{} edits an extracted surface, but without MESH verify compares the backends, which only "
                    "extract",
-                   "leave {} out, or give the mesh that was written with it"));
+                   "leave {} out, or give the mesh that isoextract wrote with it"));
   if (flags.labels) {
-    return refuse_usage("--labels needs MESH: the GPU backend has no surfaces of labels to compare",
-                        "give the mesh that was written with it");
+    return refuse_usage(
+        "--labels needs MESH: without MESH, verify compares the CPU with the GPU, which cannot extract labels",
+        "give the mesh that isoextract wrote with --labels");
   }
   if (!flags.backend) return {};
-  return refuse_usage("--backend needs MESH: without it both backends are compared with each other",
+  return refuse_usage("--backend needs MESH: without MESH, verify compares both backends with each other",
                       "leave --backend out");
 }
 
@@ -32,12 +33,12 @@ Result<void> check_mesh_path(const std::string& path, const ConvertFlags& flags,
     if (path.find(word) == std::string::npos || files::is_there(path)) continue;
     return refuse_usage(fmt::format("{}: verify takes one mesh, and {} stands for several files", path, word),
                         word == convert::kPiecePlaceholder
-                            ? "write the pieces into one glb, which is verified as a whole"
-                            : "give the files one after the other, each with its own --iso or --labels");
+                            ? "write all bodies into one glb and verify that file"
+                            : "verify the files one after the other, each with its own --iso or --labels");
   }
   if (flags.edits.split && !format.can_hold_several_meshes) {
-    return refuse_usage(fmt::format("{}: one {} file holds one piece, and which one is not known", path, format.name),
-                        "write the pieces into one glb, which is verified as a whole");
+    return refuse_usage(fmt::format("{}: verify cannot tell which body this {} file holds", path, format.name),
+                        "write all bodies into one glb and verify that file");
   }
   return {};
 }
@@ -46,7 +47,7 @@ Result<void> check_mesh_path(const std::string& path, const ConvertFlags& flags,
 
 Result<VerifyPlan> plan_verify(const VerifyFlags& given) {
   ConvertFlags flags = given.conversion;
-  if (flags.input.inputs.empty()) return refuse_usage("no INPUT was given", "isoextract verify INPUT --iso V [MESH]");
+  if (flags.input.inputs.empty()) return refuse_usage("INPUT is missing", "isoextract verify INPUT --iso V [MESH]");
   TRY(refuse_several_grids(flags.input, "verify"));
   const std::string input = flags.input.inputs.front();
   VerifyPlan plan;
@@ -56,8 +57,8 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& given) {
   mesh_io::MeshFormat format = mesh_io::MeshFormat::glb;  // default placement for comparing backends
   if (plan.mesh) {
     format = TRY(format_of_path(*plan.mesh, mesh_io::mesh_format_by_path(input)
-                                                ? "the volume comes first: isoextract verify INPUT MESH"
-                                                : "MESH is a mesh that isoextract wrote"));
+                                                ? "give the volume first: isoextract verify INPUT MESH"
+                                                : "give a mesh that isoextract wrote as MESH"));
     TRY(check_mesh_path(*plan.mesh, flags, mesh_io::mesh_format_info(format)));
   } else {
     TRY(check_backends_only(flags));
@@ -71,7 +72,7 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& given) {
   auto note = TRY(set_default_iso(flags, input, context));
   auto conversion = TRY(plan_conversion(flags, flags.isos, context));
   plan.notes = std::move(conversion.notes);
-  if (!note.empty()) plan.notes.push_back(std::move(note));
+  if (!note.empty()) plan.notes.push_back({NoteId::iso_chosen, std::move(note)});
   plan.context = std::move(conversion.context);
   plan.job = std::move(conversion.job);
   plan.job.source.input = input;

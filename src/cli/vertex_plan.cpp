@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/nearest_name.hpp"
 #include "base/printable.hpp"
 #include "batch/frame_pattern.hpp"
 #include "cli/plan_parts.hpp"
@@ -42,7 +43,7 @@ Result<void> put_setting(std::string_view key, std::string_view text, Result<T> 
                          std::optional<T>& target) {
   auto value = parse(text);
   if (!value) return fail(ErrorCode::usage, fmt::format("{}: {}", key, value.error().message), value.error().hint);
-  if (target) return fail(ErrorCode::usage, fmt::format("{}= was given twice", key));
+  if (target) return fail(ErrorCode::usage, fmt::format("{}= occurs twice", key));
   target = *value;
   return {};
 }
@@ -57,13 +58,15 @@ std::vector<std::string> kind_names() {
 // names rarely have colons.
 Result<bool> take_kind(std::string_view word, convert::AttributeChoice& choice) {
   const auto kind = value_of<AttributeKind>(word);
-  if (kind && choice.kind) return fail(ErrorCode::usage, "a kind was given twice");
+  if (kind && choice.kind)
+    return fail(ErrorCode::usage,
+                fmt::format("expected one kind ({}), found a second kind '{}'", fmt::join(kind_names(), ", "), word));
   if (kind) choice.kind = kind;
   if (kind) return true;
   const std::string near = nearest_name(word, kind_names());
   if (near.empty()) return false;
   return fail(ErrorCode::usage,
-              fmt::format("expected a kind ({}) behind the colon, found '{}'", fmt::join(kind_names(), ", "), word),
+              fmt::format("expected a kind ({}) after the colon, found '{}'", fmt::join(kind_names(), ", "), word),
               fmt::format("did you mean '{}'?", near));
 }
 
@@ -119,7 +122,7 @@ Result<void> take_name(std::string_view text, convert::AttributeChoice& choice) 
   }
   if (choice.from.ends_with('?')) {
     return fail(ErrorCode::usage,
-                fmt::format("expected the '?' of an optional attribute behind its name, found '{}'", text),
+                fmt::format("expected the '?' of an optional attribute right after the name, found '{}'", text),
                 fmt::format("{}?={}", choice.name, choice.from.substr(0, choice.from.size() - 1)));
   }
   return {};
@@ -132,12 +135,12 @@ Result<void> check_name_of_map(std::string_view text, edit::Colormap map) {
   if (colon == std::string_view::npos || !from.empty()) return {};
   const std::string word(text.substr(colon + 1));
   if (parse_range(word)) {
-    return fail(ErrorCode::usage, fmt::format("expected MIN,MAX once, behind the colour map, found {} before it", word),
+    return fail(ErrorCode::usage, fmt::format("expected the range after the color map, found {} before it", word),
                 fmt::format("as in {}:{}:{}", printable(text.substr(0, colon)), word_of(map), printable(word)));
   }
   const std::string near = nearest_name(word, colormap_names());
   return fail(ErrorCode::usage,
-              fmt::format("expected a colour map ({}) or MIN,MAX after the colon, found '{}'",
+              fmt::format("expected a color map ({}) or MIN,MAX after the colon, found '{}'",
                           fmt::join(colormap_names(), ", "), word),
               near.empty() ? "" : fmt::format("did you mean '{}'?", near));
 }
@@ -150,15 +153,15 @@ Result<void> check_formats(const ConvertFlags& flags, const mesh_io::MeshFormatI
       if (info.has_attributes) names.push_back(info.name);
     }
     return refuse_usage(
-        fmt::format("{}: {} has no attributes of vertices",
+        fmt::format("{}: {} cannot store vertex attributes",
                     flags.attributes.empty() ? flags.color.name() : flags.attributes.name(), format.name),
-        fmt::format("{} have them", fmt::join(names, ", ")));
+        fmt::format("{} can store vertex attributes", fmt::join(names, ", ")));
   }
   const bool of_surfaces = flags.color && !flags.color->attribute;
   if ((of_surfaces || flags.opacity) && !is_gltf(format.format)) {
-    return refuse_usage(fmt::format("{}: {} has no materials",
+    return refuse_usage(fmt::format("{}: {} cannot store materials",
                                     of_surfaces ? flags.color.name() + " iso" : flags.opacity.name(), format.name),
-                        "glb and gltf have them");
+                        "glb and gltf can store materials");
   }
   return {};
 }
@@ -191,8 +194,12 @@ Result<ColorFlag> parse_color(std::string_view text) {
       return true;
     }
     if (value_of<AttributeKind>(word)) {
-      return fail(ErrorCode::usage, fmt::format("'{}' has no effect: colours go by the values of the input", word),
-                  "give the kind to the attribute, and the attribute's name to its colours");
+      return fail(
+          ErrorCode::usage,
+          fmt::format("'{}' has no effect in --color-by: the kind of an attribute says how its values rotate and scale "
+                      "with the mesh, but colors show the values as read",
+                      word),
+          "give the kind to --attribute, and only the attribute's name to --color-by");
     }
     return take_setting(word, choice);
   };
@@ -205,7 +212,7 @@ Result<ColorFlag> parse_color(std::string_view text) {
   if (text == kIso) {
     if (choice == convert::AttributeChoice()) return flag;
     return fail(ErrorCode::usage,
-                fmt::format("{} stands for the iso values, which have no {}", kIso, fmt::join(kSettings, ", ")));
+                fmt::format("{} colors surfaces by iso value and takes no {}", kIso, fmt::join(kSettings, ", ")));
   }
   TRY(take_name(text, choice));
   flag.attribute = std::move(choice);
@@ -227,14 +234,14 @@ Result<void> plan_vertices(const ConvertFlags& flags, std::size_t isos, convert:
   std::set<std::string_view> seen;
   for (const convert::AttributeChoice& choice : attributes) {
     if (!seen.insert(choice.name).second) {
-      return refuse_usage(fmt::format("--attribute {} was given twice", choice.name));
+      return refuse_usage(fmt::format("--attribute {} occurs twice", choice.name));
     }
   }
   job.opacity = flags.opacity.value_or(job.opacity);
   if (job.opacity.size() > 1 && (flags.batch.iso_table || job.opacity.size() != isos)) {
     return refuse_usage(
         fmt::format("--opacity: expected one value or one for each iso value, found {}", job.opacity.size()),
-        "they stand in the order of --iso");
+        "give the values in the order of --iso");
   }
   if (!flags.color) return {};
   job.color = convert::ColorChoice{{}, flags.color->map, flags.color->range};
@@ -253,12 +260,12 @@ Result<void> plan_vertices(const ConvertFlags& flags, std::size_t isos, convert:
   if (wanted == name_alone || wanted == *same) return {};
   if (wanted.from == same->from) {
     return refuse_usage(
-        fmt::format("--attribute and --color-by: '{}' has other settings for one than for the other", wanted.name),
-        fmt::format("give them to --attribute, and --color-by {} alone", wanted.name));
+        fmt::format("--attribute and --color-by give different settings for '{}'", wanted.name),
+        fmt::format("give the settings to --attribute, and only the name to --color-by {}", wanted.name));
   }
-  return refuse_usage(fmt::format("--attribute and --color-by: '{}' is '{}' for one and '{}' for the other",
-                                  wanted.name, same->from, wanted.from),
-                      "give one of them another name");
+  return refuse_usage(fmt::format("'{}' stands for '{}' in --attribute and for '{}' in --color-by", wanted.name,
+                                  same->from, wanted.from),
+                      "give one of the two another name");
 }
 
 Result<void> number_attributes(std::vector<convert::AttributeChoice>& attributes, std::int64_t frame) {
@@ -282,7 +289,7 @@ std::string color_range_note(const convert::ConversionJob& job) {
     if (choice->from != choice->name) name += "=" + choice->from;
   }
   return fmt::format(
-      "--color-by {0}: the colours of each frame have a range of their own; give --color-by {1} for a "
+      "--color-by {0}: each frame has its own range of colors; give --color-by {1} for one range in the whole "
       "sequence",
       *job.color->attribute, shell_quoted(fmt::format("{}:{}:MIN,MAX", name, word_of(job.color->map))));
 }

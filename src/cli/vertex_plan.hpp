@@ -13,8 +13,8 @@
 
 namespace isoextract::cli {
 
-// Sets them in the job, whose format is already planned. Refuses formats that cannot store them. `isos` is the number
-// of iso values of the first file.
+// Sets attributes, colors and opacity of the job, whose format is already planned. Refuses formats without them.
+// `isos` is the number of iso values of the first file.
 [[nodiscard]] Result<void> plan_vertices(const ConvertFlags& flags, std::size_t isos, convert::ConversionJob& job);
 
 // Inserts the frame number into the file names of attributes, such as heat=heat_{:04}.vdb[t].

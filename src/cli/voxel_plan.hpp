@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/note.hpp"
 #include "cli/options.hpp"
 #include "convert/conversion_job.hpp"
 
@@ -23,7 +24,6 @@ namespace isoextract::cli {
 
 // Sets the voxel options of `surface`, whose method is already planned. Refuses options that the method lacks; notes
 // options without an effect.
-[[nodiscard]] Result<void> plan_voxels(const ConvertFlags& flags, std::vector<std::string>& notes,
-                                       convert::SurfaceOptions& surface);
+[[nodiscard]] Result<void> plan_voxels(const ConvertFlags& flags, Notes& notes, convert::SurfaceOptions& surface);
 
 }  // namespace isoextract::cli

@@ -47,7 +47,7 @@ std::string water_table(const std::vector<simulate::WaterStabilityRow>& rows) {
         water_columns(row.printed), wrong.empty() ? "pass" : fmt::format("FAIL: {}", fmt::join(wrong, "; ")),
         wrong_as_printed.empty() ? "" : fmt::format(" (printed, as expected: {})", fmt::join(wrong_as_printed, "; ")));
   }
-  return text + fmt::format("water: {} of {} passed by the conservative rule, {} by the printed one\n",
+  return text + fmt::format("water: {} of {} cases pass with the conservative rule, {} with the printed rule\n",
                             rows.size() - count_failed(rows), rows.size(), rows.size() - printed_failures);
 }
 

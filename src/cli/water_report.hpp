@@ -9,8 +9,8 @@
 
 namespace isoextract::cli {
 
-// The conservative rule decides whether a case passes. The rule as printed in the paper is expected to fail; the table
-// shows how.
+// The conservative rule decides whether a case passes. The rule as printed in the paper may fail; the table shows its
+// failures.
 [[nodiscard]] std::string water_table(const std::vector<simulate::WaterStabilityRow>& rows);
 [[nodiscard]] convert::Json water_json(const std::vector<simulate::WaterStabilityRow>& rows);
 [[nodiscard]] std::size_t count_failed(const std::vector<simulate::WaterStabilityRow>& rows);

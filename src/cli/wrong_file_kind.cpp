@@ -27,7 +27,7 @@ Error add_mesh_file_hint(Error error, const std::string& path) {
   const bool is_mesh = mesh_io::mesh_format_by_path(path).has_value();
   const bool is_named = volume_io::has_volume_extension(path) || particle_io::has_particle_extension(path);
   if (error.code != ErrorCode::input || !error.hint.empty() || is_mesh || !has_content(path) || !is_named) return error;
-  error.hint = fmt::format("its name is that of a volume or of particles: 'isoextract info {}' tells what it holds",
+  error.hint = fmt::format("the file name is that of a volume or of particles: 'isoextract info {}' shows the content",
                            shell_quoted(path));
   return error;
 }
@@ -35,7 +35,7 @@ Error add_mesh_file_hint(Error error, const std::string& path) {
 Error add_volume_file_hint(Error error, const std::string& path) {
   std::error_code none;
   if (error.hint.empty() && fs::is_directory(path, none)) {
-    error.hint = "name one of the files in it; a conversion takes a folder, as a sequence";
+    error.hint = "give one of the files in the folder; only a conversion takes a folder, as a sequence";
     return error;
   }
   const auto format = mesh_io::mesh_format_by_path(path);
@@ -43,7 +43,7 @@ Error add_volume_file_hint(Error error, const std::string& path) {
   if (error.code != ErrorCode::input || !format || *format == mesh_io::MeshFormat::ply || !has_content(path)) {
     return error;
   }
-  error.hint = fmt::format("its name is that of a mesh: 'isoextract check {}' tells about it", shell_quoted(path));
+  error.hint = fmt::format("the file name is that of a mesh: 'isoextract check {}' reports on it", shell_quoted(path));
   return error;
 }
 

@@ -1,4 +1,4 @@
-// Hints for files of a kind that a command does not take: names the command for them.
+// Hints for files of a kind that a command does not take; they name the command for such files.
 #pragma once
 
 #include <string>

@@ -43,7 +43,7 @@ Result<std::optional<AttributeKind>> find_kind(const AttributeChoice& choice, st
     return fail(ErrorCode::usage,
                 fmt::format("the attribute '{}': expected three components of a {}, found {}", printable(choice.name),
                             word_of(*choice.kind), components),
-                "leave the kind out");
+                fmt::format("leave out ':{}', the kind of the attribute", word_of(*choice.kind)));
   }
   if (choice.kind) return choice.kind;
   if (components < 3) return AttributeKind::scalar;

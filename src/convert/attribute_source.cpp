@@ -23,7 +23,7 @@ namespace {
 // Returns the vertices' positions in the input's world.
 Result<std::shared_ptr<ReservedBuffer<glm::dvec3>>> world_positions(const field::Affine& world_from_output,
                                                                     const mesh::Mesh& mesh, const Context& context) {
-  auto places = make_reserved_buffer<glm::dvec3>(mesh.positions.size(), context, "places of vertices");
+  auto places = make_reserved_buffer<glm::dvec3>(mesh.positions.size(), context, "positions of vertices");
   if (!places) return places;
   for_each_range(mesh.positions.size(), 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
@@ -123,9 +123,10 @@ Result<void> add_kind(const AttributeChoice& choice, std::size_t components, std
   source.kinds.push_back({choice.name, kind.value_or(AttributeKind::scalar)});
   if (kind || components != 3 || !choice.written || source.output_from_world.linear == glm::dmat3(1)) return {};
   source.kind_notes.push_back(
-      fmt::format("nothing says what the three components of the attribute '{}' are: they do not turn or scale with "
-                  "the mesh, as those of a vector would",
-                  printable(choice.name)));
+      {NoteId::attribute_kind,
+       fmt::format("the kind of the three-component attribute '{}' is unknown: its values do not rotate or scale with "
+                   "the mesh, as vectors do",
+                   printable(choice.name))});
   return {};
 }
 
@@ -187,13 +188,14 @@ Result<StageReport> sample_vertex_attributes(Surface& surface, const StageContex
   for (const MissingAttribute& missing : attributes->missing) {
     if (missing.choice.optional) continue;
     if (!surface.mesh.triangles.empty()) return tl::unexpected(missing.error);
-    report.notes.push_back(fmt::format("{}: there is no surface, and no attribute '{}' either", report.subject,
-                                       printable(missing.choice.name)));
+    report.notes.push_back(
+        {NoteId::no_surface, fmt::format("{}: the surface is empty, and the input has no attribute '{}'",
+                                         report.subject, printable(missing.choice.name))});
   }
   const Stopwatch watch;
   const std::vector<AttributeResult> carried = TRY(add_attributes(*attributes, surface.mesh, stage.context));
   report.time = watch.elapsed();
-  report.did = fmt::format("attributes of {} vertices", surface.mesh.positions.size());
+  report.did = fmt::format("sampled attributes at {} vertices", surface.mesh.positions.size());
   for (const AttributeResult& one : carried) {
     report.entries.push_back({{Key::name, one.name},
                               {Key::source, one.source},
@@ -203,24 +205,30 @@ Result<StageReport> sample_vertex_attributes(Surface& surface, const StageContex
                               {Key::vertices, one.vertices},
                               {Key::outside, one.outside},
                               {Key::not_finite, one.not_finite},
-                              {Key::vertices_beyond_kernels, one.vertices_beyond_kernels}});
+                              {Key::out_of_reach, one.vertices_beyond_kernels}});
     const std::string start = fmt::format("{} iso {}: ", stage.source.label, surface.id.text());
     if (one.outside > 0) {
-      report.notes.push_back(fmt::format("{}{} of {} vertices lie outside of {}; their '{}' is that at its border",
-                                         start, one.outside, one.vertices, one.source, printable(one.name)));
+      report.notes.push_back(
+          {NoteId::attribute_outside,
+           fmt::format(
+               "{}{} of {} vertices lie outside {}; their '{}' is the value at the nearest point of its boundary",
+               start, one.outside, one.vertices, one.source, printable(one.name))});
     }
     if (one.not_finite > 0) {
       report.notes.push_back(
-          fmt::format("{}the attribute '{}' is no finite number at {} of {} vertices, as {} has some", start,
-                      printable(one.name), one.not_finite, one.vertices, one.source));
+          {NoteId::nan_attribute,
+           fmt::format("{}the attribute '{}' is not finite at {} of {} vertices, because {} has non-finite values",
+                       start, printable(one.name), one.not_finite, one.vertices, one.source)});
     }
   }
   // All attributes of particles have the same reach, so the first one's count stands for all.
   if (!carried.empty() && carried.front().vertices_beyond_kernels > 0) {
     report.notes.push_back(
-        fmt::format("{}: {} of {} vertices have the attributes of the nearest particle, as none is near enough to be "
-                    "interpolated",
-                    report.subject, carried.front().vertices_beyond_kernels, surface.mesh.positions.size()));
+        {NoteId::attribute_of_nearest,
+         fmt::format(
+             "{}: {} of {} vertices have the attributes of the nearest particle, because no particle's kernel reaches "
+             "these vertices",
+             report.subject, carried.front().vertices_beyond_kernels, surface.mesh.positions.size())});
   }
   return report;
 }

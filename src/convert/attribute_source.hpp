@@ -11,6 +11,7 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "base/note.hpp"
 #include "convert/attribute_kinds.hpp"
 #include "convert/attribute_volumes.hpp"
 #include "convert/conversion_job.hpp"
@@ -28,7 +29,7 @@ struct AttributeSource {
   field::Affine output_from_world;  // attributes change by this map, as their kinds say
   std::vector<NamedKind> kinds;     // of all attributes found, in the order of the job's choices
   // one sentence for each attribute that stays as it is because its kind is unknown
-  std::vector<std::string> kind_notes;
+  Notes kind_notes;
 };
 
 // Sets the maps of a source and finds the kinds of its attributes. Fails as find_kind() does.

@@ -135,7 +135,10 @@ void note_other_place(const field::ScalarField& input, VolumeAttribute& attribut
   if (dense == nullptr || of_input == nullptr || dense->dims != of_input->dims) return;
   if (attribute.choice.spacing || attribute.choice.origin || field.index_to_world == input.index_to_world) return;
   attribute.notes.push_back(
-      fmt::format("{} has the shape of {} and states another placement, which was kept", field.source, input.source));
+      {NoteId::attribute_placement,
+       fmt::format(
+           "{} and {} have equal dimensions but different placements; the conversion uses the placement of each file",
+           field.source, input.source)});
 }
 
 // Returns the file's name for its world and unit: "LPS, mm".
@@ -151,8 +154,10 @@ void move_to_world_of(const field::ScalarField& input, VolumeAttribute& attribut
   if (attribute.choice.spacing || attribute.choice.origin || first.source == input.source) return;
   const auto map = map_between_worlds(first, input);
   if (!map) return;
-  attribute.notes.push_back(fmt::format("{} states its world as {}: it was taken to that of {}, {}", first.source,
-                                        world_text(first), input.source, world_text(input)));
+  attribute.notes.push_back(
+      {NoteId::attribute_placement,
+       fmt::format("{} states world coordinates in {}; the conversion transforms them to the world of {}, {}",
+                   first.source, world_text(first), input.source, world_text(input))});
   for (field::ScalarField& field : attribute.components) field.index_to_world = map->after(field.index_to_world);
 }
 
@@ -189,9 +194,9 @@ Result<VolumeAttribute> read_volume_attribute(const SourceOptions& options, cons
   const AttributeLocation place = attribute_location(choice);
   if (place.file.empty() && input.grids == 0) {
     return fail(ErrorCode::input,
-                fmt::format("{}: expected a file with grids, of which '{}' would be one, found {}", input.source,
-                            printable(choice.from), input.format),
-                "an attribute can be read from another file");
+                fmt::format("{}: expected a file with grids, to read the attribute from its grid '{}', found {}",
+                            input.source, printable(choice.from), input.format),
+                "name the file that has the attribute");
   }
   auto reading = TRY(reading_of(options, choice, place, input, context));
   const auto vectors = TRY(vector_grids(reading, context));
@@ -221,10 +226,12 @@ Hint hint_of_attribute(Hint hint) {
   for (Step& step : hint.steps) {
     switch (step.setting) {
       case Setting::grid:
-        step = step.remedy == Remedy::choose ? "an attribute is one of the file's grids" + step.text
+        step = step.remedy == Remedy::choose ? "choose one of the file's grids for the attribute" + step.text
                                              : "leave the name of a grid out: " + step.text;
         break;
-      case Setting::raw_layout: step = "attributes are read from files that say what is in them"; break;
+      case Setting::raw_layout:
+        step = "use a file format that states dimensions and sample type: an attribute cannot come from a raw file";
+        break;
       case Setting::volume: step.setting = Setting::attribute_volume; break;
       case Setting::component: step.setting = Setting::attribute_component; break;
       case Setting::spacing_and_origin: step.setting = Setting::attribute_spacing_and_origin; break;

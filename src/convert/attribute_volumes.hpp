@@ -8,9 +8,9 @@
 //   FILE         another file with one volume or one scalar grid
 //   FILE[GRID]   a grid of another file
 //
-// The text counts as a file in three cases: it has the extension or the prefix (demo:) of a volume format; a file of
-// that name exists; a folder of that name exists and the text contains a slash. If `from` equals the attribute's name,
-// it always means a grid of the input.
+// The text counts as a file if it has the extension or the prefix (demo:) of a volume format, or if a file of that
+// name exists. A text with a slash also counts as a file if a folder of that name exists. If `from` equals the
+// attribute's name, it always means a grid of the input.
 //
 // A grid of the input's own file is read with the input's read options. Another file takes from the input: the volume
 // number (if it holds several and the choice names none), the axis order (if it is an array) and the no-data value. A
@@ -25,6 +25,7 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "base/note.hpp"
 #include "convert/conversion_job.hpp"
 #include "field/scalar_field.hpp"
 
@@ -43,7 +44,7 @@ struct VolumeAttribute {
   std::vector<field::ScalarField> components;
   std::optional<AttributeKind> stated_kind;  // stated by the file
   bool in_voxels = false;                    // vectors are in index space: along the voxel axes, in voxels
-  std::vector<std::string> notes;            // assumptions made, one sentence each
+  Notes notes;                               // assumptions made, one sentence each
 };
 
 struct VolumeAttributes {

@@ -16,7 +16,7 @@ OpenedBackend cpu_because(const std::string& why) {
 }
 
 std::string software_reason(const gl::GpuDevice& device) {
-  return fmt::format("{} draws on the processor, which is slower", gl::describe(device));
+  return fmt::format("{} renders on the CPU, which is slower", gl::describe(device));
 }
 
 OpenedBackend open_automatic(const gpu::GpuOptions& options) {

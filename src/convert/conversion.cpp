@@ -74,7 +74,7 @@ class Conversion {
       ++output_;
     }
     if (const auto text = note_of_relaxing(outcome_.reports); text && !extras_.volume_hint.empty()) {
-      events_.note(*text + extras_.volume_hint);
+      events_.note({NoteId::volume_changed, *text + extras_.volume_hint});
     }
     if (wants_source()) collector_->source = std::move(source_);
     return {};
@@ -113,8 +113,9 @@ class Conversion {
     }
     if (job_.empty == EmptyPolicy::error) return tl::unexpected(empty_source(source_));
     const auto removed = TRY(remove_old_meshes(output, meshes_.format, context_));
-    events_.note(fmt::format("{}: {}; {} was not written{}", source_.label, source_.why_empty(),
-                             files::output_label(output.path), removed.empty() ? "" : "; the old one was removed"));
+    events_.note({NoteId::no_surface,
+                  fmt::format("{}: {}; the conversion did not write {}{}", source_.label, source_.why_empty(),
+                              files::output_label(output.path), removed.empty() ? "" : " and removed the old file")});
     return {};
   }
 
@@ -128,7 +129,7 @@ class Conversion {
       report.time = time;
       events_.end(report);
     }
-    if (!backend.reason.empty()) events_.note("backend: " + backend.reason);
+    if (!backend.reason.empty()) events_.note({NoteId::backend, "backend: " + backend.reason});
   }
 
   // Reads a grid of the input, unless it is already loaded. A grid that several files need is read again for each file,
@@ -172,7 +173,7 @@ class Conversion {
       const std::vector<ResolvedIso> isos = labels_ ? expand_labels(asked, labels_->labels()) : without_repeats(asked);
       if (isos.size() < asked.size()) {
         const std::string path = files::output_label(output.path);
-        for (const std::string& text : repeated_notes(source_.label, asked, path)) events_.note(text);
+        for (const Note& text : repeated_notes(source_.label, asked, path)) events_.note(text);
       }
       for (const ResolvedIso& iso : isos) {
         TRY(add_surface(iso, *file, in_pieces));
@@ -180,11 +181,11 @@ class Conversion {
       skipped.push_back(skipped_of(isos, std::span<const SurfaceId>(file->ids()).subspan(before)));
     }
     if (!file->written.surfaces.empty()) return finish(*file, skipped);
-    // A surface split into pieces has one file for each piece, so `output` itself names no file.
+    // A surface split into bodies has one file for each body, so `output` itself names no file.
     return in_pieces ? Result<void>() : leave_out(output, skipped);
   }
 
-  // Extracts the surface at one iso value and adds it to the file, whole or in pieces.
+  // Extracts the surface at one iso value and adds it to the file, whole or split into bodies.
   Result<void> add_surface(const ResolvedIso& iso, OutputMeshes& file, bool& in_pieces) {
     TRY(context_.check());
     auto surface = TRY(make_surface(iso));
@@ -205,7 +206,7 @@ class Conversion {
     return {output, mesh_io::MeshWriter(output.path, write_options(), context_)};
   }
 
-  // Adds the pieces as meshes of one file, or writes each to its own file.
+  // Adds the bodies as meshes of one file, or writes each to its own file.
   Result<void> add_pieces(Surface surface, const ResolvedIso& iso, OutputMeshes& file) {
     const std::string& pattern = file.job.path;
     const bool into_files = collector_ == nullptr && pattern.find(kPiecePlaceholder) != std::string::npos;
@@ -233,8 +234,8 @@ class Conversion {
     if (pieces.empty()) return leave_out(file.job, {skipped_of({&iso, 1}, {})});
     const auto removed = TRY(remove_old_pieces(file.job, pieces.size() + 1, meshes_.format, read(), context_));
     if (!removed.empty()) {
-      events_.note(fmt::format("{}: there are {} pieces; removed, as they are of an earlier run: {}", source_.label,
-                               pieces.size(), first_and_last(removed)));
+      events_.note({NoteId::old_pieces, fmt::format("{}: {} bodies; the run removed files of an earlier run: {}",
+                                                    source_.label, pieces.size(), first_and_last(removed))});
     }
     return {};
   }
@@ -265,10 +266,10 @@ class Conversion {
     auto found = TRY(extract::LabelVoxels::find(source_.field, extract_options_of(job_, source_, 0), choice, context_));
     TRY(volume_io::check_mapping_intact(source_.field));
     labels_ = std::move(found);
-    for (const std::string& note : labels_->notes()) events_.note(note);
+    for (const Note& note : labels_->notes()) events_.note(note);
     if (!labels_->labels().empty() || job_.empty != EmptyPolicy::error) return {};
     if (source_.empty) return tl::unexpected(empty_source(source_));
-    return fail(ErrorCode::no_surface, source_.label + ": no sample has a label but 0",
+    return fail(ErrorCode::no_surface, source_.label + ": no sample has a label other than 0",
                 {Remedy::use, Setting::empty_policy});
   }
 
@@ -278,12 +279,12 @@ class Conversion {
     Surface surface = TRY(extract(asked));
     if (surface.mesh.triangles.empty() && job_.empty != EmptyPolicy::write) {
       if (job_.empty == EmptyPolicy::error) return tl::unexpected(no_surface(asked));
-      if (cut_away_) lost_.push_back({asked.id, "nothing is where the surface is kept"});
+      if (cut_away_) lost_.push_back({asked.id, "clipping removed every triangle"});
       return std::optional<Surface>();
     }
     TRY(edit_surface({job_, source_, facts(), context_}, events_, surface));
     if (!surface.mesh.triangles.empty() || job_.empty == EmptyPolicy::write) return surface;
-    lost_.push_back({asked.id, "no component is as large as asked for"});
+    lost_.push_back({asked.id, "no component has the requested size"});
     return std::optional<Surface>();
   }
 
@@ -393,7 +394,7 @@ class Conversion {
       report.entries = std::move(file.facts);
       events_.end(report);
     }
-    for (const std::string& text : result.notes) events_.note(text);
+    for (const Note& text : result.notes) events_.note(text);
     tell_skipped(file.job, skipped, true, "");
     for (const mesh_io::WrittenFile& written : result.files) file.written.bytes += written.bytes;
     file.written.placement = world_text(source_.placement);
@@ -422,9 +423,7 @@ class Conversion {
                              : in_pieces           ? remove_old_pieces(output, 1, meshes_.format, read(), context_)
                                                    : remove_old_meshes(output, meshes_.format, context_));
     tell_skipped(output, skipped, false,
-                 removed.empty() ? ""
-                                 : fmt::format("; the old {} {} removed", first_and_last(removed),
-                                               removed.size() < 3 ? "was" : "were"));
+                 removed.empty() ? "" : fmt::format(" and removed the old {}", first_and_last(removed)));
     tell_written({}, output, std::nullopt, {});
     return {};
   }
@@ -440,9 +439,10 @@ class Conversion {
   void tell_skipped(const OutputFileJob& output, const std::vector<SkippedSurfaces>& skipped, bool is_written,
                     const std::string& besides) {
     const std::string path = files::output_label(output.path);
-    const std::string what = is_written || collector_ != nullptr ? path + " is without it" : path + " was not written";
+    const std::string what = is_written || collector_ != nullptr ? path + " contains only the other surfaces"
+                                                                 : "the conversion did not write " + path;
     for (const SkippedSurfaces& grid : skipped) {
-      if (!grid.reasons.empty()) events_.note(note_of(grid, what + besides));
+      if (!grid.reasons.empty()) events_.note({NoteId::no_surface, note_of(grid, what + besides)});
     }
   }
 
@@ -486,8 +486,8 @@ Outcome run(const ConversionJob& job, const Context& context, Events& events, co
     done = tl::unexpected(allocation_error(fmt::format("{}: not enough memory", files::input_label(job.source.input)),
                                            {Remedy::use, Setting::parts}));
   } catch (const std::exception& error) {
-    done =
-        fail(ErrorCode::input, fmt::format("{}: unexpected: {}", files::input_label(job.source.input), error.what()));
+    done = fail(ErrorCode::input,
+                fmt::format("{}: unexpected error: {}", files::input_label(job.source.input), error.what()));
   }
   if (!done) outcome.error = std::move(done.error());
   outcome.total = watch.elapsed();

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/context.hpp"
+#include "base/note.hpp"
 #include "convert/conversion_job.hpp"
 #include "convert/events.hpp"
 #include "convert/mesh_collector.hpp"
@@ -21,7 +22,7 @@ struct ConversionOptions {
   bool mesh_facts = false;
   // Returns a note about the field that was read, worded by the caller, or nullopt. Null: no such note. Every
   // converting thread may call it.
-  std::function<std::optional<std::string>(const field::ScalarField&)> field_note = nullptr;
+  std::function<std::optional<Note>(const field::ScalarField&)> field_note = nullptr;
   // Caller's advice how to keep the volumes of surface nets; ends the note that relaxing changed them. Empty: no note.
   std::string volume_hint = {};
   // Hashes mesh files while writing them (mesh_io::WrittenFile).

@@ -1,5 +1,5 @@
-// One conversion as a value: what to read, which surfaces to extract, how to place them, where to write them. Holds
-// plain values only, so that jobs can be compared, stored and hashed. Opens nothing. The defaults are the program's.
+// One conversion as a value type: the input, the surfaces to extract, their placement and the output files. Only plain
+// values, so that jobs can be compared, stored and hashed. Default values equal those of the command line.
 #pragma once
 
 #include <array>
@@ -40,6 +40,7 @@ constexpr auto words_of(Normals /*type*/) {
                     Word{Normals::area, "area"}};
 }
 
+// Returns whether the normals follow from the triangles alone, without the field's gradient.
 [[nodiscard]] constexpr bool are_per_triangle(Normals normals) {
   return normals == Normals::flat || normals == Normals::area;
 }
@@ -64,10 +65,10 @@ struct ParticleOptions {
   // decides.
   bool expected = false;
   points::Method method = points::Method::sph;
-  // Particle radius in world units; else estimated from the particles' distances, for level sets first taken from
-  // points::kRadiusAttributes.
+  // Particle radius in world units. If unset: the radius attribute (points::kRadiusAttributes) for level sets,
+  // otherwise an estimate from the distances between particles.
   std::optional<double> radius;
-  std::optional<double> cell_size;  // spacing of the samples, in particle radii; else the method's
+  std::optional<double> cell_size;  // sample spacing, in particle radii; unset: default of the method
   double smoothing_length = 2;      // for sph, anisotropic, smooth; in particle radii
   double weight = 0.1;              // for weight: the value that each particle adds
   points::Deposit deposit = points::Deposit::trilinear;
@@ -98,21 +99,22 @@ struct SourceOptions {
   std::vector<FilterStep> filters;          // applied in order to the field that was read or made from particles
   std::vector<BlurStep> blurs;              // applied in order after the filters
   std::vector<AttributeChoice> attributes;  // vertex attributes; their names differ
-  // Of the grid to extract from, in place of the input's own samples; not with voxel_size.
+  // Number of samples per axis after resampling; unset: the input's samples. At most one of resolution and voxel_size
+  // is set.
   std::optional<glm::ivec3> resolution;
-  std::optional<glm::dvec3> voxel_size;  // likewise, in units of the input's world; not with resolution
+  std::optional<glm::dvec3> voxel_size;  // size after resampling, in units of the input's world
   // Chooses the inside by the sign of the iso value instead of by read.kind: inside is above a positive iso value and
   // below a negative one. At 0 the field's own kind decides. Volumes only.
   bool away_from_zero = false;
   field::ResampleKernel kernel = field::ResampleKernel::linear;  // interpolates the input's samples when resampling
   // Region to extract, in the coordinates of placement.space.
   std::optional<field::Box> roi;
-  bool roi_snap = false;  // RegionEnds::samples instead of RegionEnds::faces
+  bool roi_snap = false;  // ends surfaces at samples inside the region instead of cutting them at its faces
   // Clips the surfaces, not the samples; in the coordinates of placement.space.
   std::vector<ClipPlane> clip;
   Placement placement;
 
-  // Returns whether the field is extracted from another grid than the input's.
+  // Returns whether the input is resampled before extraction.
   [[nodiscard]] bool resamples() const { return resolution || voxel_size; }
 
   friend bool operator==(const SourceOptions&, const SourceOptions&) = default;
@@ -125,7 +127,7 @@ struct SurfaceOptions {
   extract::VoxelFaces voxel_faces = extract::VoxelFaces::merged;
   std::uint64_t relaxations = extract::kDefaultRelaxations;
 
-  // Returns whether vertices are moved away from the voxel corners.
+  // Returns whether surface nets smooth their vertices.
   [[nodiscard]] bool relaxes() const { return method == extract::Method::surface_nets && relaxations > 0; }
 
   friend bool operator==(const SurfaceOptions&, const SurfaceOptions&) = default;
@@ -135,7 +137,7 @@ struct SurfaceOptions {
 struct OutputFileJob {
   static constexpr std::array kMembers{"path", "iso", "grid"};
 
-  std::string path;  // "-" is standard output; if it contains kPieceWord, each piece of the surface gets a file
+  std::string path;  // "-" is standard output; if it contains kPiecePlaceholder, each body gets a file
   std::vector<IsoChoice> isos;
   std::optional<std::string> grid = {};  // the grid whose surfaces go into the file; nullopt: surfaces of all grids
 
@@ -219,7 +221,7 @@ struct ConversionJob {
 [[nodiscard]] Json json_of(const ConversionJob& job);
 
 // Returns 32 hexadecimal digits: XXH3 (128 bits) of the CBOR of the job's JSON. Equal jobs have equal hashes on every
-// machine and in every run of one version of the program; hashes of different jobs differ but for chance.
+// machine and in every run of one version of the program; different jobs have different hashes, barring collisions.
 [[nodiscard]] std::string hash_of(const ConversionJob& job);
 
 }  // namespace isoextract::convert

@@ -1,9 +1,10 @@
-// Events of a running conversion: notes, and the report of each finished stage, on the thread that runs the conversion.
+// Events of a running conversion: notes and reports of its stages, on the thread that runs the conversion.
 // Context::progress() tells any thread which stage runs and how far it has come.
 #pragma once
 
 #include <string>
 
+#include "base/note.hpp"
 #include "convert/stage_report.hpp"
 
 namespace isoextract::convert {
@@ -13,9 +14,9 @@ class Events {
  public:
   virtual ~Events() = default;
 
-  // Receives a note about something unexpected: a sentence without its full stop that names no option. The notes of a
-  // stage's report follow the report.
-  virtual void note(const std::string& /*text*/) {}
+  // Receives a note. It receives the notes of StageReport::notes after end() received that report.
+  virtual void note(const Note& /*note*/) {}
+  // Receives a report of a stage. A stage may send several, such as one with times and one with skipped work.
   virtual void end(const StageReport& /*report*/) {}
 };
 

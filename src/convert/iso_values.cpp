@@ -16,7 +16,7 @@
 namespace isoextract::convert {
 namespace {
 
-constexpr std::string_view kNoSample = "no finite sample to go by";
+constexpr std::string_view kNoSample = "the field has no finite sample";
 
 Result<ResolvedIso> suggested_iso(const IsoChoice& choice, const field::ScalarField& field, bool empty_is_fine,
                                   const Context& context) {
@@ -28,13 +28,15 @@ Result<ResolvedIso> suggested_iso(const IsoChoice& choice, const field::ScalarFi
   if (suggestion.separates || empty_is_fine || statistics.samples == 0) {
     return ResolvedIso{choice, suggestion.iso, std::move(suggestion.method)};
   }
-  return tl::unexpected(Error{
-      ErrorCode::no_surface,
-      fmt::format("{}: expected samples of two kinds, to take an iso value between them; found {}", field_label(field),
-                  statistics.min == statistics.max
-                      ? fmt::format("{:.6g} everywhere", statistics.min)
-                      : fmt::format("values from {:.6g} to {:.6g}", statistics.min, statistics.max)),
-      {"try another input: this one has no surface worth suggesting", {Remedy::use, Setting::empty_policy}}});
+  return tl::unexpected(
+      Error{ErrorCode::no_surface,
+            fmt::format("{}: expected two groups of sample values, to choose an iso value between them; found {}",
+                        field_label(field),
+                        statistics.min == statistics.max
+                            ? fmt::format("{:.6g} everywhere", statistics.min)
+                            : fmt::format("values from {:.6g} to {:.6g}", statistics.min, statistics.max)),
+            {"try another input: no iso value separates these samples into two groups",
+             {Remedy::use, Setting::empty_policy}}});
 }
 
 Hint suggested_by_info() {
@@ -45,7 +47,7 @@ Result<ResolvedIso> zero_of(const IsoChoice& choice, const field::ScalarField& f
   if (field.kind == field::FieldKind::level_set) return ResolvedIso{choice, 0, "the zero of the level set"};
   return fail(
       ErrorCode::usage,
-      fmt::format("{}: expected a level set, whose surface is at 0, where no iso value is given; found a density",
+      fmt::format("{}: expected an iso value for a density, found none; only a level set has a default iso value, 0",
                   field_label(field)),
       suggested_by_info());
 }
@@ -95,23 +97,24 @@ Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices
   std::vector<ResolvedIso> isos;
   for (const IsoChoice& choice : choices) {
     if (choice.kind == IsoChoice::Kind::percentile) {
-      return fail(ErrorCode::usage,
-                  fmt::format("{}: expected a number or '{}' as the iso value of particles, found '{}': percentiles of "
-                              "their field tell how far its samples reach, not where the surface is",
-                              label, text_of(IsoChoice::suggested()), text_of(choice)),
-                  fmt::format("the usual value of {} is {}", info.title, info.iso));
+      return fail(
+          ErrorCode::usage,
+          fmt::format("{}: expected a number or '{}' as the iso value of particles, found '{}': percentiles count the "
+                      "samples around the particles, and so depend on the size of the sampled region",
+                      label, text_of(IsoChoice::suggested()), text_of(choice)),
+          fmt::format("the default iso value of {} is {}", info.title, info.iso));
     }
     if (choice.is_label()) {
       return fail(ErrorCode::usage,
                   fmt::format("{}: expected a label map, a volume of integers, found particles", label));
     }
     if (choice.kind == IsoChoice::Kind::zero && info.kind != field::FieldKind::level_set) {
-      return fail(ErrorCode::usage, fmt::format("{}: no iso value is given", label), suggested_by_info());
+      return fail(ErrorCode::usage, fmt::format("{}: expected an iso value, found none", label), suggested_by_info());
     }
     if (choice.is_number()) {
       isos.push_back({choice, choice.id, {}});
     } else {
-      isos.push_back({choice, info.iso, fmt::format("the usual one of {}", info.title)});
+      isos.push_back({choice, info.iso, fmt::format("the default of {}", info.title)});
     }
   }
   return isos;

@@ -39,8 +39,8 @@ struct ResolvedIso {
                                                             const field::ScalarField& field, bool empty_is_fine,
                                                             const Context& context);
 
-// The same for particles, whose method gives the value. Fails for percentiles: those of a particle field depend on how
-// far its bricks reach, not on the surface.
+// Returns the values for particles, whose method gives the default. Fails for percentiles: a percentile of a particle
+// field depends on how far its bricks reach, not on the surface.
 [[nodiscard]] Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices, points::Method method,
                                                             const std::string& label);
 

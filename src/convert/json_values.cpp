@@ -62,6 +62,12 @@ Json json_of(const Error& error, const std::string& hint) {
           {"hint", hint}};
 }
 
+Json json_of_notes(const Notes& notes) {
+  Json json = Json::array();
+  for (const Note& note : notes) json.push_back({{"id", word_of(note.id)}, {"text", note.text}});
+  return json;
+}
+
 Json json_of(const StageTime& time) { return {{"wall_seconds", time.wall_seconds}, {"cpu_seconds", time.cpu_seconds}}; }
 
 Json json_of(const mesh::Topology& topology, const mesh::MeshSize& size) {

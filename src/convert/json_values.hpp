@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
+#include "base/note.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/json_type.hpp"
 #include "field/scalar_field.hpp"
@@ -26,11 +27,12 @@ template <class T>
 
 [[nodiscard]] Json json_of(const glm::dvec3& v);         // [x, y, z]
 [[nodiscard]] Json json_of(const field::Box& box);       // {"min": [x, y, z], "max": [x, y, z]}
-[[nodiscard]] Json json_of(const field::IndexBox& box);  // likewise; null if the box is empty
+[[nodiscard]] Json json_of(const field::IndexBox& box);  // minimum and maximum; null if the box is empty
 [[nodiscard]] Json json_of(const field::Affine& map);    // three rows of four numbers: linear part, then offset
 // Returns kind, exit_code, reason (or null), message and `hint`, which is in the words of the program.
 [[nodiscard]] Json json_of(const Error& error, const std::string& hint);
-[[nodiscard]] Json json_of(const StageTime& time);  // wall_seconds, cpu_seconds
+[[nodiscard]] Json json_of_notes(const Notes& notes);  // [{"id": "open-mesh", "text": "..."}]
+[[nodiscard]] Json json_of(const StageTime& time);     // wall_seconds, cpu_seconds
 // Returns topology and size; genus and volume are null unless the mesh is closed.
 [[nodiscard]] Json json_of(const mesh::Topology& topology, const mesh::MeshSize& size);
 

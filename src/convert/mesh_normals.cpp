@@ -124,10 +124,10 @@ Result<StageReport> fit_normals(Surface& surface, const StageContext& stage) {
   const auto copies = TRY(mesh::compute_shading_normals(mesh, options, source.label, context));
   StageReport report = stage.report_on(StageName::normals, surface);
   report.time = watch.elapsed();
-  report.did = "normals";
+  report.did = "normals computed";
   report.work.push_back(
       {WorkTopic::normal_copies, WorkDone::copied, copies, before,
-       fmt::format("{} of {} vertices, for another normal on each side of a crease", copies, before)});
+       fmt::format("{} of {} vertices, to give each side of a crease its own normal", copies, before)});
   return report;
 }
 

@@ -13,8 +13,8 @@ namespace {
 
 std::string means(const mesh_io::PackingOptions& packing) {
   if (packing.compression == mesh_io::Compression::draco) return "by Draco";
-  if (packing.compression == mesh_io::Compression::none) return "by quantising";
-  return packing.quantize ? "by quantising and meshoptimizer" : "by meshoptimizer";
+  if (packing.compression == mesh_io::Compression::none) return "by quantization";
+  return packing.quantize ? "by quantization and meshoptimizer" : "by meshoptimizer";
 }
 
 std::string line_of(const PackedMesh& mesh) {
@@ -25,14 +25,14 @@ std::string line_of(const PackedMesh& mesh) {
                   100.0 * static_cast<double>(facts.bytes_after) / static_cast<double>(facts.bytes_before));
   if (facts.positions) {
     const auto& positions = *facts.positions;
-    text += fmt::format("; vertices measured at most {:.4g} voxels from where they were, in the mesh's units {:.4g}",
+    text += fmt::format("; vertices moved by at most {:.4g} voxels (measured), in the mesh's units {:.4g}",
                         positions.largest / mesh.packing.voxel, positions.largest);
     if (facts.flattened_triangles > 0) {
-      text += fmt::format("; {} triangles have lost their area", facts.flattened_triangles);
+      text += fmt::format("; {} triangles now have zero area", facts.flattened_triangles);
     }
-    text += "; the error, area, volume and bounds given are those of the mesh before packing";
+    text += "; the report gives error, area, volume and bounds of the mesh before packing";
   } else {
-    text += "; nothing is lost";
+    text += "; lossless";
   }
   return text + fmt::format("; {:.2f} s", facts.time.wall_seconds);
 }
@@ -47,7 +47,7 @@ std::string details_of(const PackedMesh& mesh) {
   }
   if (facts.largest_normal_angle)
     text += fmt::format("; normals turned by at most {:.2f} degrees", *facts.largest_normal_angle);
-  if (facts.used_sequential_method) text += "; triangle by triangle, as they do not join as on a manifold";
+  if (facts.used_sequential_method) text += "; triangles stored one by one, because the mesh is not manifold";
   return text;
 }
 
@@ -91,7 +91,7 @@ StageReport report_of(const PackedMesh& mesh) {
                     {Key::positions, std::move(positions)},
                     {Key::normal_degrees, Value(facts.largest_normal_angle)},
                     {Key::flattened_triangles, facts.flattened_triangles},
-                    {Key::used_sequential_method, facts.used_sequential_method}},
+                    {Key::one_by_one, facts.used_sequential_method}},
                    facts.time);
   report.did = "packed";
   report.details.push_back(details_of(mesh));

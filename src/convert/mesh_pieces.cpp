@@ -22,7 +22,7 @@ std::string line_of(const edit::BodyFigures& facts, const std::string& surface) 
   const edit::BodyCounts& before = facts.before;
   const edit::BodyCounts& after = facts.after;
   const auto cavities = [](const edit::BodyCounts& counts) { return counts.components - counts.bodies; };
-  return fmt::format("pieces at {}: {} of {} bodies left, {} of {} cavities, {} of {} triangles; {:.2f} s", surface,
+  return fmt::format("components at {}: kept {} of {} bodies, {} of {} cavities, {} of {} triangles; {:.2f} s", surface,
                      after.bodies, before.bodies, cavities(after), cavities(before), after.triangles, before.triangles,
                      facts.time.wall_seconds);
 }
@@ -61,7 +61,7 @@ Result<StageReport> drop_pieces(Surface& surface, const StageContext& stage) {
   }
   options.fill_cavities = choice.fill_cavities;
   options.largest = choice.largest;
-  stage.context.progress().begin("finding pieces", 0);
+  stage.context.progress().begin("finding components", 0);
   auto kept = TRY(edit::select_bodies(std::move(surface.mesh), options, stage.context, std::move(sites)));
   surface.mesh = std::move(kept.mesh);
   const edit::BodyFigures& facts = kept.facts;
@@ -70,15 +70,17 @@ Result<StageReport> drop_pieces(Surface& surface, const StageContext& stage) {
                     {Key::after, figures_of(facts.after)},
                     {Key::without_volume, facts.without_volume}},
                    facts.time);
-  report.did = "pieces found";
+  report.did = "components found";
   report.lines.push_back({line_of(facts, surface.id.name())});
   if (facts.without_volume > 0) {
     report.notes.push_back(
-        fmt::format("{}: {} open components have no volume, and stay", report.subject, facts.without_volume));
+        {NoteId::open_components_kept,
+         fmt::format("{}: kept {} open components, because an open component has no volume to compare", report.subject,
+                     facts.without_volume)});
   }
   if (!was_empty && surface.mesh.triangles.empty() && stage.job.empty == EmptyPolicy::error) {
     report.error = Error{ErrorCode::no_surface,
-                         fmt::format("{}: none of the {} components at {} is as large as asked for", stage.source.label,
+                         fmt::format("{}: none of the {} components at {} has the requested size", stage.source.label,
                                      facts.before.components, surface.id.name()),
                          {Remedy::use, Setting::empty_policy}};
   }

@@ -1,4 +1,4 @@
-// Pieces of a surface: the vertex sites that tell pieces apart, and splitting a mesh into a mesh for each piece.
+// Bodies of a surface: the vertex sites that tell bodies apart, and splitting a mesh into a mesh for each body.
 #pragma once
 
 #include <cstddef>
@@ -22,11 +22,11 @@ struct Source;
 [[nodiscard]] Result<edit::OriginalPositions> voxel_sites(const mesh::Mesh& mesh, const Source& source,
                                                           const SurfaceOptions& surface, const Context& context);
 
-// Splits the mesh into its pieces, named "NAME piece 1" and so on. An empty mesh gives one empty mesh, or none if
+// Splits the mesh into its bodies, named `NAME piece 1` and so on. An empty mesh gives one empty mesh, or none if
 // `into_files`. Fails as edit::split_into_bodies() does.
 [[nodiscard]] Result<std::vector<mesh::Mesh>> split_mesh(mesh::Mesh mesh, bool into_files, const Context& context);
 
-// Returns the file name of a piece, counted from 1: replaces each kPieceWord in `pattern` by the number.
+// Returns the file name of a body, counted from 1: replaces each kPiecePlaceholder in `pattern` by the number.
 [[nodiscard]] std::string piece_path(std::string pattern, std::size_t number);
 
 }  // namespace isoextract::convert

@@ -135,7 +135,7 @@ Json report_of(const ConversionJob* job, const Outcome& report, const std::vecto
     }
   }
   json["files"] = array_of(report.files);
-  json["notes"] = report.notes;
+  json["notes"] = json_of_notes(report.notes);
   return json;
 }
 

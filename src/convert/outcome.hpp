@@ -2,7 +2,8 @@
 // describes the report and must change with it. Raise kReportSchemaVersion if a reader of the old report would misread
 // the new one.
 //
-// The report has one section for each stage with StageInfo::section (stages.hpp).
+// A stage with a StageInfo::section has a section in the report if the job asks for the stage or if
+// StageInfo::is_listed is set (stages.hpp).
 #pragma once
 
 #include <cstdint>
@@ -10,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "base/note.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/conversion_job.hpp"
 #include "convert/json_type.hpp"
@@ -19,18 +21,18 @@ namespace isoextract::convert {
 
 inline constexpr int kReportSchemaVersion = 1;
 
-// One surface in one output, after all edits. Pieces with files of their own are one entry each.
+// One surface in one output, after all edits. Bodies with files of their own are one entry each.
 struct WrittenSurface {
   SurfaceId id;
   std::size_t output = 0;  // index into the job's outputs
   std::uint64_t triangles = 0;
-  // The range of Outcome::files that holds the surface; empty until they are written.
+  // The range of Outcome::files that holds the surface; empty until these files are written.
   std::size_t first_file = 0;
   std::size_t files = 0;
   std::string grid = {};  // set if the job has several grids
 };
 
-// What a conversion did, up to the failure if it failed.
+// Results of a conversion, up to the failure if it failed.
 struct Outcome {
   // "cpu" or "gpu"; the requested backend if it could not be opened; empty if opening was not tried
   std::string backend;
@@ -45,19 +47,19 @@ struct Outcome {
   std::vector<WrittenSurface> written;
   std::vector<mesh_io::WrittenFile> files;
   bool empty_picture = false;  // the picture shows none of the surfaces, although there are some
-  std::vector<std::string> notes;
+  Notes notes;
   std::optional<Error> error;  // why the conversion failed
 
   [[nodiscard]] bool done() const { return !error; }
-  // Returns the first report of the stage that has figures, or null.
+  // Returns the first report of this stage with at least one entry, or null.
   [[nodiscard]] const StageReport* first(StageName stage) const;
   // Returns the times of all stages, in order.
   [[nodiscard]] std::vector<StageReport::Part> times() const;
 };
 
-// Returns the report. `job` is null if the options failed before they gave a job. `arguments` are the words of the
-// command line without the program. `memory_limit` is in bytes. `hint` is the outcome's hint, worded by the command
-// line.
+// Returns the report. `job` is null if there is no plan of the conversion, because the options are invalid or
+// contradict each other. `arguments` are the words of the command line without the program. `memory_limit` is in bytes.
+// `hint` is the error's hint as text, with the names of the options.
 [[nodiscard]] Json report_of(const ConversionJob* job, const Outcome& outcome,
                              const std::vector<std::string>& arguments, std::uint64_t memory_limit,
                              const std::string& hint);

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Returns whether this file could be the file of one of the output's pieces.
+// Returns whether this file could be the file of one of the output's bodies.
 bool may_be_piece(const fs::path& file, const OutputFileJob& output, mesh_io::MeshFormat format) {
   const auto place = [](const fs::path& path) {
     std::error_code none;
@@ -91,7 +91,7 @@ std::vector<fs::path> mesh_files(const OutputFileJob& output, mesh_io::MeshForma
 void add_read_files(files::InputFileSet& read, const ConversionJob& job, const Context& context) {
   const std::string& input = job.source.input;
   read.add(input, "is the input");
-  if (job.label_names) read.add(job.label_names->path, "has the names of labels");
+  if (job.label_names) read.add(job.label_names->path, "is the table of label names");
   if (files::is_standard_input(input)) return;  // standard input has no other files
   const auto inputs = list_source_files(job.source, context.beside());
   if (!inputs) return;
@@ -122,14 +122,15 @@ Result<void> check_extra_output(const fs::path& file, const ConversionJob& job, 
   for (const OutputFileJob& output : job.outputs) {
     if (may_be_piece(file, output, format)) {
       return fail(ErrorCode::usage,
-                  fmt::format("{}: a piece of {} may have this name", file.string(), job.source.input),
+                  fmt::format("{}: the report may get the same name as the mesh of a body of {}", file.string(),
+                              job.source.input),
                   {Remedy::change, Setting::output_name});
     }
     for (const fs::path& mesh : mesh_files(output, format)) {
       if (!files::is_same_output(file, mesh)) continue;
       return fail(ErrorCode::usage,
-                  fmt::format("{}: this is {} as well as the report", file.string(),
-                              mesh == "-" ? "standard output, where the mesh goes," : "the mesh"),
+                  fmt::format("{}: the report and {} need different files", file.string(),
+                              mesh == "-" ? "the mesh on standard output" : "the mesh"),
                   {Remedy::change, Setting::output_name});
     }
   }

@@ -21,9 +21,9 @@ namespace isoextract::convert {
 [[nodiscard]] Result<std::vector<std::string>> remove_old_meshes(const OutputFileJob& output,
                                                                  mesh_io::MeshFormat format, const Context& context);
 
-// Removes the files of pieces from number `first` on, left by an earlier run that had more pieces, and returns their
+// Removes the files of bodies from number `first` on, left by an earlier run that had more bodies, and returns their
 // names. Stops at the first number whose file does not exist, is a link, is an input of this run, or was not written by
-// isoextract. The name of `output` contains kPieceWord.
+// isoextract. The name of `output` contains kPiecePlaceholder.
 [[nodiscard]] Result<std::vector<std::string>> remove_old_pieces(const OutputFileJob& output, std::size_t first,
                                                                  mesh_io::MeshFormat format,
                                                                  const files::InputFileSet& read,
@@ -33,8 +33,8 @@ namespace isoextract::convert {
 [[nodiscard]] std::string first_and_last(const std::vector<std::string>& names);
 
 // Renames the output's old files (files::rename_old_file) instead of removing them, and returns the new names. An
-// old mesh must not pass for a result of this run. The name of `output` may contain kPieceWord. Files that are read and
-// files in `spared` keep their names.
+// old mesh must not pass for a result of this run. The name of `output` may contain kPiecePlaceholder. Files that are
+// read and files in `spared` keep their names.
 [[nodiscard]] Result<std::vector<std::string>> rename_old_meshes(const OutputFileJob& output,
                                                                  mesh_io::MeshFormat format,
                                                                  const files::InputFileSet& read,
@@ -52,7 +52,7 @@ void add_read_mesh(files::InputFileSet& read, const std::string& path, const Con
 [[nodiscard]] Result<void> check_extra_output(const std::filesystem::path& file, const ConversionJob& job,
                                               const Context& context);
 
-// Checks the files of one output, or of one piece of it, as check_output_file() does. Standard output passes.
+// Checks the files of one output, or of one body in it, as check_output_file() does. Standard output passes.
 [[nodiscard]] Result<void> check_mesh_files(const OutputFileJob& output, mesh_io::MeshFormat format,
                                             const files::InputFileSet& read);
 

@@ -38,16 +38,17 @@ Result<points::ParticleField> make_level_set(const points::ParticleSet& particle
     figures.bricks_stored = samples.blocks.size();
     if (figures.particles == 0) {
       return fail(ErrorCode::input,
-                  fmt::format("{}: expected particles of a radius of at least {} samples, which are {:.6g} apart; all "
-                              "{} are smaller",
-                              particles.label, points::kMinSphereRadius, figures.spacing, field->left_out),
+                  fmt::format("{}: expected particles with a radius of at least {} sample spacings ({:.6g} with a "
+                              "spacing of {:.6g}), found {} particles, all smaller",
+                              particles.label, points::kMinSphereRadius, points::kMinSphereRadius * figures.spacing,
+                              figures.spacing, field->left_out),
                   {{Remedy::lower, Setting::cell_size}, {Remedy::raise, Setting::radius}});
     }
     if (!figures.radius_attribute.empty()) {
-      made.field.notes.push_back(
-          fmt::format("each particle has the radius that its attribute '{}' says; their median "
-                      "is {:.6g}",
-                      printable(figures.radius_attribute), figures.radius));
+      made.field.notes.push_back({NoteId::particle_radius,
+                                  fmt::format("the attribute '{}' gives the radius of each particle; the median radius "
+                                              "is {:.6g}",
+                                              printable(figures.radius_attribute), figures.radius)});
     }
   }
   made.field.name = particles.label;

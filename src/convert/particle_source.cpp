@@ -25,9 +25,10 @@ Result<void> check_no_volume_options(const SourceOptions& options, const Format&
   if (!names_other_grid && !describes_samples && !describes_place) return {};
   return fail(
       ErrorCode::usage,
-      fmt::format("{}: this is read as particles, which have no grid, layout, component, order of axes, value for no "
-                  "data, spacing, origin or inside to be chosen",
-                  files::input_label(options.input)),
+      fmt::format(
+          "{}: the input has particles; grid, layout, component, axis order, no-data value, spacing, origin and "
+          "inside are settings of volumes",
+          files::input_label(options.input)),
       {Remedy::leave_out, Setting::volume_options});
 }
 
@@ -55,10 +56,10 @@ Result<bool> is_particles(const SourceOptions& options, const Context& context) 
   // If the format holds both volume and point grids, the content or the chosen grid's name decides.
   if (volume && !expected && !(particles && particles->has_grids)) return false;
   if (!particles && volume) {
-    return fail(
-        ErrorCode::usage,
-        fmt::format("{}: this is a volume, and options of particles were given", files::input_label(options.input)),
-        {Remedy::leave_out, Setting::particle_options});
+    return fail(ErrorCode::usage,
+                fmt::format("{}: expected particles for the particle options, found a volume",
+                            files::input_label(options.input)),
+                {Remedy::leave_out, Setting::particle_options});
   }
   if (!particles && !expected) return false;  // the reader's message says best what the file is not
   TRY(check_no_volume_options(options, particles));
@@ -120,11 +121,12 @@ Result<FoundAttributes> find_attributes(const points::ParticleSet& particles,
   FoundAttributes found;
   for (const AttributeChoice& choice : choices) {
     if (choice.says_how_to_read()) {
-      return fail(ErrorCode::usage,
-                  fmt::format("{}: the attribute '{}' was given a spacing, an origin, a value for no data, a volume "
-                              "or a component, which volumes have; this is read as particles",
-                              particles.label, printable(choice.name)),
-                  "leave them out");
+      return fail(
+          ErrorCode::usage,
+          fmt::format("{}: the attribute '{}' has a setting for volumes (spacing, origin, no-data value, volume or "
+                      "component), but the input has particles",
+                      particles.label, printable(choice.name)),
+          "leave settings for volumes out");
     }
     const std::string& name = choice.from;
     const auto at = std::ranges::find(particles.attributes, name, &points::ParticleAttribute::name);
@@ -138,10 +140,11 @@ Result<FoundAttributes> find_attributes(const points::ParticleSet& particles,
       continue;
     }
     if (at->components > mesh::kMaxComponents) {
-      return fail(ErrorCode::input,
-                  fmt::format("{}: expected attributes of at most {} components, which a vertex can carry; '{}' has {}",
-                              particles.label, mesh::kMaxComponents, printable(name), at->components),
-                  {Remedy::leave_out, Setting::attribute});
+      return fail(
+          ErrorCode::input,
+          fmt::format("{}: expected at most {} components, the limit of a vertex attribute; the attribute '{}' has {}",
+                      particles.label, mesh::kMaxComponents, printable(name), at->components),
+          {Remedy::leave_out, Setting::attribute});
     }
     found.choices.push_back(choice);
     found.attributes.push_back(static_cast<std::size_t>(at - particles.attributes.begin()));

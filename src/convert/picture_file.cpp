@@ -64,7 +64,8 @@ Result<WrittenPicture> write_picture(std::span<const mesh::Mesh> meshes, const P
   done.misses_surfaces = std::ranges::any_of(meshes, is_there) && std::ranges::none_of(drawn.picture.depth, is_seen);
   if (done.misses_surfaces) {
     done.written.notes.push_back(
-        fmt::format("{}: the picture is empty: the camera sees nothing of the surfaces", printable(output.path)));
+        {NoteId::empty_picture, fmt::format("{}: the picture is empty: no part of the surfaces is in the camera's view",
+                                            printable(output.path))});
   }
   return done;
 }

@@ -22,7 +22,7 @@ namespace isoextract::convert {
 
 [[nodiscard]] render::UpAxis render_up_axis(UpAxis up);
 
-// The image refers to the memory of `picture`.
+// Returns an image that refers to the memory of `picture`.
 [[nodiscard]] image_io::LightImage light_of(const render::Picture& picture);
 
 // Writes a PNG file, completely or not at all, and returns its size in bytes. Fails as image_io::write_png() does, and

@@ -51,18 +51,17 @@ field::IndexBox sample_box(const field::ScalarField& field) {
   return {glm::ivec3(-field::kMaxSparseIndex), glm::ivec3(field::kMaxSparseIndex)};
 }
 
-// Returns the placement with the unit that the file states, if kUnitOfFile was requested.
+// Returns the placement with the unit that the file states, if kFileUnit was requested.
 Result<Placement> with_unit_of_file(const field::ScalarField& field, const Placement& placement) {
   Placement with_unit = placement;
   if (placement.unit != kFileUnit) return with_unit;
   const auto unit = find_length_unit(field.length_unit);
   if (!unit) {
-    const std::string found = field.length_unit.empty()
-                                  ? "states none"
-                                  : fmt::format("states '{}'", printable(field.length_unit, kMaxShownUnit));
+    const std::string found =
+        field.length_unit.empty() ? "none" : fmt::format("'{}'", printable(field.length_unit, kMaxShownUnit));
     return fail(ErrorCode::usage,
-                fmt::format("{}: the unit that the file states was asked for, and it {}{}", field_label(field), found,
-                            field.length_unit.empty() ? "" : ", which is none of those that are known"),
+                fmt::format("{}: expected a length unit in the file, found {}{}", field_label(field), found,
+                            field.length_unit.empty() ? "" : ", which is not a known unit"),
                 {Remedy::give, Setting::unit});
   }
   const auto to = placement.to_unit.empty() ? unit : find_length_unit(placement.to_unit);
@@ -160,13 +159,14 @@ Result<field::IndexBox> samples_in_box(const field::ScalarField& field, const fi
   }
   for (int axis = 0; axis < 3; ++axis) {
     if (samples.max[axis] - samples.min[axis] >= 1) continue;
-    return fail(ErrorCode::input,
-                fmt::format("{}: the region {} holds {} along {}; the data is at {}", field.source, box_text(box),
-                            covering ? "no cell of the data" : "fewer than two samples", "xyz"[axis],
-                            box_text(bounds_in(field, space))),
-                {Remedy::check, Setting::region,
-                 space == Space::index ? "it is in voxel coordinates, as those of the mesh are"
-                                       : "it is in the input's world coordinates, not in those of the mesh"});
+    return fail(
+        ErrorCode::input,
+        fmt::format("{}: the region {} contains {} along {}; the data extend over {}", field.source, box_text(box),
+                    covering ? "no cell of the data" : "fewer than two samples", "xyz"[axis],
+                    box_text(bounds_in(field, space))),
+        {Remedy::check, Setting::region,
+         space == Space::index ? "the region is in voxel coordinates, as the mesh is"
+                               : "the region is in the world coordinates of the input, not in mesh coordinates"});
   }
   return samples;
 }
@@ -225,12 +225,16 @@ Result<field::Box> take_region(const field::ScalarField& field, const field::Box
     const bool cuts = ends == RegionEnds::faces;
     if (cuts) placed.cuts = faces_of(roi);
     placed.notes.push_back(
-        cuts ? fmt::format("{}: its axes are oblique, so the surface of the {} x {} x {} samples that cover the box "
-                           "is cut at it",
-                           field_label(field), cover.x, cover.y, cover.z)
-             : fmt::format("{}: its axes are oblique, so the region is the {} x {} x {} samples that cover the box: "
-                           "surfaces end at samples",
-                           field_label(field), cover.x, cover.y, cover.z));
+        {NoteId::region_at_samples,
+         cuts
+             ? fmt::format(
+                   "{}: the sample axes are oblique to the region, so the conversion extracts the {} x {} x {} samples "
+                   "that cover the region, and clips the surface at its faces",
+                   field_label(field), cover.x, cover.y, cover.z)
+             : fmt::format(
+                   "{}: the sample axes are oblique to the region, so surfaces end at the {} x {} x {} samples that "
+                   "cover the region",
+                   field_label(field), cover.x, cover.y, cover.z)});
     return kept;
   }
   std::vector<ClipPlane> between = faces_between_samples(map, roi, kept);
@@ -243,9 +247,10 @@ Result<field::Box> take_region(const field::ScalarField& field, const field::Box
   placed.region = within;
   const glm::i64vec3 dims = within.dims();
   placed.notes.push_back(
-      fmt::format("{}: the region is the {} x {} x {} samples in the box, whose faces are between samples: surfaces "
-                  "end at samples",
-                  field_label(field), dims.x, dims.y, dims.z));
+      {NoteId::region_at_samples,
+       fmt::format("{}: the faces of the region lie between samples, so surfaces end at the {} x {} x {} samples "
+                   "inside the region",
+                   field_label(field), dims.x, dims.y, dims.z)});
   return box_of(within);
 }
 
@@ -254,12 +259,12 @@ Result<field::Box> take_region(const field::ScalarField& field, const field::Box
 Result<PlacedField> place_field(const field::ScalarField& field, const Placement& placement,
                                 const std::optional<field::Box>& roi, RegionEnds ends) {
   if (placement.to_space && !ras_signs(field.world_space)) {
-    const std::string found = field.world_space.empty() ? "does not say" : fmt::format("says '{}'", field.world_space);
+    const std::string found = field.world_space.empty() ? "states none" : fmt::format("states '{}'", field.world_space);
     return fail(ErrorCode::usage,
-                fmt::format("{}: {} was asked for, which needs a file that says whether its world is RAS, LAS or LPS; "
-                            "this one {}",
+                fmt::format("{}: the anatomical space {} needs a file that states RAS, LAS or LPS world coordinates; "
+                            "this file {}",
                             field_label(field), word_of(*placement.to_space), found),
-                "NIfTI files always say it, and NRRD files by their space");
+                "use a NIfTI file, or an NRRD file with the field 'space'");
   }
   auto with_unit = TRY(with_unit_of_file(field, placement));
   PlacedField placed;
@@ -273,7 +278,7 @@ Result<PlacedField> place_field(const field::ScalarField& field, const Placement
       placement.space == Space::index ? field.index_to_file : placed_after(field.index_to_world, resolved);
   if (field.index_to_world.is_invertible() && !placed.output_from_index.is_invertible()) {
     return fail(ErrorCode::usage,
-                fmt::format("{}: scaled by {}, coordinates leave the range of numbers", field_label(field),
+                fmt::format("{}: with the scale {}, coordinates leave the range of 64-bit floats", field_label(field),
                             resolved.placement.scale),
                 {Remedy::change, Setting::scale});
   }

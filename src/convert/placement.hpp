@@ -10,6 +10,7 @@
 
 #include "base/enum_words.hpp"
 #include "base/error.hpp"
+#include "base/note.hpp"
 #include "field/scalar_field.hpp"
 
 namespace isoextract::convert {
@@ -49,13 +50,13 @@ struct Placement {
   UpAxis up = UpAxis::z;           // up axis of the input's world
   bool turn_z_up_to_y_up = false;  // (x, y, z) -> (x, z, -y)
   bool turn_y_up_to_z_up = false;  // (x, y, z) -> (x, -z, y); not both
-  double scale = 1;                // place_field() sets it if the unit is kUnitOfFile
-  std::string unit;                // unit of the input's world, or kUnitOfFile; empty if none was given
+  double scale = 1;                // place_field() sets it if the unit is kFileUnit
+  std::string unit;                // unit of the input's world, or kFileUnit; empty if none was given
   // Unit of the output, which `scale` converts to; empty if `unit` is empty, or to keep the file's unit.
   std::string to_unit;
   std::optional<AnatomicalSpace> to_space;  // mirrors the world's axes into this space, before the turn
-  // Finally moves the center of the samples to the origin: of the region, else of the field's extents. Not in
-  // Space::index.
+  // Moves the center of the region (without a region: of the field's extents) to the origin, after all other steps.
+  // The command line refuses it with Space::index.
   bool center = false;
 
   friend bool operator==(const Placement&, const Placement&) = default;
@@ -63,7 +64,7 @@ struct Placement {
 
 // A placement whose open values are resolved for one field.
 struct ResolvedPlacement {
-  Placement placement;       // with the actual unit in place of kUnitOfFile, and its scale
+  Placement placement;       // with the actual unit in place of kFileUnit, and its scale
   glm::dvec2 signs{1.0};     // factors of x and y for Placement::to_space
   glm::dvec3 moved_by{0.0};  // shift for Placement::center, in output coordinates
 
@@ -73,11 +74,13 @@ struct ResolvedPlacement {
   friend bool operator==(const ResolvedPlacement&, const ResolvedPlacement&) = default;
 };
 
-// Returns the map from sample indices to the coordinates in which the options give regions and planes.
+// Returns the map from sample indices to the coordinates of regions and clip planes: world coordinates, or voxel
+// coordinates for Space::index.
 [[nodiscard]] const field::Affine& request_from_index(const field::ScalarField& field, Space space);
 
 // Returns the map from the world of `from` to the world of `to`: mirrored axes if both name a patient space (RAS, LAS
-// or LPS), scaling if both state a length unit. Returns nullopt if the worlds are the same or a field states neither.
+// or LPS), scaling if both state a length unit. Returns nullopt if this map is the identity,
+// also because the fields have no comparable statements.
 [[nodiscard]] std::optional<field::Affine> map_between_worlds(const field::ScalarField& from,
                                                               const field::ScalarField& to);
 
@@ -97,10 +100,10 @@ struct ClipPlane {
   friend bool operator==(const ClipPlane&, const ClipPlane&) = default;
 };
 
-// Chooses the place where a region ends its surfaces.
+// The end of surfaces that reach the region's boundary.
 enum class RegionEnds {
   faces,  // at the faces of the box: surfaces are cut at faces that lie between samples
-  // At samples: the region is the box of samples inside the box; with oblique axes, of the samples that cover it.
+  // At samples: keeps the samples inside the region, or with oblique sample axes the samples that cover it.
   samples,
 };
 
@@ -115,15 +118,16 @@ struct PlacedField {
   ResolvedPlacement placement;
   field::Affine output_from_index;
   std::optional<field::IndexBox> region;
-  std::vector<ClipPlane> cuts;     // the faces of the requested box inside the region, at which surfaces are to be cut
-  std::vector<std::string> notes;  // about the parts of the request that could not be met exactly
+  std::vector<ClipPlane> cuts;  // the faces of the requested box inside the region, at which surfaces are to be cut
+  Notes notes;                  // about how the region was fitted to the samples
 };
 
 // Resolves the placement and the region, which `roi` gives in the coordinates of Placement::space. Adds a note if the
-// region ends at samples that are not on the faces of `roi`.
+// sample axes are oblique to the region, or if surfaces end at samples away from its faces.
 //
-// Fails with ErrorCode::usage if an anatomical space or unit is requested and the file does not state its own, and if
-// the scale leaves the range of numbers. Fails as samples_in_box() does.
+// Fails with ErrorCode::usage if to_space is set and the file states no RAS, LAS or LPS space, or if the unit is
+// kFileUnit and the file states no known unit. Fails with the same code if the scaled transform is not invertible.
+// Fails as samples_in_box() does.
 [[nodiscard]] Result<PlacedField> place_field(const field::ScalarField& field, const Placement& placement,
                                               const std::optional<field::Box>& roi, RegionEnds ends);
 

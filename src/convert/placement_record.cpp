@@ -81,7 +81,7 @@ double scale_of_units(const Placement& placement) {
   return from && to ? unit_ratio(*from, *to) : 1;
 }
 
-glm::dmat3 orientation_2d(const Placement& placement) {
+glm::dmat3 up_axis_turn(const Placement& placement) {
   ResolvedPlacement turned;
   turned.placement.turn_z_up_to_y_up = placement.turn_z_up_to_y_up;
   turned.placement.turn_y_up_to_z_up = placement.turn_y_up_to_z_up;
@@ -168,7 +168,7 @@ ResolvedPlacement placed_like(const ResolvedPlacement& other, UpAxis up) {
   ResolvedPlacement placed = other;
   placed.placement.turn_z_up_to_y_up = other.placement.up == UpAxis::z && up == UpAxis::y;
   placed.placement.turn_y_up_to_z_up = other.placement.up == UpAxis::y && up == UpAxis::z;
-  placed.moved_by = orientation_2d(placed.placement) * (glm::inverse(orientation_2d(other.placement)) * other.moved_by);
+  placed.moved_by = up_axis_turn(placed.placement) * (glm::inverse(up_axis_turn(other.placement)) * other.moved_by);
   return placed;
 }
 

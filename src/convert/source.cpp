@@ -93,9 +93,10 @@ void tell_voxel_size(const glm::dvec3& asked, const field::ScalarField& grid, Ev
   constexpr double kRounding = 1e-6;
   if (glm::all(glm::lessThanEqual(glm::abs(made - asked), kRounding * asked))) return;
   events.note(
-      fmt::format("{}: voxels of {:.6g} x {:.6g} x {:.6g} in place of {:.6g} x {:.6g} x {:.6g}, so that they "
-                  "divide the box of the data",
-                  field_label(grid), made.x, made.y, made.z, asked.x, asked.y, asked.z));
+      {NoteId::voxel_size,
+       fmt::format("{}: voxels of {:.6g} x {:.6g} x {:.6g} instead of {:.6g} x {:.6g} x {:.6g}, so that whole voxels "
+                   "fill the box of the data",
+                   field_label(grid), made.x, made.y, made.z, asked.x, asked.y, asked.z)});
 }
 
 // Notes the labels that are lost because the coarser grid has no sample of them. For jobs that ask for all labels.
@@ -110,12 +111,13 @@ void tell_lost_labels(const field::ScalarField& map, const field::ScalarField& g
   constexpr std::size_t kMostTold = 10;
   const std::span<const double> told = std::span(lost).first(std::min(lost.size(), kMostTold));
   const std::string ids = fmt::format("{}{}", fmt::join(told, ", "), lost.size() > kMostTold ? ", ..." : "");
-  events.note(fmt::format("{}: no mesh for {} of {} labels ({}): the coarser grid has no sample of them",
-                          field_label(map), lost.size(), labels.size(), ids));
+  events.note({NoteId::labels_lost,
+               fmt::format("{}: no mesh for {} of {} labels ({}): the coarser grid has no sample of these labels",
+                           field_label(map), lost.size(), labels.size(), ids)});
   StageReport report = report_on(StageName::resample, field_label(map));
-  report.work.push_back(
-      {WorkTopic::labels, WorkDone::left_out, lost.size(), labels.size(),
-       fmt::format("{} of {} labels, of which the coarser grid has no sample: {}", lost.size(), labels.size(), ids)});
+  report.work.push_back({WorkTopic::labels, WorkDone::left_out, lost.size(), labels.size(),
+                         fmt::format("{} of {} labels, because the coarser grid has no sample of these labels: {}",
+                                     lost.size(), labels.size(), ids)});
   events.end(report);
 }
 
@@ -128,7 +130,7 @@ Result<void> change_resolution(const SourceOptions& options, const SourceUse& us
   auto grid = TRY(field::resample(source.field, resolution, options.kernel, use.nan, context));
   const StageReport report = report_on_field(StageName::resample, field_label(source.field),
                                              resolution_fact(source.field, grid), watch.elapsed());
-  for (const std::string& text : grid.notes) events.note(text);
+  for (const Note& text : grid.notes) events.note(text);
   events.end(report);
   const auto is_all = [](const IsoChoice& iso) { return iso.kind == IsoChoice::Kind::all_labels; };
   if (std::ranges::any_of(use.isos, is_all)) tell_lost_labels(source.field, grid, context, events);
@@ -153,8 +155,8 @@ void tell_isos(const std::optional<StageTime>& time, Events& events, const Sourc
   events.end(report);
   for (const ResolvedIso& iso : source.isos) {
     if (!iso.asked.is_found()) continue;
-    events.note(fmt::format("{}: iso {} is {}: {}", field_label(source.field), text_of(iso.asked), iso.id.text(),
-                            iso.found_by));
+    events.note({NoteId::iso_chosen, fmt::format("{}: iso {} is {}: {}", field_label(source.field), text_of(iso.asked),
+                                                 iso.id.text(), iso.found_by)});
   }
 }
 
@@ -176,7 +178,7 @@ Result<void> read_volume_field(const SourceOptions& options, const SourceUse& us
   report.did = "attributes read";
   events.end(report);
   for (const VolumeAttribute& attribute : attributes.found) {
-    for (const std::string& text : attribute.notes) events.note(text);
+    for (const Note& text : attribute.notes) events.note(text);
     report = report_on(StageName::read_attributes, field_label(source.field));
     report.work.push_back(attribute_fact(attribute));
     events.end(report);
@@ -191,8 +193,8 @@ Result<void> read_volume_field(const SourceOptions& options, const SourceUse& us
 void tell_missing(const std::vector<MissingAttribute>& missing, const std::string& label, Events& events) {
   for (const MissingAttribute& attribute : missing) {
     if (!attribute.choice.optional) continue;
-    events.note(fmt::format("{}: converted without the optional attribute '{}': {}", label,
-                            printable(attribute.choice.name), attribute.error.message));
+    events.note({NoteId::attribute_missing, fmt::format("{}: converted without the optional attribute '{}': {}", label,
+                                                        printable(attribute.choice.name), attribute.error.message)});
     StageReport report = report_on(StageName::read_attributes, label);
     report.entries.push_back({{Key::attribute, attribute.choice.name}});
     events.end(report);
@@ -214,7 +216,7 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   auto file =
       TRY(particle_io::read_particles(options.input, particle_read_options(options, use.empty_is_fine), context));
   const StageTime reading = watch.elapsed();
-  for (const std::string& text : file.notes) events.note(text);
+  for (const Note& text : file.notes) events.note(text);
   TRY(context.check());
   auto found = TRY(find_attributes(file.particles, options.attributes, use.empty_is_fine));
   watch.restart();
@@ -244,15 +246,16 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
        {Key::too_small, figures.particles_too_small},
        {Key::radius_attribute, figures.radius_attribute.empty() ? Value() : Value(figures.radius_attribute)},
        {Key::bricks_stored, figures.bricks_stored},
-       {Key::inside_tiles, figures.inside_tiles}},
+       {Key::bricks_inside, figures.inside_tiles}},
       watch.elapsed());
   events.end(report);
   if (figures.particles_dropped > 0) {
-    events.note(fmt::format("{}: {} particles at places that are no numbers were left out",
-                            printable(file.particles.label), figures.particles_dropped));
+    events.note({NoteId::particles_left_out,
+                 fmt::format("{}: the conversion left out {} particles whose positions are not finite",
+                             printable(file.particles.label), figures.particles_dropped)});
   }
-  for (const std::string& text : made.field.notes) {
-    events.note(fmt::format("{}: {}", printable(file.particles.label), text));
+  for (const Note& text : made.field.notes) {
+    events.note(prefixed(printable(file.particles.label) + ": ", text));
   }
   report = report_on(StageName::particles_to_field, field_label(made.field));
   report.work = particle_facts(figures);
@@ -277,7 +280,7 @@ Result<field::ScalarField> read_field(const std::string& input, const volume_io:
   auto field = volume_io::read_volume(input, options, context);
   if (!field) return field;
   const StageTime time = watch.elapsed();
-  for (const std::string& text : field->notes) events.note(text);
+  for (const Note& text : field->notes) events.note(text);
   events.end(report_of_reading(input, *field, time));
   TRY(context.check());
   TRY(volume_io::check_mapping_intact(*field));
@@ -347,7 +350,7 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
   if (options.away_from_zero) source.kind_at_zero = source.field.kind;
   auto placed = TRY(place_field(source.field, options.placement, options.roi, use.region_ends));
   events.end(report_of_placing(placed, source.field));
-  for (const std::string& text : placed.notes) events.note(text);
+  for (const Note& text : placed.notes) events.note(text);
   source.placement = placed.placement;
   source.output_from_index = placed.output_from_index;
   source.region = placed.region;
@@ -360,8 +363,8 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
                                                 ? source.output_from_index.after(world.inverse())
                                                 : source.placement.output_from_world();
     TRY(set_attribute_maps(*source.attributes, world.after(source.output_from_index.inverse()), output_from_world));
-    for (const std::string& text : source.attributes->kind_notes) {
-      events.note(fmt::format("{}: {}", source.label, text));
+    for (const Note& text : source.attributes->kind_notes) {
+      events.note(prefixed(source.label + ": ", text));
     }
   }
   return source;

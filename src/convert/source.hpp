@@ -1,4 +1,4 @@
-// The stage that opens the input: reads the field, resamples it if asked to, and places it in the output.
+// Opens the input: reads the field, filters, blurs and resamples it if requested, and places it in output coordinates.
 #pragma once
 
 #include <optional>
@@ -16,24 +16,27 @@
 
 namespace isoextract::convert {
 
-// Calls read_volume() and reports its notes.
+// Calls read_volume(), sends its notes and the report of the stage `read`, and checks that the mapped file is intact.
 [[nodiscard]] Result<field::ScalarField> read_field(const std::string& input, const volume_io::ReadOptions& options,
                                                     const Context& context, Events& events);
 
 struct Source {
-  field::ScalarField field;  // to extract from
-  // The field as read, if `field` was made from it and SourceUse::keep_data is set.
+  field::ScalarField field;  // the surfaces are extracted from this field
+  // The field after reading and filters, before blur and resampling. Set if SourceUse::keep_data is set and blur or
+  // resampling changed the field.
   std::optional<field::ScalarField> data;
   ResolvedPlacement placement;
   field::Affine output_from_index;
   std::optional<field::IndexBox> region;
-  std::vector<mesh::HalfSpace> clip;  // half-spaces that keep the surfaces, in output coordinates: clip_surface()
-  std::vector<ResolvedIso> isos;      // one for each requested iso value
-  std::string label;                  // name in messages
-  bool empty = false;                 // the input has no voxels or no particles
+  // clip_surface() cuts the surface to the inside of these half-spaces, in output coordinates.
+  std::vector<mesh::HalfSpace> clip;
+  std::vector<ResolvedIso> isos;  // one for each requested iso value
+  std::string label;              // name in messages
+  bool empty = false;             // the input has no voxels or no particles
   bool of_particles = false;
-  std::optional<field::FieldKind> kind_at_zero;  // with SourceOptions::away_from_zero: the field's own kind
-  std::optional<AttributeSource> attributes;     // of the vertices, if the job asks for some
+  // Set with SourceOptions::away_from_zero: the field's kind as read, which set_inside_side(0) restores.
+  std::optional<field::FieldKind> kind_at_zero;
+  std::optional<AttributeSource> attributes;  // source of the vertex attributes; set if the job asks for attributes
 
   // Says why `empty` is set.
   [[nodiscard]] const char* why_empty() const {
@@ -47,16 +50,19 @@ struct Source {
   // Returns the kinds of the attributes that the mesh keeps.
   [[nodiscard]] std::vector<NamedKind> written_kinds() const;
 
-  // Returns the options to extract a surface of this source.
+  // Returns the options of `surface` together with the iso value, region and output transform.
   [[nodiscard]] extract::ExtractOptions extract_options(const SurfaceOptions& surface, double iso) const;
 };
 
 // How a source will be used.
 struct SourceUse {
-  bool keep_data = false;          // keep Source::data
-  std::optional<double> only_iso;  // only the surface at this iso value will be extracted from samples of particles
-  std::vector<IsoChoice> isos;     // the requested iso values
-  bool empty_is_fine = false;      // see resolve_isos() and read_volume_attributes()
+  bool keep_data = false;  // keep Source::data, to measure the error of the surface against it
+  // For particles: the one iso value that will be extracted, so that particles deep inside can be left out.
+  std::optional<double> only_iso;
+  std::vector<IsoChoice> isos;  // the requested iso values
+  // A result without a surface is no error. So open_source() does not fail if no suggested iso value separates the
+  // samples, or if an attribute is missing; a missing attribute fails later, if there is a surface.
+  bool empty_is_fine = false;
   RegionEnds region_ends = RegionEnds::faces;
   field::NanHandling nan = field::NanHandling::left_out;  // how resampling treats NaN
 };

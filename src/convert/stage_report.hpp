@@ -24,6 +24,7 @@
 
 #include "base/enum_words.hpp"
 #include "base/error.hpp"
+#include "base/note.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/json_type.hpp"
 #include "convert/stages.hpp"
@@ -34,28 +35,28 @@ namespace isoextract::convert {
 // Keys of figures; the JSON report uses the same names.
 // clang-format off
 #define ISOEXTRACT_FIGURES(NAME) \
-  NAME(after) NAME(analytic) NAME(area) NAME(asked) NAME(asked_triangles) NAME(attribute) NAME(axis) \
-  NAME(backends) NAME(before) NAME(bits) NAME(bodies) NAME(border_vertices) NAME(bounds) NAME(box) \
-  NAME(inside_tiles) NAME(bricks_stored) NAME(bytes_after) NAME(bytes_before) NAME(cap_triangles) \
-  NAME(cap_vertices) NAME(cavity) NAME(changed) NAME(changed_components) NAME(closed) NAME(closed_form) \
-  NAME(component_table) NAME(components) NAME(compression) NAME(corrected) NAME(coverage) NAME(cpu_seconds) NAME(creator) \
-  NAME(degrees) NAME(degrees_allowed) NAME(differences) NAME(dims) NAME(distance) NAME(distances) NAME(error) \
-  NAME(euler) NAME(exact) NAME(file) NAME(file_bytes) NAME(flat_normals) NAME(flattened_triangles) NAME(format) \
-  NAME(found_by) NAME(genus) NAME(greatest_move) NAME(grid) NAME(index_to_world) NAME(inside) NAME(intercept) \
-  NAME(interior) NAME(interpolant) NAME(iso) NAME(kind) NAME(largest) NAME(left_bodies) NAME(left_out_inside) \
-  NAME(length_unit) NAME(lost_components) NAME(lower) NAME(map) NAME(max) NAME(max_at_most) NAME(max_degrees) \
-  NAME(measured) NAME(method) NAME(min) NAME(misoriented_edges) NAME(moved_by) NAME(name) NAME(nonmanifold_edges) \
+  NAME(after) NAME(analytic) NAME(area) NAME(asked) NAME(asked_triangles) NAME(attribute) NAME(axis) NAME(backends) \
+  NAME(before) NAME(bits) NAME(bodies) NAME(border_vertices) NAME(bounds) NAME(box) NAME(bricks_inside) \
+  NAME(bricks_stored) NAME(bytes_after) NAME(bytes_before) NAME(cap_triangles) NAME(cap_vertices) NAME(cavity) \
+  NAME(changed) NAME(changed_components) NAME(closed) NAME(closed_form) NAME(component_table) NAME(components) \
+  NAME(compression) NAME(corrected) NAME(coverage) NAME(cpu_seconds) NAME(creator) NAME(degrees) \
+  NAME(degrees_allowed) NAME(differences) NAME(dims) NAME(distance) NAME(distances) NAME(error) NAME(euler) \
+  NAME(exact) NAME(file) NAME(file_bytes) NAME(flat_normals) NAME(flattened_triangles) NAME(format) NAME(found_by) \
+  NAME(genus) NAME(greatest_move) NAME(grid) NAME(index_to_world) NAME(inside) NAME(intercept) NAME(interior) \
+  NAME(interpolant) NAME(iso) NAME(kind) NAME(largest) NAME(left_bodies) NAME(left_out_inside) NAME(length_unit) \
+  NAME(lost_components) NAME(lower) NAME(map) NAME(max) NAME(max_at_most) NAME(max_degrees) NAME(measured) \
+  NAME(method) NAME(min) NAME(misoriented_edges) NAME(moved_by) NAME(name) NAME(nonmanifold_edges) \
   NAME(nonmanifold_vertices) NAME(normal_degrees) NAME(not_applicable) NAME(not_finite) NAME(not_numbers) \
-  NAME(used_sequential_method) NAME(open_edges) NAME(origin) NAME(others) NAME(vertices_beyond_kernels) NAME(output_from_index) \
+  NAME(one_by_one) NAME(open_edges) NAME(origin) NAME(others) NAME(out_of_reach) NAME(output_from_index) \
   NAME(outside) NAME(own_range) NAME(particles) NAME(parts) NAME(pass_band) NAME(passed) NAME(passes) NAME(path) \
   NAME(percentile99) NAME(placement) NAME(points) NAME(positions) NAME(radius) NAME(radius_attribute) \
-  NAME(radius_suggested) NAME(range) NAME(region) NAME(relative_error) NAME(rms) NAME(rms_degrees) \
-  NAME(sample_type) NAME(samples) NAME(scale) NAME(slope) NAME(smooth_normals) NAME(smoothing_length) \
-  NAME(source) NAME(spacing) NAME(sparse) NAME(step) NAME(storage) NAME(stored_bytes) NAME(support) NAME(time) \
-  NAME(time_step) NAME(to_unit) NAME(too_small) NAME(triangles) NAME(triangles_after) NAME(triangles_before) \
-  NAME(triangles_only) NAME(turned_inside_out) NAME(ulps) NAME(ulps_allowed) NAME(unit) NAME(unit_of_lengths) \
-  NAME(unreached) NAME(upper) NAME(value_scale) NAME(vertices) NAME(vertices_only) NAME(volume) NAME(voxels) \
-  NAME(wall_seconds) NAME(without_volume) NAME(work) NAME(world) NAME(world_space) NAME(worst) NAME(worst_component) \
+  NAME(radius_suggested) NAME(range) NAME(region) NAME(relative_error) NAME(rms) NAME(rms_degrees) NAME(sample_type) \
+  NAME(samples) NAME(scale) NAME(slope) NAME(smooth_normals) NAME(smoothing_length) NAME(source) NAME(spacing) \
+  NAME(sparse) NAME(step) NAME(storage) NAME(stored_bytes) NAME(support) NAME(time) NAME(time_step) NAME(to_unit) \
+  NAME(too_small) NAME(triangles) NAME(triangles_after) NAME(triangles_before) NAME(triangles_only) \
+  NAME(turned_inside_out) NAME(ulps) NAME(ulps_allowed) NAME(unit) NAME(unit_of_lengths) NAME(unreached) NAME(upper) \
+  NAME(value_scale) NAME(vertices) NAME(vertices_only) NAME(volume) NAME(voxels) NAME(wall_seconds) \
+  NAME(without_volume) NAME(work) NAME(world) NAME(world_space) NAME(worst) NAME(worst_component) \
   NAME(zero_area_triangles)
 // clang-format on
 #define ISOEXTRACT_NAME(name) name,
@@ -179,8 +180,8 @@ struct WrittenOutput {
 
 struct StageReport {
   StageReport() = default;
-  // A constructor instead of aggregate initialization: if a member's initializer throws, GCC does not destroy the
-  // members before it.
+  // Replaces aggregate initialization: if a member's initializer throws there, GCC does not destroy the members before
+  // it.
   explicit StageReport(StageName name, std::string about = {}, std::string field = {},
                        std::optional<SurfaceId> surface = {})
       : stage(name), subject(std::move(about)), label(std::move(field)), id(surface) {}
@@ -208,9 +209,9 @@ struct StageReport {
     std::string text;
     bool explains = false;  // printed only with explanations
   };
-  std::vector<Line> lines = {};         // printed below the line about the surface's file
-  std::vector<WorkFact> work = {};      // explained if there are no `lines`
-  std::vector<std::string> notes = {};  // sentences without their full stop
+  std::vector<Line> lines = {};     // printed below the line about the surface's file
+  std::vector<WorkFact> work = {};  // explained if there are no `lines`
+  Notes notes = {};                 // sentences without their full stop
 
   std::optional<Error> error = {};           // set if the conversion ends with this stage
   std::optional<WrittenOutput> output = {};  // set for StageName::write

@@ -1,5 +1,5 @@
-// The stages of a conversion in order. A surface edit is one function and one row of kStages; reports, pages, tables
-// and printed lines follow from the row.
+// The stages of a conversion in order. To add a surface edit, write one function and one row of kStages: report
+// sections, HTML pages and printed lines are generated from the row.
 #pragma once
 
 #include <array>
@@ -50,11 +50,12 @@ enum class StageName {
 // Edits or examines a surface, and returns a report. Does nothing and returns an empty report if the job does not ask
 // for it. Fails as the algorithm that it calls does.
 using EditSurface = Result<StageReport>(Surface& surface, const StageContext& context);
-EditSurface clip_surface;  // keeps the part inside all of Source::clip; closes it there if the job caps surfaces
-EditSurface sample_vertex_attributes;  // runs first, while every vertex is still where the field puts it
+EditSurface
+    clip_surface;  // keeps what lies inside every half-space of Source::clip; with SurfaceOptions::cap, caps the cuts
+EditSurface sample_vertex_attributes;  // runs before components, smoothing and simplification move or drop vertices
 EditSurface drop_pieces;
 EditSurface measure_relaxing;  // runs while all vertices are still where relaxing left them
-EditSurface mark_bodies;       // runs before shells move: later stages may move one shell through another
+EditSurface mark_bodies;       // assigns shells to bodies; runs before later stages may move one shell through another
 EditSurface smooth_surface;
 EditSurface simplify_surface;
 EditSurface color_surface;  // runs when the vertices are final
@@ -73,7 +74,7 @@ struct StageInfo {
   bool is_listed = false;
   EditSurface* edit = nullptr;  // for stages between a surface's extraction and its file
   std::string_view done = {};   // past participle for printed lines: "smoothed"
-  // Its time is reported; false: the time is part of another stage's.
+  // Whether reports list its time. False if other stages contain the time, or if the time contains theirs.
   bool is_timed = true;
   int line_rank = 0;  // lines of higher ranks are printed below
 };

@@ -39,7 +39,7 @@ struct MinComponentSize {
   friend bool operator==(const MinComponentSize&, const MinComponentSize&) = default;
 };
 
-// The pieces to keep (edit/bodies.hpp), and whether each becomes a mesh of its own.
+// The bodies and components to keep (edit/bodies.hpp), and whether each body becomes a mesh of its own.
 struct PieceChoice {
   static constexpr std::array kMembers{"least", "fill_cavities", "largest", "split"};
 
@@ -103,7 +103,7 @@ struct SurfaceEdits {
   friend bool operator==(const SurfaceEdits&, const SurfaceEdits&) = default;
 };
 
-// Placeholder in an output name for the number of a piece; each piece then gets a file of its own.
+// Placeholder in an output name for the number of a body; each body then gets a file of its own.
 inline constexpr std::string_view kPiecePlaceholder = "{piece}";
 // Limits for one surface: files to split it into, and meshes in one file.
 inline constexpr std::uint64_t kMaxPieceFiles = 1000;

@@ -97,7 +97,7 @@ Result<void> check_verification(const std::string& label, const VerificationReco
   return fail(ErrorCode::verification,
               fmt::format("{} iso {}: {} and {} differ: {}", label, record.iso, record.backends[0], record.backends[1],
                           fmt::join(record.differences, "; ")),
-              "this is a defect of one of them; please report it");
+              "one of the two backends is wrong; please report this");
 }
 
 }  // namespace isoextract::convert

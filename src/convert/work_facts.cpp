@@ -39,14 +39,14 @@ std::vector<WorkFact> reading_facts(const field::ScalarField& field, std::size_t
   if (field.grids > 1 + more_grids) {
     const std::uint64_t others = field.grids - 1 - more_grids;
     facts.push_back({WorkTopic::grids, WorkDone::left_out, others, field.grids,
-                     fmt::format("the other {} grids of the file, which were not read", others)});
+                     fmt::format("the other {} grids of the file", others)});
   }
   const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
   if (dense != nullptr && dense->file_backed) {
     const std::uint64_t bytes = dense->count() * field::sample_size(dense->type);
-    facts.push_back({WorkTopic::samples, WorkDone::mapped, dense->count(), dense->count(),
-                     fmt::format("{} samples, {}, which stay in the file and are not copied", dense->count(),
-                                 format_byte_size(bytes))});
+    facts.push_back(
+        {WorkTopic::samples, WorkDone::mapped, dense->count(), dense->count(),
+         fmt::format("{} samples, {}, without a copy of the file in memory", dense->count(), format_byte_size(bytes))});
   }
   return facts;
 }
@@ -64,24 +64,25 @@ WorkFact attribute_fact(const VolumeAttribute& attribute) {
 std::vector<WorkFact> particle_facts(const points::ParticleFieldStatistics& figures) {
   std::vector<WorkFact> facts;
   const std::uint64_t all = figures.particles + figures.particles_dropped + figures.particles_too_small;
-  const std::string radius = !figures.radius_attribute.empty() ? ", the median of theirs"
-                             : figures.radius_suggested        ? ", half the median distance to the nearest one"
+  const std::string radius = !figures.radius_attribute.empty() ? ", the median of their radii"
+                             : figures.radius_suggested        ? ", half the median distance to the nearest particle"
                                                                : "";
   facts.push_back({WorkTopic::particles, WorkDone::made_into_a_field, figures.particles, all,
-                   fmt::format("{} particles of radius {:.6g}{}, by samples {:.6g} apart in {} bricks (8x8x8)",
+                   fmt::format("{} particles of radius {:.6g}{}, with samples {:.6g} apart in {} bricks (8x8x8)",
                                figures.particles, figures.radius, radius, figures.spacing, figures.bricks_stored)});
   if (figures.particles_dropped > 0) {
-    facts.push_back({WorkTopic::particles_not_finite, WorkDone::left_out, figures.particles_dropped, all,
-                     fmt::format("{} of {} particles, at places that are no numbers", figures.particles_dropped, all)});
+    facts.push_back(
+        {WorkTopic::particles_not_finite, WorkDone::left_out, figures.particles_dropped, all,
+         fmt::format("{} of {} particles, whose positions are not finite", figures.particles_dropped, all)});
   }
   if (figures.particles_too_small > 0) {
     facts.push_back({WorkTopic::particles_too_small, WorkDone::left_out, figures.particles_too_small, all,
-                     fmt::format("{} of {} particles, of less radius than {} samples", figures.particles_too_small, all,
-                                 points::kMinSphereRadius)});
+                     fmt::format("{} of {} particles, whose radius is below {} sample spacings",
+                                 figures.particles_too_small, all, points::kMinSphereRadius)});
   }
   if (figures.inside_tiles > 0 || figures.particles_deep_inside > 0) {
     facts.push_back({WorkTopic::particles_inside, WorkDone::left_out, figures.particles_deep_inside, figures.particles,
-                     fmt::format("{} of {} particles, interior ones; {} bricks, which are inside as a whole",
+                     fmt::format("{} of {} particles, deep inside the surface; {} bricks, wholly inside",
                                  figures.particles_deep_inside, figures.particles, figures.inside_tiles)});
   }
   return facts;
@@ -92,7 +93,7 @@ WorkFact resolution_fact(const field::ScalarField& data, const field::ScalarFiel
   const auto* dense = std::get_if<field::DenseSamples>(&data.samples);
   if (dense != nullptr && dense->data == made.data) {
     return {WorkTopic::resolution, WorkDone::left_out, std::nullopt, std::nullopt,
-            "resampling: the data have that resolution"};
+            "resampling, because the data has the requested resolution"};
   }
   const std::string before = dense != nullptr ? dense_text(*dense) : std::string("sparse samples");
   return {WorkTopic::resolution, WorkDone::resampled, made.count(), std::nullopt,
@@ -107,30 +108,31 @@ std::vector<WorkFact> extraction_facts(const extract::ExtractStats& stats, const
   std::vector<WorkFact> facts{bricks_left_out(stats)};
   if (stats.places_visited > 0) {
     facts.push_back({WorkTopic::places, WorkDone::visited, stats.places_visited, std::nullopt,
-                     fmt::format("{} places beside stored bricks", stats.places_visited)});
+                     fmt::format("{} brick positions next to stored bricks", stats.places_visited)});
   }
   facts.push_back({WorkTopic::samples, WorkDone::compared, stats.samples_classified, std::nullopt,
                    fmt::format("{} samples, each once, with the iso value", stats.samples_classified)});
   if (stats.device) {
     const extract::DeviceStats& device = *stats.device;
-    facts.push_back({WorkTopic::uploads, WorkDone::uploaded, device.samples_uploaded, stats.samples_classified,
-                     fmt::format("{} samples of {}: those of bricks that the surface passes, and around them",
-                                 device.samples_uploaded, stats.samples_classified)});
+    facts.push_back(
+        {WorkTopic::uploads, WorkDone::uploaded, device.samples_uploaded, stats.samples_classified,
+         fmt::format("{} of {} samples: bricks that the surface crosses, and the samples around these bricks",
+                     device.samples_uploaded, stats.samples_classified)});
     if (const std::uint64_t bricks = device.bricks_uploaded + device.bricks_kept; bricks > 0) {
       facts.push_back({WorkTopic::resident, WorkDone::left_out, device.bricks_kept, bricks,
-                       fmt::format("uploads of {} of {} bricks (8x8x8 samples), which are on the device since an "
-                                   "extraction before; {} changed or are new there",
+                       fmt::format("uploads of {} of {} bricks (8x8x8 samples), which the device has from an earlier "
+                                   "extraction; {} bricks changed or are new",
                                    device.bricks_kept, bricks, device.bricks_uploaded)});
     }
     facts.push_back(
         {WorkTopic::decisions, WorkDone::taken_by_the_processor, device.cells_decided, std::nullopt,
-         fmt::format("{} ambiguous cells, which need more digits than a shader has", device.cells_decided)});
+         fmt::format("{} ambiguous cells, which need more precision than a shader has", device.cells_decided)});
   }
   if (stats.nan_samples > 0 && options.nan == extract::NanPolicy::hole) {
     facts.push_back({WorkTopic::nan_samples, WorkDone::left_as_holes, stats.nan_samples, std::nullopt,
                      fmt::format("{} samples that are not numbers", stats.nan_samples)});
     facts.push_back({WorkTopic::hole_cells, WorkDone::left_out, stats.hole_cells, std::nullopt,
-                     fmt::format("{} cells that touch such a sample, and the inside", stats.hole_cells)});
+                     fmt::format("{} cells that touch such a sample and the inside", stats.hole_cells)});
   } else if (stats.nan_samples > 0) {
     facts.push_back({WorkTopic::nan_samples, WorkDone::taken_as_outside, stats.nan_samples, std::nullopt,
                      fmt::format("{} samples that are not numbers", stats.nan_samples)});
@@ -139,23 +141,24 @@ std::vector<WorkFact> extraction_facts(const extract::ExtractStats& stats, const
     const glm::i64vec3 dims = options.region->dims();
     facts.push_back(
         {WorkTopic::roi, WorkDone::left_out, std::nullopt, std::nullopt,
-         fmt::format("what the region does not hold; it holds {} x {} x {} samples", dims.x, dims.y, dims.z)});
+         fmt::format("samples outside the region; the region has {} x {} x {} samples", dims.x, dims.y, dims.z)});
   }
   if (!options.smooth_normals && !are_per_triangle(job.normals)) {
-    facts.push_back(
-        {WorkTopic::normals, WorkDone::left_out, std::nullopt, std::nullopt, "normals, which nobody asked for"});
+    facts.push_back({WorkTopic::normals, WorkDone::left_out, std::nullopt, std::nullopt,
+                     "normals, which the options do not request"});
   }
   if (!job.error) {
     facts.push_back({WorkTopic::error, WorkDone::left_out, std::nullopt, std::nullopt, "the error of the mesh"});
   }
   if (options.method == extract::Method::voxels && options.voxel_faces == extract::VoxelFaces::rectangles) {
     facts.push_back({WorkTopic::border_vertices, WorkDone::left_out, std::nullopt, std::nullopt,
-                     "vertices of rectangles within the sides of others, where the mesh is not closed edge by edge"});
+                     "vertices that would split the sides of rectangles where other rectangles meet them; these sides "
+                     "are boundary edges"});
   }
   if (!options.cap && stats.inside_at_boundary) {
     facts.push_back({WorkTopic::caps, WorkDone::left_out, std::nullopt, std::nullopt,
-                     stats.meets_boundary ? "caps where the surface leaves the data"
-                                          : "caps around the data, all of whose border is inside"});
+                     stats.meets_boundary ? "caps where the surface reaches the data boundary"
+                                          : "caps at the data boundary, all of which is inside"});
   }
   return facts;
 }

@@ -101,7 +101,7 @@ struct Shells {
   // Takes the nesting from `marks`; without marks, from the positions.
   static Result<Shells> find(const mesh::Mesh& mesh, const glm::dmat3& to_metric, const Context& context,
                              const mesh::Attribute* marks = nullptr) {
-    const std::string what = mesh.name + ": the pieces of its surface";
+    const std::string what = mesh.name + ": the components of its surface";
     auto memory = TRY(context.reserve(Components::bytes(mesh.positions.size()), what));
     Components components(mesh.triangles.span(), mesh.positions.size());
     auto list = TRY(context.reserve(components.count() * kComponentBytes, what));
@@ -233,7 +233,7 @@ Result<void> remove_components(mesh::Mesh& mesh, const Components& components, c
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) vertices += remains(v) ? 1 : 0;
   const std::uint64_t left = vertices * vertex_bytes(mesh) + triangles * sizeof(glm::uvec3);
   const auto memory = TRY(context.reserve(left + (vertices + mesh.positions.size()) * sizeof(std::uint32_t),
-                                          mesh.name + ": what is left of its surface"));
+                                          mesh.name + ": the remaining part of its surface"));
   Buffer<std::uint32_t> old_of_new(vertices);
   Buffer<std::uint32_t> new_of_old(mesh.positions.size());
   std::uint32_t next = 0;
@@ -274,7 +274,7 @@ Result<SelectedBodies> keep(mesh::Mesh mesh, const BodySelection& options, const
   return SelectedBodies{std::move(mesh), facts};
 }
 
-// Vertices and triangles sorted by piece; piece p has the range first[p] to first[p + 1].
+// Vertices and triangles sorted by body; body p has the range first[p] to first[p + 1].
 struct PieceLists {
   Buffer<std::uint32_t> vertices;
   Buffer<std::uint32_t> triangles;
@@ -345,8 +345,9 @@ Result<std::vector<mesh::Mesh>> split(mesh::Mesh mesh, std::uint64_t most, const
   std::erase_if(mesh.attributes, [](const mesh::Attribute& attribute) { return attribute.name == kBodyMarks; });
   const auto bodies = bodies_by_area(shells, std::vector<bool>(shells.count(), true));
   if (bodies.size() > most) {
-    return fail(ErrorCode::input, fmt::format("{}: the surface has {} pieces, more than the {} that are split",
-                                              mesh.name, bodies.size(), most));
+    return fail(ErrorCode::input,
+                fmt::format("{}: the surface has {} bodies, and each needs a mesh of its own; expected at most {}",
+                            mesh.name, bodies.size(), most));
   }
   if (bodies.size() <= 1) {
     std::vector<mesh::Mesh> one;
@@ -354,7 +355,7 @@ Result<std::vector<mesh::Mesh>> split(mesh::Mesh mesh, std::uint64_t most, const
     return one;
   }
   const std::uint64_t vertices = mesh.positions.size();
-  const std::string what = mesh.name + ": its pieces as meshes";
+  const std::string what = mesh.name + ": the meshes of its bodies";
   const auto memory = TRY(context.reserve((2 * vertices + mesh.triangles.size()) * sizeof(std::uint32_t), what));
   std::vector<std::uint32_t> piece_of(shells.count());
   for (std::uint32_t p = 0; p < bodies.size(); ++p) piece_of[bodies[p]] = p;
@@ -397,7 +398,7 @@ auto with_memory(const std::string& name, const Work& work) -> decltype(work()) 
   try {
     return work();
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(allocation_error(name + ": the pieces of its surface need more memory than there is",
+    return tl::unexpected(allocation_error(name + ": the components of its surface need more memory than is available",
                                            {Remedy::use, Setting::parts}));
   }
 }

@@ -1,8 +1,9 @@
 // Selects and splits the bodies of a surface: drops small ones, keeps the largest, makes a mesh of each.
 //
-// A body is an outer shell with the cavities in it. A shell is a closed component; a closed component whose triangles
-// face the space it encloses is a cavity. An open component is a body by itself, and so is a cavity without a shell
-// around it. A component that lies loose in a cavity is a body by itself.
+// A body is an outer shell or an open component, with the cavities in it. A shell is a closed component; a closed
+// component whose triangles face the space it encloses is a cavity. A cavity that lies in no shell and no open
+// component, or directly inside another cavity, is a body by itself. A component that lies loose in a cavity is a body
+// by itself, too.
 #pragma once
 
 #include <array>
@@ -30,8 +31,8 @@ constexpr auto words_of(ComponentMeasure /*type*/) {
 // The removal steps, applied in this order.
 struct BodySelection {
   // Removes components that measure less than this. Removing a body removes its cavities; removing a cavity fills it.
-  // Keeps a component if rounding of its vertices alone could make it too small. With ComponentMeasure::volume, open
-  // components stay, as they have no volume.
+  // Keeps a component whose exact size may reach the limit: the comparison allows for the rounding of its vertices.
+  // With ComponentMeasure::volume, open components stay, as they have no volume.
   std::optional<double> least;
   ComponentMeasure measure = ComponentMeasure::triangles;
   bool fill_cavities = false;  // fills all cavities

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <tbb/parallel_sort.h>
 
 #include "base/allocation_error.hpp"
@@ -209,7 +210,9 @@ class Simplifier {
     std::vector<Place> places = split(size);
     if (numbers_ + places.size() >= kNone) {
       return fail(ErrorCode::input,
-                  mesh_.name + ": simplifying it takes more rounds than collapses can be numbered in");
+                  fmt::format("{}: expected fewer than {} triangles in all rounds of simplification together, found {}",
+                              mesh_.name, kNone, numbers_ + places.size()),
+                  {Remedy::use, Setting::parts});
     }
     std::vector<std::size_t> first;  // start of each patch, and the end
     for (std::size_t i = 0; i < places.size(); ++i) {
@@ -408,12 +411,13 @@ Result<SimplifiedMesh> simplified(mesh::Mesh mesh, const SimplifyOptions& option
 }  // namespace
 
 Result<SimplifiedMesh> simplify_mesh(mesh::Mesh mesh, const SimplifyOptions& options, const Context& context) {
-  const std::string what = mesh.name + ": the triangles that are simplified";
+  const std::string what = mesh.name + ": the buffers for simplifying";
   const auto memory = TRY(context.reserve(working_bytes(mesh, options), what));
   try {
     return simplified(std::move(mesh), options, context);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(allocation_error(what + " need more memory than there is", {Remedy::use, Setting::parts}));
+    return tl::unexpected(
+        allocation_error(what + " need more memory than is available", {Remedy::use, Setting::parts}));
   }
 }
 

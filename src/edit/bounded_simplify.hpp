@@ -2,16 +2,15 @@
 // is bounded in both directions at every point, not only at vertices.
 //
 // Edges are collapsed in patches that run in parallel; vertices shared by patches stay (detail/edge_collapse.hpp). The
-// next round takes the vertices between patches, with larger patches, until one patch holds all that is left: so no
-// patch border remains visible. A large distance is approached through smaller ones, each with all its rounds, so that
-// it never leaves more triangles than a small one. During collapses, sample points of the input estimate the distance.
-// Afterwards the distance is proven for every point, and collapses that went too far are undone
-// (detail/distance_proof.hpp). A number of triangles is reached by growing distances; the final distance is then
-// measured.
+// next round uses larger patches, so that shared vertices become interior, until one patch contains the whole remaining
+// mesh. So no outline of a patch remains visible. The distance limit rises in steps, each with all its rounds, so that
+// a larger limit never gives more triangles than a smaller one. During collapses, sample points of the input estimate
+// the distance. Afterwards the distance is proven for every point, and collapses that went too far are undone
+// (detail/distance_proof.hpp). For a triangle target, the limit rises until the target is reached; then the final
+// distance is measured.
 //
 // Distances are bounded triangle by triangle as in mesh/distance_bound.hpp. The result does not depend on the number of
 // threads.
-// same for any number of threads.
 #pragma once
 
 #include <cstdint>
@@ -28,10 +27,10 @@ namespace isoextract::edit {
 struct SimplifyOptions {
   // The largest allowed distance, in the space of to_metric; infinity: no limit but `triangles`.
   double max_distance = 0;
-  std::uint64_t triangles = 0;  // stop here, or one triangle below; 0: no target
+  std::uint64_t triangles = 0;  // target; the result has this number of triangles or one fewer; 0: no target
   // Maps the mesh's coordinates to the space in which distances are measured, for example voxels as unit cubes.
   glm::dmat3 to_metric{1.0};
-  double patch_size = 32;  // side of the first patches in that space; some tens of the mesh's triangles
+  double patch_size = 32;  // side length of the first patches in that space: some tens of triangle edges
 };
 
 struct SimplifyFigures {
@@ -43,7 +42,7 @@ struct SimplifyFigures {
   std::uint64_t triangles_after = 0;
   std::uint64_t patches = 0;           // in all rounds
   std::uint64_t collapses = 0;         // collapsed edges, including those undone later
-  std::uint64_t undone_collapses = 0;  // collapses undone because a triangle was too far away
+  std::uint64_t undone_collapses = 0;  // collapses undone because a triangle exceeded max_distance
   int rounds = 0;
   int passes = 0;  // distance measurements: the first, and one more after each undo
   StageTime time;
@@ -57,7 +56,7 @@ struct SimplifiedMesh {
 // Returns the simplified mesh and its figures.
 //
 // Keeps a subset of the vertices, in their order, with their normals and attributes; edge keys are dropped. Vertices of
-// open borders collapse only along their border. A manifold stays a manifold with the same components, boundary loops
+// boundary loops collapse only along their loop. A manifold stays a manifold with the same components, boundary loops
 // and Euler number; that can need more triangles than were asked for. Adds no zero-area triangle and no duplicate
 // triangle. Returns the mesh unchanged if no collapse is possible.
 //

@@ -1,9 +1,10 @@
 // Written by scripts/colormaps.py from matplotlib 3.6.3: change that and not this.
 //
-// viridis, plasma, magma and inferno by Nathaniel Smith, Stefan van der Walt and (viridis) Eric Firing, given to the
-// public domain (CC0); cividis by Nunez, Anderton and Renslow, "Optimizing colormaps with consideration for color
-// vision deficiency", 2018; turbo by Anton Mikhailov, Google, 2019 (Apache 2.0); coolwarm by Kenneth Moreland,
-// "Diverging color maps for scientific visualization", 2009.
+// viridis, plasma, magma and inferno: Nathaniel Smith, Stefan van der Walt and (viridis) Eric Firing, in the public
+// domain (CC0).
+// cividis: Nunez, Anderton and Renslow, "Optimizing colormaps with consideration for color vision deficiency", 2018.
+// turbo: Anton Mikhailov, Google, 2019 (Apache 2.0).
+// coolwarm: Kenneth Moreland, "Diverging color maps for scientific visualization", 2009.
 #include "edit/colormap.hpp"
 
 namespace isoextract::edit {

@@ -194,7 +194,7 @@ Result<ClipFigures> clip_to_half_spaces(mesh::Mesh& mesh, std::span<const mesh::
   context.progress().begin("cutting the mesh", kept.size());
   for (const mesh::HalfSpace& half_space : kept) {
     TRY(context.check());
-    const std::string what = "cutting the mesh at a plane";
+    const std::string what = "cutting the mesh at a clip plane";
     const auto working = TRY(context.reserve(PlaneCut::bytes(mesh), what));
     PlaneCut cut(mesh, half_space, ends);
     if (cut.cuts()) {

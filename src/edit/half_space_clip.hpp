@@ -40,7 +40,7 @@ struct ClipFigures {
 // they come after all other triangles. Triangles in the plane that bound only the removed side are dropped. Caps use
 // the vertices and edges of the cut, so a closed oriented manifold stays one.
 //
-// Fails if the memory exceeds the budget, or with ErrorCode::input if a capped cut ends at an open border of the
+// Fails if the memory exceeds the budget, or with ErrorCode::input if a capped cut ends at a boundary edge of the
 // surface.
 [[nodiscard]] Result<ClipFigures> clip_to_half_spaces(mesh::Mesh& mesh, std::span<const mesh::HalfSpace> kept,
                                                       CutClosing ends, const Context& context);

@@ -27,7 +27,7 @@ void for_each_vertex(std::size_t count, const Body& body) {
   for_each_index(count, body, kVerticesAtATime);
 }
 
-// Lists for each vertex the next (outgoing) or previous vertex of its triangles. The lists differ on open borders.
+// Lists for each vertex the next (outgoing) or previous vertex of its triangles. The lists differ at boundary edges.
 Neighbors ends_of_edges(const mesh::Mesh& mesh, bool outgoing) {
   return {mesh.triangles.size(), mesh.positions.size(), [&mesh, outgoing](std::size_t i, const auto& put) {
             const glm::uvec3& t = mesh.triangles[i];
@@ -263,7 +263,7 @@ double smoothing_gain(const SmoothOptions& options, double frequency) {
 Result<SmoothFigures> smooth(mesh::Mesh& mesh, const SmoothOptions& options, const Context& context) {
   const std::uint64_t vertices = mesh.positions.size();
   const std::uint64_t triangles = mesh.triangles.size();
-  const std::string what = mesh.name + ": smoothing its surface";
+  const std::string what = mesh.name + ": smoothing the surface";
   const std::uint64_t filtering =
       2 * Neighbors::bytes(3 * triangles, vertices) + vertices * (3 * sizeof(glm::vec3) + 1);
   const std::uint64_t shading = mesh.normals.empty() ? 0 : mesh::Adjacency::bytes(triangles, vertices);
@@ -271,7 +271,8 @@ Result<SmoothFigures> smooth(mesh::Mesh& mesh, const SmoothOptions& options, con
   try {
     return smooth_mesh(mesh, options, context);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(allocation_error(what + " needs more memory than there is", {Remedy::use, Setting::parts}));
+    return tl::unexpected(
+        allocation_error(what + " needs more memory than is available", {Remedy::use, Setting::parts}));
   }
 }
 

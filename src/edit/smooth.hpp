@@ -1,15 +1,16 @@
 // Smooths surfaces by low-pass filters of the vertex positions: removes noise and keeps the size of the shape.
 //
 // Positions are filtered as a signal on the mesh. Frequencies are the eigenvalues, 0 to 2, of I - W, where W is the
-// mean of a vertex's neighbors. A plain mean shrinks the shape; these filters pass the pass band and damp what is above
-// it.
+// mean of a vertex's neighbors. A plain mean shrinks the shape; these filters keep frequencies below the limit of
+// the pass band and damp those above it.
 //
 // - Taubin: G. Taubin, A signal processing approach to fair surface design. SIGGRAPH 1995. Each pass takes a step
 //   towards the mean by lambda and one away from it by mu, with 1/lambda + 1/mu = pass band. The transfer function is
 //   ((1 - lambda k)(1 - mu k))^passes. Here lambda is 1/2.
 // - Windowed sinc: G. Taubin, T. Zhang, G. Golub, Optimal surface smoothing as filter design. ECCV 1996. An ideal low
-//   pass as a sum of Chebyshev polynomials up to degree `passes`, with a Hamming window against ripples. The step is
-//   shifted until the whole pass band passes. VTK's vtkWindowedSincPolyDataFilter is the same filter.
+//   pass as a sum of Chebyshev polynomials up to degree `passes`, with a Hamming window against ripples. The
+//   filter's cutoff moves above the pass band until the gain at the end of the pass band is at least 0.999. VTK's
+//   vtkWindowedSincPolyDataFilter is the same filter.
 #pragma once
 
 #include <array>
@@ -35,9 +36,10 @@ constexpr auto words_of(SmoothMethod /*type*/) {
 
 inline constexpr std::uint64_t kMaxSmoothPasses = 1000;
 
-// The box of the data. Caps lie on its sides where the surface leaves the data.
+// The box of the data. Caps lie on its sides where the surface leaves the data. A position (Mesh::position(), origin
+// included) has the box coordinates to_box * position + offset; the sides are at min and max.
 struct DataBox {
-  glm::dmat3 to_box{1.0};  // maps the mesh's coordinates, origin included, to the box's coordinates
+  glm::dmat3 to_box{1.0};
   glm::dvec3 offset{0.0};
   glm::dvec3 min{0.0};
   glm::dvec3 max{0.0};
@@ -57,10 +59,10 @@ struct SmoothOptions {
 
 struct SmoothFigures {
   std::uint64_t vertices = 0;
-  std::uint64_t border_vertices = 0;  // on open borders; they do not move
+  std::uint64_t border_vertices = 0;  // on boundary edges, or in no triangle; they do not move
   std::uint64_t wall_vertices = 0;    // on sides of the box and in the planes of cuts
-  double greatest_move = 0;           // largest displacement of a vertex, in the space of to_metric
-  double max_displacement_world = 0;  // the same in the mesh's coordinates
+  double greatest_move = 0;           // largest displacement in the space of to_metric
+  double max_displacement_world = 0;  // largest displacement in the mesh's coordinates (perhaps of another vertex)
   double volume_before = 0;           // in the mesh's coordinates; meaningful only for closed meshes
   double volume_after = 0;
   StageTime time;

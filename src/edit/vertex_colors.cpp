@@ -82,7 +82,7 @@ mesh::Attribute color_attribute(ColorStorage storage) {
 }
 
 Result<Reservation> reserve_colors(std::size_t vertices, const mesh::Attribute& made, const Context& context) {
-  return context.reserve(vertices * made.stride(), "colours of vertices");
+  return context.reserve(vertices * made.stride(), "the vertex colors");
 }
 
 }  // namespace

@@ -15,8 +15,9 @@ Result<field::IndexBox> dense_region(const field::ScalarField& field, const fiel
 }
 
 Result<DenseMasks> make_masks(const field::ScalarField& field, const glm::ivec3& dims, const Context& context) {
-  auto memory = TRY(context.reserve(DenseMasks::bytes(dims), fmt::format("{}: the sides of its {} x {} x {} samples",
-                                                                         field.source, dims.x, dims.y, dims.z)));
+  auto memory =
+      TRY(context.reserve(DenseMasks::bytes(dims), fmt::format("{}: the inside masks of its {} x {} x {} samples",
+                                                               field.source, dims.x, dims.y, dims.z)));
   return DenseMasks(dims, std::move(memory));
 }
 

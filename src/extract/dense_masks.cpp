@@ -29,27 +29,27 @@ std::uint64_t classify(const DenseView<T>& view, const InsideThreshold<T>& thres
                        Progress* progress) {
   const auto [nx, ny, nz] = std::array{view.dims.x, view.dims.y, view.dims.z};
   std::atomic<std::uint64_t> nan{0};
-  std::atomic<bool> border_inside{false};
-  std::atomic<bool> border_outside{false};
+  std::atomic<bool> boundary_inside{false};
+  std::atomic<bool> boundary_outside{false};
   if (progress != nullptr) progress->begin("classifying samples", static_cast<std::uint64_t>(nz));
   for_each_index(nz, [&, nx = nx, ny = ny](int k) {
     std::uint64_t slice_nan = 0;
-    BoundarySides slice_border;
+    BoundarySides slice_sides;
     for (int j = 0; j < ny; ++j) {
       std::uint64_t* bits = masks.row(j, k);
       slice_nan += classify_samples(view.row(j, k), static_cast<std::size_t>(nx), threshold, bits);
       bits[masks.words()] = 0;
       const BoundarySides sides = masks.boundary_of_row(j, k);
-      slice_border.inside |= sides.inside;
-      slice_border.outside |= sides.outside;
+      slice_sides.inside |= sides.inside;
+      slice_sides.outside |= sides.outside;
     }
     view.leave_slices(k, k + 1);
     if (slice_nan != 0) nan.fetch_add(slice_nan, std::memory_order_relaxed);
-    if (slice_border.inside) border_inside.store(true, std::memory_order_relaxed);
-    if (slice_border.outside) border_outside.store(true, std::memory_order_relaxed);
+    if (slice_sides.inside) boundary_inside.store(true, std::memory_order_relaxed);
+    if (slice_sides.outside) boundary_outside.store(true, std::memory_order_relaxed);
     if (progress != nullptr) progress->advance(1);
   });
-  masks.set_boundary({border_inside.load(), border_outside.load()});
+  masks.set_boundary({boundary_inside.load(), boundary_outside.load()});
   return nan.load();
 }
 

@@ -58,9 +58,9 @@ class DenseMasks {
 
   [[nodiscard]] bool inside(const glm::ivec3& p) const { return (row(p.y, p.z)[p.x / 64] >> (p.x % 64) & 1) != 0; }
 
-  // The sides on which the outermost samples are; known once all samples are classified.
-  [[nodiscard]] const BoundarySides& border() const { return border_; }
-  void set_boundary(const BoundarySides& border) { border_ = border; }
+  // Returns the sides of the outermost samples. Valid once all samples are classified.
+  [[nodiscard]] const BoundarySides& boundary_sides() const { return boundary_sides_; }
+  void set_boundary(const BoundarySides& sides) { boundary_sides_ = sides; }
 
   // Returns the sides of the outermost samples in row (j, k).
   [[nodiscard]] BoundarySides boundary_of_row(int j, int k) const;
@@ -75,7 +75,7 @@ class DenseMasks {
   int words_;
   Reservation memory_;
   Buffer<std::uint64_t> bits_;
-  BoundarySides border_;
+  BoundarySides boundary_sides_;
 };
 
 // Returns the index within the view of its first NaN; the view must contain one.

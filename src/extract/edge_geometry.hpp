@@ -74,8 +74,8 @@ class OutputPlacement {
   [[nodiscard]] const field::Affine& local_from_index() const { return local_from_index_; }
   // Returns the matrix that maps gradients of stored samples in index space to outward normals (not of unit length).
   [[nodiscard]] glm::dmat3 outward_covectors() const { return outward_ * covector_map_; }
-  // The factors of outward_covectors(), for code that must round exactly like normal(): +1 or -1, and the map of
-  // covectors.
+  // Each returns a factor of outward_covectors(), +1 or -1 and the map of covectors, for code that must round exactly
+  // like normal().
   [[nodiscard]] double outward() const { return outward_; }
   [[nodiscard]] const glm::dmat3& covector_map() const { return covector_map_; }
 

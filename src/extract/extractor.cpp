@@ -28,7 +28,7 @@ Result<Extraction> Extractor::extract(const field::ScalarField& field, const Ext
     return tl::unexpected(
         allocation_error(field.source + ": not enough memory for the surface", {Remedy::use, Setting::parts}));
   } catch (const std::length_error&) {
-    return fail(ErrorCode::input, field.source + ": the surface is larger than memory can be",
+    return fail(ErrorCode::input, field.source + ": the surface needs arrays that exceed the address space",
                 {Remedy::use, Setting::parts});
   }
 }

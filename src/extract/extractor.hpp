@@ -4,9 +4,9 @@
 // wind counter-clockwise seen from outside, also if the transform mirrors. Vertices are welded by integer keys
 // (vertices on grid edges by the key of their edge), never by distance.
 //
-// The mesh is a closed, oriented 2-manifold except where the surface reaches the data boundary; with `cap` it is closed
-// there, too. With Method::mc it has the topology of the trilinear interpolant. The same field and options give the
-// same bytes for any number of threads.
+// The mesh is an oriented 2-manifold. It is open only at the data boundary and the region's faces (`cap` closes it
+// there), and around NaN samples with NanPolicy::hole. With Method::mc it has the topology of the trilinear
+// interpolant. The same field and options give the same bytes for any number of threads.
 #pragma once
 
 #include <array>
@@ -29,19 +29,19 @@
 namespace isoextract::extract {
 
 enum class NanPolicy {
-  error,    // a NaN sample is an error (ErrorCode::input); the message tells the index of the first one
+  error,    // a NaN sample is an error (ErrorCode::input); the message states the index of the first one
   outside,  // a NaN sample is outside; the surface passes halfway between it and its inside neighbors
-  hole,     // a cell with a NaN corner gets no triangles, nor does a square of the cap; all others are as without NaN.
-            // If only a point would join the remaining parts, each part gets its own vertex there. Not available for
-            // methods that are always closed.
+  hole,     // cells with a NaN corner get no triangles; neither do the squares of the cap that have a NaN corner. The
+            // triangles of all other cells and squares do not change. If the triangles around a vertex form several
+            // fans, each fan gets its own copy of the vertex. Not available for methods that are always closed.
 };
 constexpr auto words_of(NanPolicy /*type*/) {
   return std::array{Word{NanPolicy::error, "error"}, Word{NanPolicy::outside, "outside"},
                     Word{NanPolicy::hole, "hole"}};
 }
 
-// Default number of smoothing rounds of surface nets. It removes all but one hundredth of the area that the steps
-// between voxels add.
+// Default number of smoothing rounds of surface nets. They leave a ball with a radius of 20 voxels 1.2 % too large in
+// area (docs/labels.md).
 inline constexpr std::uint64_t kDefaultRelaxations = 10;
 
 struct ExtractOptions {
@@ -55,27 +55,26 @@ struct ExtractOptions {
   std::uint64_t relaxations = kDefaultRelaxations;  // for Method::surface_nets: rounds of smoothing; 0: none
   NanPolicy nan = NanPolicy::error;
   std::optional<field::IndexBox> region;  // extract only from cells within this box of samples (clipped to the data)
-  bool shared_origin = false;  // all regions of one field get the same origin, however large the field, so that they
-                               // meet bit for bit, with fewer digits (edge_geometry.hpp)
-  field::Affine output_from_index;  // places the mesh: index_to_world, followed by axis and unit changes if requested
+  bool shared_origin = false;  // all regions of one field use one mesh origin, so vertices on a shared face are equal
+                               // bit for bit; large fields lose precision (edge_geometry.hpp)
+  field::Affine output_from_index;  // index_to_world, followed by the requested axis and unit changes
 
   friend bool operator==(const ExtractOptions&, const ExtractOptions&) = default;
 };
 
-// Figures that only a backend with a device of its own reports.
+// Statistics of the GPU backend.
 struct DeviceStats {
   std::uint64_t bytes_uploaded = 0;    // size of the uploaded samples
   std::uint64_t samples_uploaded = 0;  // samples of crossed bricks and around them; counts repeated uploads
-  // If samples stay on the device for the next extraction: the needed samples that were already there, and the bricks
-  // of 8x8x8 samples that were uploaded or already there.
-  std::uint64_t samples_kept = 0;
-  std::uint64_t bricks_uploaded = 0;
-  std::uint64_t bricks_kept = 0;
-  std::uint64_t bytes_captured = 0;  // size of the captured triangles
-  std::uint64_t cells_decided = 0;   // ambiguous cells that the CPU decided
-  StageTime compile;                 // of shaders; zero if they were kept from an earlier extraction
+  // Only if samples stay on the device between extractions. A brick here has 8x8x8 samples.
+  std::uint64_t samples_kept = 0;     // needed samples that were already on the device
+  std::uint64_t bricks_uploaded = 0;  // needed bricks that were uploaded
+  std::uint64_t bricks_kept = 0;      // needed bricks that were already on the device
+  std::uint64_t bytes_captured = 0;   // size of the triangles that transform feedback wrote
+  std::uint64_t cells_decided = 0;    // ambiguous cells that the CPU decided
+  StageTime compile;                  // of shaders; zero if they were kept from an earlier extraction
   StageTime upload;
-  StageTime capture;  // `count` and `emit` below are sums of such stages
+  StageTime capture;  // part of ExtractStats::emit; so are read_back and weld
   StageTime read_back;
   StageTime weld;
 };
@@ -85,14 +84,16 @@ struct ExtractStats {
   std::string brick;                     // "64x8x8 cells", "8x8x8 voxels"
   std::uint64_t bricks = 0;              // bricks in the data
   std::uint64_t bricks_visited = 0;      // bricks that the iso value crosses; the others are skipped
-  std::uint64_t places_visited = 0;      // sparse: visited bricks without stored samples, next to stored bricks or
-                                         // tiles
+  std::uint64_t places_visited = 0;      // sparse: brick positions visited although they store no samples, because they
+                                         // touch stored bricks or tiles; not in bricks_visited
   std::uint64_t samples_classified = 0;  // samples compared with iso, each once
   std::uint64_t nan_samples = 0;
-  std::uint64_t hole_cells = 0;  // NanPolicy::hole: cells left out that have an inside corner
-  // The data boundary, or the faces of the region. inside_at_boundary: some samples there are inside, so a cap would
-  // have triangles. meets_boundary: others there are outside, too, so the surface reaches the boundary and is open
-  // there without a cap. Both are false for sparse data without a region, which the background surrounds.
+  std::uint64_t hole_cells = 0;  // NanPolicy::hole: cells with both a NaN corner and an inside corner, which therefore
+                                 // lack triangles
+  // Both refer to the outermost samples: those at the data boundary, or on the region's faces. inside_at_boundary: some
+  // of them are inside, so a cap would have triangles. meets_boundary: some of them are inside and some outside, so the
+  // surface reaches the boundary; without a cap it is open there. Both are false for sparse data without a region,
+  // which the background surrounds.
   bool inside_at_boundary = false;
   bool meets_boundary = false;
   StageTime classify;
@@ -116,8 +117,9 @@ class Extractor {
   // Extracts the surface. Reserves memory in the context for everything that grows with the field or the surface; the
   // mesh keeps its exact reservation (Mesh::memory).
   // Fails with ErrorCode::usage for an iso value that is not finite, and as check_method() does. Fails with
-  // ErrorCode::unavailable for a method that this backend does not have. Fails with ErrorCode::input for a transform
-  // that flattens space, with ErrorCode::out_of_memory, and with ErrorCode::cancelled between passes.
+  // ErrorCode::unavailable for a method that this backend does not have. Fails with ErrorCode::input for a singular or
+  // non-finite transform (is_invertible() is false), with ErrorCode::out_of_memory, and with ErrorCode::cancelled
+  // between passes.
   [[nodiscard]] Result<Extraction> extract(const field::ScalarField& field, const ExtractOptions& options,
                                            const Context& context);
 

@@ -16,7 +16,8 @@ Result<void> check_request(const field::ScalarField& field, const ExtractOptions
     return fail(ErrorCode::usage, fmt::format("the iso value must be a finite number, found {}", options.iso));
   }
   if (!options.output_from_index.is_invertible()) {
-    return fail(ErrorCode::input, fmt::format("{}: its transform flattens space or is not finite", field.source),
+    return fail(ErrorCode::input,
+                fmt::format("{}: its transform from indices to coordinates is singular or not finite", field.source),
                 {Remedy::give, Setting::spacing_and_origin});
   }
   return {};
@@ -36,31 +37,34 @@ Result<field::IndexBox> clip_region(const field::ScalarField& field, const field
                 fmt::format("{}: a surface needs at least 2 samples along each axis, found {} x {} x {}", field.source,
                             dims.x, dims.y, dims.z));
   }
-  return fail(ErrorCode::input,
-              fmt::format("{}: the region holds no cell of the field, whose samples are ({}, {}, {}) to ({}, {}, {})",
-                          field.source, box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z),
-              {{Remedy::raise, Setting::region}, {Remedy::leave_out, Setting::region}});
+  return fail(
+      ErrorCode::input,
+      fmt::format(
+          "{}: the region contains no cell of the field; the samples have the indices ({}, {}, {}) to ({}, {}, {})",
+          field.source, box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z),
+      {{Remedy::raise, Setting::region}, {Remedy::leave_out, Setting::region}});
 }
 
 Result<void> check_placement(const field::ScalarField& field, const OutputPlacement& placement) {
   if (placement.fits_float32()) return {};
   if (placement.exceeds_float32_precision()) {
     return fail(ErrorCode::input,
-                fmt::format("{}: its samples reach too far, more than about 2^20 of them along an axis, for float32 "
-                            "positions to hold them apart",
+                fmt::format("{}: the data extend over more than about 2^20 samples along an axis: float32 positions "
+                            "cannot distinguish neighboring vertices",
                             field.source),
                 {Remedy::use, Setting::parts});
   }
-  return fail(ErrorCode::input,
-              fmt::format("{}: its placed coordinates leave what float32 positions can hold apart", field.source),
-              {Remedy::change, Setting::scale});
+  return fail(
+      ErrorCode::input,
+      fmt::format("{}: its coordinates or its voxel sizes are outside the range of float32 positions", field.source),
+      {Remedy::change, Setting::scale});
 }
 
 Result<Reservation> reserve_mesh(const field::ScalarField& field, const MeshSizes& sizes, const ExtractOptions& options,
                                  const Context& context) {
   if (sizes.vertices > std::numeric_limits<std::uint32_t>::max()) {
     return fail(ErrorCode::input,
-                fmt::format("{}: the surface has {} vertices, a mesh holds {}", field.source, sizes.vertices,
+                fmt::format("{}: the surface has {} vertices; a mesh can have at most {}", field.source, sizes.vertices,
                             std::numeric_limits<std::uint32_t>::max()),
                 {Remedy::use, Setting::parts});
   }
@@ -79,7 +83,7 @@ Result<Reservation> reserve_cap_numbers(const field::ScalarField& field, const f
   const glm::u64vec3 dims(box.dims());
   const std::uint64_t squares = 2 * (dims.x * dims.y + dims.y * dims.z + dims.z * dims.x);
   return context.reserve(squares * sizeof(std::uint32_t),
-                         fmt::format("{}: the {} samples of the border to cap", field.source, squares));
+                         fmt::format("{}: the table of the {} samples on the data boundary", field.source, squares));
 }
 
 Result<Reservation> reserve_cap(const field::ScalarField& field, const BoundaryCap& cap, const Context& context) {
@@ -92,7 +96,7 @@ tl::unexpected<Error> nan_error(const field::ScalarField& field, std::uint64_t c
   return fail(ErrorCode::input,
               fmt::format("{}: {} of the samples {} not a number (NaN), the first at index ({:.10g}, {:.10g}, {:.10g})",
                           field.source, count, count == 1 ? "is" : "are", voxel.x, voxel.y, voxel.z),
-              {{Remedy::set, Setting::nan_policy, "outside to take them as outside"},
+              {{Remedy::set, Setting::nan_policy, "outside to treat them as outside"},
                {Remedy::set, Setting::nan_policy, "hole to leave the surface open around them"}});
 }
 
@@ -113,8 +117,8 @@ Result<void> fill_normals(mesh::Mesh& mesh, const MeshSizes& surface, const fiel
   const std::span<glm::vec3> normals(mesh.normals.data(), surface.vertices);
   const auto count = static_cast<std::uint64_t>(std::ranges::count_if(normals, OutputPlacement::is_placeholder_normal));
   if (count == 0) return {};
-  auto memory = TRY(context.reserve(count * sizeof(Unknown),
-                                    fmt::format("{}: the normals of {} vertices beside NaN", field.source, count)));
+  auto memory = TRY(context.reserve(
+      count * sizeof(Unknown), fmt::format("{}: the normals of {} vertices next to NaN samples", field.source, count)));
   std::vector<Unknown> unknown;
   unknown.reserve(count);
   for (std::size_t v = 0; v < normals.size(); ++v) {

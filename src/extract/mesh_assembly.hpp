@@ -31,14 +31,15 @@ struct MeshSizes {
 // Returns the sizes of surface and cap together.
 [[nodiscard]] MeshSizes with_cap(const MeshSizes& surface, const BoundaryCap& cap);
 
-// Reserve memory for numbering the cap vertices (while the cap is made), and for the finished cap.
+// reserve_cap_numbers() reserves memory for the vertex numbers used to build the cap; reserve_cap(), for the finished
+// cap.
 [[nodiscard]] Result<Reservation> reserve_cap_numbers(const field::ScalarField& field, const field::IndexBox& box,
                                                       const Context& context);
 [[nodiscard]] Result<Reservation> reserve_cap(const field::ScalarField& field, const BoundaryCap& cap,
                                               const Context& context);
 
-// Returns the error about `count` NaN samples; its message tells `first`, the index of one in the field, as an index of
-// the file.
+// Returns the error about `count` NaN samples. The message names the first one by its index in the file; `first` is its
+// index in the field.
 [[nodiscard]] tl::unexpected<Error> nan_error(const field::ScalarField& field, std::uint64_t count,
                                               const glm::ivec3& first);
 

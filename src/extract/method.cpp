@@ -29,7 +29,7 @@ std::vector<MethodInfo> interpolant_methods() {
 
 std::string why_no_edge_keys(const MethodInfo& method) {
   if (method.traits.vertices_on_edges) return "";
-  return fmt::format("{}: the vertices are not on edges of the grid", method.title);
+  return fmt::format("{}: the vertices do not lie on edges of the grid", method.title);
 }
 
 std::string why_no_crossings(const MethodInfo& method) {
@@ -39,13 +39,12 @@ std::string why_no_crossings(const MethodInfo& method) {
 
 std::string why_no_gradient_normals(const MethodInfo& method) {
   if (method.traits.gradient_normals) return "";
-  return fmt::format("{}: there are no normals from the field's gradient", method.title);
+  return fmt::format("{}: the method has no normals from the field's gradient", method.title);
 }
 
 std::string why_no_holes(const MethodInfo& method) {
   if (!method.traits.always_closed) return "";
-  return fmt::format("{}: the surface is closed everywhere, so a sample that is not a number leaves no hole in it",
-                     method.title);
+  return fmt::format("{}: the method always closes the surface and cannot leave holes at NaN samples", method.title);
 }
 
 Result<void> check_method(const MethodInfo& method, const ExtractOptions& options) {

@@ -1,17 +1,18 @@
 // The table of extraction methods: names, properties of their surfaces (traits), and the function that runs each on the
 // CPU. Options, help, bench, stability and verification read this table, so a new method is a new row.
 //
-// Code that measures or compares surfaces checks the traits first. It reports a question that does not apply to a
-// method by the sentences below, instead of measuring.
+// Code that measures or compares surfaces checks the traits first. If a measurement does not apply to a method, the
+// code reports the reason instead of a figure (the why_no_...() function of the missing trait).
 //
-// A new method adds itself to Method and gets a row here. It keeps the promises of extractor.hpp, and skips bricks that
-// iso cannot cross. A method that works cell by cell has a case table (cell_tables.hpp): corner order, bit order and a
-// drawing at its top, and a test of all cases for orientation and closure. Papers and equations are cited at the top of
-// the file. If the GPU draws the method, pipeline_of (src/gpu/detail/gpu_surface.cpp) names its pipeline.
+// A new method adds itself to Method and gets a row here. It must meet the guarantees at the top of extractor.hpp, and
+// skip bricks that iso cannot cross. A method that works cell by cell has a case table (cell_tables.hpp): the top of
+// its file documents corner order and bit order with a drawing, and cites papers and equations. A test checks
+// orientation and closure of every case. If the GPU draws the method, pipeline_of (src/gpu/detail/gpu_surface.cpp)
+// names its pipeline.
 //
-// method_traits_test.cpp measures every trait. The suites of tests/unit/extract run over all rows, or over the rows
-// with a trait (tests/support/methods.hpp). exact_topology_test.cpp compiles only after sample_joins defines what
-// decides the topology. Add tests of promises that only the new method makes.
+// tests/unit/bench/method_traits_test.cpp measures every trait. The suites of tests/unit/extract run over all rows, or
+// over the rows with a trait (tests/support/methods.hpp). exact_topology_test.cpp does not compile until sample_joins()
+// has a case for the new method. Add tests of guarantees that only the new method gives.
 #pragma once
 
 #include <array>
@@ -32,23 +33,25 @@ struct Extraction;
 
 enum class Method {
   mc,            // marching cubes, with the topology of the trilinear interpolant (asymptotic_decider.hpp)
-  mt,            // marching tetrahedra with six a cell (cell_tables.hpp)
+  mt,            // marching tetrahedra, six in each cell (cell_tables.hpp)
   voxels,        // the exposed faces of inside samples, each a box (voxels.hpp)
   surface_nets,  // the same faces with their corners moved to smooth positions (detail/net_points.hpp)
 };
 
 struct MethodTraits {
   // Every surface vertex lies strictly inside one grid edge whose ends are on different sides; no edge has two
-  // vertices, unless NanPolicy::hole splits them. Cap vertices lie at samples. Only vertices on edges have edge keys.
+  // vertices, unless NanPolicy::hole duplicates its vertex. Cap vertices lie at samples; their edge key has direction
+  // 0. Methods without this trait have no edge keys.
   bool vertices_on_edges = true;
-  // These edges run along the axes only. The surface then crosses a cell face in a polygon, not in two triangles.
+  // These edges run along the axes only, so no diagonal divides the cell faces (Method::mt divides each into two
+  // triangles).
   bool axis_edges_only = true;
   // The surface follows the field between its samples, with an error of second order in the spacing. A vertex on an
-  // edge lies where the field is equal to iso.
+  // edge lies at the linear crossing, at least the margin of edge_geometry.hpp away from the ends.
   bool follows_interpolant = true;
   // Normals can come from the gradient of the field (ExtractOptions::smooth_normals).
   bool gradient_normals = true;
-  // The surface is closed at the data boundary, too: there are no caps and no NaN holes.
+  // The surface is closed at the data boundary, too: ExtractOptions::cap and NanPolicy::hole do not apply.
   bool always_closed = false;
 
   friend bool operator==(const MethodTraits&, const MethodTraits&) = default;
@@ -58,7 +61,7 @@ struct MethodInfo {
   Method method = Method::mc;
   std::string_view id;     // "mc"
   std::string_view title;  // "marching cubes"
-  std::string_view help;   // text in the help: "marching tetrahedra with six a cell"
+  std::string_view help;   // text in the help: "marching tetrahedra (six in each cell)"
   MethodTraits traits;
   // Runs the method on the CPU, for dense and sparse fields. Extractor::has() tells which methods a device has.
   Result<Extraction> (*run_on_cpu)(const field::ScalarField& field, const ExtractOptions& options,
@@ -91,7 +94,7 @@ inline constexpr std::array kMethods{
     MethodInfo{.method = Method::mt,
                .id = "mt",
                .title = "marching tetrahedra",
-               .help = "marching tetrahedra with six a cell",
+               .help = "marching tetrahedra (six in each cell)",
                .traits = {.vertices_on_edges = true,
                           .axis_edges_only = false,
                           .follows_interpolant = true,
@@ -110,7 +113,7 @@ inline constexpr std::array kMethods{
     MethodInfo{.method = Method::surface_nets,
                .id = "surface-nets",
                .title = "surface nets",
-               .help = "surface nets: the border between the samples inside and those outside, or of each label, "
+               .help = "surface nets: the surface between inside and outside samples, or around each label, "
                        "smooth and always closed",
                .traits = {.vertices_on_edges = false,
                           .axis_edges_only = false,
@@ -136,12 +139,12 @@ constexpr auto words_of(Method /*type*/) {
   return words;
 }
 
-// Returns the methods with follows_interpolant, in the order of the enum: the default where commands compare errors and
-// crossings.
+// Returns the methods with follows_interpolant, in the order of the enum. Commands that measure errors or crossings use
+// them by default.
 [[nodiscard]] std::vector<MethodInfo> interpolant_methods();
 
-// Each returns why the surfaces of a method lack something, as a sentence without full stop that starts with the
-// method's title. Returns "" if the method has it.
+// Each returns why surfaces of the method lack the property named at the right, as a sentence without full stop that
+// starts with the method's title; "" if they have the property.
 [[nodiscard]] std::string why_no_edge_keys(const MethodInfo& method);         // edge keys
 [[nodiscard]] std::string why_no_crossings(const MethodInfo& method);         // vertices at the iso value
 [[nodiscard]] std::string why_no_gradient_normals(const MethodInfo& method);  // normals from gradients

@@ -29,7 +29,8 @@ Result<field::IndexBox> sparse_region(const field::ScalarField& field, const fie
   if (glm::any(glm::lessThan(stored.min, glm::ivec3(-field::kMaxSparseIndex))) ||
       glm::any(glm::greaterThan(stored.max, glm::ivec3(field::kMaxSparseIndex)))) {
     return fail(ErrorCode::input,
-                fmt::format("{}: voxels lie farther than {} from index 0", field.source, field::kMaxSparseIndex));
+                fmt::format("{}: expected voxel indices from -{} to {} along each axis, found voxels outside",
+                            field.source, field::kMaxSparseIndex, field::kMaxSparseIndex));
   }
   field::IndexBox reach{stored.min - 1, stored.max + 1};
   // If the background is inside, the cap of a region must be at the faces of the region, however far out.
@@ -94,8 +95,8 @@ Result<void> SparseSites::find(ExtractStats& stats) {
 }
 
 std::string SparseSites::finding_text() const {
-  return fmt::format("{}: finding what lies beside its {} blocks and {} tiles", field_.source, samples_.blocks.size(),
-                     samples_.tiles.size());
+  return fmt::format("{}: the search for unstored neighbors of its {} blocks and {} tiles", field_.source,
+                     samples_.blocks.size(), samples_.tiles.size());
 }
 
 template <class T>
@@ -235,12 +236,12 @@ bool SparseSites::any_boundary_edge(const Found& found) const {
       for (int x = 0; x < kBlockSize; ++x) {
         for_each_bit(crossed[x], [&](int bit) {
           const glm::ivec3 p = origin + glm::ivec3(x, bit >> 3, bit & 7);
-          bool at_border = false;
+          bool on_face = false;
           for (int across = 0; across < 3; ++across) {  // an edge that only ends in a face does not lie in it
-            at_border =
-                at_border || (across != axis && (p[across] == region_.min[across] || p[across] == region_.max[across]));
+            on_face =
+                on_face || (across != axis && (p[across] == region_.min[across] || p[across] == region_.max[across]));
           }
-          any = any || (at_border && found(p, axis));
+          any = any || (on_face && found(p, axis));
         });
       }
     }
@@ -249,7 +250,7 @@ bool SparseSites::any_boundary_edge(const Found& found) const {
   return false;
 }
 
-BoundarySides SparseSites::border() const {
+BoundarySides SparseSites::boundary_sides() const {
   if (!options_.region) return {};
   if (any_boundary_edge([](const glm::ivec3&, int) { return true; })) return {true, true};
   const bool all_inside = inside(region_.min);
@@ -288,15 +289,15 @@ bool SparseSites::owns_crossed_edge(const glm::ivec3& origin, const field::Spars
 
 Result<void> SparseSites::list_sites() {
   const std::size_t blocks = samples_.blocks.size();
-  auto listing =
-      TRY(context_.reserve(unstored_places_bytes(samples_, lookup_->nodes().size()),
-                           fmt::format("{}: listing what lies beside its {} blocks", field_.source, blocks)));
+  auto listing = TRY(
+      context_.reserve(unstored_places_bytes(samples_, lookup_->nodes().size()),
+                       fmt::format("{}: the list of the unstored neighbors of its {} blocks", field_.source, blocks)));
   const std::vector<glm::ivec3> unstored = find_unstored_places(samples_, *lookup_, sides_);
   listing.release();
   const auto place = [&](std::size_t p) { return p < blocks ? samples_.blocks[p].origin : unstored[p - blocks]; };
   const auto looking = TRY(context_.reserve(
       (blocks + unstored.size()) * (sizeof(field::SparseLookup::Group) + sizeof(glm::ivec3) + 1),
-      fmt::format("{}: looking at {} blocks for the surface", field_.source, blocks + unstored.size())));
+      fmt::format("{}: the search of {} blocks for the surface", field_.source, blocks + unstored.size())));
   std::vector<field::SparseLookup::Group> groups(blocks + unstored.size());
   std::vector<std::uint8_t> passed(groups.size());
   for_each("finding crossed blocks", groups.size(), [&](std::size_t p) {
@@ -305,8 +306,9 @@ Result<void> SparseSites::list_sites() {
   });
   const auto count = static_cast<std::size_t>(std::ranges::count(passed, std::uint8_t{1}));
   constexpr std::uint64_t kBytesASite = 128;  // origin, group and share of the index
-  sites_memory_ = TRY(context_.reserve(count * kBytesASite,
-                                       fmt::format("{}: the {} blocks that the surface passes", field_.source, count)));
+  sites_memory_ =
+      TRY(context_.reserve(count * kBytesASite, fmt::format("{}: the table of the {} blocks that the surface crosses",
+                                                            field_.source, count)));
   sites_.reserve(count);
   groups_.reserve(count);
   site_index_ = field::OriginIndex(count);

@@ -45,10 +45,11 @@ class SparseSites {
   [[nodiscard]] const BlockBits& block_bits(std::size_t block) const { return bits_[block]; }
   [[nodiscard]] const ConstantSides& sides() const { return sides_; }
 
-  // The origins of all sites: stored blocks first, then places without a block, each group sorted by x, y, z.
+  // Returns the origins of all sites: first those with a stored block, then those without, each group sorted by x, y,
+  // z.
   [[nodiscard]] const std::vector<glm::ivec3>& origins() const { return sites_; }
   [[nodiscard]] std::size_t stored() const { return stored_sites_; }
-  // Returns the number of the site at a place, or -1.
+  // Returns the number of the site with this origin, or -1.
   [[nodiscard]] std::int32_t site(const glm::ivec3& origin) const { return site_index_.find(origin); }
   // Returns the sites that own the edges of the cells of `site`, itself first; -1 where there is none.
   [[nodiscard]] std::array<std::int32_t, 8> near(std::size_t site) const {
@@ -61,7 +62,7 @@ class SparseSites {
   [[nodiscard]] const field::SparseLookup& lookup() const { return *lookup_; }  // valid after compare() or find()
   [[nodiscard]] bool has_holes() const { return has_holes_; }  // NaN samples were found under NanPolicy::hole
 
-  // Random access to any sample; slow, so only for few samples.
+  // Returns whether a sample is inside, or its value. Slow: for few samples only.
   [[nodiscard]] bool inside(const glm::ivec3& p) const {
     const int offset = field::block_offset(p);
     return ((*bits_of(lookup_->place(field::block_origin(p))))[offset >> 6] >> (offset & 63) & 1) != 0;
@@ -77,12 +78,12 @@ class SparseSites {
     return crossed_edges_at(sites_[site], planes, direction);
   }
 
-  // Returns the cells that the surface passes, in the region, by their lowest sample, which belongs to the site.
+  // Returns the cells that the surface crosses, in the region, by their lowest sample, which belongs to the site.
   [[nodiscard]] BlockBits active_cells(std::size_t site, const SitePlanes& planes) const;
 
   // Returns the sides of the samples at the faces of options.region, found by its crossed edges; neither side without a
   // region.
-  [[nodiscard]] BoundarySides border() const;
+  [[nodiscard]] BoundarySides boundary_sides() const;
   // Returns whether any cell at these faces has triangles; cells with a NaN sample have none.
   [[nodiscard]] bool draws_at_boundary() const;
 

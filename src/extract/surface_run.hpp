@@ -30,11 +30,11 @@ concept SurfacePasses = requires(S& surface, const S& seen, ExtractStats& stats,
   // Writes vertices and triangles to the start of a mesh that has room for as many as were counted.
   { surface.emit(mesh) } -> std::same_as<Result<void>>;
 
-  // Valid after count(). The box whose faces a cap closes (nullopt if the surface never leaves the box), and the sides
+  // Valid after count(): the box whose faces a cap closes (nullopt if the surface never leaves the box), and the sides
   // of its outermost samples.
   { seen.cap_box() } -> std::same_as<std::optional<field::IndexBox>>;
-  { seen.border() } -> std::same_as<BoundarySides>;
-  { seen.draws_at_boundary() } -> std::same_as<bool>;  // called if the border has both sides and there are holes
+  { seen.boundary_sides() } -> std::same_as<BoundarySides>;
+  { seen.draws_at_boundary() } -> std::same_as<bool>;  // called if boundary_sides() has both sides and there are holes
   { seen.has_holes() } -> std::same_as<bool>;          // NaN samples were found under NanPolicy::hole
   { seen.inside(p) } -> std::same_as<bool>;
   { seen.value(p) } -> std::same_as<double>;
@@ -64,7 +64,7 @@ template <SurfacePasses Surface>
   Reservation cap_memory;
   const std::optional<field::IndexBox> box = surface.cap_box();
   if (box) {
-    const BoundarySides sides = surface.border();
+    const BoundarySides sides = surface.boundary_sides();
     result.stats.inside_at_boundary = sides.inside;
     result.stats.meets_boundary =
         sides.inside && sides.outside && (!surface.has_holes() || surface.draws_at_boundary());

@@ -198,17 +198,16 @@ tl::unexpected<Error> refuse_sample(const field::ScalarField& field, double valu
   // 64-bit integers are stored as f64, too.
   const bool is_double = field.type() == field::SampleType::f64;
   const bool is_large = std::abs(value) > most;
-  return fail(
-      ErrorCode::input,
-      fmt::format("{}: expected the samples of a label map, whole numbers from -{} to {} where they are {}, found "
-                  "{} {}",
-                  field.source, text_of_sample(most), text_of_sample(most),
-                  is_double ? "f64, or integers of 64 bits" : field::sample_type_name(field.type()),
-                  text_of_sample(value), place),
-      std::isnan(value)       ? Hint(Remedy::set, Setting::nan_policy, "outside to take them as outside, and no label")
-      : is_large && is_double ? Hint("renumber the labels: beyond 2^53 doubles do not tell every id from the next")
-      : is_large              ? Hint("write the labels as integers")
-                              : Hint());
+  return fail(ErrorCode::input,
+              fmt::format("{}: expected a label map of whole numbers from -{} to {} (sample type {}), found {} {}",
+                          field.source, text_of_sample(most), text_of_sample(most),
+                          is_double ? "f64, or 64-bit integers" : field::sample_type_name(field.type()),
+                          text_of_sample(value), place),
+              std::isnan(value)
+                  ? Hint(Remedy::set, Setting::nan_policy, "outside to treat NaN as outside, without a label")
+              : is_large && is_double ? Hint("renumber the labels: f64 cannot represent all integers beyond 2^53")
+              : is_large              ? Hint("write the labels as integers")
+                                      : Hint());
 }
 
 // Returns whether a value is a label, or NaN that counts as outside. Constants of a sparse field are rounded to its
@@ -239,7 +238,7 @@ std::optional<std::int64_t> label_around(const field::SparseSamples* sparse) {
 Result<void> check_label_map(const field::ScalarField& field, const LabelChoice& choice, NanPolicy nan) {
   if (!field.scale.is_identity()) {
     return fail(ErrorCode::usage,
-                fmt::format("{}: expected samples that are labels as they are stored, found a scale of {} and {}",
+                fmt::format("{}: expected a label map with slope 1 and intercept 0, found slope {} and intercept {}",
                             field.source, field.scale.slope, field.scale.intercept));
   }
   const auto* sparse = std::get_if<field::SparseSamples>(&field.samples);
@@ -248,7 +247,8 @@ Result<void> check_label_map(const field::ScalarField& field, const LabelChoice&
   const auto around = label_around(sparse);
   if (!around || std::ranges::find(choice.values, *around) == choice.values.end()) return {};
   return fail(ErrorCode::usage,
-              fmt::format("{}: label {} is the background of a sparse grid, which has no end", field.source, *around));
+              fmt::format("{}: label {} is the background value of the sparse grid, so its region is unbounded",
+                          field.source, *around));
 }
 
 }  // namespace
@@ -259,7 +259,7 @@ struct LabelVoxels::Found {
 
   std::string what;  // starts error messages
   std::vector<std::int64_t> labels;
-  std::vector<std::string> notes;
+  Notes notes;
   std::optional<LabelFilter> filter;
   NanPolicy nan = NanPolicy::error;
   std::optional<NetPoints> net;  // for surface nets only
@@ -410,7 +410,7 @@ Result<LabelVoxels> LabelVoxels::find(const field::ScalarField& field, const Ext
     region = reach.region;
   }
   const OutputPlacement frame = voxel_placement(field, options, stored, options.region ? region : stored);
-  auto found = std::make_shared<Found>(field.source + ": the voxels of its labels", region, frame);
+  auto found = std::make_shared<Found>(field.source + ": the voxels with labels", region, frame);
   const bool nets = options.method == Method::surface_nets;
   found->filter.emplace(choice, nets, label_around(sparse));
   found->nan = options.nan;
@@ -425,9 +425,11 @@ Result<LabelVoxels> LabelVoxels::find(const field::ScalarField& field, const Ext
   const bool floats =
       visit_sample_type(field.type(), []<class T>(std::type_identity<T>) { return field::is_floating_sample<T>; });
   if (floats) {
-    found->notes.push_back(fmt::format(
-        "{}: all of its samples{}, held as {}, are whole numbers: they are taken as labels", field.source,
-        found->stats.nan_samples > 0 ? " but those that are not numbers" : "", field::sample_type_name(field.type())));
+    found->notes.push_back(
+        {NoteId::labels_assumed,
+         fmt::format("{}: all of its samples{}, stored as {}, are whole numbers: the program uses them as labels",
+                     field.source, found->stats.nan_samples > 0 ? " except NaN" : "",
+                     field::sample_type_name(field.type()))});
   }
   found->stats.classify = watch.elapsed();
   return LabelVoxels(std::move(found));
@@ -435,7 +437,7 @@ Result<LabelVoxels> LabelVoxels::find(const field::ScalarField& field, const Ext
 
 const std::vector<std::int64_t>& LabelVoxels::labels() const { return found_->labels; }
 
-const std::vector<std::string>& LabelVoxels::notes() const { return found_->notes; }
+const Notes& LabelVoxels::notes() const { return found_->notes; }
 
 Result<Extraction> LabelVoxels::extract(const field::ScalarField& field, std::int64_t label,
                                         const ExtractOptions& options, const Context& context) const {

@@ -17,7 +17,9 @@ namespace {
 
 constexpr const char* kChunkName = "64x8x8 voxels";
 
-std::string chunks_text(const field::ScalarField& field) { return fmt::format("{}: its voxels", field.source); }
+std::string chunks_text(const field::ScalarField& field) {
+  return fmt::format("{}: the table of its voxel chunks", field.source);
+}
 
 // Builds chunks in parallel. fill(n, bits) writes the n-th of `count` chunks, at origin(n). It runs twice, so that only
 // the bits of chunks that are neither full nor empty need memory.

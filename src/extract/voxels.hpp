@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/note.hpp"
 #include "extract/extractor.hpp"
 
 namespace isoextract::extract {
@@ -45,11 +46,11 @@ class LabelVoxels {
   [[nodiscard]] const std::vector<std::int64_t>& labels() const;
 
   // Returns sentences about the samples to show to the user.
-  [[nodiscard]] const std::vector<std::string>& notes() const;
+  [[nodiscard]] const Notes& notes() const;
 
   // Returns the surface of one label; an empty mesh if the label was not found. `field` must be the field given to
   // find(); `options` may differ only in how the mesh is made. With surface nets, two labels share the triangles of
-  // their common border, with opposite winding. Fails as Extractor::extract() does.
+  // their common faces, with opposite winding. Fails as Extractor::extract() does.
   [[nodiscard]] Result<Extraction> extract(const field::ScalarField& field, std::int64_t label,
                                            const ExtractOptions& options, const Context& context) const;
 

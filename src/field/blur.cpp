@@ -272,9 +272,11 @@ void blur_block(const std::array<std::vector<double>, 3>& weights, glm::ivec3 di
 Result<ScalarField> blur_gaussian(const ScalarField& field, const glm::dvec3& sigma, const Context& context) {
   for (int axis = 0; axis < 3; ++axis) {
     if (!(sigma[axis] >= 0 && sigma[axis] <= kMaxBlurSigma)) {
-      return fail(ErrorCode::usage,
-                  fmt::format("{}: a Gaussian of {:.6g} x {:.6g} x {:.6g} voxels, at most {} are taken", field.source,
-                              sigma.x, sigma.y, sigma.z, kMaxBlurSigma));
+      return fail(
+          ErrorCode::usage,
+          fmt::format("{}: Gaussian blur: expected standard deviations of 0 to {} voxels, found {:.6g} x {:.6g} "
+                      "x {:.6g}",
+                      field.source, kMaxBlurSigma, sigma.x, sigma.y, sigma.z));
     }
   }
   context.progress().begin("blurring", 0);

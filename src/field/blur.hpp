@@ -14,25 +14,26 @@ inline constexpr double kMaxBlurSigma = 16;
 inline constexpr int kMaxMedianWidth = 8;
 
 // Filters with a Gaussian whose standard deviations along the grid axes are `sigma`, in voxels. Each lies in [0,
-// kMaxBlurSigma]; 0 leaves that axis unfiltered. The kernel ends at three standard deviations. The result is f64 for
+// kMaxBlurSigma]; 0 leaves that axis unfiltered. The kernel reaches ceil(3 `sigma`) voxels. The result is f64 for
 // f64, u32 and i32 samples, else f32. It is the same for any number of threads.
 //
 // Samples that are not finite and positions outside dense data get no weight (normalized convolution). Samples that are
-// not finite keep their value, so that the handling of NaN applies to the same samples. Where all samples within reach
+// not finite keep their value, so that a later NanPolicy applies to the same samples. Where all samples within reach
 // are equal, the value does not change at all.
 //
-// A sparse field stays sparse. Tiles and the background count as ordinary values, also those of a narrow band: the
-// filter does not recompute distances, and a level set stays constant away from its surface. The result has a block
-// wherever a stored value can reach. The record of active voxels does not change.
+// A sparse field stays sparse. Filters tiles and the background like other values. For a narrow band this means: the
+// filter does not recompute distances, and values farther outside the band than the kernel reaches do not change. The
+// result has a block wherever the kernel reaches (a) a block of the input or (b) a face between a tile and a different
+// value. `active_box` and `active_voxels` do not change.
 //
 // Fails with ErrorCode::usage if `sigma` is out of range, with ErrorCode::out_of_memory, and if the context is
 // cancelled.
 [[nodiscard]] Result<ScalarField> blur_gaussian(const ScalarField& field, const glm::dvec3& sigma,
                                                 const Context& context);
 
-// Replaces each sample by the median of the samples at most `width` (1 to kMaxMedianWidth) voxels away along each axis;
-// the lower median of an even number. Ignores NaN and positions outside dense data. NaN samples stay NaN. The samples
-// keep their type. Otherwise as blur_gaussian().
+// Replaces each sample by the median of the samples at most `width` (1 to kMaxMedianWidth) voxels away along each axis:
+// a box with sides of 2 `width` + 1. Of an even count, takes the lower of the two middle samples. Ignores NaN and
+// positions outside dense data. NaN samples stay NaN. The samples keep their type. Otherwise as blur_gaussian().
 [[nodiscard]] Result<ScalarField> blur_median(const ScalarField& field, int width, const Context& context);
 
 }  // namespace isoextract::field

@@ -41,11 +41,12 @@ Result<Samples> coarsen_dense(const ScalarField& field, const DenseSamples& fine
   coarse.type = sample_type_of<Coarse<T>>();
   coarse.dims = fine.dims / factor;
   if (glm::any(glm::lessThan(coarse.dims, glm::ivec3(2)))) {
-    return fail(ErrorCode::input, fmt::format("{}: of its {} x {} x {} samples, one for each {}^3 is too few",
-                                              field.source, fine.dims.x, fine.dims.y, fine.dims.z, factor));
+    return fail(ErrorCode::input,
+                fmt::format("{}: coarsening by {} needs at least {} samples along each axis, found {} x {} x {}",
+                            field.source, factor, 2 * factor, fine.dims.x, fine.dims.y, fine.dims.z));
   }
-  auto made = TRY(make_reserved_buffer<Coarse<T>>(coarse.count(), context,
-                                                  fmt::format("{}: one sample for each {}^3", field.source, factor)));
+  auto made = TRY(make_reserved_buffer<Coarse<T>>(
+      coarse.count(), context, fmt::format("{}: the samples of the grid coarsened by {}", field.source, factor)));
   Coarse<T>* const values = made->values.data();
   const glm::i64vec3 dims(fine.dims);
   const auto* source = static_cast<const T*>(fine.data);
@@ -98,10 +99,11 @@ Result<Samples> coarsen_sparse(const ScalarField& field, const SparseSamples& fi
   const auto key = [](const glm::ivec3& p) { return std::tuple(p.x, p.y, p.z); };
   std::ranges::sort(origins, {}, key);
   origins.erase(std::unique(origins.begin(), origins.end()), origins.end());
-  auto made = TRY(make_reserved_buffer<Coarse<T>>(origins.size() * kBlockSamples, context,
-                                                  fmt::format("{}: one sample for each {}^3", field.source, factor)));
+  auto made = TRY(make_reserved_buffer<Coarse<T>>(
+      origins.size() * kBlockSamples, context,
+      fmt::format("{}: the samples of the grid coarsened by {}", field.source, factor)));
   Coarse<T>* const values = made->values.data();
-  const auto lookup_memory = TRY(context.reserve(SparseLookup::bytes(fine), field.source + ": places of blocks"));
+  const auto lookup_memory = TRY(context.reserve(SparseLookup::bytes(fine), field.source + ": the index of blocks"));
   const SparseLookup lookup(fine);
   context.progress().begin("making the field coarser", origins.size());
   for_each_index(origins.size(), [&](std::size_t b) {

@@ -12,6 +12,7 @@
 #include <fmt/ranges.h>
 
 #include "base/hash.hpp"
+#include "base/nearest_name.hpp"
 #include "base/parallel.hpp"
 #include "base/reserved_buffer.hpp"
 #include "field/demo_formulas.hpp"
@@ -126,7 +127,7 @@ constexpr std::array kDemos{
     Demo{{"metaballs", "five blended balls", 0, "circle around the z axis, merge and part"},
          pointwise<formulas::Metaballs>,
          moved_metaballs},
-    Demo{{"random", "independent uniform values in [-1, 1): the hardest topology there is", 0, ""}, random, nullptr},
+    Demo{{"random", "independent uniform values in [-1, 1): topology of extreme complexity", 0, ""}, random, nullptr},
 };
 
 constexpr auto kDescriptions = [] {
@@ -169,8 +170,8 @@ Result<void> set_time(std::string_view spec, std::string_view text, DemoSpec& de
       if (!description.motion.empty()) moving.push_back(description.name);
     }
     return fail(ErrorCode::usage,
-                fmt::format("{}: {} does not move, so it has no time; those that do are {}", spec, demo.name,
-                            fmt::join(moving, ", ")),
+                fmt::format("{}: the field {} does not move, so it has no time; the moving fields are {}", spec,
+                            demo.name, fmt::join(moving, ", ")),
                 {Remedy::see, Setting::demo_fields});
   }
   const auto time = parse_number<double>(text);
@@ -214,10 +215,11 @@ Result<DemoSpec> parse_demo_spec(std::string_view spec) {
   name = name.substr(0, query);
 
   if (find_demo(name) == nullptr) {
-    std::vector<std::string_view> names;
-    for (const DemoDescription& demo : kDescriptions) names.push_back(demo.name);
+    std::vector<std::string> names;
+    for (const DemoDescription& demo : kDescriptions) names.emplace_back(demo.name);
     return fail(ErrorCode::usage,
-                fmt::format("{}: no demo field '{}'; there are {}", spec, name, fmt::join(names, ", ")),
+                fmt::format("{}: there is no demo field '{}'{}; the demo fields are {}", spec, name,
+                            did_you_mean(name, names), fmt::join(names, ", ")),
                 {Remedy::see, Setting::demo_fields});
   }
   DemoSpec demo{name, kDefaultSize, 0};

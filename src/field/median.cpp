@@ -97,8 +97,8 @@ void median_block(int width, const glm::ivec3& dims, const double* values, T* bl
 
 Result<ScalarField> blur_median(const ScalarField& field, int width, const Context& context) {
   if (width < 1 || width > kMaxMedianWidth) {
-    return fail(ErrorCode::usage, fmt::format("{}: a median of {} voxels on either side, from 1 to {} are taken",
-                                              field.source, width, kMaxMedianWidth));
+    return fail(ErrorCode::usage, fmt::format("{}: median blur: expected a radius of 1 to {} voxels, found {}",
+                                              field.source, kMaxMedianWidth, width));
   }
   context.progress().begin("blurring", 0);
   auto samples = TRY(visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) -> Result<Samples> {

@@ -67,12 +67,12 @@ Result<void> mark(ScalarField& field, const DenseSamples& samples, double value,
     found += count;
   });
   if (found == 0) {
-    field.notes.push_back(fmt::format("no sample is {}, the value for no data", value));
+    field.notes.push_back({NoteId::no_data, fmt::format("no sample has the no-data value {}", value)});
     return {};
   }
   using Marked = WithNan<T>;
   auto made = TRY(make_reserved_buffer<Marked>(samples.count(), context,
-                                               fmt::format("{}: samples with NaN for no data", field.source)));
+                                               fmt::format("{}: the samples with NaN for no data", field.source)));
   Marked* const to = made->values.data();
   for_each_range(all, kSamplesPerTask, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -80,10 +80,10 @@ Result<void> mark(ScalarField& field, const DenseSamples& samples, double value,
     }
   });
   if (samples.lost()) {
-    return fail(ErrorCode::input, field.source + ": became shorter, or could not be read further, while it was read");
+    return fail(ErrorCode::input, field.source + ": the file became shorter, or reading it failed, during the run");
   }
-  field.notes.push_back(
-      fmt::format("{} of {} samples are {} and count as not a number", found.load(), samples.count(), value));
+  field.notes.push_back({NoteId::no_data, fmt::format("{} of {} samples have the no-data value {} and become NaN",
+                                                      found.load(), samples.count(), value)});
   DenseSamples marked;
   marked.type = sample_type_of<Marked>();
   marked.dims = samples.dims;
@@ -100,8 +100,8 @@ Result<void> mark_no_data(ScalarField& field, double value, const Context& conte
   if (dense == nullptr) {
     return fail(ErrorCode::usage,
                 field.source +
-                    ": a value for no data is for full boxes of samples; this grid is sparse, and has none "
-                    "where it has no voxels");
+                    ": a no-data value applies to dense grids only; this grid is sparse and has the background "
+                    "value where it stores no voxels");
   }
   const DenseSamples samples = *dense;
   return visit_sample_type(samples.type,

@@ -75,7 +75,7 @@ std::vector<double> samples_of_ranks(const ScalarField& field, std::vector<std::
     for_each_tile(field, [&](double stored, std::uint64_t voxels) { add(counts, static_cast<T>(stored), voxels); });
     for (std::size_t p = 0; p < ranks.size(); ++p) {
       const auto slot = static_cast<std::size_t>(std::ranges::find(prefixes, found[p]) - prefixes.begin());
-      // The samples may have changed since the count, if somebody writes to the file. The loop must end anyway.
+      // The samples may have changed since the count, if another program writes to the file. The loop must end anyway.
       Key digit = 0;
       for (; digit + 1 < kDigitValues && ranks[p] >= counts[slot * kDigitValues + digit]; ++digit) {
         ranks[p] -= counts[slot * kDigitValues + digit];

@@ -16,7 +16,7 @@ namespace isoextract::field {
 namespace {
 
 // A rounding error may move a vertex on the data boundary slightly outside.
-constexpr double kBorder = 1e-3;  // voxels
+constexpr double kTolerance = 1e-3;  // voxels
 
 // A sample of weight 0 must not contribute, because it may not be a number.
 double value_between(double a, double b, double t) { return t == 0 ? a : t == 1 ? b : (1 - t) * a + t * b; }
@@ -77,7 +77,7 @@ Result<PointCounts> sample_points(const ScalarField& field, std::span<const glm:
   if (const auto* sparse = std::get_if<SparseSamples>(&field.samples)) nodes = SparseLookup::node_origins(*sparse);
   // The table of the nodes' origins is small beside the nodes.
   const auto memory =
-      TRY(context.reserve(nodes.size() * sizeof(SparseLookup::Node), field.source + ": places of blocks"));
+      TRY(context.reserve(nodes.size() * sizeof(SparseLookup::Node), field.source + ": the index of blocks"));
   const Affine index_of_world = field.index_to_world.inverse();
   const bool dense = std::holds_alternative<DenseSamples>(field.samples);
   std::atomic<std::uint64_t> outside{0};
@@ -97,7 +97,7 @@ Result<PointCounts> sample_points(const ScalarField& field, std::span<const glm:
           continue;
         }
         const glm::dvec3 nearest = stored.nearest(index);
-        if (dense && glm::any(glm::greaterThan(glm::abs(index - nearest), glm::dvec3(kBorder)))) ++beyond;
+        if (dense && glm::any(glm::greaterThan(glm::abs(index - nearest), glm::dvec3(kTolerance)))) ++beyond;
         const auto value = static_cast<float>(field.scale(stored(nearest)));
         if (!std::isfinite(value)) ++no_numbers;
         values[stride * i] = value;

@@ -1,5 +1,5 @@
 // This does not use Interpolant: it returns NaN beside every sample that is not finite, even one of weight 0. Its
-// weighted sum can leave the range of the samples, and it would compute gradients that nobody needs here.
+// weighted sum can leave the range of the samples, and it would compute gradients that resampling does not need.
 #include "field/resample.hpp"
 
 #include <algorithm>
@@ -197,7 +197,7 @@ void mean_of_rows(const SampleWeights& use, const GetRow& row, RowSums& room, Ro
   }
 }
 
-// Combines old rows into one. row(j) returns old row j; the last kMostOfKernel rows that it returned stay valid.
+// Combines old rows into one. row(j) returns old row j; the last kMaxKernelWeights rows that it returned stay valid.
 template <class GetRow>
 void combine_rows(const AxisWeights& axis, const SampleWeights& use, const GetRow& row, RowSums& room, RowBuffer& out) {
   if (use.weights.size() > 1 && axis.is_mean()) {
@@ -424,9 +424,10 @@ Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolu
   auto values = TRY(make_reserved_buffer<Value>(count, context, fmt::format("{}: {}", field.source, size)));
   if (sparse != nullptr) {
     result.notes.push_back(
-        fmt::format("{}: its sparse samples become {} ({}), which cover the voxels ({}, {}, {}) .. ({}, {}, {})",
-                    field.source, size, format_byte_size(count * sizeof(Value)), box.min.x, box.min.y, box.min.z,
-                    box.max.x, box.max.y, box.max.z));
+        {NoteId::sparse_made_dense,
+         fmt::format("{}: its sparse samples become {} ({}), which cover the voxels ({}, {}, {}) .. ({}, {}, {})",
+                     field.source, size, format_byte_size(count * sizeof(Value)), box.min.x, box.min.y, box.min.z,
+                     box.max.x, box.max.y, box.max.z)});
   }
   DenseSamples samples;
   samples.type = sample_type_of<Value>();
@@ -434,14 +435,14 @@ Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolu
   const glm::dvec3 extent(old_dims);
   const bool means = sparse == nullptr || extent.x * extent.y * extent.z <= kMaxVoxelsForMeans;
   if (!means && kernel != ResampleKernel::nearest && glm::any(glm::lessThan(resolution, old_dims))) {
-    result.notes.push_back(
-        fmt::format("{}: {} voxels are too many for means; the samples of the new grid are values of "
-                    "the interpolant at their places",
-                    field.source, dims_text(old_dims)));
+    result.notes.push_back({NoteId::means_not_possible,
+                            fmt::format("{}: {} voxels are too many to average; the new samples are values of the "
+                                        "interpolant and can miss details between them",
+                                        field.source, dims_text(old_dims))});
   }
   auto weight_memory = TRY(reserve_weights(field, old_dims, resolution, context));
-  const auto lookup_memory =
-      TRY(context.reserve(sparse != nullptr ? SparseLookup::bytes(*sparse) : 0, field.source + ": places of blocks"));
+  const auto lookup_memory = TRY(
+      context.reserve(sparse != nullptr ? SparseLookup::bytes(*sparse) : 0, field.source + ": the index of blocks"));
   const auto along = [&](int axis) { return AxisWeights(old_dims[axis], resolution[axis], kernel, means); };
   const Weights weights{along(0), along(1), along(2)};
   fill(SourceRows<T>(field.samples, box, nan), old_dims, resolution, weights, values->values.data(), context);
@@ -465,7 +466,7 @@ Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolut
     return fail(ErrorCode::usage,
                 fmt::format("a resolution needs at least 2 samples along each axis, found {}", dims_text(resolution)));
   }
-  TRY(check_has_steps(field, "another resolution"));
+  TRY(check_has_steps(field, "resampling to another resolution"));
   return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
     return kernel == ResampleKernel::nearest ? resampled<T, T>(field, resolution, kernel, nan, context)
                                              : resampled<T, Resampled<T>>(field, resolution, kernel, nan, context);
@@ -473,18 +474,19 @@ Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolut
 }
 
 Result<glm::ivec3> resolution_of_voxel_size(const ScalarField& field, const glm::dvec3& voxel_size) {
-  TRY(check_has_steps(field, "another voxel size"));
+  TRY(check_has_steps(field, "resampling to another voxel size"));
   const glm::i64vec3 dims = resampled_box(field).dims();
   glm::ivec3 resolution(0);
   for (int axis = 0; axis < 3; ++axis) {
     const double length = static_cast<double>(dims[axis] - 1) * glm::length(field.index_to_world.linear[axis]);
     const double steps = std::round(length / voxel_size[axis]);
-    if (!(voxel_size[axis] > 0 && steps >= 1 && steps < std::numeric_limits<int>::max())) {
+    constexpr int kMostSteps = std::numeric_limits<int>::max() - 1;
+    if (!(voxel_size[axis] > 0 && steps >= 1 && steps <= kMostSteps)) {
       return fail(
           ErrorCode::usage,
-          fmt::format("{}: expected voxels that are at most as long along {} as its samples reach, {:.6g}, and "
-                      "no more than {} of them, found voxels of {}",
-                      field.source, "xyz"[axis], length, std::numeric_limits<int>::max() - 1, voxel_size[axis]));
+          fmt::format("{}: expected a voxel size along {} from {:.6g} (at most {} voxels) to {:.6g} (twice the "
+                      "extent of the samples), found {}",
+                      field.source, "xyz"[axis], length / kMostSteps, kMostSteps, 2 * length, voxel_size[axis]));
     }
     resolution[axis] = static_cast<int>(steps) + 1;
   }

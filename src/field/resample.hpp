@@ -17,7 +17,7 @@ enum class ResampleKernel {
   linear,   // linear interpolation of the two neighbors
   cubic,    // Catmull and Rom 1974: passes through the samples, with continuous slope; may overshoot beside steps
   bspline,  // cubic B-spline with the samples as coefficients: smoother, does not pass through the samples
-  nearest,  // the nearest sample, of two the lower one; also on coarser grids, because ids must not be averaged
+  nearest,  // the nearest sample, on a tie the lower index; also on coarser grids, as labels must not be averaged
 };
 constexpr auto words_of(ResampleKernel /*type*/) {
   return std::array{Word{ResampleKernel::linear, "linear"}, Word{ResampleKernel::cubic, "cubic"},
@@ -27,7 +27,7 @@ constexpr auto words_of(ResampleKernel /*type*/) {
 // How averages treat NaN samples.
 enum class NanHandling {
   left_out,  // the other samples get all the weight; a new sample is NaN if NaN has more than half of its weight
-  spread,    // a new sample is NaN if any NaN has weight in it: for users who treat NaN as an error
+  spread,    // a new sample is NaN if a NaN has nonzero weight in it: for callers that treat NaN as an error
 };
 
 // Returns `field` on a dense grid of `resolution` samples that covers the same box: along each axis the first and last
@@ -36,10 +36,11 @@ enum class NanHandling {
 //
 // Along an axis that gets more samples, a new sample is the kernel's value at its position. Along an axis that gets
 // fewer, it is the mean of the old voxels (boxes around the samples) within one step of the new grid around it. A voxel
-// that is partly within the step has that part of the weight. This is the box filter of coarsen(), for any step. The
-// steps tile the axis, so no sample is lost or counted twice. Constants keep their values, and so do linear functions
-// if the step is a whole number of voxels. Other steps shift a linear function by at most 1 / (8 * step) voxels. Near
-// the boundary the averaged interval shrinks symmetrically, down to the boundary sample itself.
+// that is partly within the step has that part of the weight. This is the box filter of coarsen(), for any step. Away
+// from the boundary the steps tile the axis, so each sample counts once. Constants keep their values, and so do linear
+// functions if the step is a whole number of voxels. Other steps shift a linear function by at most 1 / (8 * step)
+// voxels. Near the boundary the averaged interval shrinks symmetrically, down to the boundary sample itself, so some
+// samples there count less or not at all.
 //
 // The result is f64 for f64, u32 and i32 samples, which float cannot hold exactly, else f32. It resamples stored values
 // and keeps the value scale. A new sample that coincides with an old one has exactly its value if the kernel passes
@@ -54,8 +55,8 @@ enum class NanHandling {
 //
 // A sparse field has no bounds. Its box here contains the active voxels and all stored values that differ from the
 // background, plus one voxel on each side; outside it and on its faces everything is background. The result is dense,
-// in reserved memory, and a note tells its size. If the box is so large that means would take minutes, the result holds
-// interpolated values instead, and another note says so.
+// in reserved memory, and a note tells its size. If the box has more than 2^35 voxels, averaging would
+// take minutes: the result then holds interpolated values, and another note says so.
 //
 // Fails with ErrorCode::usage if `resolution` is below 2 along an axis, with ErrorCode::input if that of a dense
 // `field` is, and with ErrorCode::out_of_memory.

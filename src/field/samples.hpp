@@ -1,5 +1,5 @@
-// The samples of a field in memory: a dense array, or sparse blocks and tiles over a background. Samples keep the type
-// that they were stored in; no copy changes their representation.
+// The samples of a field in memory: a dense array, or sparse blocks and tiles over a background. A reader keeps the
+// file's sample type if SampleType has it (64-bit integers become double); operations such as resample() state theirs.
 #pragma once
 
 #include <atomic>
@@ -32,12 +32,12 @@ struct DenseSamples {
   glm::ivec3 dims{0};
   std::shared_ptr<const void> owner;  // keeps `data` alive
   const void* data = nullptr;         // dims.x * dims.y * dims.z values in native byte order, aligned for their type
-  bool file_backed = false;           // data is a read-only file mapping: pages that are given back are read again
-  // Becomes true, at any time, if a part of the file is gone; its samples then read as 0. `owner` keeps the flag alive.
-  // Null if nothing can be lost.
+  bool file_backed = false;           // data is a read-only file mapping: its pages may be released (base/pages.hpp)
+  // Set to true, at any time, when a part of the mapped file cannot be read (truncated, disk error): its samples are
+  // then 0. `owner` keeps the flag alive. Null without a mapping.
   const std::atomic<bool>* loss = nullptr;
 
-  // Check this after work on the samples: if it is true, they were not the file's samples and the result is invalid.
+  // Returns whether samples were lost. Call it after work on the samples: if true, the result is invalid.
   [[nodiscard]] bool lost() const { return loss != nullptr && loss->load(std::memory_order_acquire); }
 
   [[nodiscard]] std::size_t count() const {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/enum_words.hpp"
+#include "base/note.hpp"
 #include "field/affine.hpp"
 #include "field/samples.hpp"
 
@@ -16,7 +17,7 @@ enum class FieldKind {
   density,    // inside is value > iso
   level_set,  // inside is value < iso
 };
-// The words name the side of the iso value that is inside.
+// Returns the words for options and reports; each names the side of the iso value that is inside.
 constexpr auto words_of(FieldKind /*type*/) {
   return std::array{Word{FieldKind::density, "above"}, Word{FieldKind::level_set, "below"}};
 }
@@ -32,20 +33,20 @@ struct ValueScale {
 
 struct ScalarField {
   std::string name;         // of the grid, or the file's stem if the format has no names
-  std::string source;       // the path or demo: text that it was read from, for messages
+  std::string source;       // name of the input for messages: path, "standard input", or a text like "demo:sphere"
   std::string format;       // "OpenVDB", "NRRD", ...
   std::string world_space;  // the file's name for its world space: "RAS", "left-posterior-superior", ...; may be empty
   std::string length_unit;  // the file's name for the unit of that space: "mm", "microns", ...; may be empty
   std::string creator;      // the program that made the file: "Houdini/SOP_OpenVDB_Write"; may be empty
   std::size_t grids = 0;    // number of named grids in the source, including this one; 0 if its format names none
-  std::string grid;         // the grid's unique name, if grids > 0; printable
+  std::string grid;         // the grid's label (GridInfo::label), unique in the file; empty if `grids` is 0
   FieldKind kind = FieldKind::density;
   ValueScale scale;
   Affine index_to_world;  // maps index (i, j, k) to the center of that sample
-  Affine index_to_file;   // maps to the file's sample indices, which are the voxel coordinates: the identity unless the
-                          // field was resampled or coarsened
+  Affine index_to_file;   // maps index (i, j, k) to the sample indices of the file (voxel coordinates); the identity
+                          // unless the field was resampled or coarsened
   Samples samples;
-  std::vector<std::string> notes;  // what the reader left out or assumed, one sentence each; `cli` shows them
+  Notes notes;  // omissions and assumptions of the reader, one sentence each; `cli` prints them
 
   [[nodiscard]] SampleType type() const {
     return std::visit([](const auto& s) { return s.type; }, samples);

@@ -57,7 +57,7 @@ class TileIndex {
 // Finds what is stored at each block-sized place: an 8^3 cube with its origin at multiples of 8.
 class SparseLookup {
  public:
-  // 16^3 places, 128 samples a side, at least one of which holds a block or a small tile.
+  // 16^3 places (128 samples along each axis). At least one place is a block, or lies in a tile smaller than a node.
   struct Node {
     static constexpr int kPlaces = 16;                               // along each axis
     static constexpr int kSize = kPlaces * SparseBlock::kSize;       // samples along each axis

@@ -24,8 +24,8 @@ struct FieldStatistics {
   double min = 0;
   double max = 0;
   double mean = 0;
-  // Each distinct value and its count, in ascending order, if there are at most kMostValues. Only for integer samples
-  // of up to 16 bits, and for those of 32 bits with an identity scale and a range below 2^16; else empty.
+  // Each distinct value and its count, in ascending order, if there are at most kMaxListedValues. Only for integer
+  // samples of up to 16 bits, and for those of 32 bits with an identity scale and a range below 2^16; else empty.
   std::vector<std::pair<double, std::uint64_t>> values;
   static constexpr std::size_t kMaxListedValues = 256;
   std::vector<std::uint64_t> histogram;  // 1024 equal bins over [min, max]; empty if no sample is finite
@@ -70,7 +70,7 @@ struct DefaultIso {
 };
 [[nodiscard]] std::optional<DefaultIso> default_iso(const ScalarField& field);
 
-// Suggests an iso value that separates the field in two: the known one, else Otsu's threshold of the histogram.
+// Suggests an iso value that separates the field in two: that of default_iso(), else Otsu's threshold of the histogram.
 // `statistics` must be of `field`; percentiles are not needed.
 [[nodiscard]] IsoSuggestion suggest_iso(const ScalarField& field, const FieldStatistics& statistics);
 

@@ -37,7 +37,7 @@ Result<InputFile> InputFile::open(const std::filesystem::path& path, const Conte
   }
   const std::string name = input_label(path);
   const auto cannot_read = [&](int error) {
-    return fail(ErrorCode::input, fmt::format("{}: cannot be read: {}", name, system_message(error)));
+    return fail(ErrorCode::input, fmt::format("{}: cannot read the file: {}", name, system_message(error)));
   };
   const auto file = std::make_shared<OpenFile>();  // allocated first: a later failure would leak the descriptor
   if (is_stdin) {
@@ -74,7 +74,7 @@ Result<void> InputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes
     }
     if (got == 0) {
       return fail(ErrorCode::input,
-                  fmt::format("{}: ends at byte {}, expected {} more bytes", name(), offset, bytes.size()));
+                  fmt::format("{}: the file ends at byte {}, expected {} more bytes", name(), offset, bytes.size()));
     }
     add_bytes_read(static_cast<std::uint64_t>(got));
     offset += static_cast<std::uint64_t>(got);
@@ -116,14 +116,15 @@ Result<std::vector<std::byte>> first_bytes(const InputFile& file, std::size_t co
 
 Result<std::filesystem::path> resolve_beside(const std::filesystem::path& header, const std::string& data_file) {
   namespace fs = std::filesystem;
-  const auto names = fmt::format("{}: names the data file '{}'", input_label(header), printable(data_file, 200));
+  const auto names =
+      fmt::format("{}: the header names the data file '{}'", input_label(header), printable(data_file, 200));
   if (is_standard_input(header)) {
-    return fail(ErrorCode::input, names + ", which can only be found beside a header that is a file",
-                "give the path of the header");
+    return fail(ErrorCode::input, names + ", but a header from standard input has no folder in which to find it",
+                "give the path of the header file");
   }
   const auto outside = [&] {
-    return fail(ErrorCode::input, names + ", which is not beside or below the header",
-                "put the data file into the header's folder and name it there");
+    return fail(ErrorCode::input, names + ", which is outside the folder of the header",
+                "put the data file into the header's folder and write its new name into the header");
   };
   const auto is_within = [](const fs::path& folder, const fs::path& path) {
     return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
@@ -136,7 +137,7 @@ Result<std::filesystem::path> resolve_beside(const std::filesystem::path& header
   const fs::path named = folder / data_file;
   if (fs::path(data_file).is_relative() && !is_within(folder, named.lexically_normal())) return outside();
   const fs::path resolved = fs::canonical(named, error);
-  if (error) return fail(ErrorCode::input, fmt::format("{}, which cannot be read: {}", names, error.message()));
+  if (error) return fail(ErrorCode::input, fmt::format("{}, but finding it failed: {}", names, error.message()));
   if (!is_within(folder, resolved)) return outside();
   return resolved;
 }

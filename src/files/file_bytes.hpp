@@ -16,7 +16,7 @@
 
 namespace isoextract::files {
 
-// Returns whether the input path is "-", which means standard input. A file named "-" is "./-".
+// Returns whether the input path is "-", which means standard input. To read a file named "-", give "./-".
 [[nodiscard]] bool is_standard_input(const std::filesystem::path& path);
 inline constexpr std::string_view kStandardInputName = "standard input";
 // Returns the name of an input for messages.
@@ -24,14 +24,14 @@ inline constexpr std::string_view kStandardInputName = "standard input";
 
 struct OpenFile;  // detail/opened_files.hpp
 
-// An open, regular, non-empty file. Its errors are ErrorCode::input and start with its name. Bytes read count in the
-// context it was opened in.
+// An open, regular, non-empty file. Its errors are ErrorCode::input and start with its name. Adds the bytes it reads to
+// the counter of the context in which it was opened.
 class InputFile {
  public:
   // Opens a file. Reuses a file that is already open in the context, unless it was written to since.
   //
-  // On the first call, standard input is read to its end unless it is a file, and kept until the process ends; so it
-  // can be opened again like a file. The kept bytes are reserved in the context of that first call. Fails with
+  // The first call for standard input copies it to memory until the process ends, so that it can be opened again. The
+  // copy is reserved in the context of that call. A regular file at offset 0 is opened without a copy. Fails with
   // ErrorCode::usage if standard input is a terminal.
   [[nodiscard]] static Result<InputFile> open(const std::filesystem::path& path, const Context& context);
 

@@ -45,14 +45,14 @@ Result<FileVersion> version_of(const InputFile& file) {
   struct stat status {};
   if (::fstat(file.descriptor(), &status) == 0) return version_of(status);
   return fail(ErrorCode::input,
-              fmt::format("{}: cannot be read: {}", file.name(), std::generic_category().message(errno)));
+              fmt::format("{}: cannot read the file: {}", file.name(), std::generic_category().message(errno)));
 }
 
 Result<void> check_unchanged(const InputFile& file, const FileVersion& before) {
   const auto now = TRY(version_of(file));
   if (now.bytes == before.bytes && now.modified == before.modified) return {};
-  return fail(ErrorCode::input, fmt::format("{}: it was written to while it was read", file.name()),
-              "convert it when nothing writes to it");
+  return fail(ErrorCode::input, fmt::format("{}: the file changed while the program read it", file.name()),
+              "run again when no other program writes to the file");
 }
 
 }  // namespace isoextract::files

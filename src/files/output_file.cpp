@@ -38,15 +38,15 @@ Error system_error(const std::string& shown, std::string_view action, int code) 
   };
   switch (code) {
     case ENOSPC: return error("no space left on the device", fmt::format("free some space or {}", kAnotherPlace));
-    case EDQUOT: return error("the disk quota is used up", fmt::format("free some space or {}", kAnotherPlace));
+    case EDQUOT: return error("the disk quota has no space left", fmt::format("free some space or {}", kAnotherPlace));
     case EFBIG:
       return error("the file would be larger than the file system or the limit of this shell allows",
-                   fmt::format("raise it with ulimit -f or {}", kAnotherPlace));
+                   fmt::format("raise the limit with ulimit -f or {}", kAnotherPlace));
     case EACCES:
     case EPERM: return error("no permission", fmt::format("change the permissions or {}", kAnotherPlace));
-    case EROFS: return error("the file system is mounted read-only", kAnotherPlace);
-    case EPIPE: return error("closed by the reader", {});
-    case EBADF: return error("it is not open", kAnotherPlace);
+    case EROFS: return error("read-only file system", kAnotherPlace);
+    case EPIPE: return error("the reader closed the pipe", {});
+    case EBADF: return error("the output is not open", kAnotherPlace);
     default: return error(std::generic_category().message(code), kAnotherPlace);
   }
 }
@@ -121,7 +121,7 @@ struct OutputFile::State {
 Result<void> OutputFile::State::open_device(const fs::path& path) {
   kind = Kind::device;
   fd = retry_interrupted([&] { return ::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY); });
-  if (fd < 0) return failed("open it for writing", errno);
+  if (fd < 0) return failed("open the file for writing", errno);
   return {};
 }
 
@@ -135,10 +135,10 @@ Result<void> OutputFile::State::open_file(const fs::path& path, const std::optio
   std::error_code error;
   if (!fs::is_directory(folder, error)) {
     return fail(ErrorCode::output, fmt::format("{}: there is no folder {}", shown, folder.string()),
-                fmt::format("make it (mkdir -p) or {}", kAnotherPlace));
+                fmt::format("make the folder (mkdir -p) or {}", kAnotherPlace));
   }
   replaces = old_mode.has_value();
-  if (replaces && !may_replace(target)) return failed("replace it", errno);
+  if (replaces && !may_replace(target)) return failed("replace the file", errno);
   constexpr mode_t kNewFile = 0666;  // minus the umask
   const std::string action = fmt::format("make a file in {}", folder.string());
   fd = retry_interrupted([&] { return ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, kNewFile); });
@@ -157,7 +157,7 @@ Result<void> OutputFile::State::open_file(const fs::path& path, const std::optio
   struct stat made {};
   if (replaces && ::fstat(fd, &made) == 0 && (made.st_mode & kPermissionBits) != *old_mode &&
       ::fchmod(fd, *old_mode) != 0) {
-    return failed("keep the permissions of the file it replaces", errno);
+    return failed("copy the permissions of the old file", errno);
   }
   return {};
 }
@@ -179,7 +179,7 @@ Result<void> OutputFile::State::flush() {
 
 // Prepares a change of bytes already written.
 Result<void> OutputFile::State::prepare_change() {
-  if (kind != Kind::file && !failure) return failed("change what it got", ESPIPE);
+  if (kind != Kind::file && !failure) return failed("change bytes already written", ESPIPE);
   hasher.reset();
   return flush();
 }
@@ -199,7 +199,7 @@ Result<void> OutputFile::State::read_from(std::uint64_t place, std::span<std::by
   while (!span.empty()) {
     const ssize_t got =
         retry_interrupted([&] { return ::pread(fd, span.data(), span.size(), static_cast<off_t>(place)); });
-    if (got <= 0) return failed("read what was written to it", got < 0 ? errno : EIO);
+    if (got <= 0) return failed("read the written bytes back", got < 0 ? errno : EIO);
     place += static_cast<std::uint64_t>(got);
     span = span.subspan(static_cast<std::size_t>(got));
   }
@@ -212,18 +212,18 @@ Result<void> OutputFile::State::prepare() {
   if (kind == Kind::standard_output) return {};
   if (kind == Kind::file && temporary.empty()) {
     auto name = TemporaryName::name_file(folder, fd);
-    if (!name) return failed("name it", errno);
+    if (!name) return failed("give the written file a name", errno);
     temporary = std::move(*name);
   }
   // Some network file systems report failed writes only here. On Linux, an interrupted close() has closed the
   // descriptor.
-  if (::close(std::exchange(fd, -1)) != 0 && errno != EINTR) return failed("finish it", errno);
+  if (::close(std::exchange(fd, -1)) != 0 && errno != EINTR) return failed("close the file", errno);
   return {};
 }
 
 Result<void> OutputFile::State::publish() {
   if (kind != Kind::file) return {};
-  if (!temporary.rename_to(target)) return failed("name it", errno);
+  if (!temporary.rename_to(target)) return failed("give the written file its name", errno);
   return {};
 }
 
@@ -231,14 +231,14 @@ Result<bool> remove_old_file(const fs::path& path) {
   if (!is_old_file(path)) return false;
   const fs::path target = follow_links(path);
   if (may_replace(target) && ::unlink(target.c_str()) == 0) return true;
-  return tl::unexpected<Error>(system_error(path.string(), "remove the old file of that name", errno));
+  return tl::unexpected<Error>(system_error(path.string(), "remove the old file", errno));
 }
 
 Result<std::optional<fs::path>> rename_old_file(const fs::path& path) {
   if (!is_old_file(path)) return std::nullopt;
   const fs::path target = follow_links(path);
   const auto failed = [&](int code) {
-    return tl::unexpected<Error>(system_error(path.string(), "give the old file another name", code));
+    return tl::unexpected<Error>(system_error(path.string(), "rename the old file", code));
   };
   if (!may_replace(target)) return failed(errno);
   for (int number = 1; number <= kMostOldFiles; ++number) {
@@ -387,7 +387,7 @@ Result<void> OutputFile::commit_all(std::span<OutputFile* const> files) {
         const std::string name = old[f].c_str();
         if (!old[f].rename_to(before.target)) {
           old[f].keep();
-          published.error().message += fmt::format("; the file that was {} is now {}", before.shown, name);
+          published.error().message += fmt::format("; the previous file {} is now {}", before.shown, name);
         }
       } else if (before.kind == State::Kind::file && !before.replaces) {
         ::unlink(before.target.c_str());

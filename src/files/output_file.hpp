@@ -6,9 +6,9 @@
 // cost as much as writing it again.
 //
 // On file systems without unnamed files (O_TMPFILE) the bytes go to `.isoextract-HOST-PID-N` in the target's folder. On
-// others, a file has such a name only briefly before the rename to the target. The name is removed when this process
-// ends, except by SIGKILL or a crash; then the next process of the same user and machine that writes into the folder
-// removes it.
+// file systems with unnamed files, commit() gives the file such a name briefly, before the rename to the target. The
+// name is removed when this process ends, except by SIGKILL or a crash; then the next process of the same user and
+// machine that writes into the folder removes it.
 #pragma once
 
 #include <cstddef>
@@ -27,22 +27,23 @@ namespace isoextract::files {
 // Returns the name of an output for messages.
 [[nodiscard]] std::string output_label(const std::filesystem::path& path);
 
-// Removes the regular file, through symbolic links, that an OutputFile of this name would replace. Returns false if
-// there is none: no file, a folder, a device, a pipe or standard output. Fails with ErrorCode::output.
+// Removes the regular file that an OutputFile of this name would replace; follows symbolic links to it. Returns false
+// if there is none: no file, a folder, a device, a pipe or standard output. Fails with ErrorCode::output.
 [[nodiscard]] Result<bool> remove_old_file(const std::filesystem::path& path);
 
-// Renames that file to NAME.old or, if taken, NAME.old.2 and so on, and returns the new path; nothing if there is no
-// such file.
+// Renames the file that remove_old_file() would remove to NAME.old or, if that exists, NAME.old.2 and so on. Returns
+// the new path, or nothing if there is no such file.
 [[nodiscard]] Result<std::optional<std::filesystem::path>> rename_old_file(const std::filesystem::path& path);
 
 // Returns whether the path is standard output, a pipe or a device: bytes written there cannot be taken back.
 [[nodiscard]] bool is_stream(const std::filesystem::path& path);
 
 // Returns whether both paths write to the same file, pipe or device, under whatever names ("-" is standard output).
-// Returns false for places that discard data (/dev/null). Compares files that do not exist by their names.
+// Returns false for places that discard data (/dev/null). If one of the paths does not exist, compares the absolute
+// paths after resolving links.
 [[nodiscard]] bool is_same_output(const std::filesystem::path& a, const std::filesystem::path& b);
 
-// Returns whether a file, a folder or anything else has this name; false if that is unknown.
+// Returns whether anything exists at the path, after following symbolic links. Returns false if the system cannot tell.
 [[nodiscard]] bool is_there(const std::filesystem::path& path);
 
 class OutputFile {
@@ -61,12 +62,12 @@ class OutputFile {
   [[nodiscard]] Result<void> write(std::span<const std::byte> bytes);
   [[nodiscard]] Result<void> write(std::string_view text);
 
-  // overwrite() and move_end() need a regular file; they fail for a device, a pipe or standard output, which cannot
-  // take bytes back.
+  // overwrite() and move_end() need a regular file; they fail for a device, a pipe or standard output, which
+  // cannot be rewritten.
   //
   // Replaces bytes at `place`; the whole range must have been written already.
   [[nodiscard]] Result<void> overwrite(std::uint64_t place, std::span<const std::byte> bytes);
-  // Moves the bytes from `from` to the end, so that they begin at `to`. If `to` is larger, the gap has undefined
+  // Moves all bytes from offset `from` on, so that they begin at offset `to`. If `to` is larger, the gap has undefined
   // content.
   [[nodiscard]] Result<void> move_end(std::uint64_t from, std::uint64_t to);
 
@@ -84,15 +85,15 @@ class OutputFile {
   // Flushes the buffer and gives the file its name. Call once, last.
   [[nodiscard]] Result<void> commit();
 
-  // Commits files that belong together; a file may refer to earlier ones. First does everything for all files that can
-  // fail for lack of space or permission, then renames them in order. If a rename fails, undoes the earlier ones and
-  // restores the files that they replaced (if the file system has hard links). A process killed between two renames
-  // leaves new files beside old ones.
+  // Commits files that belong together; a file may refer to earlier ones. First takes, for all files, every step that
+  // can fail for lack of space or permission, then renames the files in order. If a rename fails, undoes the earlier
+  // ones and restores the files that they replaced (if the file system has hard links). A process killed between two
+  // renames leaves new files beside old ones.
   [[nodiscard]] static Result<void> commit_all(std::span<OutputFile* const> files);
   [[nodiscard]] static Result<void> commit_pair(OutputFile& first, OutputFile& last);
 
-  // Removes all uncommitted files of this process; nothing can be written afterwards. Async-signal-safe, for handlers
-  // of signals that end the process.
+  // Removes the temporary files of this process; no regular file can be committed afterwards. Async-signal-safe, for
+  // handlers of signals that end the process.
   static void remove_unfinished() noexcept;
 
  private:

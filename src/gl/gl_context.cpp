@@ -27,9 +27,9 @@ tl::unexpected<Error> unavailable(std::string message, Hint hint = {Remedy::use,
 
 std::string_view egl_error_words(EGLint code) {
   switch (code) {
-    case EGL_SUCCESS: return "no reason given";
-    case EGL_NOT_INITIALIZED: return "the driver could not be initialised";
-    case EGL_BAD_ACCESS: return "access was denied";
+    case EGL_SUCCESS: return "EGL reports no reason";
+    case EGL_NOT_INITIALIZED: return "the driver failed to initialize";
+    case EGL_BAD_ACCESS: return "the driver denied access";
     case EGL_BAD_ALLOC: return "not enough memory";
     case EGL_BAD_ATTRIBUTE: return "the driver does not know an attribute";
     case EGL_BAD_CONFIG: return "the driver has no such configuration";
@@ -37,7 +37,7 @@ std::string_view egl_error_words(EGLint code) {
     case EGL_BAD_DISPLAY: return "the display is not valid";
     case EGL_BAD_MATCH: return "the driver does not offer this version of OpenGL";
     case EGL_BAD_PARAMETER: return "a parameter is not valid";
-    case EGL_CONTEXT_LOST: return "the context was lost";
+    case EGL_CONTEXT_LOST: return "the driver lost the context";
     default: return "an unknown reason";
   }
 }
@@ -69,9 +69,8 @@ Result<void> load_libraries() {
       return false;
     });
     if (found) continue;
-    return unavailable(
-        fmt::format("there is no GPU backend on this machine: {} could not be loaded ({})", library.what, why),
-        {fmt::format("on Debian the package is {}", library.package), {Remedy::use, Setting::cpu_backend}});
+    return unavailable(fmt::format("this machine has no GPU backend: {} failed to load ({})", library.what, why),
+                       {fmt::format("on Debian install {}", library.package), {Remedy::use, Setting::cpu_backend}});
   }
   return {};
 }
@@ -84,10 +83,9 @@ Result<void> check_threads() {
   const StartableThreads started =
       start_threads_together(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
   if (started.refusal.empty()) return {};
-  return unavailable(
-      fmt::format("the drivers of GPUs need threads of their own, and no more than {} can be started: {}",
-                  started.count, started.refusal),
-      {"raise the limit (ulimit -u)", {Remedy::use, Setting::cpu_backend}});
+  return unavailable(fmt::format("GPU drivers start their own threads, and the system allows no more than {}: {}",
+                                 started.count, started.refusal),
+                     {"raise the limit (ulimit -u)", {Remedy::use, Setting::cpu_backend}});
 }
 
 Result<std::vector<EGLDeviceEXT>> egl_devices() {
@@ -137,9 +135,9 @@ std::optional<std::uint64_t> device_memory(bool software) {
 
 std::string_view gl_error_words(GLenum code) {
   switch (code) {
-    case GL_INVALID_ENUM: return "a value is not known to the driver";
+    case GL_INVALID_ENUM: return "the driver does not know a value";
     case GL_INVALID_VALUE: return "a number is out of range";
-    case GL_INVALID_OPERATION: return "the driver does not allow this now";
+    case GL_INVALID_OPERATION: return "the driver does not allow the operation in its present state";
     case GL_INVALID_FRAMEBUFFER_OPERATION: return "the framebuffer is not complete";
     case GL_STACK_OVERFLOW: return "a stack is full";
     case GL_STACK_UNDERFLOW: return "a stack is empty";
@@ -149,8 +147,8 @@ std::string_view gl_error_words(GLenum code) {
 
 std::string_view reset_text(GLenum status) {
   switch (status) {
-    case GL_GUILTY_CONTEXT_RESET: return "by what this program did";
-    case GL_INNOCENT_CONTEXT_RESET: return "by another program";
+    case GL_GUILTY_CONTEXT_RESET: return "because of this program";
+    case GL_INNOCENT_CONTEXT_RESET: return "because of another program";
     default: return "for an unknown reason";
   }
 }
@@ -193,17 +191,18 @@ class HeadlessContext {
     EGLint major = 0;
     EGLint minor = 0;
     if (eglInitialize(display_, &major, &minor) == EGL_FALSE) {
-      return unavailable(fmt::format("EGL could not be initialised on the device: {}", egl_reason()));
+      return unavailable(fmt::format("EGL failed to initialize on the device: {}", egl_reason()));
     }
     if (!epoxy_has_egl_extension(display_, "EGL_KHR_no_config_context") ||
         !epoxy_has_egl_extension(display_, "EGL_KHR_surfaceless_context")) {
-      return unavailable("the driver cannot draw without a surface (EGL_KHR_surfaceless_context)");
+      return unavailable("the driver cannot draw without a window surface (EGL_KHR_surfaceless_context)");
     }
     if (eglBindAPI(EGL_OPENGL_API) == EGL_FALSE) {
       return unavailable(fmt::format("the driver has no OpenGL: {}", egl_reason()));
     }
     if (!create(true, debug) && !create(false, debug)) {
-      return unavailable(fmt::format("the driver made no OpenGL {}.{} core context: {}", kMajor, kMinor, egl_reason()));
+      return unavailable(
+          fmt::format("the driver created no OpenGL {}.{} core context: {}", kMajor, kMinor, egl_reason()));
     }
     TRY(make_current());
     if (epoxy_gl_version() < 10 * kMajor + kMinor) {
@@ -215,7 +214,7 @@ class HeadlessContext {
 
   Result<void> make_current() const {
     if (eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_) == EGL_TRUE) return {};
-    return unavailable(fmt::format("the OpenGL context could not be made current: {}", egl_reason()));
+    return unavailable(fmt::format("EGL failed to make the OpenGL context current: {}", egl_reason()));
   }
 
   [[nodiscard]] bool reports_resets() const { return reports_resets_; }
@@ -357,7 +356,7 @@ Result<void> GlContext::check(const std::string& doing) const {
 
 Error GlContext::lost(std::string_view why, const std::string& doing) const {
   return {ErrorCode::unavailable,
-          fmt::format("{}: the GPU was reset {} while {}", device_.renderer, why, doing),
+          fmt::format("{}: the driver reset the GPU {} while {}", device_.renderer, why, doing),
           {"try again", {Remedy::use, Setting::cpu_backend}}};
 }
 

@@ -21,7 +21,7 @@ std::string log_of(GLuint object, decltype(glGetShaderiv) parameter, decltype(gl
 
 Error broken(const GlContext& context, std::string_view what, const std::string& log) {
   return {ErrorCode::unavailable,
-          fmt::format("{}: the driver refused {}: {}", context.device().renderer, what, log),
+          fmt::format("{}: the driver rejects {}: {}", context.device().renderer, what, log),
           {{Remedy::report, Setting::devices}, {Remedy::use, Setting::cpu_backend}}};
 }
 
@@ -60,7 +60,7 @@ Result<ShaderProgram> ShaderProgram::link(const GlContext& context, const Progra
     GLint linked = GL_FALSE;
     glGetProgramiv(program, GL_LINK_STATUS, &linked);
     if (linked == GL_FALSE) {
-      error = broken(context, "the program", log_of(program, glGetProgramiv, glGetProgramInfoLog));
+      error = broken(context, "the shader program", log_of(program, glGetProgramiv, glGetProgramInfoLog));
     }
   }
   for (const GLuint shader : shaders) {

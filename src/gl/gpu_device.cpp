@@ -39,7 +39,7 @@ std::string words(const DeviceChoice& choice) {
 Result<DeviceChoice> parse_device_choice(const std::string& text) {
   constexpr std::string_view kCuda = "cuda:";
   if (text.empty())
-    return fail(ErrorCode::usage, "expected a number, cuda:N or a name", {Remedy::see, Setting::devices});
+    return fail(ErrorCode::usage, "expected a device number, cuda:N or a device name", {Remedy::see, Setting::devices});
   if (text.starts_with(kCuda)) {
     const auto number = parse_index(std::string_view(text).substr(kCuda.size()));
     if (!number) {
@@ -70,7 +70,7 @@ Result<GpuDevice> choose_device(std::span<const GpuDevice> devices, const Device
   for (const GpuDevice& device : devices) {
     list += fmt::format("{}{}: {}", list.empty() ? "" : ", ", device.index, describe(device));
   }
-  return fail(ErrorCode::unavailable, fmt::format("there is no device {}; there are {}", words(choice), list),
+  return fail(ErrorCode::unavailable, fmt::format("there is no device {}; the devices are {}", words(choice), list),
               {{Remedy::see, Setting::devices}, {Remedy::leave_out, Setting::device, "the program then chooses one"}});
 }
 

@@ -36,7 +36,7 @@ class DrawingThread::Owner {
     try {
       thread_ = std::thread([this] { work(); });
     } catch (const std::system_error& error) {
-      return fail(ErrorCode::unavailable, fmt::format("the thread that draws cannot be started: {}", error.what()),
+      return fail(ErrorCode::unavailable, fmt::format("the drawing thread failed to start: {}", error.what()),
                   {Remedy::use, Setting::cpu_backend});
     }
     std::unique_lock lock(mutex_);

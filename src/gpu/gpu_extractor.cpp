@@ -42,8 +42,8 @@ class DenseSurface final : public GpuSurface {
     const auto threshold =
         TRY(extract::classify_dense(field(), view, region_.min, options(), masks_, stats, context()));
     if (!threshold) return false;
-    bricks_memory_ =
-        TRY(context().reserve(DenseSites::bytes(view.dims), fmt::format("{}: its bricks", field().source)));
+    bricks_memory_ = TRY(
+        context().reserve(DenseSites::bytes(view.dims), fmt::format("{}: the table of its bricks", field().source)));
     const Stopwatch watch;
     bricks_.emplace(masks_, region_.min);
     stats.bricks = bricks_->bricks();
@@ -61,7 +61,7 @@ class DenseSurface final : public GpuSurface {
   }
 
   [[nodiscard]] std::optional<field::IndexBox> cap_box() const override { return region_; }
-  [[nodiscard]] extract::BoundarySides border() const override { return masks_.border(); }
+  [[nodiscard]] extract::BoundarySides boundary_sides() const override { return masks_.boundary_sides(); }
   [[nodiscard]] bool draws_at_boundary() const override {
     return extract::draws_at_boundary(
         region_, [this](const glm::ivec3& p) { return inside(p); },
@@ -116,7 +116,7 @@ class SparseSurface final : public GpuSurface {
   [[nodiscard]] std::optional<field::IndexBox> cap_box() const override {
     return extract::sparse_cap_box(region_, options());
   }
-  [[nodiscard]] extract::BoundarySides border() const override { return leaves_.border(); }
+  [[nodiscard]] extract::BoundarySides boundary_sides() const override { return leaves_.boundary_sides(); }
   [[nodiscard]] bool draws_at_boundary() const override { return leaves_.draws_at_boundary(); }
   [[nodiscard]] bool inside(const glm::ivec3& p) const override { return leaves_.inside(p); }
   [[nodiscard]] double value(const glm::ivec3& p) const override { return leaves_.value(p); }
@@ -192,7 +192,7 @@ class GpuExtractor final : public extract::Extractor {
 Result<GpuExtractorAndDevice> make_gpu_extractor(const GpuOptions& options) {
   if (options.memory_bytes && *options.memory_bytes < kMiB) {
     return fail(ErrorCode::usage,
-                fmt::format("the GPU's share of memory: expected 1 MiB or more, found {}",
+                fmt::format("the GPU memory limit is too small: expected 1 MiB or more, found {}",
                             format_byte_size(*options.memory_bytes)),
                 {{Remedy::raise, Setting::gpu_memory}, {Remedy::use, Setting::cpu_backend}});
   }

@@ -1,10 +1,11 @@
-// The GPU backend: draws cells and captures the triangles. It gives the same set of triangles as the CPU extractor,
-// with positions within 2 units in the last place of the local coordinates.
+// The GPU backend: runs cells through the graphics pipeline and collects the triangles by transform feedback. It gives
+// the same set of triangles as the CPU extractor, with positions within 2 units in the last place of the local
+// coordinates.
 //
-// The CPU compares all samples with iso once, at memory speed, to find the bricks that the surface passes. Only these
-// are uploaded and drawn. The GPU compares again, interpolates, and writes triangles with the integer keys of their
-// edges. Ambiguous cells of marching cubes come back marked, and the CPU extractor's own code decides them: near ties
-// need more digits than a shader has. Then the vertices are welded by key.
+// The CPU compares all samples with iso once, at memory speed, to find the bricks that the surface crosses. It uploads
+// and draws only these. The GPU compares again, interpolates, and writes triangles with the integer keys of their
+// edges. The GPU marks ambiguous cells of marching cubes; the CPU extractor decides them, because near ties need more
+// digits than a shader has. Then the CPU welds the vertices by key.
 #pragma once
 
 #include <cstdint>
@@ -20,17 +21,19 @@ namespace isoextract::gpu {
 struct GpuChoice {
   gl::DeviceChoice device;
   std::optional<std::uint64_t> memory_bytes;  // limit for samples and captured triangles on the device together;
-                                              // default: a quarter of its memory, 1 GiB if the driver does not tell
+                                              // default: a quarter of the device memory, or 1 GiB if the driver does
+                                              // not report it
 
   friend bool operator==(const GpuChoice&, const GpuChoice&) = default;
 };
 
 // Options that do not change the mesh.
 struct GpuOptions : GpuChoice {
-  bool tessellation = true;   // marching cubes: the tessellator makes the threads; otherwise one point a cell
+  bool tessellation = true;   // marching cubes: one tessellation patch makes the threads of many cells; otherwise
+                              // one drawn point per cell
   bool swizzle = true;        // visit cells in groups of 2x2x2
   bool keep_samples = false;  // keep dense samples that fit on the device; the next extraction uploads only bricks that
-                              // are missing or changed. For several surfaces or frames of a field
+                              // are missing or changed. Useful for several iso values, or for frames of one field
   bool debug = false;         // for tests: fail with ErrorCode::unavailable if the driver reports a problem
 };
 

@@ -60,7 +60,8 @@ class ThreadPass {
     TRY(context_.check("making threads"));
     if (threads == cells()) return {};
     return fail(ErrorCode::unavailable,
-                fmt::format("{} threads for {} cells, by {}", threads, cells(), thread_maker_name(maker_)),
+                fmt::format("{} made {} threads for {} cells; expected one per cell", thread_maker_name(maker_),
+                            threads, cells()),
                 "please report it");
   }
 
@@ -119,7 +120,7 @@ class ThreadPass {
     buffer_ = gl::GlBuffer::make();
     glBindBuffer(GL_ARRAY_BUFFER, buffer_.name());
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(buffer_bytes_), nullptr, GL_STATIC_DRAW);
-    TRY(context_.check("taking memory for vertices"));
+    TRY(context_.check("allocating memory for vertices"));
     constexpr std::uint64_t kPortion = 1 << 22;
     std::vector<std::uint32_t> numbers;
     for (std::uint64_t first = 0; first < vertices; first += kPortion) {
@@ -182,7 +183,9 @@ Result<void> measure(const gl::GlContext& context, int size, int repeats, Thread
   row.max_seconds = std::ranges::max(seconds);
   row.buffer_bytes = pass.buffer_bytes();
   if (const auto after = free_memory(); before && after && *before >= *after) row.driver_bytes = *before - *after;
-  if (points != 0) return fail(ErrorCode::unavailable, "threads that were to end at once made points");
+  if (points != 0) {
+    return fail(ErrorCode::unavailable, fmt::format("the timing pass must draw no points, but it drew {}", points));
+  }
   return context.check("timing threads");
 }
 

@@ -96,7 +96,7 @@ Result<void> write_exr(files::OutputFile& file, const LightImage& image, const C
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& problem) {
-    return fail(ErrorCode::output, what + " could not be encoded: " + problem.what());
+    return fail(ErrorCode::output, file.shown_name() + ": OpenEXR cannot encode the picture: " + problem.what());
   }
 }
 

@@ -52,7 +52,7 @@ Result<EncodedImage> encode_png(const LightImage& image, const std::string& name
   });
   png_alloc_size_t size = encoded->values.size();
   if (png_image_write_to_memory(&header, encoded->values.data(), &size, 0, rows->values.data(), 0, nullptr) == 0) {
-    return fail(ErrorCode::output, name + ": a picture could not be encoded as PNG: " + header.message);
+    return fail(ErrorCode::output, name + ": libpng cannot encode the picture: " + header.message);
   }
   return EncodedImage{std::move(encoded), size};
 }

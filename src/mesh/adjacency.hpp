@@ -50,11 +50,11 @@ class VertexStar {
   // Examines one vertex of `triangles`. `corners` are all its corners, or a subset to consider. Throws std::bad_alloc.
   void look_at(std::span<const Corner> corners, std::span<const glm::uvec3> triangles);
 
-  // Two per corner, sorted by `end`, then by `corner`, so that the sides of one edge are adjacent.
+  // Returns two sides per corner, sorted by `end`, then by `corner`, so that the sides of one edge are adjacent.
   [[nodiscard]] std::span<const Side> sides() const { return sides_; }
 
   [[nodiscard]] std::uint32_t fans() const { return fans_; }
-  // The fan of each corner. Fans are numbered in the order of their first corners.
+  // Returns the fan of each corner. Fans are numbered in the order of their first corners.
   [[nodiscard]] std::span<const std::uint32_t> fan_of() const { return fan_of_; }
 
   // Returns whether the triangles form one closed fan: two at each edge, which run along it in opposite directions, and

@@ -1,7 +1,7 @@
 // Vertex attributes: named values besides the positions, as files store them.
 //
-// Normals are not among them. The extractors write normals in vectorized loops to a Buffer<glm::vec3>, every format has
-// a place of its own for them, and their users need vectors without a search by name.
+// Normals are not among them. The extractors write normals in vectorized loops to a Buffer<glm::vec3>, formats store
+// normals separately from attributes, and code that reads normals needs glm::vec3 without a search by name.
 #pragma once
 
 #include <cstddef>
@@ -45,8 +45,8 @@ struct Attribute {
   [[nodiscard]] Attribute without_values() const { return {name, role, type, components, normalized, {}}; }
 };
 
-// Returns the value of the component stored at `place`. A normalized integer represents the fraction of the greatest
-// integer of its type, at least -1 (glTF 2.0, 3.6.2.2). The flag has no effect on floats.
+// Decodes the component at `place`. A normalized integer i means max(i / largest integer of the type, -1) (glTF 2.0,
+// 3.6.2.2). The flag has no effect on floats.
 [[nodiscard]] double component_value(const std::byte* place, ComponentType type, bool normalized);
 
 // Returns the bytes of one vertex in all arrays of the mesh.

@@ -72,7 +72,7 @@ class BoxTree {
     while (end_slot(leaf(number)) <= slot) ++number;
     return number;
   }
-  // The numbers of the items in tree order. An item's position in it is its slot.
+  // Returns the numbers of the items in tree order. The position of an item in this order is its slot.
   [[nodiscard]] std::span<const std::uint32_t> numbers() const { return slots_.span(); }
   [[nodiscard]] std::size_t first_slot(const Node& node) const { return node.number * slots_.size() >> node.level; }
   [[nodiscard]] std::size_t end_slot(const Node& node) const { return first_slot({node.level, node.number + 1}); }

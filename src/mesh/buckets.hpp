@@ -30,24 +30,24 @@ class Buckets {
     each(count, [&](std::size_t i) { place(i, [&](std::size_t bucket, const T&) { next(bucket); }); });
     std::uint64_t total = 0;
     for (std::uint64_t& end : ends_) total += std::exchange(end, total);
-    things_ = Buffer<T>(total);
+    entries_ = Buffer<T>(total);
     each(count,
-         [&](std::size_t i) { place(i, [&](std::size_t bucket, const T& thing) { things_[next(bucket)] = thing; }); });
+         [&](std::size_t i) { place(i, [&](std::size_t bucket, const T& entry) { entries_[next(bucket)] = entry; }); });
     each(buckets, [&](std::size_t bucket) {
       const std::uint64_t first = begin_of(bucket);
-      std::sort(things_.data() + first, things_.data() + ends_[bucket]);
+      std::sort(entries_.data() + first, entries_.data() + ends_[bucket]);
     });
   }
 
   [[nodiscard]] std::span<const T> at(std::size_t bucket) const {
     const std::uint64_t first = begin_of(bucket);
-    return things_.span().subspan(first, ends_[bucket] - first);
+    return entries_.span().subspan(first, ends_[bucket] - first);
   }
-  [[nodiscard]] std::size_t size() const { return ends_.size(); }     // number of buckets
-  [[nodiscard]] std::size_t total() const { return things_.size(); }  // number of entries
+  [[nodiscard]] std::size_t size() const { return ends_.size(); }      // number of buckets
+  [[nodiscard]] std::size_t total() const { return entries_.size(); }  // number of entries
 
-  static std::uint64_t bytes(std::uint64_t things, std::uint64_t buckets) {
-    return things * sizeof(T) + buckets * sizeof(std::uint64_t);
+  static std::uint64_t bytes(std::uint64_t entries, std::uint64_t buckets) {
+    return entries * sizeof(T) + buckets * sizeof(std::uint64_t);
   }
 
  private:
@@ -63,7 +63,7 @@ class Buckets {
   [[nodiscard]] std::uint64_t begin_of(std::size_t bucket) const { return bucket == 0 ? 0 : ends_[bucket - 1]; }
 
   Buffer<std::uint64_t> ends_;  // counts, then the next free position, and at last the end of each bucket
-  Buffer<T> things_;
+  Buffer<T> entries_;
 };
 
 // Returns a bucket below `buckets` > 0 for a cell of space.

@@ -92,7 +92,7 @@ Result<std::vector<ComponentFacts>> measure_components(const Mesh& mesh, const C
   try {
     return measure(mesh, components, to_metric, topology);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(allocation_error(what + " need more memory than there is"));
+    return tl::unexpected(allocation_error(what + " need more memory than is available"));
   }
 }
 

@@ -17,8 +17,9 @@ Result<Mesh> join_meshes(std::span<const Mesh> meshes, const Context& context) {
     triangles += mesh.triangles.size();
   }
   if (vertices > std::numeric_limits<std::uint32_t>::max()) {
-    return fail(ErrorCode::input, fmt::format("{} meshes have {} vertices together, one mesh holds {}", meshes.size(),
-                                              vertices, std::numeric_limits<std::uint32_t>::max()));
+    return fail(ErrorCode::input,
+                fmt::format("{} meshes have {} vertices together; expected at most {}, the limit of one mesh",
+                            meshes.size(), vertices, std::numeric_limits<std::uint32_t>::max()));
   }
   auto memory = TRY(context.reserve(vertices * sizeof(glm::vec3) + triangles * sizeof(glm::uvec3),
                                     fmt::format("{} meshes as one", meshes.size())));

@@ -16,8 +16,8 @@
 namespace isoextract::mesh {
 
 // The grid edge that a vertex lies on: its lower sample, in indices of the whole field, and its direction. The
-// direction has a bit for each axis that the edge runs along (1 is x, 2 is y, 4 is z). Direction 0 marks a vertex of a
-// cap, which lies at the sample itself.
+// direction has a bit for each axis that the edge runs along (1 is x, 2 is y, 4 is z). Direction 0 marks a cap
+// vertex, which lies at sample `low`.
 struct EdgeKey {
   glm::ivec3 low{0};
   std::int32_t direction = 0;
@@ -33,14 +33,15 @@ struct EdgeKey {
 struct Material {
   std::optional<glm::dvec3> color;  // linear light, each channel from 0 to 1; empty: the writer's default
   double opacity = 1;               // above 0, at most 1
-  bool double_sided = false;        // visible from behind too: for open surfaces, whose inside shows
+  bool double_sided = false;        // no back-face culling; set for open surfaces
 
   friend bool operator==(const Material&, const Material&) = default;
 };
 
-// Triangles wind counter-clockwise seen from outside. Vertices are welded: no two lie on the same grid edge. A position
-// is origin + positions[v]: float32 relative to an origin in double, which keeps the accuracy far from the world's
-// origin. The mesh's origin is exactly 0 where float32 world coordinates are accurate enough.
+// Triangles wind counter-clockwise seen from outside. The extractors weld vertices by integer keys. Method::mc and
+// Method::mt make one vertex per crossed grid edge; NaN holes and shading normals can duplicate it. A position is
+// origin + positions[v]: float32 relative to an origin in double, which keeps the accuracy far from the world's origin.
+// The origin is exactly 0 if float32 world coordinates are accurate enough.
 struct Mesh {
   std::string name;  // for formats that store names
   glm::dvec3 origin{0.0};
@@ -50,7 +51,7 @@ struct Mesh {
   Buffer<glm::uvec3> triangles;  // vertex indices
   std::vector<Attribute> attributes;
   std::optional<Material> material;  // empty: the writer's default
-  Reservation memory;                // for all arrays, reserved by their allocator; may be empty
+  Reservation memory;                // for all arrays; the code that allocated them reserved it; may be empty
 
   [[nodiscard]] glm::dvec3 position(std::size_t vertex) const { return origin + glm::dvec3(positions[vertex]); }
 };

@@ -297,7 +297,7 @@ class Shading {
       all += count;
     }
     if (vertices_ + all > std::numeric_limits<std::uint32_t>::max()) {
-      return fail(ErrorCode::input, fmt::format("{}: the surface has more vertices than a mesh can number", source_),
+      return fail(ErrorCode::input, fmt::format("{}: the surface has more vertices than 32-bit indices allow", source_),
                   {Remedy::use, Setting::parts});
     }
     const std::uint64_t row = vertex_bytes(mesh_) + (had_normals ? 0 : sizeof(glm::vec3));

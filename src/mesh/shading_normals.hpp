@@ -41,7 +41,7 @@ struct ShadingOptions {
 // follow all other vertices, in the order of their originals, with all their attributes. The result is the same for any
 // number of threads.
 //
-// Fails with ErrorCode::out_of_memory, and with ErrorCode::input if there are more vertices than a mesh can number;
+// Fails with ErrorCode::out_of_memory, and with ErrorCode::input if there are more vertices than 32-bit indices allow;
 // `source` starts the message.
 [[nodiscard]] Result<std::uint64_t> compute_shading_normals(Mesh& mesh, const ShadingOptions& options,
                                                             const std::string& source, const Context& context);
@@ -49,7 +49,7 @@ struct ShadingOptions {
 // Counts pairs of a triangle and one of its corners.
 struct NormalAgreement {
   std::uint64_t pairs = 0;    // of triangles with an area above 0
-  std::uint64_t against = 0;  // whose normal points away from the side that the triangle faces
+  std::uint64_t against = 0;  // pairs with a normal that points away from the side that the triangle faces
 };
 
 // The mesh must have normals.

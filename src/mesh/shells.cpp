@@ -145,7 +145,7 @@ class ShellRays {
 
   // Starts each ray beside the middle of a triangle at the farthest vertex, on the side that it faces away from.
   // Chooses the triangle that faces most along the rays, or against them for the shell of a cavity. If a wall is closer
-  // than that, or the triangle is as thin, the start may be on the wrong side: for shells so close either answer is
+  // than that, or the triangle is as thin, the start may be on the other side: for shells so close either answer is
   // possible.
   void move_starts_off_surface(std::vector<Ray>& rays) const {
     std::vector<std::uint32_t> ray_of(components_.count(), Components::kNone);

@@ -38,7 +38,7 @@ Result<void> split_fans(Mesh& mesh, const std::string& source, const std::string
 
   const std::uint64_t all = std::accumulate(first.begin(), first.end(), std::uint64_t{0});
   if (all > std::numeric_limits<std::uint32_t>::max()) {
-    return fail(ErrorCode::input, fmt::format("{}: the surface has more vertices than a mesh can number", source),
+    return fail(ErrorCode::input, fmt::format("{}: the surface has more vertices than 32-bit indices allow", source),
                 {Remedy::use, Setting::parts});
   }
   const auto memory = TRY(context.reserve(all * (vertex_bytes(mesh) + sizeof(std::uint32_t)), what));
@@ -71,7 +71,7 @@ Result<void> split_nonmanifold_vertices(Mesh& mesh, const std::string& source, c
     return split_fans(mesh, source, what, context);
   } catch (const std::bad_alloc&) {
     return tl::unexpected(
-        allocation_error(fmt::format("{} need more memory than there is", what), {Remedy::use, Setting::parts}));
+        allocation_error(fmt::format("{} need more memory than is available", what), {Remedy::use, Setting::parts}));
   }
 }
 

@@ -251,7 +251,7 @@ Result<Topology> measure_topology(const Mesh& mesh, const Context& context) {
     const auto memory = TRY(context.reserve(std::max(ranges.bytes(), Components::bytes(vertices)), what));
     return measure(mesh, ranges);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(allocation_error(what + " need more memory than there is"));
+    return tl::unexpected(allocation_error(what + " need more memory than is available"));
   }
 }
 
@@ -264,7 +264,7 @@ Result<std::vector<Topology>> measure_topology(const Mesh& mesh, const Component
         TRY(context.reserve(ranges.bytes() + (threads + 1) * components.count() * sizeof(Topology), what));
     return measure(mesh, ranges, components);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(allocation_error(what + " need more memory than there is"));
+    return tl::unexpected(allocation_error(what + " need more memory than is available"));
   }
 }
 

@@ -65,9 +65,11 @@ struct AnimationWriter::State {
   std::optional<std::int64_t> first;
   std::int64_t last = 0;
   std::optional<FrameSpan> span;
-  std::uint64_t count = 0;  // number of frames added
-  std::vector<std::string> notes;
-  std::set<std::string> told;  // the same notes, for lookup
+  std::uint64_t count = 0;      // number of frames added
+  std::uint64_t collapsed = 0;  // triangles of all frames that rounding makes flat
+  std::uint64_t triangles = 0;  // of all frames
+  Notes notes;
+  std::set<Note> told;  // the same notes, for lookup
   std::vector<PackedFacts> packed;
   std::optional<Error> failure;
 
@@ -83,7 +85,7 @@ struct AnimationWriter::State {
   [[nodiscard]] Result<std::vector<GltfPart>> pieces_of(std::span<const mesh::Mesh> surfaces,
                                                         const MeshPacking& packing, Notes& found) const;
   [[nodiscard]] Result<MeshWriteResult> finish();
-  void tell(std::vector<std::string> more);
+  void tell(Notes more);
   void tell_of_parts();
 
   template <class Step>
@@ -107,10 +109,10 @@ Result<void> AnimationWriter::State::check() const {
   }
   if (!std::isfinite(frames_per_second) || frames_per_second <= 0) {
     return unusable(fmt::format("expected a number of frames per second above 0, found {}", frames_per_second),
-                    "films have 24");
+                    "give a number above 0, such as 24");
   }
   if (files::is_stream(path)) {
-    return unusable("an animation begins with what is known at its end, and cannot be written to a stream",
+    return unusable("an animated glb cannot go to a stream: the writer completes the start of the file last",
                     "name a file");
   }
   return {};
@@ -129,12 +131,11 @@ Result<void> AnimationWriter::State::check_frame(std::int64_t frame) const {
   const float time = time_of(frame);
   const bool is_later = !first || time > time_of(last);
   if (is_later && time < time_of(frame, 1) && std::isfinite(time_of(frame, 1))) return {};
-  return fail(
-      ErrorCode::output,
-      fmt::format("{}: frame {} is at {} seconds, where float32 cannot tell it from its neighbours at {} frames "
-                  "per second",
-                  path.string(), frame, time, frames_per_second),
-      "number the frames one after another, and play some of them in a second");
+  return fail(ErrorCode::output,
+              fmt::format("{}: frame {} is at {} seconds; at {} frames per second, float32 cannot separate it from a "
+                          "neighbor frame",
+                          path.string(), frame, time, frames_per_second),
+              "number the frames consecutively, and use a rate such as 24 frames per second");
 }
 
 Result<std::vector<GltfPart>> AnimationWriter::State::pieces_of(std::span<const mesh::Mesh> surfaces,
@@ -144,7 +145,7 @@ Result<std::vector<GltfPart>> AnimationWriter::State::pieces_of(std::span<const 
   std::vector<GltfPart> pieces;
   if (packing.quantizes() && !packing.box && std::any_of(surfaces.begin(), surfaces.end(), has_triangles)) {
     return fail(ErrorCode::usage,
-                fmt::format("{}: expected a box to quantise positions in, found none", path.string()));
+                fmt::format("{}: expected a bounding box for quantized positions, found none", path.string()));
   }
   for (const mesh::Mesh& surface : surfaces) {
     auto piece = GltfPart::make(surface, with, context, found);
@@ -162,8 +163,13 @@ Result<std::optional<Error>> AnimationWriter::State::add(const std::string& name
                                                          const MeshPacking& packing, const std::string& placement) {
   TRY(check());
   if (auto possible = check_frame(frame); !possible) return std::move(possible.error());
+  std::uint64_t collapsed_in_frame = 0;
+  std::uint64_t triangles_in_frame = 0;
   for (const mesh::Mesh& surface : surfaces) {
-    if (auto kept = check_coordinate_rounding(surface, path, options.format); !kept) return std::move(kept.error());
+    const auto found = check_coordinate_rounding(surface, path, options.format);
+    if (!found) return found.error();
+    collapsed_in_frame += *found;
+    triangles_in_frame += surface.triangles.size();
   }
   std::vector<mesh::Mesh> ordered;
   std::vector<Reservation> copies;
@@ -193,6 +199,8 @@ Result<std::optional<Error>> AnimationWriter::State::add(const std::string& name
     if (!first) first = parts.front().first = frame;
     last = frame;
     parts.back().last = frame;
+    collapsed += collapsed_in_frame;
+    triangles += triangles_in_frame;
     ++count;
   };
   const float time = time_of(frame);
@@ -226,7 +234,8 @@ Result<std::optional<Error>> AnimationWriter::State::add(const std::string& name
       packed.emplace_back();
   }
   if (placement != options.placement) {
-    tell({"frames are not all moved, scaled or mirrored alike: the file says how the first of them is"});
+    tell({{NoteId::placement_differs,
+           "the frames have different placements; the file stores the placement of the first frame"}});
   }
   tell(std::move(found));
   tell(parts.back().glb.release_notes());
@@ -234,8 +243,8 @@ Result<std::optional<Error>> AnimationWriter::State::add(const std::string& name
 }
 
 // Adds each different note once: most notes apply to every frame.
-void AnimationWriter::State::tell(std::vector<std::string> more) {
-  for (std::string& note : more) {
+void AnimationWriter::State::tell(Notes more) {
+  for (Note& note : more) {
     if (told.insert(note).second) notes.push_back(std::move(note));
   }
 }
@@ -246,20 +255,22 @@ void AnimationWriter::State::tell_of_parts() {
     for (const AnimationPart& part : parts) {
       where.push_back(fmt::format("{} to {} in {}", part.first, part.last, part.glb.path().filename().string()));
     }
-    tell({fmt::format("a .glb holds at most {} bytes, so frames {}; each keeps the time line of the whole sequence",
-                      largest_file, fmt::join(where, ", "))});
+    tell({{NoteId::several_files, fmt::format("a .glb holds at most {} bytes, so the writer splits the sequence: "
+                                              "frames {}; each file keeps the time line of the whole sequence",
+                                              largest_file, fmt::join(where, ", "))}});
   }
   const auto next = path_of_animation_part(path, parts.size() + 1);
   std::error_code ignored;
   if (std::filesystem::exists(next, ignored)) {
-    tell({fmt::format("{} was there before and is no part of this sequence", next.string())});
+    tell({{NoteId::other_files, fmt::format("{} existed before and is not part of this sequence", next.string())}});
   }
 }
 
 Result<MeshWriteResult> AnimationWriter::State::finish() {
   TRY(check());
   if (!first) {
-    return fail(ErrorCode::output, fmt::format("{}: an animation needs a frame, found none", path.string()));
+    return fail(ErrorCode::output,
+                fmt::format("{}: expected at least one frame for an animation, found none", path.string()));
   }
   const float end = time_of(span ? std::max(last, span->last) : last, 1);
   std::vector<files::OutputFile*> files;
@@ -270,6 +281,7 @@ Result<MeshWriteResult> AnimationWriter::State::finish() {
     result.files.push_back({part.glb.path().string(), part.glb.file().bytes_written()});
     files.push_back(&part.glb.file());
   }
+  if (collapsed > 0) tell({rounding_note(path, collapsed, triangles)});
   tell_of_parts();
   std::reverse(files.begin(), files.end());
   TRY(files::OutputFile::commit_all(files));

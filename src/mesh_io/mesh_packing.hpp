@@ -59,7 +59,7 @@ struct MeshPacking : PackingOptions {
 inline constexpr std::uint64_t kMinPositionBits = 8;
 inline constexpr std::uint64_t kMaxPositionBits = 22;  // float32 (24 bits) still holds half steps
 
-// What packing did to one mesh.
+// Records what packing did to one mesh.
 struct PackedFacts {
   std::uint64_t bytes_before = 0;  // positions, normals, attributes and indices without packing
   std::uint64_t bytes_after = 0;

@@ -103,7 +103,7 @@ mesh::Mesh mesh_of(const FileSurface& surface, const Context& context) {
   mesh::Mesh mesh;
   for (const auto& [kind, values] : surface.attributes) {
     if (values.size() != surface.positions.size() * kind.stride()) {
-      throw DamagedMesh(fmt::format("expected '{}' of each of {} vertices, found {}", kind.name,
+      throw DamagedMesh(fmt::format("expected a value of '{}' for each of {} vertices, found {} values", kind.name,
                                     surface.positions.size(), values.size() / kind.stride()));
     }
     mesh.attributes.push_back(kind.without_values());
@@ -129,16 +129,16 @@ mesh::Mesh mesh_of(const FileSurface& surface, const Context& context) {
   }
   mesh.origin = surface.origin ? *surface.origin : choose_origin(surface.positions, low, high);
   if (!is_finite(mesh.origin)) {
-    throw DamagedMesh(fmt::format("expected a finite place of the mesh, found its origin at ({}, {}, {})",
-                                  mesh.origin.x, mesh.origin.y, mesh.origin.z));
+    throw DamagedMesh(fmt::format("expected a finite origin of the mesh, found ({}, {}, {})", mesh.origin.x,
+                                  mesh.origin.y, mesh.origin.z));
   }
   const glm::dvec3 shift = surface.origin ? glm::dvec3(0) : mesh.origin;
   const glm::dvec3 farthest = glm::max(glm::abs(low - shift), glm::abs(high - shift));
   if (!(std::max({farthest.x, farthest.y, farthest.z}) <= static_cast<double>(std::numeric_limits<float>::max()))) {
-    throw DamagedMesh(
-        fmt::format("expected coordinates that float32 holds relative to their centre, found ({:.9g}, {:.9g}, {:.9g}) "
-                    ".. ({:.9g}, {:.9g}, {:.9g})",
-                    low.x, low.y, low.z, high.x, high.y, high.z));
+    throw DamagedMesh(fmt::format(
+        "the coordinates extend from ({:.9g}, {:.9g}, {:.9g}) to ({:.9g}, {:.9g}, {:.9g}), too far from the "
+        "mesh's origin for float32",
+        low.x, low.y, low.z, high.x, high.y, high.z));
   }
   std::transform(surface.positions.begin(), surface.positions.end(), mesh.positions.begin(),
                  [&](const glm::dvec3& p) { return glm::vec3(p - shift); });
@@ -173,8 +173,8 @@ FileNormals normals_of(const FileSurface& surface) {
   const auto& [values, numbers] = surface.normals;
   if (values.empty()) return normals;
   if (numbers.empty() && values.size() != surface.positions.size()) {
-    throw DamagedMesh(
-        fmt::format("expected a normal of each of {} vertices, found {}", surface.positions.size(), values.size()));
+    throw DamagedMesh(fmt::format("expected a normal for each of {} vertices, found {} normals",
+                                  surface.positions.size(), values.size()));
   }
   const auto& corners = numbers.empty() ? surface.triangles : numbers;
   normals.values = Buffer<glm::vec3>(values.size());
@@ -185,7 +185,7 @@ FileNormals normals_of(const FileSurface& surface) {
     for (int c = 0; c < 3; ++c) {
       if (t[c] < values.size() || t[c] == FileNormals::kNone) continue;
       throw DamagedMesh(
-          fmt::format("expected numbers of normals below {}, as many as there are, found {}", values.size(), t[c]));
+          fmt::format("expected normal indices below {}, the number of normals, found {}", values.size(), t[c]));
     }
   }
   return normals;
@@ -209,7 +209,7 @@ MeshFile read_file(const files::InputFile& file, const MeshReadOptions& options)
   const Context& context = file.context();
   const FileSurface surface = read_surface(file, options);
   if (surface.positions.empty() && !surface.triangles.empty()) {
-    throw DamagedMesh("expected vertices, found triangles without any");
+    throw DamagedMesh("expected vertices, found triangles without vertices");
   }
   MeshFile result;
   result.mesh = mesh_of(surface, context);
@@ -236,7 +236,7 @@ MeshFile read_file(const files::InputFile& file, const MeshReadOptions& options)
   result.is_by_isoextract = surface.is_by_isoextract;
   if (surface.is_by_isoextract)
     result.placement = surface.placement.substr(0, kMaxPlacement);  // isoextract never writes a longer one
-  for (const std::string& note : surface.notes) result.notes.push_back(fmt::format("{}: {}", file.name(), note));
+  for (const Note& note : surface.notes) result.notes.push_back(prefixed(file.name() + ": ", note));
   return result;
 }
 
@@ -256,7 +256,7 @@ Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& con
   } catch (const std::bad_alloc&) {
     return tl::unexpected(allocation_error(fmt::format("{}: not enough memory to read it", name())));
   } catch (const std::exception& error) {
-    return fail(ErrorCode::input, fmt::format("{}: cannot be read: {}", name(), error.what()));
+    return fail(ErrorCode::input, fmt::format("{}: reading failed: {}", name(), error.what()));
   }
 }
 

@@ -25,6 +25,7 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "base/note.hpp"
 #include "mesh/mesh.hpp"
 #include "mesh_io/mesh_writer.hpp"
 
@@ -55,15 +56,15 @@ struct MeshReadOptions {
 };
 
 struct MeshFile {
-  mesh::Mesh mesh;                 // has the file's name; has no normals
-  FileNormals normals;             // if requested and in the file; mesh.memory includes their bytes
-  std::vector<MeshPart> parts;     // glTF: one per node that shows a mesh; empty if there is only one
-  std::string_view format;         // "PLY, text"
-  bool y_up = false;               // the format prescribes that y points up; other formats prescribe no up axis
-  bool is_quantized = false;       // positions were rounded by packing: Draco, KHR_mesh_quantization
-  bool is_by_isoextract = false;   // the file says that isoextract wrote it; text STL cannot say so
-  std::string placement;           // MeshWriteOptions::placement of a file of isoextract, if any; not validated
-  std::vector<std::string> notes;  // data left out, one sentence each, starting with the file's name
+  mesh::Mesh mesh;                // has the file's name; has no normals
+  FileNormals normals;            // if requested and in the file; mesh.memory includes their bytes
+  std::vector<MeshPart> parts;    // glTF: one per node that shows a mesh; empty if there is only one
+  std::string_view format;        // "PLY, text"
+  bool y_up = false;              // the format prescribes that y points up; other formats prescribe no up axis
+  bool is_quantized = false;      // positions were rounded by packing: Draco, KHR_mesh_quantization
+  bool is_by_isoextract = false;  // the file says that isoextract wrote it; text STL cannot say so
+  std::string placement;          // MeshWriteOptions::placement of a file of isoextract, if any; not validated
+  Notes notes;                    // data left out, one sentence each, starting with the file's name
 };
 
 // Reads a mesh file. Finds the format by its magic bytes; formats without any (OBJ, STL, text glTF) by the extension.

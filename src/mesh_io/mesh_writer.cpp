@@ -44,24 +44,25 @@ Result<void> check(std::size_t meshes, const fs::path& path, const MeshWriteOpti
     return sound;
   }
   if (options.ascii && !info.has_ascii) {
-    return fail(ErrorCode::usage, fmt::format("{}: the format {} cannot be text", path.string(), info.name),
+    return fail(ErrorCode::usage, fmt::format("{}: the format {} has no text form", path.string(), info.name),
                 {Remedy::set, Setting::mesh_format, names_of_formats(&MeshFormatInfo::has_ascii)});
   }
   if (meshes != 1 && !info.can_hold_several_meshes) {
     return fail(ErrorCode::usage,
-                fmt::format("{}: the format {} holds one mesh, found {}", path.string(), info.name, meshes),
+                fmt::format("{}: the format {} holds one mesh, found {} meshes", path.string(), info.name, meshes),
                 {Remedy::set, Setting::mesh_format, names_of_formats(&MeshFormatInfo::can_hold_several_meshes)});
   }
   if (info.can_stream) return {};
   if (files::is_stream(path)) {
     return fail(
         ErrorCode::usage,
-        fmt::format("{}: the format {} makes two files and cannot be written to a stream", path.string(), info.name),
+        fmt::format("{}: the format {} consists of two files, which cannot go to a stream", path.string(), info.name),
         {Remedy::set, Setting::mesh_format, names_of_formats(&MeshFormatInfo::can_stream)});
   }
   if (path.extension() == ".bin") {
     return fail(ErrorCode::usage,
-                fmt::format("{}: the data of the format {} would get this name as well", path.string(), info.name),
+                fmt::format("{}: the second file of the format {}, with the data, would have the same name",
+                            path.string(), info.name),
                 "use a name that ends in .gltf");
   }
   return {};
@@ -131,21 +132,23 @@ Result<void> check_packing(const MeshPacking& packing, MeshFormat format) {
   const std::string_view name = mesh_format_info(format).name;
   const bool draco = packing.compression == Compression::draco || format == MeshFormat::drc;
   if (packing.compression == Compression::draco && !is_gltf(format) && format != MeshFormat::drc) {
-    return fail(ErrorCode::usage, fmt::format("the format {} has no Draco compression", name),
+    return fail(ErrorCode::usage, fmt::format("the format {} does not support Draco compression", name),
                 {Remedy::set, Setting::mesh_format, "glb, gltf or drc"});
   }
   if ((packing.quantize || packing.compression == Compression::meshopt) && !is_gltf(format)) {
     return fail(ErrorCode::usage,
-                fmt::format("the format {} has no {}", name,
-                            packing.quantize ? "quantised positions of 16 bits" : "compression by meshoptimizer"),
+                fmt::format("the format {} does not support {}", name,
+                            packing.quantize ? "quantized 16-bit positions" : "meshoptimizer compression"),
                 {Remedy::set, Setting::mesh_format, "glb or gltf"});
   }
-  if (draco && packing.quantize) return fail(ErrorCode::usage, "Draco quantises by itself, with bits of its own");
-  if (draco && packing.optimize_order) return fail(ErrorCode::usage, "Draco has an order of its own");
+  if (draco && packing.quantize)
+    return fail(ErrorCode::usage, "Draco already quantizes positions, with its own number of bits");
+  if (draco && packing.optimize_order)
+    return fail(ErrorCode::usage, "Draco orders vertices and triangles by itself: an optimized order has no effect");
   if (!packing.position_bits) return {};
-  if (!draco) return fail(ErrorCode::usage, "only Draco's positions have a number of bits to choose");
+  if (!draco) return fail(ErrorCode::usage, "a number of position bits requires Draco compression");
   if (*packing.position_bits < kMinPositionBits || *packing.position_bits > kMaxPositionBits) {
-    return fail(ErrorCode::usage, fmt::format("expected from {} to {} bits of positions, found {}", kMinPositionBits,
+    return fail(ErrorCode::usage, fmt::format("expected {} to {} position bits, found {}", kMinPositionBits,
                                               kMaxPositionBits, *packing.position_bits));
   }
   return {};
@@ -181,12 +184,7 @@ struct MeshWriter::State {
 Result<void> MeshWriter::State::check_vertex_precision(const mesh::Mesh& mesh) {
   const auto collapsed = check_coordinate_rounding(mesh, path, options.format);
   if (!collapsed) return tl::unexpected<Error>(collapsed.error());
-  if (*collapsed > 0) {
-    notes.push_back(
-        fmt::format("{}: {} of {} triangles have corners at one place in the file, which its numbers do not tell apart "
-                    "so far from the origin",
-                    path.string(), *collapsed, mesh.triangles.size()));
-  }
+  if (*collapsed > 0) notes.push_back(rounding_note(path, *collapsed, mesh.triangles.size()));
   return {};
 }
 
@@ -232,9 +230,9 @@ Result<void> MeshWriter::State::write(const mesh::Mesh& mesh) {
 }
 
 std::string MeshWriter::State::left_out_note() const {
-  return fmt::format("{} has no attributes of vertices: {} {} left out; {} keep them",
+  return fmt::format("{} cannot store vertex attributes: the writer omits {}; {} store attributes",
                      mesh_format_info(options.format).name, fmt::join(left_out, ", "),
-                     left_out.size() == 1 ? "was" : "were", names_of_formats(&MeshFormatInfo::has_attributes));
+                     names_of_formats(&MeshFormatInfo::has_attributes));
 }
 
 // `last` holds the meshes that are not written yet.
@@ -247,7 +245,7 @@ Result<MeshWriteResult> MeshWriter::State::finish(std::span<const mesh::Mesh> la
   const bool has_binary = done && binary && binary->bytes_written() > 0;
   if (done) done = has_binary ? files::OutputFile::commit_pair(*binary, *file) : file->commit();
   if (!done) return tl::unexpected<Error>(std::move(done.error()));
-  if (!left_out.empty()) notes.insert(notes.begin(), left_out_note());
+  if (!left_out.empty()) notes.insert(notes.begin(), {NoteId::attribute_left_out, left_out_note()});
   MeshWriteResult result{{{path.string(), file->bytes_written(), file->hash()}}, std::move(notes), {}};
   if (options.packing.packs()) result.packed = format->packed();
   if (has_binary) {

@@ -1,5 +1,5 @@
-// Writes mesh files of all formats; each format has its own source file (write/gltf_writer.cpp, write/ply_writer.cpp,
-// ...).
+// Writes mesh files of all formats. Each format has a source file in write/ (ply_writer.cpp, ...); glb and gltf share
+// gltf_writer.cpp.
 #pragma once
 
 #include <array>
@@ -15,6 +15,7 @@
 #include "base/context.hpp"
 #include "base/enum_words.hpp"
 #include "base/error.hpp"
+#include "base/note.hpp"
 #include "mesh/mesh.hpp"
 #include "mesh_io/mesh_packing.hpp"
 
@@ -26,7 +27,7 @@ constexpr auto words_of(MeshFormat /*type*/) {
                     Word{MeshFormat::obj, "obj"}, Word{MeshFormat::stl, "stl"},   Word{MeshFormat::drc, "drc"}};
 }
 
-// Returns whether the format is glTF, as one file or two: y points up, lengths are meters, and meshes have materials.
+// Returns true for glb and gltf, in which y points up, lengths are in meters and meshes have materials.
 [[nodiscard]] bool is_gltf(MeshFormat format);
 
 // Properties of a format; detection by extension, help and documentation use them.
@@ -35,11 +36,13 @@ struct MeshFormatInfo {
   std::string_view name;          // also the extension, without its dot
   std::string_view title;         // "glTF 2.0, one binary file"
   bool can_hold_several_meshes;   // several iso values can share one file
-  bool writes_each_mesh_at_once;  // writes each mesh at once; otherwise holds all until the end
+  bool writes_each_mesh_at_once;  // add() writes and frees each mesh; otherwise finish() writes all
   bool can_stream;                // can be written to standard output
   bool has_ascii;                 // has a text form
   bool has_attributes;            // can store vertex attributes besides position and normal
-  bool stores_float32_world;      // stores world positions in float32; otherwise a separate origin, or more digits
+  // True: the format rounds world positions to float32. False: it keeps more precision by a separate origin, doubles or
+  // decimal text.
+  bool stores_float32_world;
 };
 [[nodiscard]] std::span<const MeshFormatInfo> mesh_formats();
 // Returns ".glb, .gltf, .ply, .obj, .stl or .drc".
@@ -55,12 +58,12 @@ struct MeshWriteOptions {
   bool ascii = false;         // writes PLY or STL as text
   MeshPacking packing = {};   // DRC uses Draco compression in any case
   // The mesh has vertices at equal positions that exist only because their normals differ (mesh/shading_normals.hpp).
-  // OBJ, whose corners have their own normals, writes each such position once. The other formats need one vertex per
-  // normal.
+  // OBJ indexes normals per corner, so it writes each such position once. The other formats need one vertex per normal.
   bool has_vertex_copies_for_normals = false;
   // The placement of the mesh, for programs that read the file: a JSON object in one line of ASCII, or empty. PLY and
   // OBJ store it as a comment, glTF in the extras of its asset, DRC in its metadata.
-  // Binary STL stores it in its header of 80 bytes; if it is too long, the header only says that a placement exists.
+  // Binary STL stores it in its header of 80 bytes; if the placement does not fit, the header only says
+  // that one exists.
   // Text STL cannot store it.
   std::string placement = {};
   bool hash_files = false;  // fills WrittenFile::hash
@@ -74,9 +77,9 @@ struct WrittenFile {
 };
 
 struct MeshWriteResult {
-  std::vector<WrittenFile> files;        // two for gltf: the model and its .bin
-  std::vector<std::string> notes;        // data that the format could not store, one sentence each
-  std::vector<PackedFacts> packed = {};  // one per mesh if packed; all zero for a mesh without triangles
+  std::vector<WrittenFile> files;  // two for gltf: the model and its .bin
+  Notes notes;                     // losses and changes (omitted or renamed attributes, rounding), one sentence each
+  std::vector<PackedFacts> packed = {};  // one per mesh if packed; the default for a mesh without triangles
 };
 
 // Fails with ErrorCode::usage if the format does not support this packing, or if options contradict each other.
@@ -86,9 +89,10 @@ struct MeshWriteResult {
 // first mesh. finish() gives the file its name; a writer destroyed without finish() leaves no file behind.
 //
 // Formats with MeshFormatInfo::writes_each_mesh_at_once write each mesh in add() and free it. The others hold all
-// meshes until finish(): a GLB begins with the offsets of all its data, and a temporary copy would double the writing.
-// Meshes are also held for standard output, pipes and devices, which must get nothing if a later surface fails. They
-// are held, too, if positions are quantized and packing.box is unset, because the box around all of them is needed.
+// meshes until finish(): a GLB begins with the offsets of all its data, and a temporary file would double the bytes
+// written.
+// Standard output, pipes and devices must receive no bytes if a later surface fails, so the writer also holds the
+// meshes for them. It holds them, too, if it quantizes positions and packing.box is unset: it needs the box of all.
 class MeshWriter {
  public:
   MeshWriter(const std::filesystem::path& path, const MeshWriteOptions& options, const Context& context);
@@ -96,11 +100,11 @@ class MeshWriter {
   MeshWriter& operator=(MeshWriter&&) noexcept;
   ~MeshWriter();
 
-  // Adds a mesh with its vertex normals and attributes; a note tells which of them the format cannot store. Fails with
-  // ErrorCode::usage if the format cannot do what the options ask for.
-  // Fails with ErrorCode::output if writing fails, if the mesh leaves the box of its packing, or if unpacking does not
-  // reproduce it. Fails alike if rounding would destroy the mesh because it is far from the origin
-  // (write/coordinate_rounding.hpp). After a failure every later call fails alike.
+  // Adds a mesh with its vertex normals and attributes. A note lists the attributes that the format cannot store; STL
+  // drops vertex normals without a note. Fails with ErrorCode::usage if the format does not support the options.
+  // Fails with ErrorCode::output if writing fails, if a vertex lies outside packing.box, or if the unpacked mesh
+  // differs from the original. Fails with the same code if rounding would destroy the mesh because it is far from the
+  // origin (write/coordinate_rounding.hpp). After a failure every later call returns the first error.
   [[nodiscard]] Result<void> add(mesh::Mesh mesh);
 
   // Completes the file and gives it its name. Call once, last.

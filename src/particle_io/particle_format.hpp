@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/note.hpp"
+
 namespace isoextract::particle_io {
 
 // Selects the contents to read.
@@ -20,7 +22,7 @@ struct ParticleReadOptions {
   bool all_attributes = false;                        // read every numeric attribute; otherwise only those named below
   std::vector<std::string> attributes;                // names of quantities (ParticleQuantity::name) or columns
   std::vector<std::string> optional_attributes = {};  // more names, ignored if missing
-  std::vector<std::string> first_scalar_of;           // the first one that exists, as a scalar
+  std::vector<std::string> first_scalar_of;           // reads the first that is a numeric attribute of one component
   // The columns of x, y and z, by name or by number from 1. For formats with has_columns.
   std::optional<std::array<std::string, 3>> columns;
   std::optional<std::string> grid;  // name of a particle set, for formats with has_grids
@@ -36,8 +38,8 @@ struct ParticleFormatDescription {
   bool has_frames = false;                   // files may have several frames, selected by ParticleReadOptions::frame
   bool has_columns = false;                  // ParticleReadOptions::columns may select the columns of x, y and z
   bool has_grids = false;                    // files may have several named sets, selected by ParticleReadOptions::grid
-  bool needs_extension = false;              // the content of a file never proves that it is of this format
-  bool from_standard_input = true;
+  bool needs_extension = false;              // only the extension of the file name identifies the format
+  bool from_standard_input = true;           // false: the plug-in of the format needs a path
 };
 
 // Named data that a file has for each particle.
@@ -57,7 +59,7 @@ struct ParticleInfo {
   std::string frame_name;                    // the file's name of that frame: "time step 1000"; may be empty
   std::vector<ParticleQuantity> quantities;  // without the position
   std::string length_unit;                   // of the positions; may be empty
-  std::vector<std::string> notes;            // assumptions and changes made while reading
+  Notes notes;                               // assumptions and changes made while reading
 };
 
 // Returns all formats in the order of detection and display; plug-ins last.

@@ -65,14 +65,14 @@ const ParticleFormat* format_of(const files::InputFile& file, const ParticleRead
 }
 
 [[noreturn]] void refuse_unknown(const files::InputFile& file) {
-  std::string hint = "it reads";
+  std::string hint = "isoextract reads";
   for (const ParticleFormat* format : particle_formats()) {
     const ParticleFormatDescription& about = format->about();
     hint += fmt::format("\n  {:<7} {} ({})", about.id, about.title, fmt::join(about.extensions, " "));
   }
   const auto content = must(files::first_bytes(file, 16));
   throw InvalidParticleFile(
-      fmt::format("not a format of particles that isoextract reads; it starts with '{}'", printable(content, 16)),
+      fmt::format("not a particle format that isoextract reads; the file starts with '{}'", printable(content, 16)),
       Hint(hint));
 }
 
@@ -80,17 +80,18 @@ const ParticleFormat* format_of(const files::InputFile& file, const ParticleRead
 void check_options(const files::InputFile& file, const ParticleFormatDescription& about,
                    const ParticleReadOptions& options) {
   const auto refuse = [&](std::string_view what, Hint hint) {
-    throw Refused{{ErrorCode::usage, fmt::format("{}: {}; this is read as {}", file.name(), what, about.id), hint}};
+    throw Refused{
+        {ErrorCode::usage, fmt::format("{}: {}; the format of this file is {}", file.name(), what, about.id), hint}};
   };
   if (options.frame && !about.has_frames) {
-    refuse("the number of a frame is for files that may hold several",
-           {Remedy::leave_out, Setting::volume, "there is one frame in the file"});
+    refuse("only files with frames have a frame number",
+           {Remedy::leave_out, Setting::volume, "the file has one frame"});
   }
   if (options.grid && !about.has_grids) {
-    refuse("the name of a grid is for files that may hold several", {Remedy::leave_out, Setting::grid});
+    refuse("only files with grids have a grid name", {Remedy::leave_out, Setting::grid});
   }
   if (options.columns && !about.has_columns)
-    refuse("columns of x, y and z are for tables", "the file itself says which of its numbers are x, y and z");
+    refuse("only tables have columns for x, y and z to choose", "the file format defines x, y and z");
 }
 
 // Calls work(file), which may throw, and returns its result. Catches all exceptions.
@@ -143,19 +144,18 @@ DescribedParticles describe_by_reading(ParticleInfo info, const ParticleReadOpti
 std::uint64_t wanted_frame(const ParticleReadOptions& options) {
   const std::int64_t frame = options.frame.value_or(0);
   if (frame < 0) {
-    throw InvalidParticleFile(fmt::format("there is no frame {}; they are counted from 0", frame));
+    throw InvalidParticleFile(fmt::format("there is no frame {}; frame numbers start at 0", frame));
   }
   return static_cast<std::uint64_t>(frame);
 }
 
 void throw_frame_error(const ParticleReadOptions& options, std::uint64_t frames) {
   const std::string there_are = frames == 1
-                                    ? "there is one frame in the file, 0"
+                                    ? "there is one frame in the file, frame 0"
                                     : fmt::format("there are {} frames in the file, from 0 to {}", frames, frames - 1);
   if (!options.frame)
-    throw InvalidParticleFile(there_are,
-                              {{Remedy::choose, Setting::volume},
-                               {Remedy::set, Setting::volume, "all to take each of them, which goes with one file"}});
+    throw InvalidParticleFile(there_are, {{Remedy::choose, Setting::volume},
+                                          {Remedy::set, Setting::volume, "all to convert every frame of one file"}});
   throw InvalidParticleFile(fmt::format("there is no frame {}", *options.frame), there_are);
 }
 

@@ -8,6 +8,7 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "base/note.hpp"
 #include "particle_io/particle_format.hpp"
 #include "points/particle_set.hpp"
 
@@ -25,17 +26,18 @@ namespace isoextract::particle_io {
                                                                                 const ParticleReadOptions& options,
                                                                                 const Context& context);
 
-// Reads headers; reads text files completely if their header does not state their size.
+// Returns the frames and attributes of a file. Reads only the header if it states the numbers of particles and
+// frames, else (CSV, XYZ, LAMMPS) the file to its end.
 [[nodiscard]] Result<ParticleInfo> list_particles(const std::string& input, const ParticleReadOptions& options,
                                                   const Context& context);
 
 struct ParticleFile {
   points::ParticleSet particles;
-  std::string format;              // the format's id
-  std::string length_unit;         // of the positions; may be empty
-  std::string time_step = {};      // the frame's number in the file; may be empty
-  std::string creator = {};        // see ScalarField::creator
-  std::vector<std::string> notes;  // omissions, assumptions and changes made while reading
+  std::string format;          // the format's id
+  std::string length_unit;     // of the positions; may be empty
+  std::string time_step = {};  // the frame's time step as the file states it (LAMMPS); may be empty
+  std::string creator = {};    // see ScalarField::creator
+  Notes notes;                 // omissions, assumptions and changes made while reading
 };
 
 // Reads one frame, which must be selected if there are several. Positions are in the file's coordinates and can be NaN
@@ -50,8 +52,8 @@ struct DescribedParticles {
   ParticleFile file;
 };
 
-// Returns the contents of the file, and a frame with all attributes, after opening the file once. The frame is the
-// first one if none is selected.
+// Returns the file's description (ParticleInfo) and one frame with all attributes: the selected one, or the first.
+// Opens the file only once.
 [[nodiscard]] Result<DescribedParticles> describe_particles(const std::string& input,
                                                             const ParticleReadOptions& options, const Context& context);
 

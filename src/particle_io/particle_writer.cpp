@@ -35,16 +35,18 @@ bool is_plain_name(const std::string& name) {
 
 Result<void> check_names(const std::string& file, const ParticleSet& particles) {
   if (particles.attributes.size() > kMostAttributes) {
-    return fail(ErrorCode::output, fmt::format("{}: expected at most {} attributes of particles, found {}", file,
+    return fail(ErrorCode::output, fmt::format("{}: expected at most {} particle attributes, found {}", file,
                                                kMostAttributes, particles.attributes.size()));
   }
   std::set<std::string, std::less<>> taken{"x", "y", "z", "pos", "position"};
   for (const ParticleAttribute& attribute : particles.attributes) {
     if (!is_plain_name(attribute.name) || !taken.insert(to_lower(attribute.name)).second) {
-      return fail(ErrorCode::output,
-                  fmt::format("{}: expected a name of letters, digits and underscores that nothing else has, found the "
-                              "attribute '{}'",
-                              file, printable(attribute.name, 2 * kMostLetters)));
+      return fail(
+          ErrorCode::output,
+          fmt::format(
+              "{}: expected a unique attribute name of at most {} letters, digits and underscores (not x, y, z, "
+              "pos or position), found '{}'",
+              file, kMostLetters, printable(attribute.name, 2 * kMostLetters)));
     }
   }
   return {};

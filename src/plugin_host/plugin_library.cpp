@@ -104,10 +104,10 @@ Result<std::string> PluginLibrary::found(const std::string& input) const {
     looked.push_back(folder.string());
   }
   return fail(ErrorCode::unavailable,
-              fmt::format("{}: {} by the plug-in {}, which is in none of: {}", input,
-                          kind_.is_format ? fmt::format("the format {} is read", id_) : "this is done", name,
+              fmt::format("{}: {} the plug-in {}, which is in none of the folders {}", input,
+                          kind_.is_format ? fmt::format("the format {} needs", id_) : "this work needs", name,
                           fmt::join(looked, ", ")),
-              "install it, or name the folder it is in with the environment variable ISOEXTRACT_PLUGINS");
+              "install the plug-in, or set the environment variable ISOEXTRACT_PLUGINS to its folder");
 }
 
 namespace {
@@ -143,11 +143,10 @@ tl::expected<void, sandbox::Refusal> check_address_space(const std::string& path
     ::munmap(room, needed);
     return {};
   }
-  return tl::unexpected(sandbox::Refusal{
-      fmt::format("is not loaded: it may take {} of address space, and less than that is left of the {} that the "
-                  "process is limited to",
-                  format_byte_size(needed), format_byte_size(*limit)),
-      kRaiseAddressSpaceHint});
+  return tl::unexpected(
+      sandbox::Refusal{fmt::format("needs up to {} of address space to load, and the process's limit of {} leaves less",
+                                   format_byte_size(needed), format_byte_size(*limit)),
+                       kRaiseAddressSpaceHint});
 }
 
 }  // namespace
@@ -173,6 +172,7 @@ Result<sandbox::WorkerPool::Started> PluginLibrary::start_worker(const std::stri
     }
   }
   auto started = workers_->start(limits, context);
+  if (!started) TRY(context.check());
   if (!started) return refuse(input, path, started.error());
   return std::move(*started);
 }
@@ -183,18 +183,18 @@ tl::expected<const void*, sandbox::Refusal> open_plugin(const PluginKind& kind, 
   TRY(check_address_space(path));
   // Never closed: its results may outlive the format, and many libraries do not support being unloaded.
   void* library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) return wrong(fmt::format("cannot be opened: {}", ::dlerror()));
+  if (library == nullptr) return wrong(fmt::format("fails to load: {}", ::dlerror()));
   const auto get = reinterpret_cast<const void* (*)()>(::dlsym(library, kind.function.c_str()));
   const void* plugin = get == nullptr ? nullptr : get();
   if (plugin == nullptr) {
-    return wrong(fmt::format("is none: it has no function {}, or that gives nothing", kind.function));
+    return wrong(fmt::format("is invalid: it has no function {}, or the function returns null", kind.function));
   }
   const auto* head = static_cast<const PluginHead*>(plugin);
   if (head->version != kind.version) {
     return wrong(fmt::format("has version {} of the interface, expected {}", head->version, kind.version));
   }
   const std::string own_id = head->id == nullptr ? "" : head->id;
-  if (own_id != id) return wrong(fmt::format("calls itself {}", printable(own_id, 80)));
+  if (own_id != id) return wrong(fmt::format("has the id '{}', expected '{}'", printable(own_id, 80), id));
   return plugin;
 }
 

@@ -1,5 +1,5 @@
-// Plug-ins as shared objects. Text files beside them (tables) list which exist. A plug-in is opened on demand and stays
-// open, in this process or in a server process whose workers read files with it.
+// Plug-ins are shared objects (.so). A text file beside each, its table, gives its title and file name extensions. A
+// plug-in is opened on demand and stays open, in this process or in a server process whose workers read files with it.
 #pragma once
 
 #include <cstdint>
@@ -29,8 +29,8 @@ struct PluginTable {
   std::vector<std::string> extensions;
 };
 
-// Returns the tables NAME_START-ID.txt in the folders, by folder and then by name. Of several with the same ID, only
-// the first.
+// Returns the tables, which are the files name_start + ID + ".txt" in the folders, by folder and then by ID. Of several
+// with the same ID, only the first.
 [[nodiscard]] std::vector<PluginTable> find_plugin_tables(const PluginFolders& folders, const std::string& name_start);
 
 // File name prefix and exported function of one kind of plug-in.
@@ -38,11 +38,11 @@ struct PluginKind {
   std::string name_start;  // "isoextract-volume-"
   std::string function;    // exported; returns a struct that starts with a version (uint32_t) and an id (const char*)
   std::uint32_t version = 0;
-  bool is_format = true;  // reads a file format; if false, its messages name the work instead
+  bool is_format = true;  // whether messages say "the format ID needs the plug-in", else "this work needs"
 };
 
-// Opens a plug-in's file in this process. Fails with the problem, "has version 1 of the interface, expected 2"; also if
-// too little of a limited address space is left for its libraries.
+// Opens a plug-in's file in this process. Fails with the end of a sentence, such as "has version 1 of the interface,
+// expected 2"; also fails if the limit of the address space (ulimit -v) leaves too little for the plug-in's libraries.
 [[nodiscard]] tl::expected<const void*, sandbox::Refusal> open_plugin(const PluginKind& kind, const std::string& id,
                                                                       const std::string& path);
 

@@ -129,13 +129,14 @@ tl::expected<field::SparseSamples, std::string> sparse_samples_of(const isoextra
   samples.type = *type;
   samples.background = given.background;
   if ((given.blocks == nullptr && given.block_count > 0) || (given.tiles == nullptr && given.tile_count > 0)) {
-    return wrong("a list of blocks or tiles that is not there");
+    return wrong("a null list of blocks or tiles");
   }
   samples.blocks.reserve(given.block_count);
   for (std::size_t i = 0; i < given.block_count; ++i) {
     const isoextract_sparse_block& block = given.blocks[i];
     const glm::ivec3 origin = vector_of(block.origin);
-    if (!is_within_limits(origin, field::SparseBlock::kSize)) return wrong("a block that is not at a place for one");
+    if (!is_within_limits(origin, field::SparseBlock::kSize))
+      return wrong("a block whose origin is not a multiple of 8, or out of range");
     if (i > 0 && order_of(samples.blocks.back().origin) >= order_of(origin))
       return wrong("blocks that are not in order");
     if (block.values == nullptr || reinterpret_cast<std::uintptr_t>(block.values) % field::sample_size(*type) != 0) {
@@ -149,7 +150,7 @@ tl::expected<field::SparseSamples, std::string> sparse_samples_of(const isoextra
     const glm::ivec3 origin = vector_of(tile.origin);
     const bool has_size =
         tile.size >= field::SparseBlock::kSize && std::has_single_bit(static_cast<unsigned>(tile.size));
-    if (!has_size || !is_within_limits(origin, tile.size)) return wrong("a tile that is not at a place for one");
+    if (!has_size || !is_within_limits(origin, tile.size)) return wrong("a tile with an invalid size or origin");
     samples.tiles.push_back({origin, tile.size, tile.value});
   }
   samples.active_box = {vector_of(given.active_min), vector_of(given.active_max)};

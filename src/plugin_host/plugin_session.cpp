@@ -118,7 +118,9 @@ class ParticlesHere final : public ParticleSession {
 void read_files_in_process() { files_are_trusted = true; }
 
 Error plugin_error(const std::string& input, const std::string& text) {
-  return {ErrorCode::input, fmt::format("{}: {}", input, text.empty() ? "cannot be read" : printable(text, 400)), {}};
+  return {ErrorCode::input,
+          fmt::format("{}: {}", input, text.empty() ? "the plug-in failed and gave no reason" : printable(text, 400)),
+          {}};
 }
 
 Error wrong_format_error(const std::string& input, const std::string& id, std::span<const std::byte> start) {
@@ -128,7 +130,7 @@ Error wrong_format_error(const std::string& input, const std::string& id, std::s
 }
 
 std::string plugin_needs(const std::string& input, const std::string& id) {
-  return fmt::format("{}: what the plug-in for {} takes to read it", input, id);
+  return fmt::format("{}: reading with the plug-in for {}", input, id);
 }
 
 Result<std::vector<std::byte>> raw_first_bytes(const files::InputFile& file) {

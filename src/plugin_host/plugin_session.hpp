@@ -1,9 +1,12 @@
 // Reads a file with a plug-in, in a child process or, for trusted files, in this one. Callers see the same interface,
 // and must validate the results in both cases.
 //
-// A plug-in that crashes, hangs or gives false sizes makes an error of the file. A new kind of plug-in that reads files
-// must use this header, too; tests/plugins/hostile_volume.cpp plays a broken library. A debugger wants --in-process, or
-// a program that does not call run_as_plugin_reader, such as a fuzz target: both read in their own process.
+// If a plug-in crashes, hangs or returns wrong sizes in a child process, the caller gets an error for that file. In
+// this process a crash ends the program. Code that reads files with a new kind of plug-in must use this interface, too.
+// tests/plugins/hostile_volume.cpp is a plug-in that misbehaves on purpose.
+//
+// To debug a plug-in, let it run in the program's own process: with --in-process, or in a program that does not call
+// run_as_plugin_reader(), such as a fuzz target.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +24,7 @@
 
 namespace isoextract::plugin_host {
 
-// Makes plug-ins read files in this process from now on.
+// Implements read_in_process() of plugin_reader.hpp.
 void read_files_in_process();
 
 // Samples as given by a plug-in.
@@ -40,8 +43,8 @@ class VolumeSession {
 
   [[nodiscard]] virtual std::string format() const = 0;
   [[nodiscard]] virtual const isoextract_volume_list& list() const = 0;
-  // Reads a grid; call once. `box_bytes` is the size of a full box, for which the caller has reserved memory; 0 for
-  // sparse samples.
+  // Reads a grid; call once. `box_bytes` is the size of all samples of a dense grid, for which the caller has reserved
+  // memory; 0 for a sparse grid.
   [[nodiscard]] virtual Result<SessionSamples> open(std::size_t grid, std::uint64_t box_bytes) = 0;
   // Returns the captured output of the plug-in and its library as one line; may be empty.
   [[nodiscard]] virtual std::string printed() const { return {}; }
@@ -63,14 +66,14 @@ class ParticleSession {
   [[nodiscard]] virtual const isoextract_particle_file& file() const = 0;
   [[nodiscard]] virtual Result<void> positions(std::span<double> values) = 0;
   [[nodiscard]] virtual Result<void> quantity(std::size_t number, std::span<float> values) = 0;
-  // Ends the visit; no calls may follow. Fails if the plug-in did not end normally.
+  // Closes the session; call no other function afterwards. Fails if the plug-in did not end normally.
   [[nodiscard]] virtual Result<void> finish() { return {}; }
   [[nodiscard]] virtual std::string printed() const { return {}; }
 };
 
 struct ParticleSelection {
   std::uint64_t frame = 0;
-  const std::string* grid = nullptr;  // may be null
+  const std::string* grid = nullptr;  // name of the point grid; null if none was given
 };
 
 // Opens a frame of a file. Fails as open_volume_session() does.
@@ -79,7 +82,8 @@ struct ParticleSelection {
                                                                              const files::InputFile& file,
                                                                              const ParticleSelection& wanted);
 
-// Opens the file in a child process; the two functions above call it.
+// Opens a file in a child process. open_volume_session() and open_particle_session() call these functions unless files
+// are read in this process.
 [[nodiscard]] Result<std::unique_ptr<VolumeSession>> open_volume_in_worker(const PluginLibrary& library,
                                                                            const std::string& id,
                                                                            const files::InputFile& file);
@@ -88,10 +92,15 @@ struct ParticleSelection {
                                                                                 const files::InputFile& file,
                                                                                 const ParticleSelection& wanted);
 
-// Makes the errors and messages that both ways share.
+// plugin_error(), wrong_format_error() and plugin_needs() make the texts of messages, so that sessions in this process
+// and in a worker have the same.
+
+// Returns the error with the plug-in's text.
 [[nodiscard]] Error plugin_error(const std::string& input, const std::string& text);
+// Returns the error for a file that is not of the plug-in's format.
 [[nodiscard]] Error wrong_format_error(const std::string& input, const std::string& id,
                                        std::span<const std::byte> start);
+// Returns the text that names this read in messages about memory: "INPUT: reading with the plug-in for ID".
 [[nodiscard]] std::string plugin_needs(const std::string& input, const std::string& id);
 // Returns the first bytes of a file without decompressing them.
 [[nodiscard]] Result<std::vector<std::byte>> raw_first_bytes(const files::InputFile& file);

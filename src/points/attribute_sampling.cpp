@@ -67,7 +67,7 @@ Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::s
   const std::span<const glm::dvec3> positions = particles.positions.span();
   const ParticleBounds bounds = measure_bounds(positions);
   if (bounds.finite == 0 && !vertices.empty()) {
-    return fail(ErrorCode::input, particles.label + ": expected particles to take attributes from, found none");
+    return fail(ErrorCode::input, particles.label + ": expected particles with attributes, found none");
   }
   std::size_t components = 0;
   for (const std::size_t a : attributes) components += particles.attributes[a].components;
@@ -85,8 +85,8 @@ Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::s
   const GridFrame frame{bounds.box.min / 2.0 + bounds.box.max / 2.0, support};
   const glm::dvec3 half = frame(bounds.box.max);
   if (!(std::max({half.x, half.y, half.z}) < field::kMaxSparseIndex)) {
-    return fail(ErrorCode::input,
-                fmt::format("{}: the particles lie too far apart for kernels that reach {}", particles.label, support));
+    return fail(ErrorCode::input, fmt::format("{}: the particles are too far apart for kernels with a reach of {}",
+                                              particles.label, support));
   }
   auto grid = TRY(CellGrid::make(positions, frame, 1, CellGrid::Coinciding::merged, context, particles.label));
   auto densities = TRY(compute_spot_densities(grid, 1, context, particles.label));

@@ -42,16 +42,16 @@ Result<GridFrame> index_frame(const ParticleSet& particles, const ParticleBounds
   // Two bricks of margin for rounding to bricks and for the reach of kernels.
   if (!(half_size / spacing + reach + 2 * kBrickSide < field::kMaxSparseIndex)) {
     return fail(ErrorCode::input,
-                fmt::format("{}: the particles lie within {} units, which is more than {} samples at a spacing of {}",
+                fmt::format("{}: the particles extend over {} units, more than {} samples at a spacing of {}",
                             particles.label, 2 * half_size, 2LL * field::kMaxSparseIndex, spacing),
-                Hint("a larger radius or spacing, or particles without strays, would do"));
+                Hint("use a larger radius or spacing, or remove stray particles"));
   }
   // Sample positions are rounded to double; the error must stay below a hundredth of the spacing.
   if (!(farthest * std::numeric_limits<double>::epsilon() < spacing / 100)) {
     return fail(ErrorCode::input,
-                fmt::format("{}: particles as far from 0 as {} cannot be told apart at a spacing of {}",
+                fmt::format("{}: coordinates reach {}, where double precision is too coarse for a spacing of {}",
                             particles.label, farthest, spacing),
-                Hint("positions nearer to 0 would do"));
+                Hint("move the particles nearer to 0"));
   }
   return GridFrame{glm::round(center / (kBrickSide * spacing)) * (kBrickSide * spacing), spacing};
 }
@@ -67,9 +67,10 @@ Result<void> check_crowding(const ParticleSet& particles, const CellGrid& grid, 
   const std::optional<double> usual = statistics.suggested_radius();
   return fail(
       ErrorCode::input,
-      fmt::format("{}: a particle radius of {:.6g}, whose neighbours are up to {:.6g} away, gives each of {} "
-                  "particles more than {} neighbours on average; expected at most that many",
-                  particles.label, figures.radius, widening * figures.support, figures.particles, kMaxNeighbors),
+      fmt::format(
+          "{}: expected at most {} neighbors per particle on average, found more ({} particles with a radius of "
+          "{:.6g}, neighbors up to {:.6g} away)",
+          particles.label, kMaxNeighbors, figures.particles, figures.radius, widening * figures.support),
       Hint(Remedy::give, Setting::radius,
            usual ? fmt::format("{:.6g} is half the median distance to the nearest particle", *usual) : ""));
 }
@@ -107,22 +108,24 @@ Result<void> check_options(const FieldOptions& options) {
         std::pair(options.cell_size.value_or(1), "a cell size in radii"),
         std::pair(options.spacing.value_or(1), "a spacing of the samples"),
         std::pair(options.smoothing_length, "a smoothing length in radii"), std::pair(options.weight, "a weight"),
-        std::pair(anisotropy.neighborhood, "a radius of the neighbourhood in supports"),
+        std::pair(anisotropy.neighborhood, "a neighborhood radius in kernel supports"),
         std::pair(anisotropy.k_s, "a scale k_s of anisotropic kernels"),
-        std::pair(anisotropy.k_n, "a scale k_n of kernels with few neighbours")}) {
+        std::pair(anisotropy.k_n, "a scale k_n of kernels with few neighbors")}) {
     TRY(check_positive(value, what));
   }
   if (!(anisotropy.lambda >= 0 && anisotropy.lambda <= 1)) {
-    return fail(ErrorCode::usage,
-                fmt::format("expected a smoothing lambda of centres from 0 to 1, found {}", anisotropy.lambda));
+    return fail(ErrorCode::usage, fmt::format("expected lambda, the smoothing of kernel centers, from 0 to 1, found {}",
+                                              anisotropy.lambda));
   }
   if (!(std::isfinite(anisotropy.k_r) && anisotropy.k_r >= 1)) {
     return fail(ErrorCode::usage,
-                fmt::format("expected a ratio k_r of kernel axes of at least 1, found {}", anisotropy.k_r));
+                fmt::format("expected k_r, the largest ratio of kernel axes, of at least 1, found {}", anisotropy.k_r));
   }
   if (anisotropy.few < 0) {
-    return fail(ErrorCode::usage,
-                fmt::format("expected a number of neighbours that are few from 0 on, found {}", anisotropy.few));
+    return fail(
+        ErrorCode::usage,
+        fmt::format("expected N_eps, the most neighbors with which a kernel is a sphere, of at least 0, found {}",
+                    anisotropy.few));
   }
   if (options.tile_iso && !std::isfinite(*options.tile_iso)) {
     return fail(ErrorCode::usage, fmt::format("expected a finite iso value, found {}", *options.tile_iso));
@@ -134,11 +137,11 @@ Result<ParticleField> make_field(const ParticleSet& particles, const FieldOption
   TRY(check_options(options));
   const std::span<const glm::dvec3> positions = particles.positions.span();
   if (method_info(options.method).kind != field::FieldKind::density) {
-    return fail(ErrorCode::usage, fmt::format("{}: expected a method that sums what particles add, found {}",
+    return fail(ErrorCode::usage, fmt::format("{}: expected a method that sums particle contributions, found {}",
                                               particles.label, method_info(options.method).title));
   }
   const ParticleBounds bounds = measure_bounds(positions);
-  TRY(check_coordinate_rounding(particles, bounds, options.bad));
+  TRY(check_positions(particles, bounds, options.bad));
   ParticleField result;
   ParticleFieldStatistics& figures = result.figures;
   figures.particles = bounds.finite;

@@ -29,7 +29,7 @@ struct AnisotropyOptions {
   double k_r = 4;           // at least 1: largest ratio of two axes of a kernel
   double k_s = 1;           // above 0: axis length in the interior, in supports
   double k_n = 0.5;         // above 0: axis length where there are few neighbors, in supports
-  int few = 25;             // N_eps: a particle with at most this many neighbors has few
+  int few = 25;             // N_eps: with at most this many neighbors, a kernel is a sphere of axis length k_n
 
   friend bool operator==(const AnisotropyOptions&, const AnisotropyOptions&) = default;
 };
@@ -52,8 +52,9 @@ struct FieldOptions {
   AnisotropyOptions anisotropy;
   NonFiniteParticles bad = NonFiniteParticles::error;
 
-  // The iso value of the later extraction. If given, bricks proved to be deep inside are replaced by tiles of value 1;
-  // the surface at this iso value stays bit-identical. Do not set it if the field is resampled, coarsened or extracted
+  // The iso value of the later extraction. If given, a tile of value 1 replaces each brick that is deep inside: all
+  // its samples and those of its 26 neighbors are proved to be above this iso value. The surface at this iso value
+  // stays bit-identical. Do not set it if the field is resampled, coarsened or extracted
   // at another iso value. Has no effect for Method::weight and for iso values of 1 and above.
   std::optional<double> tile_iso;
 
@@ -74,7 +75,7 @@ struct ParticleFieldStatistics {
   // Level sets only:
   std::string radius_attribute;           // attribute with the radius of each particle, of which `radius` is the
                                           // median; may be empty
-  std::uint64_t particles_too_small = 0;  // particles omitted because their radius is below kLeastSphere samples
+  std::uint64_t particles_too_small = 0;  // particles omitted because their radius is below kMinSphereRadius samples
 };
 
 struct ParticleField {
@@ -88,8 +89,8 @@ struct ParticleField {
 // check_options() does. It fails with ErrorCode::input
 // - if a position is not finite (NonFiniteParticles::error),
 // - if no radius is given and none can be derived,
-// - if particles are too far apart or too far from 0 for the spacing,
-// - if memory does not suffice.
+// - if particles are too far apart or too far from 0 for the spacing.
+// It fails with ErrorCode::out_of_memory if memory does not suffice.
 // It fails with ErrorCode::cancelled if the context is cancelled.
 [[nodiscard]] Result<void> check_options(const FieldOptions& options);
 [[nodiscard]] Result<ParticleField> make_field(const ParticleSet& particles, const FieldOptions& options,

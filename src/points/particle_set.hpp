@@ -14,7 +14,7 @@
 
 namespace isoextract::points {
 
-// Stored as float32, as in meshes: doubles and integers above 2^24 are rounded.
+// Values are float32, as in meshes: doubles are rounded, and so are integers above 2^24.
 struct ParticleAttribute {
   std::string name;                        // as in the file
   std::size_t components = 1;              // the values of one particle are consecutive

@@ -32,8 +32,8 @@ Result<std::shared_ptr<ReservedBuffer<float>>> radii_at(const ParticleSet& parti
     const float radius = radii.values[i];
     if (!(std::isfinite(radius) && radius >= 0)) {
       return fail(ErrorCode::input,
-                  fmt::format("{}: expected radii of 0 and more as '{}', found {} at particle {}", particles.label,
-                              printable(radii.name), radius, i),
+                  fmt::format("{}: expected finite radii of 0 or more in the attribute '{}', found {} at particle {}",
+                              particles.label, printable(radii.name), radius, i),
                   {Remedy::give, Setting::radius});
     }
     (*kept)->values[n++] = radius;
@@ -51,7 +51,7 @@ Result<double> median_of(std::span<const float> radii, const ParticleSet& partic
 
 Result<std::shared_ptr<const ParticleSet>> finite_ones(const ParticleSet& particles, std::uint64_t finite,
                                                        const Context& context) {
-  auto memory = TRY(context.reserve(finite * sizeof(glm::dvec3), particles.label + ": places of particles"));
+  auto memory = TRY(context.reserve(finite * sizeof(glm::dvec3), particles.label + ": positions of particles"));
   auto kept = std::make_shared<ParticleSet>();
   kept->label = particles.label;
   kept->positions = Buffer<glm::dvec3>(finite);
@@ -66,7 +66,7 @@ Result<std::shared_ptr<const ParticleSet>> finite_ones(const ParticleSet& partic
 Result<SphereSet> make_spheres(const ParticleSet& particles, const FieldOptions& options, const Context& context) {
   TRY(check_options(options));
   const ParticleBounds bounds = measure_bounds(particles.positions.span());
-  TRY(check_coordinate_rounding(particles, bounds, options.bad));
+  TRY(check_positions(particles, bounds, options.bad));
   SphereSet spheres(particles);
   ParticleFieldStatistics& figures = spheres.figures_;
   figures.particles = bounds.finite;

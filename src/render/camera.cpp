@@ -39,12 +39,12 @@ std::array<glm::dvec3, 3> axes_of(UpAxis up) {
 
 Result<void> Camera::check() const {
   const auto refuse = [](const std::string& what) { return fail(ErrorCode::usage, "the camera: " + what); };
-  if (!is_finite(eye) || !is_finite(target) || !is_finite(up)) return refuse("expected finite places and directions");
-  if (!(unit() > 0) || !std::isfinite(unit())) return refuse("expected an eye and a target that are apart");
+  if (!is_finite(eye) || !is_finite(target) || !is_finite(up)) return refuse("eye, target and up must be finite");
+  if (!(unit() > 0) || !std::isfinite(unit())) return refuse("the eye and the target must be different points");
   const glm::dvec3 axis = (target - eye) / unit();
   const double up_length = glm::length(up);
   if (!(up_length > 0) || !std::isfinite(up_length) || glm::length(glm::cross(axis, up / up_length)) < 1e-9) {
-    return refuse("expected a direction for up that is not along the view");
+    return refuse("the up direction must not be zero or parallel to the view direction");
   }
   if (!(fovy > 0 && fovy < std::numbers::pi)) {
     return refuse(fmt::format("expected a field of view between 0 and 180 degrees, found {:g}", fovy / kDegree));
@@ -114,11 +114,10 @@ PixelBox pixels_of(const Camera& camera, const PictureSize& size, const field::A
 
 Result<ViewAngles> parse_view_angles(std::string_view words) {
   const auto refuse = [&] {
-    return fail(
-        ErrorCode::usage,
-        fmt::format("expected azimuth and elevation in degrees and perhaps a distance above 0, AZ,EL[,DISTANCE] "
-                    "with EL from -90 to 90, found '{}'",
-                    words));
+    return fail(ErrorCode::usage,
+                fmt::format("expected azimuth and elevation in degrees, and optionally a distance above 0: "
+                            "AZ,EL[,DISTANCE] with EL from -90 to 90, found '{}'",
+                            words));
   };
   std::vector<double> numbers;
   for (std::string_view rest = words;;) {

@@ -31,8 +31,9 @@ Result<ContactSheet> ContactSheet::create(const PictureSize& cell, std::size_t c
   const double rows = std::ceil(static_cast<double>(count) / columns);
   if (kGap + columns * wide > PictureSize::kMaxSide || kGap + rows * high > PictureSize::kMaxSide) {
     return fail(ErrorCode::usage,
-                fmt::format("expected a sheet of at most {0} x {0} pixels, found {1} pictures of {2} x {3}",
-                            PictureSize::kMaxSide, count, cell.width, cell.height));
+                fmt::format("the sheet of {1} pictures of {2} x {3} pixels exceeds {0} x {0} pixels",
+                            PictureSize::kMaxSide, count, cell.width, cell.height),
+                "use fewer or smaller pictures");
   }
   sheet.columns_ = static_cast<int>(columns);
   sheet.picture_ = TRY(make_picture(kGap + sheet.columns_ * wide, kGap + static_cast<int>(rows) * high, context));

@@ -16,7 +16,7 @@ struct Picture {
   int height = 0;
   Buffer<glm::vec4> color;  // premultiplied red, green, blue, and alpha; not clamped, so highlights exceed 1
   // Along the view axis in world units, at the first surface or volume step (its middle) behind which at most half of
-  // the light is left; if there is none, at the nearest surface; otherwise +infinity.
+  // the light remains. If no step has this property: at the nearest surface, or +infinity without a surface.
   Buffer<float> depth;
   // Unit normal, in the world and towards the eye, of the surface at that depth; 0 if the depth belongs to no surface.
   Buffer<glm::vec3> normals;

@@ -1,5 +1,5 @@
-// The interface of renderers, and the model that every backend draws by. Backends agree within 2/255 per channel in
-// linear light, at pixels where they see the same fragments (Surface).
+// The interface of renderers, and the rendering model that every backend implements. Where two backends find the same
+// surface fragments in a pixel, its channels agree within 2/255 in linear light.
 //
 // The model is hybrid ray casting (docs/papers.md) with absorption plus emission (Max, "Optical models for direct
 // volume rendering", 1995):
@@ -10,18 +10,20 @@
 //    With L = length of direction_through(), its length in the box is (d1 - d0) * L world units. It is cut into slabs
 //    of length `step` (step_of()) from d0 on. Slab k has depths [d0 + k * step / L, d0 + (k + 1) * step / L]; the last
 //    one ends at d1. There are ceil(length / step) slabs, at least one; a remainder that is only rounding adds none.
-// 3. Every slab, also the shorter last one, has one sample at its middle: the trilinear interpolant of table positions
-//    there. Its lookup (TransferFunction) gives a color c and an extinction sigma. A part of length l of the slab, in
-//    unit lengths of the volume, has opacity 1 - exp(-sigma * l).
+// 3. Every slab, also the shorter last one, has one sample at its middle. The transfer function maps the eight
+//    surrounding grid samples to positions in its table (TransferFunction::position()); these are interpolated
+//    trilinearly. The table gives a color c and an extinction sigma. A part of the slab of length
+//    l * Volume::unit_length has opacity 1 - exp(-sigma * l).
 // 4. Front to back, transmittance T = 1 at first: each part of a slab and each fragment adds T * opacity * color and
 //    multiplies T by 1 - opacity. A fragment within a slab divides it in two parts, before and behind, which share the
-//    slab's sample; one on the border of two slabs lies between them. Fragments beyond d1 or before d0 need no sample.
+//    slab's sample; a fragment exactly where two slabs meet divides neither of them. Fragments beyond d1 or before d0
+//    need no sample.
 // 5. Alpha is 1 - T; the background comes last, with T.
 // 6. Early termination: once T < termination the ray adds no further samples, fragments or background, and counts as
 //    opaque. Without it only T = 0 ends a ray. No channel differs by more than termination times the largest color of
 //    the scene.
-// 7. Empty-space skipping skips samples only where every lookup between the least and the greatest of the surrounding
-//    samples has exactly sigma 0, so no bit of the picture changes.
+// 7. Empty-space skipping skips a brick only if sigma is exactly 0 for all values between the least and the greatest
+//    sample of the brick, so no bit of the picture changes.
 //
 // This covers the six cases of the hybrid ray casting paper: the ray misses both; surface only; volume only; surface in
 // front; volume in front; surface inside.
@@ -56,13 +58,14 @@ struct RenderOptions {
 // Returns the length of a slab in world units: the shortest voxel edge divided by samples_per_voxel.
 [[nodiscard]] double step_of(const Volume& volume, const RenderOptions& options);
 
-// Counts for the volume and, last, for surface fragments. With early termination or empty-space skipping, backends may
-// count differently. Without both, `samples` is the number of slabs of all rays.
+// Counts of volume samples and (`fragments`) of surface fragments. With early termination or empty-space skipping,
+// backends may count differently. Without both, `samples` is the number of slabs of all rays up to the point where T is
+// 0.
 struct RenderStatistics {
   std::uint64_t rays = 0;                // rays that hit the volume's box
   std::uint64_t samples = 0;             // samples taken
   std::uint64_t samples_skipped = 0;     // samples skipped in empty bricks
-  std::uint64_t samples_terminated = 0;  // samples skipped by early termination
+  std::uint64_t samples_terminated = 0;  // samples behind the end of their ray (T = 0, or early termination)
   std::uint64_t bricks = 0;              // bricks of 8 x 8 x 8 cells
   std::uint64_t bricks_skipped = 0;      // bricks without visible samples
   std::uint64_t fragments = 0;           // surface fragments, whether visible or hidden by others
@@ -85,18 +88,18 @@ class Renderer {
 
   // Draws a picture; reserves all memory from the context. Fails as check() does, with ErrorCode::out_of_memory if
   // memory is short, with ErrorCode::unavailable if the device fails, and as Context::check().
-  // Afterwards the caller checks whether reading samples from a file failed meanwhile (DenseSamples::lost()).
+  // After draw(), the caller must check DenseSamples::lost(): reading samples of a mapped file may have failed.
   [[nodiscard]] virtual Result<Rendered> draw(const Scene& scene, const Camera& camera, const RenderOptions& options,
                                               const Context& context) = 0;
 
-  // Sets the volume that the following pictures share; null for none. The renderer keeps the data that it prepares for
-  // the first picture, brick ranges or an upload, with its reserved memory until the next call. It prepares the data
-  // again only if the options require it.
-  // Until then the volume, its field and the drawing context must live and stay unchanged. Pictures do not change by
-  // this.
+  // Sets the volume that the following pictures share; null for none. The renderer prepares the volume's data (brick
+  // ranges, or an upload to the device) for the first picture. It keeps the data and their memory until the next
+  // keep(), and prepares them again only if the options require it.
+  // The volume, its field and the Context of draw() must stay valid and unchanged until the next keep(). Keeping a
+  // volume does not change the pictures.
   virtual void keep(const Volume* volume) = 0;
 
-  // Returns "CPU" or the name of the device.
+  // Returns "CPU, " and the name of the processor, or the name of the graphics device.
   [[nodiscard]] virtual std::string device() const = 0;
 };
 

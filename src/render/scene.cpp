@@ -21,19 +21,20 @@ bool is_light(const glm::dvec3& color) { return is_finite(color) && color.r >= 0
 Result<void> check_volume(const Volume& volume) {
   TRY(volume_box(*volume.field));
   if (!volume.index_to_world.is_invertible()) {
-    return fail(ErrorCode::input, fmt::format("{}: expected a transform that can be inverted", volume.field->source));
+    return fail(ErrorCode::input, fmt::format("{}: its transform from indices to coordinates is singular or not finite",
+                                              volume.field->source));
   }
   if (!(volume.unit_length > 0) || !std::isfinite(volume.unit_length)) {
-    return refuse(fmt::format("expected a unit of length above 0, found {:g}", volume.unit_length));
+    return refuse(fmt::format("the opacity unit length of the volume must be above 0, found {:g}", volume.unit_length));
   }
   return {};
 }
 
 Result<void> check_surface(const Surface& surface) {
   const mesh::Mesh& mesh = *surface.mesh;
-  if (!is_light(surface.color)) return refuse("expected colours of surfaces that are at least 0");
+  if (!is_light(surface.color)) return refuse("the color of a surface must be finite and at least 0");
   if (!(surface.opacity > 0 && surface.opacity <= 1)) {
-    return refuse(fmt::format("expected an opacity above 0 and at most 1, found {:g}", surface.opacity));
+    return refuse(fmt::format("the opacity of a surface must be above 0 and at most 1, found {:g}", surface.opacity));
   }
   if (!mesh.normals.empty() && mesh.normals.size() != mesh.positions.size()) {
     return fail(ErrorCode::input, fmt::format("{}: expected a normal for each of {} vertices, found {}", mesh.name,
@@ -46,7 +47,7 @@ Result<void> check_surface(const Surface& surface) {
                 attribute.type == ComponentType::f32);
       })) {
     return fail(ErrorCode::input,
-                fmt::format("{}: expected vertices with colours of type u8, u16 or f32, found none", mesh.name));
+                fmt::format("{}: expected a vertex color attribute of type u8, u16 or f32, found none", mesh.name));
   }
   return {};
 }
@@ -84,10 +85,9 @@ Result<field::Box> box_of(const Scene& scene) {
     const mesh::Bounds bounds = mesh::measure_bounds(*surface.mesh);
     add({bounds.min, bounds.max});
   }
-  if (!(box.min.x <= box.max.x))
-    return fail(ErrorCode::input, "there is nothing to be seen: no volume and no triangles");
+  if (!(box.min.x <= box.max.x)) return fail(ErrorCode::input, "the scene is empty: it has no volume and no triangles");
   if (!is_finite(box.min) || !is_finite(box.max)) {
-    return fail(ErrorCode::input, "expected places that are finite, found some that are not");
+    return fail(ErrorCode::input, "the bounding box of the scene is not finite");
   }
   return box;
 }
@@ -105,17 +105,18 @@ Result<void> check(const Scene& scene) {
   for (const Light& light : scene.lights) {
     const double length = glm::length(light.towards);
     if (!is_light(light.color) || !(length > 0) || !std::isfinite(length)) {
-      return refuse("expected lights with a direction, and colours that are at least 0");
+      return refuse("a light must have a finite direction that is not zero, and a finite color of at least 0");
     }
   }
   const ShadingModel& shading = scene.shading;
   const auto share = [](double v) { return v >= 0 && std::isfinite(v); };
   if (!share(shading.ambient) || !share(shading.diffuse) || !share(shading.specular) || !(shading.shininess >= 1) ||
       !std::isfinite(shading.shininess)) {
-    return refuse("expected terms of shading that are at least 0, and a shininess of at least 1");
+    return refuse(
+        "the ambient, diffuse and specular terms must be finite and at least 0, and the shininess at least 1");
   }
   if (!is_light(glm::dvec3(scene.background)) || !(scene.background.a >= 0 && scene.background.a <= 1)) {
-    return refuse("expected a background of light, with an alpha from 0 to 1");
+    return refuse("the background color must be finite and at least 0, and its alpha from 0 to 1");
   }
   return {};
 }
@@ -128,16 +129,17 @@ double step_of(const Volume& volume, const RenderOptions& options) {
 Result<void> check(const Scene& scene, const Camera& camera, const RenderOptions& options) {
   const auto side = [](int pixels) { return pixels >= 1 && pixels <= PictureSize::kMaxSide; };
   if (!side(options.size.width) || !side(options.size.height)) {
-    return fail(ErrorCode::usage, fmt::format("expected a picture of 1 to {} pixels a side, found {} x {}",
+    return fail(ErrorCode::usage, fmt::format("expected a picture of 1 to {} pixels per side, found {} x {}",
                                               PictureSize::kMaxSide, options.size.width, options.size.height));
   }
   if (!(options.samples_per_voxel >= 1.0 / 64 && options.samples_per_voxel <= 64)) {
     return fail(ErrorCode::usage,
-                fmt::format("expected 1/64 to 64 samples a voxel, found {:g}", options.samples_per_voxel));
+                fmt::format("expected 1/64 to 64 samples per voxel, found {:g}", options.samples_per_voxel));
   }
   if (!(options.termination > 0 && options.termination < 1)) {
-    return fail(ErrorCode::usage,
-                fmt::format("expected an end of rays between 0 and 1, found {:g}", options.termination));
+    return fail(
+        ErrorCode::usage,
+        fmt::format("the transmittance that ends a ray must be above 0 and below 1, found {:g}", options.termination));
   }
   TRY(camera.check());
   return check(scene);

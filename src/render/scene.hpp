@@ -18,8 +18,8 @@ namespace isoextract::render {
 
 // A field drawn by emission and absorption of light, without shading and shadows.
 //
-// It fills volume_box() only. For dense samples this is the box of the sample centers, at least two per axis. For
-// sparse samples it is the box of the active voxels, enlarged by one voxel on every side. Inside, values are the
+// The volume fills volume_box() only. For dense samples this is the box of the sample centers, at least two per axis.
+// For sparse samples it is the box of the active voxels, enlarged by one voxel on every side. Inside, values are the
 // trilinear interpolant of the eight surrounding samples, scaled by ScalarField::scale.
 struct Volume {
   const field::ScalarField* field = nullptr;  // not null; outlives the drawing
@@ -40,7 +40,8 @@ constexpr auto words_of(Shading /*type*/) {
 // A triangle mesh to draw. Both sides are visible: a normal that points away from the eye's side of the triangle's
 // plane is flipped.
 //
-// Coverage: a pixel has a fragment of a triangle if the ray through its center hits the triangle between near and far.
+// Coverage: a pixel has a fragment of a triangle if the ray through its center hits the triangle between
+// the near and far depths of the camera.
 // On an edge shared by two triangles exactly one of them has the fragment, unless the ray only touches both. A GPU
 // first rounds corners to 1/256 of a pixel, so backends may differ at pixels whose centers are that close to an edge.
 struct Surface {
@@ -50,8 +51,8 @@ struct Surface {
   // Smooth interpolates the mesh's normals and normalizes them; flat uses the triangles' planes, and so does smooth if
   // the mesh has no normals.
   Shading shading = Shading::smooth;
-  // Uses the mesh's vertex colors instead of `colour`; their alpha multiplies `opacity`. The mesh must have an
-  // attribute of role colour: u8 is sRGB, u16 and f32 are linear light; alpha is always linear.
+  // Uses the mesh's vertex colors instead of `color`; their alpha multiplies `opacity`. The mesh must have an
+  // attribute with AttributeRole::color: u8 is sRGB, u16 and f32 are linear light; alpha is always linear.
   bool vertex_colors = false;
 };
 
@@ -65,8 +66,8 @@ struct Light {
 };
 
 // Ambient, Lambert and specular terms (moving water as voxels, docs/papers.md); the specular term uses the half vector
-// (Blinn, "Models of light reflection for computer synthesized pictures", 1977). With unit vectors n (normal), l (to a
-// light), v (to the eye) and h = normalize(l + v), a fragment of base color b has the color
+// (Blinn, "Models of light reflection for computer synthesized pictures", 1977). The unit vectors are n (normal), l (to
+// a light), v (to the eye) and h = normalize(l + v). A fragment of base color b has the color
 //   b * ambient + sum over lights of light color * (b * diffuse * max(n.l, 0) + specular * s),
 // where s = max(n.h, 0)^shininess if n.l > 0, else 0.
 struct ShadingModel {

@@ -26,8 +26,8 @@ Result<void> add_normals(mesh::Mesh& mesh, const std::string& source, const Cont
   if (!mesh.normals.empty() || mesh.positions.empty()) return {};
   const std::size_t vertices = mesh.positions.size();
   auto memory = TRY(context.reserve(vertices * sizeof(glm::vec3), source + ": normals"));
-  const auto working =
-      TRY(context.reserve(mesh::Adjacency::bytes(mesh.triangles.size(), vertices), source + ": triangles at vertices"));
+  const auto working = TRY(context.reserve(mesh::Adjacency::bytes(mesh.triangles.size(), vertices),
+                                           source + ": the triangles around each vertex"));
   const mesh::Adjacency around(mesh.triangles.span(), vertices);
   Buffer<glm::vec3> normals(vertices);
   for_each_range(vertices, 4096, [&](std::size_t begin, std::size_t end) {

@@ -1,5 +1,6 @@
 #include "render/transfer_function.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -55,15 +56,15 @@ Result<TransferFunction> TransferFunction::create(std::span<const ControlPoint> 
   const auto refuse = [](const std::string& found) {
     return fail(ErrorCode::usage, "the transfer function: " + found);
   };
-  if (points.size() < 2) return refuse(fmt::format("expected at least two values, found {}", points.size()));
+  if (points.size() < 2) return refuse(fmt::format("expected at least two control points, found {}", points.size()));
   for (std::size_t i = 0; i < points.size(); ++i) {
     const ControlPoint& p = points[i];
-    if (!std::isfinite(p.value)) return refuse("expected values that are finite");
+    if (!std::isfinite(p.value)) return refuse(fmt::format("expected finite values, found {:g}", p.value));
     if (i > 0 && p.value < points[i - 1].value) {
-      return refuse(fmt::format("expected values that increase, found {:g} after {:g}", p.value, points[i - 1].value));
+      return refuse(fmt::format("the values must not decrease, found {:g} after {:g}", p.value, points[i - 1].value));
     }
     if (!in_unit(p.color.r) || !in_unit(p.color.g) || !in_unit(p.color.b) || !in_unit(p.opacity)) {
-      return refuse(fmt::format("expected colours and an opacity from 0 to 1 at the value {:g}", p.value));
+      return refuse(fmt::format("expected a color and an opacity from 0 to 1 at the value {:g}", p.value));
     }
   }
   TransferFunction made;
@@ -71,8 +72,7 @@ Result<TransferFunction> TransferFunction::create(std::span<const ControlPoint> 
   made.max_ = points.back().value;
   made.per_value_ = (kEntries - 1) / (made.max_ - made.min_);
   if (!(made.max_ > made.min_) || !std::isfinite(made.per_value_) || !(made.per_value_ > 0)) {
-    return refuse(
-        fmt::format("expected a first and a last value that are apart, found {:g} and {:g}", made.min_, made.max_));
+    return refuse(fmt::format("the first and the last value must differ, found {:g} and {:g}", made.min_, made.max_));
   }
   std::size_t next = 1;  // the control point above the value
   for (int i = 0; i < kEntries; ++i) {
@@ -152,9 +152,8 @@ Result<std::vector<ControlPoint>> parse_transfer_function(std::string_view text,
     if (numbers.empty()) continue;
     if (numbers.size() != 5) return refuse(fmt::format("found {} numbers", numbers.size()));
     const ControlPoint point{numbers[0], {numbers[1], numbers[2], numbers[3]}, numbers[4]};
-    if (!in_unit(point.color.r) || !in_unit(point.color.g) || !in_unit(point.color.b) || !in_unit(point.opacity)) {
-      return refuse("found one that is not");
-    }
+    const auto outside = std::find_if_not(numbers.begin() + 1, numbers.end(), in_unit);
+    if (outside != numbers.end()) return refuse(fmt::format("found {:g}", *outside));
     points.push_back({point.value, linear(point.color), point.opacity});
   }
   return points;

@@ -40,7 +40,7 @@ class TransferFunction {
   static constexpr int kEntries = 1024;
   static constexpr double kMaxOpacity = 1 - 0x1p-24;
 
-  // A function that makes every value invisible.
+  // Makes a function with which every value is invisible.
   TransferFunction();
   // Makes a function of at least two control points with finite values in ascending order; equal values make a step.
   // First and last value must differ; colors and opacities must be in range. Otherwise fails with ErrorCode::usage.

@@ -23,7 +23,7 @@
 namespace isoextract::sandbox {
 namespace {
 
-// Marks a child's command line. Not a plausible file name; without WorkerPool' socket it has no effect.
+// Marks a child's command line. Not a plausible file name; without WorkerPool's socket it has no effect.
 constexpr std::string_view kChildWord = "@child-process";
 
 std::atomic<bool> children_allowed{false};

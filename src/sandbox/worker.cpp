@@ -145,7 +145,7 @@ void Worker::read_output() {
 // Reads the available data. Returns false at the end of the stream.
 bool Worker::read_socket() {
   std::array<std::byte, 16384> part{};
-  while (socket_.is_open() && received_.size() < kMaxMessageBytes) {
+  while (socket_.is_open() && received_.size() < sizeof(std::uint64_t) + kMaxMessageBytes) {
     const ssize_t got = ::recv(socket_.get(), part.data(), part.size(), MSG_DONTWAIT);
     if (got < 0 && errno == EINTR) continue;
     if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) return true;
@@ -220,15 +220,15 @@ tl::expected<void, Refusal> WorkerPool::wait_for_greeting(const Limits& limits, 
     if (milliseconds_left > 0 && !context.cancelled()) continue;
     ::kill(server_, SIGKILL);
     end_server();
-    return tl::unexpected(Refusal{fmt::format("is not loaded after {} s", limits.seconds),
-                                  "try again; if it stays so, install the plug-in that belongs to this version"});
+    return tl::unexpected(Refusal{fmt::format("takes more than {} s to load", limits.seconds),
+                                  "try again; if that fails too, install the plug-in that belongs to this version"});
   }
   auto greeting = receive_message(control_.get());
   if (!greeting) {
     const int status = end_server();
     if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL) {
       return tl::unexpected(
-          Refusal{"is not loaded: the process that does so was killed, as systems do that lack memory",
+          Refusal{"does not load: the system killed the process that loads it, as systems do when they lack memory",
                   "try again, with more memory"});
     }
     return tl::unexpected(Refusal{"ends the process that loads it", {}});
@@ -241,7 +241,7 @@ tl::expected<void, Refusal> WorkerPool::wait_for_greeting(const Limits& limits, 
 }
 
 tl::expected<void, Refusal> WorkerPool::start_server() {
-  const auto cannot_start = [] { return tl::unexpected(Refusal{"cannot be started: " + last_error(), {}}); };
+  const auto cannot_start = [] { return tl::unexpected(Refusal{"does not start: " + last_error(), {}}); };
   std::array<Descriptor, 2> control;
   if (!socket_pair(SOCK_STREAM, control)) return cannot_start();
   const std::vector<std::string> words = command_line_with(words_);
@@ -279,7 +279,7 @@ tl::expected<WorkerPool::Started, Refusal> WorkerPool::start(const Limits& limit
   std::array<Descriptor, 2> status;
   std::array<Descriptor, 2> output;
   if (!socket_pair(SOCK_STREAM, socket) || !socket_pair(SOCK_SEQPACKET, status) || !pipe_pair(output)) {
-    return tl::unexpected(Refusal{"cannot be started: " + last_error(), {}});
+    return tl::unexpected(Refusal{"does not start: " + last_error(), {}});
   }
   const std::array along{socket[1].get(), status[1].get(), output[1].get()};
   const std::scoped_lock lock(mutex_);
@@ -290,7 +290,7 @@ tl::expected<WorkerPool::Started, Refusal> WorkerPool::start(const Limits& limit
     TRY(wait_for_greeting(limits, context));
     if (!send_descriptors(control_.get(), along)) {
       end_server();
-      return tl::unexpected(Refusal{"ends the process that has loaded it", {}});
+      return tl::unexpected(Refusal{"ends the process that loaded it", {}});
     }
   }
   Started started{std::make_unique<Worker>(std::move(socket[0]), std::move(status[0]), std::move(output[0]),

@@ -24,7 +24,7 @@ namespace isoextract::sandbox {
 // How a worker ended.
 struct WorkerEnd {
   enum class Reason {
-    done,       // exited by itself
+    done,       // exited by itself, or was ended because it sent an invalid message
     signal,     // killed by `signal`
     too_long,   // exceeded its time limit
     cancelled,  // the context was cancelled
@@ -32,21 +32,21 @@ struct WorkerEnd {
   };
   Reason reason = Reason::lost;
   int signal = 0;
-  bool memory_was_refused = false;  // an allocation was refused
+  bool memory_was_refused = false;  // the memory limit refused an allocation of the worker
 };
 
 // One child process; killed when this object is destroyed. Use it from one thread at a time.
 class Worker {
  public:
-  // `kill_server` kills the process that the worker was forked from, and with it the worker. It is called if that
-  // process does not end the worker on request.
+  // `kill_server` kills the server, the process that the worker was forked from, and with it the worker. Worker calls
+  // it if the server does not end the worker within about 2 s of the request.
   Worker(Descriptor socket, Descriptor status, Descriptor output, std::uint64_t seconds, Context context,
          std::function<void()> kill_server);
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
   ~Worker();
 
-  // Sends without blocking. After a failure, receive() reports how the worker ended.
+  // Sends without blocking. After a failure, receive() returns nothing and ending() tells how the worker ended.
   void send(const MessageWriter& message, int descriptor = -1);
   // Returns the next message. Returns nothing if the worker ended or had to be ended; see ending().
   [[nodiscard]] std::optional<MessageReader> receive();
@@ -72,7 +72,7 @@ class Worker {
   std::int64_t microseconds_left_ = 0;
   Context context_;
   std::function<void()> kill_server_;
-  int waits_since_end_request_ = 0;  // number of waits since end_process()
+  int waits_since_end_request_ = 0;  // at kMaxWaitsForEnd (about 2 s), kill_server_ is called
   std::vector<std::byte> received_;
   std::string output_;
   std::optional<WorkerEnd::Reason> requested_end_;
@@ -89,7 +89,7 @@ struct Refusal {
 // and ends with this object.
 class WorkerPool {
  public:
-  // `words` tell the child's run_as_child() which work to do.
+  // `words` are arguments for the server process: run_as_child() reads from them which work to do.
   explicit WorkerPool(std::vector<std::string> words) : words_(std::move(words)) {}
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
@@ -97,10 +97,10 @@ class WorkerPool {
 
   struct Started {
     std::unique_ptr<Worker> worker;
-    std::string greeting;  // the child's greeting
+    std::string greeting;  // text that the server sent when it was ready (ChildWork::greeting)
   };
-  // Starts a worker. Safe to call from several threads. Fails if the child cannot work or does not send its greeting
-  // within limits.seconds.
+  // Starts a worker. Safe to call from several threads. Fails if the server process does not start, cannot load its
+  // library, or sends no greeting within limits.seconds.
   [[nodiscard]] tl::expected<Started, Refusal> start(const Limits& limits, const Context& context);
 
  private:

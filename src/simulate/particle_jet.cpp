@@ -80,42 +80,44 @@ Result<void> check_sizes(const JetOptions& o, const JetPlan& plan) {
   const double widest = std::max({o.tank.x, o.tank.y, o.tank.z});
   if (!(widest <= kMostSpacings * plan.spacing)) {
     return fail(ErrorCode::usage,
-                fmt::format("expected particles of at least {:.3g} in radius in a tank of {}, found {}",
+                fmt::format("expected a particle radius of at least {:.3g} for a tank with a side of {}, found {}",
                             widest / kMostSpacings / 2, widest, plan.spacing / 2),
-                "larger particles, or a smaller tank");
+                "use larger particles or a smaller tank");
   }
   // Each wall needs half a spacing, plus the jitter at the nozzle.
   const double around = plan.spacing * (0.5 + Nozzle::kJitter);
   if (plan.nozzle + around > std::min(o.tank.y / 2, (1 - kHeight) * o.tank.z) || 2 * around > o.tank.x) {
     return fail(ErrorCode::usage,
-                fmt::format("a tank of {} x {} x {} is too small for a nozzle of {} in radius and particles of {}",
+                fmt::format("a tank of {} x {} x {} is too small for a nozzle of radius {} and particles of radius {}",
                             o.tank.x, o.tank.y, o.tank.z, plan.nozzle, plan.spacing / 2),
-                "a smaller nozzle, smaller particles or a larger tank; the nozzle is three quarters up");
+                "use a smaller nozzle, smaller particles or a larger tank; the nozzle is at three quarters of the "
+                "tank's height");
   }
   const double cube = plan.spacing * plan.spacing * plan.spacing;
   const double most = (1 - kMinFreeFraction) * o.tank.x * o.tank.y * o.tank.z / cube;
   if (!(static_cast<double>(o.count) <= most)) {
     return fail(ErrorCode::usage,
-                fmt::format("a tank of {} x {} x {} holds {:.0f} particles of {} in radius, not {}", o.tank.x, o.tank.y,
+                fmt::format("a tank of {} x {} x {} holds {:.0f} particles of radius {}, not {}", o.tank.x, o.tank.y,
                             o.tank.z, std::floor(most), plan.spacing / 2, o.count),
-                "fewer or smaller particles, or a larger tank");
+                "use fewer or smaller particles, or a larger tank");
   }
   const double layer = layer_estimate(plan);
   if (!(layer <= static_cast<double>(std::max<std::uint64_t>(o.count, kLeastLayer)))) {
     return fail(
         ErrorCode::usage,
-        fmt::format("a nozzle of {} in radius lets about {:.0f} particles of {} in at once; expected no more than the "
-                    "{} that the tank is to hold",
+        fmt::format("a nozzle of radius {} adds about {:.0f} particles of radius {} at once; expected no more than the "
+                    "{} particles of the simulation",
                     plan.nozzle, layer, plan.spacing / 2, o.count),
-        "a smaller nozzle, or larger particles");
+        "use a smaller nozzle or larger particles");
   }
   const double steps = 1 / (o.fps * longest_step(plan.top_speed, o.gravity, kCourant * plan.spacing));
   if (!(steps <= JetOptions::kMostSteps)) {
     return fail(
         ErrorCode::usage,
-        fmt::format("a frame could take {:.0f} steps in which no particle moves too far; expected at most {:.0f}",
-                    std::ceil(steps), JetOptions::kMostSteps),
-        "more frames a second, larger particles, less speed or less gravity take fewer");
+        fmt::format("a frame can need {:.0f} steps; the limit is {:.0f} steps (a step moves a particle by at most {} "
+                    "particle spacings)",
+                    std::ceil(steps), JetOptions::kMostSteps, kCourant),
+        "use more frames a second, larger particles, less speed or less gravity");
   }
   return {};
 }

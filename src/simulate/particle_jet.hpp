@@ -32,7 +32,7 @@ struct JetOptions {
   static constexpr std::uint64_t kMaxParticles = std::uint64_t{1} << 24;
   static constexpr double kMostSteps = 10000;  // per frame
 
-  std::uint64_t count = 20000;  // 1 to kMostParticles
+  std::uint64_t count = 20000;  // 1 to kMaxParticles
   // Particle radius. Default: all particles together fill a tenth of the tank, but the radius is at most half the
   // nozzle's.
   std::optional<double> radius;

@@ -22,7 +22,7 @@ Result<void> check_terrain(const TerrainOptions& options) {
   }
   if (!(std::isfinite(options.relief) && options.relief >= 0)) {
     return fail(ErrorCode::usage,
-                fmt::format("the relief of the terrain: expected cells, 0 or more, found {}", options.relief));
+                fmt::format("the relief of the terrain: expected 0 or more cells, found {}", options.relief));
   }
   if (options.octaves < 1 || options.octaves > 16) {
     return fail(ErrorCode::usage,

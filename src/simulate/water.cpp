@@ -30,11 +30,11 @@ double value_of_sum(const std::array<double, 2>& sum) { return sum[0] + sum[1]; 
 Result<void> check_taps(const std::vector<WaterTap>& taps, glm::ivec2 size, const char* what) {
   for (const WaterTap& tap : taps) {
     if (tap.cell.x < 0 || tap.cell.y < 0 || tap.cell.x >= size.x || tap.cell.y >= size.y) {
-      return fail(ErrorCode::usage, fmt::format("a {} of water: expected a cell from 0,0 to {},{}, found {},{}", what,
+      return fail(ErrorCode::usage, fmt::format("a water {}: expected a cell from 0,0 to {},{}, found {},{}", what,
                                                 size.x - 1, size.y - 1, tap.cell.x, tap.cell.y));
     }
     if (!(std::isfinite(tap.rate) && tap.rate > 0)) {
-      return fail(ErrorCode::usage, fmt::format("a {} of water: expected a rate above 0, found {}", what, tap.rate));
+      return fail(ErrorCode::usage, fmt::format("a water {}: expected a rate above 0, found {}", what, tap.rate));
     }
   }
   return {};
@@ -43,27 +43,24 @@ Result<void> check_taps(const std::vector<WaterTap>& taps, glm::ivec2 size, cons
 Result<void> check_water(glm::ivec2 size, std::span<const double> terrain, std::span<const double> depth,
                          const WaterOptions& options) {
   if (std::min(size.x, size.y) < 1 || std::max(size.x, size.y) > kMaxGridSize) {
-    return fail(ErrorCode::usage,
-                fmt::format("the grid of the water: expected 1 to {} cells along x and y, found {} x {}", kMaxGridSize,
-                            size.x, size.y));
+    return fail(ErrorCode::usage, fmt::format("the water grid: expected 1 to {} cells along x and y, found {} x {}",
+                                              kMaxGridSize, size.x, size.y));
   }
   const std::size_t cells = static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y);
   if (terrain.size() != cells || (!depth.empty() && depth.size() != cells)) {
-    return fail(ErrorCode::usage,
-                fmt::format("the grid of the water: expected a height and a depth for each of {} cells, "
-                            "found {} and {}",
-                            cells, terrain.size(), depth.size()));
+    return fail(ErrorCode::usage, fmt::format("the water grid: expected a height and a depth for each of {} cells, "
+                                              "found {} and {}",
+                                              cells, terrain.size(), depth.size()));
   }
   if (!std::ranges::all_of(terrain, [](double height) { return std::isfinite(height); }) ||
       !std::ranges::all_of(depth, [](double value) { return std::isfinite(value) && value >= 0; })) {
-    return fail(ErrorCode::usage, "the grid of the water: expected finite heights, and depths of 0 or more");
+    return fail(ErrorCode::usage, "the water grid: expected finite heights, and depths of 0 or more");
   }
   if (!(options.friction >= 0 && options.friction <= 1)) {
     return fail(ErrorCode::usage, fmt::format("the friction of water: expected 0 to 1, found {}", options.friction));
   }
   if (!(std::isfinite(options.flow_div) && options.flow_div >= 1)) {
-    return fail(ErrorCode::usage,
-                fmt::format("the divisor of flows of water: expected 1 or more, found {}", options.flow_div));
+    return fail(ErrorCode::usage, fmt::format("the flow divisor: expected 1 or more, found {}", options.flow_div));
   }
   TRY(check_taps(options.sources, size, "source"));
   return check_taps(options.drains, size, "drain");
@@ -82,7 +79,7 @@ Result<WaterAutomaton> WaterAutomaton::create(glm::ivec2 size, std::span<const d
   TRY(check_water(size, terrain, depth, options));
   const auto plane = (static_cast<std::size_t>(size.x) + 2) * (static_cast<std::size_t>(size.y) + 2);
   const std::size_t planes = options.rule == WaterRule::printed ? kPlanes : kPlanesWithFlows;
-  auto made = TRY(make_reserved_buffer<double>(planes * plane, context, "the grid of the water"));
+  auto made = TRY(make_reserved_buffer<double>(planes * plane, context, "the water grid"));
   Buffer<double>& values = made->values;
   std::fill(values.begin(), values.begin() + plane, kWall);
   std::fill(values.begin() + plane, values.end(), 0.0);

@@ -1,6 +1,7 @@
-// Water that flows over land, as a cellular automaton on a grid of columns: "Programma modelirovaniya dvizheniya vody s
-// ispolzovaniem vokselov" (a program that models moving water by voxels), report, Bauman Moscow State Technical
-// University, 2019, sections 2.1.2 and 3.3.1.
+// Water that flows over land, as a cellular automaton on a grid of columns.
+//
+// The model: "Programma modelirovaniya dvizheniya vody s ispolzovaniem vokselov" (a program that models moving water by
+// voxels), report, Bauman Moscow State Technical University, 2019, sections 2.1.2 and 3.3.1.
 //
 // A cell (x, y) has terrain height T, water depth W and energy E (signed: above 0 it pushes towards +x and +y, below 0
 // towards -x and -y). The paper's i is x and its j is y: left is x - 1, right x + 1, back y - 1, front y + 1. A
@@ -12,25 +13,27 @@
 // becomes E' (1 - friction) - flow to the left and back, + flow to the right and front.
 //
 // WaterRule::printed is listing 3.3.1 with its signs and order. A cell takes its four pressures and then processes
-// left, right, back and front, each on the grid that the previous one changed. Cells follow each other with y faster
-// than x (the listing shows one cell of rows i - 1, i, i + 1). The own level is T + W + E towards right and front, T +
-// W - E towards the back. Towards the left it is T + W + E in the test but T + W - E in the flow. So if E > 0, a flow
-// to the left can be negative: it takes water from the left neighbor even if that has none, and its depth falls below
-// 0. (The last line of the listing, the front neighbor's "+ flow", is lost at the end of a page.)
+// left, right, back and front, each on the grid that the previous one changed. A step visits the cells with x in
+// the outer and y in the inner loop. The own level is T + W + E towards right and front, T + W - E towards the back.
+// Towards the left it is T + W + E in the test but T + W - E in the flow. So if E > 0, a flow to the left can be
+// negative: it takes water from the left neighbor even if that has none, and its depth falls below 0. (The last line of
+// the listing, the front neighbor's "+ flow", is lost at the end of a page.)
 //
-// WaterRule::conservative is the evident intent: own levels are T + W - E towards left and back, T + W + E towards
-// right and front. Seen from both sides of a face, the driving difference is the same number with opposite signs, so
-// water crosses in one direction only. All flows come from the state at the start of the step and none is negative. If
-// the four flows of a cell exceed its water, they are scaled down together. A cell adds its inflows in a fixed order:
-// W' = W - out + ((left + right) + (back + front)), E' = (1 - friction) E + ((left - right) + (back - front)).
+// WaterRule::conservative implements what the listing evidently intends: own levels are T + W - E towards left and
+// back, T + W + E towards right and front. Seen from both sides of a face, the driving difference is the same number
+// with opposite signs, so water crosses in one direction only. All flows come from the state at the start of the step
+// and none is negative. If the four flows of a cell exceed its water, they are scaled down together. A cell adds its
+// inflows in a fixed order: W' = W - out + ((left + right) + (back + front)), E' = (1 - friction) E + ((left - right) +
+// (back - front)).
 //
-// Water is conserved up to rounding and never negative. It comes to rest if flow_div * friction is above 4: an even
-// lake with energy E passes 2 E / flow_div over each face, so a cell gets 4 E / flow_div from its left and back and
-// keeps (1 - friction) E. Depths up to 1e-100 do not flow and energies up to 1e-100 become 0, as ever smaller numbers
-// slow the arithmetic. The results are bitwise equal for any number of threads.
+// Under the conservative rule, the volume of water is conserved up to rounding, and no depth is negative. The water
+// comes to rest if flow_div * friction is above 4. The reason: an even lake with energy E passes 2 E / flow_div over
+// each face, so a cell gets 4 E / flow_div from its left and back and keeps (1 - friction) E. Depths up to 1e-100 do
+// not flow and energies up to 1e-100 become 0, because subnormal numbers slow the arithmetic. The results are bitwise
+// equal for any number of threads.
 //
-// The border is a wall under both rules. The paper sets the pressure outside to 0, but its listing first tests whether
-// a neighbor exists and so never uses it.
+// A wall surrounds the grid under both rules. The paper sets the pressure outside to 0, but its listing first tests
+// whether a neighbor exists and so never uses it.
 #pragma once
 
 #include <array>
@@ -67,7 +70,7 @@ inline constexpr double kDefaultFlowDiv = 6;
 struct WaterOptions {
   WaterRule rule = WaterRule::conservative;
   double friction = kDefaultFriction;  // 0 to 1: the fraction of its energy that a cell loses per step
-  double flow_div = kDefaultFlowDiv;   // 1 or more; from 4 on, flows need no scaling
+  double flow_div = kDefaultFlowDiv;   // 1 or more; from 4 on, the four flows of a cell never exceed its water
   std::vector<WaterTap> sources;
   std::vector<WaterTap> drains;
 };
@@ -77,9 +80,10 @@ struct WaterBalance {
   double at_start = 0;
   double poured = 0;
   double drained = 0;
-  double there = 0;  // current volume, by an exact sum
+  double there = 0;  // current volume, by a compensated sum
 
-  // Returns the volume error relative to all water that ever existed; 0 if there was none.
+  // Returns the volume error |there - at_start - poured + drained| relative to all water that ever existed, at_start +
+  // poured. Returns |there| if there was no water.
   [[nodiscard]] double drift() const;
 };
 
@@ -87,7 +91,7 @@ struct WaterExtremes {
   double least_depth = 0;
   double max_depth = 0;
   double most_energy = 0;    // absolute value
-  double highest_water = 0;  // terrain plus water, of cells with water above 0; 0 if there are none
+  double highest_water = 0;  // terrain plus water of cells with water above 0, at least 0; 0 without such cells
   double highest_land = 0;
   std::uint64_t below_zero = 0;  // cells with a negative depth
   bool finite = true;            // false: the other members are meaningless
@@ -95,7 +99,7 @@ struct WaterExtremes {
 
 class WaterAutomaton {
  public:
-  // Element x + size.x * y of `terrain` and `depth` (empty: dry) is cell (x, y); both are copied. Sources act before
+  // Copies `terrain` and `depth` (empty: dry); element x + size.x * y is cell (x, y). Sources act before
   // the flows of a step, drains after them. Fails with ErrorCode::usage for options out of range, taps outside the grid
   // or with a rate not above 0, and negative depths; also fails as MemoryBudget::reserve() does.
   [[nodiscard]] static Result<WaterAutomaton> create(glm::ivec2 size, std::span<const double> terrain,
@@ -108,7 +112,7 @@ class WaterAutomaton {
   [[nodiscard]] glm::ivec2 size() const { return size_; }
   [[nodiscard]] std::uint64_t steps_done() const { return steps_done_; }
 
-  // Row y, size().x numbers each.
+  // Each returns row y: size().x heights of the terrain, depths of the water, or energies.
   [[nodiscard]] std::span<const double> terrain(int y) const { return row(0, y); }
   [[nodiscard]] std::span<const double> water(int y) const { return row(1, y); }
   [[nodiscard]] std::span<const double> energy(int y) const { return row(2, y); }
@@ -129,11 +133,11 @@ class WaterAutomaton {
   glm::ivec2 size_;
   WaterOptions options_;
   Context context_;
-  std::shared_ptr<ReservedBuffer<double>> planes_;  // with a border of one cell: an infinitely high wall
+  std::shared_ptr<ReservedBuffer<double>> planes_;  // with a rim of one cell: an infinitely high wall
   std::uint64_t steps_done_ = 0;
   double at_start_ = 0;
   std::array<double, 2> poured_{};   // a sum and its rounding error
-  std::array<double, 2> drained_{};  // the same
+  std::array<double, 2> drained_{};  // a sum and its rounding error
 };
 
 }  // namespace isoextract::simulate

@@ -81,11 +81,14 @@ std::vector<std::string> field_names(WaterOutput content) {
 Result<int> count_layers(const WaterAutomaton& automaton) {
   const WaterExtremes found = automaton.extremes();
   const double top = std::max(found.highest_land, found.highest_water);
-  if (!found.finite || !(top < kMaxLayers)) {
-    return fail(
-        ErrorCode::output,
-        fmt::format("step {}: expected heights below {}, which a volume can hold; found {}", automaton.steps_done(),
-                    kMaxLayers, found.finite ? fmt::format("{:.6g}", top) : "numbers that are infinite"));
+  if (!found.finite) {
+    return fail(ErrorCode::output,
+                fmt::format("step {}: found water depths or energies that are not finite", automaton.steps_done()));
+  }
+  if (!(top < kMaxLayers)) {
+    return fail(ErrorCode::output,
+                fmt::format("step {}: expected a height of terrain plus water below {} cells, found {:.6g}",
+                            automaton.steps_done(), kMaxLayers, top));
   }
   return std::max(static_cast<int>(std::ceil(top)), 0) + 1;
 }

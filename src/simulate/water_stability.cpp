@@ -93,10 +93,11 @@ double max_allowed_energy(double flow, double friction, std::uint64_t steps) {
 
 std::vector<std::string> WaterFindings::failures(double energy_allowed) const {
   std::vector<std::string> wrong;
-  if (!finite) return {fmt::format("infinite after {} steps", steps)};
-  if (!(drift <= kDriftAllowed)) wrong.push_back(fmt::format("drifts by {:.1e}", drift));
-  if (!(least_depth >= 0)) wrong.push_back(fmt::format("depth {:.3g}", least_depth));
-  if (!(most_energy <= energy_allowed)) wrong.push_back(fmt::format("energy {:.1e}", most_energy));
+  if (!finite) return {fmt::format("not finite after {} steps", steps)};
+  if (!(drift <= kDriftAllowed))
+    wrong.push_back(fmt::format("volume error {:.1e} (limit {:.1e})", drift, kDriftAllowed));
+  if (!(least_depth >= 0)) wrong.push_back(fmt::format("minimum depth {:.3g}", least_depth));
+  if (!(most_energy <= energy_allowed)) wrong.push_back(fmt::format("energy {:.1e} above the limit", most_energy));
   return wrong;
 }
 

@@ -34,7 +34,9 @@ Result<const Tools*> grid_tools_for(const std::string& work) {
 
 Error tools_failed(const Tools& tools, const std::string& work, ErrorCode code = ErrorCode::input) {
   const char* text = tools.error_text();
-  return {code, fmt::format("{}: {}", work, text == nullptr ? "it cannot be done" : printable(text, 400)), {}};
+  return {code,
+          fmt::format("{}: {}", work, text == nullptr ? "the plug-in failed and gave no reason" : printable(text, 400)),
+          {}};
 }
 
 // A grid made by the plug-in, with the memory the plug-in requested.
@@ -94,7 +96,7 @@ Result<field::ScalarField> made_field(std::shared_ptr<MadeGrid> made, const std:
   if (made->output.kind == ISOEXTRACT_LEVEL_SET) field.kind = field::FieldKind::level_set;
   const isoextract_sparse_samples& given = made->output.samples;
   auto samples = plugin_host::sparse_samples_of(given, std::move(made));
-  if (!samples) return fail(ErrorCode::input, fmt::format("{}: the plug-in gives {}", work, samples.error()));
+  if (!samples) return fail(ErrorCode::input, fmt::format("{}: the plug-in returns {}", work, samples.error()));
   field.samples = std::move(*samples);
   return field;
 }
@@ -116,7 +118,8 @@ Result<void> check_sphere_options(const points::ParticleSet& particles, const Sp
     return refuse(fmt::format("the band around the surface: expected 2 to 1000 voxels, found {}", options.half_band));
   }
   if (!(std::isfinite(options.least_radius) && options.least_radius >= 0)) {
-    return refuse(fmt::format("the least radius: expected voxels, 0 or more, found {}", options.least_radius));
+    return refuse(
+        fmt::format("the minimum radius in voxels: expected a number of 0 or more, found {}", options.least_radius));
   }
   if (options.method == SphereMethod::smooth && !positive(options.search_radius)) {
     return refuse(fmt::format("the search radius: expected a number greater than 0, found {}", options.search_radius));
@@ -222,8 +225,10 @@ Result<SphereField> rasterize_spheres(const points::ParticleSet& particles, cons
   field.name = "surface";
   field.source = particles.label;
   if (left_out > 0) {
-    field.notes.push_back(fmt::format("{} of {} particles have a radius of less than {:g} voxels and were left out",
-                                      left_out, particles.size(), options.least_radius));
+    field.notes.push_back(
+        {NoteId::particles_left_out,
+         fmt::format("the surface leaves out {} of {} particles, whose radius is less than {:g} voxels", left_out,
+                     particles.size(), options.least_radius)});
   }
   return SphereField{std::move(field), left_out};
 }
@@ -233,8 +238,8 @@ Result<field::ScalarField> filter_level_set(const field::ScalarField& field, Lev
   if (width < 1 || width > kMaxFilterWidth || iterations < 0) {
     return fail(
         ErrorCode::usage,
-        fmt::format("a filter of level sets: expected a width of 1 to {} voxels and 0 iterations or more, found "
-                    "{} and {}",
+        fmt::format("level set filter: expected a width of 1 to {} voxels and 0 or more iterations, found a width of "
+                    "{} and {} iterations",
                     kMaxFilterWidth, width, iterations));
   }
   const std::string work = field.source + ": filtering the level set";

@@ -36,7 +36,7 @@ struct SphereOptions {
   double search_radius = 0;      // smooth method: reach of a particle in world units
   double voxel = 0;              // spacing of the samples; one of them is at the world's origin
   double half_band = 3;          // width of the narrow band on either side of the surface, in voxels; 2 to 1000
-  // Smallest radius in voxels. Smaller spheres can fall between samples and are omitted with a note.
+  // Minimum radius in voxels. Smaller spheres can fall between samples, so the plug-in leaves them out, with a note.
   double least_radius = points::kMinSphereRadius;
 };
 
@@ -50,7 +50,7 @@ struct SphereField {
 
 // Returns a level set or a density, sparse, in f32, the same for any number of threads. The level set is the signed
 // distance from the spheres in world units, negative inside and constant beyond the narrow band; its iso value is 0.
-// The density is 1 inside and 0 outside, with a ramp of half_band voxels inside the same surface.
+// The density is 0 outside the spheres' surface, rises to 1 over half_band voxels inside it, and is 1 further in.
 [[nodiscard]] Result<SphereField> rasterize_spheres(const points::ParticleSet& particles, const SphereOptions& options,
                                                     const Context& context);
 

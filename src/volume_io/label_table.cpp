@@ -78,6 +78,8 @@ std::optional<LabelEntry> entry_of(std::string_view line) {
 Result<LabelTable> LabelTable::parse(std::string_view text, const std::string& source) {
   LabelTable table;
   table.hash_ = files::content_hash(text);
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   std::size_t number = 0;
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size());
@@ -89,14 +91,15 @@ Result<LabelTable> LabelTable::parse(std::string_view text, const std::string& s
     if (!entry) {
       return fail(ErrorCode::input,
                   fmt::format("{}: line {}: expected a label as ITK-SNAP (number, red, green, blue, alpha, two flags, "
-                              "\"name\") or FreeSurfer (number, name, red, green, blue, alpha) write it, with colours "
+                              "\"name\") or FreeSurfer (number, name, red, green, blue, alpha) write it, with colors "
                               "from 0 to 255, found '{}'",
                               source, number, printable(line, kMaxShown)));
     }
     table.entries_.push_back(std::move(*entry));
   }
   if (table.entries_.empty()) {
-    return fail(ErrorCode::input, fmt::format("{}: expected a table of labels, found none in it", source));
+    return fail(ErrorCode::input,
+                fmt::format("{}: expected at least one label, found only empty lines and comments", source));
   }
   std::ranges::stable_sort(table.entries_, {}, &LabelEntry::label);
   const auto twice = std::ranges::adjacent_find(table.entries_, {}, &LabelEntry::label);

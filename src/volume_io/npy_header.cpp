@@ -163,8 +163,8 @@ Result<NpyHeader> read_npy_header(const files::InputFile& file) {
   const auto known = static_cast<std::size_t>(std::min<std::uint64_t>(start.size(), file.size()));
   TRY(file.read_at(0, std::span(start).first(known)));
   if (files::is_gzip(std::span(start).first(known))) {
-    return fail(ErrorCode::input, file.name() + ": expected a NumPy file as it is, found it packed by gzip",
-                "unpack it first");
+    return fail(ErrorCode::input, file.name() + ": expected an uncompressed NumPy file, found a gzip file",
+                "decompress the file first");
   }
   if (!files::starts_with(start, kNpyMagic)) return files::bad_signature_error(file, "a NumPy file", "'\\x93NUMPY'");
   const std::uint64_t header = std::min(8 + length_bytes(2) + dict_length(start, std::to_integer<int>(start[6])),
@@ -187,7 +187,8 @@ Result<NpyHeader> parse_npy_header(const std::string& name, std::span<const std:
   const std::uint64_t length = start.size() < begin ? 0 : dict_length(start, version);
   if (length == 0 || begin + length > size || begin + length > start.size()) {
     return fail(ErrorCode::input,
-                fmt::format("{}: the header should be {} bytes long, the file has {}", name, begin + length, size));
+                fmt::format("{}: the file is damaged: its header ends at byte {}, the file has {} bytes", name,
+                            begin + length, size));
   }
   const std::string_view text(reinterpret_cast<const char*>(start.data()) + begin, static_cast<std::size_t>(length));
   auto header = NpyDictParser(text).parse();

@@ -1,5 +1,5 @@
-// The interface of volume formats, and their list. A new format is a class and a line in the list (volume_format.cpp);
-// detection, help, man page and the choice of a format follow from its description here.
+// The interface of volume formats, and their list. A new format is a class and a line in the list (volume_format.cpp).
+// Help, man page and the choice of a format use its FormatDescription; detection also uses probe().
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ namespace isoextract::volume_io {
 
 // Layout of a headerless file.
 struct RawLayout {
-  glm::ivec3 dims{0};  // x (fastest), y, z
+  glm::ivec3 dims{0};  // x, y, z; x varies fastest unless ReadOptions::axis_order is xyz
   field::SampleType type = field::SampleType::u8;
   std::endian endian = std::endian::little;
   std::uint64_t skip = 0;  // bytes before the first sample
@@ -48,14 +48,14 @@ constexpr auto words_of(AxisOrder /*type*/) {
   return std::array{Word{AxisOrder::zyx, "zyx"}, Word{AxisOrder::xyz, "xyz"}};
 }
 
-// The volume whose placement a second one takes. A file without spacing and origin is placed by `spacing` and `origin`
-// if `spacing` is given. Otherwise it takes this volume's transform, with `origin` if given, and must have the same
-// dimensions.
+// Placement for a file that states none, such as the file of --attribute NAME=FILE. With `spacing`: by `spacing` and
+// `origin`. Without `spacing`: by `index_to_world` (with `origin` in place of its offset, if given), and the file must
+// have `dims` samples.
 struct ReferenceVolume {
   std::string source;  // name for messages
   glm::ivec3 dims{0};  // 0 if sparse
   field::Affine index_to_world;
-  std::optional<glm::dvec3> spacing;  // of the file without placement; its origin is then `origin`, default 0,0,0
+  std::optional<glm::dvec3> spacing;  // of the file to be placed; its origin is then `origin`, or (0, 0, 0)
   std::optional<glm::dvec3> origin;
 
   friend bool operator==(const ReferenceVolume&, const ReferenceVolume&) = default;
@@ -69,9 +69,9 @@ struct ReadOptions {
   std::optional<ComponentChoice> component;  // for files with several components per sample
   std::optional<RawLayout> raw;              // required for raw files, an error for others
   std::optional<AxisOrder> axis_order;       // of arrays; default zyx
-  std::optional<glm::dvec3> spacing;         // replaces the file's spacing; raw and NPY have 1
+  std::optional<glm::dvec3> spacing;         // replaces the file's spacing, which is 1 for raw and NPY files
   std::optional<glm::dvec3> origin;          // replaces the file's origin: world position of index (0, 0, 0)
-  std::optional<ReferenceVolume> beside;     // replaces spacing and origin if the file has none
+  std::optional<ReferenceVolume> beside;     // provides the placement if the file states none
   std::optional<field::FieldKind> kind;      // replaces the file's kind
   std::optional<double> no_data;             // dense samples of this value become NaN (field/no_data.hpp)
   bool no_data_for_dense_only = false;       // ignore no_data for sparse samples, for which it is otherwise an error
@@ -86,8 +86,8 @@ struct GridInfo {
   std::string type;                      // "float", "vec3s", ...
   bool scalar = false;                   // whether a surface can be extracted
   std::optional<field::FieldKind> kind;  // if the file specifies it
-  field::IndexBox box;                   // of the active voxels, or all samples; also empty if not counted
-  std::optional<std::uint64_t> voxels;   // active voxels, or all samples; empty if not counted
+  field::IndexBox box;                   // of the active voxels, or all samples if dense; empty if the header has none
+  std::optional<std::uint64_t> voxels;   // active voxels, or all samples; absent if the header has no count
   std::uint64_t volumes = 1;             // volumes with this box, such as time steps; ReadOptions::volume selects one
   std::uint64_t components = 1;          // components per sample; ReadOptions::component selects one, or their length
   std::string creator;                   // program that wrote it; may be empty
@@ -96,7 +96,7 @@ struct GridInfo {
   std::string placement_problem;                 // why the file's transform cannot be used; empty if it can
   // For grids that a plug-in reads instead of the format itself:
   std::string plugin;              // the plug-in's id; may be empty
-  bool plugin_is_missing = false;  // in none of the folders
+  bool plugin_is_missing = false;  // in no folder of plugin_host::plugin_folders()
   std::vector<std::string> parts;  // of a vector grid: labels of the scalar grids it provides
 
   [[nodiscard]] bool matches_name(std::string_view wanted) const { return label == wanted || name == wanted; }
@@ -146,8 +146,9 @@ class VolumeFormat {
                                                                          const ReadOptions& options,
                                                                          const Context& context) const = 0;
 
-  // Reads one grid, dense or sparse as in the file, with its transform (after applying the options), notes and `grids`.
-  // Samples stay reserved in the context's memory for as long as they live, unless they are a mapping of their file.
+  // Reads one grid, dense or sparse as in the file. Sets its transform (with the spacing and origin of the options),
+  // its notes and ScalarField::grids; read_volume() applies ReadOptions::kind and no_data. The memory of samples that
+  // are not mapped from their file stays reserved in the context for as long as they live.
   [[nodiscard]] virtual Result<field::ScalarField> open(const std::string& input, const ReadOptions& options,
                                                         const Context& context) const = 0;
 

@@ -22,37 +22,37 @@ Result<void> check_options(const std::string& input, const FormatDescription& ab
   if (options.raw && !about.needs_layout) {
     return fail(
         ErrorCode::usage,
-        fmt::format("{}: dims, type, byte order and bytes to skip are for raw files, this is read as {}", input,
+        fmt::format("{}: dims, type, byte order and bytes to skip apply to raw files only; this is {}", input,
                     about.id),
         about.prefix.empty() ? Hint(Remedy::set, Setting::input_format, "raw to read the bytes of any file") : Hint());
   }
   if (options.grid && !about.has_grids) {
-    return fail(ErrorCode::usage,
-                fmt::format("{}: the name of a grid is for files that have grids, such as VDB; this is read as {}",
-                            input, about.id),
-                {Remedy::leave_out, Setting::grid, "there is one volume in the file"});
+    return fail(
+        ErrorCode::usage,
+        fmt::format("{}: a grid name applies to formats with named grids, such as VDB; this is {}", input, about.id),
+        {Remedy::leave_out, Setting::grid, "there is one volume in the file"});
   }
   if (options.volume && !about.has_volumes) {
     return fail(ErrorCode::usage,
-                fmt::format("{}: the number of a volume is for files that may hold several; this is read as {}", input,
-                            about.id),
+                fmt::format("{}: a volume number applies to formats with several volumes; this is {}", input, about.id),
                 {Remedy::leave_out, Setting::volume, "there is one volume in the file"});
   }
   if (options.component && !about.has_components) {
     return fail(ErrorCode::usage,
-                fmt::format("{}: a component is chosen of files that may hold several numbers a sample; this is read "
-                            "as {}",
+                fmt::format("{}: a component applies to formats with several numbers per sample; this is "
+                            "{}",
                             input, about.id),
                 {Remedy::leave_out, Setting::component});
   }
   if (options.axis_order && !about.has_axis_order) {
-    return fail(ErrorCode::usage,
-                fmt::format("{}: the order of axes is for arrays, which do not say theirs; this is read as {}", input,
-                            about.id),
-                {Remedy::leave_out, Setting::axis_order});
+    return fail(
+        ErrorCode::usage,
+        fmt::format("{}: an axis order applies to NumPy arrays and raw files, which do not state it; this is {}", input,
+                    about.id),
+        {Remedy::leave_out, Setting::axis_order});
   }
   if (about.needs_layout && !options.raw) {
-    return fail(ErrorCode::usage, fmt::format("{}: a raw file does not say what is in it", input),
+    return fail(ErrorCode::usage, fmt::format("{}: a raw file does not state its dimensions and sample type", input),
                 {Remedy::give, Setting::raw_layout});
   }
   if (options.spacing) {
@@ -113,10 +113,11 @@ Result<std::string> grid_label(const std::string& input, const ReadOptions& opti
     const bool is_part = std::ranges::find(grid.parts, *options.grid) != grid.parts.end();
     if (!is_part && !grid.matches_name(*options.grid)) continue;
     if (grid.plugin_is_missing) {
-      return fail(ErrorCode::unavailable,
-                  fmt::format("{}: the grid '{}' holds {}, which the plug-in for {} reads; it is not there",
-                              files::input_label(input), grid.label, grid.type, grid.plugin),
-                  "install it, or name the folder it is in with the environment variable ISOEXTRACT_PLUGINS");
+      return fail(
+          ErrorCode::unavailable,
+          fmt::format("{}: the grid '{}' has values of type {}; the plug-in for {} reads them, but it is missing",
+                      files::input_label(input), grid.label, grid.type, grid.plugin),
+          "install the plug-in, or set the environment variable ISOEXTRACT_PLUGINS to its folder");
     }
     if (is_part || grid.parts.empty()) return *options.grid;
     return fail(ErrorCode::input, chosen.error().message,
@@ -156,7 +157,7 @@ Result<field::ScalarField> read_volume(const std::string& input, const ReadOptio
   return with_format(input, options, context, [&](const DetectedFormat& detected) {
     auto field = detected.format->open(input, options, context);
     if (!field) return field;
-    if (!detected.note.empty()) field->notes.insert(field->notes.begin(), detected.note);
+    if (!detected.note.empty()) field->notes.insert(field->notes.begin(), {NoteId::format_not_by_name, detected.note});
     field->source = files::input_label(input);
     if (options.kind) field->kind = *options.kind;
     const bool is_sparse = std::holds_alternative<field::SparseSamples>(field->samples);
@@ -171,8 +172,8 @@ Result<field::ScalarField> read_volume(const std::string& input, const ReadOptio
 Result<void> check_mapping_intact(const field::ScalarField& field) {
   const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
   if (dense == nullptr || !dense->lost()) return {};
-  return fail(ErrorCode::input, "the input became shorter, or could not be read further, while it was in use",
-              "run again when nothing writes to the file, or on a copy of it");
+  return fail(ErrorCode::input, field.source + ": the file became shorter, or reading it failed, during the run",
+              "run again when no other program writes to the file, or on a copy of it");
 }
 
 }  // namespace isoextract::volume_io

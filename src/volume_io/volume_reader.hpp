@@ -14,7 +14,8 @@
 namespace isoextract::volume_io {
 
 // Returns whether an input is certainly a volume: by its demo: prefix, by the format or raw layout in `options`, or by
-// its content. An array in rows may also hold particles. Reads the start of the file.
+// its content. Also returns true for every NPY array: the caller must check whether an array with one row per particle
+// holds particles. Reads the start of the file.
 [[nodiscard]] Result<bool> is_certainly_volume(const std::string& input, const ReadOptions& options,
                                                const Context& context);
 
@@ -25,8 +26,8 @@ namespace isoextract::volume_io {
 // Returns nothing for other files.
 [[nodiscard]] std::optional<Error> unsupported_format_error(const std::filesystem::path& path, const Context& context);
 
-// Lists the grids of an input: a path, "-" for standard input (kept as files::InputFile says) or demo:NAME. Never reads
-// samples.
+// Lists the grids of an input: a path, "-" for standard input (files::InputFile keeps its bytes) or demo:NAME. Never
+// reads samples.
 [[nodiscard]] Result<std::vector<GridInfo>> list_grids(const std::string& input, const ReadOptions& options,
                                                        const Context& context);
 
@@ -40,7 +41,8 @@ namespace isoextract::volume_io {
                                                   const Context& context);
 
 // Returns the number of volumes, such as time steps, that ReadOptions::volume can select from; 1 for most files.
-// Ignores any selection in `options`. Never reads samples.
+// Ignores ReadOptions::volume. Returns the count of the grid in ReadOptions::grid if given, else the largest of all
+// grids. Never reads samples.
 [[nodiscard]] Result<std::uint64_t> count_volumes(const std::string& input, const ReadOptions& options,
                                                   const Context& context);
 
@@ -51,8 +53,8 @@ namespace isoextract::volume_io {
                                                                           const Context& context);
 
 // Reads one grid. Fails with ErrorCode::usage if options do not fit the format. Fails with ErrorCode::input if the file
-// is unreadable or unsupported, or if a selection is missing or wrong; the hint lists the possible ones. Samples that
-// are not mapped from a file stay reserved in the context's memory for as long as they live.
+// is unreadable or unsupported, or if a selection is missing or wrong; the hint lists the possible ones. The memory
+// of samples that are not mapped from a file stays reserved in the context for as long as they live.
 [[nodiscard]] Result<field::ScalarField> read_volume(const std::string& input, const ReadOptions& options,
                                                      const Context& context);
 

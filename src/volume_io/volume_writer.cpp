@@ -15,7 +15,7 @@ namespace isoextract::volume_io {
 namespace {
 
 tl::unexpected<Error> cannot_hold(const std::filesystem::path& path, VolumeFileFormat format, const std::string& what) {
-  return fail(ErrorCode::output, fmt::format("{}: {} files do not hold {}", path.string(), word_of(format), what));
+  return fail(ErrorCode::output, fmt::format("{}: {} files cannot store {}", path.string(), word_of(format), what));
 }
 
 Result<std::string> header_of(const std::filesystem::path& path, const field::ScalarField& field,
@@ -42,7 +42,7 @@ Result<std::uint64_t> write_volume(const std::filesystem::path& path, std::span<
   const field::ScalarField& field = fields.front();
   const auto* samples = std::get_if<field::DenseSamples>(&field.samples);
   if (samples == nullptr) return cannot_hold(path, format, "sparse fields");
-  if (!field.scale.is_identity()) return cannot_hold(path, format, "a scale of values");
+  if (!field.scale.is_identity()) return cannot_hold(path, format, "a value scale (slope and intercept)");
   const auto header = TRY(header_of(path, field, *samples, format));
   auto file = TRY(files::OutputFile::create(path));
   TRY(file.write(header));

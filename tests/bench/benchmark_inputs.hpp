@@ -20,7 +20,7 @@ struct BenchmarkInput {
   int size = 0;      // samples along an axis; 0 for files, whose dims are their own
   field::ScalarField field;
   double iso = 0;
-  std::shared_ptr<const VdbGrid> grid;  // whose leaves are the blocks of `field`; null for dense fields
+  std::shared_ptr<const VdbGrid> grid;  // its leaves are the blocks of `field`; null for dense fields
 };
 
 enum class Source {
@@ -41,19 +41,20 @@ struct InputDescription {
 [[nodiscard]] std::span<const InputDescription> benchmark_inputs();
 [[nodiscard]] const InputDescription& find_input(std::string_view name);  // throws for an unknown name
 
-// In the type that it has: f32, but for files. Nothing where the data folder lacks the file; throws for other trouble.
-// `size` plays no part for files and noise.
+// Returns the input in its own type: f32, but for files. Returns nothing if the data folder lacks the file; throws for
+// other failures. Files and noise ignore `size`.
 [[nodiscard]] std::optional<BenchmarkInput> make_input(const InputDescription& description, int size);
 
-// A copy in another type: f32 of any, and of f32 integers of 8 and 16 bits; dense fields only. Quantising is linear, so
+// Returns a copy in another type: f32 of any, 8 and 16-bit integers of f32; dense fields only. Quantizing is linear, so
 // that the largest distance of a sample from iso just fits; iso becomes the middle between two integers, and each
 // sample stays on its side.
 [[nodiscard]] BenchmarkInput with_type(const BenchmarkInput& input, field::SampleType type);
 
-// The samples of a dense input as they are in memory, for programs that read raw files.
+// Writes the samples of a dense input as they are in memory, for programs that read raw files.
 void write_raw(const BenchmarkInput& input, const std::filesystem::path& path);
 
-// For make_input: a narrow band around a sphere with iso 0, and the fog in it with iso 0.5. In openvdb_contestants.cpp.
+// Returns an input for make_input(): a narrow band around a sphere with iso 0, or the fog in it with iso 0.5.
+// In openvdb_contestants.cpp.
 [[nodiscard]] BenchmarkInput make_level_set(int size);
 [[nodiscard]] BenchmarkInput make_fog(int size);
 

@@ -1,4 +1,4 @@
-// What the benchmark found, as Markdown and as JSON.
+// Writes the results of the benchmark as Markdown and as JSON.
 #pragma once
 
 #include <string>
@@ -10,13 +10,13 @@
 
 namespace isoextract::bench {
 
-// The processor, its threads, and how VTK makes use of them.
+// Returns the processor, its threads, and how VTK uses them.
 [[nodiscard]] std::string machine_line();
 
 [[nodiscard]] std::string group_table(const Group& group);
 
-// For inputs of several sizes: isoextract's time from each size to the next beside the bytes that it reads and writes.
-// Empty where no input has two sizes.
+// Returns, for inputs of several sizes, isoextract's time from each size to the next beside the bytes that it reads and
+// writes. Empty if no input has two sizes.
 [[nodiscard]] std::string growth_table(const std::vector<Group>& groups);
 
 [[nodiscard]] nlohmann::json report_json(const std::vector<Group>& groups, int rounds);

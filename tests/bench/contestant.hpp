@@ -1,4 +1,4 @@
-// What is timed: isoextract's extractor, others' that do the same, and plain reading and writing of memory.
+// The timed programs: isoextract's extractor, others that do the same, and plain reading and writing of memory.
 #pragma once
 
 #include <cstdint>
@@ -33,16 +33,16 @@ using Contestants = std::vector<std::unique_ptr<Contestant>>;
 // They keep a reference to `input`.
 [[nodiscard]] std::unique_ptr<Contestant> isoextract_contestant(const BenchmarkInput& input, extract::Method method,
                                                                 bool smooth_normals);
-// Of dense samples; none for others.
+// Returns contestants for dense samples; none for other inputs.
 [[nodiscard]] Contestants vtk_contestants(const BenchmarkInput& input, bool smooth_normals);
-// Of VDB grids; none for others.
+// Returns contestants for VDB grids; none for other inputs.
 [[nodiscard]] Contestants openvdb_contestants(const BenchmarkInput& input);
-// Reading the samples of `input` once, and writing as many bytes as `output_bytes` once to memory that nobody has
-// touched, as an extractor does; nothing else. Together they are the least that an extraction could take.
+// memory_reader() reads the samples of `input` once; memory_writer() writes `output_bytes` once to fresh memory, as an
+// extractor does. Together they are the least that an extraction could take.
 [[nodiscard]] std::unique_ptr<Contestant> memory_reader(const BenchmarkInput& input);
 [[nodiscard]] std::unique_ptr<Contestant> memory_writer(std::uint64_t output_bytes);
 
-// Bytes of all samples; of sparse ones those of their blocks.
+// Returns the bytes of all samples; for sparse samples, those of their blocks.
 [[nodiscard]] std::uint64_t sample_bytes(const BenchmarkInput& input);
 
 }  // namespace isoextract::bench

@@ -42,7 +42,7 @@ struct Group {
 // `rounds` times each of them in turn.
 [[nodiscard]] std::vector<Row> run_rounds(const std::vector<Entrant>& entrants, int rounds);
 
-// Of rows of the same rounds, one after the other.
+// Returns the sum of two rows of the same rounds, as if one ran after the other.
 [[nodiscard]] Row sum_of(const Row& a, const Row& b, std::string name, const Row& compared_with);
 
 }  // namespace isoextract::bench

@@ -161,9 +161,9 @@ class AddonTest(unittest.TestCase):
             self.assertEqual([value.value for value in layers["id"].data], 3 * [number])
             self.assertEqual(tuple(layers["velocity"].data[0].vector), (0, 0, 1))
             self.assertEqual(item.data.color_attributes.active_color.name, "Color")
-            colour = layers["Color"].data[1].color
-            self.assertEqual((colour[0], colour[1], colour[3]), (1, 0, 1))
-            self.assertAlmostEqual(colour[2], ((127 / 255 + 0.055) / 1.055) ** 2.4, places=6)
+            color = layers["Color"].data[1].color
+            self.assertEqual((color[0], color[1], color[3]), (1, 0, 1))
+            self.assertAlmostEqual(color[2], ((127 / 255 + 0.055) / 1.055) ** 2.4, places=6)
 
     def test_far_from_the_origin_nothing_is_rounded_away(self):
         (item,) = import_sequence("far/f_1.glb")

@@ -261,7 +261,7 @@ class GlbTest(FolderTest):
         np.testing.assert_array_equal(found["DENSITY"].values, [[1], [2], [3]])
         self.assertEqual((found["id"].values.dtype, found["id"].values[2, 0]), (np.int32, 300))
         np.testing.assert_array_equal(found["part"].values[0], [0, 1])
-        self.assertTrue(found["Color"].is_colour)
+        self.assertTrue(found["Color"].is_color)
         np.testing.assert_allclose(found["Color"].values[0], [0, 0.2, 1, 1])
 
     def test_compressed_files_are_refused_by_name(self):
@@ -332,7 +332,7 @@ class PlyTest(FolderTest):
         ).replace(b"\n", b"\r\n"))
         np.testing.assert_array_equal(surface.triangles, [[0, 1, 2]])
         np.testing.assert_array_equal(surface.attributes[0].values[0], [1, 0, 0, 1])
-        self.assertTrue(surface.attributes[0].is_colour)
+        self.assertTrue(surface.attributes[0].is_color)
 
     def test_lists_on_vertices_are_passed_over(self):
         surface = self.read(ply("ascii", b"0 0 0 1 9\n1 0 0 2 8 7\n0 1 0 0\n3 0 1 2\n", "element vertex 3", *XYZ,

@@ -64,7 +64,7 @@ class AnimateTest(ProgramTest):
     def test_each_frame_is_a_node_with_what_a_conversion_of_its_own_gives(self):
         self.write_frames((1, 2, 3, 7))
         run = self.animate("-o", "water.glb", "--fps", "25", "--table", "t.csv", "--report", "r_{}.json")
-        for part in ("4 of 4 frames done", "water.glb: 25 frames per second", "frames that are not there: 4-6"):
+        for part in ("4 of 4 frames done", "water.glb: 25 frames per second", "the inputs lack the frames 4-6"):
             self.assertIn(part, run.err)
         played = Animated(self.folder / "water.glb")
         self.assertEqual(sorted(played.shown), ["water_0001", "water_0002", "water_0003", "water_0007"])
@@ -88,7 +88,7 @@ class AnimateTest(ProgramTest):
         self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
 
     def test_packed_frames_need_memory_beside_others(self):
-        """Where packing finds no room beside frames that wait, they give way."""
+        """If packing finds no room beside waiting frames, the program drops these from memory."""
         for limit, jobs in ((None, 1), ("360K", 1), ("360K", 6), ("450K", 6)):
             limits = ["--memory-limit", limit] if limit else []
             self.moving(8, "--draco", "--jobs", jobs, "--threads", "6", *limits, "-o", f"{limit}{jobs}/w.glb", "--mkdir")
@@ -100,7 +100,7 @@ class AnimateTest(ProgramTest):
         arguments = ("-o", "e.glb", "--empty", "skip", "--iso", "250")
         inputs = ("in_{:03}.raw", "--dims", "6,6,6")
         self.animate(*arguments, inputs=inputs)
-        self.assertIn("left as it is", self.animate(*arguments, "--resume", inputs=inputs).err)
+        self.assertIn("stays unchanged", self.animate(*arguments, "--resume", inputs=inputs).err)
         (self.folder / "e.glb").write_text("foreign")
         self.animate(*arguments, "--resume", inputs=inputs)
         self.assertFalse((self.folder / "e.glb").exists())
@@ -153,7 +153,7 @@ class AnimateTest(ProgramTest):
             self.assertEqual(sorted(shown), [f"{empty}_0001", f"{empty}_0003"])
             self.assertAlmostEqual(shown[f"{empty}_0001"][1], 1 / 24, places=6)
         run = self.animate("-o", "w.glb", "--empty", "skip", inputs=("in_{:03}.raw", "--dims", "6,6,6", "--iso", "250"))
-        self.assertIn("no frame has a surface; w.glb was not written; the old one was removed", run.err)
+        self.assertIn("no frame has a surface; the run did not write w.glb and removed the old file", run.err)
         self.assertNotIn("w.glb", self.files())
 
     def test_a_frame_that_fails_is_left_out(self):
@@ -162,7 +162,7 @@ class AnimateTest(ProgramTest):
         (self.folder / "in_003.raw").write_bytes(whole[:100])
         run = self.animate("-o", "w.glb", "--jobs", "3", code=5)
         self.assertIn("frame 3: in_003.raw: expected 216 bytes", run.err)
-        self.assertIn("w.glb is without frames that failed: 3; the frame before is shown in their time", run.err)
+        self.assertIn("w.glb lacks the frames that failed: 3; the animation shows the preceding frame during their time", run.err)
         shown = Animated(self.folder / "w.glb").shown
         self.assertEqual(sorted(shown), [f"w_000{k}" for k in (1, 2, 4, 5)])
         self.assertEqual(shown["w_0002"][1], shown["w_0004"][0])
@@ -173,7 +173,7 @@ class AnimateTest(ProgramTest):
         (self.folder / "in_004.raw").write_bytes(b"short")
         before = (self.folder / "w.glb").read_bytes()
         run = self.animate("-o", "w.glb", "--fail-fast", code=5)
-        self.assertIn("w.glb was not written", run.err)
+        self.assertIn("the run did not write w.glb", run.err)
         self.assertEqual((self.folder / "w.glb").read_bytes(), before)
         for number in (1, 2, 3, 5):
             (self.folder / f"in_{number:03}.raw").write_bytes(b"short")
@@ -186,8 +186,8 @@ class AnimateTest(ProgramTest):
         for number in (1, 2, 4, 6, 7):
             (self.folder / f"in_{number:03}.raw").write_bytes(bytes(216))
         run = self.animate("-o", "w.glb", code=5)
-        self.assertIn("w.glb is without frames that failed: 1-2,4,6-7; nothing is shown in the time of 1-2, and the "
-                      "frame before in that of the others", run.err)
+        self.assertIn("w.glb lacks the frames that failed: 1-2,4,6-7; the animation shows nothing during the time of 1-2, and the "
+                      "preceding frame during the time of the others", run.err)
         played = Animated(self.folder / "w.glb")
         for found, frame in ((played.shown["w_0003"][0], 2), (played.shown["w_0003"][1], 4), (played.shown["w_0005"][0], 4),
                              (played.length, 7)):
@@ -195,7 +195,7 @@ class AnimateTest(ProgramTest):
         self.assertIsNone(played.shown["w_0005"][1])
         self.write_frames((4, 6, 7))
         run = self.animate("-o", "w.glb", code=5)
-        self.assertIn("that failed: 1-2; nothing is shown in their time, as no frame is before them", run.err)
+        self.assertIn("that failed: 1-2; the animation shows nothing during their time, because no frame precedes them", run.err)
 
     def test_the_bytes_do_not_depend_on_how_it_was_done(self):
         """Nor on memory: with little of it frames are turned away while they wait, and repeated."""
@@ -213,7 +213,7 @@ class AnimateTest(ProgramTest):
         whole = (self.folder / "w.glb").read_bytes()
         run = self.moving(9, "-o", "w.glb", "--resume", "--table", "t.json")
         self.assertIn("0 of 10 frames done, 10 kept from an earlier run", run.err)
-        self.assertIn("w.glb is left as it is", run.err)
+        self.assertIn("w.glb stays unchanged: no frame needs a conversion", run.err)
         rows = json.loads((self.folder / "t.json").read_text())
         self.assertEqual({(row["status"], *row["outputs"]) for row in rows}, {("kept", "w.glb")})
         run = self.moving(9, "-o", "w.glb", "--resume", "--fps", "25")
@@ -284,30 +284,30 @@ class AnimateTest(ProgramTest):
     def test_what_makes_no_sense_is_refused(self):
         self.write_frames((1, 2))
         inputs = ("in_{:03}.raw", "--dims", "6,6,6", "--iso", "50")
-        self.assert_fails(1, self.run_program(*inputs, "-o", "w.glb"), "would both write it", "--animate")
+        self.assert_fails(1, self.run_program(*inputs, "-o", "w.glb"), "would both write this file", "--animate")
         for arguments, parts in (
-                ((), ("--animate makes one file of all frames, whose name has to be given", "-o water.glb")),
-                (("-o", "w_{:03}.glb"), ("this name has a place for {frame}",)),
-                (("-o", "w_{iso}.glb"), ("this name has a place for {iso}",)),
-                (("-o", "w/"), ("this is a folder",)),
-                (("-o", "."), ("this is a folder",)),
+                ((), ("--animate writes all frames into one file and needs its name", "-o water.glb")),
+                (("-o", "w_{:03}.glb"), ("this file name contains the placeholder {frame}",)),
+                (("-o", "w_{iso}.glb"), ("this file name contains the placeholder {iso}",)),
+                (("-o", "w/"), ("this path is a folder",)),
+                (("-o", "."), ("this path is a folder",)),
                 (("-o", "-", "--format", "glb"), ("not to stdout",)),
-                (("-o", "w.ply"), ("--animate writes glb, found ply", "each frame has its file")),
+                (("-o", "w.ply"), ("--animate writes glb, found ply", "each frame gets its own file")),
                 (("-o", "w.glb", "--format", "gltf"), ("--animate writes glb, found gltf",)),
-                (("-o", "w.glb", "--ascii"), ("--ascii does not go with glb",)),
+                (("-o", "w.glb", "--ascii"), ("--ascii does not work with glb",)),
                 (("-o", "w.glb", "--fps", "0"), ("--fps: expected a number above 0, found '0'",)),
                 (("-o", "w.glb", "--fps", "nan"), ("--fps: expected a number above 0",)),
                 (("-o", "w.glb", "--fps", "inf"), ("--fps: expected a number above 0",)),
-                (("-o", "w.glb", "--shard", "2/3"), ("this one is shard 2/3", "use one machine")),
+                (("-o", "w.glb", "--shard", "2/3"), ("this process converts shard 2/3", "run on one machine")),
                 (("-o", "w.glb", "--explain"), ("--explain",)),
                 (("-o", "in_001.raw", "--format", "glb"), ("in_001.raw", "it is not overwritten")),
                 (("-o", "w.glb", "--resume", "--no-clobber"), ("exclude each other",)),
                 (("-o", "w.glb", "--report", "r.json"), ("--report r_{:04}.json",))):
             self.assert_fails(1, self.run_program(*inputs, "--animate", *arguments), *parts)
-        self.assert_fails(1, self.run_program(*inputs, "-o", "w_{}.glb", "--fps", "24"), "--fps", "--animate makes one")
+        self.assert_fails(1, self.run_program(*inputs, "-o", "w_{}.glb", "--fps", "24"), "--fps", "give --animate")
         slurm = dict(os.environ, SLURM_ARRAY_TASK_ID="2", SLURM_ARRAY_TASK_MIN="1", SLURM_ARRAY_TASK_COUNT="3")
         self.assert_fails(1, self.run_program(*inputs, "--animate", "-o", "w.glb", "--shard", "auto", env=slurm),
-                          "this one is shard 2/3")
+                          "this process converts shard 2/3")
         self.assert_fails(4, self.run_program(*inputs, "--animate", "-o", "none/w.glb"), "there is no such folder", "--mkdir")
         self.assertEqual(self.files(), ["in_001.raw", "in_002.raw"])
 

@@ -9,7 +9,7 @@ import zipfile
 from support import SPHERE, ProgramTest, main, read_ply
 
 DIMS = (12, 11, 10)  # x, y, z
-CENTRE = (5.5, 5, 4.5)
+CENTER = (5.5, 5, 4.5)
 RADIUS = 3.3
 
 
@@ -20,10 +20,10 @@ def npy(descr, shape, samples):
 
 
 def vectors():
-    """From the centre, z slowest, the component fastest."""
+    """From the center, z slowest, the component fastest."""
     nx, ny, nz = DIMS
     return [c for k in range(nz) for j in range(ny) for i in range(nx)
-            for c in (i - CENTRE[0], j - CENTRE[1], k - CENTRE[2])]
+            for c in (i - CENTER[0], j - CENTER[1], k - CENTER[2])]
 
 
 def lengths():
@@ -57,9 +57,11 @@ class ArraysTest(ProgramTest):
             member = self.mesh(archive, "--grid", "r", "--iso", RADIUS, "--inside", "below")
             self.assertEqual((member.vertices, member.triangles), (alone.vertices, alone.triangles))
             run = self.run_program(archive, "--iso", RADIUS)
-            self.assert_fails(2, run, "2 of its grids are scalar", "--grid NAME")
+            self.assert_fails(2, run, "expected one scalar grid, found 2", "--grid NAME")
             run = self.run_program(archive, "--grid", "x", "--iso", RADIUS)
-            self.assert_fails(2, run, "there is no grid 'x'")
+            self.assert_fails(2, run, "there is no grid 'x'\n")
+            run = self.run_program(archive, "--grid", "rr", "--iso", RADIUS)
+            self.assert_fails(2, run, "there is no grid 'rr' (did you mean 'r'?)", "--grid NAME")
         listed = json.loads(self.convert("info", "--json", "packed.npz").text)[0]
         self.assertEqual([(grid["name"], grid["volumes"]) for grid in listed["grids"]], [("v", 10), ("r", 1)])
 
@@ -75,12 +77,12 @@ class ArraysTest(ProgramTest):
         info = json.loads(self.convert("info", "--json", "v.npy", "--component", "2").text)[0]
         self.assertEqual((info["component"], info["grids"][0]["components"]), (2, 3))
         self.assertAlmostEqual(info["field"]["values"]["max"], 4.5)
-        self.assertIn("3, counted from 0; the length of all is described",
+        self.assertIn("3, counted from 0; this report describes the length of the vector",
                       self.convert("info", "v.npy", "--component", "length").text)
         self.assert_fails(2, self.run_program("v.npy", "--component", "3", "--iso", "1"), "there is no component 3")
         self.assert_fails(1, self.run_program("v.npy", "--component", "y", "--iso", "1"),
                           "--component: expected the number of a component, counted from 0, or length")
-        self.assert_fails(1, self.run_program(SPHERE, "--component", "0", "--iso", "0"), "read as demo")
+        self.assert_fails(1, self.run_program(SPHERE, "--component", "0", "--iso", "0"), "this is demo")
 
     def test_hints_name_their_options(self):
         """Complex arrays, and arrays whose axes are others than those of a volume."""
@@ -89,9 +91,9 @@ class ArraysTest(ProgramTest):
         (self.folder / "six.npy").write_bytes(npy("|u1", (2, 2, 3, 3, 3, 2), bytes(216)))
         for name, option in (("z.npy", "--component K, K from 0 to 1: the real and the imaginary part"),
                              ("z.npy", "--component length"),
-                             ("v.npy", "--volume K, K from 0 to 9; use --component 0 to 2 or length, if the last axis, of 3, counts the components of a vector"),
+                             ("v.npy", "--volume K, K from 0 to 9; use --component 0 to 2, or length, if the last axis (length 3) holds the components of a vector"),
                              ("v.npy", "choose one of them with --volume K"),
-                             ("five.npy", "use --component 0 to 1 or length, if the last axis, of 2, counts the components"),
+                             ("five.npy", "use --component 0 to 1, or length, if the last axis (length 2) holds the components"),
                              ("six.npy", "take a part with fewer axes in NumPy first, for example a[0]")):
             self.assert_fails(2, self.run_program(name, "--iso", "1", "-o", "a.ply"), "hint: ", option)
         self.assert_fails(2, self.run_program("r.npy", "--component", "1", "--iso", "1"), "leave --component out")
@@ -109,7 +111,7 @@ class ArraysTest(ProgramTest):
         for source in (("t.npy",), ("t.raw", "--dims", "12,11,10", "--dtype", "f32")):
             mesh = self.mesh(*source, "--axis-order", "xyz", "--iso", RADIUS, "--inside", "below")
             self.assertEqual((mesh.vertices, mesh.triangles), (alone.vertices, alone.triangles))
-        self.assert_fails(1, self.run_program(SPHERE, "--axis-order", "xyz", "--iso", "0"), "read as demo")
+        self.assert_fails(1, self.run_program(SPHERE, "--axis-order", "xyz", "--iso", "0"), "this is demo")
 
     def test_samples_of_the_value_for_no_data_are_not_numbers(self):
         def value(x, y, z):
@@ -125,7 +127,7 @@ class ArraysTest(ProgramTest):
         self.assert_fails(2, run, "(3, 3, 3)", "--nan")
         info = json.loads(self.convert("info", "--json", *raw[:-2], "--nodata", "-9999").text)[0]["field"]
         self.assertEqual((info["values"]["nan"], info["values"]["min"]), (1, 0))
-        self.assertIn("no sample is 77", self.convert(*raw, "--nodata", "77", "-o", "b.ply").err)
+        self.assertIn("no sample has the no-data value 77", self.convert(*raw, "--nodata", "77", "-o", "b.ply").err)
 
     def test_what_was_asked_for_is_in_the_report(self):
         self.convert("v.npy", "--component", "length", "--axis-order", "zyx", "--nodata", "0", "--iso", RADIUS,
@@ -151,13 +153,13 @@ class ArraysTest(ProgramTest):
         self.assertEqual(self.run_program("verify", SPHERE, "a.glb", "--iso", "0").code, 6)
         self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "--clip", "0,0,0,1"), "--clip: expected a normal")
         run = self.run_program(SPHERE, "--iso", "0", "--clip", "0,0,1,9", "-o", "a.ply")
-        self.assert_fails(2, run, "nothing of the surface at iso 0 is where it is kept; it is in (-0.697284, -0.697284,")
-        self.assertIn("hint: check --clip NX,NY,NZ,D: it keeps where", run.err)
+        self.assert_fails(2, run, "clipping removes the whole surface at iso 0; the surface lies in (-0.697284, -0.697284,")
+        self.assertIn("hint: check --clip NX,NY,NZ,D: a plane keeps the points with", run.err)
         # Where a plane passes between components nothing is cut, and nothing is open.
         self.write_raw("two.raw", (24, 8, 8), lambda x, y, z: float(x in (4, 19) and (y, z) == (4, 4)))
         run = self.convert("two.raw", "--dims", "24,8,8", "--dtype", "f32", "--iso", "0.5", "--clip", "1,0,0,12", "-o",
                            "a.ply")
-        self.assertIn("8 of 16 triangles are left, and none was cut\n", run.err)
+        self.assertIn("clipping kept 8 of 16 triangles and cut none\n", run.err)
 
     def test_the_result_line_does_not_call_what_was_cut_closed(self):
         for cap, text in (((), "; open where --clip cut it (--cap closes it); "), (("--cap",), "; closed; ")):
@@ -183,7 +185,7 @@ class ArraysTest(ProgramTest):
         self.assertAlmostEqual(volume(eighth), whole / 8, delta=1e-3 * whole)
 
         run = self.convert(SPHERE, "--iso", "0", "--cap", "--clip", "0,0,1,0.1", "-o", "a.ply", "--report", "r.json")
-        self.assertIn("closed by", run.err)
+        self.assertIn("triangles close the surface at the cuts", run.err)
         self.convert("check", "a.ply", "--require", "printable")
         self.convert(SPHERE, "--iso", "0", "--cap", "--clip", "0,0,1,0.1", "--normals", "smooth", "-o", "n.ply")
         mesh = read_ply((self.folder / "n.ply").read_bytes())
@@ -210,7 +212,7 @@ class ArraysTest(ProgramTest):
                    for z in range(size) for y in range(size) for x in range(size)]
         (self.folder / "h.npy").write_bytes(npy("<f4", (size,) * 3, struct.pack(f"<{size ** 3}f", *samples)))
         raw = ("h.npy", "--axis-order", "zyx", "--iso", "3.2", "--nan", "hole", "--cap", "-o", "a.ply")
-        self.assert_fails(2, self.run_program(*raw, "--clip", "0,0,1,4.1"), "h.npy", "cannot be closed")
+        self.assert_fails(2, self.run_program(*raw, "--clip", "0,0,1,4.1"), "h.npy", "cannot cap the clip plane")
         self.assertFalse((self.folder / "a.ply").exists())
         self.convert(*raw, "--clip", "-1,0,0,-4")
 
@@ -219,19 +221,19 @@ class ArraysTest(ProgramTest):
         header = ("NRRD0004\ntype: float\ndimension: 3\nsizes: 12 11 10\nencoding: raw\nendian: little\nspace: LPS\n"
                   f"space directions: ({c},{s},0) ({-s},{c},0) (0,0,1)\nspace origin: (0,0,0)\n\n")
         (self.folder / "t.nrrd").write_bytes(header.encode() + self.lengths[128:])
-        cx, cy = c * CENTRE[0] - s * CENTRE[1], s * CENTRE[0] + c * CENTRE[1]
+        cx, cy = c * CENTER[0] - s * CENTER[1], s * CENTER[0] + c * CENTER[1]
         box = (cx - 1.3, cy - 9, 3, cx + 2.1, cy + 0.7, 30)
         roi = ",".join(str(number) for number in box)
         arguments = ("t.nrrd", "--iso", RADIUS, "--inside", "below", "--roi", roi)
         run = self.convert(*arguments, "-o", "a.ply")
-        self.assertRegex(run.err, r"oblique, so the surface of the \d+ x \d+ x \d+ samples that cover the box is cut")
+        self.assertRegex(run.err, r"oblique to the region, so the conversion extracts the \d+ x \d+ x \d+ samples that cover the region, and clips")
         low, high = read_ply((self.folder / "a.ply").read_bytes()).bounds()
         for found, wanted in ((low[0], box[0]), (high[0], box[3]), (high[1], box[4]), (low[2], box[2])):
             self.assertAlmostEqual(found, wanted, delta=2e-6)
         self.assertAlmostEqual(low[1], cy - RADIUS, delta=0.15)
         self.convert("verify", "t.nrrd", "a.ply", *arguments[1:])
         capped = self.convert(*arguments, "--cap", "-o", "b.ply")
-        self.assertIn("that cover the box is cut at it", capped.err)
+        self.assertIn("that cover the region, and clips the surface at its faces", capped.err)
         whole = read_ply((self.folder / "b.ply").read_bytes())
         self.assertEqual(whole.open_edges(), 0)
         # The samples cover the box: cut at its planes, it is all there.
@@ -247,7 +249,7 @@ class ArraysTest(ProgramTest):
 
     def test_parts_that_the_mesh_lost_are_told(self):
         run = self.convert(SPHERE, "--iso", "0", "--error", "-o", "a.ply", "--report", "r.json")
-        self.assertIn("all of its 1 components are there", run.err)
+        self.assertIn("the mesh has all 1 components", run.err)
         found = json.loads((self.folder / "r.json").read_bytes())["meshes"][0]["error"]["coverage"]
         self.assertEqual((found["components"], found["lost_components"]), (1, 0))
         self.assertTrue(1e-4 < found["distances"]["max"]["voxels"] <= found["max_at_most"]["voxels"] < 0.3, found)
@@ -256,9 +258,9 @@ class ArraysTest(ProgramTest):
             return max(4 - math.dist((x, y, z), (5, 5, 5)), 1.1 - math.dist((x, y, z), (14, 5, 5)))
         self.write_raw("b.raw", (21, 11, 11), balls)
         raw = ("b.raw", "--dims", "21,11,11", "--dtype", "f32", "--iso", "0", "--error", "-o", "a.ply")
-        self.assertIn("all of its 2 components are there", self.convert(*raw).err)
+        self.assertIn("the mesh has all 2 components", self.convert(*raw).err)
         coarse = self.convert(*raw, "--resolution", "7,4,4").err
-        self.assertIn("1 of its 2 components are lost", coarse)
+        self.assertIn("the mesh lacks 1 of 2 components", coarse)
         worst = float(re.search(r"from the surface of the data to the mesh: .*? max (\S+) voxels", coarse).group(1))
         self.assertGreater(worst, 5)
 
@@ -270,7 +272,7 @@ class ArraysTest(ProgramTest):
             rms[kernel] = float(re.search(r"interpolant: rms (\S+),", err).group(1))
         self.assertLess(rms["cubic"], rms["linear"] / 4)
         self.assertGreater(rms["bspline"], rms["cubic"])
-        self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "--kernel", "cubic"), "none is asked for",
+        self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "--kernel", "cubic"), "needs --resolution or --voxel-size",
                           "--resolution")
 
 

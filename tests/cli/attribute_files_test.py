@@ -81,13 +81,13 @@ class PlacementTest(FilesTest):
         found = self.ply("scan.nrrd", "--attribute", "a=same.nrrd", "--attribute", "b=dose.nrrd")
         self.assert_linear(found, index_of)
         self.assert_linear(found, index_of, "b")
-        self.assertIn("dose.nrrd states its world as right-anterior-superior, cm: it was taken to that of scan.nrrd, "
+        self.assertIn("dose.nrrd states world coordinates in right-anterior-superior, cm; the conversion transforms them to the world of scan.nrrd, "
                       "left-posterior-superior, mm", self.done.err)
-        self.assertNotIn("same.nrrd states its world", self.done.err)
+        self.assertNotIn("same.nrrd states world coordinates", self.done.err)
         # One that does not say is taken as it is.
         self.write("silent.nrrd", nrrd(linear, "spacings: 2 3 1", "axis mins: -5 7 11"))
         self.ply("scan.nrrd", "--attribute", "a=silent.nrrd")
-        self.assertNotIn("taken to", self.done.err)
+        self.assertNotIn("the conversion transforms", self.done.err)
 
     def test_the_same_array_has_the_iso_value_everywhere(self):
         for more in ((), ("--spacing", "0.1"), ("--origin", "5,-3,8"), ("--spacing", "0.1,0.2,0.3", "--origin", "1,2,3")):
@@ -116,8 +116,8 @@ class PlacementTest(FilesTest):
             with self.subTest(more=more):
                 self.assert_linear(self.ply(*place, *more), lambda p: index_of(world_of(p)))
         self.assert_linear(self.ply(*place, "--space", "index"), lambda p: p)
-        self.assertIn("linear.npy states no spacing and no origin: it was taken to lie on the grid of ball.npy, whose 9 x 8 x 7 "
-                      "samples it has\n", self.done.err)
+        self.assertIn("linear.npy states no spacing and no origin: the program places it on the grid of ball.npy, which has "
+                      "9 x 8 x 7 samples too\n", self.done.err)
 
     def test_mirrored_and_oblique_frames(self):
         frames = {"(-1,0,0) (0,2,0) (0,0,1)": lambda p: (5 - p[0], p[1] / 2, p[2]),
@@ -142,22 +142,22 @@ class PlacementTest(FilesTest):
                           ("ball.npy", "--attribute", "a=bare.nrrd"), ("ball.npy", "--attribute", "a=fortran.npy")):
             with self.subTest(arguments=arguments):
                 self.assert_linear(self.ply(*arguments, *place), lambda p: [(c - o) / 0.5 for c, o in zip(p, (1, 2, 3))])
-                self.assertNotIn("is assumed", self.done.err)
+                self.assertNotIn("assumes", self.done.err)
         self.assert_fails(2, self.run_program("both.npz", "--grid", "ball", "--iso", "0.5", "--attribute", "small", "-o", "a.ply"),
-                          "expected the 9 x 8 x 7 samples of both.npz", "found 5 x 5 x 5")
+                          "expected 9 x 8 x 7 samples as in both.npz", "found 5 x 5 x 5")
 
     def test_another_shape_needs_a_placement(self):
         # linear() again, by samples that are twice as far apart and begin at (-2, -2, -2).
         self.write("coarse.npy", npy(lambda i, j, k: linear(2 * i - 2, 2 * j - 2, 2 * k - 2), (8, 7, 6)))
         refused = self.run_program("ball.npy", "--spacing", "0.5", "--iso", "0.5", "--attribute", "a=coarse.npy", "-o", "a.ply")
-        self.assert_fails(2, refused, "the attribute 'a': coarse.npy states no spacing and no origin: expected the 9 x 8 x 7 samples "
-                          "of ball.npy, on whose grid it would lie, found 8 x 7 x 6", "NAME=FILE:spacing=SX,SY,SZ:origin=X,Y,Z")
+        self.assert_fails(2, refused, "the attribute 'a': coarse.npy states no spacing and no origin: expected 9 x 8 x 7 samples "
+                          "as in ball.npy, whose grid would place it, found 8 x 7 x 6", "NAME=FILE:spacing=SX,SY,SZ:origin=X,Y,Z")
         self.assertNotIn("a.ply", self.files())
         for settings in (":spacing=1:origin=-1,-1,-1", ":origin=-1,-1,-1:spacing=1,1,1"):
             found = self.ply("ball.npy", "--spacing", "0.5", "--attribute", "a=coarse.npy" + settings)
             self.assert_linear(found, lambda p: [c / 0.5 for c in p])
         self.ply("ball.npy", "--spacing", "0.5", "--attribute", "a=coarse.npy:spacing=1")
-        self.assertIn("coarse.npy states no spacing and no origin: its first sample was taken to be at 0,0,0", self.done.err)
+        self.assertIn("coarse.npy states no spacing and no origin: the program places its first sample at 0,0,0", self.done.err)
         # Of the shape of the input, the axes are its axes.
         self.assert_linear(self.ply("ball.npy", "--spacing", "0.5", "--attribute", "a=linear.npy:origin=1,0,0"),
                            lambda p: ((p[0] - 1) / 0.5 if p[0] > 1 else 0, p[1] / 0.5, p[2] / 0.5))
@@ -167,7 +167,7 @@ class PlacementTest(FilesTest):
                                        "space origin: (-2,-2,-2)"))
         found = self.ply("ball.npy", "--spacing", "0.5", "--attribute", "a=placed.nrrd")
         self.assert_linear(found, lambda p: [c + 2 for c in p])
-        self.assertIn("placed.nrrd has the shape of ball.npy and states another placement, which was kept", self.done.err)
+        self.assertIn("placed.nrrd and ball.npy have equal dimensions but different placements; the conversion uses the placement of each file", self.done.err)
         # What says where the input is says it of its own samples, too.
         self.write("in.nrrd", nrrd(ball, "space: left-posterior-superior", "space directions: (1,0,0) (0,1,0) (0,0,1)",
                                    "space origin: (-2,-2,-2)"))
@@ -220,17 +220,17 @@ class PlacementTest(FilesTest):
     def test_sparse_inputs_have_no_shape(self):
         self.convert("ball.npy", "-o", "ball.vdb")
         self.assert_fails(2, self.run_program("ball.vdb", "--iso", "0.5", "--attribute", "a=linear.npy", "-o", "a.ply"),
-                          "ball.vdb is sparse, so that no shape says that it lies on its grid", "found 9 x 8 x 7", ":spacing=")
+                          "ball.vdb is sparse and has no dimensions to compare", "found 9 x 8 x 7", ":spacing=")
         self.assert_linear(self.ply("ball.vdb", "--attribute", "a=linear.npy:spacing=1:origin=0,0,0"), lambda p: p)
 
     def test_settings_that_are_refused(self):
         for word, part in (("a=linear.npy:spacing=0", "spacing: expected"), ("a=linear.npy:origin=1", "origin: expected"),
                            ("a=linear.npy:spaceing=1", "did you mean 'spacing'?"),
-                           ("a=linear.npy:spacing=1:spacing=2", "given twice"), ("a=linear.npy:nodata=x", "nodata: expected")):
+                           ("a=linear.npy:spacing=1:spacing=2", "occurs twice"), ("a=linear.npy:nodata=x", "nodata: expected")):
             for option in ("--attribute", "--color-by"):
                 self.assert_fails(1, self.run_program("ball.npy", "--iso", "0.5", option, word, "-o", "a.ply"), option, part)
         self.assert_fails(1, self.run_program("ball.npy", "--iso", "0.5", "--attribute", "a=linear.npy", "--color-by",
-                                              "a=linear.npy:spacing=1", "-o", "a.ply"), "other settings")
+                                              "a=linear.npy:spacing=1", "-o", "a.ply"), "give different settings")
 
 
 class PartTest(FilesTest):
@@ -264,7 +264,7 @@ class PartTest(FilesTest):
             self.assertGreater(length, math.sqrt(14) * abs(one) - 1e-3)
             if abs(one) > 6:
                 self.assertAlmostEqual(length, math.sqrt(14) * abs(one), delta=1e-3)
-        # In place of the input's --volume; colours take it as well, and the report has it.
+        # In place of the input's --volume; colors take it as well, and the report has it.
         found = self.ply("pet.nrrd", "--volume", "0", "--attribute", "a=pet.nrrd:volume=2", "--report", "r.json")
         self.assertAlmostEqual(min(found["a"]), 1.5, delta=1e-4)
         (choice,) = json.loads((self.folder / "r.json").read_text())["options"]["attributes"]
@@ -276,14 +276,14 @@ class PartTest(FilesTest):
                 ("pet.nrrd", "there are 3 volumes", "choose one of them with :volume=K behind NAME=FILE, K from 0 to 2"),
                 ("pet.nrrd:volume=3", "there is no volume 3", ":volume=K behind NAME=FILE, K from 0 to 2"),
                 ("ct.nrrd:volume=1", "there is no volume 1", "leave :volume= out"),
-                ("disp.nrrd", "found 3 components", ":component=K behind NAME=FILE, K from 0 to 2; use :component=length to take the length of all"),
+                ("disp.nrrd", "found 3 components", ":component=K behind NAME=FILE, K from 0 to 2; use :component=length to take the length of the vector"),
                 ("disp.nrrd:component=3", "there is no component 3", ":component=K"),
-                ("ct.nrrd:component=1", "expected several numbers", "leave :component= out")):
+                ("ct.nrrd:component=1", "expected several components per sample", "leave :component= out")):
             run = self.run_program("ct.nrrd", "--iso", "0.5", "--attribute", f"a={setting}", "-o", "no.ply")
             self.assert_fails(2, run, message, hint)
             self.assertNotIn("--", run.err.split("hint:")[1])
         for setting, said in (("volume=-1", "volume: expected the number of a volume"), ("volume=all", "volume: expected"),
-                              ("component=x", "component: expected the number"), ("volume=0:volume=1", "volume= was given twice"),
+                              ("component=x", "component: expected the number"), ("volume=0:volume=1", "volume= occurs twice"),
                               ("volumes=1", "did you mean 'volume'?")):
             self.assert_fails(1, self.run_program("ct.nrrd", "--iso", "0", "--attribute", f"a=pet.nrrd:{setting}", "-o", "o.ply"), said)
 
@@ -296,7 +296,7 @@ class NoDataTest(FilesTest):
         found = self.ply(*place, "--nodata", "-9999", "--attribute", "a=heat.npy")
         for x, value in zip(found["x"], found["a"]):
             self.assertTrue(math.isnan(value) if x / 0.5 > 4 else value == 7, (x, value))
-        self.assertRegex(self.done.err, r"the attribute 'a' is no finite number at \d+ of \d+ vertices")
+        self.assertRegex(self.done.err, r"the attribute 'a' is not finite at \d+ of \d+ vertices")
         # A value of its own.
         own = self.ply(*place, "--attribute", "a=heat.npy:nodata=-9999")
         self.assertEqual([str(value) for value in own["a"]], [str(value) for value in found["a"]])
@@ -341,7 +341,7 @@ class MissingTest(FilesTest):
         self.assert_linear(self.ply("a_2.npz", "--grid", "d", "--empty", "skip", "--attribute", "a=T"), lambda p: p)
         # An empty mesh is written without it.
         run = self.convert("a_1.npz", "--grid", "d", "--iso", "0.5", "--empty", "write", "--attribute", "T", "-o", "w.ply")
-        self.assertIn("no attribute 'T' either", run.err)
+        self.assertIn("the input has no attribute 'T'", run.err)
         # Files of attributes that are not there are no fault either.
         self.convert("a_1.npz", "--grid", "d", "--iso", "0.5", "--empty", "skip", "--attribute", "T=none.npy", "-o", "x.ply")
 
@@ -349,9 +349,9 @@ class MissingTest(FilesTest):
         self.archive("a_1.npz", d=ball, e=linear)
         for more in ((), ("--empty", "skip")):
             self.assert_fails(2, self.run_program("a_1.npz", "--grid", "d", "--iso", "0.5", *more, "--attribute", "T", "-o", "o.ply"),
-                              "the attribute 'T': a_1.npz: there is no grid 'T'", "an attribute is one of the file's grids")
+                              "the attribute 'T': a_1.npz: there is no grid 'T'", "choose one of the file's grids for the attribute")
             self.assert_fails(2, self.run_program("a_1.npz", "--grid", "d", "--iso", "0.5", *more, "--attribute", "T=no.npy", "-o",
-                                                  "o.ply"), "the attribute 'T': no.npy", "cannot be read")
+                                                  "o.ply"), "the attribute 'T': no.npy", "cannot read the file")
         self.assertNotIn("o.ply", self.files())
 
     def test_optional_attributes(self):
@@ -359,7 +359,7 @@ class MissingTest(FilesTest):
         batch = ("a_{}.npz", "--grid", "d", "--iso", "0.5", "--attribute", "T?", "--color-by", "T?", "--ascii", "-o", "o_{}.ply")
         for more in ((), ("--resume",)):
             run = self.convert(*batch, "--table", "t.csv", *more)
-            self.assertIn("note: 1 of 2 frames without the optional attribute 'T': 1\n", run.err)
+            self.assertIn("note[attribute-missing]: 1 of 2 frames lack the optional attribute 'T': 1\n", run.err)
             with open(self.folder / "t.csv", newline="") as table:
                 self.assertEqual([row["lacked_attributes"] for row in csv.DictReader(table)], ["T", ""])
         self.convert(*batch, "--table", "t.json")
@@ -373,7 +373,7 @@ class MissingTest(FilesTest):
         found = self.ply("a_2.npz", "--grid", "d", "--attribute", "heat?=T", "--attribute", "h?=none.npy", "--attribute", "t?=T")
         self.assertEqual(found["heat"], found["t"])
         self.assertNotIn("h", found)
-        # What is there and cannot be read is a fault all the same.
+        # A file that exists and cannot be read is an error all the same.
         self.write("bad.npy", b"\x93NUMPY\1\0damaged")
         self.assert_fails(2, self.run_program("a_2.npz", "--grid", "d", "--iso", "0.5", "--attribute", "T?=bad.npy", "-o", "o.ply"),
                           "bad.npy")
@@ -408,7 +408,7 @@ class MissingTest(FilesTest):
             self.assertEqual({"t"} & set(columns(self.folder / "out.ply")), wanted)
         self.assert_fails(2, self.run_program("q.ply", "--radius", "0.6", "--attribute", "t", "-o", "o.ply"), "no attribute 't'")
         self.assert_fails(2, self.run_program("q.ply", "--radius", "0.6", "--empty", "skip", "--attribute", "t", "-o", "o.ply"), "'t'")
-        self.assert_fails(1, self.run_program("p.ply", "--radius", "0.6", "--attribute", "t:spacing=1", "-o", "o.ply"), "which volumes have")
+        self.assert_fails(1, self.run_program("p.ply", "--radius", "0.6", "--attribute", "t:spacing=1", "-o", "o.ply"), "has a setting for volumes")
 
 
 if __name__ == "__main__":

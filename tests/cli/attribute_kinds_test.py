@@ -1,4 +1,4 @@
-"""Vectors, points and normals change with the placement of the mesh; scalars and colours do not."""
+"""Vectors, points and normals change with the placement of the mesh; scalars and colors do not."""
 
 import json
 import math
@@ -102,7 +102,7 @@ class KindsTest(ProgramTest):
         for word, name, wanted in (("dir:vector", "dir", turned), ("v:scalar", "v", SPEED), ("v:color", "v", SPEED),
                                    ("w=dir:normal", "w", unit(turned)), ("w=v", "w", turned), ("Cd:point", "Cd", turned)):
             self.assert_vector(self.values(name, "--attribute", word, "--scale", "2", "--up-out", "y"), wanted)
-        for word, part in (("v:vectr", "did you mean 'vector'?"), ("v:vector:point", "given twice")):
+        for word, part in (("v:vectr", "did you mean 'vector'?"), ("v:vector:point", "found a second kind")):
             self.assert_fails(1, self.run_program("in.csv", "--attribute", word, "-o", "a.ply"), part)
         self.assert_fails(1, self.run_program("in.csv", "--color-by", "v:vector", "-o", "a.ply"), "'vector' has no effect")
         self.assert_fails(1, self.run_program("in.csv", "--radius", "0.3", "--attribute", "a=v:0:vector", "-o", "a.ply"),
@@ -150,7 +150,7 @@ class KindsTest(ProgramTest):
                     self.assertLess(match["difference"]["largest"], 1e-6, (name, match))
         self.convert("in.csv", "--radius", "0.3", "--attribute", "v", "-o", "turned.glb")
         run = self.convert("verify", "in.csv", "--radius", "0.3", "--iso", "auto", "turned.glb")
-        self.assertIn("not verified", run.err)
+        self.assertIn("verify does not check", run.err)
 
     def test_old_files_keep_what_they_have(self):
         """Files of ours that say nothing of kinds hold values that were not turned."""

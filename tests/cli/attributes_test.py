@@ -1,4 +1,4 @@
-"""Attributes and colours of vertices: from particles, from grids of a file, from other files."""
+"""Attributes and colors of vertices: from particles, from grids of a file, from other files."""
 
 import gzip
 import json
@@ -116,16 +116,16 @@ class AttributesTest(ProgramTest):
         self.write("holes.nrrd", nrrd((13, 11, 9), (1, 1, 1), (0, 0, 0), lambda x, y, z: math.nan if x > 8 else x))
         run = self.convert("ball.nrrd", "--iso", "0", "--attribute", "heat=small.nrrd", "--attribute", "h=holes.nrrd",
                            "--report", "r.json", "-o", "out.glb")
-        self.assertRegex(run.err, r"\d+ of \d+ vertices lie outside of small\.nrrd; their 'heat' is that at its border")
-        self.assertRegex(run.err, r"'h' is no finite number at \d+ of \d+ vertices")
-        self.assertIn("'h', which has some, was left out", run.err)
+        self.assertRegex(run.err, r"\d+ of \d+ vertices lie outside small\.nrrd; their 'heat' is the value at the nearest point of its boundary")
+        self.assertRegex(run.err, r"'h' is not finite at \d+ of \d+ vertices")
+        self.assertIn("the writer omits the attribute 'h', which has such values", run.err)
         first, second = json.loads((self.folder / "r.json").read_text())["attributes"]
         self.assertEqual((first["name"], second["name"], first["components"]), ("heat", "h", 1))
         self.assertTrue(0 < first["outside"] < first["vertices"])
         self.assertTrue(0 < second["not_finite"] < second["vertices"])
-        grey = self.ply("--color-by", "h=holes.nrrd:gray")
-        self.assertTrue(any((r, g, b) == (128, 128, 128) for r, g, b in zip(grey["red"], grey["green"], grey["blue"])))
-        self.assertNotIn("h", grey)
+        gray = self.ply("--color-by", "h=holes.nrrd:gray")
+        self.assertTrue(any((r, g, b) == (128, 128, 128) for r, g, b in zip(gray["red"], gray["green"], gray["blue"])))
+        self.assertNotIn("h", gray)
 
     def test_the_same_bytes_for_any_number_of_threads(self):
         self.particles()
@@ -145,7 +145,7 @@ class AttributesTest(ProgramTest):
         for p, *rgb in zip(found["p"], found["red"], found["green"], found["blue"]):
             self.assertEqual(len(set(rgb)), 1)
             self.assertAlmostEqual(rgb[0], 255 * min(max(p / 2, 0), 1), delta=1)
-        # glTF's colours are linear light, of 16 bits.
+        # glTF's colors are linear light, of 16 bits.
         self.convert("a.ply", "--radius", "0.25", "--attribute", "p=pressure", "--color-by", "p:gray:0,2", "-o", "out.glb")
         glb = Glb((self.folder / "out.glb").read_bytes())
         self.assertEqual(glb.material()["pbrMetallicRoughness"].get("baseColorFactor", [1, 1, 1, 1]), [1, 1, 1, 1])
@@ -169,8 +169,8 @@ class AttributesTest(ProgramTest):
             pairs = sorted(zip(glb.values("_heat", mesh), glb.values("COLOR_0", mesh)))
             self.assertEqual((pairs[0][1][0], pairs[-1][1][0]), (0, 65535))
             middle = (pairs[0][0][0] + pairs[-1][0][0]) / 2
-            _, colour = min((abs(value - middle), colour) for (value,), colour in pairs)
-            self.assertAlmostEqual(colour[0] / 65535, 0.214, delta=0.05)  # half of sRGB, as linear light
+            _, color = min((abs(value - middle), color) for (value,), color in pairs)
+            self.assertAlmostEqual(color[0] / 65535, 0.214, delta=0.05)  # half of sRGB, as linear light
             ranges.add((pairs[0][0], pairs[-1][0]))
         self.assertEqual(len(ranges), 2)
 
@@ -198,7 +198,7 @@ class AttributesTest(ProgramTest):
             self.assertLessEqual({"COLOR_0", "_pressure"}, set(glb.primitive()["attributes"]), more)
         self.convert("a.ply", "--radius", "0.25", "--color-by", "pressure", "-o", "7.gltf")
         self.validate(*names, "7.gltf")
-        # What was packed has both; without quantised positions the vertices are the same, and so are the values.
+        # What was packed has both; without quantized positions the vertices are the same, and so are the values.
         self.convert("a.ply", "--radius", "0.25", "--attribute", "pressure", "--color-by", "pressure", "--meshopt", "-o",
                      "8.glb")
         for name in ("1.glb", "3.glb", "8.glb"):
@@ -212,9 +212,9 @@ class AttributesTest(ProgramTest):
         for k in range(3):
             self.particles(f"in_{k}.ply", 3 + k)
         run = self.convert("in_{}.ply", "--radius", "0.25", "--color-by", "pressure", "--animate", "-o", "all.glb")
-        self.assertIn("give --color-by pressure:viridis:MIN,MAX for a sequence", run.err)
+        self.assertIn("give --color-by pressure:viridis:MIN,MAX for one range in the whole sequence", run.err)
         other = self.convert("in_{}.ply", "--radius", "0.25", "--color-by", "p?=pressure:gray", "-o", "out_{}.glb")
-        self.assertIn("give --color-by 'p?=pressure:gray:MIN,MAX' for a sequence", other.err)
+        self.assertIn("give --color-by 'p?=pressure:gray:MIN,MAX' for one range in the whole sequence", other.err)
         self.convert("in_{}.ply", "--radius", "0.25", "--color-by", "p?=pressure:gray:0,2", "-o", "out_{}.glb")
         self.assertNotIn("MIN,MAX", self.convert("in_{}.ply", "--radius", "0.25", "--color-by", "pressure:0,2", "-o",
                                                  "out_{}.glb").err)
@@ -242,10 +242,10 @@ class AttributesTest(ProgramTest):
         self.convert("ball.nrrd", *isos, "--color-by", "iso:gray", "-o", "out.glb")
         glb = Glb((self.folder / "out.glb").read_bytes())
         looks = [glb.material(m) for m in range(3)]
-        colours = [look["pbrMetallicRoughness"].get("baseColorFactor", [1, 1, 1, 1]) for look in looks]
-        self.assertEqual([colour[3] for colour in colours], [1, 0.25, 0.625])
-        self.assertEqual([colour[0] for colour in colours][:2], [1, 0])
-        self.assertAlmostEqual(colours[2][0], 0.2140, delta=0.003)
+        colors = [look["pbrMetallicRoughness"].get("baseColorFactor", [1, 1, 1, 1]) for look in looks]
+        self.assertEqual([color[3] for color in colors], [1, 0.25, 0.625])
+        self.assertEqual([color[0] for color in colors][:2], [1, 0])
+        self.assertAlmostEqual(colors[2][0], 0.2140, delta=0.003)
         self.assertEqual([look.get("alphaMode", "OPAQUE") for look in looks], ["OPAQUE", "BLEND", "BLEND"])
         self.convert("ball.nrrd", *isos, "--color-by", "iso:0,4", "--opacity", "1,0.5,0.75", "-o", "set.gltf")
         self.convert("ball.nrrd", "--iso", "0", "--opacity", "0.5", "-o", "one.glb")
@@ -261,39 +261,39 @@ class AttributesTest(ProgramTest):
         self.convert(*heat, "--color-by", "heat", "-o", "c.glb", "--up", "y")
         text = self.convert("compare", "a.ply", "b.ply").text
         self.assertRegex(text, r"heat +the same values\n")
-        self.assertRegex(text, r"more +in the 2nd only\n")
-        self.assertRegex(text, r"colour +at most 0\.\d+ apart, at vertex \d+; mean 0\.\d+")
+        self.assertRegex(text, r"more +only in the second mesh\n")
+        self.assertRegex(text, r"colour +largest difference 0\.\d+, at vertex \d+; mean 0\.\d+")
         self.assertRegex(self.convert("compare", "a.ply", "c.glb", "--up", "y").text, r"colour +3 and 4 components")
         found = json.loads(self.convert("compare", "a.ply", "b.ply", "--json").text)["attributes"]
         (same,) = [match for match in found["both"] if match["name"] == "heat"]
         self.assertEqual((found["same_vertices"], found["b_only"], same["difference"]["largest"]), (True, ["more"], 0))
         for name in ("a.ply", "c.glb"):
             run = self.convert("verify", "ball.nrrd", "--iso", "0", name, *(("--up", "y") if name == "c.glb" else ()))
-            self.assertIn("attributes and colours of its vertices are not verified: ", run.err)
+            self.assertIn("verify does not check attributes and colors of vertices: ", run.err)
 
     def test_what_is_refused(self):
         ball = ("ball.nrrd", "--iso", "0")
-        for more, part in ((("--attribute", "a=linear.nrrd", "-o", "a.stl"), "stl has no attributes"),
-                           (("--color-by", "a=linear.nrrd", "-o", "a.obj"), "--color-by: obj has no attributes"),
-                           (("--color-by", "iso", "-o", "a.ply"), "--color-by iso: ply has no materials"),
-                           (("--opacity", "0.5", "-o", "a.ply"), "--opacity: ply has no materials"),
+        for more, part in ((("--attribute", "a=linear.nrrd", "-o", "a.stl"), "stl cannot store vertex attributes"),
+                           (("--color-by", "a=linear.nrrd", "-o", "a.obj"), "--color-by: obj cannot store vertex attributes"),
+                           (("--color-by", "iso", "-o", "a.ply"), "--color-by iso: ply cannot store materials"),
+                           (("--opacity", "0.5", "-o", "a.ply"), "--opacity: ply cannot store materials"),
                            (("--opacity", "0.5,0.6"), "one value or one for each iso value"),
                            (("--opacity", "0"), "above 0"), (("--opacity", "1.5"), "at most 1"),
                            (("--attribute", "=a"), "NAME=FROM"), (("--attribute", "a="), "NAME=FROM"),
                            (("--color-by", "a:virids"), "did you mean 'viridis'?"),
                            (("--color-by", "a:1,1"), "MIN below MAX"),
                            (("--color-by", "a:0,1:gray"), "as in a:gray:0,1"),
-                           (("--attribute", "a=linear.nrrd", "--attribute", "a=b"), "given twice"),
+                           (("--attribute", "a=linear.nrrd", "--attribute", "a=b"), "occurs twice"),
                            (("--attribute", "a=linear.nrrd", "--color-by", "a=b.nrrd"), "another name")):
             self.assert_fails(1, self.run_program(*ball, *more), part)
-        for more, part in ((("--attribute", "heat"), "expected a file with grids, of which 'heat' would be one, found NRRD"),
+        for more, part in ((("--attribute", "heat"), "expected a file with grids, to read the attribute from its grid 'heat', found NRRD"),
                            (("--attribute", "heat=none.nrrd"), "none.nrrd"), (("--color-by", "x=a.raw"), "a.raw")):
             run = self.run_program(*ball, *more, "-o", "a.ply")
             self.assertIn(run.code, (1, 2), run.err)
             self.assertIn(part, run.err)
         # Options of the input do not help.
         (self.folder / "a.raw").write_bytes(bytes(8))
-        for wrong, part in (("a=linear.nrrd[x]", "leave the name of a grid out"), ("a=a.raw", "files that say what is in")):
+        for wrong, part in (("a=linear.nrrd[x]", "leave the name of a grid out"), ("a=a.raw", "a file format that states dimensions and sample type")):
             run = self.run_program(*ball, "--attribute", wrong, "-o", "a.ply")
             self.assertIn(part, run.err)
             self.assertNotRegex(run.err, "--(grid|dims)")
@@ -313,7 +313,7 @@ class AttributesTest(ProgramTest):
         for value in found["again"]:
             self.assertAlmostEqual(value, 0.5, delta=1e-4)
         self.assert_fails(2, self.run_program(gas, "--grid", "density", "--iso", "0.5", "--attribute", "nix", "-o", "a.ply"),
-                          "the attribute 'nix'", "nix", "an attribute is one of the file's grids\n", "\n  density ")
+                          "the attribute 'nix'", "nix", "choose one of the file's grids for the attribute\n", "\n  density ")
 
     @unittest.skipUnless(PLUGIN.exists(), "the plug-ins around OpenVDB were not built")
     @needs_data("vdb/c42_gas_seq/fluid_data_0002.vdb")

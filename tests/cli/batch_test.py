@@ -40,7 +40,7 @@ class BatchTest(ProgramTest):
         self.write_frames((1, 2, 3, 7))
         run = self.batch("-o", "out/m_{:04}.ply", "--jobs", "3")
         self.assertIn("4 of 4 frames done", run.err)
-        self.assertIn("frames that are not there: 4-6", run.err)
+        self.assertIn("the inputs lack the frames 4-6", run.err)
         self.assertEqual(sorted(self.content("out")), ["m_0001.ply", "m_0002.ply", "m_0003.ply", "m_0007.ply"])
         for number in (1, 2, 3, 7):
             self.convert(f"in_{number:03}.raw", "--dims", "6,6,6", "--iso", "50", "-o", "one.ply")
@@ -90,7 +90,7 @@ class BatchTest(ProgramTest):
         self.write_frames(range(1, 6))
         (self.folder / "in_002.raw").write_bytes(b"short")
         run = self.batch("-o", "out/{:03}.ply", "--fail-fast", "--jobs", "1", code=5)
-        self.assertIn("1 of 5 frames failed, and 3 were not started", run.err)
+        self.assertIn("1 of 5 frames failed, 3 not started", run.err)
         self.assertEqual(sorted(self.content("out")), ["001.ply"])
 
     def test_frames_in_work_when_another_one_fails_have_not_failed(self):
@@ -102,7 +102,7 @@ class BatchTest(ProgramTest):
         run = self.run_program("in_{:03}.raw", "--dims", f"{side},{side},{side}", "--iso", "127.5", "-o", "out/m_{}.ply",
                                "--fail-fast", "--jobs", "2", "--threads", "2", "--table", "t.csv")
         self.assertEqual(run.code, 5, run.err)
-        self.assertIn("1 of 4 frames failed, 1 was cancelled, and 2 were not started", run.err)
+        self.assertIn("1 of 4 frames failed, 1 cancelled, 2 not started", run.err)
         self.assertIn("0 of 4 frames done, 1 failed, 1 cancelled, 2 not started", run.err)
         self.assertEqual(run.err.count("isoextract: error: frame"), 1, run.err)
         self.assertEqual([row["status"] for row in self.table("t.csv")], ["cancelled", "failed", "not started", "not started"])
@@ -117,7 +117,7 @@ class BatchTest(ProgramTest):
             (self.folder / f"f_{number}.npy").write_bytes(b"\x93NUMPY\1\0" + struct.pack("<H", 118) + header.encode() + samples)
         run = self.run_program("f_{}.npy", "--iso", "50", "-o", "a.glb", "--animate", "--fail-fast", "--jobs", "2", "--threads", "2",
                                "--table", "t.csv")
-        self.assertIn("1 of 3 frames failed, 1 was cancelled, and 1 were not started", run.err)
+        self.assertIn("1 of 3 frames failed, 1 cancelled, 1 not started", run.err)
         self.assertEqual([row["status"] for row in self.table("t.csv")], ["failed", "cancelled", "not started"])
 
     def test_what_is_there_can_be_left_alone(self):
@@ -134,7 +134,7 @@ class BatchTest(ProgramTest):
         run = self.batch("-o", "out/{:03}.ply", "--dry-run", "--jobs", "2")
         self.assertEqual(self.files(), before)
         self.assertIn("frame 4: in_004.raw (216 B) -> out/004.ply\n", run.text)
-        self.assertIn("not there: 3", run.text)
+        self.assertIn("missing: 3", run.text)
         self.assertRegex(run.text, r"memory: about \d+ MiB \(")
         self.assertEqual(run.err, "")
 
@@ -275,12 +275,12 @@ class BatchTest(ProgramTest):
             self.assert_fails(2, self.run_program("merge", "out"), "expected 20 frames")
         self.assertEqual(self.run_program(*shards, "--shard", "2/3", "--resume").code, 0)
         run = self.convert("merge", "out")
-        self.assertIn("20 frames of 3 shards, all there", run.err)
+        self.assertIn("20 frames of 3 shards, complete", run.err)
         self.assertEqual(self.content("out"), self.content("whole"))
         run = self.run_program(*shards, "--resume")
         self.assertIn("0 of 20 frames done, 20 kept", run.err)
         (self.folder / "out/07.ply").write_bytes(b"another")
-        self.assert_fails(2, self.run_program("merge", "out"), "out/07.ply: it is not what its shard has written")
+        self.assert_fails(2, self.run_program("merge", "out"), "out/07.ply: this file has changed since its shard wrote it")
 
     def four_frames(self, iso, *arguments):
         output = "out/" + iso + "_{:02}.ply"
@@ -290,7 +290,7 @@ class BatchTest(ProgramTest):
         for iso in ("0.4", "0.5"):
             for shard in ("1/2", "2/2"):
                 self.four_frames(iso, "--shard", shard, "--resume")
-            self.assertIn("4 frames of 2 shards, all there", self.convert("merge", "out").err)
+            self.assertIn("4 frames of 2 shards, complete", self.convert("merge", "out").err)
 
     def test_records_hold_until_their_frame_is_begun_anew(self):
         self.write_frames((1, 2, 3, 4))

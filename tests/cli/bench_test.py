@@ -78,7 +78,7 @@ class BenchTest(ProgramTest):
         self.assertEqual([row["area_error"] for row in benchmark["rows"]], [None] * 3)
         self.assertEqual(benchmark["orders"][0]["area"], None)
         self.assertEqual(benchmark["orders"][0]["position"], None, "an exact surface: rounding has no order")
-        for part in ("not compared with 8, 17 samples", "coarser by 4: left out are the last 3, 3 and 3 samples"):
+        for part in ("no errors of area and volume with 8, 17 samples", "coarser by 4: without the last 3, 3 and 3 samples"):
             self.assertIn(part, text)
             self.assertTrue(any(part in note for note in benchmark["notes"]), benchmark["notes"])
 
@@ -86,7 +86,7 @@ class BenchTest(ProgramTest):
         self.write_raw("ball.raw", (33, 33, 33), lambda x, y, z: 10 - ((x - 16) ** 2 + (y - 16) ** 2 + (z - 15.7) ** 2) ** 0.5)
         raw = ("ball.raw", "--dims", "33,33,33", "--dtype", "f32", "--iso", "0", "--threads", "1", "--repeats", "1")
         run = self.convert("bench", *raw, "--methods", "mc", "--csv", "b.csv")
-        self.assertIn("not coarser by 8", run.err)
+        self.assertIn("bench does not coarsen by 8", run.err)
         self.assertIn("the trilinear interpolant of the finest data (33)", run.text)
         rows = list(csv.DictReader(io.StringIO((self.folder / "b.csv").read_text())))
         self.assertEqual([row["size"] for row in rows], ["8", "16", "33"])
@@ -152,11 +152,11 @@ class BenchTest(ProgramTest):
                 (("--repeats", "0"), "--repeats: expected"),
                 (("--plot", "p.pdf"), ".svg or .png"),
                 (("--csv", "-"), "name of a file"),
-                (("--csv", "same", "--json", "./same"), "two files"),
+                (("--csv", "same", "--json", "./same"), "two options name this output file"),
                 (("--frobnicate",), "unknown option")):
             self.assertIn(part, self.refused(1, *arguments))
         self.assertIn("no surface at iso 9", self.refused(2, "--iso", "9", "--sizes", "16", "--repeats", "1"))
-        self.assertIn("the values run from", self.refused(2, "--iso", "9", "--sizes", "16", "--repeats", "1"))
+        self.assertIn("the values range from", self.refused(2, "--iso", "9", "--sizes", "16", "--repeats", "1"))
         self.refused(2, "missing.vdb", "--iso", "1")
         self.assertIn("no such file", self.refused(2, "demo:torus", "missing.npy"))
         self.refused(4, *QUICK, "--csv", "no/folder/b.csv")

@@ -83,14 +83,14 @@ class ChildTest(ProgramTest):
         for deed in ("wait", "spin", "chatter"):
             with self.subTest(deed):
                 run = self.run_hostile(deed, seconds=1)
-                self.assert_fails(2, run, "a.hostile: ", "was stopped after 1 s", "ISOEXTRACT_PLUGIN_SECONDS")
+                self.assert_fails(2, run, "a.hostile: ", "exceeded its time limit of 1 s", "ISOEXTRACT_PLUGIN_SECONDS")
                 self.assert_nothing_left("a.hostile")
         self.assert_fails(2, self.run_hostile("lie-length"), "a.hostile: ", "ended without an answer")
 
     def test_what_is_not_loaded_in_time_is_ended(self):
-        """Somebody stops or kills the process that loads the plug-in: it is not the plug-in that is at fault then."""
-        for number, what in ((signal.SIGSTOP, "is not loaded after 1 s"),
-                             (signal.SIGKILL, "was killed, as systems do that lack memory"),
+        """The user stops or kills the process that loads the plug-in: the plug-in is then not at fault."""
+        for number, what in ((signal.SIGSTOP, "takes more than 1 s to load"),
+                             (signal.SIGKILL, "the system killed the process that loads it, as systems do when they lack memory"),
                              (signal.SIGSEGV, "ends the process that loads it")):
             with self.subTest(number):
                 self.environment["HOSTILE_LOADING"] = str(int(number))
@@ -110,7 +110,7 @@ class ChildTest(ProgramTest):
         os.kill(min(processes_in(self.folder)), signal.SIGSTOP)
         _, err = program.communicate(timeout=60)
         self.assertEqual(program.returncode, 2, err)
-        self.assertIn("was stopped after 3 s", err)
+        self.assertIn("exceeded its time limit of 3 s", err)
         self.assert_nothing_left("a.hostile")
 
     def test_the_time_is_a_number(self):
@@ -126,7 +126,7 @@ class ChildTest(ProgramTest):
     def test_what_it_prints_is_a_note(self):
         run = self.run_hostile("print")
         self.assertEqual(run.code, 0, run.err)
-        self.assertIn("note: ", run.err)
+        self.assertIn("note[", run.err)
         self.assertIn("the plug-in for hostile printed: WARN: something\\x1b[31m is odd", run.err)
         self.assertNotIn("\x1b", run.err)
         self.assertEqual(run.out, b"")
@@ -146,8 +146,8 @@ class ChildTest(ProgramTest):
     def test_lies_are_refused(self):
         for deed in ("lie-blocks", "lie-places", "sparse-unsorted"):
             with self.subTest(deed):
-                self.assert_fails(2, self.run_hostile(deed), "a.hostile: the plug-in for hostile gives ")
-        self.assert_fails(2, self.run_hostile("lie-list", stage="list"), "gives no list of grids")
+                self.assert_fails(2, self.run_hostile(deed), "a.hostile: the plug-in for hostile returns ")
+        self.assert_fails(2, self.run_hostile("lie-list", stage="list"), "returns no list of grids")
         self.assertEqual(self.run_hostile("name").code, 0)
 
     def test_the_batch_goes_on(self):
@@ -177,8 +177,9 @@ class ChildTest(ProgramTest):
         """A program that goes on after its reader has crashed has waited for it: nothing of it is in the list."""
         for number in range(4):
             self.file("crash" if number < 3 else "wait", name=f"f_{number}.hostile")
-        program = subprocess.Popen([PROGRAM, "f_{}.hostile", *ISO, "-o", "m_{}.ply", "--jobs", "1"], cwd=self.folder,
-                                   env=self.environment, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        program = subprocess.Popen([PROGRAM, "f_{}.hostile", *ISO, "-o", "m_{}.ply", "--jobs", "1", "--progress",
+                                    "json"], cwd=self.folder, env=self.environment, stdin=subprocess.DEVNULL,
+                                   stderr=subprocess.PIPE, text=True)
         self.addCleanup(program.stderr.close)
         try:
             for line in program.stderr:

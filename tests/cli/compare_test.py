@@ -44,7 +44,7 @@ class CompareTest(ProgramTest):
         self.assertLess(text.index("a.glb\n"), text.index("undone"))
         for same in (("a.glb", "a.gltf"), ("b.ply", "b.stl")):
             self.assertEqual([self.json(*same)[side]["undone"] for side in "ab"], [None, None])
-            self.assertIn("note: --up changes nothing: ", self.run_program("compare", *same, "--up", "y").err)
+            self.assertIn("note[no-effect]: --up changes nothing: ", self.run_program("compare", *same, "--up", "y").err)
 
     def without_placement(self, name):
         """As other programs write such files."""
@@ -59,7 +59,7 @@ class CompareTest(ProgramTest):
         self.without_placement("b.obj")
         run = self.run_program("compare", "a.glb", "b.obj", "--max-distance", "0.1")
         self.assertEqual(run.code, 6)
-        self.assertIn("hint: a.glb was turned from y up to z up; --up y leaves it", run.err)
+        self.assertIn("hint: compare turned a.glb from y up to z up; --up y compares it", run.err)
         report = self.json("a.glb", "b.obj", "--max-distance", 0, "--up", "y")
         self.assertEqual([report[side]["undone"] for side in "ab"], [None, None])
         self.assert_fails(1, self.run_program("compare", "a.glb", "b.obj", "--up", "x"), "expected one of y, z")
@@ -81,7 +81,7 @@ class CompareTest(ProgramTest):
         path.write_text(json.dumps(model))
 
     def test_up_that_is_given_holds_against_what_a_file_says(self):
-        """A vector attribute gives a mesh a record of its placement, with an axis that nobody asked for."""
+        """A vector attribute gives a mesh a record of its placement, with an axis that no option requested."""
         self.write_particles()
         surface = ("in.csv", "--radius", "0.3")
         self.convert(*surface, "-o", "plain.ply")
@@ -95,7 +95,7 @@ class CompareTest(ProgramTest):
                 run = self.run_program("compare", ours, "other.gltf", *up, "--max-distance", "0.1")
                 self.assertEqual(run.code, 6, ours)
                 self.assertIn("turned from z up to y up", run.text)
-                self.assertEqual("--up y leaves it as it is in its file" in run.err, not up, ours)
+                self.assertEqual("--up y compares it without this turn" in run.err, not up, ours)
 
     def test_up_of_a_mesh_of_another_program(self):
         """glTF of ours that says how it was turned, and a mesh of another program that lies as --up says."""
@@ -115,7 +115,7 @@ class CompareTest(ProgramTest):
         self.by_another_program("other.gltf")
         self.json("turned.ply", "other.gltf", "--up", "y", "--max-distance", 0)
         run = self.run_program("compare", "turned.ply", "other.gltf", "--up", "z")
-        self.assert_fails(1, run, "turned.ply says that it was turned from z up to y up, and --up z was given",
+        self.assert_fails(1, run, "turned.ply: the file records another placement (turned from z up to y up) than --up z gives",
                           "leave --up out")
 
     def test_a_mesh_and_itself_far_away(self):
@@ -146,7 +146,7 @@ class CompareTest(ProgramTest):
         self.assertLess(report["mean"], report["rms"])
         self.assertLessEqual(report["percentile99"], upper)
         text = self.convert("compare", "sphere.glb", "moved.ply").text
-        for part in ("sphere.glb\n", "moved.ply\n", "PLY, binary", "yes; genus 0", "first to 2nd", "Hausdorff", "farthest at",
+        for part in ("sphere.glb\n", "moved.ply\n", "PLY, binary", "yes; genus 0", "first to second", "Hausdorff", "farthest at",
                      "volume", "bounds"):
             self.assertIn(part, text)
 
@@ -164,7 +164,7 @@ class CompareTest(ProgramTest):
         run = self.run_program("compare", "sphere.glb", "moved.ply", "--max-distance", "0.1")
         self.assertEqual(run.code, 6)
         self.assertIn("Hausdorff", run.text)
-        self.assertTrue(run.err.startswith("isoextract: error: sphere.glb and moved.ply: their Hausdorff distance is "
+        self.assertTrue(run.err.startswith("isoextract: error: sphere.glb and moved.ply: the Hausdorff distance is "
                                            "at least 0.2"), run.err)
 
     def test_usage(self):
@@ -191,7 +191,7 @@ class CompareTest(ProgramTest):
         self.assertEqual((run.code, run.text), (2, ""))
         # No hint: an iso value is nothing to a mesh that another program wrote.
         note, error = run.err.splitlines()
-        self.assertIn("note: lines.obj: 1 lines and points", note)
+        self.assertIn("note[data-left-out]: lines.obj: the reader skips 1 lines and points", note)
         self.assertIn("the first mesh, lines.obj, has no triangles", error)
 
     def test_far_places_are_no_small_distance(self):

@@ -86,7 +86,7 @@ class DocumentsTest(ProgramTest):
     def test_help_says_where_a_file_has_its_placement(self):
         """As docs/formats.md does, and as compare reads it: binary STL has it in its header."""
         coordinates = " ".join(self.text("help", "coordinates").split())
-        self.assertIn("binary stl does so in its header, as far as 80 bytes reach", coordinates)
+        self.assertIn("binary stl has 80 bytes for them, stl as text has none", coordinates)
         self.convert(SOURCE / "samples" / "metaballs.vdb", "--iso", "0.5", "--scale", "2", "-o", "a.stl")
         self.assertIn(b"scale", (self.folder / "a.stl").read_bytes()[:80])
 
@@ -112,7 +112,7 @@ class DocumentsTest(ProgramTest):
         self.assert_fails(1, self.run_program("help", "fromats"), "TOPIC", "did you mean 'formats'?")
 
     def test_version(self):
-        self.assertEqual(self.text("--version"), "isoextract 0.1.0\n")
+        self.assertEqual(self.text("--version"), "isoextract 0.2.0\n")
 
     def test_generate_needs_a_document(self):
         self.assert_fails(1, self.run_program("generate"), "man|bash|zsh|fish")

@@ -59,7 +59,7 @@ class ErrorTest(ProgramTest):
     def test_a_part_is_not_compared_with_the_size_of_the_whole(self):
         for part in (("--clip", "1,0,0,0"), ("--clip", "1,0,0,0", "--cap"), ("--roi", "0,0,0,16,31,31", "--cap")):
             run = self.convert("demo:sphere?size=32", "--iso", "0.5", *part, "-o", "a.ply", "--error", "--report", "r.json")
-            self.assertRegex(run.err, r"against the formula: .*; area and volume are those of a part")
+            self.assertRegex(run.err, r"against the formula: .*; area and volume not compared: the mesh covers a part of the surface")
             (mesh,) = json.loads((self.folder / "r.json").read_text())["meshes"]
             self.assertEqual([mesh["error"]["analytic"][size] for size in ("area", "volume")], [None, None])
             self.assertGreater(mesh["error"]["analytic"]["interior"]["points"], 0)
@@ -78,16 +78,16 @@ class ErrorTest(ProgramTest):
         self.write_raw("nan.raw", (6, 6, 6), lambda x, y, z: math.nan if (x, y, z) == (3, 3, 3) else x - 2.5)
         run = self.convert("nan.raw", "--dims", "6,6,6", "--dtype", "f32", "--iso", "0", "--nan", "outside", "--error",
                            "-o", "a.ply")
-        self.assertRegex(run.err, r"not in this: \d+ of \d+ points: \d+ beside samples that are not finite")
+        self.assertRegex(run.err, r"not measured: \d+ of \d+ points: \d+ beside samples that are not finite")
 
     def test_the_way_back_is_not_that_of_vertices(self):
         run = self.convert("demo:random?size=12", "--iso", "0", "--error", "-o", "a.ply", "--explain")
-        back = re.search(r"from the surface of the data to the mesh: rms (\S+), 99 % \S+, max (\S+) voxels, nowhere more than "
+        back = re.search(r"from the surface of the data to the mesh: rms (\S+), 99 % \S+, max (\S+) voxels, everywhere at most "
                          r"about (\S+); ", run.err)
         self.assertTrue(back, run.err)
         rms, most, at_most = map(float, back.groups())
         self.assertTrue(0.02 < rms < most <= at_most < 1.5, run.err)
-        self.assertRegex(run.err, r"back from \d+ points of the isosurface, found with cells divided into 4 parts")
+        self.assertRegex(run.err, r"the distance to the mesh, at \d+ points of the isosurface, found with cells divided into 4 parts")
 
     def test_a_mesh_far_from_the_data_is_measured(self):
         """Coarse voxels are more than two voxels of the data away, and no point is left out."""
@@ -106,7 +106,7 @@ class ErrorTest(ProgramTest):
         (self.folder / "a.ply").unlink()
         limit = report["reserved_memory_bytes"] // 3
         run = self.run_program(*arguments, "--memory-limit", str(limit))
-        self.assert_fails(2, run, "demo:random?size=32: the surface at iso 0 and the measuring of its error need at least",
+        self.assert_fails(2, run, "demo:random?size=32: the surface at iso 0 and the measurement of its error need at least",
                           "--memory-limit SIZE")
         self.assertEqual(json.loads((self.folder / "r.json").read_text())["extractions"], [], "nothing was extracted")
 

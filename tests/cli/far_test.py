@@ -21,9 +21,9 @@ READERS = {"glb": lambda data: next(iter(read_glb(data).values())), "ply": read_
 
 
 class FarTest(ProgramTest):
-    def sphere(self, centre, form, *options, ascii_text=False):
-        """The mesh of a sphere around `centre`, as the tests' own parser reads it."""
-        origin = ",".join(repr(c - HALF) for c in centre)
+    def sphere(self, center, form, *options, ascii_text=False):
+        """The mesh of a sphere around `center`, as the tests' own parser reads it."""
+        origin = ",".join(repr(c - HALF) for c in center)
         extra = ("--ascii",) if ascii_text else ()
         name = f"sphere.{form}"
         self.convert(f"demo:sphere?size={SIZE}", "--iso", "0", "--spacing", SPACING, f"--origin={origin}", "-o", name,
@@ -37,18 +37,18 @@ class FarTest(ProgramTest):
                     for a, b in zip(near.vertices, far.vertices) for axis in range(3))
         self.assertLessEqual(worst, allowed)
 
-    def radii(self, mesh, centre):
-        return [math.dist(vertex, centre) for vertex in mesh.vertices]
+    def radii(self, mesh, center):
+        return [math.dist(vertex, center) for vertex in mesh.vertices]
 
     def test_every_format_keeps_the_accuracy(self):
         for form, ascii_text in (("glb", False), ("ply", False), ("ply", True), ("obj", False)):
             with self.subTest(form=form, ascii=ascii_text):
                 near = self.sphere((0.0, 0.0, 0.0), form, ascii_text=ascii_text)
                 far = self.sphere(FAR, form, ascii_text=ascii_text)
-                centre = turned(FAR) if form == "glb" else FAR
-                self.assert_same_up_to_a_move(near, far, centre)
+                center = turned(FAR) if form == "glb" else FAR
+                self.assert_same_up_to_a_move(near, far, center)
                 # And as spheres: the spread of the radii is that of the sampling, near and far.
-                near_radii, far_radii = self.radii(near, (0, 0, 0)), self.radii(far, centre)
+                near_radii, far_radii = self.radii(near, (0, 0, 0)), self.radii(far, center)
                 self.assertAlmostEqual(min(near_radii), min(far_radii), delta=1e-6)
                 self.assertAlmostEqual(max(near_radii), max(far_radii), delta=1e-6)
 
@@ -61,8 +61,8 @@ class FarTest(ProgramTest):
                                                                 ("--up", "y", "z")))
                     far = self.sphere(FAR, form, *(o for o in options if form == "glb" or o not in ("--up", "y", "z")))
                     is_turned = form == "glb" and "y" not in options
-                    centre = [scale * c for c in (turned(FAR) if is_turned else FAR)]
-                    self.assert_same_up_to_a_move(near, far, centre, scale)
+                    center = [scale * c for c in (turned(FAR) if is_turned else FAR)]
+                    self.assert_same_up_to_a_move(near, far, center, scale)
 
     def test_neighbouring_vertices_stay_apart(self):
         # A spacing of 1e-5 at 1e7, a few thousand steps of double: float32 has steps of 1 there.

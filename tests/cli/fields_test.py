@@ -49,7 +49,7 @@ class SpheresTest(FieldsTest):
         self.write_csv("one.csv", [(0.3, -0.2, 5)])
         for method, more in (("spheres", ()), ("smooth", ("--smoothing-length", "1"))):
             run = self.convert("one.csv", "--particles", method, "--radius", "1.5", "--cell-size", "0.1", *more, "-o", "one.ply")
-            self.assertIn("iso 0, the usual one of", run.err)
+            self.assertIn("iso 0, the default of", run.err)
             mesh = self.mesh("one.ply")
             self.assertEqual(mesh.open_edges(), 0)
             self.assertAlmostEqual(mesh.volume(), 4 / 3 * math.pi * 1.5**3, delta=0.1)
@@ -78,7 +78,7 @@ class SpheresTest(FieldsTest):
     def test_each_particle_has_its_own_radius(self):
         self.write_csv("a.csv", [(0, 0, 0, 1.0), (5, 0, 0, 0.5), (9, 0, 0, 1.0)], "x,y,z,pscale")
         report, run = self.report("a.csv", "--particles", "spheres", "--cell-size", "0.2", "-o", "a.ply")
-        self.assertIn("each particle has the radius that its attribute 'pscale' says; their median is 1", run.err)
+        self.assertIn("the attribute 'pscale' gives the radius of each particle; the median radius is 1", run.err)
         self.assertEqual(report["particles"]["radius_attribute"], "pscale")
         self.assertEqual(report["particles"]["radius"], 1)
         self.assertAlmostEqual(self.mesh("a.ply").volume(), 4 / 3 * math.pi * 2.125, delta=0.3)
@@ -89,25 +89,25 @@ class SpheresTest(FieldsTest):
         # One that is named otherwise says nothing, and what is no radius is refused.
         self.write_csv("c.csv", [(0, 0, 0, 1.0), (5, 0, 0, -2.0)], "x,y,z,radius")
         self.assert_fails(2, self.run_program("c.csv", "--particles", "spheres", "-o", "c.ply"),
-                          "expected radii of 0 and more as 'radius', found -2 at particle 1", "--radius")
+                          "expected finite radii of 0 or more in the attribute 'radius', found -2 at particle 1", "--radius")
         self.assertIn("field", self.convert("info", "a.csv", "--particles", "spheres").text)
 
     @needs_plugin
     def test_small_and_broken_particles_are_told(self):
         self.write_csv("a.csv", [(0, 0, 0, 1.0), (5, 0, 0, 0.01), (9, 0, 0, 1.0)], "x,y,z,radius")
         report, run = self.report("a.csv", "--particles", "spheres", "--explain", "-o", "a.ply")
-        self.assertIn("1 of 3 particles have a radius of less than 1.5 voxels and were left out", run.err)
-        self.assertIn("left out: 1 of 3 particles, of less radius than 1.5 samples", run.err)
+        self.assertIn("the surface leaves out 1 of 3 particles, whose radius is less than 1.5 voxels", run.err)
+        self.assertIn("left out: 1 of 3 particles, whose radius is below 1.5 sample spacings", run.err)
         self.assertEqual((report["particles"]["particles"], report["particles"]["too_small"]), (2, 1))
         self.assertEqual(report["meshes"][0]["components"], 2)
         run = self.run_program("a.csv", "--particles", "spheres", "--radius", "1", "--cell-size", "0.7", "-o", "b.ply")
-        self.assert_fails(2, run, "at least 1.5 samples, which are 0.7 apart; all 3 are smaller", "--cell-size")
+        self.assert_fails(2, run, "at least 1.5 sample spacings (1.05 with a spacing of 0.7), found 3 particles, all smaller", "--cell-size")
         for method in ("spheres", "smooth"):
             self.write_csv("nan.csv", [(0, 0, 0), (math.nan, 1, 1), (3, 0, 0)])
             command = ("nan.csv", "--particles", method, "--radius", "1")
             self.assert_fails(2, self.run_program(*command, "-o", "n.ply"), "expected finite positions", "--nan outside")
             run = self.convert(*command, "--nan", "outside", "-o", "n.ply")
-            self.assertIn("1 particles at places that are no numbers were left out", run.err)
+            self.assertIn("the conversion left out 1 particles whose positions are not finite", run.err)
             self.assertEqual(self.mesh("n.ply").open_edges(), 0)
         self.assertFalse((self.folder / "b.ply").exists())
 
@@ -126,8 +126,8 @@ class SpheresTest(FieldsTest):
 
     def test_options_that_make_no_sense(self):
         self.write_csv("a.csv", [(0, 0, 0)])
-        for options, part in ((("--smoothing-length", "2"), "--smoothing-length is about kernels, which --particles spheres"),
-                              (("--weight", "2"), "--weight is about --particles weight"),
+        for options, part in ((("--smoothing-length", "2"), "--smoothing-length sets the size of kernels, and --particles spheres"),
+                              (("--weight", "2"), "--weight needs --particles weight"),
                               (("--nan", "hole"), "--nan hole")):
             self.assert_fails(1, self.run_program("a.csv", "--particles", "spheres", *options, "-o", "a.ply"), part)
 
@@ -182,7 +182,7 @@ class FilterTest(FieldsTest):
         self.assertIn(run.code, (1, 2))
         self.write_csv("a.csv", [(0, 0, 0)])
         run = self.run_program("a.csv", "--particles", "sph", "--filter", "mean", "-o", "a.ply")
-        self.assert_fails(1, run, "--filter is for level sets, and --particles sph makes a density")
+        self.assert_fails(1, run, "--filter works on level sets, and --particles sph makes a density")
         for text in ("box", "mean:", "mean:0", "mean:65", "mean:1.5", "mean:-1"):
             run = self.run_program(SPHERE, "--iso", "0", "--filter", text, "-o", "a.ply")
             self.assert_fails(1, run, "--filter", f"'{text}'", "gaussian:2")
@@ -261,11 +261,11 @@ class FieldFileTest(FieldsTest):
         self.assertEqual(run.code, 0, run.err)
         self.write_raw("large.raw", (3, 3, 3), lambda x, y, z: 1e5 * x)
         run = self.run_program("large.raw", "--dims", "3,3,3", "--dtype", "f32", "--half", "-o", "large.vdb")
-        self.assert_fails(4, run, "expected values up to 65504, which half floats hold; found 200000", "leave --half out")
+        self.assert_fails(4, run, "expected absolute values up to 65504, the limit of half floats; found 200000", "leave --half out")
         self.assertFalse((self.folder / "large.vdb").exists())
         self.write_raw("huge.raw", (3, 3, 3), lambda x, y, z: 1e300 * x, "d")
         run = self.run_program("huge.raw", "--dims", "3,3,3", "--dtype", "f64", "-o", "large.vdb")
-        self.assert_fails(4, run, "which floats hold; found 2e+300")
+        self.assert_fails(4, run, "the limit of floats; found 2e+300")
         self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "--half", "-o", "a.ply"), "--half")
 
     @needs_plugin
@@ -322,7 +322,7 @@ class FieldFileTest(FieldsTest):
         self.assertTrue((self.folder / "sub/in_0001.vdb").exists())
         self.assertIn("out_0003.vdb", self.convert(*command, "--dry-run").text)
         run = self.convert("in_0001.csv", "--radius", "0.1", "--format", "vdb", "-o", "other.ply")
-        self.assertIn("other.ply: its format is vdb, as --format says", run.err)
+        self.assertIn("other.ply: isoextract writes vdb because of --format", run.err)
 
     def test_options_of_surfaces_are_refused(self):
         for options in (("--iso", "0"), ("--method", "mt"), ("--normals", "flat"), ("--simplify", "0.1"), ("--cap",),
@@ -331,12 +331,12 @@ class FieldFileTest(FieldsTest):
                         ("--draco",), ("--quantize",), ("--meshopt",), ("--optimize-order",),
                         ("--error",), ("--verify",), ("--backend", "cpu"), ("--animate",), ("--plot", "a.svg")):
             run = self.run_program(SPHERE, *options, "-o", "a.vdb")
-            self.assert_fails(1, run, f"{options[0]} is about a surface, and the output is the field itself")
+            self.assert_fails(1, run, f"{options[0]} needs a surface, but the output is the field itself")
         run = self.run_program(SPHERE, "--cap", "--iso", "0", "--smooth", "3", "--center", "-o", "a.vdb")
-        self.assert_fails(1, run, "--iso, --cap, --smooth, --center are about a surface", "leave --iso, --cap, --smooth, --")
+        self.assert_fails(1, run, "--iso, --cap, --smooth, --center need a surface", "leave --iso, --cap, --smooth, --")
         self.assert_fails(1, self.run_program(SPHERE, "--nan", "hole", "-o", "a.vdb"), "--nan hole")
         self.assert_fails(1, self.run_program(SPHERE, "-o", "a_{iso}.vdb"), "a field has no iso value")
-        self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "-o", "a.xyz"), "or vdb for the field itself")
+        self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "-o", "a.xyz"), "or .vdb for the field itself")
         self.assertEqual(self.files(), [])
 
     @needs_plugin
@@ -345,7 +345,7 @@ class FieldFileTest(FieldsTest):
         self.assert_fails(2, self.run_program("none.csv", "-o", "a.vdb"), "there are no particles", "--empty")
         (self.folder / "a.vdb").write_bytes(b"old")
         run = self.convert("none.csv", "--empty", "skip", "-o", "a.vdb")
-        self.assertIn("a.vdb was not written; the old one was removed", run.err)
+        self.assertIn("the conversion did not write a.vdb and removed the old file", run.err)
         self.assertEqual(self.files(), ["none.csv"])
         self.convert("none.csv", "--empty", "write", "-o", "a.vdb")
         self.assertTrue((self.folder / "a.vdb").exists())
@@ -377,7 +377,7 @@ class PluginTest(FieldsTest):
             none = {name: value for name, value in os.environ.items() if name != "ISOEXTRACT_PLUGINS"}
             run = subprocess.run([alone, *command], cwd=self.folder, check=False, capture_output=True, text=True, env=none)
             self.assertEqual(run.returncode, 3, run.stderr)
-            for part in ("isoextract-grids-openvdb.so", "install it", "ISOEXTRACT_PLUGINS"):
+            for part in ("isoextract-grids-openvdb.so", "install the plug-in", "ISOEXTRACT_PLUGINS"):
                 self.assertIn(part, run.stderr)
             if HAS_PLUGIN:
                 found = dict(os.environ, ISOEXTRACT_PLUGINS=str(PLUGIN.parent))

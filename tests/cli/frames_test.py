@@ -62,26 +62,26 @@ class FramesTest(ProgramTest):
             self.assertAlmostEqual(got, number, delta=1e-6 * max(1e-3, abs(number)))
 
     def test_the_unit_of_a_file(self):
-        files = [(self.write(f"{code}.nii", nifti(code)), metres) for code, metres in ((1, 1), (2, 1e-3), (3, 1e-6))]
+        files = [(self.write(f"{code}.nii", nifti(code)), meters) for code, meters in ((1, 1), (2, 1e-3), (3, 1e-6))]
         units = '"{0}" "{0}" "{0}"\n'
-        for i, (unit, metres) in enumerate((("mm", 1e-3), ("Microns", 1e-6), ("\u00b5m", 1e-6), ("centimeters", 1e-2),
+        for i, (unit, meters) in enumerate((("mm", 1e-3), ("Microns", 1e-6), ("\u00b5m", 1e-6), ("centimeters", 1e-2),
                                             ("inches", 0.0254), ("feet", 0.3048), ("\u00c5", 1e-10), ("nm", 1e-9))):
-            files.append((self.write(f"space{i}.nrrd", nrrd(SPACE + "space units: " + units.format(unit))), metres))
+            files.append((self.write(f"space{i}.nrrd", nrrd(SPACE + "space units: " + units.format(unit))), meters))
             axes = "spacings: 2 3 4\naxis mins: 9 18.5 28\nunits: " + units.format(unit)
-            files.append((self.write(f"axes{i}.nrrd", nrrd(axes)), metres))
-        for name, metres in files:
+            files.append((self.write(f"axes{i}.nrrd", nrrd(axes)), meters))
+        for name, meters in files:
             run = self.convert(name, "--iso", 0.5, "--unit", "file", "--up", "y", "-o", "out.glb", "--report", "r.json")
-            self.assert_near(self.bounds("out.glb"), [metres * x for x in (*LOW, *HIGH)])
+            self.assert_near(self.bounds("out.glb"), [meters * x for x in (*LOW, *HIGH)])
             report = json.loads((self.folder / "r.json").read_text())
             self.assertEqual(report["options"]["unit"], "file")
             self.assertEqual(report["placement"]["to_unit"], "m")
-            self.assertAlmostEqual(report["placement"]["scale"], metres, delta=1e-15 * metres)
+            self.assertAlmostEqual(report["placement"]["scale"], meters, delta=1e-15 * meters)
             self.assertNotIn("(file", run.err)
             # The file's unit stays where no format prescribes another, and --to-unit goes before both.
             self.convert(name, "--iso", 0.5, "--unit", "file", "-o", "out.ply")
             self.assert_near(self.bounds("out.ply"), (*LOW, *HIGH))
             self.convert(name, "--iso", 0.5, "--unit", "file", "--to-unit", "cm", "-o", "out.ply")
-            self.assert_near(self.bounds("out.ply"), [100 * metres * x for x in (*LOW, *HIGH)])
+            self.assert_near(self.bounds("out.ply"), [100 * meters * x for x in (*LOW, *HIGH)])
 
     def test_tables_say_the_unit_of_lengths(self):
         for number, (unit, step) in enumerate((("mm", 1), ("m", 0.001))):
@@ -95,11 +95,11 @@ class FramesTest(ProgramTest):
                 found = [row["unit"] for row in csv.DictReader(table)]
             self.convert(*batch, *options, "--table", "t.json")
             self.assertEqual([row["unit"] or "" for row in json.loads((self.folder / "t.json").read_text())], found)
-            return found, "unlike units" in run.err, run.err
+            return found, "different length units" in run.err, run.err
 
         found, told, said = units("--unit", "file")
         self.assertEqual((found, told), (["mm", "m"], True))
-        self.assertIn("(m in 1 of them, mm in 1 of them)", said)
+        self.assertIn("(m in 1 frame, mm in 1 frame)", said)
         self.assertIn("--unit file --to-unit mm", said)
         self.assertEqual(units()[:2], (["mm", "m"], True))
         self.assertEqual(units("--resume")[:2], (["mm", "m"], True))
@@ -109,11 +109,11 @@ class FramesTest(ProgramTest):
         self.assertEqual(units("--space", "index")[:2], (["", ""], False))
 
     def test_a_file_that_does_not_say_its_unit(self):
-        files = {self.write("unknown.nii", nifti(0)): "states none", self.write("odd.nii", nifti(7)): "states 'code 7'",
-                 self.write("none.nrrd", nrrd(SPACE)): "states none",
-                 self.write("parsec.nrrd", nrrd(SPACE + 'space units: "pc" "pc" "pc"\n')): "states 'pc', which is none",
-                 self.write("mixed.nrrd", nrrd(SPACE + 'space units: "mm" "mm" "cm"\n')): "states 'mm, mm, cm'",
-                 "demo:sphere?size=8": "states none"}
+        files = {self.write("unknown.nii", nifti(0)): "found none", self.write("odd.nii", nifti(7)): "found 'code 7'",
+                 self.write("none.nrrd", nrrd(SPACE)): "found none",
+                 self.write("parsec.nrrd", nrrd(SPACE + 'space units: "pc" "pc" "pc"\n')): "found 'pc', which is not a known unit",
+                 self.write("mixed.nrrd", nrrd(SPACE + 'space units: "mm" "mm" "cm"\n')): "found 'mm, mm, cm'",
+                 "demo:sphere?size=8": "found none"}
         for name, said in files.items():
             iso = 0 if name.startswith("demo") else 0.5
             run = self.run_program(name, "--iso", iso, "--unit", "file", "-o", "out.ply")
@@ -122,7 +122,7 @@ class FramesTest(ProgramTest):
             self.assertFalse((self.folder / "out.ply").exists())
         run = self.run_program("unknown.nii", "--iso", 0.5, "--to-unit", "mm", "-o", "out.ply")
         self.assert_fails(1, run, "--to-unit needs the unit")
-        self.assertIn("--unit file where the input states it", run.err)
+        self.assertIn("--unit file if the input states its unit", run.err)
 
     def test_particles_have_units_too(self):
         atoms = "".join(f"{i} {i % 4} {i // 4 % 4} {i // 16}\n" for i in range(64))
@@ -136,7 +136,7 @@ class FramesTest(ProgramTest):
     def test_info_tells_of_units_and_spaces(self):
         self.write("mm.nii", nifti(2))
         text = self.convert("info", "mm.nii").text
-        self.assertIn("unit          mm; --unit file takes it", text)
+        self.assertIn("unit          mm; use it with --unit file", text)
         self.assertIn("world space   RAS", text)
         self.assertEqual(json.loads(self.convert("info", "--json", "mm.nii").text)[0]["field"]["length_unit"], "mm")
         self.write("pc.nrrd", nrrd(SPACE + 'space units: "pc" "pc" "pc"\n'))
@@ -192,7 +192,7 @@ class FramesTest(ProgramTest):
                                        delta=0.2 if name == "out.drc" else 0.001)
                 if name != "out.drc":  # whose places are rounded
                     run = self.convert("verify", "scan.nii.gz", "--iso", 0.5, name)
-                    self.assertIn("the surface is placed so" if name[-3:] in ("ply", "obj") else "same", run.err + run.text)
+                    self.assertIn("places the surface accordingly" if name[-3:] in ("ply", "obj") else "same", run.err + run.text)
 
     def test_one_axis_mirrored(self):
         """Triangles wind the other way round then, and so they do where that is undone."""
@@ -206,8 +206,8 @@ class FramesTest(ProgramTest):
             self.assertIn("same          yes", self.convert("verify", "las.nrrd", "--iso", 0.5, name).text)
 
     def test_check_tells_the_unit(self):
-        for unit, said in (("mm", "as millimetres: 2 x 3 x 4 mm, which they are."), ("in", "the file says they are in in: scale by 25.4"),
-                           (None, "the file has no unit")):
+        for unit, said in (("mm", "as millimeters: 2 x 3 x 4 mm, as the file states."), ("in", "the file states in: scale by 25.4"),
+                           (None, "the file states no unit")):
             self.convert(*self.raw(), *(("--unit", unit) if unit else ()), "--center", "-o", "a.ply")
             self.assertIn(said, " ".join(self.run_program("check", "a.ply").text.split()))
             report = json.loads(self.run_program("check", "a.ply", "--json").text)
@@ -217,7 +217,7 @@ class FramesTest(ProgramTest):
         for frame in range(2):
             self.write(f"f{frame}.raw", spike())
         sequence = ("f{}.raw", *self.raw()[1:], "--center", "-o", "o{frame}.ply")
-        self.assertIn("note: --center: each frame is moved by the middle of its own samples", self.convert(*sequence).err)
+        self.assertIn("note[frames-move]: --center moves each frame by the center of its own samples", self.convert(*sequence).err)
         self.assertNotIn("--center", self.convert(*sequence, "--roi", "10,20,30,14,29,46").err)
 
     def test_meshes_that_nothing_was_done_to_say_nothing(self):
@@ -258,9 +258,9 @@ class FramesTest(ProgramTest):
         self.assertEqual(len((self.folder / "a.stl").read_bytes()), len((self.folder / "plain.stl").read_bytes()))
         self.convert(*self.raw(), "--unit", "mm", "--to-unit", "in", "--up-out", "y", "--center", "-o", "a.stl")
         run = self.convert("compare", "plain.stl", "a.stl")
-        self.assertIn("a.stl: what it says of its placement cannot be read", run.err)
+        self.assertIn("a.stl: the placement record is not readable", run.err)
         run = self.run_program("verify", *self.raw(), "a.stl")
-        self.assertIn("a.stl: what it says of its placement cannot be read", run.err)
+        self.assertIn("a.stl: the placement record is not readable", run.err)
         self.assertEqual(run.code, 6)
 
     def test_animations_say_it_too(self):
@@ -277,7 +277,7 @@ class FramesTest(ProgramTest):
         self.convert(*self.raw(), "--space", "index", "-o", "a.ply")
         self.convert(*self.raw(), "-o", "b.ply")
         run = self.convert("compare", "a.ply", "b.ply")
-        self.assertIn("a.ply is in voxel coordinates, and b.ply is in those of the world", run.err)
+        self.assertIn("a.ply is in voxel coordinates, and b.ply is in world coordinates", run.err)
 
     def test_pictures_of_meshes_stand_as_these_say(self):
         for name, *options in (("a.ply",), ("b.glb", "--up", "y"), ("c.ply", "--up", "y", "--scale", 2), ("d.ply", "--space", "index")):
@@ -287,7 +287,7 @@ class FramesTest(ProgramTest):
             self.convert("render", name, "-o", "o.png", "--json", "o.json")
             self.assertEqual((self.folder / "o.png").read_bytes(), (self.folder / "y.png").read_bytes())
         run = self.convert("render", self.raw()[0], *self.raw()[1:7], "--origin", "10,20,30", "d.ply", "-o", "d.png")
-        self.assertIn("d.ply: it is in voxel coordinates, and the volume is drawn in those of the world", run.err)
+        self.assertIn("d.ply: the mesh is in voxel coordinates, but render draws the volume in world coordinates", run.err)
 
     def test_voxel_coordinates_say_so(self):
         for name in ("a.glb", "a.ply"):
@@ -311,7 +311,7 @@ class FramesTest(ProgramTest):
             (self.folder / "a.obj").write_text(text)
             run = self.run_program("compare", "a.obj", "b.obj", "--json")
             self.assertEqual(run.code, 0, run.err)
-            self.assertIn("what it says of its placement cannot be read", run.err)
+            self.assertIn("the placement record is not readable", run.err)
             self.assertGreater(json.loads(run.text)["hausdorff"][0], 10)
         # Nor is it looked for in files of others.
         (self.folder / "a.obj").write_text(good.replace("# isoextract", "# somebody"))
@@ -323,7 +323,7 @@ class FramesTest(ProgramTest):
 class CreatorTest(ProgramTest):
     """Houdini's volumes are y up, and say who made them."""
 
-    ADVICE = r"note: {}\.vdb\[density\]: Houdini/SOP_OpenVDB_Write made it, where y points up, and z is taken: {}; add --up y\n"
+    ADVICE = r"note\[up-axis\]: {}\.vdb\[density\]: Houdini/SOP_OpenVDB_Write wrote the file, whose up axis is y, but isoextract assumes z: {}; add --up y\n"
 
     def setUp(self):
         super().setUp()
@@ -336,7 +336,7 @@ class CreatorTest(ProgramTest):
     @needs_data("vdb/smoke.vdb")
     def test_info_names_the_option_and_suggests_it(self):
         text = self.convert("info", "smoke.vdb").text
-        self.assertIn("creator       Houdini/SOP_OpenVDB_Write; y points up in it: add --up y\n", text)
+        self.assertIn("creator       Houdini/SOP_OpenVDB_Write; y is the up axis: add --up y\n", text)
         self.assertRegex(text, r"\n  isoextract smoke\.vdb --up y --iso \S+ -o smoke\.glb\n")
         suggested = json.loads(self.convert("info", "smoke.vdb", "--json").text)[0]["field"]["suggestion"]["command"]
         self.assertIn(" --up y ", suggested)
@@ -355,23 +355,23 @@ class CreatorTest(ProgramTest):
             with self.subTest(options=options):
                 run = self.convert(*coarse, *options, "--report", "r.json")
                 self.assertRegex(run.err, self.advice(consequence))
-                self.assertEqual(sum("add --up y" in note for note in json.loads((self.folder / "r.json").read_text())["notes"]), 1)
+                self.assertEqual(sum("add --up y" in note["text"] for note in json.loads((self.folder / "r.json").read_text())["notes"]), 1)
                 upright = self.convert(*coarse, *options, "--up", "y")
                 self.assertNotIn("--up", upright.err)
-                self.assertNotIn("made it", self.convert(*coarse, *options, "--up", "z").err)
+                self.assertNotIn("wrote the file", self.convert(*coarse, *options, "--up", "z").err)
         self.convert(*coarse, "-o", "a.ply", "--html", "a.html")
         self.assertIn("add --up y", (self.folder / "a.html").read_text())
         for options in (("-o", "a.ply"), ("--space", "index", "-o", "a.glb")):
-            self.assertNotIn("made it", self.convert(*coarse, *options).err)
+            self.assertNotIn("wrote the file", self.convert(*coarse, *options).err)
 
     def test_particles_in_houdinis_format(self):
-        """Geometry files are Houdini's as well, whoever wrote them."""
+        """Geometry files are Houdini's as well, from any program."""
         for name in ("p.bgeo", "p_1.bgeo", "p_2.bgeo"):
             (self.folder / name).write_bytes(bgeo([]))
         text = self.convert("info", "p.bgeo").text
-        self.assertIn("creator       Houdini's format; y points up in it: add --up y\n", text)
+        self.assertIn("creator       Houdini's format; y is the up axis: add --up y\n", text)
         self.assertRegex(text, r"\n  isoextract p\.bgeo --up y --iso \S+ -o p\.glb\n")
-        advice = r"note: {}: it has Houdini's format, where y points up, and z is taken: {}; add --up y\n"
+        advice = r"note\[up-axis\]: {}: the file has Houdini's format, whose up axis is y, but isoextract assumes z: {}; add --up y\n"
         run = self.convert("p.bgeo", "--radius", "0.3", "-o", "p.glb")
         self.assertRegex(run.err, advice.format(r"p\.bgeo", "the mesh lies on its side"))
         run = self.convert("p_{}.bgeo", "--radius", "0.3", "-o", "p_{}.glb")

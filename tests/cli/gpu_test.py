@@ -77,7 +77,7 @@ class GpuTest(ProgramTest):
     def test_surfaces_of_one_field_share_what_was_uploaded(self):
         run = self.convert("demo:gyroid?size=40", "--iso", 0, "--iso", 0.1, "--backend", "gpu", "--explain", "-o", "two.glb")
         self.assertIn("uploads of 0 of 216 bricks", run.err)
-        self.assertIn("uploads of 216 of 216 bricks (8x8x8 samples), which are on the device", run.err)
+        self.assertIn("uploads of 216 of 216 bricks (8x8x8 samples), which the device has", run.err)
         for iso in (0, 0.1):
             one = self.convert("demo:gyroid?size=40", "--iso", iso, "--backend", "gpu", "--explain", "-o", "one.glb")
             self.assertNotIn("uploads of", one.err)
@@ -115,8 +115,8 @@ class GpuTest(ProgramTest):
                                      env=NO_GPU)
         self.assertEqual(automatic.code, 0)
         note = json.loads((self.folder / "r.json").read_text())["notes"][0]
-        self.assertIn("backend: cpu, because", note)
-        self.assertIn(f"note: {note}\n", automatic.err)
+        self.assertIn("backend: cpu, because", note["text"])
+        self.assertIn(f"note[{note['id']}]: {note['text']}\n", automatic.err)
         self.assertTrue((self.folder / "s.glb").exists())
         self.assert_fails(3, self.run_program("devices", env=NO_GPU), "EGL")
         self.assert_fails(3, self.run_program("verify", SPHERE, "--iso", 0, env=NO_GPU), "EGL")
@@ -127,7 +127,7 @@ class GpuTest(ProgramTest):
         (self.folder / "libEGL.so.1").write_text("no library")
         environment = dict(NO_GPU, LD_LIBRARY_PATH=str(self.folder))
         run = self.run_program(SPHERE, "--iso", 0, "--backend", "gpu", "-o", "s.glb", env=environment)
-        self.assert_fails(3, run, "EGL could not be loaded", "libegl1")
+        self.assert_fails(3, run, "EGL failed to load", "libegl1")
 
     def test_options_that_make_no_sense(self):
         convert = (SPHERE, "--iso", 0, "-o", "s.glb")

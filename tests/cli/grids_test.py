@@ -109,7 +109,7 @@ class GridsTest(ProgramTest):
         self.write("far.vdb", grid("far", {(0, 0, 0): 1.0, (far, 0, 0): 1.0}))
         for options in ((), ("--space", "index")):
             run = self.run_program("far.vdb", "--iso", "0.5", *options)
-            self.assert_fails(2, run, "reach too far", "--roi")
+            self.assert_fails(2, run, "extend over more than about 2^20 samples", "--roi")
             for place in (0, far):
                 roi = f"--roi={place - 3},-3,-3,{place + 3},3,3"
                 mesh = self.mesh("far.vdb", "--iso", "0.5", roi, "--error", *options)
@@ -120,7 +120,7 @@ class GridsTest(ProgramTest):
     def test_info_suggests_no_command_that_fails(self):
         self.write("apart.vdb", grid("apart", {(0, 0, 0): 1.0, (1 << 26, 0, 0): 1.0}))
         shown = self.convert("info", "apart.vdb").text
-        self.assertIn("too far apart for one mesh: extract parts with --roi", shown)
+        self.assertIn("too far apart for one mesh: extract regions with --roi", shown)
         self.assertNotIn("isoextract apart.vdb", shown)
         self.write("a\nb.vdb", grid("a", VOXELS))
         shown = self.convert("info", "a\nb.vdb").text
@@ -129,13 +129,13 @@ class GridsTest(ProgramTest):
         self.assertIn("a\nb.glb", self.files())
 
     def test_holes_far_apart_take_no_time(self):
-        """What decides whether a surface with holes is open looks at the surface, not at all of a region's border."""
+        """Whether a surface with holes is open depends on the surface, not on all of a region's faces."""
         far = 1 << 17
         voxels = {(x, y, 0): 2.0 for x in range(3) for y in range(3)}
         self.write("holes.vdb", grid("holes", voxels | {(1, 1, 0): float("nan"), (far, far, far): 2.0}))
         with processor_time_below(30, "a look at all of it takes minutes"):
-            for roi, ends in (((1, 0, -2, far + 2, far + 2, far + 2), "open at the border of the --roi"),
-                              ((-2, -2, -2, far + 2, far + 2, far + 2), "around samples that are not numbers")):
+            for roi, ends in (((1, 0, -2, far + 2, far + 2, far + 2), "open at the boundary of --roi"),
+                              ((-2, -2, -2, far + 2, far + 2, far + 2), "around NaN samples")):
                 run = self.convert("holes.vdb", "--iso", "1", "--nan", "hole", "--roi=" + ",".join(map(str, roi)),
                                    "-o", "a.ply")
                 self.assertIn(ends, run.err)
@@ -178,7 +178,7 @@ class GridsTest(ProgramTest):
         self.assertEqual(reasons, {"empty": ("empty_grid", True), "cut": (None, False)})
         run = self.run_program("empty.vdb", "--iso", "0.5", "--resolution", "8", "-q")
         self.assert_fails(2, run, "empty.vdb[nothing]: the grid is empty: it has no voxels", "--empty skip", "--empty write")
-        self.assertIn("was not written", self.convert("empty.vdb", "--iso", "0.5", "--empty", "skip", "-o", "a.ply").err)
+        self.assertIn("the conversion did not write a.ply", self.convert("empty.vdb", "--iso", "0.5", "--empty", "skip", "-o", "a.ply").err)
         self.assertEqual(self.mesh("empty.vdb", "--iso", "0.5", "--empty", "write").triangles, [])
 
 

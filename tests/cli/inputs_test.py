@@ -111,7 +111,7 @@ class SeriesTest(ProgramTest):
     def test_info_counts_and_describes_one(self):
         for name, _ in self.series():
             run = self.convert("info", name)
-            self.assertIn("volumes       5, counted from 0; 0 is described, --volume K chooses another\n", run.text)
+            self.assertIn("volumes       5, counted from 0; this report describes 0, choose another with --volume K\n", run.text)
             self.assertIn(f" {name} --volume 0 --iso ", run.text)
             (first,) = json.loads(self.convert("info", "--json", name).text)
             (last,) = json.loads(self.convert("info", "--json", name, "--volume", "4").text)
@@ -230,14 +230,14 @@ class StandardInputTest(ProgramTest):
         for name, title in by_name:
             (self.folder / name).write_bytes(b"whatever it holds")
             run = self.run_program(name, "--iso", "0", "-o", "out.ply")
-            self.assert_fails(2, run, f"{name}: it is", title, "by its name", "hint: ")
+            self.assert_fails(2, run, f"{name}: its name says that it is", title, "hint: ")
             self.assert_fails(2, self.run_program("info", name), title)
         by_content = ((bytes(128) + b"DICM", "DICOM"), (b"\x89HDF\r\n\x1a\n" + bytes(20), "HDF5"),
                       (bytes(208) + b"MAP ", "MRC"), (b"II*\0" + bytes(9), "TIFF"), (b"BPHYSICS" + bytes(9), "Blender"))
         for content, title in by_content:
             (self.folder / "unnamed").write_bytes(content)
             run = self.run_program("unnamed", "--iso", "0", "-o", "out.ply")
-            self.assert_fails(2, run, "unnamed: it is", title, "by its content", "hint: ")
+            self.assert_fails(2, run, "unnamed: its content says that it is", title, "hint: ")
         # Cut off before the magic is whole, it is nothing that is known.
         (self.folder / "unnamed").write_bytes(bytes(128) + b"DIC")
         self.assert_fails(2, self.run_program("unnamed", "--iso", "0"), "not a volume format")
@@ -254,7 +254,7 @@ class StandardInputTest(ProgramTest):
         self.fails(2, gzip.compress(nifti(None, samples(1)))[:-20], convert, "standard input")
         self.fails(2, (SOURCE / "samples/metaballs.vdb").read_bytes()[:2000], convert, "standard input")
         self.fails(2, b"NRRD0005\ntype: float\n" + NRRD_ONE.encode() + b"encoding: raw\nendian: little\ndata file: a.raw\n",
-                   convert, "standard input: names the data file 'a.raw'")
+                   convert, "standard input: the header names the data file 'a.raw'")
         self.fails(1, samples(1), (*convert, "--input-format", "raw"), "standard input", "--dims")
         pair = bytearray(nifti(None, b""))
         pair[344:347] = b"ni1"
@@ -328,15 +328,15 @@ class FoldersTest(ProgramTest):
         for slice_ in ("I10", "I9", "I100"):
             (self.folder / "scan" / slice_).write_bytes(bytes(128) + b"DICM" + bytes(400))
         run = self.run_program("scan", "--iso", "1", "-o", "a.ply")
-        self.assert_fails(2, run, "no file in the folder is named like a volume", "I9: it is a DICOM file",
+        self.assert_fails(2, run, "no file in the folder has the extension of a volume", "I9: its content says that it is a DICOM file",
                           "dcm2niix makes a NIfTI file")
-        self.assert_fails(2, self.run_program("info", "scan"), "no file in the folder is named like a volume", "I9: it is a DICOM file")
+        self.assert_fails(2, self.run_program("info", "scan"), "no file in the folder has the extension of a volume", "I9: its content says that it is a DICOM file")
         run = self.run_program("scan/I*", "--iso", "1", "-o", "a.ply")
-        self.assert_fails(1, run, "scan/I*: there is no such file, and * is no pattern", "write {} where the number")
+        self.assert_fails(1, run, "scan/I*: there is no such file, and isoextract does not expand *", "write {} in place of the frame number")
         (self.folder / "notes").mkdir()
         (self.folder / "notes/a.txt").write_text("nothing")
         run = self.run_program("notes", "--iso", "1", "-o", "a.ply")
-        self.assert_fails(2, run, "no file in the folder is named like", "files of any name are found by a pattern")
+        self.assert_fails(2, run, "no file in the folder has the extension of", "give a pattern, with the folder before it, to find files of any name")
 
 
 if __name__ == "__main__":

@@ -42,7 +42,7 @@ class IsoTest(ProgramTest):
     def test_auto_is_what_info_suggests(self):
         told = self.suggestion()
         report, run = self.report("a.raw", *DIMS, "--iso", "auto", "-o", "a.ply")
-        self.assertIn(f"note: a.raw: iso auto is {told['text']}: {told['method']}", run.err)
+        self.assertIn(f"note[iso-chosen]: a.raw: iso auto is {told['text']}: {told['method']}", run.err)
         self.assertEqual(report["iso_values"], [{"asked": "auto", "iso": told["iso"], "found_by": told["method"]}])
         self.assertEqual(report["options"]["iso"], ["auto"])
         self.assertEqual(report["options"]["outputs"][0]["iso"], ["auto"])
@@ -82,7 +82,7 @@ class IsoTest(ProgramTest):
         self.assertEqual([e["iso"] for e in report["extractions"]], [59])
         self.assertEqual(len(read_glb(self.bytes_of("a.glb"))), 1)
         self.assert_fails(1, self.run_program("a.raw", *DIMS, "--iso", "p50", "--iso", "p50.0", "-o", "b.glb"),
-                          "--iso p50 was given twice")
+                          "--iso p50 occurs twice")
 
     def test_the_whole_input_counts(self):
         _, whole = self.report("a.raw", *DIMS, "--iso", "p40", "-o", "a.ply")
@@ -93,13 +93,13 @@ class IsoTest(ProgramTest):
     def test_nothing_is_guessed(self):
         self.write_raw("flat.raw", (6, 5, 4), lambda x, y, z: 3.0)
         run = self.run_program("flat.raw", *DIMS, "--iso", "auto", "-o", "b.ply", "--report", "r.json")
-        self.assert_fails(2, run, "flat.raw: expected samples of two kinds, to take an iso value between them; found 3 "
-                          "everywhere", "no surface worth suggesting")
+        self.assert_fails(2, run, "flat.raw: expected two groups of sample values, to choose an iso value between them; found 3 "
+                          "everywhere", "no iso value separates these samples into two groups")
         self.assertEqual(json.loads(self.bytes_of("r.json"))["error"]["reason"], "no_surface")
         self.convert("flat.raw", *DIMS, "--iso", "auto", "--empty", "skip", "-o", "b.ply")
         self.assertNotIn("b.ply", self.files())
         self.assert_fails(2, self.run_program("a.raw", *DIMS, "--iso", "p100", "-o", "b.ply"),
-                          "no surface at iso p100 (1119)", "run from 0 to 1119")
+                          "no surface at iso p100 (1119)", "range from 0 to 1119")
         self.write_raw("nan.raw", (6, 5, 4), lambda x, y, z: math.nan)
         for word in ("auto", "p50"):
             self.assert_fails(2, self.run_program("nan.raw", *DIMS, "--iso", word, "--nan", "outside", "-o", "b.ply"),
@@ -109,15 +109,15 @@ class IsoTest(ProgramTest):
         self.write_raw("ls.raw", (6, 5, 4), lambda x, y, z: x - 2.5)
         run = self.convert("ls.raw", *DIMS, "--inside", "below", "--iso", "auto", "-o", "b.ply")
         self.assertIn("iso auto is 0: the zero of the level set", run.err)
-        # What passes no zero has no surface, which is told with its values.
+        # A field that does not cross zero has no surface; the message names its values.
         self.assert_fails(2, self.run_program("a.raw", *DIMS, "--inside", "below", "--iso", "auto", "-o", "b.ply"),
-                          "no surface at iso auto (0)", "run from 0 to 1119")
+                          "no surface at iso auto (0)", "range from 0 to 1119")
 
     def test_a_level_set_needs_no_iso_value(self):
         self.write_raw("ls.raw", (6, 5, 4), lambda x, y, z: x - 2.25)
         level_set = ("ls.raw", *DIMS, "--inside", "below")
         run = self.convert(*level_set, "-o", "a.ply")
-        self.assertIn("note: ls.raw: iso zero is 0: the zero of the level set\n", run.err)
+        self.assertIn("note[iso-chosen]: ls.raw: iso zero is 0: the zero of the level set\n", run.err)
         self.assertEqual(read_ply(self.bytes_of("a.ply")).bounds(), ([2.25, 0, 0], [2.25, 4, 3]))
         self.convert(*level_set, "--iso", "0", "-o", "b.ply")
         self.assertEqual(self.bytes_of("a.ply"), self.bytes_of("b.ply"))
@@ -128,8 +128,8 @@ class IsoTest(ProgramTest):
         run = self.convert("f{}.raw", *DIMS, "--inside", "below", "-o", "out_{}.ply")
         self.assertEqual(self.bytes_of("out_1.ply"), self.bytes_of("a.ply"))
         self.assertNotIn("jump", run.err)
-        self.assert_fails(1, self.run_program("ls.raw", *DIMS, "-o", "c.ply"), "ls.raw: expected a level set",
-                          "found a density", "try --iso auto", "isoextract info")
+        self.assert_fails(1, self.run_program("ls.raw", *DIMS, "-o", "c.ply"), "ls.raw: expected an iso value for a density",
+                          "only a level set has a default iso value", "try --iso auto", "isoextract info")
         self.assertNotIn("c.ply", self.files())
 
     def test_words_that_are_none(self):
@@ -151,7 +151,7 @@ class IsoTest(ProgramTest):
             self.write_raw(f"in_{k}.raw", (6, 5, 4), lambda x, y, z, k=k: two_heaps(x, y, z) + 7 * k)
         arguments = ("in_{}.raw", *DIMS, "--iso", "p30", "--iso", "40", "-o", "f_{}_{iso}.ply")
         run = self.convert(*arguments, "--table", "t.csv", "-v")
-        self.assertEqual(run.err.count("found for each frame by itself"), 1)
+        self.assertEqual(run.err.count("each frame gets its own iso value"), 1)
         self.assertIn("frame 2: in_2.raw: iso p30 is 49", run.err)
         rows = list(csv.DictReader((self.folder / "t.csv").read_text().splitlines()))
         self.assertEqual([(row["iso"], row["asked"]) for row in rows],
@@ -171,7 +171,7 @@ class IsoTest(ProgramTest):
             self.write_raw(f"in_{k}.raw", (6, 5, 4), two_heaps)
         (self.folder / "iso.csv").write_text("frame,iso\n0,p50\n1,auto\n1,7\n")
         run = self.convert("in_{}.raw", *DIMS, "--iso-table", "iso.csv", "-o", "{frame}.glb", "--table", "t.csv")
-        self.assertNotIn("by itself", run.err)
+        self.assertNotIn("its own iso value", run.err)
         rows = list(csv.DictReader((self.folder / "t.csv").read_text().splitlines()))
         self.assertEqual([(row["frame"], row["asked"]) for row in rows], [("0", "p50"), ("1", "auto"), ("1", "")])
 
@@ -179,7 +179,7 @@ class IsoTest(ProgramTest):
         rows = "".join(f"{x},{y},{z}\n" for x in range(4) for y in range(4) for z in range(4))
         (self.folder / "p.csv").write_text("x,y,z\n" + rows)
         report, run = self.report("p.csv", "--iso", "auto", "-o", "a.ply")
-        self.assertIn("p.csv: iso auto is 0.6: the usual one of SPH interpolation", run.err)
+        self.assertIn("p.csv: iso auto is 0.6: the default of SPH interpolation", run.err)
         self.assertEqual(report["iso_values"][0]["iso"], 0.6)
         self.convert("p.csv", "--iso", "0.6", "-o", "b.ply")
         self.assertEqual(self.bytes_of("a.ply"), self.bytes_of("b.ply"))
@@ -188,7 +188,7 @@ class IsoTest(ProgramTest):
         self.assertIn("iso auto is 0.15", run.err)
         self.assert_fails(1, self.run_program("p.csv", "--iso", "p99", "-o", "c.ply"),
                           "p.csv: expected a number or 'auto' as the iso value of particles, found 'p99'",
-                          "the usual value of SPH interpolation is 0.6")
+                          "the default iso value of SPH interpolation is 0.6")
         self.convert("verify", "p.csv", "--particles", "weight", "--iso", "auto", "a.ply")
 
 

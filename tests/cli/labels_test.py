@@ -1,4 +1,4 @@
-"""--labels: smooth meshes of label maps, names and colours from tables, what is refused and in which words."""
+"""--labels: smooth meshes of label maps, names and colors from tables, what is refused and in which words."""
 
 import collections
 import gzip
@@ -41,7 +41,7 @@ def model_of(path):
 class LabelsTest(ProgramTest):
     def setUp(self):
         super().setUp()
-        # Two halves of a ball of 12 voxels radius, labelled 1 and 5, and 9 far from both.
+        # Two halves of a ball of 12 voxels radius, labeled 1 and 5, and 9 far from both.
         def label(x, y, z):
             if (x - 15.3) ** 2 + (y - 14.6) ** 2 + (z - 14.9) ** 2 < 144:
                 return 1 if x < 15 else 5
@@ -57,26 +57,26 @@ class LabelsTest(ProgramTest):
         return read_glb((self.folder / "out.glb").read_bytes()), run
 
     def test_a_cut_is_closed_label_by_label_and_neighbours_still_meet(self):
-        """Caps close each mesh: what is cut off and what stays have the volume of the whole, and the colour."""
+        """Caps close each mesh: what is cut off and what stays have the volume of the whole, and the color."""
         for method in ("surface-nets", "voxels"):
             arguments = ("--labels", "all", "--label-names", "snap.txt", "--method", method, "--report", "r.json")
 
             def made(*cut, where=arguments):
                 meshes, run = self.glb(*where, *cut)
                 report = json.loads((self.folder / "r.json").read_text())
-                colours = {m["name"]: m["pbrMetallicRoughness"]["baseColorFactor"]
+                colors = {m["name"]: m["pbrMetallicRoughness"]["baseColorFactor"]
                            for m in model_of(self.folder / "out.glb")["materials"]}
-                return meshes, {m["name"]: m for m in report["meshes"]}, colours, run.err
+                return meshes, {m["name"]: m for m in report["meshes"]}, colors, run.err
 
-            whole, facts, colours, _ = made()
+            whole, facts, colors, _ = made()
             sides = []
             for x, y, z, offset in ((0, 0.3, 1, 18.4), (0, -0.3, -1, -18.4)):
                 cut = ("--clip", f"{x},{y},{z},{offset}")
                 open_meshes, open_facts, _, _ = made(*cut)
-                meshes, cut_facts, cut_colours, told = made(*cut, "--cap")
+                meshes, cut_facts, cut_colors, told = made(*cut, "--cap")
                 self.assertNotIn("--cap changes nothing", told)
                 self.assertIn("map.raw label 5: ", told)
-                self.assertEqual(cut_colours, {name: colours[name] for name in meshes})
+                self.assertEqual(cut_colors, {name: colors[name] for name in meshes})
                 self.assertFalse(open_facts["Tumour"]["closed"])
                 for name, mesh in meshes.items():
                     self.assertTrue(cut_facts[name]["closed"], name)
@@ -96,7 +96,7 @@ class LabelsTest(ProgramTest):
     def test_what_changes_each_mesh_by_itself_is_told(self):
         for option, value in (("--simplify", "0.5"), ("--smooth", "5")):
             run = self.convert(*self.map, "--labels", "all", option, value, "-o", "a.glb")
-            self.assertIn(f"{option} changes the mesh of each label by itself", run.err)
+            self.assertIn(f"{option} changes the mesh of each label separately", run.err)
 
     def test_one_run_makes_smooth_closed_meshes_without_gaps(self):
         meshes, run = self.glb("--labels", "all", "--report", "r.json")
@@ -130,11 +130,11 @@ class LabelsTest(ProgramTest):
 
     def test_a_label_that_is_cut_away_is_told_of(self):
         run = self.run_program(*self.map, "--labels", "5", "--clip", "1,0,0,1000", "-o", "a.ply")
-        self.assert_fails(2, run, "nothing of the surface at label 5 is where it is kept", "hint: check --clip NX,NY,NZ,D: it keeps")
+        self.assert_fails(2, run, "clipping removes the whole surface at label 5", "hint: check --clip NX,NY,NZ,D: a plane keeps")
 
     def test_what_is_done_to_a_mesh_is_told_by_label(self):
         run = self.convert(*self.map, "--labels", "5", "--smooth", "5", "--simplify", "0.2", "--largest", "-o", "a.ply")
-        for done in ("pieces", "smoothed", "simplified"):
+        for done in ("components", "smoothed", "simplified"):
             self.assertIn(f"  {done} at label 5: ", run.err)
 
     def test_files_of_their_own(self):
@@ -145,10 +145,10 @@ class LabelsTest(ProgramTest):
     def test_names_and_colours_of_itk_snap(self):
         meshes, _ = self.glb("--labels", "all", "--label-names", "snap.txt")
         self.assertEqual(list(meshes), ["Left kidney", "Tumour", "map label 9"])
-        colours = [material["pbrMetallicRoughness"]["baseColorFactor"] for material in
+        colors = [material["pbrMetallicRoughness"]["baseColorFactor"] for material in
                    model_of(self.folder / "out.glb")["materials"]]
-        self.assertEqual(colours[:2], [[1, 0, 0, 1], [0, 1, 0, 1]])
-        self.assertNotIn(colours[2], colours[:2])
+        self.assertEqual(colors[:2], [[1, 0, 0, 1], [0, 1, 0, 1]])
+        self.assertNotIn(colors[2], colors[:2])
         self.convert(*self.map, "--labels", "all", "--label-names", "snap.txt", "-o", "o.obj")
         self.assertIn("Left", (self.folder / "o.obj").read_text())
 
@@ -206,14 +206,14 @@ class LabelsTest(ProgramTest):
             self.assertNotIn("x.glb", self.files())
             return run.err
 
-        self.assertIn("--labels does not go with marching cubes", refused("--labels", "all", "--method", "mc"))
-        self.assertIn("--label-names is about labels", refused("--iso", "0", "--label-names", "lut.txt"))
-        self.assertIn("--relax does not go with voxels", refused("--labels", "1", "--method", "voxels", "--relax", "3"))
+        self.assertIn("--labels does not work with marching cubes", refused("--labels", "all", "--method", "mc"))
+        self.assertIn("--label-names needs --labels", refused("--iso", "0", "--label-names", "lut.txt"))
+        self.assertIn("--relax does not work with voxels", refused("--labels", "1", "--method", "voxels", "--relax", "3"))
         self.assertIn("--relax", refused("--labels", "1", "--relax", "-1"))
-        self.assertIn("--no-merge does not go with surface nets", refused("--labels", "1", "--no-merge"))
+        self.assertIn("--no-merge does not work with surface nets", refused("--labels", "1", "--no-merge"))
         self.assertIn("--normals smooth: surface nets", refused("--labels", "1", "--normals", "smooth"))
         self.assertIn("no sample has label 7", refused("--labels", "1,7", code=2))
-        self.assertIn("expected the samples of a label map, whole numbers from", self.run_program(
+        self.assertIn("expected a label map of whole numbers from", self.run_program(
             SPHERE, "--labels", "all", "-o", "x.glb").err)
         self.assertEqual(self.run_program(*self.map, "--labels", "1", "--backend", "gpu", "-o", "x.glb").code, 3)
         self.convert(*self.map, "--labels", "1", "--backend", "auto", "-o", "y.glb", env=NO_GPU)
@@ -243,18 +243,18 @@ class LabelsTest(ProgramTest):
             self.assertEqual(meshes["wide label 7"].triangles, expected["i32 label 7"].triangles)
             self.assertEqual(meshes["wide label 7"].vertices, expected["i32 label 7"].vertices)
             held = "f32" if typecode == "f" else "f64"
-            self.assertIn(f"all of its samples, held as {held}, are whole numbers: they are taken as labels", told)
+            self.assertIn(f"all of its samples, stored as {held}, are whole numbers: the program uses them as labels", told)
         for typecode, label in (("q", 2 ** 53), ("q", -2 ** 40), ("Q", 2 ** 53 - 1), ("f", 2 ** 24)):
             self.write_npy("wide.npy", typecode, block(label))
             self.assertEqual(list(made("wide.npy")[0]), [f"wide label {label}"])
             self.assertEqual(list(made("wide.npy", label)[0]), [f"wide label {label}"])
         for typecode, label, found in (
-                ("q", 2 ** 53 + 1, "exact as doubles, as those up to 2^53 are, found 9007199254740993 at sample (1, 1, 2)"),
+                ("q", 2 ** 53 + 1, "a double represents exactly, such as all up to 2^53, found 9007199254740993 at sample (1, 1, 2)"),
                 ("Q", 2 ** 64 - 1, "found 18446744073709551615 at sample (1, 1, 2)"),
                 ("q", 2 ** 60, "found 1152921504606846976 at sample (1, 1, 2)"),
-                ("Q", 2 ** 53 + 2, "f64, or integers of 64 bits, found 9007199254740994 at sample (1, 1, 2)"),
-                ("f", 2 ** 24 + 2, "from -16777216 to 16777216 where they are f32, found 16777218 at sample (1, 1, 2)"),
-                ("f", 7.5, "where they are f32, found 7.5 at sample (1, 1, 2)"),
+                ("Q", 2 ** 53 + 2, "f64, or 64-bit integers), found 9007199254740994 at sample (1, 1, 2)"),
+                ("f", 2 ** 24 + 2, "from -16777216 to 16777216 (sample type f32), found 16777218 at sample (1, 1, 2)"),
+                ("f", 7.5, "(sample type f32), found 7.5 at sample (1, 1, 2)"),
                 ("d", float("nan"), "found nan at sample (1, 1, 2)")):
             self.write_npy("wide.npy", typecode, block(label))
             run = self.run_program("wide.npy", "--labels", "all", "-o", "x.glb")
@@ -266,7 +266,7 @@ class LabelsTest(ProgramTest):
     def test_notes_say_what_does_not_apply(self):
         run = self.convert(*self.map, "--labels", "1", "--cap", "--error", "-o", "x.ply")
         self.assertIn("--cap changes nothing: the surface of surface nets is closed everywhere", run.err)
-        self.assertIn("the error of the mesh is not measured: labels have no isosurface between the samples", run.err)
+        self.assertIn("no error measurement: labels have no isosurface between the samples", run.err)
 
     def test_a_table_that_changes_makes_frames_anew(self):
         for frame in (1, 2):
@@ -312,12 +312,12 @@ class LabelsTest(ProgramTest):
         self.assertEqual(read_ply((self.folder / "a.ply").read_bytes()).open_edges(), 0)
 
     def test_options_that_mean_nothing_to_labels_are_refused(self):
-        for options, words in ((("--inside", "below"), "--inside does not go with --labels"),
-                               (("--inside", "above"), "--inside does not go with --labels"),
-                               (("--component", "length"), "--component length does not go with --labels"),
-                               (("--blur", "1"), "--blur does not go with --labels"),
-                               (("--resolution", "9", "--kernel", "cubic"), "--kernel cubic does not go with --labels"),
-                               (("--resolution", "9", "--kernel", "linear"), "--kernel linear does not go with")):
+        for options, words in ((("--inside", "below"), "--inside does not work with --labels"),
+                               (("--inside", "above"), "--inside does not work with --labels"),
+                               (("--component", "length"), "--component length does not work with --labels"),
+                               (("--blur", "1"), "--blur does not work with --labels"),
+                               (("--resolution", "9", "--kernel", "cubic"), "--kernel cubic does not work with --labels"),
+                               (("--resolution", "9", "--kernel", "linear"), "--kernel linear does not work with")):
             self.assert_fails(1, self.run_program(*self.map, "--labels", "all", *options, "-o", "x.glb"), words)
 
     def test_samples_without_data_have_no_label(self):
@@ -338,14 +338,14 @@ class LabelsTest(ProgramTest):
         for method in ("surface-nets", "voxels"):
             meshes, told = made(*nan, "--nan", "outside", "--method", method, "--explain")
             self.assertEqual(list(meshes), ["gaps label 3"])
-            self.assertIn("samples but those that are not numbers, held as f32, are whole numbers", told)
+            self.assertIn("samples except NaN, stored as f32, are whole numbers", told)
             self.assertIn("144 samples that are not numbers", told)
         for typecode, dtype in (("B", "u8"), ("H", "u16"), ("i", "i32")):
             self.write_raw("gaps.raw", (12, 12, 12), lambda x, y, z: label(x, y, z, 255), typecode)
             meshes, told = made("--dtype", dtype, "--nodata", "255")
             self.assertEqual(list(meshes), ["gaps label 3"])
             self.assertEqual(meshes["gaps label 3"].vertices, expected["gaps label 3"].vertices)
-            self.assertIn("144 of 1728 samples are 255", told)
+            self.assertIn("144 of 1728 samples have the no-data value 255", told)
 
     def test_what_relaxing_takes_of_thin_parts_is_told(self):
         def write(label):
@@ -383,7 +383,7 @@ class LabelsTest(ProgramTest):
         self.assertNotIn("relaxing changed", relaxed("--largest")[0])
         write(lambda x, y, z: 5 if ball(x, y, z) else 2 if x == y == 35 else 3 if x == y == 33 and z < 20 else 0)
         told, _ = relaxed()
-        self.assertRegex(told, r"relaxing changed the volume of thin.raw label [23] from .* that of 1 others by more than 5 %: --relax")
+        self.assertRegex(told, r"relaxing changed the volume of thin.raw label [23] from .* of 1 other surfaces by more than 5 %: --relax")
         self.assertNotIn("relaxing changed", relaxed("--clip", "1,0,0,10")[0])
         self.assertIn("relaxing changed", relaxed("--clip", "1,0,0,10", "--cap")[0])
 
@@ -408,7 +408,7 @@ class LabelsTest(ProgramTest):
         raw = ("l.raw", "--dims", "30,30,30")
         for coarse in (("--voxel-size", "6"), ("--resolution", "6")):
             run = self.convert(*raw, "--labels", "all", *coarse, "-o", "x.glb", "--report", "r.json")
-            self.assertIn("note: l.raw: no mesh for 2 of 3 labels (2, 3): the coarser grid has no sample of them", run.err)
+            self.assertIn("note[labels-lost]: l.raw: no mesh for 2 of 3 labels (2, 3): the coarser grid has no sample of these labels", run.err)
             (fact,) = (fact for fact in json.loads((self.folder / "r.json").read_text())["work"] if fact["what"] == "labels")
             self.assertEqual((fact["done"], fact["count"], fact["total"]), ("left out", 2, 3))
             self.assertIn(": 2, 3", fact["text"])

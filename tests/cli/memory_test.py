@@ -12,7 +12,7 @@ from support import DATA, ProgramTest, main, needs_data
 from vdb_files import grid, vdb
 
 MIB = 1 << 20
-# The program and its libraries, the stacks of its threads, and small things that nobody reserves.
+# The program and its libraries, the stacks of its threads, and small allocations without a reservation.
 OVERHEAD = 64 * MIB
 # What Mesa's software renderer takes beside textures and buffers: its compiler, and the pages it draws to.
 SOFTWARE_RENDERER = 256 * MIB

@@ -39,7 +39,7 @@ class NamesTest(ProgramTest):
 
     def test_a_grid_has_to_be_chosen_to_name_a_file_after_it(self):
         self.write_frames((1,))
-        self.assert_fails(1, self.run_program("in_001.raw", *RAW, "-o", "x_{grid}.glb"), "in_001.raw: expected a grid", "found none chosen")
+        self.assert_fails(1, self.run_program("in_001.raw", *RAW, "-o", "x_{grid}.glb"), "in_001.raw: expected the name of a grid", "found none")
         self.assert_fails(1, self.run_program("in_001.raw", *RAW, "-o", "x_{grids}.glb"), "'{grids}'")
         self.assertEqual(self.files(), ["in_001.raw"])
         volume = SOURCE / "samples/metaballs.vdb"
@@ -85,15 +85,15 @@ class NamesTest(ProgramTest):
                            ("wall.*.raw", "*")):
             for command in ((), ("info",)):
                 options = RAW[:2] if command else (*RAW, "-o", "x.ply")
-                self.assert_fails(1, self.run_program(*command, name, *options), f"there is no such file, and {mark} is no pattern",
-                                  "write {} where the number")
+                self.assert_fails(1, self.run_program(*command, name, *options), f"there is no such file, and isoextract does not expand {mark}",
+                                  "write {} in place of the frame number")
 
     def test_reports_of_one_frame_and_the_input_of_another(self):
         self.write_frames((1,), "a.nrrd")
         self.write_frames((1,), "g1.nrrd")
         before = (self.folder / "g1.nrrd").read_bytes()
         run = self.run_program("a.nrrd", "g1.nrrd", "--input-format", "raw", *RAW, "-o", "m_{}.ply", "--report", "g{}.nrrd", "--jobs", "1")
-        self.assert_fails(1, run, "g1.nrrd: the report of frame 1 would be written there, and this is the input of frame 2")
+        self.assert_fails(1, run, "g1.nrrd: the report of frame 1 needs another name: this is the input of frame 2")
         self.assertEqual((self.folder / "g1.nrrd").read_bytes(), before)
         self.assertEqual(self.names(), ["a.nrrd", "g1.nrrd"])
 
@@ -125,9 +125,9 @@ class NamesTest(ProgramTest):
 
     def test_two_files_of_one_name(self):
         self.write_frames((1, 2))
-        for arguments, parts in ((("--html", "m_2.ply"), ("the page would be written there, and this is the mesh of frame 2",)),
-                                 (("--table", "r_1.json", "--report", "r_{}.json"), ("r_1.json: the report of frame 1 would be written there, and this is the table",)),
-                                 (("--html", "p.svg", "--plot", "./p.svg"), ("the page would be written there, and this is the plot as well",))):
+        for arguments, parts in ((("--html", "m_2.ply"), ("the page and the mesh of frame 2",)),
+                                 (("--table", "r_1.json", "--report", "r_{}.json"), ("r_1.json: the report of frame 1 and the table would share this file",)),
+                                 (("--html", "p.svg", "--plot", "./p.svg"), ("the page and the plot would share this file",))):
             run = self.run_program("in_{:03}.raw", *RAW, "-o", "m_{}.ply", *arguments)
             self.assert_fails(1, run, *parts)
         self.assertEqual(self.names(), ["in_001.raw", "in_002.raw"])
@@ -138,7 +138,7 @@ class NamesTest(ProgramTest):
         for arguments in (("in_001.raw", "-o", "isoextract.manifest", "--format", "glb"), ("in_001.raw", "-o", "m.ply", "--report", "isoextract.2-of-3.manifest"),
                           ("in_{:03}.raw", "-o", "isoextract.{}-of-2.manifest", "--format", "ply"),
                           ("in_{:03}.raw", "-o", "m_{}.ply", "--html", "isoextract.manifest")):
-            self.assert_fails(1, self.run_program(*arguments, *RAW), "a batch keeps its record in files of this name")
+            self.assert_fails(1, self.run_program(*arguments, *RAW), "only the manifest of a batch may have this name")
         self.assertEqual(self.files(), ["in_001.raw", "in_002.raw"])
 
     # Scripts

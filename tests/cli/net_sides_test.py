@@ -14,7 +14,7 @@ AROUND = [(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1)
           if 0 < abs(x) + abs(y) + abs(z) < 3]
 
 
-def neighbours(voxel, steps):
+def neighbors(voxel, steps):
     return [tuple(a + b for a, b in zip(voxel, step)) for step in steps]
 
 
@@ -40,14 +40,14 @@ class Shells:
             self.label[start] = name
             waiting = [start]
             while waiting:
-                for other in neighbours(waiting.pop(), FACES if is_inside else AROUND):
+                for other in neighbors(waiting.pop(), FACES if is_inside else AROUND):
                     if max(other) <= SIDE and min(other) >= -1 and other not in self.label and inside(other) == is_inside:
                         self.label[other] = name
                         waiting.append(other)
         self.area = {}  # of pairs of a body and what is outside of it, in faces
         for voxel in voxels:
             if self.insides[self.label[voxel]]:
-                for other in neighbours(voxel, FACES):
+                for other in neighbors(voxel, FACES):
                     if not self.insides[self.label[other]]:
                         pair = (self.label[voxel], self.label[other])
                         self.area[pair] = self.area.get(pair, 0) + 1
@@ -70,7 +70,7 @@ class NetSidesTest(ProgramTest):
         super().setUp()
         rng = random.Random(4)
         noise = {(x, y, z): rng.random() for x in range(SIDE) for y in range(SIDE) for z in range(SIDE)}
-        values = {v: (noise[v] + sum(noise.get(n, 0.5) for n in neighbours(v, FACES))) / 7 - threshold(v) for v in noise}
+        values = {v: (noise[v] + sum(noise.get(n, 0.5) for n in neighbors(v, FACES))) / 7 - threshold(v) for v in noise}
         self.write_raw("noise.raw", (SIDE, SIDE, SIDE), lambda x, y, z: values[x, y, z])
         self.shells = Shells(lambda voxel: values.get(voxel, -1) > 0)
 

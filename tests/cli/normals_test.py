@@ -1,5 +1,5 @@
 """Normals that agree with the triangles, where there are caps and where triangles were left out; what is closed stays
-closed for whoever looks; the side that is inside, and how materials show it."""
+closed for every viewer; the side that is inside, and how materials show it."""
 
 import json
 import math
@@ -36,9 +36,9 @@ def against(mesh):
     return wrong / count
 
 
-def degrees_off(mesh, centre):
-    """The angles between the normals and those of a ball around `centre`."""
-    return [math.degrees(math.acos(max(-1, min(1, dot(normal, minus(place, centre)) / math.dist(place, centre)))))
+def degrees_off(mesh, center):
+    """The angles between the normals and those of a ball around `center`."""
+    return [math.degrees(math.acos(max(-1, min(1, dot(normal, minus(place, center)) / math.dist(place, center)))))
             for place, normal in zip(mesh.vertices, mesh.normals)]
 
 
@@ -210,7 +210,7 @@ class NormalsTest(ProgramTest):
 
     def test_smooth_normals_beside_samples_that_are_no_numbers(self):
         """They are the field's where it has a gradient, else those of the triangles; never a direction of the grid."""
-        centre = (23.5, 23.5, 23.5)
+        center = (23.5, 23.5, 23.5)
         raw = ("--dims", "48,48,48", "--dtype", "f32", "--normals", "smooth")
 
         def angles(iso, *options):
@@ -218,12 +218,12 @@ class NormalsTest(ProgramTest):
             mesh = self.read("a.ply")
             self.assertTrue(all(abs(math.hypot(*normal) - 1) < 1e-5 for normal in mesh.normals))
             self.assertEqual(against(mesh), 0)
-            found = degrees_off(mesh, centre)
+            found = degrees_off(mesh, center)
             return sum(found) / len(found), max(found)
 
         # A scan whose background is masked: the surface is that of the mask, whatever the values in it.
         for value in (lambda *p: 100, lambda x, y, z: 100 + x + 2 * y):
-            inside = lambda *p: math.dist(p, centre) < 16  # noqa: E731
+            inside = lambda *p: math.dist(p, center) < 16  # noqa: E731
             self.write_raw("a.raw", (48, 48, 48), lambda *p: value(*p) if inside(*p) else math.nan)
             mean, most = angles("50", "--nan", "outside")
             self.assertLess(mean, 15)
@@ -232,13 +232,13 @@ class NormalsTest(ProgramTest):
         self.write_raw("a.raw", (48, 48, 48), lambda *p: 100 if inside(*p) else 0)
         self.assertLess(angles("50", "--nodata", "0")[0], 15)
         # The field's own surface, with NaN from its far side on, and with NaN here and there.
-        self.write_raw("a.raw", (48, 48, 48), lambda *p: 16 - math.dist(p, centre) if math.dist(p, centre) < 17.8 else math.nan)
+        self.write_raw("a.raw", (48, 48, 48), lambda *p: 16 - math.dist(p, center) if math.dist(p, center) < 17.8 else math.nan)
         for policy in ("outside", "hole"):
             mean, most = angles("0", "--nan", policy)
             self.assertLess(mean, 0.1)
             self.assertLess(most, 1)
         numbers = random.Random(3)
-        self.write_raw("a.raw", (48, 48, 48), lambda *p: math.nan if numbers.random() < 0.001 else 16 - math.dist(p, centre))
+        self.write_raw("a.raw", (48, 48, 48), lambda *p: math.nan if numbers.random() < 0.001 else 16 - math.dist(p, center))
         mean, _ = angles("0", "--nan", "hole")
         self.assertLess(mean, 1)
         # A lone one in a ramp: the normals of its walls lead into it, not along the ramp.
@@ -278,10 +278,10 @@ class SidesTest(ProgramTest):
             self.assertEqual(mesh.open_edges(), 0)
         data = (self.folder / "a.glb").read_bytes()
         model = json.loads(data[20:20 + struct.unpack_from("<I", data, 12)[0]])
-        colours = [m["pbrMetallicRoughness"]["baseColorFactor"] for m in model["materials"]]
-        self.assertNotEqual(colours[0][:3], colours[1][:3])
+        colors = [m["pbrMetallicRoughness"]["baseColorFactor"] for m in model["materials"]]
+        self.assertNotEqual(colors[0][:3], colors[1][:3])
         # Neither is around the other.
-        self.assertEqual([colour[3] for colour in colours], [1, 1])
+        self.assertEqual([color[3] for color in colors], [1, 1])
         options = json.loads((self.folder / "report.json").read_text())["options"]
         self.assertTrue(options["away_from_zero"])
         # The same as each by itself.

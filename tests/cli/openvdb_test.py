@@ -55,10 +55,10 @@ class OpenVdbTest(ProgramTest):
         self.assertIn("both.vdb[density]", ended.stderr)
         ended = run("both.vdb", "--grid", "density", "--radius", "1", "-o", "a.ply")
         self.assertEqual(ended.returncode, 1, ended.stderr)
-        self.assertIn("this is a volume", ended.stderr)
+        self.assertIn("found a volume", ended.stderr)
 
     def vectors(self):
-        """Grids whose trees nobody reads here; their headers say what they are."""
+        """Grids whose trees the program does not read; their headers state the type."""
         (self.folder / "vectors.vdb").write_bytes(vdb(grid("velocity", kind="vec3s_5_4_3"), grid("flags", kind="bool_5_4_3"),
                                                       grid("words", kind="string_5_4_3")))
         return "vectors.vdb"
@@ -74,24 +74,24 @@ class OpenVdbTest(ProgramTest):
             return run.stdout
 
         for text in (info(self.vectors()), info("bent.vdb")):
-            self.assertIn("needs the plug-in for openvdb, which is not there", text)
-            self.assertNotIn("its place cannot be used", text)
+            self.assertIn("needs the plug-in for openvdb, which is not installed", text)
+            self.assertNotIn("its placement is not usable", text)
         listed = json.loads(info("vectors.vdb", "--json"))[0]["grids"]
         self.assertEqual([entry["scalar"] for entry in listed], [False, False, False])
         self.assertEqual(listed[0]["plugin"], {"id": "openvdb", "is_there": False,
                                                "grids": [f"velocity[{part}]" for part in ("x", "y", "z", "length")]})
         self.assertIsNone(listed[2]["plugin"])
-        self.assertIn("no surface can be extracted from this type", info("vectors.vdb"))  # from strings, for good
+        self.assertIn("isoextract cannot extract a surface from this type", info("vectors.vdb"))  # from strings, for good
 
     @unittest.skipUnless(PLUGIN.exists(), "the plug-ins around OpenVDB were not built")
     def test_info_says_what_convert_reads(self):
         text = self.convert("info", self.vectors()).text
         self.assertIn("the plug-in for openvdb reads it as velocity[x], velocity[y], velocity[z], velocity[length]", text)
-        self.assertEqual(text.count("no surface can be extracted"), 1)  # from the strings
-        self.assertIn("--grid NAME chooses one", text)
+        self.assertEqual(text.count("isoextract cannot extract a surface"), 1)  # from the strings
+        self.assertIn("choose one grid with --grid NAME", text)
         text = self.convert("info", "bent.vdb").text
-        self.assertNotIn("no surface can be extracted", text)
-        self.assertNotIn("cannot be used", text)
+        self.assertNotIn("isoextract cannot extract a surface", text)
+        self.assertNotIn("not usable", text)
         self.assertIn("extents", text)
         listed = json.loads(self.convert("info", "bent.vdb", "--json").text)[0]
         self.assertTrue(listed["grids"][0]["scalar"])
@@ -101,7 +101,7 @@ class OpenVdbTest(ProgramTest):
     @unittest.skipUnless(PLUGIN.exists(), "the plug-ins around OpenVDB were not built")
     def test_a_frustum_becomes_a_mesh(self):
         run = self.convert("bent.vdb", "--iso", "0.5", "-o", "bent.ply")
-        self.assertIn("lies in a frustum and was resampled, trilinearly, to cubic voxels with a spacing of", run.err)
+        self.assertIn("lies in a frustum; the reader resamples it trilinearly to cubic voxels with a spacing of", run.err)
         mesh = read_ply((self.folder / "bent.ply").read_bytes())
         self.assertEqual(mesh.open_edges(), 0)
         # The box of the frustum is 1 by 1 in the world at its near end, twice that 1 further on. The block is in its

@@ -12,7 +12,7 @@ class OutputTest(ProgramTest):
     def test_pieces_need_data_files_of_their_own(self):
         run = self.run_program("demo:gyroid?size=24", "--iso", "0.8", "--cap", "--split-components", "--format", "gltf",
                                "-o", "a.{piece}")
-        self.assert_fails(1, run, "a.bin: all components would share this file", "put {piece} before the extension")
+        self.assert_fails(1, run, "a.bin: all bodies would share this file", "put {piece} before the extension")
         self.assertEqual(self.files(), [])
 
     def test_inputs_that_cannot_be_read(self):
@@ -138,7 +138,7 @@ class OutputTest(ProgramTest):
         self.convert(SPHERE, "--iso", "0", "-o", "out.dat", "--format", "ply")
         read_ply((self.folder / "out.dat").read_bytes())
         run = self.convert(SPHERE, "--iso", "0", "-o", "out.stl", "--format", "ply")
-        self.assertIn("note: out.stl: its format is ply", run.err)
+        self.assertIn("note[format-not-by-name]: out.stl: isoextract writes ply because of --format", run.err)
         read_ply((self.folder / "out.stl").read_bytes())
         self.convert(SPHERE, "--iso", "0", "-o", "out.PLY")
         read_ply((self.folder / "out.PLY").read_bytes())

@@ -30,7 +30,7 @@ class OverwriteTest(ProgramTest):
         self.refused(["d-1.bin"], "d.nhdr", "--iso", 50, "--split-components", "-o", "d-{piece}.gltf")
         self.write_islands(3, "e.nhdr", "e-2.bin")
         raw = ("e-2.bin", "--dims", "12,6,4", "--iso", 50, "--split-components", "-o", "e-{piece}.gltf")
-        self.refused(["e-2.bin"], *raw)
+        self.refused(["e-2.bin"], *raw, says="the program does not overwrite its input")
         self.assertEqual([name for name in self.files() if name.endswith("gltf")], [])
 
     def test_pieces_and_the_samples_of_another_frame(self):
@@ -45,13 +45,13 @@ class OverwriteTest(ProgramTest):
     def test_pieces_of_two_surfaces_have_two_names(self):
         self.write_islands(11, "t.nhdr", "t.raw")
         self.refused([], "t.nhdr", "--iso", 11, "--iso", 1, "--split-components", "-o", "q{iso}{piece}.obj",
-                     says="pieces of two surfaces may have one name")
+                     says="bodies of two surfaces may get the same file name")
         self.convert("t.nhdr", "--iso", 11, "--iso", 1, "--split-components", "-o", "q{iso}_{piece}.obj")
 
     def test_a_report_is_no_piece(self):
         self.write_islands(2, "d.nhdr", "d.raw")
         self.refused([], "d.nhdr", "--iso", 50, "--split-components", "-o", "a-{piece}.obj", "--report", "./a-2.obj",
-                     says="a piece of d.nhdr may have this name")
+                     says="a body of d.nhdr may get this file name")
         self.convert("d.nhdr", "--iso", 50, "--split-components", "-o", "a-{piece}.obj", "--report", "a-b.obj")
 
     def test_old_pieces_of_others(self):
@@ -104,7 +104,7 @@ class OverwriteTest(ProgramTest):
         (self.folder / "isos.csv").write_text("frame,iso\n1,50\n2,50\n")
         frames = ("f_{}.nhdr", "-o", "o_{frame}.ply")
         self.refused(["isos.csv"], *frames, "--iso-table", "isos.csv", "--table", "isos.csv")
-        self.refused([], *frames, "--iso", 50, "--html", "o_1.ply", says="the page would be written there, and this is the mesh of frame 1")
+        self.refused([], *frames, "--iso", 50, "--html", "o_1.ply", says="the page and the mesh of frame 1")
         self.assertEqual([name for name in self.files() if name.startswith("o_")], [])
         self.convert(*frames, "--iso", 50, "--table", "t.csv")
         self.convert(*frames, "--iso", 50, "--table", "t.csv")  # its own is written anew

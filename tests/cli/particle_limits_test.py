@@ -11,7 +11,7 @@ from support import ProgramTest, main, processor_time_below, read_glb, read_obj,
 from particle_clouds import polygons_of_ply, volume_of  # where `support` looks for modules
 
 MIB = 1 << 20
-# The program and its libraries, the stacks of its threads, and small things that nobody reserves.
+# The program and its libraries, the stacks of its threads, and small allocations without a reservation.
 OVERHEAD = 64 * MIB
 STEP = 0.0625  # of lattices; powers of two, so that a set can be moved without rounding
 RADIUS = STEP / 2
@@ -114,7 +114,7 @@ class ParticleLimitsTest(ProgramTest):
                     self.write(name, write(block(2), count))
                     self.refused_within(OVERHEAD, 2, self.take(name), name)
                     run = self.run_program("info", *self.take(name))
-                    self.assertIn(run.code, (0, 2), run.err)  # a header may be told of without the rest
+                    self.assertIn(run.code, (0, 2), run.err)  # the header alone may be listed
 
     def test_a_header_that_lies_in_a_packed_file(self):
         for name, (write, most) in COUNTED.items():
@@ -206,7 +206,7 @@ class ParticleLimitsTest(ProgramTest):
             self.assertAlmostEqual(self.volume("many.csv", *options) / one, 1, delta=1e-5)
         options = ("--radius", RADIUS, "--particles", "weight")
         self.assertGreater(self.volume("many.csv", *options), 0)
-        self.refused_within(OVERHEAD, 2, ("many.csv",), "two places", "give --radius R")
+        self.refused_within(OVERHEAD, 2, ("many.csv",), "two or more positions", "give --radius R")
 
     def test_pairs_are_as_single_ones(self):
         points = block(6)
@@ -246,14 +246,14 @@ class ParticleLimitsTest(ProgramTest):
         self.write("far.ply", ply(block(3, FAR)))
         for form in ("stl", "drc"):
             run = self.run_program("far.ply", "--radius", RADIUS, "-o", f"out.{form}")
-            self.assert_fails(4, run, "tell the corners of its triangles apart", "--format")
+            self.assert_fails(4, run, "keep the corners of triangles distinct", "--format")
         self.assertEqual(self.files(), ["far.ply"])
 
     def test_places_that_the_file_itself_rounds_together(self):
-        # In float32 these are a few places, which is told, or a surface around those.
+        # In float32 these are a few positions: the program reports that, or makes a surface around them.
         self.write("far.ply", ply(block(4, FAR), kind="float"))
         run = self.run_program("far.ply", "-o", "out.ply")
-        self.assert_fails(2, run, "two places", "give --radius R")
+        self.assert_fails(2, run, "two or more positions", "give --radius R")
 
     def test_memory_does_not_follow_the_box_around_two_clusters(self):
         half = 2 ** 19 * RADIUS  # a million radii from one to the other
@@ -277,7 +277,7 @@ class ParticleLimitsTest(ProgramTest):
         self.write("two.csv", csv(block(6) + block(6, (apart,) * 3)))
         options = ("--radius", RADIUS)  # with samples 0.75 radii apart
         one = self.volume("one.csv", *options)
-        self.refused_within(OVERHEAD, 2, ("two.csv", *options), "reach too far", "--roi")
+        self.refused_within(OVERHEAD, 2, ("two.csv", *options), "extend over more than about 2^20 samples", "--roi")
         for low, high in ((-1, 1), (apart - 1, apart + 1)):
             roi = ",".join(map(str, (low,) * 3 + (high,) * 3))
             self.assertAlmostEqual(self.volume("two.csv", *options, f"--roi={roi}") / one, 1, delta=1e-3)

@@ -15,7 +15,7 @@ LATTICE = "particles/double_dam_break_frame_01_4732_particles.vtk"
 
 class ParticleSequencesTest(ProgramTest):
     def convert_frames(self, pattern, frames, *options):
-        """Frames in one run to GLB: for each what its report says of its particles and of its mesh, which is closed and
+        """Frames in one run to GLB. Returns what each report says of the particles and of the mesh. The mesh is closed and
         manifold by the report, by the tests' own reader and by the validator of glTF."""
         self.convert(DATA / pattern, "--frames", frames, *options, "-o", "out_{:04}.glb", "--report", "report_{:04}.json")
         found = []
@@ -37,7 +37,7 @@ class ParticleSequencesTest(ProgramTest):
     @needs_program("node")
     @needs_data(PERI)
     def test_a_peridynamic_target_that_is_shattered(self):
-        """Millimetres in metres: nothing is told of its size but by the file."""
+        """Millimeters in meters: only the file states its size."""
         found = self.convert_frames(f"{PERI}/peri_{{:04}}.csv", "0-1000x500", "--radius", "0.00025")
         self.assertEqual([particles["particles"] for particles, _ in found], [3487] * 3)
         cube = 0.0005 ** 3

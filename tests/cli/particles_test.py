@@ -109,18 +109,18 @@ class ParticlesTest(ProgramTest):
         self.write_xyz("a.xyz", [block()])
         for name in ("a.csv", "a.ply", "a.xyz"):
             run = self.convert(name, "-o", "out.ply")
-            self.assertIn("iso 0.6, the usual one of SPH interpolation; --iso V takes another", run.err)
+            self.assertIn("iso 0.6, the default of SPH interpolation; choose another with --iso V", run.err)
             self.check_block(self.mesh("out.ply"))
-        # Averaged centres draw so small a body together.
+        # Averaged centers draw so small a body together.
         run = self.convert("a.csv", "--particles", "anisotropic", "--radius", STEP / 2, "-o", "out.ply")
-        self.assertIn("iso 0.6, the usual one of anisotropic kernels", run.err)
+        self.assertIn("iso 0.6, the default of anisotropic kernels", run.err)
         mesh = self.mesh("out.ply")
         self.assertEqual(mesh.open_edges(), 0)
         for low, high in zip(*mesh.bounds()):
             self.assertAlmostEqual(low + high, STEP * 4, delta=STEP / 5)
             self.assertGreater(high - low, STEP * 2)
         run = self.convert("a.csv", "--particles", "weight", "--deposit", "nearest", "-o", "out.ply")
-        self.assertIn("iso 0.15, the usual one of summed weights", run.err)
+        self.assertIn("iso 0.15, the default of summed weights", run.err)
         self.assertEqual(self.mesh("out.ply").open_edges(), 0)
         many = self.convert("a.csv", "--particles", "weight", "--weight", "0.5", "--cell-size", "2", "-o", "more.ply")
         self.assertIn("closed", many.err)
@@ -165,7 +165,7 @@ class ParticlesTest(ProgramTest):
         report, run = self.report("a.csv", "--radius", "0.25", "--smoothing-length", "1.8", "--cell-size", "0.5",
                                   "--explain", "-o", "a.ply")
         self.assertRegex(run.err, r"particles to field in \d")
-        self.assertRegex(run.err, r"made into a field: 125 particles of radius 0.25, by samples 0.125 apart")
+        self.assertRegex(run.err, r"made into a field: 125 particles of radius 0.25, with samples 0.125 apart")
         made = report["particles"]
         self.assertEqual((made["format"], made["method"], made["particles"], made["radius"]), ("csv", "sph", 125, 0.25))
         self.assertEqual((made["smoothing_length"], made["spacing"], made["support"]), (1.8, 0.125, 0.9))
@@ -195,7 +195,7 @@ class ParticlesTest(ProgramTest):
     def test_frames_in_one_file(self):
         self.write_xyz("a.xyz", [block(3), block(4), block(5, (10, 0, 0))])
         self.assert_fails(2, self.run_program("a.xyz", "--radius", "0.25", "-o", "a.ply"), "3 frames",
-                          "choose one of them with --volume K; use --volume all to take each of them")
+                          "choose one of them with --volume K; use --volume all to convert every frame")
         self.assert_fails(2, self.run_program("a.xyz", "--radius", "0.25", "--volume", "3", "-o", "a.ply"),
                           "there is no frame 3")
         self.convert("a.xyz", "--radius", "0.25", "--volume", "2", "-o", "a.ply")
@@ -289,7 +289,7 @@ class ParticlesTest(ProgramTest):
 
     def test_one_particle(self):
         self.write_csv("one.csv", [(1, 2, 3)])
-        self.assert_fails(2, self.run_program("one.csv", "-o", "a.ply"), "two places", "give --radius R")
+        self.assert_fails(2, self.run_program("one.csv", "-o", "a.ply"), "two or more positions", "give --radius R")
         self.convert("one.csv", "--radius", "0.1", "--iso", "0.2", "-o", "a.ply")
         mesh = self.mesh("a.ply")
         self.assertEqual(mesh.open_edges(), 0)
@@ -302,11 +302,11 @@ class ParticlesTest(ProgramTest):
         self.assert_fails(2, self.run_program("a.csv", "-o", "a.ply"), "found (nan, 0, 0) at particle 125",
                           "use --nan outside to leave such particles out")
         report, run = self.report("a.csv", "--nan", "outside", "-o", "a.ply")
-        self.assertIn("2 particles at places that are no numbers were left out", run.err)
+        self.assertIn("the conversion left out 2 particles whose positions are not finite", run.err)
         self.assertEqual(report["particles"]["not_finite"], 2)
         self.check_block(self.mesh("a.ply"))
         told = self.convert("info", "a.csv").text
-        self.assertIn("2 particles; --nan outside leaves them out", told)
+        self.assertIn("2 particles; skip them with --nan outside", told)
         self.convert(*re.search(r"^  isoextract (.+)$", told, re.MULTILINE)[1].split())
 
     def test_columns(self):
@@ -356,19 +356,19 @@ class ParticlesTest(ProgramTest):
         self.write_raw("a.raw", (4, 4, 4), lambda x, y, z: x)
         for volume in (("demo:sphere", "--iso", "0"), ("a.raw", "--dims", "4,4,4", "--dtype", "f32", "--iso", "1")):
             for option in (("--radius", "1"), ("--particles", "sph")):
-                self.assert_fails(1, self.run_program(*volume, *option, "-o", "a.ply"), "this is a volume",
+                self.assert_fails(1, self.run_program(*volume, *option, "-o", "a.ply"), "found a volume",
                                   "options of particles")
         for option in (("--spacing", "2"), ("--grid", "a"), ("--inside", "below"), ("--origin", "1,2,3")):
-            self.assert_fails(1, self.run_program("a.csv", *option, "-o", "a.ply"), "read as particles", "leave out")
+            self.assert_fails(1, self.run_program("a.csv", *option, "-o", "a.ply"), "the input has particles", "leave out")
         for option in (("--radius", "0"), ("--cell-size", "-1"), ("--smoothing-length", "nan"), ("--weight", "0")):
             self.assert_fails(1, self.run_program("a.csv", *option), option[0])
         self.assert_fails(1, self.run_program("a.csv", "--weight", "1", "-o", "a.ply"), "--particles weight")
         self.assert_fails(1, self.run_program("a.csv", "--particles", "weight", "--smoothing-length", "2"), "kernels")
         self.assert_fails(1, self.run_program("a.csv", "--particles", "sph", "--nan", "hole"), "--nan outside")
-        self.assert_fails(1, self.run_program("a.csv", "--attribute", "a", "-o", "a.stl"), "stl has no attributes")
+        self.assert_fails(1, self.run_program("a.csv", "--attribute", "a", "-o", "a.stl"), "stl cannot store vertex attributes")
         self.assert_fails(1, self.run_program("a.csv", "--attribute", "a", "--attribute", "a"), "twice")
         self.assert_fails(2, self.run_program("a.csv", "--attribute", "nix", "-o", "a.ply"), "no attribute 'nix'")
-        self.assert_fails(1, self.run_program("a.csv", "--cell-size", "9", "-o", "a.ply"), "a.csv: expected samples",
+        self.assert_fails(1, self.run_program("a.csv", "--cell-size", "9", "-o", "a.ply"), "a.csv: expected a sample spacing",
                           "give a smaller --cell-size")
         self.assert_fails(1, self.run_program("a.csv", "--particles", "blobs"), "weight, sph, anisotropic")
         self.assert_fails(2, self.run_program("nothing.csv"), "nothing.csv: ")
@@ -382,15 +382,15 @@ class ParticlesTest(ProgramTest):
         self.write_csv("a.csv", block())
         with (self.folder / "a.csv").open("rb") as file:
             run = self.convert("-", "--input-format", "csv", "-o", "c.ply", stdin=file)
-        self.assertIn("iso 0.6, the usual one", run.err)
+        self.assertIn("iso 0.6, the default", run.err)
         self.check_block(self.mesh("c.ply"))
 
     def test_info(self):
         self.write_ply("a.ply", block())
         text = self.convert("info", "a.ply").text
         self.assertIn("125", text)
-        self.assertIn("0.5 .. 0.5 to the nearest, median 0.5", text)
-        self.assertIn("0.25: half that median; --radius R says another, and so do radii that the particles have", text)
+        self.assertIn("nearest at 0.5 .. 0.5, median 0.5", text)
+        self.assertIn("0.25: half of the median distance; radii in the file or --radius R take precedence", text)
         self.assertRegex(text, r"pressure +\S+ +0 \.\. 2")
         command = re.search(r"isoextract (a\.ply --iso 0\.6 -o \S+)", text)
         self.assertIsNotNone(command, text)
@@ -406,7 +406,7 @@ class ParticlesTest(ProgramTest):
         self.write_csv("one.csv", [(1, 2, 3)])
         self.assertIn("field", self.convert("info", "one.csv").text)
         self.write_xyz("a.xyz", [block(3), block(4)])
-        self.assertIn("2, counted from 0; 0 is described", self.convert("info", "a.xyz").text)
+        self.assertIn("2, counted from 0; this report describes 0", self.convert("info", "a.xyz").text)
 
     def test_verify(self):
         self.write_csv("a.csv", block())

@@ -103,21 +103,21 @@ class PictureTest(PicturesTest):
 
     def test_frames_that_are_framed_each_by_itself_are_told(self):
         moving = self.moving()
-        note = "note: each picture looks at the middle of its own surfaces, so it does not show how they move: "
+        note = "note[one-camera]: the camera of each picture looks at the center of its own surfaces, so the pictures do not show how the surfaces move: "
         for more in ((), ("--camera", "0,0"), ("--camera", "0,0,30")):
             run = self.convert(*moving, *more, "-o", "p_{}.png")
             self.assertEqual(run.err.count(note + "for one camera give --camera AZ,EL,DISTANCE and --look-at X,Y,Z\n"), 1, more)
         for name in ("p_1.png", "p_3.png"):
             self.assertAlmostEqual(self.middle(name), 40, delta=4)
         run = self.convert(*moving, "--look-at", "10,4,4", "-o", "p_{}.png")
-        self.assertIn("note: each picture is taken from as far as needs its own surfaces, so it does not show how they grow", run.err)
+        self.assertIn("note[one-camera]: the camera of each picture takes its distance from its own surfaces, so the pictures do not show how the surfaces grow", run.err)
         run = self.convert("m_1.raw", *moving[1:], "-o", "one.png")
-        self.assertNotIn("note: each picture", run.err)
+        self.assertNotIn("note[one-camera]: each picture", run.err)
 
     def test_one_camera_for_a_sequence(self):
         moving = self.moving()
         run = self.convert(*moving, "--camera", "0,0,30", "--look-at", "10,4,4", "-o", "p_{}.png")
-        self.assertNotIn("note:", run.err)
+        self.assertNotIn("note[", run.err)
         left, middle, right = (self.middle(f"p_{k}.png") for k in (1, 2, 3))
         self.assertAlmostEqual(middle, 40, delta=2)
         self.assertLess(left, middle - 10)
@@ -126,11 +126,11 @@ class PictureTest(PicturesTest):
     def test_a_camera_that_sees_nothing_is_told(self):
         away = ("--camera", "0,0,30", "--look-at", "30,4,4")
         run = self.convert(*self.moving(), *away, "-o", "p_{}.png", "--report", "r_{}.json")
-        self.assertIn("note: 2 of 3 frames in whose picture the camera sees nothing of the surfaces: 1-2\n", run.err)
+        self.assertIn("note[empty-picture]: 2 of 3 frames have an empty picture, because the camera sees nothing of the surfaces: 1-2\n", run.err)
         report = json.loads((self.folder / "r_1.json").read_text())
         self.assertEqual(report["options"]["picture_file"]["look_at"], [30, 4, 4])
         run = self.convert("m_1.raw", *self.moving()[1:], *away, "-o", "one.png")
-        self.assertIn("note: one.png: the picture is empty: the camera sees nothing of the surfaces\n", run.err)
+        self.assertIn("note[empty-picture]: one.png: the picture is empty: no part of the surfaces is in the camera's view\n", run.err)
 
     def test_colours_of_vertices_are_seen(self):
         self.convert(SPHERE, "--iso", "0", "--color-by", "height=demo:sphere?size=24", "-o", "c.png", "--size", "60x45")
@@ -142,11 +142,11 @@ class PictureTest(PicturesTest):
         self.assertEqual(self.files(), [])
 
     def test_what_makes_no_sense_is_refused(self):
-        for arguments, words in ((("-o", "a.png", "--ascii"), "--ascii is about the file of a mesh"),
-                                 (("-o", "a.png", "--draco"), "--draco is about the file of a mesh"),
-                                 (("-o", "a.glb", "--size", "9x9"), "--size is about a picture"),
-                                 (("-o", "a.glb", "--camera", "1,2"), "--camera is about a picture"),
-                                 (("-o", "a.glb", "--look-at", "1,2,3"), "--look-at is about a picture"),
+        for arguments, words in ((("-o", "a.png", "--ascii"), "--ascii applies to mesh files"),
+                                 (("-o", "a.png", "--draco"), "--draco applies to mesh files"),
+                                 (("-o", "a.glb", "--size", "9x9"), "--size applies to pictures"),
+                                 (("-o", "a.glb", "--camera", "1,2"), "--camera applies to pictures"),
+                                 (("-o", "a.glb", "--look-at", "1,2,3"), "--look-at applies to pictures"),
                                  (("-o", "a.png", "--size", "0x9"), "--size: expected a width and a height"),
                                  (("-o", "a.png", "--size", "99999x9"), "--size: expected a width and a height"),
                                  (("-o", "a.png", "--camera", "x"), "--camera: expected")):
@@ -185,8 +185,8 @@ class ContactSheetTest(PicturesTest):
     def test_what_makes_no_sense_is_refused(self):
         frames = self.frames(2)
         for arguments, words in ((("-o", "m_{:02}.ply", "--contact-sheet", "a.jpg"), "ends in .png"),
-                                 (("-o", "m_{:02}.png", "--contact-sheet", "a.png"), "--contact-sheet shows the meshes"),
-                                 (("-o", "m.glb", "--animate", "--contact-sheet", "a.png"), "no files of their own")):
+                                 (("-o", "m_{:02}.png", "--contact-sheet", "a.png"), "--contact-sheet shows the written meshes"),
+                                 (("-o", "m.glb", "--animate", "--contact-sheet", "a.png"), "writes all frames into one file")):
             self.assert_fails(1, self.run_program(*frames, *arguments), words)
         self.assertEqual([name for name in self.files() if not name.endswith(".raw")], [])
 

@@ -21,7 +21,7 @@ class PieceSequencesTest(ProgramTest):
 
     def write_balls(self, frame, count):
         self.write_raw(f"p_{frame}.raw", (SIDE, SIDE, SIDE),
-                       lambda *at: max((radius - math.dist(centre, at) for centre, radius in BALLS[:count]), default=-9))
+                       lambda *at: max((radius - math.dist(center, at) for center, radius in BALLS[:count]), default=-9))
 
     def batch(self, *arguments, name=NAME):
         return self.run_program("p_{}.raw", *OPTIONS, "--empty", "skip", "-o", name, *arguments)
@@ -99,7 +99,7 @@ class PieceSequencesTest(ProgramTest):
         run = self.batch("--resume", "-v")
         self.assertEqual(run.code, 0, run.err)
         self.assertEqual(self.meshes(), ["11_1.ply", "1_1.ply"])
-        self.assertIn("removed, as they are of an earlier run: out/1_2.ply and out/1_3.ply", run.err)
+        self.assertIn("the run removed files of an earlier run: out/1_2.ply and out/1_3.ply", run.err)
 
     def test_files_of_others_stay(self):
         for end in ("ply", "stl", "obj", "glb", "gltf", "drc"):
@@ -117,12 +117,12 @@ class PieceSequencesTest(ProgramTest):
     def test_a_piece_that_is_read_stays(self):
         (self.folder / "a_3.ply").write_bytes((self.folder / "p_2.raw").read_bytes())
         self.assert_fails(1, self.run_program("a_3.ply", "--input-format", "raw", *OPTIONS, "-o", "a_{piece}.ply"),
-                          "a_3.ply: a piece of a_3.ply may have this name")
+                          "a_3.ply: this is the input, and the mesh of a body of a_3.ply may get the same name")
         self.assertEqual((self.folder / "a_3.ply").read_bytes(), (self.folder / "p_2.raw").read_bytes())
 
     def test_names_that_could_be_the_same(self):
-        for name, told in (("out/{piece}.ply", "would both write"), ("out/{frame}{piece}.ply", "may have one name"),
-                           ("out/{piece}{frame}.ply", "may have one name"), ("out{piece}/{frame}.ply", "folder"),
+        for name, told in (("out/{piece}.ply", "would both write"), ("out/{frame}{piece}.ply", "may get the same file name"),
+                           ("out/{piece}{frame}.ply", "may get the same file name"), ("out{piece}/{frame}.ply", "folder"),
                            ("out/{frame}.ply", "{piece}.ply"), ("p_{piece}.raw", "")):
             form = ("--format", "ply") if name.endswith("raw") else ()
             self.assert_fails(1, self.batch(*form, name=name), told)

@@ -7,14 +7,14 @@ import random
 from support import DATA, SPHERE, ProgramTest, main, needs_data, read_glb, read_ply, read_stl
 
 SIDE = 40
-# Centre, radius: a hollow ball with a pebble in it, and a small ball.
+# Center, radius: a ball with a cavity with a pebble in it, and a small ball.
 BALLS = (((15.2, 15.3, 15.1), 12), ((15.1, 15.4, 15.2), 8), ((15.3, 15.2, 15.5), 4), ((34.2, 34.1, 33.8), 3))
 RAW = ("--dims", f"{SIDE},{SIDE},{SIDE}", "--dtype", "f32", "--iso", "0")
 
 
 def depth(point):
     """Inside in an odd number of the balls."""
-    depths = [radius - math.dist(centre, point) for centre, radius in BALLS]
+    depths = [radius - math.dist(center, point) for center, radius in BALLS]
     size = min(abs(d) for d in depths)
     return size if sum(d > 0 for d in depths) % 2 else -size
 
@@ -49,7 +49,7 @@ class PiecesTest(ProgramTest):
         self.assertEqual((record["before"]["components"], record["before"]["bodies"]), (4, 3))
         self.assertEqual((record["after"]["components"], record["after"]["bodies"]), (2, 1))
         self.assertEqual(record["after"]["triangles"], mesh["triangles"])
-        self.assertIn("pieces at iso 0: 1 of 3 bodies left, 1 of 1 cavities, ", run.err)
+        self.assertIn("components at iso 0: kept 1 of 3 bodies, 1 of 1 cavities, ", run.err)
         self.assertEqual(self.balls("--largest", "2")[1]["meshes"][0]["components"], 3)
         self.assertEqual(self.balls("--largest", "--fill-cavities")[1]["meshes"][0]["components"], 1)
         # The number is left out before an input.
@@ -71,15 +71,15 @@ class PiecesTest(ProgramTest):
         for spacing, method in (("0.7", "voxels"), ("0.9", "voxels"), ("1", "surface-nets"), ("0.9", "surface-nets")):
             for least in ("volume:3", f"volume:{3 * float(spacing) ** 3:.12g}world", "area:14"):
                 run = self.convert(*bars, "--spacing", spacing, "--method", method, "--drop-components", least)
-                self.assertIn("2560 of 2560 bodies left", run.err, (spacing, method, least))
+                self.assertIn("kept 2560 of 2560 bodies", run.err, (spacing, method, least))
             run = self.run_program(*bars, "--spacing", spacing, "--method", method, "--drop-components", "volume:3.01")
             self.assertIn("none of the 2560 components", run.err)
         run = self.run_program("balls.raw", *RAW, "--drop-components", "999999", "-o", "none.ply")
-        self.assert_fails(2, run, "none of the 4 components at iso 0 is as large as asked for", "--empty skip")
+        self.assert_fails(2, run, "none of the 4 components at iso 0 has the requested size", "--empty skip")
         self.convert("balls.raw", *RAW, "--drop-components", "999999", "--empty", "skip", "-o", "none.ply")
         run = self.convert("balls.raw", *RAW, "--drop-components", "999999", "--empty", "write", "--split-components", "-o",
                            "none_{piece}.ply")
-        self.assertIn("none_{piece}.ply was not written", run.err)
+        self.assertIn("the conversion did not write none_{piece}.ply", run.err)
         self.convert("balls.raw", *RAW, "--drop-components", "999999", "--empty", "write", "--split-components", "-o", "none.glb")
         self.assertIn("none.glb", self.files())
         self.assertNotIn("none.ply", self.files())
@@ -140,7 +140,8 @@ class PiecesTest(ProgramTest):
         (self.folder / "part_2.ply").write_bytes((self.folder / "balls.raw").read_bytes())
         run = self.run_program("part_2.ply", "--input-format", "raw", *RAW, "--split-components", "-o", "part_{piece}.ply")
         self.assertEqual(run.code, 1, run.err)
-        self.assertIn("part_2.ply: a piece of part_2.ply may have this name, and this is the input; it is not overwritten", run.err)
+        self.assertIn("part_2.ply: this is the input, and the mesh of a body of part_2.ply may get the same name; "
+                      "the program does not overwrite its input", run.err)
         self.assertNotIn("part_1.ply", self.files())
 
 
@@ -179,9 +180,9 @@ class SmoothTest(ProgramTest):
     def test_normals_follow(self):
         self.convert(SPHERE, "--iso", "0", "--normals", "smooth", "--smooth", "10", "-o", "a.ply")
         mesh = read_ply((self.folder / "a.ply").read_bytes())
-        centre = [sum(axis) / len(mesh.vertices) for axis in zip(*mesh.vertices)]
+        center = [sum(axis) / len(mesh.vertices) for axis in zip(*mesh.vertices)]
         for vertex, normal in zip(mesh.vertices, mesh.normals):
-            outward = [a - b for a, b in zip(vertex, centre)]
+            outward = [a - b for a, b in zip(vertex, center)]
             self.assertGreater(sum(a * b for a, b in zip(outward, normal)), 0.97 * math.hypot(*outward))
 
     def test_with_attributes_colours_and_simplify(self):
@@ -251,7 +252,7 @@ class BlurTest(ProgramTest):
 
     def test_too_wide_in_the_world(self):
         run = self.run_program(SPHERE, "--iso", "0", "--spacing", "0.01", "--blur", "1world", "-o", "a.ply")
-        self.assert_fails(1, run, "100 x 100 x 100 voxels, and at most 16 are taken")
+        self.assert_fails(1, run, "100 x 100 x 100 voxels; the limit is 16 voxels")
 
 
 if __name__ == "__main__":

@@ -35,11 +35,11 @@ def files_of(page):
 
 def ball(dims, spacing, top, code):
     """Values that fall from `top` in the middle to 0, x fastest."""
-    centre = [(n - 1) * spacing / 2 for n in dims]
-    radius = min(centre)
+    center = [(n - 1) * spacing / 2 for n in dims]
+    radius = min(center)
 
     def value(*place):
-        away = sum((spacing * a - c) ** 2 for a, c in zip(place, centre)) ** 0.5
+        away = sum((spacing * a - c) ** 2 for a, c in zip(place, center)) ** 0.5
         return max(0, round(top * (1 - away / (1.2 * radius))))
 
     values = [value(x, y, z) for z in range(dims[2]) for y in range(dims[1]) for x in range(dims[0])]
@@ -53,7 +53,7 @@ def nifti(dims, spacing, samples):
     struct.pack_into("<2h", header, 70, 2, 8)  # unsigned char
     struct.pack_into("<8f", header, 76, 1, *(3 * [spacing]), 0, 0, 0, 0)
     struct.pack_into("<3f", header, 108, 352, 1, 0)
-    header[123] = 2  # millimetres
+    header[123] = 2  # millimeters
     struct.pack_into("<h", header, 254, 1)
     for axis in range(3):
         struct.pack_into("<f", header, 280 + 20 * axis, spacing)

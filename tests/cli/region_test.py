@@ -100,10 +100,10 @@ class RegionTest(ProgramTest):
         part = self.mesh(*ramp, "--roi", "1.25,1.25,1.125,1.75,1.5,1.875")
         self.assertAlmostEqual(area_in(part, "0,0,0,3,3,3"), 0.25 * 0.75, delta=1e-7)
         self.assert_fails(2, self.run_program(*ramp, "--roi", "3,1.25,1.125,4,1.5,1.875", "-o", "b.ply"),
-                          "holds no cell of the data along x", "(0, 0, 0) .. (3, 3, 3)")
+                          "contains no cell of the data along x", "(0, 0, 0) .. (3, 3, 3)")
         # The surface is in a cell that the box touches, and not in the box.
         self.assert_fails(2, self.run_program(*ramp, "--roi", "1.6,1,1,3,2,2", "-o", "b.ply"),
-                          "nothing of the surface at iso 1.5", "give a larger --roi X0,Y0,Z0,X1,Y1,Z1")
+                          "clipping removes the whole surface at iso 1.5", "give a larger --roi X0,Y0,Z0,X1,Y1,Z1")
 
     def test_axes_that_are_exchanged_and_mirrored(self):
         header = ("NRRD0004\ntype: float\ndimension: 3\nsizes: 6 7 8\nencoding: raw\nendian: little\n"
@@ -129,8 +129,8 @@ class RegionTest(ProgramTest):
             self.assertEqual(exact.triangles, snapped.triangles)
         # Between samples, it ends at those within.
         run = self.convert(*waves, "--roi-snap", "--roi", "0.15,0.05,0.25,0.65,0.75,9", "-o", "2.ply")
-        self.assertIn("note: waves.raw: the region is the 5 x 7 x 6 samples in the box, whose faces are between samples: "
-                      "surfaces end at samples\n", run.err)
+        self.assertIn("note[region-at-samples]: waves.raw: the faces of the region lie between samples, so surfaces end at the 5 x 7 x 6 samples "
+                      "inside the region\n", run.err)
         self.convert(*waves, "--roi", "0.2,0.1,0.3,0.6,0.7,9", "-o", "3.ply")
         self.assertEqual((self.folder / "2.ply").read_bytes(), (self.folder / "3.ply").read_bytes())
         self.assert_fails(1, self.run_program(*waves, "--roi-snap", "-o", "b.ply"), "--roi-snap", "--roi X0,Y0,Z0,X1,Y1,Z1")
@@ -151,7 +151,7 @@ class RegionTest(ProgramTest):
 
     def test_the_line_of_a_file_says_where_it_was_cut(self):
         cut = (SPHERE, "--iso", "0", "--roi", BOXES[0])
-        self.assertIn("; open at the border of the --roi (--cap closes it); ", self.convert(*cut, "-o", "a.ply").err)
+        self.assertIn("; open at the boundary of --roi (--cap closes it); ", self.convert(*cut, "-o", "a.ply").err)
         self.assertIn("; closed; ", self.convert(*cut, "--cap", "-o", "a.ply").err)
         # All of the surface is in the box.
         run = self.convert(SPHERE, "--iso", "0", "--roi=-1.01,-1.02,-1.03,1.01,1.02,1.03", "-o", "a.ply")
@@ -180,7 +180,7 @@ class RegionTest(ProgramTest):
     def test_help_says_where_the_surface_of_a_part_ends(self):
         for told in (self.convert("help", "coordinates").out.decode(), (SOURCE / "man/isoextract.1").read_text()):
             told = " ".join(told.replace("\\", "").split())
-            self.assertIn("The triangles are cut at its faces, so that the surface ends there exactly", told)
+            self.assertIn("The surface ends exactly at its faces", told)
             self.assertNotIn("the smallest box of samples that covers it", told)
 
     def test_error_of_a_part_is_that_of_its_triangles(self):

@@ -138,7 +138,7 @@ class RenderTest(ProgramTest):
         for more in (("--tf-range", "0,1"), ("--iso", "0.5"), ("--iso", "0.5", "--tf", "none")):
             with self.subTest(more):
                 run = self.convert("render", "f_{}.vdb", *SMALL, *more, "-o", "p_{}.png", "--json", "all.json")
-                self.assertEqual(run.err.count(": the picture shows none of it\n"), 2, run.err)
+                self.assertEqual(run.err.count(": the picture shows no volume\n"), 2, run.err)
                 alpha = [Png((self.folder / f"p_{i}.png").read_bytes()).alpha() for i in (1, 2, 3)]
                 self.assertEqual((alpha[0], alpha[2]), (0, 0))
                 self.assertGreater(alpha[1], 0)
@@ -152,7 +152,7 @@ class RenderTest(ProgramTest):
         sequence = ("render", "f_{}.raw", "--dims", "8,8,8", "--dtype", "f32", *SMALL, "-o", "p_{}.png")
         run = self.run_program(*sequence, "--frames", "1-4")
         self.assertEqual(run.code, 5, run.err)
-        self.assertIn("isoextract: error: frames that are not there: 3-4\n", run.err)
+        self.assertIn("isoextract: error: the inputs lack the frames 3-4\n", run.err)
         self.assertEqual(sum(name.endswith(".png") for name in self.files()), 2)
         self.convert(*sequence, "--frames", "1-2")
 
@@ -162,11 +162,11 @@ class RenderTest(ProgramTest):
         sequence = ("render", "f_{}.raw", "--dims", "64,8,8", "--dtype", "f32", *SMALL, "--tf", "none", "--iso", "0.5", "-o", "p_{}.png")
         for more in ((), ("--background", "white"), ("--camera", "0,0,40")):
             run = self.convert(*sequence, *more)
-            self.assertEqual(run.err.count("note: the camera is placed by the first picture: "), 1)
+            self.assertEqual(run.err.count("note[one-camera]: the first picture sets the camera for all pictures"), 1)
             self.assertNotIn("p_1.png: the picture is empty", run.err)
-            self.assertIn("note: p_2.png: the picture is empty: what is drawn is not before the camera, or the transfer function leaves it clear\n", run.err)
+            self.assertIn("note[empty-picture]: p_2.png: the picture is empty: the scene is outside the camera's view, or the transfer function makes it transparent\n", run.err)
         run = self.convert(*sequence, "--camera", "0,0,100", "--look-at", "32,4,4")
-        self.assertNotIn("note:", run.err)
+        self.assertNotIn("note[", run.err)
         seen = [Png((self.folder / name).read_bytes()).alpha() for name in ("p_1.png", "p_2.png")]
         self.assertGreater(min(seen), 0)
         self.assertAlmostEqual(seen[1] / seen[0], 1, delta=0.2)
@@ -198,19 +198,19 @@ class RenderTest(ProgramTest):
 
     def test_refusals(self):
         for arguments, code, part in (
-            ((), 1, "no INPUT was given"),
-            ((SPHERE, "-o", "a.jpg"), 1, "a.jpg: expected an extension of png, exr"),
+            ((), 1, "INPUT is missing"),
+            ((SPHERE, "-o", "a.jpg"), 1, "a.jpg: expected a name that ends in .png or .exr"),
             ((SPHERE, "--size", "0x5"), 1, "--size: expected "),
             ((SPHERE, "--camera", "30"), 1, "--camera: expected azimuth and elevation"),
             ((SPHERE, "--tf", "smoek"), 1, "did you mean 'smoke'?"),
-            ((SPHERE, "--tf", "none"), 1, "there is nothing to draw"),
+            ((SPHERE, "--tf", "none"), 1, "the scene is empty"),
             ((SPHERE, "--tf-range", "3,1"), 1, "expected two values MIN,MAX"),
-            ((SPHERE, "--opacity", "0.5"), 1, "--opacity is for surfaces and meshes"),
-            ((SPHERE, "--cap"), 1, "--cap is for surfaces of the volume"),
+            ((SPHERE, "--opacity", "0.5"), 1, "--opacity applies to surfaces and meshes"),
+            ((SPHERE, "--cap"), 1, "--cap applies to surfaces of the volume"),
             ((SPHERE, "--frames", "3", "-o", "a.png"), 1, "a.png"),
-            ((SPHERE, "--frames", "3", "-o", "-"), 1, "several pictures are written into files"),
-            ((SPHERE, "--frames", "1-5"), 1, "expected the number of pictures of a turn"),
-            ((SPHERE, "--background", "blue"), 1, "expected none, black, white or a colour as RRGGBB"),
+            ((SPHERE, "--frames", "3", "-o", "-"), 1, "render writes several pictures to files"),
+            ((SPHERE, "--frames", "1-5"), 1, "expected the number of pictures for one turn of the camera"),
+            ((SPHERE, "--background", "blue"), 1, "expected none, black, white or a color as RRGGBB"),
             ((SPHERE, "--iso", "7"), 2, "iso"),
             (("none.nrrd",), 2, "none.nrrd"),
             (("none.ply",), 2, "none.ply"),

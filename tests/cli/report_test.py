@@ -131,7 +131,7 @@ class ReportTest(ProgramTest):
         self.assertEqual((given["dims"], given["box"]), ([6, 5, 4], {"min": [0, 0, 0], "max": [5, 4, 3]}))
         self.assertEqual(given["index_to_world"], [[1, 0, 0, 7], [0, 2, 0, 8], [0, 0, 3, 9]])
         self.assertTrue(480 <= report["bytes"]["read"] < 480 + 4096, report["bytes"])
-        # z up became y up, and millimetres metres.
+        # z up became y up, and millimeters meters.
         rows = [[1, 0, 0, 7], [0, 0, 3, 9], [0, -2, 0, -8]]
         for row, expected in zip(report["output_from_index"], rows):
             for value, number in zip(row, expected):
@@ -148,7 +148,7 @@ class ReportTest(ProgramTest):
         meshes = read_glb((self.folder / "a.glb").read_bytes())
         self.assertEqual({m["name"]: m["triangles"] for m in report["meshes"]},
                          {name: len(mesh.triangles) for name, mesh in meshes.items()})
-        self.assertTrue(any("no surface at iso 9" in note for note in report["notes"]))
+        self.assertTrue(any("no surface at iso 9" in note["text"] for note in report["notes"]))
         stages = [(stage["stage"], stage.get("iso")) for stage in report["stages"]]
         self.assertEqual(stages[0], ("read", None))
         for iso in (0, 0.2, 9):
@@ -235,9 +235,9 @@ class ReportTest(ProgramTest):
 
     def test_options_that_make_no_conversion_are_reported(self):
         for arguments, message in (
-                ((SPHERE, "--iso", "0", "--iso", "0.0"), "--iso 0 was given twice"),
-                (("--iso", "0"), "no INPUT"),
-                ((SPHERE, "--iso", "0", "-o", "a.xyz"), "a.xyz: expected an extension"),
+                ((SPHERE, "--iso", "0", "--iso", "0.0"), "--iso 0 occurs twice"),
+                (("--iso", "0"), "INPUT is missing"),
+                ((SPHERE, "--iso", "0", "-o", "a.xyz"), "a.xyz: expected a name that ends in"),
                 ((SPHERE, "--iso", "0", "-q", "-v"), "--quiet and --verbose"),
                 ((SPHERE, "--iso", "0", "--scale", "2", "--unit", "mm"), "--scale and --unit"),
                 ((SPHERE, "--iso", "0", "--dtype", "u8", "-o", "a{iso}.ply"), "--dims")):
@@ -318,7 +318,7 @@ class ReportTest(ProgramTest):
         self.assert_fails(1, self.run_program(*raw, "--report", "./a.raw"), "this is the input", "--report")
         self.assertEqual((self.folder / "a.raw").read_bytes(), before)
         run = self.run_program(*raw, "-o", "x.gltf", "--report", f"../{self.folder.name}/x.bin")
-        self.assert_fails(1, run, "the report would be written there, and this is the mesh as well", "--report")
+        self.assert_fails(1, run, "the report and the mesh would share this file", "--report")
         for name in ("", "-"):
             self.assert_fails(1, self.run_program(*raw, "--report", name), "--report", "file")
         self.assertEqual(self.files(), ["a.raw"])
@@ -327,15 +327,15 @@ class ReportTest(ProgramTest):
         ply = (SPHERE, "--iso", "0", "-o", "-", "--format", "ply", "--report")
         for name in ("/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"):
             run = self.run_program(*ply, name)
-            self.assert_fails(1, run, f"{name}: this is standard output, where the mesh goes", "--report")
+            self.assert_fails(1, run, f"{name}: the report and the mesh on standard output need different files", "--report")
         with open(self.folder / "out.ply", "wb") as out:
             run = self.run_program(*ply, "out.ply", stdout=out)
-        self.assert_fails(1, run, "out.ply: this is standard output, where the mesh goes")
+        self.assert_fails(1, run, "out.ply: the report and the mesh on standard output need different files")
         self.assertEqual((self.folder / "out.ply").stat().st_size, 0)
         os.mkfifo(self.folder / "pipe")
         os.link(self.folder / "pipe", self.folder / "twin")
         run = self.run_program(*ply[:4], "pipe", "--format", "ply", "--report", "twin")
-        self.assert_fails(1, run, "twin: the report would be written there, and this is the mesh as well")
+        self.assert_fails(1, run, "twin: the report and the mesh would share this file")
         # The mesh in a file, the report to stdout.
         run = self.convert(SPHERE, "--iso", "0", "-o", "a.ply", "--report", "/dev/stdout")
         self.assertEqual(json.loads(run.text)["status"], "done")
@@ -362,7 +362,7 @@ class ReportTest(ProgramTest):
         self.assertEqual((fact["done"], fact["count"], fact["total"]), ("mapped", 32000, 32000))
         self.assertIn(f"  mapped: {fact['text']}\n", run.err)
         mesh = (self.folder / "a.ply").read_bytes()
-        # The same volume in the other byte order is read, and held against the limit.
+        # The same volume in the other byte order is read, and compared with the limit.
         values = struct.unpack("<32000f", (self.folder / "a.raw").read_bytes())
         (self.folder / "a.raw").write_bytes(struct.pack(">32000f", *values))
         self.assertEqual(self.report(*raw, "--endian", "big")[0]["work"], [])

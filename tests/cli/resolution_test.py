@@ -27,7 +27,7 @@ class ResolutionTest(ProgramTest):
         self.mesh(SPHERE, "--iso", "0", name="a.ply")
         run = self.convert(SPHERE, "--iso", "0", "--resolution", "24", "--explain", "-o", "b.ply")
         self.assertEqual((self.folder / "a.ply").read_bytes(), (self.folder / "b.ply").read_bytes())
-        self.assertIn("left out: resampling: the data have that resolution", run.err)
+        self.assertIn("left out: resampling, because the data has the requested resolution", run.err)
 
     def test_finer_coarser_and_uneven_grids_keep_the_place(self):
         placed = ("--spacing", "0.5,2,1", "--origin", "10,-20,3e3")
@@ -48,7 +48,7 @@ class ResolutionTest(ProgramTest):
         # Coarser than the data: voxels of error, but all of it measured.
         coarse = self.convert("demo:torus?size=65", "--iso", "0", "--error", "--resolution", "9", "-o", "a.ply").err
         self.assertGreater(self.rms(coarse), 0.5)
-        self.assertNotIn("not in this", coarse)
+        self.assertNotIn("not measured", coarse)
         self.assertIn("against the formula", coarse)
 
     def test_roi_and_cap(self):
@@ -59,7 +59,7 @@ class ResolutionTest(ProgramTest):
             self.assertAlmostEqual(half.volume() / whole.volume(), 0.5, delta=1e-3)
             self.assertAlmostEqual(half.bounds()[1][0], 4 if space else 0, delta=1e-5)
         run = self.run_program(COARSE, "--iso", "0", "--resolution", "33", "--roi", "9,9,9,10,10,10", "--space", "index")
-        self.assert_fails(2, run, "the data is at (0, 0, 0) .. (8, 8, 8)")
+        self.assert_fails(2, run, "the data extend over (0, 0, 0) .. (8, 8, 8)")
 
     def test_simplify_means_voxels_of_the_grid(self):
         run = self.convert("demo:sphere?size=25", "--iso", "0", "--resolution", "49", "--simplify", "0.2", "-o", "a.ply")
@@ -69,9 +69,9 @@ class ResolutionTest(ProgramTest):
     def test_a_sparse_grid_becomes_dense_and_says_so(self):
         sparse = self.mesh(METABALLS, "--iso", "0.5")
         run = self.convert(METABALLS, "--iso", "0.5", "--resolution", "80,90,100", "--error", "-o", "b.ply")
-        self.assertRegex(run.err, r"note: .*its sparse samples become 80 x 90 x 100 samples of f32 \(2\.75 MiB\), which "
+        self.assertRegex(run.err, r"note\[sparse-made-dense\]: .*its sparse samples become 80 x 90 x 100 samples of f32 \(2\.75 MiB\), which "
                                   r"cover the voxels \(.*\) \.\. \(.*\)\n")
-        self.assertNotIn("not in this", run.err)
+        self.assertNotIn("not measured", run.err)
         dense = read_ply((self.folder / "b.ply").read_bytes())
         self.assertEqual(dense.open_edges(), 0)
         self.assertAlmostEqual(dense.volume() / sparse.volume(), 1, delta=0.02)
@@ -126,26 +126,26 @@ class ResolutionTest(ProgramTest):
         own = self.mesh(*placed, name="a.ply")
         run = self.convert(*placed, "--voxel-size", "0.5,2,1", "--explain", "-o", "b.ply")
         self.assertEqual((self.folder / "a.ply").read_bytes(), (self.folder / "b.ply").read_bytes())
-        self.assertIn("left out: resampling: the data have that resolution", run.err)
-        self.assertNotIn("in place of", run.err)
+        self.assertIn("left out: resampling, because the data has the requested resolution", run.err)
+        self.assertNotIn("note[voxel-size]", run.err)
         # 23 steps of 0.5, 2 and 1 as 46, 23 and 46; with --scale the same samples.
         for scale in ((), ("--scale", "0.01")):
             by_count = self.mesh(*placed, *scale, "--resolution", "47,24,47", name="a.ply")
             run = self.convert(*placed, *scale, "--voxel-size", "0.25,2,0.5", "-o", "b.ply")
             self.assertEqual((self.folder / "a.ply").read_bytes(), (self.folder / "b.ply").read_bytes())
-            self.assertNotIn("in place of", run.err)
+            self.assertNotIn("note[voxel-size]", run.err)
         self.assertNotEqual(len(own.triangles), len(by_count.triangles))
         # What does not divide the box becomes what does: 11.5, 46 and 23 by 3 are 4, 15 and 8 steps.
         self.mesh(*placed, "--resolution", "5,16,9", name="a.ply")
         run = self.convert(*placed, "--voxel-size", "3", "-o", "b.ply")
         self.assertEqual((self.folder / "a.ply").read_bytes(), (self.folder / "b.ply").read_bytes())
-        self.assertIn("voxels of 2.875 x 3.06667 x 2.875 in place of 3 x 3 x 3", run.err)
+        self.assertIn("voxels of 2.875 x 3.06667 x 2.875 instead of 3 x 3 x 3", run.err)
 
     def test_voxels_of_a_sparse_grid_of_the_same_size(self):
         sparse = self.mesh(METABALLS, "--iso", "0.5")
         run = self.convert(METABALLS, "--iso", "0.5", "--voxel-size", str(2 / 47), "-o", "b.ply")
         self.assertIn("its sparse samples become 46 x 45 x 45", run.err)
-        self.assertNotIn("in place of", run.err)
+        self.assertNotIn("note[voxel-size]", run.err)
         dense = read_ply((self.folder / "b.ply").read_bytes())
         self.assertEqual((len(dense.vertices), len(dense.triangles)), (len(sparse.vertices), len(sparse.triangles)))
         for ours, theirs in zip(sorted(dense.vertices), sorted(sparse.vertices)):
@@ -160,7 +160,7 @@ class ResolutionTest(ProgramTest):
         self.assert_fails(1, both, "--resolution and --voxel-size both")
         for value in ("500", "1e-12"):
             run = self.run_program(SPHERE, "--iso", "0", "--voxel-size", value, "-o", "a.ply")
-            self.assert_fails(1, run, f"found voxels of {value}")
+            self.assert_fails(1, run, f"(twice the extent of the samples), found {value}")
         self.assertEqual(self.files(), [])
 
     def test_bad_values(self):
@@ -180,7 +180,7 @@ class ResolutionTest(ProgramTest):
                               "--memory-limit")
         # A ball that falls between the samples.
         run = self.run_program(SPHERE, "--iso", "0.6", "--resolution", "2", "-o", "a.ply")
-        self.assert_fails(2, run, "no surface at iso 0.6 on the grid of another resolution")
+        self.assert_fails(2, run, "no surface at iso 0.6 after resampling")
         self.assertEqual(self.files(), ["flat.raw"])
         self.convert(SPHERE, "--iso", "0.6", "--resolution", "2", "--empty", "skip", "-o", "a.ply")
 

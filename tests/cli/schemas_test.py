@@ -49,6 +49,7 @@ ENUMS = {
     "gpu-threads": {"/properties/gpu_threads/items/properties/makers/items/properties/threads_by":
                     CODE.literals("gpu/thread_creation.cpp", "thread_maker_name")},
     "info": {
+        "/$defs/note/properties/id": words("base::NoteId"),
         "/$defs/input/properties/grids/items/properties/kind": KINDS | NONE,
         "/$defs/input/properties/particles/properties/method": words("points::Method"),
         "/$defs/input/properties/field/properties/kind": KINDS,
@@ -72,7 +73,7 @@ ENUMS = {
         "/properties/options/properties/inside": words("field::FieldKind") | NONE,
         "/properties/options/properties/particles/properties/method": words("points::Method"),
         "/properties/options/properties/particles/properties/deposit": words("points::Deposit"),
-        "/properties/options/properties/particles/properties/not_finite": words("points::BadParticles"),
+        "/properties/options/properties/particles/properties/not_finite": words("points::NonFiniteParticles"),
         "/properties/options/properties/attributes/items/properties/kind": words("base::AttributeKind") | NONE,
         "/properties/options/properties/backend": words("convert::Backend"),
         "/properties/options/properties/method": words("extract::Method"),
@@ -81,7 +82,7 @@ ENUMS = {
         "/properties/options/properties/nan": words("extract::NanPolicy"),
         "/properties/options/properties/empty": words("convert::EmptyPolicy"),
         "/properties/options/properties/blurs/items/properties/kind": words("convert::BlurKind"),
-        "/properties/options/properties/pieces/properties/least/properties/measure": words("edit::PieceMeasure"),
+        "/properties/options/properties/pieces/properties/least/properties/measure": words("edit::ComponentMeasure"),
         "/properties/options/properties/smooth/properties/method": words("edit::SmoothMethod"),
         "/properties/options/properties/filters/items/properties/filter": words("volume_io::LevelSetFilter"),
         "/properties/options/properties/kernel": words("field::ResampleKernel"),
@@ -104,6 +105,7 @@ ENUMS = {
             CODE.matches("convert/stages/mesh_simplify.cpp", r'[?:] "(world|voxel)"'),
         "/properties/packings/items/properties/compression": words("mesh_io::Compression"),
         "/$defs/colormap": words("edit::Colormap"),
+        "/$defs/note/properties/id": words("base::NoteId"),
         "/$defs/error/properties/interpolant": words("field::Interpolation"),
         "/$defs/work/items/properties/what": words("convert::WorkTopic"),
         "/$defs/work/items/properties/done": words("convert::WorkDone"),
@@ -132,7 +134,7 @@ NOT_VALUES = {
     "render::BuiltInTransfer": "an option of render",
     "render::Shading": "an option of render",
     "render::UpAxis": "an option of render",
-    "simulate::WaterContent": "an option of simulate",
+    "simulate::WaterOutput": "an option of simulate",
     "simulate::WaterRule": "an option of simulate",
     "volume_io::VolumeFileFormat": "an output of simulate",
 }

@@ -17,8 +17,8 @@ class ShardsTest(ShardedFramesTest):
         run = self.run_program("merge", "out")
         self.assertEqual(run.code, 5, run.err)
         self.assertIn("9 frames of 3 shards\n", run.err)
-        self.assertIn("3 frames were asked for and have no input: 8,11-12", run.err)
-        self.assertNotIn("all there", run.err)
+        self.assertIn("3 requested frames have no input: 8,11-12", run.err)
+        self.assertNotIn(", complete", run.err)
         self.assertIn("0 of 9 frames done, 9 kept", self.run_program(*FRAMES, "--resume").err)
 
     def test_merge_names_the_one_frame_that_never_was_there(self):
@@ -26,22 +26,22 @@ class ShardsTest(ShardedFramesTest):
         self.run_shards(2, "--frames", "1-4", code=5)
         run = self.run_program("merge", "out")
         self.assertEqual(run.code, 5, run.err)
-        self.assertIn("1 frame was asked for and has no input: 3", run.err)
+        self.assertIn("1 requested frame has no input: 3", run.err)
 
     def test_frames_that_may_be_absent_are_not_missed(self):
         self.write_frames((1, 2, 4))
         self.run_shards(2, "--frames", "1-4", code=5)
         self.run_shards(2, "--frames", "1-4", "--missing", "note", "--resume")
-        self.assertIn("3 frames of 2 shards, all there", self.convert("merge", "out").err)
+        self.assertIn("3 frames of 2 shards, complete", self.convert("merge", "out").err)
         self.run_shards(2)
-        self.assertIn("3 frames of 2 shards, all there", self.convert("merge", "out").err)
+        self.assertIn("3 frames of 2 shards, complete", self.convert("merge", "out").err)
 
     def test_a_frame_that_comes_later_is_added(self):
         self.write_frames((1, 2, 4, 5))
         self.run_shards(2, "--frames", "1-5", code=5)
         self.write_frames((3,))
         self.run_shards(2, "--frames", "1-5", "--resume")
-        self.assertIn("5 frames of 2 shards, all there", self.convert("merge", "out").err)
+        self.assertIn("5 frames of 2 shards, complete", self.convert("merge", "out").err)
 
     def test_merge_names_frames_that_failed(self):
         self.write_frames(range(1, 9))
@@ -62,8 +62,8 @@ class ShardsTest(ShardedFramesTest):
         runs = self.run_shards(3, "--resume")
         self.assertEqual([run.count("frames done, ") for run in runs], [1, 1, 1], runs)
         self.assertIn("1 of 3 frames done, 2 kept", runs[0])
-        self.assertIn("8 frames of 3 shards, all there", self.convert("merge", "out").err)
-        self.assertIn("8 frames of 3 shards, all there", self.convert("merge", "out").err)
+        self.assertIn("8 frames of 3 shards, complete", self.convert("merge", "out").err)
+        self.assertIn("8 frames of 3 shards, complete", self.convert("merge", "out").err)
 
     def test_another_number_of_shards_after_a_merge_makes_nothing_again(self):
         self.write_frames(range(1, 9))
@@ -71,7 +71,7 @@ class ShardsTest(ShardedFramesTest):
         self.convert("merge", "out")
         for run in self.run_shards(3, "--resume"):
             self.assertRegex(run, "0 of [23] frames done, [23] kept")
-        self.assertIn("all there", self.convert("merge", "out").err)
+        self.assertIn(", complete", self.convert("merge", "out").err)
 
     def test_a_joined_batch_is_not_in_the_way_of_the_next(self):
         self.write_frames(range(1, 5))
@@ -79,7 +79,7 @@ class ShardsTest(ShardedFramesTest):
         self.convert("merge", "out")
         for number in (1, 2, 3):
             self.convert("in_{:02}.raw", *RAW, "--normals", "flat", "-o", "out/n_{:02}.ply", "--shard", f"{number}/3")
-        self.assertIn("4 frames of 3 shards, all there", self.convert("merge", "out").err)
+        self.assertIn("4 frames of 3 shards, complete", self.convert("merge", "out").err)
 
     def test_a_newer_group_of_shards_that_has_not_all_frames_is_passed_over(self):
         self.write_frames(range(1, 9))
@@ -87,7 +87,7 @@ class ShardsTest(ShardedFramesTest):
         for number in (1, 2, 3):
             os.utime(self.folder / f"out/isoextract.{number}-of-3.manifest", (1, 1))
         self.run_shards(2, "--resume", which=(1,))
-        self.assertIn("8 frames of 3 shards, all there", self.convert("merge", "out").err)
+        self.assertIn("8 frames of 3 shards, complete", self.convert("merge", "out").err)
 
     def test_two_batches_that_are_not_joined_are_told_with_a_hint(self):
         self.write_frames(range(1, 5))
@@ -97,18 +97,18 @@ class ShardsTest(ShardedFramesTest):
         for number in (1, 2, 3):
             self.convert("in_{:02}.raw", *RAW, "--normals", "flat", "-o", "out/n_{:02}.ply", "--shard", f"{number}/3")
         run = self.run_program("merge", "out")
-        self.assert_fails(2, run, "of another batch than out/isoextract.1-of-2.manifest", "remove the manifests",
+        self.assert_fails(2, run, "this manifest and out/isoextract.1-of-2.manifest are of different batches", "remove the manifests",
                           ": out/isoextract.1-of-2.manifest out/isoextract.2-of-2.manifest\n")
         for number in (1, 2):
             (self.folder / f"out/isoextract.{number}-of-2.manifest").unlink()
-        self.assertIn("4 frames of 3 shards, all there", self.convert("merge", "out").err)
+        self.assertIn("4 frames of 3 shards, complete", self.convert("merge", "out").err)
 
     # What job schedulers say
 
     def test_a_job_of_kubernetes_without_its_number_of_parts_is_told_what_to_set(self):
         self.write_frames((1, 2, 3))
         run = self.run_program(*FRAMES, "--shard", "auto", env=dict(os.environ, JOB_COMPLETION_INDEX="0"))
-        self.assert_fails(1, run, "JOB_COMPLETIONS does not say how many there are", "spec.completions",
+        self.assert_fails(1, run, "but JOB_COMPLETIONS, the number of shards, is missing", "spec.completions",
                           '(name: JOB_COMPLETIONS, value: "8")')
         run = self.run_program(*FRAMES, "--shard", "auto", env=dict(os.environ, JOB_COMPLETION_INDEX="0", JOB_COMPLETIONS="2"))
         self.assertIn("2 of 2 frames done", run.err)
@@ -122,7 +122,7 @@ class ShardsTest(ShardedFramesTest):
         self.write_frames(range(1, 6))
         self.convert(*FRAMES[:-1], "whole/m_{:02}.ply", "--table", "whole.csv")
         for run in self.run_shards(2, "--table", "out/t.csv"):
-            self.assertRegex(run, r"note: out/t\.[12]-of-2\.csv: of the frames of this shard; after isoextract merge")
+            self.assertRegex(run, r"note\[shard\]: out/t\.[12]-of-2\.csv: covers the frames of this shard only; to cover all frames, run isoextract merge")
         self.assertEqual(self.rows("out/t.1-of-2.csv"), ["1", "3", "5"])
         self.assertEqual(self.rows("out/t.2-of-2.csv"), ["2", "4"])
         self.assertFalse((self.folder / "out/t.csv").exists())

@@ -1,4 +1,4 @@
-"""isoextract simulate water: the files of a sequence, what is told of them, and what is refused."""
+"""isoextract simulate water: the files of a sequence, the messages about them, and the errors."""
 
 import math
 import pathlib
@@ -75,7 +75,7 @@ class SimulateTest(ProgramTest):
 
     def test_a_raw_file_is_read_as_it_is_told(self):
         run = self.simulate(*SMALL, "--steps", 40, "--spacing", "0.5", "-o", "w.raw")
-        told = re.search(r"to be read with: isoextract (w\.raw --iso 0\.5 .*)\n", run.err)[1]
+        told = re.search(r"read with: isoextract (w\.raw --iso 0\.5 .*)\n", run.err)[1]
         self.convert(*told.split(), "-o", "raw.ply", "-q")
         self.simulate(*SMALL, "--steps", 40, "--spacing", "0.5", "-o", "w.nrrd", "-q")
         self.convert("w.nrrd", "--iso", "0.5", "-o", "nrrd.ply", "-q")
@@ -119,7 +119,7 @@ class SimulateTest(ProgramTest):
         (self.folder / "w_0001.npy").write_text("mine")
         command = (*SMALL, "--steps", 20, "-o", "w_####.npy")
         run = self.simulate(*command, "--no-clobber")
-        self.assertIn("1 of 3 frames are there and left alone", run.err)
+        self.assertIn("1 of 3 frames exist already", run.err)
         self.assertEqual((self.folder / "w_0001.npy").read_text(), "mine")
         last = (self.folder / "w_0002.npy").read_bytes()
         self.simulate(*command, "-q")
@@ -128,13 +128,13 @@ class SimulateTest(ProgramTest):
 
     def test_the_printed_rule_is_told(self):
         run = self.simulate(*SMALL, "--steps", 20, "--rule", "printed", "--friction", 0, "-o", "w.npy")
-        self.assertRegex(run.err, r"note: \d+ of 432 cells have a depth below 0, as the printed rule leaves them")
+        self.assertRegex(run.err, r"note\[simulation-limits\]: \d+ of 432 cells have a depth below 0, which the printed rule allows")
         run = self.run_program(*SMALL, "--steps", 2000, "--rule", "printed", "--friction", 0, "-o", "x.npy")
-        self.assert_fails(4, run, "step 2000", "which a volume can hold")
+        self.assert_fails(4, run, "step 2000", "of terrain plus water below 65536 cells")
         self.assertEqual(self.files(), ["w.npy"])
         run = self.simulate(*SMALL, "--steps", 100, "--friction", 0, "-o", "w.npy")
         self.assertNotIn("below 0", run.err)
-        self.assertIn("note: water does not come to rest with --flow-div 6 and --friction 0", run.err)
+        self.assertIn("note[simulation-limits]: water does not come to rest with --flow-div 6 and --friction 0", run.err)
         self.assertNotIn("come to rest", self.simulate(*SMALL, "--steps", 10, "-o", "w.npy").err)
 
     def test_what_makes_no_sense(self):
@@ -143,14 +143,14 @@ class SimulateTest(ProgramTest):
             self.assertEqual(self.files(), [])
             return run
 
-        self.assert_fails(1, refused("simulate"), "simulate needs one of water")
+        self.assert_fails(1, refused("simulate"), "simulate needs a subcommand, one of water")
         self.assert_fails(1, refused("simulate", "wtaer"), "found 'wtaer'", "did you mean 'water'?")
         self.assert_fails(1, refused(*WATER), "-o FILE is missing", "water_{:04}.nrrd")
-        self.assert_fails(1, refused(*WATER, "-o", "w.glb"), "expected an extension of npy, nrrd, raw, vdb")
+        self.assert_fails(1, refused(*WATER, "-o", "w.glb"), "expected a name that ends in .npy, .nrrd, .raw, .vdb")
         self.assert_fails(1, refused(*WATER, "-o", "w.npy", "x.vdb"), "unexpected argument 'x.vdb'")
         self.assert_fails(1, refused(*WATER, "-o", "w.npy", "--stpes", "3"), "'--stpes' for 'simulate water'", "'--steps'")
-        self.assert_fails(1, refused(*WATER, "-o", "w.npy", "--every", "5"), "no place for their number")
-        self.assert_fails(1, refused(*WATER, "-o", "w_{}.npy", "--steps", "25"), "a multiple of --every, which is 10 by default",
+        self.assert_fails(1, refused(*WATER, "-o", "w.npy", "--every", "5"), "no placeholder for the frame number")
+        self.assert_fails(1, refused(*WATER, "-o", "w_{}.npy", "--steps", "25"), "a multiple of --every (10 by default)",
                           "--steps 30")
         self.assert_fails(1, refused(*WATER, "-o", "w_{iso}.npy"), "no iso value")
         self.assert_fails(1, refused(*WATER, "-o", "w_{}.npy", "--what", "both"), "{grid}")

@@ -42,7 +42,7 @@ class SpreadsheetsTest(ProgramTest):
                                        "".join(";".join(point) + "\n" for point in commas))):
             self.write("comma.csv", text)
             run = self.convert("comma.csv", "--radius", "0.4", "-o", f"{number}.ply")
-            self.assertIn("note: the decimals of the table have commas, not points", run.err)
+            self.assertIn("note[decimal-commas]: the numbers of the table have decimal commas, not points", run.err)
             self.assertEqual((self.folder / f"{number}.ply").read_bytes(), (self.folder / "point.ply").read_bytes(), text)
             self.assertIn("27", self.convert("info", "comma.csv").text)
         self.write("point.csv", "x;y;z;name\n" + "".join(";".join(point) + ";a,b\n" for point in points))
@@ -51,7 +51,7 @@ class SpreadsheetsTest(ProgramTest):
         self.assertEqual((self.folder / "text.ply").read_bytes(), (self.folder / "point.ply").read_bytes())
 
     def test_particles_with_two_decimal_marks(self):
-        for rows, found in (("0,5;0;0\n1.5;0;0\n", "line 3: expected a number as 'x', with the decimal mark of those before"),
+        for rows, found in (("0,5;0;0\n1.5;0;0\n", "line 3: expected a number as 'x', with the same decimal mark as the numbers before"),
                             ("0,5;0;0\n1.250,5;0;0\n", "line 3: expected a number as 'x'"), ("0.5;0;0\n0;1,5;0\n", "line 3: expected a number as 'y'")):
             self.write("mixed.csv", "x;y;z\n" + rows)
             self.assert_fails(2, self.run_program("mixed.csv", "--radius", "0.4", "-o", "m.ply"), found)

@@ -25,7 +25,7 @@ class StabilityTest(ProgramTest):
                 self.assertLessEqual(row["voxels"], row["voxels_allowed"])
             else:
                 self.assertEqual((row["off_edge"], row["ulps"], row["voxels"], row["open_edges"]), (None, None, None, 0))
-                self.assertTrue(any("not on edges of the grid" in why for why in row["not_applicable"]), row)
+                self.assertTrue(any("do not lie on edges of the grid" in why for why in row["not_applicable"]), row)
         self.assertGreater(sum(row["vertices"] > 100 for row in report["rows"]), 80)
 
     def test_the_table_has_a_line_a_run(self):
@@ -35,16 +35,16 @@ class StabilityTest(ProgramTest):
         self.assertEqual([line.split()[0] for line in lines[1:3]], ["float-max", "jump"])
         self.assertTrue(all(line.endswith("pass") and " gpu:points " in line for line in lines[1:3]), run.text)
         self.assertEqual(lines[3:], [
-            "Checked of marching cubes: finite vertices, each within its own edge of the grid and at its crossing; triangles "
-            "with an area, once each; manifold, oriented, closed with a cap", "2 of 2 passed"])
+            "Checked of marching cubes: finite vertices, each inside its own grid edge and at its crossing; triangles "
+            "with an area, none repeated; manifold, oriented, closed with a cap", "2 of 2 passed"])
 
     def test_what_holds_for_each_method_is_told(self):
         text = self.run_program("stability", "--case", "jump", "--backends", "cpu").text
         self.assertEqual([line.split()[1] for line in text.splitlines()[1:5]], ["mc", "mt", "voxels", "surface-nets"])
         for method in ("voxels", "surface nets"):
-            self.assertIn(f"Checked of {method}: finite vertices; triangles with an area, once each; manifold, oriented, "
+            self.assertIn(f"Checked of {method}: finite vertices; triangles with an area, none repeated; manifold, oriented, "
                           "closed everywhere\n", text)
-            self.assertIn(f"Not applicable: {method}: the vertices are not on edges of the grid\n", text)
+            self.assertIn(f"Not applicable: {method}: the vertices do not lie on edges of the grid\n", text)
         self.assertTrue(text.endswith("4 of 4 passed\n"), text)
 
     def test_water_is_kept_by_one_rule_and_not_by_the_other(self):
@@ -61,7 +61,7 @@ class StabilityTest(ProgramTest):
         self.assertEqual((run.code, run.err), (0, ""))
         self.assertIn("printed, as expected: ", run.text)
         self.assertIn(f"```text\n{run.text}```\n", (SOURCE / "docs/simulate.md").read_text())
-        self.assertRegex(run.text.splitlines()[-1], r"water: 24 of 24 passed by the conservative rule, \d+ by the printed one")
+        self.assertRegex(run.text.splitlines()[-1], r"water: 24 of 24 cases pass with the conservative rule, \d+ with the printed rule")
 
     def test_threads_do_not_matter(self):
         texts = {self.run_program("stability", "--backends", "cpu,gpu", "--threads", threads).text
@@ -78,11 +78,11 @@ class StabilityTest(ProgramTest):
         run = self.run_program("stability", "--case", "jump", "--json", env=NO_GPU)
         self.assertEqual(run.code, 0)
         self.assertEqual([row["backend"] for row in json.loads(run.text)["rows"]], ["cpu"] * 4)
-        self.assertIn("note: without gpu, because", run.err)
+        self.assertIn("note[backend]: stability tests no GPU, because", run.err)
         self.assert_fails(3, self.run_program("stability", "--case", "jump", "--backends", "cpu,gpu", env=NO_GPU), "EGL")
 
     def test_what_is_not_there(self):
-        self.assert_fails(1, self.run_program("stability", "--backends", "gpu,gpu"), "--backends", "each once")
+        self.assert_fails(1, self.run_program("stability", "--backends", "gpu,gpu"), "--backends", "each at most once")
         self.assert_fails(1, self.run_program("stability", "--case", "flaot-max"), "flaot-max", "'float-max'")
         self.assert_fails(1, self.run_program("stability", "far-frame"), "unexpected argument", "far-frame")
         with open("/dev/full", "wb") as full:

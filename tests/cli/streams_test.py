@@ -93,24 +93,23 @@ class StreamsTest(ProgramTest):
         gyroid = "demo:gyroid?size=24"
         half = ("--roi", "-1,-1,-1,0,1,1")
         for arguments, told in (((SPHERE, "--iso", "0"), "; closed; "),
-                                ((gyroid, "--iso", "0"), "; open at the border of the data (--cap closes it); "),
+                                ((gyroid, "--iso", "0"), "; open at the data boundary (--cap closes it); "),
                                 ((gyroid, "--iso", "0", "--cap"), "; closed; "),
-                                ((SPHERE, "--iso", "0", *half), "; open at the border of the --roi (--cap closes it); "),
+                                ((SPHERE, "--iso", "0", *half), "; open at the boundary of --roi (--cap closes it); "),
                                 ((SPHERE, "--iso", "0", *half, "--cap"), "; closed; "),
                                 ((SPHERE, "--iso", "0", "--iso", "-0.9", "--iso", "0.2"),
-                                 "; open at the border of the data at iso -0.9 (--cap closes it); "),
+                                 "; open at the data boundary at iso -0.9 (--cap closes it); "),
                                 ((SPHERE, "--iso", "9", "--empty", "write"), "; empty; ")):
             self.assertIn(told, self.convert(*arguments, "-o", "out.glb").err)
         self.write_raw("nan.raw", (6, 6, 6), lambda x, y, z: float("nan") if (x, y, z) == (3, 2, 2) else float(x))
         raw = ("nan.raw", "--dims", "6,6,6", "--dtype", "f32", "--iso", "2.5", "--nan", "hole", "-o", "out.ply")
-        self.assertIn("; open at the border of the data (--cap closes it); without 8 cells around samples that are not "
-                      "numbers; ", self.convert(*raw).err)
-        self.assertIn("; open; without 8 cells around samples", self.convert(*raw, "--cap").err)
+        self.assertIn("; open at the data boundary (--cap closes it); without 8 cells around NaN samples; ", self.convert(*raw).err)
+        self.assertIn("; open; without 8 cells around NaN samples", self.convert(*raw, "--cap").err)
 
     def test_explain_tells_of_caps_where_there_is_something_to_cap(self):
         for arguments, told in (((SPHERE, "--iso", "0"), None), ((SPHERE, "--iso", "0", "--cap"), None),
-                                (("demo:gyroid?size=24", "--iso", "0"), "caps where the surface leaves the data"),
-                                ((SPHERE, "--iso", "0", "--inside", "below"), "caps around the data")):
+                                (("demo:gyroid?size=24", "--iso", "0"), "caps where the surface reaches the data boundary"),
+                                ((SPHERE, "--iso", "0", "--inside", "below"), "caps at the data boundary, all of which is inside")):
             err = self.convert(*arguments, "--explain", "-o", "out.ply").err
             self.assertEqual("; --cap makes them" in err, told is not None, err)
             self.assertIn(told or "", err)
@@ -141,7 +140,7 @@ class StreamsTest(ProgramTest):
         err = self.convert("demo:sphere?size=64", "--iso", "0", "--explain", "-o", "out.ply").err
         self.assertRegex(err, r"left out: [1-9]\d* of [1-9]\d* bricks \(.+\), which the iso value does not cross")
         self.assertRegex(err, r"262144 samples, each once")
-        self.assertIn("normals, which nobody asked for", err)
+        self.assertIn("normals, which the options do not request", err)
 
     def test_no_escape_sequences_without_a_terminal(self):
         run = self.convert("demo:marschner-lobb?size=96", "--iso", "0.5", "--threads", "1")

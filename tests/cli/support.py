@@ -105,7 +105,7 @@ class ProgramTest(unittest.TestCase):
         """Exit code, the form of the message, and what the message and hint must contain. stdout stays empty."""
         self.assertEqual(run.code, code, run.err)
         self.assertEqual(run.out or b"", b"")
-        self.assertRegex(run.err, r"\A(isoextract: note: .*\n)*isoextract: error: ")
+        self.assertRegex(run.err, r"\A(isoextract: note\[[a-z-]+\]: .*\n)*isoextract: error: ")
         for part in parts:
             self.assertIn(part, run.err)
 
@@ -162,7 +162,7 @@ INSTALL = "scripts/setup.sh test installs it"
 
 
 def needs_program(name):
-    """Without the program the test fails: one that is skipped checks nothing, and nobody misses it."""
+    """Without the program the test fails: a skipped test checks nothing, and remains unnoticed."""
 
     def wrap(test):
         @functools.wraps(test)

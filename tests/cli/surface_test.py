@@ -61,7 +61,7 @@ class SurfaceTest(ProgramTest):
         self.assertAlmostEqual(capped.volume(), SPHERE_VOLUME / 2, delta=0.01)
 
     def test_roi_outside_the_data(self):
-        for roi, parts in (("5,5,5,6,6,6", ("holds no cell of the data along x", "(-1, -1, -1) .. (1, 1, 1)")),
+        for roi, parts in (("5,5,5,6,6,6", ("contains no cell of the data along x", "(-1, -1, -1) .. (1, 1, 1)")),
                            ("0.01,0.01,0.01,0.02,0.02,0.02", ("no surface at iso 0 in the region",))):
             run = self.run_program("demo:sphere?size=41", "--iso", "0", "--roi", roi)
             self.assert_fails(2, run, "--roi", *parts)
@@ -100,7 +100,7 @@ class SurfaceTest(ProgramTest):
         self.write_raw("nan.raw", (6, 6, 6), lambda x, y, z: math.nan if (x, y, z) == (3, 2, 2) else float(x))
         raw = ("nan.raw", "--dims", "6,6,6", "--dtype", "f32", "--iso", "2.5")
         hole = self.ply(*raw, "--nan", "hole")
-        # A plane of five by five cells, less two by two: the outer border of 20 sides, and one of 8.
+        # A plane of five by five cells, less two by two: the outer boundary of 20 edges, and one of 8.
         self.assertEqual(len(hole.triangles), 2 * (25 - 4))
         self.assertEqual(hole.open_edges(), 20 + 8)
         self.assertTrue(all(vertex[0] == 2.5 for vertex in hole.vertices))
@@ -108,14 +108,14 @@ class SurfaceTest(ProgramTest):
 
     def test_an_empty_surface_is_an_error_with_advice(self):
         run = self.run_program(SPHERE, "--iso", "9", "-o", "out.ply")
-        self.assert_fails(2, run, "no surface at iso 9", "run from -1.03", "to 0.6", "try --iso 0 (the demo field's own)")
+        self.assert_fails(2, run, "no surface at iso 9", "range from -1.03", "to 0.6", "try --iso 0 (the demo field's own)")
         self.assertEqual(self.files(), [])
 
     def test_an_empty_surface_can_be_skipped(self):
         run = self.convert(SPHERE, "--iso", "9", "--empty", "skip", "-o", "out.ply")
         self.assertEqual(self.files(), [])
-        self.assertIn("note: ", run.err)
-        self.assertIn("out.ply was not written", run.err)
+        self.assertIn("note[", run.err)
+        self.assertIn("the conversion did not write out.ply", run.err)
         self.assertNotIn("removed", run.err)
         self.convert(SPHERE, "--iso", "9", "--iso", "0", "--empty", "skip", "-o", "out.glb")
         self.assertEqual(len(read_glb((self.folder / "out.glb").read_bytes())), 1)
@@ -127,7 +127,7 @@ class SurfaceTest(ProgramTest):
             (self.folder / "out.txt").touch()
             run = self.convert(*skip, f"out.{form}")
             removed = "out.gltf and out.bin" if form == "gltf" else f"out.{form}"
-            self.assertIn(f"out.{form} was not written; the old {removed} was removed\n", run.err)
+            self.assertIn(f"the conversion did not write out.{form} and removed the old {removed}\n", run.err)
             self.assertEqual(self.files(), ["out.txt"])
         (self.folder / "out.bin").write_text("of another program")
         self.convert(*skip, "out.gltf")
@@ -135,13 +135,13 @@ class SurfaceTest(ProgramTest):
         for model in ('{"asset":{"version":"2.0"},"buffers":[{"byteLength":1,"uri":"other.bin"}]}', "no JSON"):
             (self.folder / "out.gltf").write_text(model)
             run = self.convert(*skip, "out.gltf")
-            self.assertIn("the old out.gltf was removed\n", run.err)
+            self.assertIn("and removed the old out.gltf\n", run.err)
             self.assertEqual(self.files(), ["out.bin", "out.txt"])
         # One of several frames; through a link the file goes that would have been replaced.
         self.convert(SPHERE, "--iso", "0", "-o", "frame.ply")
         (self.folder / "s_9.ply").symlink_to("frame.ply")
         run = self.convert(*skip[:-1], "--iso", "0", "-o", "s_{iso}.ply")
-        self.assertIn("the old s_9.ply was removed", run.err)
+        self.assertIn("and removed the old s_9.ply", run.err)
         self.assertFalse((self.folder / "frame.ply").exists())
         self.assertTrue((self.folder / "s_0.ply").exists())
 

@@ -1,4 +1,4 @@
-"""What is told of surfaces that are empty, open or were dropped, and hints that the command at hand can follow."""
+"""Messages about surfaces that are empty, open or dropped, and hints that the command at hand can follow."""
 
 import json
 import math
@@ -22,15 +22,15 @@ class ToldTest(ProgramTest):
 
     def test_why_a_surface_is_left_out(self):
         skip = ("--empty", "skip", "-o", "a.ply")
-        for options, told in ((("--iso", "9"), "no surface at iso 9; a.ply was not written"),
+        for options, told in ((("--iso", "9"), "no surface at iso 9; the conversion did not write a.ply"),
                               (("--iso", "0", "--drop-components", "99999"),
-                               "no component is as large as asked for at iso 0; a.ply was not written"),
+                               "no component has the requested size at iso 0; the conversion did not write a.ply"),
                               (("--iso", "0", "--clip", "1,0,0,5"),
-                               "nothing is where the surface is kept at iso 0; a.ply was not written")):
+                               "clipping removed every triangle at iso 0; the conversion did not write a.ply")):
             self.assertIn(told, self.convert(SPHERE, *options, *skip).err)
         run = self.convert(SPHERE, "--iso", "9", "--iso", "0", "--iso", "0.2", "--drop-components", "2000", "--empty",
                            "skip", "-o", "a.glb")
-        self.assertIn("no component is as large as asked for at iso 0.2; no surface at iso 9; a.glb is without it", run.err)
+        self.assertIn("no component has the requested size at iso 0.2; no surface at iso 9; a.glb contains only the other surfaces", run.err)
 
     def test_whether_holes_leave_a_surface_open(self):
         def ball(at):
@@ -56,7 +56,7 @@ class ToldTest(ProgramTest):
     def test_a_picture_tells_of_samples_that_are_no_numbers(self):
         self.write_raw("nan.raw", (9, 9, 9), lambda x, y, z: NAN if (x, y) == (1, 1) else float(x))
         run = self.convert("render", "nan.raw", "--dims", "9,9,9", "--dtype", "f32", "--size", "32x32", "-o", "a.png")
-        self.assertIn("nan.raw: 9 of 729 samples are not numbers (NaN): nothing is drawn in cells that touch them", run.err)
+        self.assertIn("nan.raw: 9 of 729 samples are NaN: render draws nothing in cells with such samples", run.err)
 
     def test_planes_in_a_config(self):
         planes = ("clip = [1, 0, 0, 0.1]", "clip = [[1, 0, 0, 0.1]]", 'clip = "1,0,0,0.1"', 'clip = ["1,0,0,0.1"]',

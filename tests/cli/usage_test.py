@@ -39,8 +39,8 @@ class UsageTest(ProgramTest):
 
     def test_an_output_without_its_option(self):
         err = self.refused("a.vdb", "b.glb", "--iso", "0")
-        self.assertIn("b.glb: the name of a mesh stands among the inputs", err)
-        self.assertIn("hint: the output comes after -o: -o b.glb", err)
+        self.assertIn("b.glb: the last input has the name of a mesh file", err)
+        self.assertIn("hint: give the output with -o: -o b.glb", err)
 
     def test_unknown_options_without_a_near_one_point_to_the_help(self):
         for given in ("--frobnicate", "-x"):
@@ -56,8 +56,8 @@ class UsageTest(ProgramTest):
         self.assertIn("try --iso auto, the value that 'isoextract info' suggests", err)
 
     def test_missing_input(self):
-        self.assertIn("no INPUT", self.refused("--iso", "0"))
-        self.assertIn("no INPUT", self.refused("info"))
+        self.assertIn("INPUT is missing", self.refused("--iso", "0"))
+        self.assertIn("INPUT is missing", self.refused("info"))
 
     def test_several_inputs_are_frames_and_need_files_of_their_own(self):
         err = self.refused("a.vdb", "b.vdb", "--iso", "0", "-o", "c.ply")
@@ -107,8 +107,8 @@ class UsageTest(ProgramTest):
         self.assertIn("--cap takes no value", self.refused(SPHERE, "--iso", "0", "--cap=yes"))
 
     def test_options_given_twice(self):
-        self.assertIn("--method was given 2 times", self.refused(SPHERE, "--iso", "0", "--method", "mc", "--method", "mt"))
-        self.assertIn("--iso 0.5 was given twice", self.refused(SPHERE, "--iso", "0.5", "--iso", "5e-1"))
+        self.assertIn("--method takes one value, found 2", self.refused(SPHERE, "--iso", "0", "--method", "mc", "--method", "mt"))
+        self.assertIn("--iso 0.5 occurs twice", self.refused(SPHERE, "--iso", "0.5", "--iso", "5e-1"))
 
     def test_combinations(self):
         for parts, arguments in (
@@ -123,7 +123,7 @@ class UsageTest(ProgramTest):
                 (("--skip", "--dims"), ("--skip", "8")),
                 (("-o -", "--format"), ("-o", "-")),
                 (("stdout", "glb"), ("-o", "-", "--format", "gltf")),
-                (("a.xyz", "glb, gltf, ply, obj, stl, drc", "--format"), ("-o", "a.xyz")),
+                (("a.xyz", ".glb, .gltf, .ply, .obj, .stl, .drc", "--format"), ("-o", "a.xyz")),
                 (("--ascii", "glb"), ("--ascii",)),
                 (("--ascii", "obj"), ("--ascii", "-o", "a.obj")),
                 (("--normals smooth", "stl"), ("--normals", "smooth", "-o", "a.stl")),
@@ -158,8 +158,8 @@ class UsageTest(ProgramTest):
 
     def test_options_come_before_two_dashes(self):
         err = self.refused("--", "-f.vdb", "--iso", "0.5")
-        self.assertIn("'--iso' comes after '--', where all words are names of files", err)
-        self.assertIn("hint: options come before '--'", err)
+        self.assertIn("'--iso' comes after '--', where every word is a file name", err)
+        self.assertIn("hint: put options before '--'", err)
         self.assertIn("'--iso=0.5' comes after '--'", self.refused("--", "-f.vdb", "--iso=0.5"))
         self.assertIn("unexpected argument 'c'", self.refused("verify", "--iso", "0", "--", "a", "b", "c"))
         err = self.refused("--iso", "0", "-o", "c.ply", "--", "-a", "-b")

@@ -31,7 +31,7 @@ STAGES = {
 class VerifyEditsTest(ProgramTest):
     def setUp(self):
         super().setUp()
-        # Balls of several sizes, one of them hollow and one with a ball in its hole.
+        # Balls of several sizes, one with a cavity, and one with a ball in its cavity.
         balls = ((6, 6, 6, 4.3), (16, 7, 8, 5.2), (8, 17, 12, 5.7), (17, 17, 17, 4.4), (2, 20, 3, 1.3), (20, 2, 20, 1.6))
 
         def value(x, y, z):
@@ -71,10 +71,10 @@ class VerifyEditsTest(ProgramTest):
             self.assertIn(hint, run.err[run.err.index("  hint: "):])
         self.convert(*self.balls, "--largest", "-o", "a.glb")
         _, run = self.verify(6, *self.balls, "a.glb")
-        self.assertIn("hint: it is a part of that: give the --largest", run.err)
+        self.assertIn("hint: the mesh is a part of that surface: give the --largest", run.err)
         self.convert(*self.balls, "-o", "a.glb")
         _, run = self.verify(6, *self.balls, "--largest", "2", "a.glb")
-        self.assertIn("leave out what it was written without", run.err)
+        self.assertIn("leave out all other options", run.err)
         _, run = self.verify(6, *self.balls, "--simplify", "0.1", "a.glb")
         self.assertIn("--backend gpu", run.err)
 
@@ -129,7 +129,7 @@ class VerifyEditsTest(ProgramTest):
         self.verify(0, NOISE, *isos, "a.glb")
         run = self.convert("verify", NOISE, *isos, "a.glb")
         self.assertRegex(run.text, r"a\.glb and demo:gyroid\?size=24 iso 0\.1, p80 \([0-9.]+\)\n")
-        self.assertIn("made anew     by cpu: extracted, smoothed, simplified", run.text)
+        self.assertIn("new surface   by cpu: extracted, smoothed, simplified", run.text)
 
     def test_files_of_another_kind_are_told_where_to_go(self):
         self.convert(NOISE, *ISO, "-o", "a.glb")
@@ -137,12 +137,12 @@ class VerifyEditsTest(ProgramTest):
         (self.folder / "a.nii.gz").write_bytes(b"no volume, but its name is that of one")
         for command in (("check", ), ("compare", "a.glb")):
             run = self.run_program(*command, "a.nii.gz")
-            self.assert_fails(2, run, "expected a mesh", "hint: its name is that of a volume", "isoextract info a.nii.gz")
+            self.assert_fails(2, run, "expected a mesh", "hint: the file name is that of a volume", "isoextract info a.nii.gz")
             self.assertNotIn("hint", self.run_program(*command, "missing.nii.gz").err)
         for command in (("info", "a.glb"), ("verify", "a.glb", *ISO, "a.glb")):
-            self.assert_fails(2, self.run_program(*command), "hint: its name is that of a mesh", "isoextract check a.glb")
+            self.assert_fails(2, self.run_program(*command), "hint: the file name is that of a mesh", "isoextract check a.glb")
         self.assertNotIn("hint", self.run_program("info", "missing.glb").err)
-        self.assert_fails(1, self.run_program("verify", "a.glb", *ISO, "a.raw"), "the volume comes first")
+        self.assert_fails(1, self.run_program("verify", "a.glb", *ISO, "a.raw"), "give the volume first")
         self.assert_fails(1, self.run_program("verify", NOISE, *ISO, "--normals", "flat", "a.glb"),
                           "unknown option '--normals' for 'verify'", "leave --normals out")
         self.assert_fails(1, self.run_program("check", "a.glb", "--iso", "0"), "--iso is an option of convert")
@@ -153,16 +153,16 @@ class VerifyEditsTest(ProgramTest):
                        ("--drop-components", "9"), ("--fill-cavities", ), ("--split-components", ),
                        ("--clip", "0,0,1,0")):
             run = self.run_program("verify", NOISE, *ISO, *option)
-            self.assert_fails(1, run, f"{option[0]} changes a surface after it is extracted", "give the mesh")
+            self.assert_fails(1, run, f"{option[0]} edits an extracted surface", "give the mesh")
         self.assert_fails(1, self.run_program("verify", NOISE, "--labels", "all"), "--labels needs MESH")
         self.assert_fails(1, self.run_program("verify", NOISE, *ISO, "--backend", "cpu"), "--backend needs MESH")
         self.assert_fails(1, self.run_program("verify", NOISE, *ISO, "--split-components", "a_1.ply"),
-                          "one ply file holds one piece", "into one glb")
+                          "verify cannot tell which body this ply file holds", "into one glb")
         for word in ("{iso}", "{piece}"):
             self.assert_fails(1, self.run_program("verify", NOISE, *ISO, "--split-components", f"a_{word}.glb"),
                               f"{word} stands for several files")
         self.convert(NOISE, *ISO, "-o", "a.glb")
-        self.assert_fails(1, self.run_program("verify", NOISE, *ISO, "--no-merge", "a.glb"), "--no-merge does not go")
+        self.assert_fails(1, self.run_program("verify", NOISE, *ISO, "--no-merge", "a.glb"), "--no-merge does not work with")
 
 
 if __name__ == "__main__":

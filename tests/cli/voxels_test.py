@@ -34,13 +34,13 @@ class VoxelsTest(ProgramTest):
 
     def test_smoothing_keeps_the_size(self):
         run = self.convert("demo:sphere?size=24", "--iso", "0", *VOXELS, "--smooth", "10", "-o", "a.ply")
-        self.assertIn("they are not merged", run.err)
+        self.assertIn("the extraction merges no faces", run.err)
         self.convert("demo:sphere?size=24", "--iso", "0", *VOXELS, "-o", "b.ply")
         smooth, whole = (read_ply((self.folder / name).read_bytes()).volume() for name in ("a.ply", "b.ply"))
         self.assertAlmostEqual(smooth, whole, delta=0.03 * whole)
         self.convert("verify", "demo:sphere?size=24", "--iso", "0", *VOXELS, "--smooth", "10", "a.ply")
         run = self.run_program("demo:sphere?size=24", "--iso", "0", *VOXELS, "--smooth", "1", "--t-junctions", "-o", "a.ply")
-        self.assert_fails(1, run, "--smooth does not go with --t-junctions")
+        self.assert_fails(1, run, "--smooth does not work with --t-junctions")
 
     def test_spacing_origin_and_turns_place_boxes(self):
         mesh = self.ply(*self.labels, "--iso", "0", "--spacing", "0.5,2,3", "--origin", "10,20,30")
@@ -57,7 +57,7 @@ class VoxelsTest(ProgramTest):
         self.assertLess(len(merged.triangles), len(plain.triangles) / 3)
         for mesh in (plain, fewest):
             self.assertAlmostEqual(mesh.volume(), 115)
-        self.assertIn("closed, but not edge by edge (--t-junctions)", run.err)
+        self.assertIn("closed, except for T-junctions along edges (--t-junctions)", run.err)
         report = json.loads((self.folder / "r.json").read_text())
         self.assertEqual(report["options"]["voxel_faces"], "rectangles")
         self.assertFalse(report["meshes"][0]["closed"])
@@ -116,7 +116,7 @@ class VoxelsTest(ProgramTest):
         self.assertEqual(list(read_glb((self.folder / "a.glb").read_bytes())), ["labels label 1"])
         self.write_raw("zeros.raw", (4, 4, 4), lambda x, y, z: 0, "B")
         self.assert_fails(2, self.run_program("zeros.raw", "--dims", "4,4,4", *VOXELS, "--labels", "all", "-o", "a.glb"),
-                          "no sample has a label but 0")
+                          "no sample has a label other than 0")
 
     def test_colours_by_label(self):
         self.convert(*self.labels, "--labels", "all", "--color-by", "iso", "-o", "all.glb")
@@ -130,17 +130,17 @@ class VoxelsTest(ProgramTest):
         return run.err
 
     def test_what_is_refused(self):
-        self.assertIn("--labels does not go with marching cubes", self.refused("labels.raw", "--labels", "all", "--method", "mc"))
+        self.assertIn("--labels does not work with marching cubes", self.refused("labels.raw", "--labels", "all", "--method", "mc"))
         self.assertIn("--labels and --iso exclude each other", self.refused(*self.labels, "--labels", "1", "--iso", "0"))
         self.assertIn("expected all, or whole numbers", self.refused(*self.labels, "--labels", "1,x"))
         self.assertIn("each label once", self.refused(*self.labels, "--labels", "1,1"))
-        self.assertIn("whole numbers from -16777216 to 16777216 where they are f32, found ",
+        self.assertIn("whole numbers from -16777216 to 16777216 (sample type f32), found ",
                       self.refused(SPHERE, *VOXELS, "--labels", "all", code=2))
         self.assertIn("--normals smooth: voxels", self.refused(*self.labels, "--iso", "0", "--normals", "smooth"))
         self.assertIn("--nan hole: voxels", self.refused(*self.labels, "--iso", "0", "--nan", "hole"))
         self.assertIn("exclude each other", self.refused(*self.labels, "--iso", "0", "--no-merge", "--t-junctions"))
         for option in ("--no-merge", "--t-junctions"):
-            self.assertIn(f"{option} does not go with marching cubes", self.refused(SPHERE, "--iso", "0", option))
+            self.assertIn(f"{option} does not work with marching cubes", self.refused(SPHERE, "--iso", "0", option))
         run = self.run_program(*self.labels, "--labels", "all", "-o", "x.stl")
         self.assert_fails(1, run, "one stl file holds one surface, and all labels may be several",
                           "list the labels, which 'isoextract info' shows, and put {iso} into the name")

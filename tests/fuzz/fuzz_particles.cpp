@@ -1,5 +1,5 @@
-// One libFuzzer target a format of particles, and two for the two kinds of BGEO, which differ in how inputs are
-// mutated: the first byte is what is asked for, and the rest is a whole file.
+// One libFuzzer target per format of particles, and two for the two kinds of BGEO, which mutate inputs differently. The
+// first byte selects the request, and the rest is a whole file.
 #include <cstdint>
 #include <cstdlib>
 #include <string>
@@ -49,7 +49,7 @@ void read_one(const std::uint8_t* data, std::size_t size) {
       fuzz::require_refusal(read.error(), input);
       return;
     }
-    // What is told of a file counts its frames to the end; reading one of them looks no further.
+    // Listing a file counts its frames to the end; reading a frame reads no further than that frame.
     require(!info || info->particles == read->particles.size());
     std::uint64_t bytes = read->particles.positions.size_bytes();
     for (const points::ParticleAttribute& attribute : read->particles.attributes) {

@@ -1,4 +1,4 @@
-// What the mutators of the fuzz targets share: libFuzzer's own mutation, and choices that follow from its seed.
+// Parts that the mutators of the fuzz targets share: libFuzzer's own mutation, and choices that follow from its seed.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ class Choices {
  public:
   explicit Choices(unsigned seed) : engine_(seed) {}
 
-  // From 0 to count - 1; 0 for no count.
+  // Returns a number from 0 to count - 1; 0 if count is 0.
   std::size_t below(std::size_t count) {
     return count == 0 ? 0 : std::uniform_int_distribution<std::size_t>(0, count - 1)(engine_);
   }
@@ -28,7 +28,7 @@ class Choices {
     return kNumbers[below(kNumbers.size())];
   }
 
-  // By libFuzzer itself.
+  // Returns the text after libFuzzer's own mutation.
   std::string mutated(std::string text, std::size_t most) {
     const std::size_t size = text.size();
     text.resize(most);

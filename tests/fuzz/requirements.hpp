@@ -1,4 +1,4 @@
-// What the targets hold readers to. Whatever does not hold ends the target, which libFuzzer keeps the input of.
+// Requirements that the fuzz targets check on readers. A violation ends the target, and libFuzzer keeps its input.
 #pragma once
 
 #include <cstdlib>

@@ -7,7 +7,7 @@ set(sample_meshes ${CMAKE_CURRENT_BINARY_DIR}/sample_meshes)
 add_test(NAME gltf.write_samples COMMAND write_sample_meshes ${sample_meshes})
 set_tests_properties(gltf.write_samples PROPERTIES FIXTURES_SETUP sample_meshes)
 
-# Where node is missing the test fails: nobody would miss one that is not there.
+# Where node is missing the test fails: a missing test would remain unnoticed.
 find_program(NODE NAMES node nodejs)
 set(validate ${NODE} ${CMAKE_CURRENT_SOURCE_DIR}/gltf/validate.mjs ${sample_meshes}/glb ${sample_meshes}/gltf
   ${sample_meshes}/animated)

@@ -34,7 +34,7 @@ MAY_INCLUDE = {
 
 LINE_LIMIT = 500
 
-# Rooms at the top, which nobody includes.
+# Rooms at the top, which no other room includes.
 OPEN_ROOMS = ("cli/",)
 
 # What only some places may use: pattern, the rooms or files that may, what to do instead.
@@ -61,8 +61,8 @@ MACHINE_PATH = re.compile(r"(^|[^A-Za-z0-9_.~}])/(work|tmp|root|home|Users)/")
 
 
 def reach(room):
-    """The rooms that `room` may include: itself, and what its neighbours reach."""
-    return {room}.union(*(reach(neighbour) for neighbour in MAY_INCLUDE[room]))
+    """The rooms that `room` may include: itself, and what its neighbors reach."""
+    return {room}.union(*(reach(neighbor) for neighbor in MAY_INCLUDE[room]))
 
 
 TOKEN = re.compile(
@@ -220,14 +220,14 @@ def check_reserved(root):
 
 
 def check_reservations(root):
-    """Memory is reserved as long as the reservation lives: one that nobody holds is given back at once."""
+    """Memory is reserved as long as the reservation lives: a reservation without an owner ends at once."""
     for _, path, code in room_sources(root):
         for dropped in re.finditer(r"(?:[;{})]|\belse)\s+TRY\(\s*(?:[\w().]|->)*\breserve\(", code):
             yield f"{path.relative_to(root)}:{code.count(chr(10), 0, dropped.end()) + 1}: hold what reserve() returns"
 
 
 def check_option_names(root):
-    """Below cli nobody knows what an option is called: hints are steps of a Remedy and a Setting, which cli puts into words."""
+    """Below cli no room knows the names of options: hints are steps of a Remedy and a Setting, which cli puts into words."""
     for path in sorted((root / "src").rglob("*.[ch]pp")):
         if path.relative_to(root / "src").parts[0] == "cli":
             continue
@@ -323,7 +323,7 @@ def check_length(root):
 
 
 def check_machine_paths(root):
-    """No file names a folder of somebody's machine."""
+    """No file names a folder of one machine."""
     for path in project_files(root):
         text = text_of(path)
         for place, line in numbered(root, path, text or ""):

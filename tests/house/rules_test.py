@@ -241,8 +241,8 @@ class RulesTest(unittest.TestCase):
 
     def test_a_table_without_cycles(self):
         for room in rules.MAY_INCLUDE:
-            neighbours = [rules.reach(other) for other in rules.MAY_INCLUDE[room]]
-            self.assertFalse(any(room in reached for reached in neighbours), room)
+            neighbors = [rules.reach(other) for other in rules.MAY_INCLUDE[room]]
+            self.assertFalse(any(room in reached for reached in neighbors), room)
 
 
 if __name__ == "__main__":

@@ -10,6 +10,8 @@ isoextract_house_test(rules_find_what_is_planted ${CMAKE_CURRENT_LIST_DIR}/rules
 isoextract_house_test(words_find_what_is_planted ${CMAKE_CURRENT_LIST_DIR}/words_test.py ${PROJECT_SOURCE_DIR})
 isoextract_house_test(crossing_include_does_not_compile
   ${CMAKE_CURRENT_LIST_DIR}/crossing_test.py ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR})
+isoextract_house_test(messages_are_on_their_page
+  ${CMAKE_CURRENT_LIST_DIR}/messages_test.py ${PROJECT_SOURCE_DIR})
 isoextract_house_test(pages_lead_somewhere ${CMAKE_CURRENT_LIST_DIR}/pages_test.py ${PROJECT_SOURCE_DIR})
 isoextract_house_test(a_build_tells_how_far_it_is ${CMAKE_CURRENT_LIST_DIR}/build_progress_test.py ${PROJECT_SOURCE_DIR})
 isoextract_house_test(measurements_are_what_their_json_gives

@@ -1,6 +1,6 @@
-// A library to preload: writes a line "NUMBER WAY PATH" into the file that COUNT_OPENS names for each file that the
-// process opens ("1 read", "1 write") and, when it is closed or the process ends, how many bytes were read of it by
-// calls ("BYTES bytes"). Mapped files are read without calls.
+// A library to preload. It writes lines "NUMBER WAY PATH" into the file that COUNT_OPENS names. For each file that the
+// process opens it writes a line "1 read PATH" or "1 write PATH". When the file is closed or the process ends, it
+// writes the bytes that calls read from the file ("BYTES bytes PATH"). Mapped files are read without calls.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/syscall.h>

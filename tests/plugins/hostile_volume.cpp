@@ -50,7 +50,7 @@ void take_memory_without_end() {
   }
 }
 
-// What of the things that a reader has no business with was possible.
+// Tries forbidden actions and lists those that were possible.
 void try_the_world(const std::string& path) {
   const auto tried = [&](const char* what, bool done) {
     if (done) note += std::string(note.empty() ? "" : ", ") + what;
@@ -64,6 +64,8 @@ void try_the_world(const std::string& path) {
   if (child == 0) ::_exit(0);
   tried("forked", child > 0);
   tried("signalled its parent", ::kill(::getppid(), 0) == 0);
+  tried("queued a signal for its parent", ::sigqueue(::getppid(), 0, {}) == 0);
+  tried("gave its parent a descriptor's signals", ::fcntl(kProgram, F_SETOWN, ::getppid()) == 0);
   if (note.empty()) note = "could do nothing";
 }
 

@@ -15,12 +15,12 @@ class Png:
             body = data[at + 8 : at + 8 + size]
             assert struct.unpack(">I", data[at + 8 + size : at + 12 + size])[0] == zlib.crc32(kind + body)
             if kind == b"IHDR":
-                self.width, self.height, depth, colour = struct.unpack(">IIBB", body[:10])
+                self.width, self.height, depth, color = struct.unpack(">IIBB", body[:10])
             if kind == b"IDAT":
                 packed += body
             at += 12 + size
         assert depth == 8
-        self.channels = {2: 3, 6: 4}[colour]
+        self.channels = {2: 3, 6: 4}[color]
         self.bytes = self.unfiltered(zlib.decompress(packed))
 
     def unfiltered(self, rows):

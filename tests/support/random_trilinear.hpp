@@ -29,7 +29,7 @@ inline constexpr std::array kRandomKinds{RandomKind::uniform, RandomKind::small_
                                               : "near saddle";
 }
 
-// 5^3 samples, x fastest. The iso value is 0, and border samples are below it.
+// 5^3 samples, x fastest. The iso value is 0, and boundary samples are below it.
 inline constexpr int kRandomSize = 5;
 
 namespace detail {
@@ -118,7 +118,7 @@ namespace detail {
     for (float& sample : samples) sample = static_cast<float>(sample - saddle + gap);
     break;
   }
-  // The shift may have raised border samples above iso.
+  // The shift may have raised boundary samples above iso.
   for (int k = 0; k < kRandomSize; ++k) {
     for (int j = 0; j < kRandomSize; ++j) {
       for (int i = 0; i < kRandomSize; ++i) {

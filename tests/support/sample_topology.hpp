@@ -36,9 +36,9 @@ struct SampleJoins {
 
 inline glm::ivec3 corner_step(unsigned corner) { return {corner & 1, corner >> 1 & 1, corner >> 2 & 1}; }
 
-// Connectivity of voxels: inside voxels connect across faces, outside voxels across faces and edges. Nothing connects
-// across a corner: if two opposite voxels at a corner are outside and the other six form a ring around it, the ring is
-// filled.
+// Returns the connectivity of voxels: inside voxels connect across faces, outside voxels across faces and edges.
+// Nothing connects across a corner: if two opposite voxels at a corner are outside and the other six form a ring around
+// it, the ring is filled.
 inline SampleJoins joined_by_faces() {
   SampleJoins joins;
   for (unsigned directions = 1; directions < 8; ++directions) {
@@ -55,7 +55,7 @@ inline SampleJoins joined_by_faces() {
   return joins;
 }
 
-// Connectivity of tetrahedra: inside and outside samples connect along the edges of a cell's tetrahedra.
+// Returns the connectivity of tetrahedra: inside and outside samples connect along the edges of a cell's tetrahedra.
 inline SampleJoins joined_by_tetrahedra() {
   SampleJoins joins;
   std::set<unsigned> seen;

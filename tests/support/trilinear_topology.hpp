@@ -40,7 +40,7 @@ class DisjointSets {
 
 class TrilinearTopology {
  public:
-  // Takes size^3 samples, x fastest; inside is value > iso. Border samples must be outside.
+  // Takes size^3 samples, x fastest; inside is value > iso. Boundary samples must be outside.
   TrilinearTopology(const std::vector<float>& samples, int size, double iso)
       : samples_(samples), size_(size), iso_(iso) {}
 

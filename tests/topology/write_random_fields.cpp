@@ -2,8 +2,9 @@
 //
 //   write_random_fields COUNT FOLDER
 //
-// For every kind of field: FOLDER/KIND.f32 (COUNT fields of 5^3 floats, x fastest) and FOLDER/KIND.json, an array with
-// the Euler numbers of the components of three surfaces: of the field just above iso 0, just below it, and our mesh.
+// Writes two files for every kind of field. FOLDER/KIND.f32 has COUNT fields of 5^3 floats, x fastest. FOLDER/KIND.json
+// is an array with the Euler numbers of the components of three surfaces: of the field just above iso 0, just below it,
+// and our mesh.
 #include <charconv>
 #include <cstring>
 #include <filesystem>

@@ -47,7 +47,7 @@ def _add_attribute(mesh, attribute):
     name = attribute.name
     while name in mesh.attributes:
         name += "_"
-    if attribute.is_colour:
+    if attribute.is_color:
         layer = mesh.color_attributes.new(name, "FLOAT_COLOR", "POINT")
         mesh.color_attributes.active_color = layer
     else:

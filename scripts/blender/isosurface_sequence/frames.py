@@ -40,7 +40,7 @@ class Sequence:
 
     @staticmethod
     def in_folder(folder, pattern):
-        """What is there now. A folder that did not change is not listed again."""
+        """The files of the sequence in the folder. Lists the folder again only if it changed."""
         try:
             changed = os.stat(folder).st_mtime_ns
         except OSError as error:

@@ -142,7 +142,7 @@ class _Model:
         attributes = []
         for semantic, accessor in names.items():
             if semantic == "COLOR_0":
-                attributes.append(Attribute("Color", self._colours(accessor), True))
+                attributes.append(Attribute("Color", self._colors(accessor), True))
             elif semantic.startswith("_"):
                 values = self._attribute(accessor)
                 kind = kind_of(semantic[1:], values.shape[1], self.kinds)
@@ -185,11 +185,11 @@ class _Model:
             result = np.maximum(result / np.float32(np.iinfo(values.dtype).max), np.float32(-1))
         return result
 
-    def _colours(self, index):
-        colours = self._numbers(index)
-        if colours.shape[1] == 3:
-            colours = np.concatenate([colours, np.ones((len(colours), 1), np.float32)], axis=1)
-        return colours
+    def _colors(self, index):
+        colors = self._numbers(index)
+        if colors.shape[1] == 3:
+            colors = np.concatenate([colors, np.ones((len(colors), 1), np.float32)], axis=1)
+        return colors
 
     def _attribute(self, index):
         accessor = self.document["accessors"][index]
@@ -235,7 +235,7 @@ def _joined(parts):
             if attribute:
                 rows = attribute.values
                 values[start:start + len(rows), :rows.shape[1]] = rows
-        attributes.append(Attribute(name, values, first.is_colour, first.kind if width == 3 else None))
+        attributes.append(Attribute(name, values, first.is_color, first.kind if width == 3 else None))
     return Surface(
         np.concatenate([part.positions_from(origin) for part in parts]),
         np.concatenate([part.triangles + start for part, start in zip(parts, starts)]).astype(np.int32),

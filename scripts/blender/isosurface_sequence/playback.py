@@ -75,8 +75,8 @@ def shows_sequence(item):
 
 
 def show(item, frame):
-    """Fills the object's mesh with the surface of a frame. What cannot be read leaves the mesh as it was, and is told
-    once and in the object's panel."""
+    """Fills the object's mesh with the surface of a frame. A file that cannot be read leaves the mesh as it was; the
+    add-on reports it once, and in the object's panel."""
     if not shows_sequence(item) or item.mode == "EDIT":
         return
     properties = item.isosurface_sequence

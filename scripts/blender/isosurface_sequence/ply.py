@@ -16,7 +16,7 @@ TYPES = {"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4"
          "double": "f8", "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4",
          "float32": "f4", "float64": "f8"}
 BYTE_ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">", "ascii": None}
-PLACES, NORMALS, COLOURS = ("x", "y", "z"), ("nx", "ny", "nz"), ("red", "green", "blue", "alpha")
+PLACES, NORMALS, COLORS = ("x", "y", "z"), ("nx", "ny", "nz"), ("red", "green", "blue", "alpha")
 CORNERS = ("vertex_indices", "vertex_index")
 HEADER_LIMIT = 1 << 20
 
@@ -226,13 +226,13 @@ def _attributes(vertices, types, kinds):
     attributes = []
     left = {name: vertices[name] for name in vertices
             if name not in (*PLACES, *NORMALS) and isinstance(vertices[name], np.ndarray) and vertices[name].ndim == 1}
-    if all(name in left for name in COLOURS[:3]):
+    if all(name in left for name in COLORS[:3]):
         scale = {"u1": 255, "u2": 65535}.get(types["red"], 1)
-        columns = [left.pop(name) / np.float32(scale) for name in COLOURS if name in left]
+        columns = [left.pop(name) / np.float32(scale) for name in COLORS if name in left]
         if len(columns) == 3:
             columns.append(np.ones(len(columns[0]), np.float32))
-        colours = np.stack(columns, axis=1).astype(np.float32)
-        attributes.append(Attribute("Color", colours if scale == 1 else linear_from_srgb(colours), True))
+        colors = np.stack(columns, axis=1).astype(np.float32)
+        attributes.append(Attribute("Color", colors if scale == 1 else linear_from_srgb(colors), True))
     groups = {}
     for name in left:
         stem = re.fullmatch(r"(.+)_([0-3])", name)

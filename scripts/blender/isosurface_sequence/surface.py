@@ -7,7 +7,7 @@ import numpy as np
 
 
 class UnreadableFile(Exception):
-    """A file that is damaged, or uses something that is not read here. The message is meant for people."""
+    """A file that is damaged, or that uses features this reader does not know. The message is for the user."""
 
 
 @dataclasses.dataclass
@@ -15,9 +15,9 @@ class Attribute:
     """A value that every vertex has."""
 
     name: str
-    values: np.ndarray  # vertices x components; float32 or int32, colours as linear float32
-    is_colour: bool = False
-    kind: typing.Optional[str] = None  # "vector", "point" or "normal" where the values turn with the mesh
+    values: np.ndarray  # vertices x components; float32 or int32, colors as linear float32
+    is_color: bool = False
+    kind: typing.Optional[str] = None  # "vector", "point" or "normal" if the values turn with the mesh
 
     def turned_from_y_up(self):
         return dataclasses.replace(self, values=y_up_to_z_up(self.values)) if self.kind else self
@@ -73,7 +73,7 @@ def checked_triangles(corners, vertex_count, path):
 
 
 def linear_from_srgb(values):
-    """Colours from 0 to 1 as screens have them, made linear; alpha, the fourth component, is linear already."""
+    """Colors from 0 to 1 as screens have them, made linear; alpha, the fourth component, is linear already."""
     result = np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4).astype(np.float32)
     result[:, 3:] = values[:, 3:]
     return result

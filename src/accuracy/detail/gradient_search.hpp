@@ -121,19 +121,19 @@ class GradientSearch {
       return *distance * step;
     }
     if (out >= kReach) return std::nullopt;
-    const glm::dvec3 border = glm::clamp(index + out * step, low_, high_);
+    const glm::dvec3 exit_point = glm::clamp(index + out * step, low_, high_);
     glm::dvec3 slide = step;
     for (int axis = 0; axis < 3; ++axis) {
-      if (step[axis] > 0 ? border[axis] == high_[axis] : border[axis] == low_[axis]) {
+      if (step[axis] > 0 ? exit_point[axis] == high_[axis] : exit_point[axis] == low_[axis]) {
         slide[axis] = 0;
       }
     }
     const double length = glm::length(slide);
     if (!(length > 0)) return std::nullopt;
     slide /= length;
-    const double limit = std::min(kReach - out, distance_to_boundary(border, slide));
-    const auto distance = search(border, slide, residual, guess, kReach, limit);
-    return distance ? std::optional(border + *distance * slide - index) : std::nullopt;
+    const double limit = std::min(kReach - out, distance_to_boundary(exit_point, slide));
+    const auto distance = search(exit_point, slide, residual, guess, kReach, limit);
+    return distance ? std::optional(exit_point + *distance * slide - index) : std::nullopt;
   }
 
   // Searches towards the cell corners on the other side, where a crossing must lie. Keeps the nearest.
@@ -179,7 +179,7 @@ class GradientSearch {
   double shortest_;
   glm::dvec3 width_{0.0};  // cell width between opposite faces, in the mesh's coordinates
   glm::dmat3 metric_;      // maps gradients in index space to index-space steps along the world's gradient
-  std::optional<glm::ivec3> last_cell_;  // dense data only; sparse data have no border
+  std::optional<glm::ivec3> last_cell_;  // dense data only; sparse data have no data boundary
   glm::dvec3 low_{-kInfinity};
   glm::dvec3 high_{kInfinity};
 };

@@ -38,7 +38,7 @@ class SubdividedSurface {
   // Builds the tree on first use. Requires triangles.
   [[nodiscard]] const mesh::TriangleTree& tree();
 
-  // Map between index space and the frame of the positions and of the tree.
+  // Maps between index space and the coordinate frame of the positions and the tree.
   [[nodiscard]] glm::dvec3 local(const glm::dvec3& index) const { return linear_ * (index - anchor_) - mesh_.origin; }
   [[nodiscard]] glm::dvec3 index(const glm::dvec3& local) const {
     return index_from_local_ * (local + mesh_.origin) + anchor_;

@@ -75,24 +75,26 @@ std::optional<Error> Animation::lost() const {
 Result<mesh_io::MeshWriteResult> Animation::finish() {
   if (!is_empty_) return writer_.finish();
   const auto removed = TRY(files::remove_old_file(batch_.animation->path));
-  return mesh_io::MeshWriteResult{{},
-                                  {fmt::format("no frame has a surface; {} was not written{}", batch_.animation->path,
-                                               removed ? "; the old one was removed" : "")},
-                                  {}};
+  return mesh_io::MeshWriteResult{
+      {},
+      {{NoteId::no_surface, fmt::format("no frame has a surface; the run did not write {}{}", batch_.animation->path,
+                                        removed ? " and removed the old file" : "")}},
+      {}};
 }
 
 std::string missing_frames_note(const BatchJob& batch, std::span<const std::int64_t> missing) {
   std::size_t leading = 0;  // failed frames before the first frame in the file
   while (leading < missing.size() && missing[leading] == batch.frames[leading].number) ++leading;
   const auto list = [](std::span<const std::int64_t> frames) { return text_of(runs_of(frames), kShownFrameRuns); };
-  std::string shown = "the frame before is shown in their time";
+  std::string shown = "the animation shows the preceding frame during their time";
   if (leading == missing.size()) {
-    shown = "nothing is shown in their time, as no frame is before them";
+    shown = "the animation shows nothing during their time, because no frame precedes them";
   } else if (leading > 0) {
-    shown = fmt::format("nothing is shown in the time of {}, and the frame before in that of the others",
-                        list(missing.first(leading)));
+    shown = fmt::format(
+        "the animation shows nothing during the time of {}, and the preceding frame during the time of the others",
+        list(missing.first(leading)));
   }
-  return fmt::format("{} is without frames that failed: {}; {}", batch.animation->path, list(missing), shown);
+  return fmt::format("{} lacks the frames that failed: {}; {}", batch.animation->path, list(missing), shown);
 }
 
 std::string animation_key(const std::string& batch) { return files::content_hash("animation " + batch); }

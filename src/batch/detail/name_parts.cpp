@@ -87,7 +87,8 @@ class NameScanner {
     const std::string_view written = name_.substr(at_, length);
     if (!width) {
       return fail(ErrorCode::usage,
-                  fmt::format("{}: expected a width as in {{:04}}, found '{}'", printable(name_), printable(written)),
+                  fmt::format("{}: expected a number of digits as in {{:04}}, found '{}'", printable(name_),
+                              printable(written)),
                   kBracesHint);
     }
     if (*width > kMaxFrameDigits) {
@@ -140,7 +141,7 @@ class NameScanner {
     return add_number(length, length == 1 ? 0 : static_cast<int>(std::min<std::size_t>(length, kMaxFrameDigits + 1)));
   }
 
-  static constexpr const char* kBracesHint = "{{ and }} stand for braces";
+  static constexpr const char* kBracesHint = "write {{ and }} for braces";
 
   std::string_view name_;
   std::size_t at_ = 0;

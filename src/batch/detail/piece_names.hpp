@@ -1,4 +1,4 @@
-// Output names with {piece}, whose numbers are known only when a surface is made: detects names that could become
+// Output names with {piece}, whose numbers are known only when a surface exists: detects names that could become
 // equal. Used only by output_names.
 #pragma once
 
@@ -13,12 +13,12 @@ namespace isoextract::batch {
 
 class PieceNames {
  public:
-  // Adds a name with convert::kPieceWord, of the output `owner`. Returns the owner of an earlier name that some piece
-  // numbers could make equal to this one, or nullopt. Looks only at digits before the first number, so it may report
-  // names that never collide, but misses none.
+  // Adds a name with convert::kPiecePlaceholder, of the output `owner`. Returns the owner of an earlier name that the
+  // numbers of some bodies could make equal to this one, or nullopt. Looks only at digits before the first number, so
+  // it may report names that never collide, but misses none.
   [[nodiscard]] std::optional<std::size_t> add(std::string_view name, std::size_t owner);
 
-  // Returns the owner of a name that some piece numbers could make equal to `file`.
+  // Returns the owner of a name that the number of some body could make equal to `file`.
   [[nodiscard]] std::optional<std::size_t> find_collision(std::string_view file) const;
 
  private:

@@ -23,9 +23,9 @@ class TriangleBoxes {
   TriangleBoxes(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
                 std::span<const std::uint32_t> chosen, const CrowdedStars& stars);
 
-  // Bytes of the construction, for the caller to reserve.
+  // Returns the bytes that the construction needs; the caller reserves them.
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t chosen) { return mesh::BoxTree::bytes(chosen); }
-  // Additional bytes if there are stars.
+  // Returns the additional bytes if there are stars.
   [[nodiscard]] static std::uint64_t star_bytes(std::uint64_t chosen) { return (chosen + 1) * sizeof(Directions); }
 
   [[nodiscard]] FloatBox box_of(std::uint32_t triangle) const {

@@ -40,7 +40,7 @@ class CrowdedStars {
   }
 
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t vertices) { return vertices * sizeof(std::uint32_t); }
-  // Additional bytes if there are stars.
+  // Returns the additional bytes if there are stars.
   [[nodiscard]] static std::uint64_t crowded_bytes(std::uint64_t triangles) {
     return triangles * (sizeof(std::uint32_t) + 2 * sizeof(Sides) + 3 * sizeof(std::uint64_t));
   }

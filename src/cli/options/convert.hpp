@@ -1,4 +1,4 @@
-// The options of convert, and of verify, which takes those that decide about the triangles of a mesh.
+// The options of convert, and of verify, which takes only the options that change the triangles of a mesh.
 #pragma once
 
 #include <array>
@@ -26,31 +26,31 @@
 
 namespace isoextract::cli {
 
-// What --color-by says.
+// The value of --color-by.
 struct ColorFlag {
-  std::optional<convert::AttributeChoice> attribute;  // nothing: the iso values
+  std::optional<convert::AttributeChoice> attribute;  // unset: color by iso value
   edit::Colormap map = edit::Colormap::viridis;
   std::optional<std::array<double, 2>> range;
 };
 
-// NAME[?][=FROM], and behind it in any order :KIND, :spacing=SX,SY,SZ, :origin=X,Y,Z, :nodata=V, :volume=K and
+// Parses NAME[?][=FROM], then in any order :KIND, :spacing=SX,SY,SZ, :origin=X,Y,Z, :nodata=V, :volume=K and
 // :component=N.
 [[nodiscard]] Result<convert::AttributeChoice> parse_attribute(std::string_view text);
-// Likewise without a kind, and with :MAP and then :MIN,MAX among these.
+// Parses the same form without a kind, but with :MAP and then :MIN,MAX among the settings.
 [[nodiscard]] Result<ColorFlag> parse_color(std::string_view text);
 [[nodiscard]] Result<std::vector<double>> parse_opacity(std::string_view text);  // A[,B...], above 0, at most 1
 
-// What -o is written as: a format of meshes or, without one, a picture of them or the field itself as an OpenVDB file.
+// Kind of the output -o: a mesh format or, without one, a picture of the meshes or the field itself as an OpenVDB file.
 struct OutputFormat {
   std::optional<mesh_io::MeshFormat> mesh;
   bool picture = false;
 };
 [[nodiscard]] std::vector<Choice<OutputFormat>> output_formats();
 
-// "viridis, magma"
+// Returns "viridis, magma".
 [[nodiscard]] std::string colormap_list();
 
-// The bits of --draco, or nothing in it where the voxel says.
+// The bits of --draco; nullopt: the voxel size decides.
 using DracoBits = std::optional<std::uint64_t>;
 [[nodiscard]] std::vector<Choice<DracoBits>> draco_bits();
 
@@ -266,7 +266,7 @@ struct ConvertFlags : OptionSet {
   RunFlags run{*this};
 };
 
-// How the mesh was converted, and which it is.
+// The options of the mesh's conversion, and the mesh.
 struct VerifyFlags : OptionSet {
   VerifyFlags();
 

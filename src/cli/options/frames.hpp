@@ -1,4 +1,4 @@
-// The options of many frames. One of them makes a batch of a conversion.
+// The options of batches. Each of them turns a conversion into a batch.
 #pragma once
 
 #include <array>
@@ -13,10 +13,10 @@
 
 namespace isoextract::cli {
 
-// How a batch tells how far it is, on stderr.
+// The form of a batch's progress on stderr.
 enum class ProgressStyle {
-  bar,   // where that is a terminal
-  json,  // a line of JSON an event
+  bar,   // if stderr is a terminal
+  json,  // one line of JSON per event
   none,
 };
 constexpr auto words_of(ProgressStyle /*type*/) {
@@ -25,14 +25,14 @@ constexpr auto words_of(ProgressStyle /*type*/) {
 }
 
 enum class MissingPolicy {
-  error,  // the frames that are there are converted, and the run fails
+  error,  // converts the frames that have an input, then fails
   note,
 };
 constexpr auto words_of(MissingPolicy /*type*/) {
   return std::array{Word{MissingPolicy::error, "error"}, Word{MissingPolicy::note, "note"}};
 }
 
-// `help` says what the frames are taken for.
+// `help` states the use of the frames.
 struct FramesOption : Value<batch::FrameRange> {
   FramesOption(const Place& place, std::string help)
       : Value(
@@ -71,7 +71,7 @@ struct BatchFlags : OptionSet {
               "output files. The manifest is in the output folder."};
   Flag fail_fast{*this, "--fail-fast",
                  "Stop at the first frame that fails. Default: convert the others, then exit with code 5."};
-  Flag no_clobber{*this, "--no-clobber", "Skip frames whose output exists, whoever wrote it."};
+  Flag no_clobber{*this, "--no-clobber", "Skip frames whose output exists already."};
   Flag make_folders{*this, "--mkdir", "Create missing output folders. A slash at the end of -o does so, too."};
   Flag dry_run{*this, "--dry-run", "Print frames, files and memory; convert nothing. The memory is an estimate."};
   Value<std::string> table{

@@ -1,4 +1,4 @@
-// The options of inputs: which of a file is read, and how; and how particles become a field.
+// The options of inputs: the grid or volume to read, its layout, and the field of particles.
 #pragma once
 
 #include <array>
@@ -22,22 +22,22 @@
 
 namespace isoextract::cli {
 
-// Which side of an iso value is inside.
+// The side of an iso value that is inside.
 enum class InsideChoice { above, below, away_from_zero };
 constexpr auto words_of(InsideChoice /*type*/) {
   return std::array{Word{InsideChoice::above, "above"}, Word{InsideChoice::below, "below"},
                     Word{InsideChoice::away_from_zero, "away-from-zero"}};
 }
 
-// Those of files, of volumes and particles.
+// Returns the formats of volume and particle files.
 [[nodiscard]] std::vector<Choice<std::string>> input_formats();
 
-// What a command does with its inputs.
+// The inputs that a command takes, for its help.
 struct InputUse {
   std::string metavar;          // of INPUT
-  std::string what;             // what they are: a sentence without a full stop
-  bool all_volumes = false;     // --volume all: all volumes of a file are worked through
-  std::size_t most = SIZE_MAX;  // inputs
+  std::string what;             // their meaning: a sentence without a full stop
+  bool all_volumes = false;     // takes --volume all, for all volumes of a file
+  std::size_t most = SIZE_MAX;  // largest number of inputs
 };
 
 struct InputFlags : OptionSet {
@@ -109,7 +109,7 @@ struct InputFlags : OptionSet {
                   "otherwise read in a child process with limits. Use it only for files that you trust: a damaged file "
                   "can crash the program, hang it, or take more memory than --memory-limit."};
 
-  // The first of the grids.
+  // Returns the first of the grids.
   [[nodiscard]] std::optional<std::string> grid() const {
     return grids.empty() ? std::nullopt : std::optional(grids.front());
   }
@@ -118,10 +118,10 @@ struct InputFlags : OptionSet {
   }
 };
 
-// "weight (a fixed weight for each particle), sph (...)"
+// Returns "weight (a fixed weight for each particle), sph (...)".
 [[nodiscard]] std::string particle_methods();
 
-// How particles become a field.
+// The options that turn particles into a field.
 struct ParticleFlags : OptionSet {
   explicit ParticleFlags(OptionSet& command);
 

@@ -1,4 +1,4 @@
-// The options of the commands that look at inputs and measure methods: info, bench and stability.
+// The options of the commands that describe inputs and measure methods: info, bench and stability.
 #pragma once
 
 #include <string>
@@ -26,7 +26,7 @@ struct InfoFlags : OptionSet {
   RunFlags run{*this};
 };
 
-// Those that bench takes by itself, as one word.
+// Returns the methods that bench takes by default, as one word.
 [[nodiscard]] std::string following_method_ids();
 
 struct BenchFlags : OptionSet {
@@ -34,7 +34,7 @@ struct BenchFlags : OptionSet {
 
   InputFlags input{*this,
                    {"INPUT...",
-                    "Volumes or particles (default: demo:torus). gpu-threads measures the cost of a GPU's threads "
+                    "Volumes (default: demo:torus). gpu-threads measures the cost of a GPU's threads "
                     "(Timokhin and Mikhaylyuk)"}};
   Value<std::vector<int>> sizes{in(OptionGroup::input), "--sizes", "N,N,...", parse_demo_sizes,
                                 "Sizes of demo fields (default: 32,64,128,256). Samples along each axis."};

@@ -1,4 +1,5 @@
 #include "cli/options/meshes.hpp"
+#include "base/nearest_name.hpp"
 
 #include <algorithm>
 #include <array>
@@ -51,7 +52,8 @@ Result<std::vector<Requirement>> parse_requirements(std::string_view text) {
       for (const Requirement part : kOfPrintable) add(part);
     } else {
       const std::string near = nearest_name(word, words);
-      return fail(ErrorCode::usage, fmt::format("expected some of {}, found '{}'", fmt::join(words, ", "), word),
+      return fail(ErrorCode::usage,
+                  fmt::format("expected a comma-separated list of {}, found '{}'", fmt::join(words, ", "), word),
                   near.empty() ? "" : fmt::format("did you mean '{}'?", near));
     }
   }

@@ -1,4 +1,4 @@
-// The options of the commands that look at meshes: compare and check.
+// The options of the commands that read meshes: compare and check.
 #pragma once
 
 #include <string>
@@ -36,9 +36,9 @@ struct CompareFlags : OptionSet {
   RunFlags run{*this};
 };
 
-// Words of check::Requirement separated by commas, or "printable" for what a slicer needs; each once.
+// Parses words of check::Requirement separated by commas, or "printable" for the needs of a slicer; each at most once.
 [[nodiscard]] Result<std::vector<check::Requirement>> parse_requirements(std::string_view text);
-// "closed, manifold, ...; or printable, which is closed, ..."
+// Returns "closed, manifold, ...; or printable, which is closed, ...".
 [[nodiscard]] std::string requirement_list();
 
 struct CheckFlags : OptionSet {

@@ -1,4 +1,4 @@
-// The options that say where a mesh is.
+// The options of a mesh's placement.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 
 namespace isoextract::cli {
 
-// Of the input's world: a unit, or the one that the file states.
+// The unit of the input's world; unset: the unit that the file states.
 struct UnitChoice {
   std::optional<convert::LengthUnit> unit;
 };

@@ -32,7 +32,7 @@ Result<glm::dvec4> parse_background(std::string_view text) {
   if (text == "none") return glm::dvec4(0);
   const auto color = color_in(text == "black" ? "000000" : text == "white" ? "ffffff" : text);
   if (color) return glm::dvec4(*color, 1);
-  return fail(ErrorCode::usage, fmt::format("expected none, black, white or a colour as RRGGBB, found '{}'", text));
+  return fail(ErrorCode::usage, fmt::format("expected none, black, white or a color as RRGGBB, found '{}'", text));
 }
 
 Result<std::vector<glm::dvec3>> parse_colors(std::string_view text) {
@@ -40,7 +40,7 @@ Result<std::vector<glm::dvec3>> parse_colors(std::string_view text) {
   for (std::string_view rest = text;;) {
     const std::size_t comma = rest.find(',');
     const auto color = color_in(rest.substr(0, comma));
-    if (!color) return fail(ErrorCode::usage, fmt::format("expected colours as RRGGBB[,RRGGBB...], found '{}'", text));
+    if (!color) return fail(ErrorCode::usage, fmt::format("expected colors as RRGGBB[,RRGGBB...], found '{}'", text));
     colors.push_back(*color);
     if (comma == std::string_view::npos) return colors;
     rest.remove_prefix(comma + 1);
@@ -62,13 +62,14 @@ Result<double> parse_field_of_view(std::string_view text) {
 Result<double> parse_samples(std::string_view text) {
   const auto samples = parse_number(text);
   if (samples && *samples >= 1.0 / 64 && *samples <= 64) return *samples;
-  return fail(ErrorCode::usage, fmt::format("expected samples a voxel, from 0.015625 to 64, found '{}'", text));
+  return fail(ErrorCode::usage,
+              fmt::format("expected a number of samples per voxel, from 0.015625 to 64, found '{}'", text));
 }
 
 Result<double> parse_termination(std::string_view text) {
   const auto share = parse_number(text);
   if (share && *share >= 0 && *share < 1) return *share;
-  return fail(ErrorCode::usage, fmt::format("expected 0 or more and below 1, found '{}'", text));
+  return fail(ErrorCode::usage, fmt::format("expected a number, 0 or more and below 1, found '{}'", text));
 }
 
 RenderFlags::RenderFlags() = default;

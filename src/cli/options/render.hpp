@@ -22,7 +22,7 @@
 
 namespace isoextract::cli {
 
-// "grey, fire"
+// Returns the names of the built-in transfer functions, separated by commas.
 [[nodiscard]] std::string transfer_list();
 
 [[nodiscard]] Result<glm::dvec4> parse_background(std::string_view text);              // none, black, white, RRGGBB
@@ -93,7 +93,7 @@ struct RenderFlags : OptionSet {
   Value<std::vector<glm::dvec3>> mesh_colors{
       in(OptionGroup::output), "--mesh-color", "RRGGBB[,...]", parse_colors,
       "Color of meshes without vertex colors. One for all, or one for each in order. Default: gray."};
-  Value<glm::dvec4> background{in(OptionGroup::output), "--background", "COLOUR", parse_background,
+  Value<glm::dvec4> background{in(OptionGroup::output), "--background", "COLOR", parse_background,
                                "Background color (default: none). none, black, white or RRGGBB."};
   Value<double> samples{in(OptionGroup::output), "--samples", "N", parse_samples,
                         "Samples per voxel along a ray (default: 1). Per shortest edge of a voxel."};

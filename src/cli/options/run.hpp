@@ -24,7 +24,7 @@ struct HelpOptions : OptionSet {
 
 // The last options of every command.
 struct RunFlags : OptionSet {
-  // What a command has of them; each has those before it, too.
+  // The options that a command has: those of the value and of all values before it.
   enum class Taken { help, quiet, verbosity, all };
 
   explicit RunFlags(OptionSet& command, Taken taken = Taken::all);
@@ -38,6 +38,10 @@ struct RunFlags : OptionSet {
       from(Taken::all), "--threads", "N", parse_thread_count,
       "Number of threads (default: all). The output does not depend on it. With 1 the program starts no other thread."};
   Flag quiet{from(Taken::quiet), "-q,--quiet", "Print errors and results only."};
+  Value<std::vector<NoteId>> no_note{from(Taken::verbosity), "--no-note", "ID,ID,...", parse_note_ids,
+                                     "Hide the notes of these ids. A note shows its id: 'note[open-mesh]: ...'. "
+                                     "'isoextract help notes' lists all ids; "
+                                     "reports keep every note."};
   Flag verbose{from(Taken::verbosity), "-v,--verbose", "Print the time of each stage and the peak memory."};
   HelpOptions help{*this};
 };
@@ -63,7 +67,7 @@ struct DeviceFlags : OptionSet {
       About::gpu};
 };
 
-// Of a command that compares backends.
+// The option of commands that compare backends.
 struct BackendsOption : Value<std::vector<NamedBackend>> {
   BackendsOption(const Place& place, std::string_view by_default)
       : Value(place, "--backends", "B,B,...", parse_backends,
@@ -78,7 +82,7 @@ struct JsonFlag : Flag {
       : Flag(place, "--json", std::move(help)) {}
 };
 
-// Of a command that reads files.
+// The option of commands that read files.
 struct MemoryLimit : Value<std::uint64_t> {
   explicit MemoryLimit(const Place& place)
       : Value(place, "--memory-limit", "SIZE", parse_size,

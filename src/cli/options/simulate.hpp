@@ -1,4 +1,4 @@
-// The options of the commands that simulate.
+// The options of the simulate commands.
 #pragma once
 
 #include <cstdint>
@@ -25,9 +25,9 @@ inline constexpr const char* kWaterExample = "water_{:04}.nrrd";
 inline constexpr std::uint64_t kJetFrames = 120;
 inline constexpr const char* kJetExample = "jet_{:04}.ply";
 
-// How much is simulated, and where its files go.
+// The length of the simulation, and its files.
 struct SequenceFlags : OptionSet {
-  // `example` is one of -o, and `formats` what it says of them. Without `takes_steps` the frames are said otherwise.
+  // `example` is an example of -o, `formats` the help about formats. Without `takes_steps`, other options set frames.
   SequenceFlags(OptionSet& command, std::string example, std::string formats, bool takes_steps);
 
  private:
@@ -48,7 +48,7 @@ struct SequenceFlags : OptionSet {
           "Output files, such as {}; required. {{:04}}, %04d or #### stands for the frame number. A folder ends in a "
           "slash. A name without a number gets the last step alone. {} A file gets its name when it is complete.",
           example_, formats_)};
-  Flag no_clobber{*this, "--no-clobber", "Leave existing files alone, whoever wrote them."};
+  Flag no_clobber{*this, "--no-clobber", "Leave existing files alone."};
   Flag make_folders{*this, "--mkdir", "Create missing output folders. A slash at the end of -o does so, too."};
   Value<std::uint64_t> memory_limit{
       *this, "--memory-limit", "SIZE", parse_size,

@@ -1,4 +1,4 @@
-// The options of surfaces: which one is extracted, and what changes it afterwards.
+// The options of surfaces: extraction and edits.
 #pragma once
 
 #include <cstdint>
@@ -18,10 +18,10 @@
 
 namespace isoextract::cli {
 
-// "Marching cubes, or marching tetrahedra with six a cell"
+// Returns "Marching cubes, or marching tetrahedra (six in each cell)".
 [[nodiscard]] std::string method_help();
 
-// `before` and `after` are what is said of it besides.
+// `before` and `after` are further parts of the help text.
 struct IsoOption : Values<convert::IsoChoice> {
   IsoOption(const Place& place, std::string_view before, std::string_view after)
       : Values(place, "--iso", "V", parse_iso,
@@ -44,7 +44,7 @@ struct NanOption : Value<extract::NanPolicy> {
               About::extraction) {}
 };
 
-// What decides about a surface besides the iso value.
+// The options of the extraction besides the iso value.
 struct SurfaceFlags : OptionSet {
   explicit SurfaceFlags(OptionSet& command);
 
@@ -102,7 +102,7 @@ struct SurfaceFlags : OptionSet {
   NanOption nan{*this};
 };
 
-// What changes a surface after it is extracted.
+// The options that edit a surface after its extraction.
 struct EditFlags : OptionSet {
   explicit EditFlags(OptionSet& command);
 

@@ -32,7 +32,7 @@ Result<void> check_error_memory(const ConversionJob& job, const Source& source, 
     if (bytes <= limit - used) continue;
     return fail(
         ErrorCode::out_of_memory,
-        fmt::format("{}: the surface at iso {} and the measuring of its error need at least {}, the limit is {}, "
+        fmt::format("{}: the surface at iso {} and the measurement of its error need at least {}; the limit is {}, "
                     "of which {} are in use",
                     source.label, iso.id.iso(), format_byte_size(bytes), format_byte_size(limit),
                     format_byte_size(used)),

@@ -41,10 +41,10 @@ Result<void> check_range(const field::ScalarField& field, const std::string& lab
     }
   }
   if (most <= largest) return {};
-  return fail(
-      ErrorCode::output,
-      fmt::format("{}: expected values up to {:.6g}, which {} hold; found {:.6g}", label, largest, numbers, most),
-      hint);
+  return fail(ErrorCode::output,
+              fmt::format("{}: expected absolute values up to {:.6g}, the limit of {}; found {:.6g}", label, largest,
+                          numbers, most),
+              hint);
 }
 
 std::string samples_text(const field::ScalarField& field) {
@@ -82,7 +82,8 @@ Result<mesh_io::WrittenFile> write_field(const Source& source, const ConversionJ
                      field.scale.is_identity() ? "" : " with a scale", as_half ? "16-bit floats" : "32-bit floats")});
   }
   if (!source.of_particles && job.surface.nan != extract::NanPolicy::error) {
-    events.note(fmt::format("{}: samples that are not numbers are stored as they are", source.label));
+    events.note(
+        {NoteId::nan_samples, fmt::format("{}: the file stores samples that are not numbers unchanged", source.label)});
   }
   events.end(report);
   return mesh_io::WrittenFile{output.path, bytes};

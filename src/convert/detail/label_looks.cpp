@@ -15,7 +15,7 @@ Result<LabelAppearance> LabelAppearance::open(const ConversionJob& job, const Co
   if (!job.label_names) return looks;
   auto table = TRY(volume_io::LabelTable::read(job.label_names->path, context));
   if (table.hash() != job.label_names->hash) {
-    return fail(ErrorCode::input, fmt::format("{}: the table of labels has changed since the conversion was planned",
+    return fail(ErrorCode::input, fmt::format("{}: the table of labels has changed since the program first read it",
                                               printable(job.label_names->path)));
   }
   looks.table_ = std::move(table);

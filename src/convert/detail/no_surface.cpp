@@ -26,12 +26,12 @@ Error no_surface(const ConversionJob& job, const Source& source, const ResolvedI
     const field::Affine given_from_output =
         request_from_index(source.field, job.source.placement.space).after(source.output_from_index.inverse());
     return {ErrorCode::no_surface,
-            fmt::format("{}: nothing of the surface at {} is where it is kept; it is in {}", source.label,
+            fmt::format("{}: clipping removes the whole surface at {}; the surface lies in {}", source.label,
                         surface_text(asked.asked),
                         box_text(field::image_of(given_from_output, {cut_away->min, cut_away->max}))),
-            or_allow_empty(job.source.clip.empty()
-                               ? Step(Remedy::raise, Setting::region)
-                               : Step(Remedy::check, Setting::clip, "it keeps where NX x + NY y + NZ z >= D"))};
+            or_allow_empty(job.source.clip.empty() ? Step(Remedy::raise, Setting::region)
+                                                   : Step(Remedy::check, Setting::clip,
+                                                          "a plane keeps the points with NX x + NY y + NZ z >= D"))};
   }
   if (are_labels) {
     return {ErrorCode::no_surface,
@@ -45,7 +45,7 @@ Error no_surface(const ConversionJob& job, const Source& source, const ResolvedI
     const bool all_alike = statistics.nan == 0 && statistics.infinite == 0;
     return {ErrorCode::no_surface,
             fmt::format("{}: there is no surface: {}", source.label,
-                        all_alike ? "every voxel has the background's value" : "no sample is a finite number"),
+                        all_alike ? "every voxel has the background value" : "no sample is a finite number"),
             {Remedy::use, Setting::empty_policy}};
   }
   const double iso = asked.id.iso();
@@ -53,14 +53,15 @@ Error no_surface(const ConversionJob& job, const Source& source, const ResolvedI
   const double min = statistics.samples > 0 ? statistics.min : passed->min;
   const double max = statistics.samples > 0 ? statistics.max : passed->max;
   const field::IsoSuggestion suggestion = field::suggest_iso(source.field, statistics);
-  const Step other = suggestion.separates ? Step(Remedy::try_value, Setting::iso,
-                                                 fmt::format("{} ({})", suggestion.iso, suggestion.method))
-                                          : Step("try another input: this one has no surface worth suggesting");
+  const Step other =
+      suggestion.separates
+          ? Step(Remedy::try_value, Setting::iso, fmt::format("{} ({})", suggestion.iso, suggestion.method))
+          : Step("try another input: no iso value separates these samples into two groups");
   return {ErrorCode::no_surface,
-          fmt::format("{}: no surface at iso {}{}{}; the values {}run from {:.6g} to {:.6g}", source.label,
+          fmt::format("{}: no surface at iso {}{}{}; the values {}range from {:.6g} to {:.6g}", source.label,
                       text_of(asked), source.region ? " in the region" : "",
-                      job.source.resamples() ? " on the grid of another resolution" : "",
-                      source.region ? "of the whole field " : "", min, max),
+                      job.source.resamples() ? " after resampling" : "", source.region ? "of the whole field " : "",
+                      min, max),
           or_allow_empty(region_hides_it ? Step(Remedy::raise, Setting::region) : other)};
 }
 

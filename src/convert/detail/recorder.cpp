@@ -10,10 +10,10 @@ void Recorder::begin_grid(const std::optional<std::string>& grid) {
   if (!again_) begun_.push_back(grid);
 }
 
-void Recorder::note(const std::string& text) {
+void Recorder::note(const Note& note) {
   if (again_) return;
-  outcome_.notes.push_back(text);
-  listener_.note(text);
+  outcome_.notes.push_back(note);
+  listener_.note(note);
 }
 
 void Recorder::end(const StageReport& report) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/note.hpp"
 #include "convert/events.hpp"
 #include "convert/outcome.hpp"
 
@@ -14,14 +15,14 @@ class Recorder final : public Events {
  public:
   Recorder(Outcome& outcome, Events& listener) : outcome_(outcome), listener_(listener) {}
 
-  void note(const std::string& text) override;
+  void note(const Note& note) override;
   void end(const StageReport& report) override;
 
   // Call before reading a grid, in jobs with several grids: reports on surfaces then name that grid. If the grid was
   // read before, everything but times is dropped until end_reading(), because it was reported the first time.
   void begin_grid(const std::optional<std::string>& grid);
   void end_reading() { again_ = false; }
-  // The label of that grid; empty if the job has only one.
+  // Returns the label of that grid; empty if the job has only one.
   [[nodiscard]] const std::string& grid() const { return grid_; }
   void name_grid(const std::string& grid) { grid_ = grid; }
 

@@ -59,14 +59,14 @@ Result<void> check_grids(const SourceOptions& source, const Context& context) {
     const auto particles = TRY(is_particles(options, context));
     if (particles) {
       return fail(ErrorCode::usage,
-                  fmt::format("{}: expected volumes, as several grids were chosen; found particles in '{}'",
+                  fmt::format("{}: expected only volumes in a run with several grids, found particles in '{}'",
                               files::input_label(source.input), printable(grid.value_or(""))),
-                  "convert the particles in a run of their own");
+                  "convert the particles in a separate run");
     }
     auto label = TRY(volume_io::grid_label(source.input, options.read, context));
     if (std::ranges::find(labels, label) != labels.end()) {
       return fail(ErrorCode::usage,
-                  fmt::format("{}: the grid '{}' was chosen twice", files::input_label(source.input), label),
+                  fmt::format("{}: expected each grid once, found '{}' twice", files::input_label(source.input), label),
                   "choose each grid once");
     }
     labels.push_back(std::move(label));

@@ -27,15 +27,15 @@ std::string note_of(const SkippedSurfaces& skipped, const std::string& consequen
   return fmt::format("{}: {}; {}", skipped.label, fmt::join(reasons, "; "), consequence);
 }
 
-std::vector<std::string> repeated_notes(const std::string& label, std::span<const ResolvedIso> asked,
-                                        const std::string& path) {
-  std::vector<std::string> notes;
+Notes repeated_notes(const std::string& label, std::span<const ResolvedIso> asked, const std::string& path) {
+  Notes notes;
   for (std::size_t i = 1; i < asked.size(); ++i) {
     const auto before = asked.first(i);
     const auto same = std::ranges::find_if(before, [&](const auto& iso) { return repeats_value(iso, asked[i]); });
     if (same == before.end()) continue;
-    notes.push_back(fmt::format("{}: iso {} and {} are the same value, {}: {} has one surface for both", label,
-                                text_of(same->asked), text_of(asked[i].asked), asked[i].id.text(), path));
+    notes.push_back({NoteId::repeated_iso,
+                     fmt::format("{}: iso {} and {} are the same value, {}: {} has one surface for both", label,
+                                 text_of(same->asked), text_of(asked[i].asked), asked[i].id.text(), path)});
   }
   return notes;
 }

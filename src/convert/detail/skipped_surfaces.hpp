@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/note.hpp"
 #include "convert/iso_values.hpp"
 
 namespace isoextract::convert {
@@ -33,7 +34,7 @@ struct SkippedSurfaces {
 
 // Returns a note for each iso value that equals an earlier one. Values found in the field can coincide, which the user
 // could not foresee.
-[[nodiscard]] std::vector<std::string> repeated_notes(const std::string& label, std::span<const ResolvedIso> asked,
-                                                      const std::string& path);
+[[nodiscard]] Notes repeated_notes(const std::string& label, std::span<const ResolvedIso> asked,
+                                   const std::string& path);
 
 }  // namespace isoextract::convert

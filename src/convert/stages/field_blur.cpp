@@ -23,7 +23,7 @@ std::string blurred_text(const field::ScalarField& field) {
   if (const auto* dense = std::get_if<field::DenseSamples>(&field.samples)) {
     return fmt::format("{} samples of {}", dense->count(), field::sample_type_name(field.type()));
   }
-  return fmt::format("{} blocks (8x8x8) of {}", std::get<field::SparseSamples>(field.samples).blocks.size(),
+  return fmt::format("{} bricks (8x8x8) of {}", std::get<field::SparseSamples>(field.samples).blocks.size(),
                      field::sample_type_name(field.type()));
 }
 
@@ -40,7 +40,7 @@ Result<void> blur_field(const std::vector<BlurStep>& steps, const std::string& l
     const Stopwatch watch;
     const glm::dvec3 sigma = sigma_of(step, field);
     if (step.kind == BlurKind::gaussian && glm::any(glm::greaterThan(sigma, glm::dvec3(field::kMaxBlurSigma)))) {
-      return fail(ErrorCode::usage, fmt::format("{}: {} is {:.4g} x {:.4g} x {:.4g} voxels, and at most {} are taken",
+      return fail(ErrorCode::usage, fmt::format("{}: {} is {:.4g} x {:.4g} x {:.4g} voxels; the limit is {} voxels",
                                                 label, text_of(step), sigma.x, sigma.y, sigma.z, field::kMaxBlurSigma));
     }
     auto blurred =

@@ -17,11 +17,11 @@ Result<void> filter_field(const std::vector<FilterStep>& steps, const std::strin
   if (steps.empty()) return {};
   const bool is_sparse = std::holds_alternative<field::SparseSamples>(field.samples);
   if (field.kind != field::FieldKind::level_set || !is_sparse) {
-    const char* found = field.kind != field::FieldKind::level_set ? "a density" : "samples of a full box";
+    const char* found = field.kind != field::FieldKind::level_set ? "a density" : "dense samples";
     return fail(ErrorCode::input,
                 fmt::format("{}: expected the narrow band of a level set to filter, found {}", label, found),
                 {{Remedy::leave_out, Setting::level_set_filter,
-                  "it is for level sets: of VDB files, and of particles as spheres or smooth"},
+                  "the filter needs a level set: of a VDB file, or of particles as spheres or smooth"},
                  {Remedy::use, Setting::blur}});
   }
   for (const FilterStep& step : steps) {

@@ -41,26 +41,30 @@ Result<StageReport> clip_surface(Surface& surface, const StageContext& stage) {
     // No note for a region that holds the whole surface, as most do.
     if (!stage.job.source.clip.empty()) {
       report.notes.push_back(
-          fmt::format("{}: nothing was cut off, all {} triangles are left", report.subject, facts.triangles_after));
+          {NoteId::clipped, fmt::format("{}: clipping cut nothing off; the mesh keeps all {} triangles", report.subject,
+                                        facts.triangles_after)});
     }
     return report;
   }
   // Cutting can split a triangle into several, so more triangles may be left than before.
-  std::string text = facts.triangles_cut > 0
-                         ? fmt::format("{}: {} triangles were cut; {} are left in place of {}", report.subject,
-                                       facts.triangles_cut, facts.triangles_after, facts.triangles_before)
-                         : fmt::format("{}: {} of {} triangles are left, and none was cut", report.subject,
-                                       facts.triangles_after, facts.triangles_before);
+  std::string text =
+      facts.triangles_cut > 0
+          ? fmt::format("{}: clipping cut {} triangles; the mesh has {} triangles instead of {}", report.subject,
+                        facts.triangles_cut, facts.triangles_after, facts.triangles_before)
+          : fmt::format("{}: clipping kept {} of {} triangles and cut none", report.subject, facts.triangles_after,
+                        facts.triangles_before);
+  NoteId id = NoteId::clipped;
   if (facts.cap_triangles > 0) {
-    text += fmt::format("; the surface is closed by {} triangles there", facts.cap_triangles);
+    text += fmt::format("; {} triangles close the surface at the cuts", facts.cap_triangles);
   } else if (facts.triangles_cut > 0 && facts.triangles_after > 0) {
-    text += "; the surface is open there";
+    text += "; the surface is open at the cuts";
+    id = NoteId::open_mesh;
   }
-  report.notes.push_back(std::move(text));
+  report.notes.push_back({id, std::move(text)});
   if (facts.overlapping_cap_triangles > 0) {
-    report.notes.push_back(
-        fmt::format("{}: {} triangles of the cut overlap others, as the surface passes through or touches itself there",
-                    report.subject, facts.overlapping_cap_triangles));
+    report.notes.push_back({NoteId::cap_overlaps, fmt::format("{}: {} triangles that close the cuts overlap others, "
+                                                              "because the surface intersects or touches itself there",
+                                                              report.subject, facts.overlapping_cap_triangles)});
   }
   return report;
 }

@@ -103,7 +103,7 @@ std::string unmeasured_text(const accuracy::ErrorStatistics& error) {
 
 void add_unmeasured(std::vector<std::string>& lines, std::string_view what, const accuracy::ErrorStatistics& error) {
   if (error.unmeasured() == 0) return;
-  lines.push_back(fmt::format("not in this: {} of {} {}: {}", error.unmeasured(), error.unmeasured() + error.points,
+  lines.push_back(fmt::format("not measured: {} of {} {}: {}", error.unmeasured(), error.unmeasured() + error.points,
                               what, unmeasured_text(error)));
 }
 
@@ -120,7 +120,8 @@ std::string analytic_text(const MeshError& error, double iso) {
       analytic.flat_normals.rms_degrees);
   if (error.exact) text += "; area " + percent_text(analytic.area, error.exact->area);
   if (error.exact && analytic.volume) text += ", volume " + percent_text(*analytic.volume, error.exact->volume);
-  if (error.of_part) text += "; area and volume are those of a part, and the formula's are of the whole: not compared";
+  if (error.of_part)
+    text += "; area and volume not compared: the mesh covers a part of the surface, the formula covers all of it";
   return text;
 }
 
@@ -128,20 +129,20 @@ std::string coverage_text(double iso, const accuracy::SurfaceCoverage& coverage)
   const accuracy::ErrorStatistics& distances = coverage.distances;
   std::string sizes;
   if (distances.points > 0) {
-    sizes = fmt::format("{}, nowhere more than about {:.3g}; {}; ", sizes_text(distances), coverage.max_at_most.voxels,
+    sizes = fmt::format("{}, everywhere at most about {:.3g}; {}; ", sizes_text(distances), coverage.max_at_most.voxels,
                         world_text(distances));
   }
   return fmt::format("error at iso {} from the surface of the data to the mesh: {}{}", iso, sizes,
                      coverage.lost == 0
-                         ? fmt::format("all of its {} components are there", coverage.components)
-                         : fmt::format("{} of its {} components are lost", coverage.lost, coverage.components));
+                         ? fmt::format("the mesh has all {} components", coverage.components)
+                         : fmt::format("the mesh lacks {} of {} components", coverage.lost, coverage.components));
 }
 
 std::vector<std::string> summary_of(const MeshError& error, double iso) {
   const accuracy::ErrorStatistics& interior = error.field.interior;
   std::vector<std::string> lines;
   lines.push_back(interior.points == 0
-                      ? fmt::format("error at iso {}: nothing could be measured", iso)
+                      ? fmt::format("error at iso {}: no point has a measurable distance", iso)
                       : fmt::format("error at iso {} against the {} interpolant: {}; {}", iso,
                                     word_of(error.field.interpolation), sizes_text(interior), world_text(interior)));
   add_unmeasured(lines, "points", interior);
@@ -162,13 +163,14 @@ std::vector<std::string> details_of(const MeshError& error) {
       "measured: the distance to the nearest point of the isosurface, at {} points inside the triangles, by area",
       field.interior.points));
   if (field.coverage && field.coverage->distances.points > 0) {
-    lines.push_back(fmt::format(
-        "  and back from {} points of the isosurface, found with cells divided into {} parts along each axis, by area",
-        field.coverage->distances.points, field.parts));
+    lines.push_back(
+        fmt::format("  and the distance to the mesh, at {} points of the isosurface, found with cells divided into {} "
+                    "parts along each axis, by area",
+                    field.coverage->distances.points, field.parts));
   }
   if (field.interior.corrected > 0) {
     lines.push_back(
-        fmt::format("  of which {} have a gradient so uneven that |f - iso| / |grad f| alone is off by half",
+        fmt::format("  {} of these points have a gradient so uneven that |f - iso| / |grad f| alone is off by half",
                     field.interior.corrected));
   }
   if (field.cap_triangles > 0) {
@@ -226,7 +228,8 @@ Result<StageReport> measure_error(Surface& surface, const StageContext& stage) {
   if (!stage.job.error) return StageReport();
   StageReport report = stage.report_on(StageName::error, surface);
   if (surface.id.is_label()) {
-    report.notes.emplace_back("the error of the mesh is not measured: labels have no isosurface between the samples");
+    report.notes.push_back(
+        {NoteId::error_not_measured, "no error measurement: labels have no isosurface between the samples"});
     return report;
   }
   const Stopwatch watch;

@@ -125,7 +125,7 @@ std::optional<std::string> note_of_relaxing(std::span<const StageReport> reports
   if (changed_components == 0 && surfaces == 0) return std::nullopt;
   std::string text = "relaxing changed the volume of ";
   if (surfaces > 0) text += fmt::format("{} {}", whole.surface, text_of(whole.volume));
-  if (surfaces > 1) text += fmt::format(", that of {} others by more than {} %", surfaces - 1, kSmallPercent);
+  if (surfaces > 1) text += fmt::format(", of {} other surfaces by more than {} %", surfaces - 1, kSmallPercent);
   // Adds nothing if the components that changed are the surfaces already named.
   if (changed_components > surfaces) {
     text +=

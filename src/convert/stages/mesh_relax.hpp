@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "base/note.hpp"
 #include "convert/stage_report.hpp"
 
 namespace isoextract::convert {

@@ -135,14 +135,15 @@ struct Simplified {
 
 std::string why_unchanged(const SimplifyChoice& asked, const Simplified& done) {
   const std::uint64_t before = done.facts.triangles_before;
-  if (before == 0) return "it has no triangles";
+  if (before == 0) return "the mesh has no triangles";
   if (done.asked >= before && done.asked > 0) {
-    return fmt::format("it has {} triangles, and was to keep {}", before, done.asked);
+    return fmt::format("the mesh has {} triangles, and the target is {}", before, done.asked);
   }
   if (!asked.within) {
-    return fmt::format("none of its {} triangles can go, or its topology would change", before);
+    return fmt::format("removing any of the {} triangles would change the topology", before);
   }
-  return fmt::format("none of its {} triangles can go within {}", before, bound_text(*asked.within));
+  return fmt::format("removing any of the {} triangles would move the surface by more than {}", before,
+                     bound_text(*asked.within));
 }
 
 std::string line_of(const SimplifyChoice& asked, const Simplified& done, const std::string& surface) {
@@ -152,42 +153,47 @@ std::string line_of(const SimplifyChoice& asked, const Simplified& done, const s
     return fmt::format("not simplified at {}: {}; {:.2f} s", surface, why_unchanged(asked, done), seconds);
   }
   std::string text = fmt::format(
-      "simplified at {}: {} of {} triangles left ({:.1f} %); asked for {}, measured {:.4g} to {:.4g} voxels, "
+      "simplified at {}: {} of {} triangles left ({:.1f} %); requested {}, measured {:.4g} to {:.4g} voxels, "
       "in the mesh's units {:.4g} to {:.4g}; {:.2f} s",
       surface, facts.triangles_after, facts.triangles_before,
       100.0 * static_cast<double>(facts.triangles_after) / static_cast<double>(facts.triangles_before),
       asked_text(asked), done.voxels.lower, done.voxels.upper, done.world.lower, done.world.upper, seconds);
   if (done.asked > 0 && facts.triangles_after > done.asked) {
-    text += asked.within ? "; fewer would be farther away, or change the topology"
-                         : "; fewer would change the topology, or turn triangles over";
+    text += asked.within ? "; fewer triangles would exceed the distance or change the topology"
+                         : "; fewer triangles would change the topology or flip triangles";
   }
   return text;
 }
 
-std::vector<std::string> notes_of(const Simplified& done, const std::string& surface) {
+Notes notes_of(const Simplified& done, const std::string& surface) {
   const edit::SimplifyFigures& facts = done.facts;
-  std::vector<std::string> notes;
+  Notes notes;
   if (done.turned > 0) {
-    notes.push_back(fmt::format(
-        "{}: simplification turned {} of {} components inside out, or more: they are thinner than the surface "
-        "may move; with a smaller distance, more triangles, or without the smallest components it does not",
-        surface, done.turned, done.components));
+    notes.push_back(
+        {NoteId::simplified_shells,
+         fmt::format(
+             "{}: simplification turned {} of {} components inside out, because they are thinner than the allowed "
+             "distance; set a smaller distance or more triangles, or remove the smallest components",
+             surface, done.turned, done.components)});
   }
   if (done.left_bodies > 0) {
     notes.push_back(
-        fmt::format("{}: simplification moved {} out of the body around: the wall between is thinner than the surface "
-                    "may move; with a "
-                    "smaller distance, more triangles, or cavities filled it does not",
-                    surface, done.left_bodies == 1 ? "1 cavity" : fmt::format("{} cavities", done.left_bodies)));
+        {NoteId::simplified_shells,
+         fmt::format(
+             "{}: simplification moved {} out of the surrounding body, because the wall between them is thinner "
+             "than the allowed distance; set a "
+             "smaller distance or more triangles, or fill cavities",
+             surface, done.left_bodies == 1 ? "1 cavity" : fmt::format("{} cavities", done.left_bodies))});
   }
   // A closed component has at least four triangles.
   const std::uint64_t asked = done.asked;
   const bool is_much = done.components > 1 && 4 * done.components > asked / 2;
   if (asked > 0 && is_much && (facts.triangles_after > asked || done.voxels.lower > 1)) {
     notes.push_back(
-        fmt::format("{}: {} components, each of which stays, take many of the {} triangles that are left: without the "
-                    "smallest ones the others are nearer",
-                    surface, done.components, facts.triangles_after));
+        {NoteId::many_components,
+         fmt::format("{}: {} components, each of which stays, have many of the {} remaining triangles; remove the "
+                     "smallest components to bring the others nearer to the surface",
+                     surface, done.components, facts.triangles_after)});
   }
   return notes;
 }
@@ -262,7 +268,7 @@ Result<StageReport> simplify_surface(Surface& surface, const StageContext& stage
       facts.time);
   report.did = "simplified";
   report.details.push_back(fmt::format(
-      "{} rounds over {} patches; {} of {} collapses taken back in {} passes; {:.2f} s of processor time", facts.rounds,
+      "{} rounds over {} patches; {} of {} collapses undone in {} passes; {:.2f} s of processor time", facts.rounds,
       facts.patches, facts.undone_collapses, facts.collapses, facts.passes, facts.time.cpu_seconds));
   report.lines.push_back({line_of(choice, result, surface.id.name())});
   report.notes = notes_of(result, report.subject);

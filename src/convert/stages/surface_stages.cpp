@@ -25,7 +25,7 @@ extract::ExtractOptions extract_options_of(const ConversionJob& job, const Sourc
 Result<void> tell(const StageReport& report, Events& events) {
   const bool tells = report.time || !report.entries.empty() || !report.work.empty() || report.output;
   if (tells) events.end(report);
-  for (const std::string& text : report.notes) events.note(text);
+  for (const Note& text : report.notes) events.note(text);
   if (report.error) return tl::unexpected(*report.error);
   return {};
 }

@@ -55,7 +55,7 @@ struct StageContext {
 [[nodiscard]] StageReport extraction_report(const extract::ExtractStats& stats, const extract::ExtractOptions& options,
                                             const Surface& surface, const StageContext& stage, const StageTime& time);
 
-// Runs every edit of kStages and reports it. Skips shade_surface() for a mesh that is split later, because each piece
+// Runs every edit of kStages and reports it. Skips shade_surface() for a mesh that is split later, because each body
 // gets its own run of it. Fails as the stages do.
 [[nodiscard]] Result<void> edit_surface(const StageContext& context, Events& events, Surface& surface);
 

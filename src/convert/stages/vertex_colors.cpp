@@ -72,12 +72,14 @@ Result<StageReport> color_by_attribute(Surface& surface, const StageContext& sta
                             {Key::range, Value(made.range)},
                             {Key::own_range, own_range},
                             {Key::not_numbers, made.not_numbers}});
-  report.lines.push_back({fmt::format("colours of {}: {}, {} from {:.6g} to {:.6g}{}", surface.id.name(),
+  report.lines.push_back({fmt::format("colors of {}: {}, {} from {:.6g} to {:.6g}{}", surface.id.name(),
                                       printable(attribute), word_of(job.color->map), made.range[0], made.range[1],
                                       own_range ? ", the range of its vertices" : "")});
   if (made.not_numbers > 0) {
-    report.notes.push_back(fmt::format("{}: {} of {} vertices are grey, as '{}' is no number there", report.subject,
-                                       made.not_numbers, surface.mesh.positions.size(), printable(attribute)));
+    report.notes.push_back(
+        {NoteId::nan_attribute,
+         fmt::format("{}: {} of {} vertices are gray, because '{}' is not a number there", report.subject,
+                     made.not_numbers, surface.mesh.positions.size(), printable(attribute))});
   }
   drop_unwritten(job, surface.mesh);
   return report;

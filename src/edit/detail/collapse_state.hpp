@@ -1,7 +1,7 @@
 // A mesh while its edges are collapsed. Triangles keep their numbers, so that each collapse can be looked up and
 // undone.
 //
-// A collapse moves one vertex onto a neighbor. It removes the two triangles between them (one at an open border); the
+// A collapse moves one vertex onto a neighbor. It removes the two triangles between them (one at a boundary edge); the
 // other triangles of the vertex get the neighbor as their corner. A collapse can be undone once all later collapses
 // that changed one of its triangles are undone. This order is that of a multi-triangulation (De Floriani, Magillo,
 // Puppo: Efficient implementation of multi-triangulations. IEEE Visualization 1998). Any set of collapses that includes

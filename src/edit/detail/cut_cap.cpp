@@ -22,8 +22,8 @@ using VertexPair = std::pair<std::uint32_t, std::uint32_t>;
 
 // The mesh's edges in the plane.
 struct PlaneEdges {
-  std::vector<VertexPair> border;  // boundary edges in the direction of their triangles, sorted
-  std::vector<VertexPair> others;  // inner edges, the smaller vertex first
+  std::vector<VertexPair> boundary;  // boundary edges in the direction of their triangles, sorted
+  std::vector<VertexPair> others;    // inner edges, the smaller vertex first
 };
 
 PlaneEdges edges_in_plane(const mesh::Mesh& mesh, const mesh::HalfSpace& kept, double on_plane) {
@@ -50,11 +50,11 @@ PlaneEdges edges_in_plane(const mesh::Mesh& mesh, const mesh::HalfSpace& kept, d
     std::size_t rising = 0;
     for (j = i; j < edges.size() && in_both_ways(edges[j]) == edge; ++j) rising += edges[j] == edge ? 1 : 0;
     const std::size_t falling = j - i - rising;
-    for (std::size_t n = falling; n < rising; ++n) result.border.push_back(edge);
-    for (std::size_t n = rising; n < falling; ++n) result.border.emplace_back(edge.second, edge.first);
+    for (std::size_t n = falling; n < rising; ++n) result.boundary.push_back(edge);
+    for (std::size_t n = rising; n < falling; ++n) result.boundary.emplace_back(edge.second, edge.first);
     if (rising > 0 && falling > 0) result.others.push_back(edge);
   }
-  std::ranges::sort(result.border);
+  std::ranges::sort(result.boundary);
   return result;
 }
 
@@ -62,17 +62,17 @@ bool start_at_one_vertex(const VertexPair& a, const VertexPair& b) { return a.fi
 
 // Returns for each point the next point of its loop, against the direction of the triangles; nothing if loops do not
 // close.
-std::optional<std::vector<std::uint32_t>> loops_of(const std::vector<VertexPair>& border) {
-  // Point n is where border[n] starts.
-  std::vector<std::uint32_t> next(border.size());
+std::optional<std::vector<std::uint32_t>> loops_of(const std::vector<VertexPair>& boundary) {
+  // Point n is where boundary[n] starts.
+  std::vector<std::uint32_t> next(boundary.size());
   // For the first point at each vertex: how many points of that vertex have a predecessor.
-  std::vector<std::uint32_t> entered(border.size(), 0);
-  for (std::uint32_t n = 0; n < border.size(); ++n) {
-    const auto at = std::ranges::lower_bound(border, VertexPair(border[n].second, 0));
-    const auto first = static_cast<std::size_t>(at - border.begin());
-    if (at == border.end() || at->first != border[n].second) return std::nullopt;
+  std::vector<std::uint32_t> entered(boundary.size(), 0);
+  for (std::uint32_t n = 0; n < boundary.size(); ++n) {
+    const auto at = std::ranges::lower_bound(boundary, VertexPair(boundary[n].second, 0));
+    const auto first = static_cast<std::size_t>(at - boundary.begin());
+    if (at == boundary.end() || at->first != boundary[n].second) return std::nullopt;
     const std::size_t point = first + entered[first]++;
-    if (point >= border.size() || border[point].first != border[n].second) return std::nullopt;
+    if (point >= boundary.size() || boundary[point].first != boundary[n].second) return std::nullopt;
     next[point] = n;
   }
   return next;
@@ -117,15 +117,15 @@ void merge_places(std::vector<glm::dvec2>& points, double near) {
   }
 }
 
-Result<void> append(const std::vector<VertexPair>& border, const LoopTriangles& cap, mesh::Mesh& mesh,
+Result<void> append(const std::vector<VertexPair>& boundary, const LoopTriangles& cap, mesh::Mesh& mesh,
                     const Context& context) {
   const std::size_t vertices = mesh.positions.size() + cap.midpoints.size();
   const std::size_t triangles = mesh.triangles.size() + cap.triangles.size();
-  auto memory = TRY(context.reserve(vertices * mesh::vertex_bytes(mesh) + triangles * sizeof(glm::uvec3),
-                                    "the mesh with a cut that is closed"));
+  auto memory = TRY(
+      context.reserve(vertices * mesh::vertex_bytes(mesh) + triangles * sizeof(glm::uvec3), "the mesh with its cap"));
   const auto vertex_of = [&](std::uint32_t point) {
-    return point < border.size() ? border[point].first
-                                 : static_cast<std::uint32_t>(mesh.positions.size() + (point - border.size()));
+    return point < boundary.size() ? boundary[point].first
+                                   : static_cast<std::uint32_t>(mesh.positions.size() + (point - boundary.size()));
   };
   Buffer<glm::uvec3> all(triangles);
   glm::uvec3* out = std::ranges::copy(mesh.triangles, all.data()).out;
@@ -154,30 +154,31 @@ Result<void> append(const std::vector<VertexPair>& border, const LoopTriangles& 
 }  // namespace
 
 Result<CutCapFigures> cap_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, double on_plane, const Context& context) {
-  const std::string what = "closing a cut";
+  const std::string what = "the cap of a clip plane";
   // Edges in the plane are few, unless the mesh lies in it, so only the flags are reserved yet.
   const auto flags = TRY(context.reserve(mesh.positions.size() / 8 + 8, what));
   PlaneEdges edges = edges_in_plane(mesh, kept, on_plane);
-  if (std::ranges::adjacent_find(edges.border, start_at_one_vertex) != edges.border.end()) {
+  if (std::ranges::adjacent_find(edges.boundary, start_at_one_vertex) != edges.boundary.end()) {
     TRY(mesh::split_nonmanifold_vertices(mesh, what, context));
     edges = edges_in_plane(mesh, kept, on_plane);
   }
-  const auto memory = TRY(context.reserve(edges.border.size() * 192 + edges.others.size() * 16, what));
-  const auto next = loops_of(edges.border);
+  const auto memory = TRY(context.reserve(edges.boundary.size() * 192 + edges.others.size() * 16, what));
+  const auto next = loops_of(edges.boundary);
   if (!next) {
-    return fail(ErrorCode::input,
-                "the surface cannot be closed where a plane cuts it: it has a border or a hole there, and the cut ends "
-                "at that");
+    return fail(
+        ErrorCode::input,
+        "the program cannot cap the clip plane: the surface has a boundary edge or a hole there, so the cut line "
+        "is not closed");
   }
   std::vector<glm::dvec2> points;
-  points.reserve(edges.border.size());
-  for (const VertexPair& edge : edges.border) points.push_back(in_plane(mesh.positions[edge.first], kept));
+  points.reserve(edges.boundary.size());
+  for (const VertexPair& edge : edges.boundary) points.push_back(in_plane(mesh.positions[edge.first], kept));
   // Inner edges by points instead of vertices.
   std::vector<VertexPair> taken;
   const auto point_at = [&](std::uint32_t vertex) -> std::optional<std::uint32_t> {
-    const auto at = std::ranges::lower_bound(edges.border, VertexPair(vertex, 0));
-    if (at == edges.border.end() || at->first != vertex) return std::nullopt;
-    return static_cast<std::uint32_t>(at - edges.border.begin());
+    const auto at = std::ranges::lower_bound(edges.boundary, VertexPair(vertex, 0));
+    if (at == edges.boundary.end() || at->first != vertex) return std::nullopt;
+    return static_cast<std::uint32_t>(at - edges.boundary.begin());
   };
   for (const VertexPair& edge : edges.others) {
     const auto a = point_at(edge.first);
@@ -192,7 +193,7 @@ Result<CutCapFigures> cap_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, dou
     cap = triangulate_loops(points, *next, taken, kRoundings * on_plane, context);
   }
   if (!cap) return tl::unexpected(std::move(cap.error()));
-  TRY(append(edges.border, *cap, mesh, context));
+  TRY(append(edges.boundary, *cap, mesh, context));
   return CutCapFigures{cap->triangles.size(), cap->turned};
 }
 

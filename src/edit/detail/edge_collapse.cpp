@@ -74,7 +74,7 @@ class PatchCollapse : private PatchMesh {
         quadrics_[t[corner]].add_plane(cross / length, places_[t.x], length / 2);
         const std::uint32_t from = t[corner];
         const std::uint32_t to = t[(corner + 1) % 3];
-        if (border_[from] == 0 || border_[to] == 0 || !is_border_edge(from, to)) continue;
+        if (on_boundary_[from] == 0 || on_boundary_[to] == 0 || !is_boundary_edge(from, to)) continue;
         const glm::dvec3 edge = places_[to] - places_[from];
         const glm::dvec3 upright = glm::cross(edge, cross);
         const double size = glm::length(upright);
@@ -172,17 +172,17 @@ class PatchCollapse : private PatchMesh {
       if (a.from == to) apex[apexes++ % 2] = a.next;
       if (a.next == to) apex[apexes++ % 2] = a.from;
     }
-    const bool along_border = border_[v] != 0;
-    if (apexes != (along_border ? 1 : 2) || apex[0] == apex[1]) return false;
-    if (along_border && (border_[to] == 0 || ring_.around.size() < 2)) return false;
+    const bool along_boundary = on_boundary_[v] != 0;
+    if (apexes != (along_boundary ? 1 : 2) || apex[0] == apex[1]) return false;
+    if (along_boundary && (on_boundary_[to] == 0 || ring_.around.size() < 2)) return false;
     // The triangle that replaces these three may already exist in another patch.
-    const bool three_around = !along_border && ring_.around.size() == 3;
+    const bool three_around = !along_boundary && ring_.around.size() == 3;
     if (three_around && fixed_[to] != 0 && fixed_[apex[0]] != 0 && fixed_[apex[1]] != 0) return false;
     for (const std::uint32_t neighbor : ring_.neighbors) {
       if (neighbor == to) continue;
       if (neighbor == apex[0] || neighbor == apex[1]) {
-        // At a border, the two edges to the apex merge; they must not both be border edges.
-        if (along_border && is_border_edge(v, neighbor) && is_border_edge(to, neighbor)) return false;
+        // At a boundary, the two edges to the apex merge; they must not both be boundary edges.
+        if (along_boundary && is_boundary_edge(v, neighbor) && is_boundary_edge(to, neighbor)) return false;
         continue;
       }
       if (fixed_[neighbor] != 0 && fixed_[to] != 0) return false;
@@ -192,7 +192,7 @@ class PatchCollapse : private PatchMesh {
       if (removed_[c / 3] != 0) continue;
       const Corners& t = corners_[c / 3];
       const auto has = [&](std::uint32_t w) { return t.x == w || t.y == w || t.z == w; };
-      if (!has(v) && has(apex[0]) && (along_border ? false : has(apex[1]))) return false;
+      if (!has(v) && has(apex[0]) && (along_boundary ? false : has(apex[1]))) return false;
     }
     return true;
   }

@@ -6,9 +6,9 @@
 //   metrics. SIGGRAPH 1997), which is cheap: it decides when a vertex's points are measured. A triangle keeps only its
 //   farthest samples.
 // - Topology: a vertex collapses only if the link condition holds (Dey, Edelsbrunner, Guha, Nekhayev: Topology
-//   preserving edge contraction. Publ. Inst. Math. 66, 1999) and no triangle flips or loses its area. Vertices of open
-//   borders collapse along it; planes through border edges, at right angles to their triangles, are part of the
-//   quadrics.
+//   preserving edge contraction. Publ. Inst. Math. 66, 1999) and no triangle flips or loses its area. Vertices of
+//   boundary loops collapse along their loop. Planes through boundary edges, at right angles to their triangles, are
+//   part of the quadrics.
 //
 // The limits hardly change the order: they only make a second target be tried, and `proven` rejects single collapses.
 // Sample points prove nothing; distance_proof.hpp does.

@@ -179,8 +179,7 @@ Result<LoopTriangles> triangulate_loops(std::span<const glm::dvec2> points, std:
   if (points.empty()) return result;
   // An upper bound of nodes, strips, cells and half-edges together.
   constexpr std::uint64_t kBytesAPoint = 400;
-  const auto memory =
-      TRY(context.reserve(points.size() * kBytesAPoint + taken.size_bytes(), "triangles that close a cut"));
+  const auto memory = TRY(context.reserve(points.size() * kBytesAPoint + taken.size_bytes(), "the triangles of a cap"));
   const BridgedLoops loops = bridge_holes(points, next);
   Ears ears;
   ears.of_node.assign(loops.nodes.size(), kNoHalfEdge);
@@ -189,7 +188,7 @@ Result<LoopTriangles> triangulate_loops(std::span<const glm::dvec2> points, std:
   for (const std::uint32_t polygon : loops.polygons) {
     TRY(context.check());
     if (clip_ears(points, loops.nodes, polygon, ears, rounding)) continue;
-    return fail(ErrorCode::input, "the surface is cut along a line without an inside");
+    return fail(ErrorCode::input, "the program cannot cap the clip plane: a cut line encloses no area");
   }
   for (const auto& [there, back] : loops.bridges) {
     ears.twins[ears.of_node[there]] = ears.of_node[back];

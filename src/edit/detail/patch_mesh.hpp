@@ -50,7 +50,7 @@ class PatchMesh {
       link = &next_corner_[corner];
     }
     for (const Around& a : ring.around) ring.neighbors.push_back(a.from);
-    if (border_[v] != 0) {  // the ring is open: its last vertex starts no edge
+    if (on_boundary_[v] != 0) {  // the ring is open: its last vertex starts no edge
       for (const Around& a : ring.around) {
         if (std::none_of(ring.around.begin(), ring.around.end(), [&](const Around& b) { return b.from == a.next; })) {
           ring.neighbors.push_back(a.next);
@@ -60,7 +60,7 @@ class PatchMesh {
   }
 
   // Returns whether an existing edge has one triangle.
-  [[nodiscard]] bool is_border_edge(std::uint32_t a, std::uint32_t b) const {
+  [[nodiscard]] bool is_boundary_edge(std::uint32_t a, std::uint32_t b) const {
     std::size_t triangles = 0;
     for (std::uint32_t c = first_corner_[a]; c != kNone; c = next_corner_[c]) {
       const Corners& t = corners_[c / 3];
@@ -108,8 +108,8 @@ class PatchMesh {
   std::vector<char> removed_;                // 1: triangle removed
   std::vector<std::uint32_t> first_corner_;  // for each vertex: 3 * triangle + corner
   std::vector<std::uint32_t> next_corner_;
-  std::vector<char> fixed_;   // 1: vertex must stay
-  std::vector<char> border_;  // 1: vertex has a single open fan
+  std::vector<char> fixed_;        // 1: vertex must stay
+  std::vector<char> on_boundary_;  // 1: vertex has a single open fan
 
  private:
   // Numbers vertices by first use. Positions become relative to one vertex, so that products keep their precision.
@@ -151,7 +151,7 @@ class PatchMesh {
   // Fixes locked vertices, and vertices whose triangles form neither one closed fan nor one open fan.
   void look_around_vertices(std::span<const char> locked) {
     fixed_.assign(vertices_.size(), 0);
-    border_.assign(vertices_.size(), 0);
+    on_boundary_.assign(vertices_.size(), 0);
     Ring ring;
     for (std::uint32_t v = 0; v < vertices_.size(); ++v) {
       look_around(v, ring);
@@ -178,7 +178,7 @@ class PatchMesh {
         i = static_cast<std::size_t>(next - around.begin());
       }
       const bool one_fan = !twice && starts <= 1 && walked == around.size();
-      border_[v] = one_fan && starts == 1 ? 1 : 0;
+      on_boundary_[v] = one_fan && starts == 1 ? 1 : 0;
       fixed_[v] = !one_fan || locked[vertices_[v]] != 0 ? 1 : 0;
     }
   }

@@ -18,9 +18,9 @@ struct Spoke {
   std::uint32_t node;  // the last of consecutive nodes of a loop at this place
 };
 
-class NeckCutter {
+class PinchPointSplitter {
  public:
-  NeckCutter(std::span<const glm::dvec2> points, BridgedLoops& loops)
+  PinchPointSplitter(std::span<const glm::dvec2> points, BridgedLoops& loops)
       : points_(points), nodes_(loops.nodes), loops_(loops) {}
 
   void run() {
@@ -143,6 +143,8 @@ class NeckCutter {
 
 }  // namespace
 
-void split_at_pinch_points(std::span<const glm::dvec2> points, BridgedLoops& loops) { NeckCutter(points, loops).run(); }
+void split_at_pinch_points(std::span<const glm::dvec2> points, BridgedLoops& loops) {
+  PinchPointSplitter(points, loops).run();
+}
 
 }  // namespace isoextract::edit

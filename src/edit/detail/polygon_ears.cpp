@@ -169,8 +169,8 @@ class EarCutter {
     return turn > 0 && !is_blocked(n, kind);
   }
 
-  // Cuts off folds, where the border runs back on itself; the remaining shape is the same. They go first: the test of
-  // an ear's neighborhood is right only where one point of the border lies at each place.
+  // Cuts off folds, where the outline runs back on itself; the remaining shape is the same. They go first: the test of
+  // an ear's neighborhood is right only where one point of the outline lies at each position.
   void cut_folds() {
     while (!folds_.empty() && left_ > 3) {
       const std::uint32_t n = folds_.back();
@@ -234,7 +234,7 @@ class EarCutter {
     return true;
   }
 
-  // Returns whether node q lies in the ear, or an edge at q enters the ear from the ear's border.
+  // Returns whether node q lies in the ear, or an edge at q enters the ear through the ear's outline.
   [[nodiscard]] bool blocks(std::uint32_t q, const std::array<glm::dvec2, 3>& ear, EarKind kind) const {
     if (kind == EarKind::rough) return is_deep(places_[q], ear);
     std::array<int, 3> side{};  // side of q for each edge of the ear; the last edge is the cut

@@ -122,7 +122,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace isoextract::extract {
 
-static_assert(std::endian::native == std::endian::little, "bits are stored as bytes");
+static_assert(std::endian::native == std::endian::little, "the masks store bits in little-endian bytes");
 
 HWY_EXPORT(classify_typed);
 

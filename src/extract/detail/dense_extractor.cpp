@@ -110,7 +110,7 @@ class DenseExtraction final : private VariantChooser {
     rows_memory_ =
         TRY(context_.reserve(bricks_.bytes() + rows * (static_cast<std::size_t>(directions_) * sizeof(std::uint32_t) +
                                                        sizeof(std::uint64_t)),
-                             fmt::format("{}: its {} rows of samples", field_.source, rows - 1)));
+                             fmt::format("{}: the table of its {} rows of samples", field_.source, rows - 1)));
     bricks_.allocate();
     drawings_.emplace(row_drawings(table_, placement_.mirrored(), has_holes_));
     stats.hole_cells = count_rows();
@@ -123,14 +123,14 @@ class DenseExtraction final : private VariantChooser {
   Result<void> emit(mesh::Mesh& mesh) {
     emit_bricks(mesh);
     if (samples_changed_) {
-      return fail(ErrorCode::input, fmt::format("{}: the samples changed while they were looked at", field_.source),
-                  "wait until whatever writes the file is done");
+      return fail(ErrorCode::input, fmt::format("{}: the samples changed during the extraction", field_.source),
+                  "wait until the program that writes the file has finished");
     }
     return {};
   }
 
   [[nodiscard]] std::optional<field::IndexBox> cap_box() const { return region_; }
-  [[nodiscard]] BoundarySides border() const { return masks_.border(); }
+  [[nodiscard]] BoundarySides boundary_sides() const { return masks_.boundary_sides(); }
   [[nodiscard]] bool draws_at_boundary() const {
     return extract::draws_at_boundary(
         region_, [this](const glm::ivec3& p) { return inside(p); },

@@ -17,7 +17,7 @@
 
 namespace isoextract::extract {
 
-// The two axes within the planes across `axis`, the lower one first.
+// Returns the lower (u) or the higher (v) of the two axes that span the planes perpendicular to `axis`.
 [[nodiscard]] constexpr int plane_u(int axis) { return axis == 0 ? 1 : 0; }
 [[nodiscard]] constexpr int plane_v(int axis) { return axis == 2 ? 1 : 2; }
 

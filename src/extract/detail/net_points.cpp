@@ -176,7 +176,7 @@ std::uint64_t bits_before(int bit) { return (std::uint64_t{1} << bit) - 1; }
 Result<NetPoints> NetPoints::make(const LabelChunks& labels, std::uint64_t relaxations, const Context& context,
                                   const std::string& what) {
   NetPoints points;
-  context.progress().begin("smoothing borders", relaxations);
+  context.progress().begin("smoothing corners", relaxations);
   TRY(points.list_chunks(labels, context, what));
   TRY(points.find_middles(labels, context, what));
   TRY(points.relax(labels, relaxations, context, what));
@@ -240,7 +240,8 @@ Result<void> NetPoints::list_chunks(const LabelChunks& labels, const Context& co
   }
   if (points > ~std::uint32_t{0}) {
     return fail(ErrorCode::input,
-                what + ": more places where labels meet than can be numbered, " + std::to_string(points),
+                what + ": the faces between labels have " + std::to_string(points) + " corners; the limit is " +
+                    std::to_string(~std::uint32_t{0}),
                 {Remedy::use, Setting::parts});
   }
   held = context.reserve(points * sizeof(glm::vec3), what);

@@ -1,4 +1,4 @@
-// Surface nets: smooth positions for the voxel corners on the borders of labels, shared by all labels.
+// Surface nets: smooth positions for the voxel corners where labels meet, shared by all labels.
 //
 // The net has one point in each grid cell whose eight samples have more than one label: the voxel corner in the middle
 // of the cell. Points are connected if their cells share a face that has more than one label. Each round moves every
@@ -7,8 +7,8 @@
 // Surface Nets. 1998).
 //
 // If a face of the cell has three or more labels, a curve where these labels meet passes through it. Points on such a
-// curve are connected with their neighbors on the curve only. So it stays a smooth curve, and no border that ends on it
-// pulls at it (Frisken: SurfaceNets for Multi-Label Segmentations with Preservation of Sharp Boundaries. 2022).
+// curve are connected with their neighbors on the curve only. So it stays a smooth curve that the surfaces ending on it
+// do not displace (Frisken: SurfaceNets for Multi-Label Segmentations with Preservation of Sharp Boundaries. 2022).
 //
 // The space beyond the data boundary counts as one more label. Points on the boundary stay in its plane, edge, or
 // corner. All labels share the points, so their meshes meet without gaps, bit for bit.

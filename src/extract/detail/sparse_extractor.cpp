@@ -79,9 +79,9 @@ class SparseExtraction final : private VariantChooser {
   Result<MeshSizes> count(ExtractStats& stats) {
     const Stopwatch watch;
     const std::size_t sites = sites_.origins().size();
-    numbers_memory_ =
-        TRY(context_.reserve(SiteVertices::bytes(sites, table_.directions.size()) + sites * sizeof(std::uint64_t),
-                             fmt::format("{}: the {} blocks that the surface passes", field_.source, sites)));
+    numbers_memory_ = TRY(
+        context_.reserve(SiteVertices::bytes(sites, table_.directions.size()) + sites * sizeof(std::uint64_t),
+                         fmt::format("{}: the table of the {} blocks that the surface crosses", field_.source, sites)));
     drawings_.emplace(table_, placement_.mirrored(), sites_.has_holes());
     stats.hole_cells = count_sites();
     const MeshSizes sizes = place_sites();
@@ -100,7 +100,7 @@ class SparseExtraction final : private VariantChooser {
   }
 
   [[nodiscard]] std::optional<field::IndexBox> cap_box() const { return sparse_cap_box(region_, options_); }
-  [[nodiscard]] BoundarySides border() const { return sites_.border(); }
+  [[nodiscard]] BoundarySides boundary_sides() const { return sites_.boundary_sides(); }
   [[nodiscard]] bool draws_at_boundary() const { return sites_.draws_at_boundary(); }
   [[nodiscard]] bool has_holes() const { return sites_.has_holes(); }
   [[nodiscard]] bool inside(const glm::ivec3& p) const { return sites_.inside(p); }

@@ -236,7 +236,7 @@ void SurfacePoints::fill_specials(const VoxelChunks& voxels, std::size_t chunk, 
       const std::size_t row = chunk_row(y, z);
       const CornerWords words = rows.row(y, z);
       for (std::size_t axis = 0; of_net != nullptr && axis < 3; ++axis) {
-        // Two vertices where voxels of this label touch along the edge only. Otherwise the label has one border there
+        // Two vertices where voxels of this label touch along the edge only. Otherwise the label has one surface there
         // and one vertex.
         const std::array<std::uint64_t, 4> four = words_on_side(words, axis, 1);
         specials.middles[axis][row] = (*of_net)[axis][row] & mixed(four);

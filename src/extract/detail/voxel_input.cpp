@@ -21,8 +21,8 @@ void for_each_skin_chunk(const field::IndexBox& box, const F& f) {
   const glm::ivec3 last = chunk_origin(box.max);
   for (int z = first.z; z <= last.z; z += kVoxelChunk.z) {
     for (int y = first.y; y <= last.y; y += kVoxelChunk.y) {
-      const bool at_border = y == first.y || y == last.y || z == first.z || z == last.z;
-      const int step = at_border ? kVoxelChunk.x : std::max(last.x - first.x, kVoxelChunk.x);
+      const bool at_boundary = y == first.y || y == last.y || z == first.z || z == last.z;
+      const int step = at_boundary ? kVoxelChunk.x : std::max(last.x - first.x, kVoxelChunk.x);
       for (int x = first.x; x <= last.x; x += step) f(glm::ivec3(x, y, z));
     }
   }
@@ -42,10 +42,12 @@ Result<field::IndexBox> voxel_region(const field::ScalarField& field, const fiel
   if (!options.region) return box;
   const field::IndexBox region = common_part(box, *options.region);
   if (!region.empty()) return region;
-  return fail(ErrorCode::input,
-              fmt::format("{}: the region holds no sample of the field, whose samples are ({}, {}, {}) to ({}, {}, {})",
-                          field.source, box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z),
-              {{Remedy::raise, Setting::region}, {Remedy::leave_out, Setting::region}});
+  return fail(
+      ErrorCode::input,
+      fmt::format(
+          "{}: the region contains no sample of the field; the samples have the indices ({}, {}, {}) to ({}, {}, {})",
+          field.source, box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z),
+      {{Remedy::raise, Setting::region}, {Remedy::leave_out, Setting::region}});
 }
 
 OutputPlacement voxel_placement(const field::ScalarField& field, const ExtractOptions& options,
@@ -122,7 +124,7 @@ Result<std::vector<glm::ivec3>> sparse_chunks(const field::ScalarField& field, c
   list_all([&](const glm::ivec3&) { ++count; });
   constexpr std::uint64_t kAround = 7;
   memory = TRY(context.reserve(count * (unbounded ? kAround : 1) * sizeof(glm::ivec3),
-                               fmt::format("{}: the places of its voxels", field.source)));
+                               fmt::format("{}: the list of its voxel chunks", field.source)));
   std::vector<glm::ivec3> origins;
   origins.reserve(count * (unbounded ? kAround : 1));
   list_all([&](const glm::ivec3& origin) {

@@ -25,16 +25,16 @@ struct Portion {
 };
 constexpr std::size_t kPortion = 4096;
 
-// The border of a rectangle as vertices, and the triangles between them.
+// The outline of a rectangle as vertices, and the triangles between them.
 //
 //   top    T0-------T1----T2      The left side, from the top left down, makes a fan around the second vertex of the
 //          |              |       bottom; the right side, from the bottom right up, one around the last but one of the
 //   left   |              | right top. What is left lies between two parallel rows. No triangle has three vertices on
 //          |              |       one side, so none has zero area, and there are two fewer than vertices.
 //   bottom B0--B1---------B2
-class BorderPolygon {
+class OutlinePolygon {
  public:
-  BorderPolygon(const SurfacePoints& points, int axis, bool closes, bool mirrored)
+  OutlinePolygon(const SurfacePoints& points, int axis, bool closes, bool mirrored)
       : finders_{SurfacePoints::Finder(points), SurfacePoints::Finder(points), SurfacePoints::Finder(points),
                  SurfacePoints::Finder(points)},
         axis_(axis),
@@ -208,7 +208,7 @@ void for_each_portion(std::vector<Portion>& portions, const SurfacePoints& point
                       const Context& context, const F& f) {
   for_each_index(portions.size(), [&](std::size_t p) {
     if (context.cancelled()) return;
-    BorderPolygon polygon(points, portions[p].axis, closes, mirrored);
+    OutlinePolygon polygon(points, portions[p].axis, closes, mirrored);
     f(portions[p], polygon);
   });
 }
@@ -246,7 +246,7 @@ Result<Extraction> mesh_voxels(const field::ScalarField& field, const VoxelChunk
   };
   MeshSizes sizes{points.vertices(), 0};
   if (closes) {
-    each([](Portion& portion, BorderPolygon& polygon) {
+    each([](Portion& portion, OutlinePolygon& polygon) {
       for (const FaceRectangle& rectangle : portion.rectangles) {
         polygon.look_up(rectangle);
         portion.first_triangle += polygon.triangles();
@@ -264,7 +264,7 @@ Result<Extraction> mesh_voxels(const field::ScalarField& field, const VoxelChunk
   allocate_mesh(result.mesh, sizes, {}, options);
   context.progress().begin("extracting", 0);
   points.write_positions(placement, base, result.mesh);
-  each([&](const Portion& portion, BorderPolygon& polygon) {
+  each([&](const Portion& portion, OutlinePolygon& polygon) {
     glm::uvec3* out = result.mesh.triangles.data() + portion.first_triangle;
     for (const FaceRectangle& rectangle : portion.rectangles) {
       polygon.look_up(rectangle);

@@ -93,11 +93,11 @@ Result<BlurredBlocks> find_blurred_blocks(const SparseSamples& samples, const Sp
                                           const std::string& what, const Context& context) {
   const int rings = (reach + kPlace - 1) / kPlace;
   const auto width = 2 * static_cast<std::uint64_t>(rings) + 1;
-  std::uint64_t at_borders = 0;
-  for (const SparseTile& tile : samples.tiles) at_borders += count_boundary_places(tile, rings);
+  std::uint64_t at_boundaries = 0;
+  for (const SparseTile& tile : samples.tiles) at_boundaries += count_boundary_places(tile, rings);
   // The rings around connected blocks mostly overlap.
   auto memory =
-      TRY(context.reserve((samples.blocks.size() * width * width * 2 + at_borders * 4) * sizeof(glm::ivec3), what));
+      TRY(context.reserve((samples.blocks.size() * width * width * 2 + at_boundaries * 4) * sizeof(glm::ivec3), what));
   Places places;
   for (const SparseBlock& block : samples.blocks) places.push_back(block.origin);
   places = grown(std::move(places), rings);

@@ -25,7 +25,7 @@ constexpr std::uint64_t kReserved = std::uint64_t{16} << 20;
 
 tl::unexpected<Error> cannot_read(int error) {
   return fail(ErrorCode::input,
-              fmt::format("{}: cannot be read: {}", kStandardInputName, std::generic_category().message(error)));
+              fmt::format("{}: reading failed: {}", kStandardInputName, std::generic_category().message(error)));
 }
 
 // Reads the bytes that are available, at least one unless the input ends; waits for a slow pipe.
@@ -48,7 +48,7 @@ Result<void> write_all(int descriptor, std::span<const std::byte> bytes) {
     const ssize_t put = ::write(descriptor, bytes.data(), bytes.size());
     if (put < 0 && errno == EINTR) continue;
     if (put < 0) {
-      return fail(ErrorCode::input, fmt::format("{}: cannot be kept in memory: {}", kStandardInputName,
+      return fail(ErrorCode::input, fmt::format("{}: storing it in memory failed: {}", kStandardInputName,
                                                 std::generic_category().message(errno)));
     }
     bytes = bytes.subspan(static_cast<std::size_t>(put));
@@ -67,7 +67,7 @@ Result<std::vector<Reservation>> copy_all(int descriptor, int kept, const Contex
     if (got == 0) break;
     total += got;
     if (total > reserved) {
-      const std::string what = fmt::format("{}: its first {} bytes", kStandardInputName, total);
+      const std::string what = fmt::format("{}: the first {} bytes", kStandardInputName, total);
       auto more = context.reserve(kReserved, what);
       if (!more) more = context.reserve(total - reserved, what);
       if (!more) return tl::unexpected(more.error());
@@ -92,7 +92,7 @@ Result<BufferedInput> BufferedInput::take(int descriptor, const Context& context
   if (::fstat(descriptor, &status) != 0) return cannot_read(errno);
   if (::isatty(descriptor) == 1) {
     return fail(ErrorCode::usage, fmt::format("{}: expected a pipe or a file, found a terminal", kStandardInputName),
-                "pipe a file into it, or give the path of a file");
+                "pipe a file into the program, or give the path of a file");
   }
   // Uses the file directly only if nothing was read from it yet: bytes already consumed are not part of the input.
   if (S_ISREG(status.st_mode) && ::lseek(descriptor, 0, SEEK_CUR) == 0) {

@@ -104,7 +104,8 @@ Result<void> CellCapture::draw(const gl::CountAndCapture& pass, std::span<const 
         glBufferData(GL_TRANSFORM_FEEDBACK_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, GL_STREAM_COPY);
         glBindBuffer(GL_COPY_WRITE_BUFFER, buffers_.staging.name());
         glBufferData(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, GL_STREAM_READ);
-        if (auto checked = context_.check(fmt::format("taking {} for triangles", format_byte_size(bytes))); !checked) {
+        if (auto checked = context_.check(fmt::format("allocating {} for triangles", format_byte_size(bytes)));
+            !checked) {
           return checked;
         }
         buffers_.size = bytes;
@@ -121,10 +122,10 @@ Result<void> CellCapture::draw(const gl::CountAndCapture& pass, std::span<const 
       times_.capture += watch.elapsed();
       TRY(context_.check("capturing triangles"));
       if (written != triangles) {
-        return fail(
-            ErrorCode::unavailable,
-            fmt::format("{}: counted {} triangles and captured {}", context_.device().renderer, triangles, written),
-            {{Remedy::report, Setting::devices}, {Remedy::use, Setting::cpu_backend}});
+        return fail(ErrorCode::unavailable,
+                    fmt::format("{}: the count pass found {} triangles, but transform feedback wrote {}",
+                                context_.device().renderer, triangles, written),
+                    {{Remedy::report, Setting::devices}, {Remedy::use, Setting::cpu_backend}});
       }
       watch.restart();
       if (soup_.size() < words) soup_ = Buffer<std::uint32_t>(words);

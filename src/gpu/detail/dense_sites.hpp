@@ -23,7 +23,7 @@ class DenseSites {
     const glm::u64vec3 bricks = (glm::u64vec3(dims) + std::uint64_t{kBrickCells - 1}) / std::uint64_t{kBrickCells};
     return bricks.x * bricks.y * bricks.z * (sizeof(std::int32_t) + sizeof(glm::ivec3));
   }
-  // The lowest sample of each site, in field indices; sorted by z, then y, then x.
+  // Returns the lowest sample of each site, in field indices; sorted by z, then y, then x.
   [[nodiscard]] const std::vector<glm::ivec3>& origins() const { return origins_; }
   [[nodiscard]] std::uint64_t bricks() const { return numbers_.size(); }  // all bricks, sites or not
 

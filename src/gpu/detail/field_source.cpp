@@ -13,13 +13,13 @@ Result<gl::GlTexture> make_sample_texture(const gl::GlContext& context, field::S
   glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   const glm::u64vec3 wide(size);
   const std::uint64_t bytes = wide.x * wide.y * wide.z * field::sample_size(type);
-  TRY(context.check(fmt::format("taking {} for samples", format_byte_size(bytes))));
+  TRY(context.check(fmt::format("allocating {} for samples", format_byte_size(bytes))));
   return texture;
 }
 
 tl::unexpected<Error> too_little_memory(std::uint64_t bytes, std::uint64_t least) {
   return fail(ErrorCode::usage,
-              fmt::format("the GPU's share of memory: {} for samples are too few, expected {} or more",
+              fmt::format("the GPU memory limit is too small: it leaves {} for samples, expected {} or more",
                           format_byte_size(bytes), format_byte_size(least)),
               {{Remedy::raise, Setting::gpu_memory}, {Remedy::use, Setting::cpu_backend}});
 }

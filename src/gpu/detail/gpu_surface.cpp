@@ -74,9 +74,9 @@ Result<extract::MeshSizes> GpuSurface::count(extract::ExtractStats& stats) {
   device.compile = compiling.elapsed();
   for (const gl::ShaderProgram* program : pass.programs()) set_uniforms(*program);
 
-  auto memory = TRY(
-      context_.reserve(SiteWeld::bytes(place_.origins.size(), table_.directions.size()),
-                       fmt::format("{}: the {} bricks that the surface passes", field_.source, place_.origins.size())));
+  auto memory = TRY(context_.reserve(
+      SiteWeld::bytes(place_.origins.size(), table_.directions.size()),
+      fmt::format("{}: the table of the {} bricks that the surface crosses", field_.source, place_.origins.size())));
   sites_memory_ = std::move(memory);
   weld_.emplace(
       table_, place_.origins, [this](std::size_t site) { return near(site); },
@@ -116,7 +116,7 @@ Result<void> GpuSurface::draw(const gl::CountAndCapture& pass, CellCapture& capt
   const auto& messages = tools_.gl->debug_messages();
   if (!tools_.options.debug || messages.empty()) return {};
   return fail(ErrorCode::unavailable,
-              fmt::format("{}: the driver complains: {}", gl::describe(tools_.gl->device()), messages.front()));
+              fmt::format("{}: driver message: {}", gl::describe(tools_.gl->device()), messages.front()));
 }
 
 Result<void> GpuSurface::draw_batch(const gl::CountAndCapture& pass, std::span<const std::uint32_t> ready,

@@ -66,7 +66,7 @@ class GpuSurface {
   [[nodiscard]] Result<void> emit(mesh::Mesh& mesh) const;
 
   [[nodiscard]] virtual std::optional<field::IndexBox> cap_box() const = 0;
-  [[nodiscard]] virtual extract::BoundarySides border() const = 0;
+  [[nodiscard]] virtual extract::BoundarySides boundary_sides() const = 0;
   [[nodiscard]] virtual bool draws_at_boundary() const = 0;
   [[nodiscard]] virtual bool inside(const glm::ivec3& p) const = 0;
   [[nodiscard]] virtual double value(const glm::ivec3& p) const = 0;
@@ -76,7 +76,7 @@ class GpuSurface {
   [[nodiscard]] virtual std::int32_t site(const glm::ivec3& p) const = 0;  // the site that owns sample `p`
   [[nodiscard]] virtual std::array<std::int32_t, 8> near(std::size_t site) const = 0;
 
-  // The last step of classify(): stores the result.
+  // Stores the result of classify(), as its last step.
   void found(const SurfaceLocation& place, std::unique_ptr<FieldSource> source);
 
   [[nodiscard]] const field::ScalarField& field() const { return field_; }

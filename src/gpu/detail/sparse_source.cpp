@@ -155,7 +155,7 @@ void SparseSource::bind(const gl::CountAndCapture& pass, std::span<const std::ui
     glTexBuffer(GL_TEXTURE_BUFFER, format, buffer.name());
     for (const gl::ShaderProgram* program : pass.programs()) program->set(name, unit);
   };
-  table(3, "neighbours", neighbor_buffer_, neighbor_texture_, GL_R32I, neighbors.size() * sizeof(std::int32_t),
+  table(3, "neighbors", neighbor_buffer_, neighbor_texture_, GL_R32I, neighbors.size() * sizeof(std::int32_t),
         neighbors.data());
   if (constant_words_.empty()) constant_words_.emplace_back(0);  // an empty buffer is not a valid texture
   table(4, "constants", constant_buffer_, constant_texture_, GL_RG32UI, constant_words_.size() * sizeof(glm::uvec2),

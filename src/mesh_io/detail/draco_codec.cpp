@@ -229,7 +229,7 @@ Result<DracoAttribute> attribute_of(const draco::Mesh& mesh, int index, const Ta
   attribute.id = source.unique_id();
   attribute.components = source.num_components();
   if (!type || attribute.components == 0) {
-    return fail(ErrorCode::input, "Draco: expected attributes of numbers, found one of another type");
+    return fail(ErrorCode::input, "Draco: expected numeric attributes, found an attribute of another type");
   }
   attribute.type = *type;
   attribute.normalized = source.normalized();
@@ -281,7 +281,7 @@ Result<DracoSurface> decode_draco(std::span<const std::byte> bytes, const TakeMe
   draco::DecoderBuffer ahead = buffer;
   draco::DracoHeader header;
   if (const draco::Status status = draco::PointCloudDecoder::DecodeHeader(&ahead, &header); !status.ok()) {
-    return fail(ErrorCode::input, "expected a Draco bit stream, found something else");
+    return fail(ErrorCode::input, "expected a Draco bit stream, found other data");
   }
   if (header.version_major != draco::kDracoMeshBitstreamVersionMajor ||
       header.version_minor != draco::kDracoMeshBitstreamVersionMinor) {
@@ -310,7 +310,7 @@ Result<DracoSurface> decode_draco(std::span<const std::byte> bytes, const TakeMe
     if (std::max({corners.x, corners.y, corners.z}) >= surface.vertices) {
       return fail(ErrorCode::input,
                   fmt::format("the Draco bit stream is damaged: expected indices below {}, the number "
-                              "of vertices, found others in triangle {}",
+                              "of vertices, found an index out of range in triangle {}",
                               surface.vertices, f));
     }
     surface.triangles.push_back(corners);

@@ -36,7 +36,7 @@ struct DracoInput {
   std::vector<std::string> names;                  // one per attribute
   bool names_in_file = false;
   std::string generator;  // stored in the file unless empty
-  std::string placement;  // likewise
+  std::string placement;  // stored in the file unless empty
 };
 
 // Attribute ids in the bit stream: positions are 0, normals (if any) 1, the vertex attributes follow.

@@ -131,7 +131,8 @@ FileSurface read_drc(const MeshSource& source) {
     const DracoAttribute& attribute = unpacked.attributes[a];
     if (&attribute == &*positions || attribute.is_normal) continue;
     if (attribute.components > mesh::kMaxComponents) {
-      surface.notes.push_back(fmt::format("an attribute of {} components was left out", attribute.components));
+      surface.notes.push_back(
+          {NoteId::data_left_out, fmt::format("the reader skips an attribute of {} components", attribute.components)});
       continue;
     }
     FileAttribute& made = surface.attributes.emplace_back();

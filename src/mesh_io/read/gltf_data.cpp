@@ -170,13 +170,14 @@ std::span<const std::byte> GltfData::unpacked_view(std::uint64_t index, const js
   view.filter = static_cast<MeshoptFilter>(filter - kFilters.begin());
   const auto bytes = checked_product(view.count, view.stride);
   if (mode == kModes.end() || filter == kFilters.end() || !is_valid(view) || !bytes) {
-    throw DamagedMesh(fmt::format("expected values as {} has them, found {}", kMeshoptExtension, shown(packed)));
+    throw DamagedMesh(fmt::format("expected a mode, filter, byteStride and count that {} allows, found {}",
+                                  kMeshoptExtension, shown(packed)));
   }
   std::vector<std::byte>& unpacked = owned_.emplace_back();
   source_.memory.make_room(unpacked, *bytes);
   unpacked.resize(*bytes);
   if (!decode_meshopt(range_of(packed), view, unpacked)) {
-    throw DamagedMesh(fmt::format("expected packed values in a buffer view, found damaged ones: {}", shown(packed)));
+    throw DamagedMesh(fmt::format("expected packed values in a buffer view, found damaged data: {}", shown(packed)));
   }
   return unpacked_views_.emplace(index, unpacked).first->second;
 }
@@ -191,8 +192,9 @@ void GltfData::place(GltfView& view, const json& owner, std::uint64_t item) {
   const auto span = checked_product(view.count == 0 ? std::uint64_t{0} : view.count - 1, view.stride);
   const auto needed = span ? checked_sum(start, *span, view.count == 0 ? std::uint64_t{0} : item) : std::nullopt;
   if (!needed || *needed > values.size() || view.stride < item) {
-    throw DamagedMesh(fmt::format("expected {} values within a view of {} bytes, found the view {} and the accessor {}",
-                                  view.count, values.size(), shown(range), shown(owner)));
+    throw DamagedMesh(
+        fmt::format("expected a buffer view with room for {} values, found {} bytes (accessor {}, view {})", view.count,
+                    values.size(), shown(owner), shown(range)));
   }
   view.first = values.data() + start;
 }
@@ -215,7 +217,9 @@ GltfView GltfData::with_sparse(const GltfView& dense, const json& sparse, std::u
   place(values, part_of(sparse, "values"), item);
 
   const auto bytes = checked_product(dense.count, item);
-  if (!bytes) throw DamagedMesh(fmt::format("expected values that fit into memory, found {} of them", dense.count));
+  if (!bytes) {
+    throw DamagedMesh(fmt::format("expected an accessor whose size fits into memory, found {} values", dense.count));
+  }
   std::vector<std::byte>& whole_values = owned_.emplace_back();
   source_.memory.make_room(whole_values, *bytes);
   whole_values.resize(*bytes);
@@ -226,7 +230,7 @@ GltfView GltfData::with_sparse(const GltfView& dense, const json& sparse, std::u
   for (std::uint64_t i = 0; i < values.count; ++i) {
     const std::uint64_t index = indices.whole_number(i);
     if (index < least || index >= dense.count) {
-      throw DamagedMesh(fmt::format("expected rising indices below {} of sparse values, found {} as number {}",
+      throw DamagedMesh(fmt::format("expected increasing indices of sparse values below {}, found {} at position {}",
                                     dense.count, index, i));
     }
     std::memcpy(whole_values.data() + index * item, values.first + i * values.stride, item);

@@ -42,8 +42,8 @@ bool GltfData::unpack_draco(const json& primitive) {
   for (const auto& [semantic, id] : ids->items()) {
     const DracoAttribute* attribute = id.is_number_unsigned() ? surface.find(id.get<std::uint64_t>()) : nullptr;
     if (attribute == nullptr) {
-      throw DamagedMesh(fmt::format("expected packed attributes that are there, found '{}' as {}",
-                                    files::printable(semantic, 40), shown(id)));
+      throw DamagedMesh(fmt::format("the Draco data have no attribute with the id {}, which the file gives for '{}'",
+                                    shown(id), files::printable(semantic, 40)));
     }
     provide(whole(semantics, semantic.c_str()), *attribute, surface.vertices);
   }

@@ -100,7 +100,7 @@ const json& entry(const json& model, const char* list, std::uint64_t index) {
   const auto found = model.find(list);
   const std::size_t size = found != model.end() && found->is_array() ? found->size() : 0;
   if (index >= size) {
-    throw DamagedMesh(fmt::format("expected fewer than {} as an index into '{}', found {}", size, list, index));
+    throw DamagedMesh(fmt::format("expected an index below {} into '{}', found {}", size, list, index));
   }
   if (!(*found)[index].is_object()) throw DamagedMesh(fmt::format("expected an object in '{}' at {}", list, index));
   return (*found)[index];

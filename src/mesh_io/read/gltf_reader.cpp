@@ -107,26 +107,28 @@ class ModelReader {
       add_mesh(mesh, transform);
     }
     for (const std::string& name : left_out_) {
-      surface_.notes.push_back(
-          fmt::format("the attribute '{}' was left out: not all of its surfaces have it in one form", name));
+      note(NoteId::attribute_left_out,
+           "skips the attribute '{}': its type differs between the surfaces, or some lack it", name);
     }
     if (corners_apart_ > 0) {
-      surface_.notes.push_back(
-          fmt::format("{} corners were joined with others at their place that have other attributes", corners_apart_));
+      note(NoteId::corners_joined, "merges {} corners with corners at the same position that have other attributes",
+           corners_apart_);
     }
     if (hidden_meshes_ > 0) {
-      surface_.notes.push_back(fmt::format(
-          "{} surfaces were left out, scaled to nothing{}", hidden_meshes_,
-          model_.contains("animations") ? " until the animation shows them: what is read is what is shown at rest"
-                                        : ""));
+      note(NoteId::data_left_out, "skips {} surfaces with a scale of 0{}", hidden_meshes_,
+           model_.contains("animations") ? ", which the animation shows later: the reader uses the pose at rest" : "");
     }
-    if (other_primitives_ > 0) {
-      surface_.notes.push_back(fmt::format("{} primitives of points or lines were left out", other_primitives_));
-    }
+    if (other_primitives_ > 0) note(NoteId::data_left_out, "skips {} primitives of points or lines", other_primitives_);
     return std::move(surface_);
   }
 
  private:
+  // Adds a note that begins with "the reader".
+  template <class... Values>
+  void note(NoteId id, fmt::format_string<Values...> text, Values&&... values) {
+    surface_.notes.push_back({id, "the reader " + fmt::format(text, std::forward<Values>(values)...)});
+  }
+
   void check_extensions() {
     const auto required = model_.find("extensionsRequired");
     if (required == model_.end()) return;
@@ -139,9 +141,9 @@ class ModelReader {
       has_quantized_ = has_quantized_ || name == kQuantizationExtension;
       if (!name.empty() && !changes_triangles(name)) continue;
       throw DamagedMesh(
-          fmt::format("expected glTF whose triangles need no extension to be read, found that it requires {}",
+          fmt::format("expected glTF with triangles that need no extension, found the required extension {}",
                       shown(extension)),
-          "write it without that extension");
+          "export the file without this extension");
     }
   }
 
@@ -180,11 +182,11 @@ class ModelReader {
       const auto [index, parent] = waiting.back();
       waiting.pop_back();
       const json& node = entry(model_, "nodes", index);
-      if (met[index]) throw DamagedMesh(fmt::format("expected a tree of nodes, found node {} in two places", index));
+      if (met[index]) throw DamagedMesh(fmt::format("expected a tree of nodes, found node {} twice", index));
       met[index] = true;
       const Transform transform = parent.after(transform_of(node));
       if (!transform.is_finite()) {
-        throw DamagedMesh(fmt::format("expected a finite place of node {} within the scene, found ({}, {}, {})", index,
+        throw DamagedMesh(fmt::format("expected a finite position of node {} in the scene, found ({}, {}, {})", index,
                                       transform.offset.x, transform.offset.y, transform.offset.z));
       }
       if (node.contains("mesh") && transform.linear == glm::dmat3(0)) {
@@ -214,8 +216,8 @@ class ModelReader {
     const bool has_values = accessor.contains("bufferView") || accessor.contains("sparse") ||
                             data_->is_unpacked(index.get<std::uint64_t>());
     if (found == kTypes.end() || !has_values) {
-      surface_.notes.push_back(fmt::format("the attribute '{}' was left out: {}", files::printable(semantic, 40),
-                                           has_values ? "its values are no numbers or vectors" : "it has no values"));
+      note(NoteId::attribute_left_out, "skips the attribute '{}': {}", files::printable(semantic, 40),
+           has_values ? "its values are neither numbers nor vectors" : "it has no values");
       return std::nullopt;
     }
     AttributeView attribute;
@@ -238,9 +240,8 @@ class ModelReader {
     const bool fraction = kind.normalized && (kind.type == mesh::ComponentType::u8 ||  //
                                               kind.type == mesh::ComponentType::u16);
     if (kind.components < 3 || (!fraction && kind.type != mesh::ComponentType::f32)) {
-      throw DamagedMesh(
-          fmt::format("expected colours of three or four components, float or normalized unsigned ones, found {}",
-                      shown(accessor)));
+      throw DamagedMesh(fmt::format(
+          "expected colors with three or four components, float or normalized unsigned, found {}", shown(accessor)));
     }
     return attribute;
   }
@@ -254,7 +255,7 @@ class ModelReader {
       auto attribute = attribute_of(semantic, index);
       if (!attribute) continue;
       if (attribute->view.count != vertices) {
-        throw DamagedMesh(fmt::format("expected {} values as '{}', one a vertex, found {}", vertices,
+        throw DamagedMesh(fmt::format("expected {} values of '{}', one per vertex, found {}", vertices,
                                       files::printable(semantic, 40), attribute->view.count));
       }
       found.push_back(std::move(*attribute));
@@ -350,10 +351,10 @@ class ModelReader {
   // Returns how many triangles `corners` corners make in this mode.
   static std::uint64_t triangle_count(std::uint64_t mode, std::uint64_t corners, const char* what) {
     if (mode == kTriangles && corners % 3 != 0) {
-      throw DamagedMesh(fmt::format("expected three {} a triangle, found {} in all", what, corners));
+      throw DamagedMesh(fmt::format("expected three {} per triangle, found {} in total", what, corners));
     }
     if (mode != kTriangles && corners < 3) {
-      throw DamagedMesh(fmt::format("expected at least three {} of a strip or fan, found {}", what, corners));
+      throw DamagedMesh(fmt::format("expected at least three {} in a strip or fan, found {}", what, corners));
     }
     return mode == kTriangles ? corners / 3 : corners - 2;
   }
@@ -474,8 +475,8 @@ FileSurface read_glb(const MeshSource& source) {
     const std::uint64_t left = size - at;
     const std::uint64_t bytes = left < kChunkHeaderBytes ? left : word(at);
     if (left < kChunkHeaderBytes || bytes > left - kChunkHeaderBytes) {
-      throw DamagedMesh(
-          fmt::format("expected a chunk of {} bytes at byte {}, found {} bytes to the end", bytes, at, left));
+      throw DamagedMesh(fmt::format("expected a chunk of {} bytes at byte {}, found {} bytes up to the end of the file",
+                                    bytes, at, left));
     }
     const auto chunk = source.content.subspan(at + kChunkHeaderBytes, bytes);
     const std::string_view type = source.text().substr(at + 4, 4);

@@ -16,7 +16,7 @@ std::vector<std::byte> decode_base64(std::string_view text, MemoryUse& memory) {
   for (const char c : text) {
     const std::size_t digit = kDigits.find(c);
     if (digit == std::string_view::npos)
-      throw DamagedMesh("expected base64 data in a buffer's URI, found other letters");
+      throw DamagedMesh("expected base64 data in a buffer's URI, found other characters");
     bits = bits << 6 | static_cast<std::uint32_t>(digit);
     count += 6;
     if (count < 8) continue;

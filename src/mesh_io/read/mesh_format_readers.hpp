@@ -17,6 +17,7 @@
 #include "base/ascii.hpp"
 #include "base/context.hpp"
 #include "base/finite.hpp"
+#include "base/note.hpp"
 #include "files/file_bytes.hpp"
 #include "mesh/attributes.hpp"
 
@@ -71,7 +72,7 @@ struct FileSurface {
   // Vertices have normals and positions that were not rounded, so equal positions may be copies for different normals.
   bool has_normals = false;
   bool is_quantized = false;  // positions were rounded by packing
-  std::vector<std::string> notes;
+  Notes notes;
 };
 
 // The first word of the signature that isoextract writes into files (generator()), in every version.

@@ -18,7 +18,7 @@ std::uint32_t index_of(const TextScanner& scanner, std::string_view word, std::s
   const std::int64_t index = number > 0 ? number - 1 : count + number;
   // Whether the element exists is checked at the end, since a file may refer to vertices that come later.
   if (number == 0 || index < 0 || index > std::numeric_limits<std::uint32_t>::max()) {
-    scanner.expected(fmt::format("the number of a {}, of {} so far", what, so_far), corner);
+    scanner.expected(fmt::format("a valid {} index, with {} in the file so far", what, so_far), corner);
   }
   return static_cast<std::uint32_t>(index);
 }
@@ -93,7 +93,9 @@ FileSurface read_obj(const MeshSource& source) {
   }
   require_vertex_count(surface.positions.size());
   if (lines_and_points > 0) {
-    surface.notes.push_back(fmt::format("{} lines and points, which are no surface, were left out", lines_and_points));
+    surface.notes.push_back(
+        {NoteId::data_left_out,
+         fmt::format("the reader skips {} lines and points, which form no surface", lines_and_points)});
   }
   return surface;
 }

@@ -211,7 +211,8 @@ class ElementReader {
       }
       const double count = body_.next(*property.count_type);
       if (!(count >= 0) || count != std::floor(count)) {
-        throw DamagedMesh(fmt::format("expected the length of a list '{}', found {}", property.name, count));
+        throw DamagedMesh(
+            fmt::format("expected a whole number as the length of a list '{}', found {}", property.name, count));
       }
       std::vector<double>& list = lists_[i];
       list.clear();
@@ -261,7 +262,7 @@ std::optional<AttributeColumns> find_color(const Element& element) {
   return color;
 }
 
-std::vector<AttributeColumns> find_attributes(const Element& element, std::vector<std::string>& notes) {
+std::vector<AttributeColumns> find_attributes(const Element& element, Notes& notes) {
   std::vector<AttributeColumns> found;
   std::vector<bool> taken(element.properties.size());
   for (const char* name : {"x", "y", "z", "nx", "ny", "nz"}) {
@@ -275,7 +276,8 @@ std::vector<AttributeColumns> find_attributes(const Element& element, std::vecto
     const Property& property = element.properties[i];
     if (taken[i]) continue;
     if (property.count_type) {
-      notes.push_back(fmt::format("the lists '{}' of its vertices were left out", property.name));
+      notes.push_back(
+          {NoteId::data_left_out, fmt::format("the reader skips the lists '{}' of the vertices", property.name)});
       continue;
     }
     std::string stem = property.name;
@@ -351,7 +353,7 @@ void read_vertices(Body& body, const Element& element, const MeshSource& source,
     const std::string_view name = std::string_view("xyz").substr(axis, 1);
     const auto found = element.find(name);
     if (!found || element.properties[*found].count_type) {
-      throw DamagedMesh(fmt::format("expected a number '{}' of each vertex in the header, found none", name));
+      throw DamagedMesh(fmt::format("expected a numeric vertex property '{}' in the header, found none", name));
     }
     columns[axis] = *found;
   }
@@ -391,7 +393,7 @@ void read_faces(Body& body, const Element& element, MemoryUse& memory, FileSurfa
   auto column = element.find("vertex_indices");
   if (!column) column = element.find("vertex_index");
   if (!column || !element.properties[*column].count_type) {
-    throw DamagedMesh("expected a list 'vertex_indices' of each face in the header, found none");
+    throw DamagedMesh("expected a face property 'vertex_indices', a list, in the header, found none");
   }
   memory.make_room(surface.triangles, element.count);
   ElementReader reader(body, element, memory);
@@ -422,8 +424,9 @@ void read_body(Body body, const Header& header, const MeshSource& source, FileSu
     const auto bytes = checked_product(element.count, least);
     // In text, no blank follows the last number.
     if (!bytes || *bytes > left + 1) {
-      throw DamagedMesh(fmt::format("expected {} elements '{}' of at least {} bytes each, found {} bytes",
-                                    element.count, element.name, least, left));
+      throw DamagedMesh(
+          fmt::format("expected {} elements '{}' of at least {} bytes each, found {} bytes left in the file",
+                      element.count, element.name, least, left));
     }
     left -= std::min(left, *bytes);
     if (element.count > 0 && element.properties.empty()) {
@@ -436,10 +439,12 @@ void read_body(Body body, const Header& header, const MeshSource& source, FileSu
     } else {
       ElementReader reader(body, element, memory);
       for (std::uint64_t i = 0; i < element.count; ++i) reader.next();
-      surface.notes.push_back(fmt::format("{} elements '{}' were left out", element.count, element.name));
+      surface.notes.push_back(
+          {NoteId::data_left_out, fmt::format("the reader skips {} elements '{}'", element.count, element.name)});
     }
   }
-  if (!body.left().empty()) surface.notes.emplace_back("the data after its last element were left out");
+  if (!body.left().empty())
+    surface.notes.push_back({NoteId::extra_bytes, "the reader skips the data after the last element"});
 }
 
 }  // namespace

@@ -39,8 +39,8 @@ std::uint32_t announced_triangles(std::span<const std::byte> content) {
 constexpr std::uint64_t binary_size(std::uint64_t triangles) { return kPreambleBytes + kRecordBytes * triangles; }
 
 // Compares without regard to case, since some programs write capitals.
-bool is_word(std::string_view word, std::string_view to_lower) {
-  return std::ranges::equal(word, to_lower,
+bool is_word(std::string_view word, std::string_view lower_case) {
+  return std::ranges::equal(word, lower_case,
                             [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
 }
 
@@ -74,7 +74,8 @@ FileSurface read_binary(const MeshSource& source) {
     surface.placement.resize(std::min(surface.placement.find('\0'), surface.placement.size()));
   }
   if (const std::uint64_t more = source.content.size() - binary_size(count); more > 0) {
-    surface.notes.push_back(fmt::format("{} bytes after its last triangle were left out", more));
+    surface.notes.push_back(
+        {NoteId::extra_bytes, fmt::format("the reader skips {} bytes after the last triangle", more)});
   }
   return surface;
 }
@@ -139,8 +140,8 @@ FileSurface read_stl(const MeshSource& source) {
   const bool more_triangles = too_long && (size - wanted) % kRecordBytes == 0;
   if (too_long && count > 0 && !more_triangles) return read_binary(source);
   throw DamagedMesh(fmt::format(
-      "expected {} bytes for the {} triangles that its header announces, found {}{}", wanted, count, size,
-      more_triangles ? fmt::format(", which {} triangles fill", (size - kPreambleBytes) / kRecordBytes) : ""));
+      "expected {} bytes for the {} triangles that its header announces, found {} bytes{}", wanted, count, size,
+      more_triangles ? fmt::format(", the size of {} triangles", (size - kPreambleBytes) / kRecordBytes) : ""));
 }
 
 }  // namespace isoextract::mesh_io

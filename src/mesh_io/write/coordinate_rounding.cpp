@@ -87,28 +87,27 @@ Loss loss_in(const mesh::Mesh& mesh, std::string_view type) {
   const mesh::Bounds world{mesh.origin + glm::dvec3(local.min), mesh.origin + glm::dvec3(local.max)};
   const double farthest = std::max(largest(world.min), largest(world.max));
   if (farthest > static_cast<double>(std::numeric_limits<Number>::max())) {
-    return {fmt::format("expected coordinates that {} holds, found some at {:.6g}", type, farthest)};
+    return {fmt::format("expected coordinates in the range of {}, found {:.6g}", type, farthest)};
   }
   const double step = spacing<Number>(farthest);
   if (step <= spacing<float>(std::max(largest(local.min), largest(local.max)))) return {};
   const Change change = measure_change<Number>(mesh);
   if (change.lengths == 0 || change.changes <= kMostChange * change.lengths) return {{}, change.collapsed};
   return {fmt::format(
-      "expected coordinates that tell the corners of its triangles apart; at {:.6g} those of type {} are {:.3g} from "
-      "each other, and the triangles about {:.3g} wide",
+      "expected coordinates that keep the corners of triangles distinct; at {:.6g}, coordinates of type {} are {:.3g} "
+      "apart, and the triangles are about {:.3g} wide",
       farthest, type, step, std::sqrt(change.lengths / static_cast<double>(mesh.triangles.size())))};
 }
 
 Loss loss_in(const mesh::Mesh& mesh, MeshFormat format) {
   if (mesh.triangles.empty() || mesh.origin == glm::dvec3(0)) return {};
   if (!is_finite(mesh.origin)) {
-    return {fmt::format("expected a place of finite coordinates, found ({}, {}, {})", mesh.origin.x, mesh.origin.y,
+    return {fmt::format("expected a finite origin of the mesh, found ({}, {}, {})", mesh.origin.x, mesh.origin.y,
                         mesh.origin.z)};
   }
   if (mesh_format_info(format).stores_float32_world) return loss_in<float>(mesh, "float32");
   if (is_gltf(format) && largest(mesh.origin) > kLargestFloat) {
-    return {
-        fmt::format("expected a translation of a node that float32 holds, found one by {:.6g}", largest(mesh.origin))};
+    return {fmt::format("expected a node translation in the range of float32, found {:.6g}", largest(mesh.origin))};
   }
   return loss_in<double>(mesh, "double");
 }
@@ -128,6 +127,14 @@ Result<std::uint64_t> check_coordinate_rounding(const mesh::Mesh& mesh, const st
   const Step nearer(Remedy::use, Setting::position);
   return fail(ErrorCode::output, fmt::format("{}: {}", path.string(), loss.failure),
               others.empty() ? Hint{nearer} : Hint{{Remedy::set, Setting::mesh_format, others}, nearer});
+}
+
+Note rounding_note(const std::filesystem::path& path, std::uint64_t collapsed, std::uint64_t triangles) {
+  return {
+      NoteId::rounded_positions,
+      fmt::format("{}: in {} of {} triangles, corners round to equal positions in the file, whose coordinates are too "
+                  "coarse so far from the origin",
+                  path.string(), collapsed, triangles)};
 }
 
 }  // namespace isoextract::mesh_io

@@ -22,6 +22,7 @@
 #include <filesystem>
 
 #include "base/error.hpp"
+#include "base/note.hpp"
 #include "mesh/mesh.hpp"
 #include "mesh_io/mesh_writer.hpp"
 
@@ -33,5 +34,8 @@ namespace isoextract::mesh_io {
 // own numbers, and visits the triangles otherwise.
 [[nodiscard]] Result<std::uint64_t> check_coordinate_rounding(const mesh::Mesh& mesh, const std::filesystem::path& path,
                                                               MeshFormat format);
+
+// Tells that `collapsed` of `triangles` get two corners at the same coordinates in the file.
+[[nodiscard]] Note rounding_note(const std::filesystem::path& path, std::uint64_t collapsed, std::uint64_t triangles);
 
 }  // namespace isoextract::mesh_io

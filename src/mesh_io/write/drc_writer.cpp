@@ -17,7 +17,7 @@ class DrcWriter final : public FormatWriter {
 
   Result<void> add(const mesh::Mesh& mesh, Notes& notes) override {
     if (mesh.triangles.empty()) {
-      return fail(ErrorCode::output, fmt::format("{}: Draco has no meshes without triangles", file_.shown_name()),
+      return fail(ErrorCode::output, fmt::format("{}: Draco cannot store a mesh without triangles", file_.shown_name()),
                   {Remedy::set, Setting::mesh_format, "ply or glb"});
     }
     const GltfPart part(mesh, options_.flat_normals, notes);

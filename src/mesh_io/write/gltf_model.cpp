@@ -101,9 +101,9 @@ void GltfModel::take(const std::function<void(nlohmann::json& document)>& look) 
 Notes GltfModel::release_notes() {
   Notes notes = std::exchange(notes_, {});
   if (has_split_) {
-    notes.push_back(
-        "glTF keeps flat normals as three vertices a triangle, so the mesh is not welded; without normals it is, and "
-        "viewers shade it flat as well");
+    notes.push_back({NoteId::flat_normals,
+                     "glTF stores flat normals with three vertices per triangle, so the file has no welded vertices; "
+                     "without normals the vertices stay welded, and viewers shade the mesh flat as well"});
   }
   return notes;
 }
@@ -117,7 +117,8 @@ int GltfModel::node(const GltfPart& part) {
   const std::string name = as_utf8(part.mesh->name);
   if (name != part.mesh->name) {
     notes_.push_back(
-        fmt::format("the name of mesh \"{}\" is not UTF-8 as glTF demands: what is not was replaced", name));
+        {NoteId::renamed_meshes,
+         fmt::format("the writer replaces invalid bytes in the name of mesh \"{}\", since glTF requires UTF-8", name)});
   }
   has_split_ = has_split_ || part.layout == GltfPart::Layout::split;
   tinygltf::Node node;

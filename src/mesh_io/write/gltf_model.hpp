@@ -70,7 +70,7 @@ class GltfModel {
   tinygltf::Primitive indexed(const GltfPart& part);
   tinygltf::Primitive triangles(const GltfPart& part);
 
-  // For packed parts; in gltf_packed_model.cpp.
+  // Adds the data of a packed part (gltf_packed_model.cpp).
   tinygltf::Primitive packed(const GltfPart& part);
   int packed_view(const GltfPackedView& source);
   int packed_accessor(const GltfPackedAccessor& source, int first_view);

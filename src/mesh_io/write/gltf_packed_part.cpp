@@ -37,7 +37,7 @@ class ViewPacking {
       TRY(add_indices());
     }
     if (damaged_) {
-      return fail(ErrorCode::output, "what meshoptimizer unpacks of its own bytes is not the mesh that was packed");
+      return fail(ErrorCode::output, "the mesh that meshoptimizer unpacks differs from the original mesh");
     }
     return std::move(packed_);
   }

@@ -43,15 +43,18 @@ std::vector<GltfSemantic> semantics_of(const mesh::Mesh& mesh, Notes& notes) {
     const std::string shown = as_utf8(attribute.name);
     const auto type = attribute.type;
     if (type == mesh::ComponentType::i32 || type == mesh::ComponentType::u32 || type == mesh::ComponentType::f64) {
-      notes.push_back(fmt::format("glTF has no attributes of type {}: '{}' was left out; ply keeps it",
-                                  mesh::component_name(type), shown));
+      notes.push_back({NoteId::attribute_left_out,
+                       fmt::format("glTF has no attributes of type {}: the writer omits '{}'; ply stores it",
+                                   mesh::component_name(type), shown)});
       continue;
     }
     if (!has_finite_values(attribute)) {
       notes.push_back(
-          fmt::format("glTF has no numbers that are infinite or NaN: the attribute '{}', which has some, was left out; "
-                      "ply keeps it",
-                      shown));
+          {NoteId::attribute_left_out,
+           fmt::format(
+               "glTF has no infinite or NaN values: the writer omits the attribute '{}', which has such values; "
+               "ply stores it",
+               shown)});
       continue;
     }
     if (attribute.role == mesh::AttributeRole::color) {
@@ -64,7 +67,9 @@ std::vector<GltfSemantic> semantics_of(const mesh::Mesh& mesh, Notes& notes) {
     };
     while (is_taken()) name += '_';
     if (name.substr(1) != attribute.name) {
-      notes.push_back(fmt::format("the attribute '{}' is called '{}': glTF cannot call it so", shown, name.substr(1)));
+      notes.push_back({NoteId::attribute_renamed, fmt::format("the writer renames the attribute '{}' to '{}': the name "
+                                                              "is not valid UTF-8, or another attribute has it",
+                                                              shown, name.substr(1))});
     }
     semantics.push_back({&attribute, std::move(name)});
   }

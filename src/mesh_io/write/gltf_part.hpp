@@ -9,6 +9,7 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "base/note.hpp"
 #include "files/output_file.hpp"
 #include "mesh/mesh.hpp"
 #include "mesh_io/write/mesh_format_writers.hpp"
@@ -31,7 +32,7 @@ struct GltfSemantic {
   const mesh::Attribute* attribute;
   std::string name;
 
-  // Bytes from value to value: a multiple of 4, as glTF 2.0, 3.6.2.4 requires.
+  // Returns the bytes from value to value: a multiple of 4, as glTF 2.0, 3.6.2.4 requires.
   [[nodiscard]] std::size_t stride() const { return gltf_aligned(attribute->stride()); }
 };
 

@@ -7,6 +7,7 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "base/note.hpp"
 #include "files/output_file.hpp"
 #include "mesh/mesh.hpp"
 #include "mesh_io/mesh_writer.hpp"
@@ -14,7 +15,6 @@
 namespace isoextract::mesh_io {
 
 // Sentences about data that a format cannot store.
-using Notes = std::vector<std::string>;
 
 // Writes one file, mesh after mesh.
 class FormatWriter {

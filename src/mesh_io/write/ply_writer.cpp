@@ -57,11 +57,16 @@ std::string attribute_properties(const mesh::Mesh& mesh, Notes& notes) {
     };
     while (is_taken()) stem += '_';
     if (stem != attribute.name) {
-      notes.push_back(fmt::format("the attribute '{}' is called '{}': PLY cannot call it so", attribute.name, stem));
+      notes.push_back({NoteId::attribute_renamed, fmt::format("the writer renames the attribute '{}' to '{}': the name "
+                                                              "is not valid in PLY, or another attribute has it",
+                                                              attribute.name, stem)});
     }
     if (attribute.normalized) {
       notes.push_back(
-          fmt::format("PLY does not say that the whole numbers of the attribute '{}' stand for fractions", stem));
+          {NoteId::attribute_kind,
+           fmt::format(
+               "PLY cannot mark the attribute '{}' as normalized: other programs read its integers as plain numbers",
+               stem)});
     }
     for (std::size_t c = 0; c < attribute.components; ++c) {
       add(name_of(c));

@@ -103,8 +103,8 @@ Result<LatticePositions> round_to_lattice(const mesh::Mesh& mesh, const Position
     const glm::dvec3 low = lattice.first * lattice.step;
     const glm::dvec3 high = low + last * lattice.step;
     return fail(ErrorCode::output,
-                fmt::format("expected vertices in the quantisation box ({:.9g}, {:.9g}, {:.9g}) .. ({:.9g}, {:.9g}, "
-                            "{:.9g}), found some outside",
+                fmt::format("expected vertices in the quantization box ({:.9g}, {:.9g}, {:.9g}) .. ({:.9g}, {:.9g}, "
+                            "{:.9g}), found vertices outside",
                             low.x, low.y, low.z, high.x, high.y, high.z));
   }
   result.facts = {lattice.bits, lattice.step, moved.axis, std::sqrt(moved.squared)};

@@ -27,8 +27,9 @@ std::string precision_note(const mesh::Mesh& mesh) {
   const float nearest_float = static_cast<float>(farthest);
   const float step = std::nextafter(nearest_float, std::numeric_limits<float>::infinity()) - nearest_float;
   return fmt::format(
-      "STL keeps float32 coordinates only: at {:.9g}, the farthest, they are {:.3g} apart; glb, gltf, ply and obj keep "
-      "the positions in full",
+      "STL stores only float32 coordinates: at {:.9g}, the largest, neighboring values are {:.3g} apart; glb, gltf, "
+      "ply "
+      "and obj store the full precision",
       farthest, step);
 }
 
@@ -102,11 +103,11 @@ Result<void> write_stl(const mesh::Mesh& mesh, const MeshWriteOptions& options, 
   constexpr std::uint64_t kMaxTriangles = std::numeric_limits<std::uint32_t>::max();
   if (!options.ascii && mesh.triangles.size() > kMaxTriangles) {
     return fail(ErrorCode::output,
-                fmt::format("{}: {} triangles, binary STL holds at most {}", file.shown_name(), mesh.triangles.size(),
-                            kMaxTriangles),
+                fmt::format("{}: the mesh has {} triangles, binary STL holds at most {}", file.shown_name(),
+                            mesh.triangles.size(), kMaxTriangles),
                 {Remedy::set, Setting::mesh_format, "ply"});
   }
-  if (mesh.origin != glm::dvec3(0)) notes.push_back(precision_note(mesh));
+  if (mesh.origin != glm::dvec3(0)) notes.push_back({NoteId::rounded_positions, precision_note(mesh)});
   return with_world_positions(mesh, [&](auto position) {
     return options.ascii ? write_ascii(mesh, position, file) : write_binary(mesh, position, options.placement, file);
   });

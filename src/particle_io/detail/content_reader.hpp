@@ -36,7 +36,7 @@ class ContentReader {
   [[nodiscard]] std::uint64_t max_remaining_bytes() const { return most_ - std::min(most_, position()); }
 
   // Returns the next bytes without consuming them: at least `wanted` if the content has that many, and all that are
-  // buffered. `wanted` is at most kMostPeeked. Valid until the next call.
+  // buffered. `wanted` is at most kMaxPeekedBytes. Valid until the next call.
   static constexpr std::size_t kMaxPeekedBytes = std::size_t{1} << 20;
   [[nodiscard]] std::span<const std::byte> peek(std::size_t wanted);
   // Consumes bytes that were peeked.

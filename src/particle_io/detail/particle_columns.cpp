@@ -11,6 +11,7 @@
 
 #include "base/ascii.hpp"
 #include "base/checked.hpp"
+#include "base/nearest_name.hpp"
 #include "base/printable.hpp"
 
 namespace isoextract::particle_io {
@@ -32,16 +33,29 @@ bool is_position(const ColumnTuple& group, const std::array<std::size_t, 3>& pos
                              [&](std::size_t column) { return std::ranges::count(position, column) > 0; });
 }
 
-// "it has: density, velocity"
+// Returns "the numeric attributes are density, velocity".
 std::string attribute_list(const ParticleTable& table, const std::array<std::size_t, 3>& position) {
   std::string list;
   std::size_t named = 0;
   for (const ColumnTuple& group : table.groups) {
     if (!table.columns[group.columns.front()].numeric || is_position(group, position)) continue;
     if (++named > kMaxListedNames) return list + ", ...";
-    list += fmt::format("{}{}", named == 1 ? "it has: " : ", ", printable(group.name, 80));
+    list += fmt::format("{}{}", named == 1 ? "the numeric attributes are " : ", ", printable(group.name, 80));
   }
-  return named > 0 ? list : "it has none";
+  return named > 0 ? list : "the file has no numeric attributes";
+}
+
+std::vector<std::string> column_names(const ParticleTable& table) {
+  std::vector<std::string> names;
+  for (const ParticleColumn& column : table.columns) names.push_back(column.name);
+  return names;
+}
+
+// Returns the names of the attributes, as find_attribute() takes them.
+std::vector<std::string> attribute_names(const ParticleTable& table) {
+  std::vector<std::string> names;
+  for (const ColumnTuple& group : table.groups) names.push_back(group.name);
+  return names;
 }
 
 std::optional<std::size_t> find_column(const ParticleTable& table, std::string_view name) {
@@ -60,8 +74,9 @@ std::size_t named_column(const ParticleTable& table, const std::string& name) {
   const bool digits = !name.empty() && name.size() < 9 && name.find_first_not_of("0123456789") == std::string::npos;
   const std::size_t number = digits ? std::stoul(name) : 0;
   if (number >= 1 && number <= table.columns.size()) return number - 1;
-  throw InvalidParticleFile(fmt::format("there is no column '{}'", printable(name, 80)),
-                            fmt::format("it has {}: {}", table.columns.size(), column_list(table)));
+  throw InvalidParticleFile(
+      fmt::format("there is no column '{}'{}", printable(name, 80), did_you_mean(name, column_names(table))),
+      fmt::format("the file has {} columns: {}", table.columns.size(), column_list(table)));
 }
 
 // Compared with case: px, py and pz are momenta.
@@ -95,7 +110,7 @@ std::array<std::size_t, 3> find_position(const ParticleTable& table, const Parti
     const auto found = std::ranges::find_if(table.columns, is_axis);
     if (found == table.columns.end()) {
       throw InvalidParticleFile(
-          fmt::format("expected columns x, y and z, found {}: {}", table.columns.size(), column_list(table)),
+          fmt::format("expected columns x, y and z, found {} columns: {}", table.columns.size(), column_list(table)),
           "say which columns are x, y and z");
     }
     position[axis] = static_cast<std::size_t>(found - table.columns.begin());
@@ -114,7 +129,7 @@ std::optional<ColumnTuple> find_attribute(const ParticleTable& table, const std:
 // Throws if it is not numeric.
 void add_attribute(const ParticleTable& table, const ColumnTuple& attribute, ColumnChoice& choice) {
   check_numbers(table, attribute.columns, fmt::format("'{}'", printable(attribute.name, 80)),
-                "of numbers " + attribute_list(table, choice.position));
+                attribute_list(table, choice.position));
   if (std::ranges::count(choice.attributes, attribute.name, &ColumnTuple::name) > 0) return;
   choice.attributes.push_back(attribute);
 }
@@ -256,8 +271,8 @@ void check_numbers(const ParticleTable& table, std::span<const std::size_t> want
                    const Hint& hint) {
   for (const std::size_t column : wanted) {
     if (table.columns[column].numeric) continue;
-    throw InvalidParticleFile(fmt::format("expected numbers as {}, found {} as '{}'", what, table.columns[column].type,
-                                          printable(table.columns[column].name, 80)),
+    throw InvalidParticleFile(fmt::format("expected numbers for {}, found {} in the column '{}'", what,
+                                          table.columns[column].type, printable(table.columns[column].name, 80)),
                               hint);
   }
 }
@@ -274,15 +289,17 @@ ColumnChoice choose_columns(const ParticleTable& table, const ParticleReadOption
       if (columns[group.columns.front()].numeric) {
         choice.attributes.push_back(group);
       } else {
-        choice.notes.push_back(fmt::format("'{}' is not made of numbers, and was left out", printable(group.name, 80)));
+        choice.notes.push_back({NoteId::data_left_out,
+                                fmt::format("the reader skips '{}', which has no numbers", printable(group.name, 80))});
       }
     }
   }
   for (const std::string& name : options.attributes) {
     const auto attribute = find_attribute(table, name);
     if (!attribute) {
-      throw InvalidParticleFile(fmt::format("there is no attribute '{}'", printable(name, 80)),
-                                attribute_list(table, choice.position));
+      throw InvalidParticleFile(
+          fmt::format("there is no attribute '{}'{}", printable(name, 80), did_you_mean(name, attribute_names(table))),
+          attribute_list(table, choice.position));
     }
     add_attribute(table, *attribute, choice);
   }
@@ -310,7 +327,7 @@ void describe_table(const ParticleTable& table, const ParticleReadOptions& optio
     info.length_unit = choice->length_unit;
   } catch (const InvalidParticleFile& why) {
     if (options.columns) throw;
-    info.notes.emplace_back(why.what());
+    info.notes.push_back({NoteId::unclear_positions, why.what()});
   }
   for (const ColumnTuple& group : table.groups) {
     if (choice && is_position(group, choice->position)) continue;
@@ -345,7 +362,7 @@ points::ParticleSet make_particles(const Context& context, const std::string& la
 }
 
 void throw_particle_error(std::size_t particle, std::size_t particles) {
-  throw InvalidParticleFile(fmt::format("expected {} particles, found values of number {}", particles, particle + 1));
+  throw InvalidParticleFile(fmt::format("expected {} particles, found values of particle {}", particles, particle + 1));
 }
 
 std::vector<ColumnSink> sinks_of(points::ParticleSet& set, const ColumnChoice& choice) {
@@ -370,9 +387,13 @@ void deliver_records(const RecordLayout& layout, std::span<const std::byte> reco
   const std::size_t count = records.size() / layout.bytes;
   for (const ColumnSink& sink : sinks) {
     const RecordLayout::Field& field = layout.fields[sink.column];
-    if (!field.type || field.offset + number_size(*field.type) > layout.bytes) {
-      throw InvalidParticleFile(fmt::format("expected a number within a record of {} bytes as column {}, found none",
-                                            layout.bytes, sink.column + 1));
+    if (!field.type) {
+      throw InvalidParticleFile(fmt::format("expected a number in column {}, found another type", sink.column + 1));
+    }
+    if (field.offset + number_size(*field.type) > layout.bytes) {
+      throw InvalidParticleFile(
+          fmt::format("expected column {} inside the record of {} bytes, found it at bytes {} to {}", sink.column + 1,
+                      layout.bytes, field.offset, field.offset + number_size(*field.type)));
     }
     for_each_number(*field.type, field.endian, records.data() + field.offset, layout.bytes, count,
                     [&](std::size_t i, double value) { sink.put(first + i, value); });

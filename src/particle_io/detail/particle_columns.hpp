@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/note.hpp"
 #include "particle_io/detail/content_reader.hpp"
 #include "particle_io/detail/number_type.hpp"
 #include "particle_io/detail/particle_source.hpp"
@@ -67,7 +68,7 @@ struct ColumnChoice {
   std::array<std::size_t, 3> position{};
   std::vector<ColumnTuple> attributes;
   std::string length_unit;
-  std::vector<std::string> notes;
+  Notes notes;
 };
 
 // Throws InvalidParticleFile if one of the columns is not numeric: "expected numbers as WHAT, found |S4 as 'x'".
@@ -120,7 +121,7 @@ struct RecordLayout {
     std::size_t offset = 0;
     std::endian endian = std::endian::little;
   };
-  std::size_t bytes = 0;      // at most ContentReader::kMostPeeked
+  std::size_t bytes = 0;      // at most ContentReader::kMaxPeekedBytes
   std::vector<Field> fields;  // one per column
 };
 

@@ -60,10 +60,11 @@ class PluginParticles : public ParticleFormat {
     OpenedFile(const PluginParticles& format, const files::InputFile& file, const ParticleReadOptions& options)
         : id_(format.about().id), name_(file.name()), context_(file.context()) {
       if (files::is_standard_input(file.path())) {
-        throw InvalidParticleFile(fmt::format("plug-ins, such as the one for {}, read files by their paths", id_),
-                                  "write the data to a file first");
+        throw InvalidParticleFile(
+            fmt::format("the plug-in for {} cannot read standard input, because it needs the path of a file", id_),
+            "write the data to a file first");
       }
-      const std::string what = file.name() + ": what the plug-in takes to read it";
+      const std::string what = file.name() + ": the memory of the plug-in that reads it";
       // The size is known only later; until then reserves twice the size of the file.
       memory_ = must(
           file.context().reserve(checked_product(file.size(), std::uint64_t{2}).value_or(~std::uint64_t{0}), what));
@@ -98,7 +99,8 @@ class PluginParticles : public ParticleFormat {
       if (result.particles.size() > 0) fill(result.particles, choice);
       result.length_unit = plain_text(value().length_unit, 80);
       result.notes = choice.notes;
-      if (std::string printed = finish(); !printed.empty()) result.notes.push_back(std::move(printed));
+      if (std::string printed = finish(); !printed.empty())
+        result.notes.push_back({NoteId::plugin_output, std::move(printed)});
       return result;
     }
 
@@ -111,7 +113,7 @@ class PluginParticles : public ParticleFormat {
         const auto group = std::ranges::find_if(
             table_.groups, [&](const ColumnTuple& g) { return g.columns == choice.attributes[a].columns; });
         if (group == table_.groups.end()) {
-          throw InvalidParticleFile(fmt::format("expected the name of a whole attribute, found '{}'",
+          throw InvalidParticleFile(fmt::format("expected the name of an attribute, not of a component, found '{}'",
                                                 printable(table_.columns[first].name, 80)));
         }
         const std::span<float> values = set.attributes[a].values.span();
@@ -135,17 +137,17 @@ class PluginParticles : public ParticleFormat {
 
     void check(const ParticleReadOptions& options) const {
       const auto refused = [&](std::string_view what) {
-        throw InvalidParticleFile(fmt::format("the plug-in for {} gives {}", id_, what));
+        throw InvalidParticleFile(fmt::format("the plug-in for {} returns {}", id_, what));
       };
       const isoextract_particle_file& opened = value();
-      if (opened.quantities == nullptr && opened.quantity_count > 0) refused("a list of attributes that is not there");
+      if (opened.quantities == nullptr && opened.quantity_count > 0) refused("a null list of attributes");
       if (opened.frames == 0) refused("a file without frames");
       if (wanted_frame(options) >= opened.frames) throw_frame_error(options, opened.frames);
       std::uint64_t columns = 3;
       for (std::size_t i = 0; i < opened.quantity_count; ++i) {
         const std::uint64_t components = opened.quantities[i].components;
         if (components == 0 || components > kMaxParticleColumns - columns)
-          refused("an attribute of that many components");
+          refused("an attribute with an invalid number of components");
         columns += components;
       }
     }

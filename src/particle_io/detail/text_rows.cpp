@@ -109,7 +109,7 @@ void deliver_row(const ContentReader& content, const ParticleTable& table, std::
     if (!value) {
       const bool other_mark = decimals != nullptr && DecimalReader().number(field).has_value();
       content.expected(fmt::format("a number as '{}'{}", printable(table.columns[sink.column].name, 80),
-                                   other_mark ? ", with the decimal mark of those before" : ""),
+                                   other_mark ? ", with the same decimal mark as the numbers before" : ""),
                        field);
     }
     sink.put(particle, *value);

@@ -29,7 +29,7 @@ class DecimalReader {
   char mark_ = '\0';  // 0 until the first one is found
 };
 
-// Splits at spaces and tabs; everything after kMostColumns words is one word.
+// Splits at spaces and tabs; everything after kMaxParticleColumns words is one word.
 void split_words(std::string_view line, std::vector<std::string_view>& words);
 
 // Splits a line that must have `count` words. Throws InvalidParticleFile.

@@ -43,7 +43,7 @@ struct BgeoFile {
   std::uint64_t points = 0;
   ParticleTable table;
   RecordLayout layout;
-  std::vector<std::string> notes;
+  Notes notes;
 };
 
 // Reads the definition of a point attribute and its default; adds its columns and their places in a record.
@@ -62,11 +62,12 @@ void read_bgeo_attribute(ContentReader& content, BgeoFile& bgeo) {
   constexpr std::uint32_t kVector = 5;
   if (type != kFloat && type != kInteger && type != kIndex && type != kVector) {
     throw InvalidParticleFile(
-        fmt::format("expected an attribute of floats, integers, texts or a vector as '{}', found type "
-                    "{}, whose size nothing tells",
+        fmt::format("expected floats, integers, texts or a vector as the attribute '{}', found type "
+                    "{}, whose size is unknown",
                     printable(name, 80), type));
   }
-  if (bgeo.table.columns.size() + size > kMaxParticleColumns) throw InvalidParticleFile("expected fewer attributes");
+  if (bgeo.table.columns.size() + size > kMaxParticleColumns)
+    throw InvalidParticleFile(fmt::format("expected at most {} numbers per particle, found more", kMaxParticleColumns));
   if (type == kIndex) {
     const std::uint32_t texts = bgeo_count(content, "texts");
     check_count(content, texts, 2);
@@ -100,7 +101,8 @@ BgeoFile read_bgeo_header(ContentReader& content) {
   static_cast<void>(bgeo_count(content, "attributes of primitives"));
   static_cast<void>(bgeo_count(content, "attributes"));
   if (primitives > 0) {
-    bgeo.notes.push_back(fmt::format("{} primitives were left out, their points were read", primitives));
+    bgeo.notes.push_back(
+        {NoteId::data_left_out, fmt::format("the reader skips {} primitives and reads their points", primitives)});
   }
   // The fourth number of a position is its spline weight.
   add_tuple(bgeo.table, "position", "f32", 3);
@@ -161,8 +163,9 @@ class BgeoParticles final : public ParticleFormat {
     if (is_houdini(start)) return true;
     if (files::starts_with(start, kBgeoMagic)) return false;
     if (files::starts_with(start, "scf1")) {
-      throw InvalidParticleFile("expected BGEO, plain or gzip, found it packed by blosc (.bgeo.sc), which is not read",
-                                "save it as .bgeo or .bgeo.gz");
+      throw InvalidParticleFile(
+          "expected BGEO, plain or gzip, found blosc compression (.bgeo.sc), which the reader does not support",
+          "save it as .bgeo or .bgeo.gz");
     }
     throw InvalidParticleFile(
         fmt::format("not BGEO: expected 'BgeoV' or '\\x7fNSJb' at the start, found '{}'", printable(start, 16)));

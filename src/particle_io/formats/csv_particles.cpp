@@ -42,7 +42,7 @@ class FieldSplitter {
 
   [[nodiscard]] char delimiter() const { return delimiter_; }
 
-  // Returns false if a quote does not end. Everything after kMostColumns fields is not split.
+  // Returns false if a quote does not end. Everything after kMaxParticleColumns fields is not split.
   bool split(std::string_view line, std::vector<std::string_view>& fields) {
     unescaped_.clear();
     if (delimiter_ == kWords && line.find('"') == std::string_view::npos) {
@@ -110,7 +110,7 @@ struct CsvFile {
   ParticleTable table;
   std::uint64_t rows = 0;
   std::uint64_t header_line = 0;  // number of the line with names, unless it is a comment; 0: none
-  std::vector<std::string> notes;
+  Notes notes;
 };
 
 // Returns whether the fields are names: a line with a number has values, and would otherwise be lost as a particle.
@@ -177,7 +177,8 @@ void name_columns_of_values(CsvFile& csv, const std::string& comment, std::size_
   }
   if (count == 3) {
     csv.table.position = {0, 1, 2};
-    csv.notes.emplace_back("the table has no names of columns: its three columns were taken as x, y and z");
+    csv.notes.push_back({NoteId::assumed_columns,
+                         "the table has no column names, so the reader takes its three columns as x, y and z"});
   }
 }
 
@@ -204,12 +205,12 @@ CsvFile survey_csv(const files::InputFile& file) {
       second = line;
     }
   }
-  if (lines == 0) throw InvalidParticleFile("expected a table, found no line of one");
+  if (lines == 0) throw InvalidParticleFile("expected a table, found no rows");
   const auto delimiter = find_delimiter(first, second);
   if (!delimiter) {
     throw InvalidParticleFile(
-        fmt::format("line {}: expected three columns or more, with commas, semicolons, tabs, bars or spaces between "
-                    "them, and as many in the next line, found '{}'",
+        fmt::format("line {}: expected three or more columns, separated by commas, semicolons, tabs, bars or "
+                    "spaces, and the same number of columns in the next line, found '{}'",
                     first_line, printable(first, 40)));
   }
   csv.delimiter = *delimiter;
@@ -243,15 +244,15 @@ bool read_csv_rows(ContentReader& content, const CsvFile& csv, std::span<const C
   std::vector<std::string_view> fields;
   const std::size_t columns = csv.table.columns.size();
   const auto changed = [&] {
-    throw InvalidParticleFile(
-        fmt::format("expected {} rows, as there were at first; it was written to meanwhile", csv.rows));
+    throw InvalidParticleFile("the file changed while the program read it",
+                              "run again when no other program writes to the file");
   };
   std::uint64_t row = 0;
   while (const auto raw = content.next_line()) {
     const std::string_view line = content.line_number() == 1 ? without_byte_order_mark(*raw) : *raw;
     if (content.line_number() == csv.header_line || is_blank(line) || is_comment(line)) continue;
     if (row == csv.rows) changed();
-    if (!splitter.split(line, fields)) content.expected("fields whose quotes end in their line", line);
+    if (!splitter.split(line, fields)) content.expected("fields with closing quotes in the same line", line);
     // A delimiter at the end of a line adds an empty field.
     const bool ends_with_one = fields.size() == columns + 1 && fields.back().empty();
     if (fields.size() != columns && !ends_with_one) {
@@ -292,7 +293,8 @@ class CsvParticles final : public ParticleFormat {
     result.length_unit = choice.length_unit;
     if (!options.columns) result.notes = csv.notes;
     result.notes.insert(result.notes.end(), choice.notes.begin(), choice.notes.end());
-    if (commas) result.notes.emplace_back("the decimals of the table have commas, not points");
+    if (commas)
+      result.notes.push_back({NoteId::decimal_commas, "the numbers of the table have decimal commas, not points"});
     return result;
   }
 };

@@ -37,7 +37,7 @@ void each_pair(HoudiniJson& json, const JsonToken& first, F&& use) {
                                             printable(name.text, 80), json.content().position()));
     }
     const JsonToken value = json.next();
-    if (value.kind == JsonToken::Kind::end) json.expected("a value behind a name");
+    if (value.kind == JsonToken::Kind::end) json.expected("a value after a name");
     use(name.text, value);
   }
 }
@@ -134,7 +134,7 @@ void read_constant_flags(HoudiniJson& json, const JsonToken& first, std::uint64_
     if (paging.constant.size() == kMostComponents) json.expected("fewer sub-vectors");
     std::vector<bool>& of_part = paging.constant.emplace_back();
     json.each_number(flags, [&](double value) {
-      if (of_part.size() == pages) json.expected("flags of as many pages as there are");
+      if (of_part.size() == pages) json.expected("one flag per page");
       if (of_part.empty()) {
         paging.memory.push_back(json.content().reserve((pages + 63) / 64 * 8, "flags of pages"));
         of_part.reserve(static_cast<std::size_t>(pages));
@@ -153,7 +153,7 @@ void read_pages(HoudiniJson& json, const JsonToken& first, Paging& paging, const
   if (components != sinks.size() || has_empty) json.expected("sub-vectors of all components of an attribute");
   PageCursor walk(sinks, paging.page, std::move(paging.packing), paging.constant);
   json.each_number(first, [&](double value) {
-    if (!walk.take(value)) json.expected("the end of the data of pages");
+    if (!walk.take(value)) json.expected("no more data of pages");
   });
   if (!walk.done()) json.expected("more data of pages");
 }
@@ -179,7 +179,7 @@ void read_attribute_numbers(HoudiniJson& json, const JsonToken& first, const Att
   each_pair(json, first, [&](const std::string& name, const JsonToken& value) {
     if (name == "size") {
       if (whole_of(json, value, "the size of an attribute", kMostComponents) != sinks.size()) {
-        json.expected("values of the size of their attribute");
+        json.expected("as many components as the attribute has");
       }
     } else if (name == "pagesize") {
       paging.page = whole_of(json, value, "the size of a page", kMaxPageElements);
@@ -242,9 +242,8 @@ struct SecondPass {
 
 void expect_unchanged(bool same, std::string_view what) {
   if (!same) {
-    throw InvalidParticleFile(
-        fmt::format("{} changed while the file was read: expected the same in both passes over it", what),
-        "convert it when nothing writes to it");
+    throw InvalidParticleFile(fmt::format("{} changed while the program read the file", what),
+                              "run again when no other program writes to the file");
   }
 }
 
@@ -341,7 +340,8 @@ HoudiniFile parse_houdini(ContentReader& content, const SecondPass* second) {
     expect_unchanged(found.attributes.size() == second->first.attributes.size(), "the list of attributes");
   }
   if (found.primitives > 0) {
-    found.notes.push_back(fmt::format("{} primitives were left out, their points were read", found.primitives));
+    found.notes.push_back({NoteId::data_left_out,
+                           fmt::format("the reader skips {} primitives and reads their points", found.primitives)});
   }
   return found;
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/note.hpp"
 #include "files/file_version.hpp"
 #include "particle_io/detail/particle_columns.hpp"
 
@@ -28,7 +29,7 @@ struct HoudiniFile {
   std::uint64_t primitives = 0;
   std::string software;                      // program that wrote the file: "Houdini 18.0.499"; may be empty
   std::vector<HoudiniAttribute> attributes;  // of points
-  std::vector<std::string> notes;
+  Notes notes;
   files::FileVersion version;
 };
 
@@ -37,7 +38,8 @@ struct HoudiniFile {
 // Reads the whole file for its counts and attributes, without their numbers.
 [[nodiscard]] HoudiniFile scan_houdini(const files::InputFile& file);
 
-// Implement ParticleFormat::info and read. Reading takes a second pass, which must find the same attributes.
+// Describes or reads a file, for ParticleFormat::info() and read(). Reading takes a second pass, which must find the
+// same attributes.
 [[nodiscard]] ParticleInfo houdini_info(const files::InputFile& file, const ParticleReadOptions& options);
 [[nodiscard]] ParticleFile read_houdini(const files::InputFile& file, const HoudiniFile& surveyed,
                                         const ParticleReadOptions& options);

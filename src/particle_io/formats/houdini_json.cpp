@@ -58,7 +58,7 @@ HoudiniJson::HoudiniJson(ContentReader& content) : content_(content) {
 
 void HoudiniJson::expected(std::string_view what) const {
   throw InvalidParticleFile(
-      fmt::format("expected {} before byte {}, found something else or the end", what, content_.position()));
+      fmt::format("expected {} before byte {}, found other data or the end of the file", what, content_.position()));
 }
 
 std::uint64_t HoudiniJson::whole(std::size_t bytes) {
@@ -107,7 +107,8 @@ JsonToken HoudiniJson::uniform_array() {
   if (const auto type = number_of_code(code)) {
     token.kind = JsonToken::Kind::numbers;
     token.type = *type;
-    if (token.count > content_.max_remaining_bytes() / number_size(*type)) expected("as many numbers as it says");
+    if (token.count > content_.max_remaining_bytes() / number_size(*type))
+      expected("as many numbers as the array announces");
     return token;
   }
   switch (code) {
@@ -119,7 +120,7 @@ JsonToken HoudiniJson::uniform_array() {
     case kNameReference: token.kind = JsonToken::Kind::names; break;
     default: expected("a type of the elements of an array");
   }
-  if (least > content_.max_remaining_bytes()) expected("as many elements as it says");
+  if (least > content_.max_remaining_bytes()) expected("as many elements as the array announces");
   return token;
 }
 

@@ -153,7 +153,7 @@ bool next_lammps_frame(ContentReader& content, LammpsFrame& frame) {
       }
       break;
     } else {
-      static_cast<void>(line_of(content, "what belongs to an ITEM"));  // skips the data of an ITEM that is not needed
+      static_cast<void>(line_of(content, "the data of an ITEM"));  // skips the data of an ITEM that is not needed
     }
   }
   if (frame.table.columns.empty()) content.expected("the names of columns after 'ITEM: ATOMS'", "");
@@ -209,7 +209,8 @@ void unscale(Buffer<glm::dvec3>& positions, const LammpsFrame& frame, const std:
   }
   if (times == std::array{0, 0, 0}) return;
   const LammpsBox& box = frame.box;
-  if (!box.is_known) throw InvalidParticleFile("expected 'ITEM: BOX BOUNDS' before positions that are fractions of it");
+  if (!box.is_known)
+    throw InvalidParticleFile("expected 'ITEM: BOX BOUNDS' before positions that are fractions of the box");
   const auto axis_of = [&](std::size_t k) { return static_cast<glm::length_t>(*axes[k]); };
   if (times == std::array{1, 1, 1}) {
     for (glm::dvec3& p : positions) {
@@ -228,7 +229,7 @@ void unscale(Buffer<glm::dvec3>& positions, const LammpsFrame& frame, const std:
     for (const std::size_t column : columns) names += ' ' + printable(frame.table.columns[column].name, 80);
     throw InvalidParticleFile(
         fmt::format("expected fractions of all three edges of the triclinic box as x, y and z, found{}", names),
-        "take xs, ys and zs, each once, or three columns of lengths");
+        "choose xs, ys and zs, each once, or three columns of lengths");
   }
   for (glm::dvec3& p : positions) {
     for (glm::length_t k = 0; k < 3; ++k) {

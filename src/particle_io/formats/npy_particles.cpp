@@ -77,7 +77,7 @@ struct NpyParticleFile {
   ParticleTable table;
   RecordLayout layout;
   bool by_column = false;  // column by column instead of row by row
-  std::vector<std::string> notes;
+  Notes notes;
 };
 
 [[noreturn]] void refuse_npy_type(std::string_view descr) {
@@ -98,8 +98,15 @@ void add_npy_fields(NpyParticleFile& npy) {
     for (const std::uint64_t size : field.shape) {
       components = checked_product(components, size).value_or(~std::uint64_t{0});
     }
-    if (components > kMaxParticleColumns - npy.table.columns.size() || element->bytes > kMostFieldBytes) {
-      throw InvalidParticleFile(fmt::format("expected a smaller field '{}'", printable(field.name, 80)));
+    const std::size_t most = kMaxParticleColumns - npy.table.columns.size();
+    if (components > most) {
+      throw InvalidParticleFile(
+          fmt::format("expected at most {} components in field '{}' ({} in all fields), found more", most,
+                      printable(field.name, 80), kMaxParticleColumns));
+    }
+    if (element->bytes > kMostFieldBytes) {
+      throw InvalidParticleFile(fmt::format("expected at most {} bytes per component of field '{}', found {}",
+                                            kMostFieldBytes, printable(field.name, 80), element->bytes));
     }
     const bool numeric = element->number.has_value();
     add_tuple(npy.table, field.name, numeric ? std::string(number_name(*element->number)) : printable(field.descr, 40),
@@ -127,7 +134,9 @@ void add_npy_columns(NpyParticleFile& npy) {
     npy.layout.bytes += element->bytes;
   }
   npy.table.position = {0, 1, 2};
-  if (count > 3) npy.notes.push_back(fmt::format("the first three of {} columns were taken as x, y and z", count));
+  if (count > 3)
+    npy.notes.push_back(
+        {NoteId::assumed_columns, fmt::format("the reader takes the first three of {} columns as x, y and z", count)});
 }
 
 NpyParticleFile open_npy_particles(const files::InputFile& file) {
@@ -135,7 +144,7 @@ NpyParticleFile open_npy_particles(const files::InputFile& file) {
   npy.header = must(volume_io::read_npy_header(file));
   if (!are_rows(npy.header)) {
     throw InvalidParticleFile(
-        fmt::format("expected an array of particles with a row each, N x 3 to N x {}, or a structured "
+        fmt::format("expected an array with one row per particle, N x 3 to N x {}, or a structured "
                     "array with one axis, found shape ({}) of {}",
                     kMaxParticleColumns, fmt::join(npy.header.shape, ", "), printable(npy.header.descr, 40)));
   }

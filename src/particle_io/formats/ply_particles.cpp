@@ -42,7 +42,7 @@ struct PlyFile {
   std::endian endian = std::endian::little;
   std::vector<PlyElement> elements;
   std::size_t vertices = 0;  // index of the vertex element
-  std::vector<std::string> notes;
+  Notes notes;
 
   [[nodiscard]] const PlyElement& vertex() const { return elements[vertices]; }
 };
@@ -147,7 +147,8 @@ ParticleTable ply_table(PlyFile& ply) {
   ParticleTable table;
   for (const PlyProperty& property : ply.vertex().properties) {
     if (property.count_type) {
-      ply.notes.push_back(fmt::format("the lists '{}' were left out", printable(property.name, 80)));
+      ply.notes.push_back(
+          {NoteId::data_left_out, fmt::format("the reader skips the lists '{}'", printable(property.name, 80))});
     } else {
       table.columns.push_back({property.name, {}, std::string(number_name(property.type)), true});
     }
@@ -158,8 +159,8 @@ ParticleTable ply_table(PlyFile& ply) {
 
 std::uint64_t list_length(const PlyProperty& property, double length) {
   if (!(length >= 0) || length != std::floor(length) || length > 4294967295.0) {
-    throw InvalidParticleFile(
-        fmt::format("expected the length of a list '{}', found {}", printable(property.name, 80), length));
+    throw InvalidParticleFile(fmt::format("expected a whole number as the length of a list '{}', found {}",
+                                          printable(property.name, 80), length));
   }
   return static_cast<std::uint64_t>(length);
 }

@@ -76,8 +76,9 @@ ParticleTable plain_table(ContentReader& content) {
   if (!content.peek_line()) throw TruncatedFrame("expected the line of an atom, found the end of the file");
   split_words(content.peek_line().value_or(""), words);
   if (words.size() < 3 || words.size() > kMaxParticleColumns) {
-    throw InvalidParticleFile(fmt::format("line {}: expected the name of an element and x, y, z, found '{}'",
-                                          content.line_number() + 1, printable(content.peek_line().value_or(""), 40)));
+    throw InvalidParticleFile(
+        fmt::format("line {}: expected x, y and z, with or without the name of an element before them, found '{}'",
+                    content.line_number() + 1, printable(content.peek_line().value_or(""), 40)));
   }
   if (words.size() > 3) add_tuple(table, "species", "number", 1);
   for (const char* axis : {"x", "y", "z"}) table.columns.push_back({axis, {}, "number", true});

@@ -42,7 +42,7 @@ Result<sandbox::Limits> limits_for(const files::InputFile& file) {
     const std::string_view text(given);
     const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), seconds);
     if (status != std::errc{} || end != text.data() + text.size() || seconds == 0) {
-      return fail(ErrorCode::usage, fmt::format("the environment variable {}: expected seconds, 1 or more, found '{}'",
+      return fail(ErrorCode::usage, fmt::format("the environment variable {}: expected 1 or more seconds, found '{}'",
                                                 kSecondsVariable, printable(text, 40)));
     }
   }
@@ -56,10 +56,11 @@ Result<sandbox::Limits> limits_for(const files::InputFile& file) {
 
 Result<SharedMemory> share_memory(const std::string& name, std::uint64_t bytes) {
   if (auto memory = SharedMemory::create(bytes)) return std::move(*memory);
-  return fail(ErrorCode::unavailable,
-              fmt::format("{}: the system gives no shared memory of {} (memfd_create) for the process that reads it",
-                          name, format_byte_size(bytes)),
-              {Remedy::use, Setting::in_process});
+  return fail(
+      ErrorCode::unavailable,
+      fmt::format("{}: the system refuses {} of shared memory (memfd_create) for the process that reads the file", name,
+                  format_byte_size(bytes)),
+      {Remedy::use, Setting::in_process});
 }
 
 // A conversation with the worker that reads one file; turns every way it can end into an error.
@@ -89,7 +90,7 @@ class WorkerConversation {
     if (heard.what != MessageKind::failed) return heard;
     Error failed = plugin_error(name_, heard.message.text());
     if (worker_->finish().memory_was_refused) {
-      failed.message += fmt::format("; {} are left for it", format_byte_size(limits_.memory));
+      failed.message += fmt::format("; the memory limit leaves {}", format_byte_size(limits_.memory));
       failed.code = ErrorCode::out_of_memory;
       failed.hint = {Remedy::raise, Setting::memory_limit};
     }
@@ -111,7 +112,7 @@ class WorkerConversation {
 
   // Returns the error for a reply that is invalid.
   [[nodiscard]] tl::unexpected<Error> refused(const std::string& what) const {
-    return fail(ErrorCode::input, fmt::format("{}: the plug-in for {} gives {}", name_, id_, what));
+    return fail(ErrorCode::input, fmt::format("{}: the plug-in for {} returns {}", name_, id_, what));
   }
 
   [[nodiscard]] const std::string& greeting() const { return greeting_; }
@@ -127,27 +128,29 @@ class WorkerConversation {
 
  private:
   [[nodiscard]] Error error_of(const WorkerEnd& ending, const char* otherwise) const {
-    const std::string who = fmt::format("{}: the process that read it with the plug-in for {}", name_, id_);
-    constexpr const char* kDamaged = "the file is damaged, or holds what the plug-in's library does not expect";
+    const std::string who = fmt::format("{}: the process that read the file with the plug-in for {}", name_, id_);
+    constexpr const char* kDamaged = "the file is damaged, or the plug-in's library does not support it";
     switch (ending.reason) {
       case WorkerEnd::Reason::cancelled: return {ErrorCode::cancelled, "cancelled", {}};
       case WorkerEnd::Reason::too_long:
         return {
-            ErrorCode::input, fmt::format("{} was stopped after {} s: {}", who, limits_.seconds, kDamaged),
-            fmt::format("if the file is sound, give it more time with the environment variable {}", kSecondsVariable)};
+            ErrorCode::input, fmt::format("{} exceeded its time limit of {} s: {}", who, limits_.seconds, kDamaged),
+            fmt::format("if the file is intact, raise the limit with the environment variable {}", kSecondsVariable)};
       case WorkerEnd::Reason::lost:
         return {ErrorCode::unavailable,
-                fmt::format("{} could not be started, or was lost", who),
+                fmt::format("{}: the process for reading the file with the plug-in for {} did not start, or its "
+                            "connection broke",
+                            name_, id_),
                 {Remedy::use, Setting::in_process}};
       case WorkerEnd::Reason::signal:
         if (ending.memory_was_refused) {
           return {ErrorCode::out_of_memory,
-                  fmt::format("{} needs more memory than the {} that are left for it", who,
+                  fmt::format("{} needs more memory than the {} that the memory limit leaves", who,
                               format_byte_size(limits_.memory)),
                   {Remedy::raise, Setting::memory_limit}};
         }
         return {ErrorCode::input, fmt::format("{} crashed (signal {}): {}", who, ending.signal, kDamaged),
-                "write the file anew, or in another format"};
+                "write the file again, or in another format"};
       case WorkerEnd::Reason::done: break;
     }
     return {ErrorCode::input, fmt::format("{} {} without an answer: {}", who, otherwise, kDamaged), {}};
@@ -292,9 +295,10 @@ class WorkerVolumeSession final : public VolumeSession {
     if (box_bytes > 0 && answer.what == MessageKind::box_opened) {
       given->samples.data = has_samples ? given->mapped.front().bytes().data() : nullptr;
       given->samples.bytes = message.number();
-      if (!message.is_whole()) return talk_->refused("an answer that is cut off");
+      if (!message.is_whole()) return talk_->refused("an incomplete answer");
     } else if (box_bytes == 0 && answer.what == MessageKind::grid_opened) {
-      if (has_samples && !take_sparse(message, *given)) return talk_->refused("samples that are not where it says");
+      if (has_samples && !take_sparse(message, *given))
+        return talk_->refused("samples outside the memory that it shares");
     } else {
       return talk_->refused("no samples");
     }
@@ -430,7 +434,7 @@ class WorkerParticleSession final : public ParticleSession {
     talk_->tell(what);
     auto answer = TRY(talk_->hear());
     if (answer.what != MessageKind::filled || answer.message.number() != values.size()) {
-      return talk_->refused(fmt::format("another number of bytes than {}", values.size()));
+      return talk_->refused(fmt::format("a wrong number of bytes, expected {}", values.size()));
     }
     return talk_->take(values);
   }

@@ -246,7 +246,7 @@ bool send_filled(const ParticlePlugin& plugin, const Program& program, std::uint
                  std::uint64_t components, Fill&& fill) {
   const auto count = checked_product(particles, components);
   if (!count || !checked_product(*count, std::uint64_t{sizeof(Number)})) {
-    return program.tell(failure("more numbers than there can be"));
+    return program.tell(failure("the plug-in announces more numbers than 64 bits can count"));
   }
   Buffer<Number> numbers;
   try {
@@ -300,7 +300,7 @@ sandbox::ChildWork work_of(const PluginKind& kind, std::span<const std::string> 
 }  // namespace
 
 sandbox::ChildWork make_plugin_work(std::span<const std::string> words) {
-  if (words.size() != 3) return {"was called in a way that is not known", {}, {}};
+  if (words.size() != 3) return {"got arguments that it does not know", {}, {}};
   if (words[0] == kVolumePlugins.function) {
     return work_of<VolumePlugin>(
         kVolumePlugins, words, [](const VolumePlugin& plugin) { return plugin_text(plugin.format); }, read_volume);

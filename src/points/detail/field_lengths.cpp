@@ -8,8 +8,7 @@
 
 namespace isoextract::points {
 
-Result<void> check_coordinate_rounding(const ParticleSet& particles, const ParticleBounds& bounds,
-                                       NonFiniteParticles bad) {
+Result<void> check_positions(const ParticleSet& particles, const ParticleBounds& bounds, NonFiniteParticles bad) {
   if (particles.size() > std::numeric_limits<std::uint32_t>::max()) {
     return fail(ErrorCode::input, fmt::format("{}: expected at most {} particles, found {}", particles.label,
                                               std::numeric_limits<std::uint32_t>::max(), particles.size()));
@@ -30,11 +29,12 @@ Result<void> resolve_lengths(const ParticleSet& particles, const FieldOptions& o
     auto statistics = TRY(measure_statistics(particles, context));
     const std::optional<double> radius = statistics.suggested_radius();
     if (!radius) {
-      return fail(ErrorCode::input,
-                  fmt::format("{}: expected particles at two places at least, to take their radius from, or a radius; "
-                              "found {} at one place",
-                              particles.label, statistics.bounds.finite),
-                  {Remedy::give, Setting::radius});
+      return fail(
+          ErrorCode::input,
+          fmt::format("{}: expected a particle radius, or particles at two or more positions to derive it from; "
+                      "found {} particles at one position",
+                      particles.label, statistics.bounds.finite),
+          {Remedy::give, Setting::radius});
     }
     figures.radius = *radius;
     figures.radius_suggested = true;
@@ -43,17 +43,24 @@ Result<void> resolve_lengths(const ParticleSet& particles, const FieldOptions& o
       options.spacing.value_or(options.cell_size.value_or(method_info(options.method).cell_size) * figures.radius);
   const bool has_kernels = options.method != Method::weight && options.method != Method::spheres;
   if (has_kernels) figures.support = 2 * options.smoothing_length * figures.radius;
-  if (!(figures.spacing > 0) || !std::isfinite(figures.spacing) || !std::isfinite(figures.support)) {
-    return fail(ErrorCode::input, fmt::format("{}: a particle radius of {} leaves the range of numbers",
-                                              particles.label, figures.radius));
+  if (!(figures.spacing > 0) || !std::isfinite(figures.spacing)) {
+    return fail(ErrorCode::input,
+                fmt::format("{}: expected a finite sample spacing above 0, found {} (the particle radius is {})",
+                            particles.label, figures.spacing, figures.radius));
+  }
+  if (!std::isfinite(figures.support)) {
+    return fail(ErrorCode::input,
+                fmt::format("{}: expected a finite reach of the kernels, found {} (the particle radius is {})",
+                            particles.label, figures.support, figures.radius));
   }
   // Otherwise particles between samples would have no effect.
   if (has_kernels && !(figures.support >= figures.spacing)) {
-    return fail(ErrorCode::usage,
-                fmt::format("{}: expected samples at most as far apart as a kernel reaches, {:.6g}; found a spacing of "
-                            "{:.6g}",
-                            particles.label, figures.support, figures.spacing),
-                {{Remedy::lower, Setting::cell_size}, {Remedy::raise, Setting::radius}});
+    return fail(
+        ErrorCode::usage,
+        fmt::format("{}: expected a sample spacing of at most the reach of a kernel, {:.6g}; found a spacing of "
+                    "{:.6g}",
+                    particles.label, figures.support, figures.spacing),
+        {{Remedy::lower, Setting::cell_size}, {Remedy::raise, Setting::radius}});
   }
   return {};
 }

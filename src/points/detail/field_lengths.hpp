@@ -10,8 +10,8 @@ namespace isoextract::points {
 
 // Fails with ErrorCode::input if there are too many particles for 32-bit indices, or if a position is not finite and
 // `bad` is NonFiniteParticles::error. `bounds` are those of the particles.
-[[nodiscard]] Result<void> check_coordinate_rounding(const ParticleSet& particles, const ParticleBounds& bounds,
-                                                     NonFiniteParticles bad);
+[[nodiscard]] Result<void> check_positions(const ParticleSet& particles, const ParticleBounds& bounds,
+                                           NonFiniteParticles bad);
 
 // Sets radius, spacing and support of `figures` from the options. If ParticleFieldStatistics::radius_attribute is set,
 // the radius is already there. Requires at least one finite position.

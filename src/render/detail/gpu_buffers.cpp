@@ -11,9 +11,10 @@ Result<GpuArray> GpuArray::make(const gl::GlContext& context, GLenum format, std
   GLint most = 0;
   glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
   if (count > static_cast<std::uint64_t>(most)) {
-    return fail(ErrorCode::unavailable,
-                fmt::format("{}: expected at most {} {}, found {}", context.device().renderer, most, what, count),
-                {Remedy::use, Setting::cpu_backend});
+    return fail(
+        ErrorCode::unavailable,
+        fmt::format("{}: {}: expected at most {} elements, found {}", context.device().renderer, what, most, count),
+        {Remedy::use, Setting::cpu_backend});
   }
   GpuArray array;
   array.element_bytes_ = element_bytes;
@@ -27,7 +28,7 @@ Result<GpuArray> GpuArray::make(const gl::GlContext& context, GLenum format, std
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_BUFFER, array.texture_.name());
   glTexBuffer(GL_TEXTURE_BUFFER, format, array.buffer_.name());
-  TRY(context.check(fmt::format("taking memory for {}", what)));
+  TRY(context.check(fmt::format("allocating memory for {}", what)));
   return array;
 }
 

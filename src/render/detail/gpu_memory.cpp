@@ -16,12 +16,11 @@ GpuMemory::GpuMemory(const gl::GpuDevice& device, std::optional<std::uint64_t> l
 
 Result<void> GpuMemory::take(std::uint64_t bytes, const std::string& what) {
   if (limit_ && bytes > *limit_ - taken_) {
-    return fail(
-        ErrorCode::unavailable,
-        fmt::format("{}: expected at most {} on the GPU, found {} for {} besides {} for the rest", device_.renderer,
-                    format_byte_size(*limit_), format_byte_size(bytes), what, format_byte_size(taken_)),
-        is_told_ ? Hint{{Remedy::raise, Setting::gpu_memory}, {Remedy::use, Setting::cpu_backend}}
-                 : Hint(Remedy::use, Setting::cpu_backend));
+    return fail(ErrorCode::unavailable,
+                fmt::format("{}: the GPU memory limit is {}: {} would take {}, and {} are in use", device_.renderer,
+                            format_byte_size(*limit_), what, format_byte_size(bytes), format_byte_size(taken_)),
+                is_told_ ? Hint{{Remedy::raise, Setting::gpu_memory}, {Remedy::use, Setting::cpu_backend}}
+                         : Hint(Remedy::use, Setting::cpu_backend));
   }
   if (device_.software) {
     auto memory = TRY(context_.reserve(bytes, what));

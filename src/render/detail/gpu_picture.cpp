@@ -92,7 +92,7 @@ Result<GpuPicture> GpuPicture::make(const GpuTask& task, GpuMemory& memory) {
 
   const std::size_t pixels = pixels_in({glm::ivec2(0), picture.tile_size_});
   picture.host_memory_ = TRY(task.context.reserve(
-      pixels * (sizeof(glm::uvec4) + (see_through ? sizeof(std::uint32_t) : 0)), "a part of a picture"));
+      pixels * (sizeof(glm::uvec4) + (see_through ? sizeof(std::uint32_t) : 0)), "a tile of a picture"));
   picture.counts_.resize(pixels);
   if (see_through) {
     picture.places_.resize(pixels);
@@ -138,7 +138,7 @@ Result<void> GpuPicture::draw_tile(const PixelBox& tile, Rendered& rendered) {
     if (count > most_fragments_) {
       if (pixels_in(tile) == 1) {
         return fail(ErrorCode::unavailable,
-                    fmt::format("{}: expected at most {} surfaces behind each other in a pixel, found {}",
+                    fmt::format("{}: expected at most {} surface layers in a pixel, found {}",
                                 task_.gl.device().renderer, most_fragments_, count),
                     {Remedy::use, Setting::cpu_backend});
       }
@@ -167,8 +167,7 @@ Result<void> GpuPicture::draw_tile(const PixelBox& tile, Rendered& rendered) {
   TRY(task_.gl.check("reading a picture"));
   if (whole) return {};
   return fail(ErrorCode::unavailable,
-              fmt::format("{}: a ray has more samples, or more surfaces behind each other, than the driver lets a loop "
-                          "have rounds",
+              fmt::format("{}: a ray needs more loop iterations (samples and surface layers) than the driver allows",
                           task_.gl.device().renderer),
               {Remedy::use, Setting::cpu_backend});
 }
@@ -211,14 +210,14 @@ Result<std::uint64_t> GpuPicture::count_fragments(const PixelBox& tile) {
 Result<void> GpuPicture::list_fragments(const PixelBox& tile, std::uint64_t count) {
   // A buffer needs at least one byte.
   if (const std::uint64_t wanted = std::max<std::uint64_t>(count, 1); wanted > fragments_taken_) {
-    if (auto taken = memory_.take((wanted - fragments_taken_) * kFragmentBytes, "surfaces behind each other"); !taken) {
+    if (auto taken = memory_.take((wanted - fragments_taken_) * kFragmentBytes, "the surface layers"); !taken) {
       return taken;
     }
     fragments_taken_ = wanted;
     glBindBuffer(GL_SHADER_STORAGE_BUFFER, fragments_.name());
     glBufferData(GL_SHADER_STORAGE_BUFFER, static_cast<GLsizeiptr>(wanted * kFragmentBytes), nullptr, GL_DYNAMIC_COPY);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, fragments_.name());
-    TRY(task_.gl.check("taking memory for surfaces behind each other"));
+    TRY(task_.gl.check("allocating memory for surface layers"));
   }
   return draw_lists(tile, false);
 }

@@ -78,14 +78,14 @@ Result<void> GpuSurfaces::take_arrays(const gl::GlContext& gl, std::uint64_t ver
     array = TRY(GpuArray::make(gl, format, count, bytes, what, memory));
     return {};
   };
-  if (auto taken = take(corners_, GL_RGB32UI, triangles_, sizeof(glm::uvec3), "triangles of surfaces"); !taken) {
+  if (auto taken = take(corners_, GL_RGB32UI, triangles_, sizeof(glm::uvec3), "the triangles of surfaces"); !taken) {
     return taken;
   }
-  if (auto taken = take(positions_, GL_RGB32UI, vertices, sizeof(glm::vec3), "vertices of surfaces"); !taken) {
+  if (auto taken = take(positions_, GL_RGB32UI, vertices, sizeof(glm::vec3), "the vertices of surfaces"); !taken) {
     return taken;
   }
-  TRY(take(normals_, GL_RGB32F, normals, sizeof(glm::vec3), "normals of surfaces"));
-  return take(colors_, GL_RGBA32F, colors, sizeof(glm::vec4), "colours of surfaces");
+  TRY(take(normals_, GL_RGB32F, normals, sizeof(glm::vec3), "the normals of surfaces"));
+  return take(colors_, GL_RGBA32F, colors, sizeof(glm::vec4), "the colors of surfaces");
 }
 
 void GpuSurfaces::write_colors(const mesh::Attribute& attribute, std::uint64_t first) const {
@@ -108,7 +108,7 @@ void GpuSurfaces::bind_triangles(const gl::ShaderProgram& program) const {
 
 void GpuSurfaces::bind_shading(const gl::ShaderProgram& program) const {
   normals_.bind(program, "vertex_normals", TextureUnit::vertex_normals);
-  colors_.bind(program, "vertex_colours", TextureUnit::vertex_colors);
+  colors_.bind(program, "vertex_colors", TextureUnit::vertex_colors);
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, record_buffer_.name());
   program.set("surface_count", static_cast<int>(records_.size()));
   program.set("rotation", glm::mat3(view_->rotation()));
@@ -124,7 +124,7 @@ void GpuSurfaces::bind_shading(const gl::ShaderProgram& program) const {
   program.set("light_count", static_cast<int>(towards.size()));
   if (towards.empty()) return;
   program.set("light_towards", towards);
-  program.set("light_colours", colors);
+  program.set("light_colors", colors);
 }
 
 Result<void> GpuSurfaces::draw(const gl::GlContext& gl, const gl::ShaderProgram& program, bool hiding,

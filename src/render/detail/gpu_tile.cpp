@@ -39,7 +39,7 @@ Result<GpuTile> GpuTile::make(const gl::GlContext& gl, const glm::ivec2& size, b
   const auto pixels = static_cast<std::uint64_t>(size.x) * static_cast<std::uint64_t>(size.y);
   const std::uint64_t bytes =
       kPictureBytes + (surfaces ? kSurfaceBytes : 0) + (see_through ? kListBytes : std::uint64_t{0});
-  TRY(memory.take(pixels * bytes, "a part of a picture"));
+  TRY(memory.take(pixels * bytes, "a tile of a picture"));
   GpuTile tile;
   constexpr std::array<GLenum, 4> kTargets{GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2,
                                            GL_COLOR_ATTACHMENT3};
@@ -76,7 +76,7 @@ Result<GpuTile> GpuTile::make(const gl::GlContext& gl, const glm::ivec2& size, b
   attach(GL_COLOR_ATTACHMENT2, tile.depths_);
   attach(GL_COLOR_ATTACHMENT3, tile.counts_);
   glDrawBuffers(4, kTargets.data());
-  TRY(gl.check("taking memory for a part of a picture"));
+  TRY(gl.check("allocating memory for a tile of a picture"));
   return tile;
 }
 

@@ -76,7 +76,7 @@ Result<void> write_atlas(const gl::GlContext& gl, const VolumeSamples& samples, 
   const std::uint64_t rows = (nodes.slots().size() + row - 1) / row;
   const std::uint64_t batch = std::max<std::uint64_t>(1, kBatchSlots / row);
   const std::uint64_t bytes = std::min(batch, rows) * row * kBrickSamples * sizeof(float);
-  const auto memory = TRY(context.reserve(bytes, samples.field().source + ": bricks on their way to the GPU"));
+  const auto memory = TRY(context.reserve(bytes, samples.field().source + ": the upload buffer of its bricks"));
   std::vector<float> values(bytes / sizeof(float));
   context.progress().begin("uploading bricks", rows);
   return field::visit_sample_type(samples.field().type(), [&]<class T>(std::type_identity<T>) -> Result<void> {
@@ -112,14 +112,15 @@ Result<void> GpuVolume::make_atlas(const gl::GlContext& gl, const std::string& s
   const std::uint64_t row = divided(slots, rows * layers);
   const std::string what = fmt::format("{} bricks of {}", slots, source);
   if (layers > along) {
-    return fail(ErrorCode::unavailable, fmt::format("{}: no texture has room for {}", gl.device().renderer, what),
+    return fail(ErrorCode::unavailable,
+                fmt::format("{}: the device has no texture large enough for {}", gl.device().renderer, what),
                 {Remedy::use, Setting::cpu_backend});
   }
   const std::uint64_t bytes = row * rows * layers * kBrickSamples * sizeof(float);
   TRY(memory.take(bytes, what));
   slots_ = glm::ivec3(glm::u64vec3(row, rows, layers));
   atlas_ = make_texture(GL_R32F, kBrickSide * slots_);
-  return gl.check(fmt::format("taking {} for {}", format_byte_size(bytes), what));
+  return gl.check(fmt::format("allocating {} for {}", format_byte_size(bytes), what));
 }
 
 Result<GpuVolume> GpuVolume::upload(const gl::GlContext& gl, const Volume& volume, const RenderOptions& options,
@@ -162,12 +163,12 @@ Result<GpuVolume> GpuVolume::upload(const gl::GlContext& gl, const Volume& volum
                     source, std::int64_t{most} * VolumeNodes::kCells, extent.x, extent.y, extent.z),
         {Remedy::use, Setting::cpu_backend});
   }
-  TRY(memory.take(nodes.nodes().size() * sizeof(std::int32_t), source + ": places of bricks"));
+  TRY(memory.take(nodes.nodes().size() * sizeof(std::int32_t), source + ": brick indices"));
   made.nodes_ = make_texture(GL_R32I, dims);
   glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, dims.x, dims.y, dims.z, GL_RED_INTEGER, GL_INT, nodes.nodes().data());
 
-  auto bricks = TRY(
-      GpuArray::make(gl, GL_R32I, nodes.bricks().size(), sizeof(std::int32_t), source + ": places of bricks", memory));
+  auto bricks =
+      TRY(GpuArray::make(gl, GL_R32I, nodes.bricks().size(), sizeof(std::int32_t), source + ": brick indices", memory));
   made.bricks_ = std::move(bricks);
   made.bricks_.write(0, nodes.bricks().size(), nodes.bricks().data());
 

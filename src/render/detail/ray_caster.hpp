@@ -93,7 +93,7 @@ class Ray {
 template <class T>
 class RayCaster {
  public:
-  // If volume.samples is null, draws surfaces only.
+  // Draws surfaces only if volume.samples is null.
   RayCaster(const VolumeView& volume, const SurfaceView& surfaces, const Scene& scene, const Camera& camera,
             const RenderOptions& options)
       : volume_(volume),
@@ -178,7 +178,7 @@ class RayCaster {
 
   // The progress of a ray.
   struct Way {
-    std::span<const Fragment> fragments;  // that remain
+    std::span<const Fragment> fragments;  // fragments that the ray has not passed yet
     std::int64_t passed;                  // slabs passed; all of them unless the ray ended early
     std::int64_t samples = 0;             // samples taken
 
@@ -245,7 +245,7 @@ class RayCaster {
     if (!ray.ended()) ray.pass(entry, 1 - std::exp(-per_depth * (last - from)), first, last);
   }
 
-  // Returns the cell of the slab's sample. A position on the upper border belongs to the last cell.
+  // Returns the cell of the slab's sample. A position on the upper face of the box belongs to the last cell.
   [[nodiscard]] static glm::ivec3 cell_at(const SlabRay& way, std::int64_t k) {
     const double first = way.enter + double(k) * way.step;
     const double last = double(k + 1) < way.slabs ? way.enter + double(k + 1) * way.step : way.leave;
@@ -284,8 +284,8 @@ class RayCaster {
     double leave = std::numeric_limits<double>::infinity();
     for (int axis = 0; axis < 3; ++axis) {
       if (along[axis] == 0) continue;
-      const int border = VolumeBricks::kCells * (brick[axis] + (along[axis] > 0 ? 1 : 0));
-      leave = std::min(leave, (border - volume_.eye[axis]) / along[axis]);
+      const int face = VolumeBricks::kCells * (brick[axis] + (along[axis] > 0 ? 1 : 0));
+      leave = std::min(leave, (face - volume_.eye[axis]) / along[axis]);
     }
     constexpr double kRounding = 1e-9;
     const double number = (leave - enter) / step;

@@ -60,7 +60,7 @@ struct CornerSamples {
   alignas(64) std::array<std::array<Raw, SlabBatch::kSlabs>, 8> at{};
 };
 
-// Compute the fields of the first batch.size slabs.
+// Computes the fields of the first batch.size slabs that SlabBatch marks as set by the function.
 void place(const SlabRay& ray, SlabBatch& batch);
 
 void shade(const SlabRay& ray, const PositionScale& scale, const TransferFunction& transfer,

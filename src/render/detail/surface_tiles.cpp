@@ -23,14 +23,14 @@ class EdgePlane {
  public:
   EdgePlane(const glm::dvec3& from, const glm::dvec3& to, double facing)
       : normal_(facing * glm::cross(from, to)),
-        owns_border_(normal_.x > 0 || (normal_.x == 0 && (normal_.y > 0 || (normal_.y == 0 && normal_.z > 0)))) {}
+        owns_edge_(normal_.x > 0 || (normal_.x == 0 && (normal_.y > 0 || (normal_.y == 0 && normal_.z > 0)))) {}
 
   [[nodiscard]] double side(const glm::dvec3& direction) const { return glm::dot(normal_, direction); }
-  [[nodiscard]] bool has(double side) const { return side > 0 || (side == 0 && owns_border_); }
+  [[nodiscard]] bool has(double side) const { return side > 0 || (side == 0 && owns_edge_); }
 
  private:
   glm::dvec3 normal_;
-  bool owns_border_;
+  bool owns_edge_;
 };
 
 }  // namespace
@@ -44,7 +44,7 @@ void TileFragments::clear() {
 Result<void> TileFragments::add(const Fragment& fragment) {
   if (fragments_.size() == fragments_.capacity()) {
     const std::size_t wanted = std::max(2 * fragments_.capacity(), 2 * kPixels);
-    auto memory = TRY(context_.reserve(wanted * sizeof(Fragment), "surfaces behind each other in a picture"));
+    auto memory = TRY(context_.reserve(wanted * sizeof(Fragment), "the surface layers of a picture"));
     fragments_.reserve(wanted);
     memory_ = std::move(memory);
   }
@@ -96,7 +96,7 @@ Result<SurfaceTiles> SurfaceTiles::sort(const SurfaceView& view, const Camera& c
     const PixelBox pixels = tiles.pixels_of(view.corners(triangle), whole);
     if (!pixels.empty()) tiles.grid_.each_in(pixels, f);
   };
-  const auto things = reduce_ranges(
+  const auto entries = reduce_ranges(
       count, 4096, std::uint64_t{0},
       [&](std::size_t begin, std::size_t end, std::uint64_t sum) {
         for (std::uint64_t t = begin; t != end; ++t) each_tile(t, [&](std::size_t) { ++sum; });
@@ -104,7 +104,7 @@ Result<SurfaceTiles> SurfaceTiles::sort(const SurfaceView& view, const Camera& c
       },
       std::plus<>{});
   using Triangles = mesh::Buckets<std::uint32_t>;
-  tiles.memory_ = TRY(context.reserve(Triangles::bytes(things, tiles.grid_.count()), "triangles of a picture"));
+  tiles.memory_ = TRY(context.reserve(Triangles::bytes(entries, tiles.grid_.count()), "the triangles of a picture"));
   tiles.triangles_.emplace(count, tiles.grid_.count(), [&](std::size_t triangle, const auto& put) {
     each_tile(triangle, [&](std::size_t tile) { put(tile, static_cast<std::uint32_t>(triangle)); });
   });

@@ -23,7 +23,7 @@ struct Shade {
   glm::vec3 normal;  // in the world, towards the eye
 };
 
-// Returns the linear color and alpha of a vertex, converted as Surface::vertex_colours says.
+// Returns the linear color and alpha of a vertex, converted as Surface::vertex_colors says.
 [[nodiscard]] glm::dvec4 vertex_color(const mesh::Attribute& attribute, std::size_t vertex);
 
 class SurfaceView {
@@ -47,8 +47,8 @@ class SurfaceView {
   // Returns the unit vector to a light, in view space.
   [[nodiscard]] const glm::dvec3& towards(std::size_t light) const { return towards_[light]; }
 
-  // The direction through the picture's upper left corner (x and y at z = -1), and its change per pixel to the right
-  // and downwards.
+  // Returns the direction through the picture's upper left corner (x and y at z = -1); per_pixel() is its change per
+  // pixel to the right and downwards.
   [[nodiscard]] glm::dvec2 to_corner() const { return {to_left_, to_top_}; }
   [[nodiscard]] const glm::dvec2& per_pixel() const { return per_pixel_; }
   // Returns the same as direction_through().

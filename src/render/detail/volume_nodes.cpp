@@ -33,7 +33,7 @@ class VolumeNodes::Lister {
     const std::uint64_t nodes = dims.x * dims.y > std::numeric_limits<std::int32_t>::max()
                                     ? std::numeric_limits<std::uint64_t>::max() / 64
                                     : dims.x * dims.y * dims.z;
-    TRY(take(nodes * sizeof(std::int32_t), "places of bricks"));
+    TRY(take(nodes * sizeof(std::int32_t), "brick indices"));
     list_.nodes_.assign(nodes, kUnseen);
     find_nodes();
     std::int32_t count = 0;
@@ -45,10 +45,12 @@ class VolumeNodes::Lister {
     }
     const std::uint64_t bricks = std::max(count, 1) * std::uint64_t{kBricks};
     if (bricks > std::numeric_limits<std::int32_t>::max()) {
-      return fail(ErrorCode::unavailable, fmt::format("{}: its bricks are too many for a GPU", source_),
+      return fail(ErrorCode::unavailable,
+                  fmt::format("{}: expected at most {} bricks for a GPU, found {}", source_,
+                              std::numeric_limits<std::int32_t>::max(), bricks),
                   {Remedy::use, Setting::cpu_backend});
     }
-    TRY(take(bricks * sizeof(std::int32_t), "places of bricks"));
+    TRY(take(bricks * sizeof(std::int32_t), "brick indices"));
     list_.bricks_.assign(bricks, kUnseen);
     find_bricks();
     TRY(context_.check());

@@ -30,11 +30,11 @@ class VolumeNodes {
 
   [[nodiscard]] const glm::ivec3& first() const { return first_; }  // in nodes
   [[nodiscard]] const glm::ivec3& dims() const { return dims_; }
-  // Per node, x fastest: its number in bricks(), kUnseen, or ~(slot + 1) if the whole node uses one slot.
+  // Returns, per node, x fastest: its number in bricks(), kUnseen, or ~(slot + 1) if the whole node uses one slot.
   [[nodiscard]] const std::vector<std::int32_t>& nodes() const { return nodes_; }
-  // Per brick of each listed node, z fastest: its slot, or kUnseen.
+  // Returns, per brick of each listed node, z fastest: its slot, or kUnseen.
   [[nodiscard]] const std::vector<std::int32_t>& bricks() const { return bricks_; }
-  // Per slot: the first sample of a brick with the slot's values.
+  // Returns, per slot: the first sample of a brick with the slot's values.
   [[nodiscard]] const std::vector<glm::ivec3>& slots() const { return slots_; }
 
  private:

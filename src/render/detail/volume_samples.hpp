@@ -22,8 +22,8 @@ class VolumeSamples {
     VolumeSamples opened(volume);
     if (const auto* sparse = std::get_if<field::SparseSamples>(&volume.field->samples)) {
       const auto nodes = field::SparseLookup::node_origins(*sparse);
-      opened.memory_ = TRY(context.reserve(nodes.size() * sizeof(field::SparseLookup::Node),
-                                           volume.field->source + ": places of blocks"));
+      opened.memory_ = TRY(
+          context.reserve(nodes.size() * sizeof(field::SparseLookup::Node), volume.field->source + ": block indices"));
       opened.lookup_.emplace(*sparse, nodes);
     }
     return opened;

@@ -29,13 +29,20 @@ constexpr std::uint32_t kArchitecture = 0;
 constexpr std::uint32_t kRefuse = SECCOMP_RET_ERRNO | EPERM;
 constexpr std::uint32_t kUnknown = SECCOMP_RET_ERRNO | ENOSYS;  // ENOSYS makes the C library use an older call
 
+constexpr std::uint32_t kSetOwnerEx = 15;  // F_SETOWN_EX
+// Numbers that all architectures share.
+constexpr int kFchmodat2 = 452;
+constexpr int kSetxattrat = 463;
+constexpr int kRemovexattrat = 466;
+
 constexpr std::array kForbidden {
   // sockets, and calls that could circumvent the other rules
   __NR_socket, __NR_connect, __NR_bind, __NR_listen, __NR_accept, __NR_accept4, __NR_io_uring_setup, __NR_bpf,
       __NR_perf_event_open, __NR_userfaultfd, __NR_unshare, __NR_setns, __NR_keyctl, __NR_add_key, __NR_request_key,
       // programs and other processes
       __NR_execve, __NR_execveat, __NR_ptrace, __NR_process_vm_readv, __NR_process_vm_writev, __NR_pidfd_open,
-      __NR_pidfd_getfd, __NR_pidfd_send_signal, __NR_setrlimit, __NR_kcmp, __NR_tkill,
+      __NR_pidfd_getfd, __NR_pidfd_send_signal, __NR_setrlimit, __NR_kcmp, __NR_tkill, __NR_rt_sigqueueinfo,
+      __NR_rt_tgsigqueueinfo,
       // the file system
       __NR_openat2, __NR_open_by_handle_at, __NR_unlinkat, __NR_renameat2, __NR_renameat, __NR_linkat, __NR_symlinkat,
       __NR_mkdirat, __NR_mknodat, __NR_fchmod, __NR_fchmodat, __NR_fchown, __NR_fchownat, __NR_truncate, __NR_ftruncate,
@@ -45,6 +52,8 @@ constexpr std::array kForbidden {
       __NR_creat, __NR_unlink, __NR_rename, __NR_link, __NR_symlink, __NR_mkdir, __NR_rmdir, __NR_mknod, __NR_chmod,
       __NR_chown, __NR_lchown, __NR_utime, __NR_utimes, __NR_futimesat, __NR_fork, __NR_vfork,
 #endif
+      // calls that the headers of older systems do not name
+      kFchmodat2, kSetxattrat, kRemovexattrat,
 };
 
 sock_filter load(std::size_t offset) { return BPF_STMT(BPF_LD | BPF_W | BPF_ABS, static_cast<std::uint32_t>(offset)); }
@@ -84,6 +93,15 @@ class Filter {
     end(SECCOMP_RET_ALLOW);
   }
 
+  // Refuses a call if its argument is `value`.
+  void refuse_value(long call, std::size_t argument, std::uint32_t value) {
+    rules_.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 3));
+    rules_.push_back(load(lower_half(argument)));
+    rules_.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, value, 0, 1));
+    end(kRefuse);
+    rules_.push_back(load(kNumber));
+  }
+
   // Refuses a call unless its argument is `value`.
   void refuse_others(long call, std::size_t argument, std::uint32_t value) {
     rules_.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 4));
@@ -121,6 +139,9 @@ bool restrict_system_calls() {
 #endif
   filter.refuse_bits(__NR_prlimit64, 2, ~std::uint32_t{0});  // refuses new limits; the C library uses this call to read
                                                              // old ones
+  // A descriptor's owner gets SIGIO.
+  filter.refuse_value(__NR_fcntl, 1, F_SETOWN);
+  filter.refuse_value(__NR_fcntl, 1, kSetOwnerEx);
   // abort() sends a signal to its own process.
   filter.refuse_others(__NR_kill, 0, self);
   filter.refuse_others(__NR_tgkill, 0, self);

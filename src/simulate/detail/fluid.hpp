@@ -52,7 +52,7 @@ class Fluid {
   [[nodiscard]] Result<void> step(double duration, const Context& context);
 
   [[nodiscard]] std::size_t size() const { return size_; }
-  // The particles, in an order that changes with every step.
+  // Each returns a property of the particles, in an order that changes with every step.
   [[nodiscard]] std::span<const glm::dvec3> places() const { return places_.span().first(size_); }
   [[nodiscard]] std::span<const glm::dvec3> velocities() const { return velocities_.span().first(size_); }
   [[nodiscard]] std::span<const std::uint32_t> numbers() const { return numbers_.span().first(size_); }

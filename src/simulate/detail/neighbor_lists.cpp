@@ -10,7 +10,7 @@ namespace isoextract::simulate {
 namespace {
 
 constexpr std::size_t kBlockCells = 64;
-constexpr const char* kWhat = "neighbours of particles";
+constexpr const char* kWhat = "the neighbors of particles";
 
 }  // namespace
 

@@ -8,7 +8,7 @@
 
 namespace isoextract::simulate {
 
-// Values by cell: (x, y) is at x + pitch * y of each plane. A border of one cell surrounds the grid; there the terrain
+// Values by cell: (x, y) is at x + pitch * y of each plane. A rim of one cell surrounds the grid; there the terrain
 // is infinite, and water, energy and flows are 0.
 struct WaterPlanes {
   glm::ivec2 size{0};

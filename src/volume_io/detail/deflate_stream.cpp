@@ -15,15 +15,18 @@ DeflateStream::DeflateStream(const files::InputFile& file, std::uint64_t offset,
 
 Result<void> DeflateStream::check_end() const {
   if (input_.stream().avail_in > 0 || !input_.is_read()) {
-    return fail(ErrorCode::input, input_.file().name() + ": a packed member ends before its packed bytes do");
+    return fail(
+        ErrorCode::input,
+        input_.file().name() +
+            ": the compressed data of an array ends before its compressed size, which the ZIP directory states");
   }
   if (inflated_ != member_.inflated) {
-    return fail(ErrorCode::input, fmt::format("{}: a packed member holds {} bytes, its directory says {}",
+    return fail(ErrorCode::input, fmt::format("{}: an array decompresses to {} bytes; the ZIP directory states {}",
                                               input_.file().name(), inflated_, member_.inflated));
   }
   if (crc_ != member_.crc) {
     return fail(ErrorCode::input,
-                fmt::format("{}: a packed member is damaged: its checksum is {:08x}, its directory says {:08x}",
+                fmt::format("{}: an array is damaged: its checksum is {:08x}; the ZIP directory states {:08x}",
                             input_.file().name(), crc_, member_.crc));
   }
   return {};
@@ -41,8 +44,8 @@ Result<std::size_t> DeflateStream::inflate(std::span<std::byte> out) {
     if (code == Z_MEM_ERROR) throw std::bad_alloc();
     ended_ = code == Z_STREAM_END;
     if (!ended_ && (code != Z_OK || (stream.avail_in == 0 && input_.is_read() && stream.avail_out > 0))) {
-      return fail(ErrorCode::input, fmt::format("{}: a packed member is damaged or cut off: {}", input_.file().name(),
-                                                stream.msg != nullptr ? stream.msg : "its packed bytes end"));
+      return fail(ErrorCode::input, fmt::format("{}: an array is damaged or cut off: {}", input_.file().name(),
+                                                stream.msg != nullptr ? stream.msg : "its compressed bytes end"));
     }
   }
   const std::size_t got = out.size() - stream.avail_out;

@@ -56,17 +56,17 @@ Result<void> widen(const files::InputFile& file, const glm::ivec3& dims, std::sp
   const auto ny = static_cast<std::size_t>(dims.y);
   return fail(
       ErrorCode::input,
-      fmt::format("{}: expected integers that are exact as doubles, as those up to 2^53 are, found {} at sample "
+      fmt::format("{}: expected integers that a double represents exactly, such as all up to 2^53, found {} at sample "
                   "({}, {}, {})",
                   file.name(), value, bad % nx, bad / nx % ny, bad / nx / ny),
-      "subtract what they have in common first, or divide them; renumber them where they are ids of labels");
+      "subtract a common offset from the values, or divide them; renumber the ids of a label map");
 }
 
 // Maps the samples if possible. A mapping needs no memory of its own: the system keeps the pages in use and drops
 // others when memory is short.
 Result<field::DenseSamples> load_samples(const files::InputFile& file, const DenseFile& dense,
                                          const SampleSource& source, bool last, std::optional<double> no_data,
-                                         std::vector<std::string>& notes) {
+                                         Notes& notes) {
   const Context& context = file.context();
   if (!dense.x_slowest && dense.wide == Integer64::none) {
     if (auto mapped = map_samples(source, context)) {
@@ -81,7 +81,7 @@ Result<field::DenseSamples> load_samples(const files::InputFile& file, const Den
   auto read =
       TRY(dense.x_slowest ? read_samples_transposed(source, dense.dims, context) : read_samples(source, context));
   if (read.has_trailing_data && last && source.pieces.back().gzip)
-    notes.emplace_back("bytes after the samples were not read");
+    notes.push_back({NoteId::extra_bytes, "the reader skips the bytes after the samples"});
   memory.shrink(source.bytes);
   if (dense.wide != Integer64::none) {
     TRY(dense.wide == Integer64::i64 ? widen<std::int64_t>(file, dense.dims, read.data.span(), no_data)
@@ -140,7 +140,7 @@ Result<field::DenseSamples> read_lengths(const files::InputFile& file, const Den
       add_to_lengths<Length>(static_cast<const T*>(component->data), c == 0, dense.scale, lengths->values.span());
     });
     if (component->lost()) {
-      return fail(ErrorCode::input, file.name() + ": became shorter, or could not be read further, while it was read");
+      return fail(ErrorCode::input, file.name() + ": the file became shorter, or reading it failed, during the run");
     }
   }
   result.data = lengths->values.data();
@@ -170,10 +170,10 @@ Result<field::ScalarField> read_dense(const files::InputFile& file, DenseFile de
   const auto extra = TRY(check_source(source, what, file.context()));
   if (extra > 0) {
     if (dense.size_is_exact) {
-      return fail(ErrorCode::input, fmt::format("{}: expected {} bytes ({}), found {} more after them", file.name(),
-                                                source.bytes, what, extra));
+      return fail(ErrorCode::input, fmt::format("{}: expected {} bytes ({}), found {} more bytes after them",
+                                                file.name(), source.bytes, what, extra));
     }
-    dense.notes.push_back(fmt::format("{} bytes after the samples were not read", extra));
+    dense.notes.push_back({NoteId::extra_bytes, fmt::format("the reader skips {} bytes after the samples", extra)});
   }
   const auto load = [&](std::uint64_t component) -> Result<field::DenseSamples> {
     const auto one = TRY(part_of(source, dense, volume, component));

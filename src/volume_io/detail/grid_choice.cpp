@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "base/nearest_name.hpp"
 #include "base/printable.hpp"
 
 namespace isoextract::volume_io {
@@ -22,7 +23,7 @@ std::string describe_grid(const GridInfo& grid) {
                                            box.min.y, box.min.z, box.max.x, box.max.y, box.max.z);
   }
   if (grid.kind) text += *grid.kind == field::FieldKind::level_set ? ", level set" : ", density";
-  if (!grid.placement_problem.empty()) text += "; its place cannot be used: " + grid.placement_problem;
+  if (!grid.placement_problem.empty()) text += "; its placement is not usable: " + grid.placement_problem;
   return text;
 }
 
@@ -88,12 +89,17 @@ Result<std::size_t> choose_grid(const std::string& file, std::span<const GridInf
   if (!wanted) {
     if (found.size() == 1) return found.front();
     const auto message = found.empty() ? fmt::format("{}: expected a grid of float, double or int32, found none", file)
-                                       : fmt::format("{}: {} of its grids are scalar", file, found.size());
-    return fail(ErrorCode::input, message, found.empty() ? Hint("its grids are\n" + grid_table(grids)) : listed());
+                                       : fmt::format("{}: expected one scalar grid, found {}", file, found.size());
+    return fail(ErrorCode::input, message,
+                found.empty() ? Hint("the grids of the file are\n" + grid_table(grids)) : listed());
   }
   if (found.empty()) {
-    return fail(ErrorCode::input, fmt::format("{}: there is no grid '{}'", file, printable(*wanted, kMaxLabel)),
-                listed());
+    std::vector<std::string> names;
+    for (const GridInfo& grid : grids) names.push_back(grid.name);
+    return fail(
+        ErrorCode::input,
+        fmt::format("{}: there is no grid '{}'{}", file, printable(*wanted, kMaxLabel), did_you_mean(*wanted, names)),
+        listed());
   }
   if (found.size() > 1) {
     return fail(ErrorCode::input,
@@ -102,7 +108,7 @@ Result<std::size_t> choose_grid(const std::string& file, std::span<const GridInf
   }
   if (!grids[found.front()].scalar) {
     return fail(ErrorCode::input,
-                fmt::format("{}: expected a grid of float, double or int32, '{}' holds {}", file,
+                fmt::format("{}: expected a grid of float, double or int32, but '{}' has values of type {}", file,
                             grids[found.front()].label, grids[found.front()].type),
                 listed());
   }
@@ -119,11 +125,10 @@ Result<std::uint64_t> choose_volume(const std::string& file, std::uint64_t count
     return fail(ErrorCode::input, fmt::format("{}: there are {} volumes in the file", file, count), hint);
   }
   if (std::cmp_less(*wanted, 0) || std::cmp_greater_equal(*wanted, count)) {
-    return fail(
-        ErrorCode::input,
-        fmt::format("{}: there is no volume {}; expected {}", file, *wanted,
-                    count == 1 ? std::string("0, the only one") : fmt::format("one of {}, counted from 0", count)),
-        hint);
+    return fail(ErrorCode::input,
+                fmt::format("{}: there is no volume {}; expected {}", file, *wanted,
+                            count == 1 ? std::string("0, the only one") : fmt::format("0 to {}", count - 1)),
+                hint);
   }
   return static_cast<std::uint64_t>(*wanted);
 }
@@ -133,7 +138,7 @@ Result<std::optional<std::uint64_t>> choose_component(const std::string& file, s
                                                       const std::string& names) {
   const Hint choice{{Remedy::choose, Setting::component,
                      fmt::format("from 0 to {}{}{}", count - 1, names.empty() ? "" : ": ", names)},
-                    {Remedy::set, Setting::component, "length to take the length of all"}};
+                    {Remedy::set, Setting::component, "length to take the length of the vector"}};
   if (!wanted) {
     if (count == 1) return 0;
     return fail(ErrorCode::input, fmt::format("{}: expected one number a sample, found {} components", file, count),
@@ -141,15 +146,14 @@ Result<std::optional<std::uint64_t>> choose_component(const std::string& file, s
   }
   if (count == 1) {
     if (wanted->number == 0) return 0;
-    return fail(ErrorCode::input, fmt::format("{}: expected several numbers a sample, found one", file),
+    return fail(ErrorCode::input, fmt::format("{}: expected several components per sample, found one", file),
                 {Remedy::leave_out, Setting::component});
   }
   if (!wanted->number) return std::nullopt;
   if (std::cmp_less(*wanted->number, 0) || std::cmp_greater_equal(*wanted->number, count)) {
-    return fail(
-        ErrorCode::input,
-        fmt::format("{}: there is no component {}; expected one of {}, counted from 0", file, *wanted->number, count),
-        choice);
+    return fail(ErrorCode::input,
+                fmt::format("{}: there is no component {}; expected 0 to {}", file, *wanted->number, count - 1),
+                choice);
   }
   return static_cast<std::uint64_t>(*wanted->number);
 }

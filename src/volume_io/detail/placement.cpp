@@ -11,22 +11,25 @@ std::string dims_text(const glm::ivec3& dims) { return fmt::format("{} x {} x {}
 Result<field::Affine> placement_by_reference(field::ScalarField& field, const ReferenceVolume& other) {
   const std::string states_none = field.source + " states no spacing and no origin";
   if (other.spacing) {
-    if (!other.origin) field.notes.push_back(states_none + ": its first sample was taken to be at 0,0,0");
+    if (!other.origin)
+      field.notes.push_back(
+          {NoteId::placement_assumed, states_none + ": the program places its first sample at 0,0,0"});
     return field::Affine{field::scaling(*other.spacing).linear, other.origin.value_or(glm::dvec3(0))};
   }
   const glm::ivec3 dims = field.extents().max + 1;
   if (dims != other.dims) {
     const std::string expected = other.dims == glm::ivec3(0)
-                                     ? other.source + " is sparse, so that no shape says that it lies on its grid"
-                                     : fmt::format("expected the {} samples of {}, on whose grid it would lie",
+                                     ? other.source + " is sparse and has no dimensions to compare"
+                                     : fmt::format("expected {} samples as in {}, whose grid would place it",
                                                    dims_text(other.dims), other.source);
     return fail(ErrorCode::input, fmt::format("{}: {}, found {}", states_none, expected, dims_text(dims)),
-                "state a placement behind its name: NAME=FILE:spacing=SX,SY,SZ:origin=X,Y,Z");
+                "add its placement to the name: NAME=FILE:spacing=SX,SY,SZ:origin=X,Y,Z");
   }
   if (other.source != field.source) {
-    field.notes.push_back(fmt::format("{}: it was taken to lie on the grid of {}, whose {} samples it has{}",
-                                      states_none, other.source, dims_text(dims),
-                                      other.origin ? ", but for its origin" : ""));
+    field.notes.push_back(
+        {NoteId::placement_assumed,
+         fmt::format("{}: the program places it on the grid of {}, which has {} samples too{}", states_none,
+                     other.source, dims_text(dims), other.origin ? ", but at the given origin" : "")});
   }
   return field::Affine{other.index_to_world.linear, other.origin.value_or(other.index_to_world.offset)};
 }
@@ -39,10 +42,12 @@ Result<field::Affine> placement_of_file(field::ScalarField& field, const Frame& 
     const glm::dmat3 diagonal = field::scaling({affine.linear[0][0], affine.linear[1][1], affine.linear[2][2]}).linear;
     const bool mirrored = affine.linear[0][0] < 0 || affine.linear[1][1] < 0 || affine.linear[2][2] < 0;
     if (!frame.problem.empty()) {
-      field.notes.push_back(fmt::format("the given spacing replaces the frame of the file ({})", frame.problem));
+      field.notes.push_back({NoteId::placement_replaced,
+                             fmt::format("the given spacing replaces the placement in the file ({})", frame.problem)});
       affine = {};
     } else if (affine.linear != diagonal || mirrored) {
-      field.notes.emplace_back("the given spacing replaces the rotated, sheared or mirrored axes of the file");
+      field.notes.push_back(
+          {NoteId::placement_replaced, "the given spacing replaces the rotated, sheared or mirrored axes of the file"});
     }
     affine.linear = field::scaling(*options.spacing).linear;
   } else if (!frame.problem.empty()) {
@@ -61,7 +66,8 @@ Result<void> set_placement(field::ScalarField& field, const Frame& frame, const 
   auto placed = TRY(beside ? placement_by_reference(field, *options.beside) : placement_of_file(field, frame, options));
   const field::Affine& affine = placed;
   if (!affine.is_invertible()) {
-    return fail(ErrorCode::input, field.source + ": the axes of the volume are flat or not finite in the world",
+    return fail(ErrorCode::input,
+                field.source + ": the axes of the volume are linearly dependent or not finite in the world",
                 {Remedy::give, Setting::spacing_and_origin});
   }
   field.index_to_world = affine;

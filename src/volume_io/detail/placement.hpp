@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/note.hpp"
 #include "field/scalar_field.hpp"
 #include "volume_io/volume_format.hpp"
 
@@ -13,9 +14,9 @@ namespace isoextract::volume_io {
 // Placement as stated in a file. An invalid one is only an error if the options do not replace it.
 struct Frame {
   field::Affine index_to_world;
-  std::string problem;                    // "axis 2 has no direction"; empty if valid
-  bool stated = true;                     // false: the file has no spacing and origin, and this is the format's default
-  std::vector<std::string> assumed = {};  // parts that the file does not state; reported if they matter
+  std::string problem;  // "axis 2 has no direction"; empty if valid
+  bool stated = true;   // false: the file has no spacing and origin, and this is the format's default
+  Notes assumed = {};   // parts that the file does not state; reported if they matter
 };
 
 // Sets the field's index_to_world from its file and the options' spacing, origin and beside; requires the field's

@@ -72,7 +72,7 @@ class PluginFormat final : public VolumeFormat {
                                                                  const Context& context) const {
     if (files::is_standard_input(input)) {
       return fail(ErrorCode::input,
-                  fmt::format("{}: plug-ins, such as the one for {}, read files by their paths",
+                  fmt::format("{}: the plug-in for {} cannot read it, because it needs the path of a file",
                               files::kStandardInputName, about().id),
                   "write the data to a file first");
     }
@@ -80,14 +80,14 @@ class PluginFormat final : public VolumeFormat {
     auto visit = plugin_host::open_volume_session(library_, about().id, file);
     if (!visit) return visit;
     if ((*visit)->list().grids == nullptr && (*visit)->list().count > 0) {
-      return refused(input, "a list of grids that is not there");
+      return refused(input, "a null list of grids");
     }
     return visit;
   }
 
   // Returns the error for invalid output of the plug-in; the file is not at fault.
   tl::unexpected<Error> refused(const std::string& input, const std::string& what) const {
-    return fail(ErrorCode::input, fmt::format("{}: the plug-in for {} gives {}", input, about().id, what));
+    return fail(ErrorCode::input, fmt::format("{}: the plug-in for {} returns {}", input, about().id, what));
   }
 
   Result<std::vector<GridInfo>> describe(const std::string& input, const isoextract_volume_list& list) const {
@@ -134,9 +134,10 @@ class PluginFormat final : public VolumeFormat {
     owner->visited = std::move(visited);
     const isoextract_volume_samples& samples = *owner->visited.samples;
     if (const std::string note = printable(plugin_host::plugin_text(samples.note), 300); !note.empty())
-      field.notes.push_back(note);
+      field.notes.push_back({NoteId::plugin_output, note});
     if (const std::string printed = visit.printed(); !printed.empty()) {
-      field.notes.push_back(fmt::format("the plug-in for {} printed: {}", about().id, printed));
+      field.notes.push_back(
+          {NoteId::plugin_output, fmt::format("the plug-in for {} printed: {}", about().id, printed)});
     }
     return grid.is_sparse != 0 ? put_sparse(input, grid, owner, field) : put_box(input, std::move(dense), owner, field);
   }
@@ -145,7 +146,8 @@ class PluginFormat final : public VolumeFormat {
                           const std::shared_ptr<PluginSamples>& owner, field::ScalarField& field) const {
     const isoextract_sparse_samples* given = owner->visited.samples->sparse;
     if (given == nullptr) return refused(input, "no samples, expected sparse ones");
-    if (given->sample_type != grid.sample_type) return refused(input, "samples of another type than it has told");
+    if (given->sample_type != grid.sample_type)
+      return refused(input, "samples of another type than in its list of grids");
     auto sparse = plugin_host::sparse_samples_of(*given, owner);
     if (!sparse) return refused(input, sparse.error());
     field.samples = std::move(*sparse);

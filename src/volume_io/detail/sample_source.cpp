@@ -225,7 +225,7 @@ Result<SampleSource> part_of(const SampleSource& all, const Share& lane, const S
   SampleSource one = all;
   one.bytes = all.bytes / run.count / lane.count;
   if (lane.count > kChunk / all.sample_size) {
-    return fail(ErrorCode::input, fmt::format("{}: expected at most {} volumes with their samples side by side, found "
+    return fail(ErrorCode::input, fmt::format("{}: expected at most {} interleaved volumes or components, found "
                                               "{}",
                                               name, kChunk / all.sample_size, lane.count));
   }
@@ -240,7 +240,8 @@ Result<SampleSource> part_of(const SampleSource& all, const Share& lane, const S
   }
   if (run.count % pieces != 0) {
     return fail(ErrorCode::input,
-                fmt::format("{}: {} volumes in {} data files of the same size", name, run.count, pieces));
+                fmt::format("{}: expected equally many volumes in each data file, found {} volumes in {} files", name,
+                            run.count, pieces));
   }
   const std::uint64_t in_piece = run.count / pieces;
   SamplePiece piece = all.pieces[static_cast<std::size_t>(run.index / in_piece)];

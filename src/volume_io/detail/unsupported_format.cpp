@@ -36,7 +36,7 @@ const std::vector<UnsupportedFormatEntry>& known_unread() {
        {".inr", ".inr.gz"},
        {{0, "#INRIMAGE"}},
        "its samples follow a header of a multiple of "
-       "256 bytes, and can be read as a raw file"},
+       "256 bytes: read it as a raw file"},
       {"an MRC map",
        {".mrc", ".map", ".ccp4", ".rec", ".st"},
        {{208, "MAP "}},
@@ -83,7 +83,7 @@ bool begins_with(std::span<const std::byte> start, const Magic& magic) {
 // Arrays have no placement in the world, which most of these files have.
 std::string way_of(const UnsupportedFormatEntry& format) {
   std::string way(format.way);
-  if (way.find("NPY") != std::string::npos) way += ", whose spacing and origin are to be given then";
+  if (way.find("NPY") != std::string::npos) way += "; then give its spacing and origin";
   return way;
 }
 

@@ -44,14 +44,14 @@ std::optional<Error> error_of_unread(const files::InputFile& file, std::span<con
   const auto known = find_unsupported_format(file.path(), content);
   if (!known) return std::nullopt;
   return Error{ErrorCode::input,
-               fmt::format("{}: it is {} by its {}, which isoextract does not read", file.name(), known->title,
-                           known->by_name ? "name" : "content"),
+               fmt::format("{}: its {} says that it is {}, which isoextract does not read", file.name(),
+                           known->by_name ? "name" : "content", known->title),
                Hint(known->way)};
 }
 
 tl::unexpected<Error> fail_unknown(const files::InputFile& file, std::span<const std::byte> content) {
   if (auto known = error_of_unread(file, content)) return tl::unexpected(std::move(*known));
-  std::string hint = "it reads";
+  std::string hint = "isoextract reads";
   for (const VolumeFormat* format : volume_formats()) {
     const FormatDescription& about = format->about();
     if (about.extensions.empty()) continue;

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nifti2_io.h>
 
+#include "base/ascii.hpp"
 #include "base/checked.hpp"
 #include "files/file_start.hpp"
 #include "volume_io/detail/dense_format.hpp"
@@ -110,7 +111,7 @@ std::optional<NiftiType> type_of_code(int datatype) {
 Result<glm::ivec3> read_dims(const std::string& file, const NiftiHeader& header, field::SampleType type) {
   const std::int64_t axes = header.dim[0];
   if (axes < 3 || axes > 7) {
-    return fail(ErrorCode::input, fmt::format("{}: expected 3 axes (dim[0]), found {}", file, axes));
+    return fail(ErrorCode::input, fmt::format("{}: expected 3 to 7 axes (dim[0]), found {}", file, axes));
   }
   std::array<std::uint64_t, 3> sizes{};
   for (std::size_t axis = 1; axis <= static_cast<std::size_t>(axes); ++axis) {
@@ -139,7 +140,7 @@ bool all_finite(const std::array<double, N>& values, std::size_t first = 0, std:
 }
 
 // Returns the placement by the standard's three methods: sform, qform, or spacings alone.
-Frame frame_of(const NiftiHeader& header, std::vector<std::string>& notes) {
+Frame frame_of(const NiftiHeader& header, Notes& notes) {
   Frame frame;
   field::Affine& affine = frame.index_to_world;
   if (header.sform_code > 0) {
@@ -162,7 +163,9 @@ Frame frame_of(const NiftiHeader& header, std::vector<std::string>& notes) {
   }
   if (header.qform_code <= 0) {
     affine = field::scaling({header.pixdim[1], header.pixdim[2], header.pixdim[3]});
-    notes.emplace_back("the header has no sform or qform: placed by its spacings alone, orientation unknown");
+    notes.push_back(
+        {NoteId::placement_assumed,
+         "the header has no sform or qform: its spacings alone place the volume, with unknown orientation"});
     return frame;
   }
   if (!all_finite(header.quaternion) || !all_finite(header.offset)) {
@@ -190,14 +193,14 @@ std::string length_unit_of(const NiftiHeader& header) {
   }
 }
 
-field::ValueScale scale_of(const NiftiHeader& header, std::vector<std::string>& notes) {
+field::ValueScale scale_of(const NiftiHeader& header, Notes& notes) {
   if (header.slope == 0) return {};
   if (!std::isfinite(header.slope)) {
-    notes.emplace_back("scl_slope is not a number: values are used as stored");
+    notes.push_back({NoteId::value_scale, "scl_slope is not a number: the reader takes the stored values"});
     return {};
   }
   if (!std::isfinite(header.intercept)) {
-    notes.emplace_back("scl_inter is not a number: taken as 0");
+    notes.push_back({NoteId::value_scale, "scl_inter is not a number: the reader takes 0"});
     return {header.slope, 0};
   }
   return {header.slope, header.intercept};
@@ -224,22 +227,34 @@ std::optional<std::filesystem::path> pair_stem(const std::filesystem::path& path
 Result<std::filesystem::path> find_partner(const files::InputFile& file, std::string_view extension) {
   if (files::is_standard_input(file.path())) {
     return fail(ErrorCode::input,
-                fmt::format("{}: one file of a NIfTI pair, whose other file can only be found beside it", file.name()),
-                "give its path, or join the two into one .nii");
+                fmt::format("{}: this is one file of a NIfTI pair; the other file needs to be in the same folder, "
+                            "which standard input does not have",
+                            file.name()),
+                "give the path of the file, or join the pair into one .nii file");
   }
   const auto stem = pair_stem(file.path());
   std::string tried;
   for (const std::string_view packed : {"", ".gz"}) {
     if (!stem) break;
-    const std::string partner = fmt::format("{}{}{}", stem->filename().string(), extension, packed);
-    std::error_code error;
-    if (std::filesystem::exists(file.path().parent_path() / partner, error)) {
-      return files::resolve_beside(file.path(), partner);
+    const std::string ending = fmt::format("{}{}", extension, packed);
+    for (const std::string& as_written : {ending, to_upper(ending)}) {
+      const std::string partner = stem->filename().string() + as_written;
+      std::error_code error;
+      if (std::filesystem::exists(file.path().parent_path() / partner, error)) {
+        return files::resolve_beside(file.path(), partner);
+      }
     }
-    tried += fmt::format("{}{}", tried.empty() ? "" : " or ", partner);
+    tried += fmt::format("{}{}{}", tried.empty() ? "" : " or ", stem->filename().string(), ending);
   }
-  return fail(ErrorCode::input, fmt::format("{}: one file of a NIfTI pair; expected {} beside it, found none",
-                                            file.name(), stem ? tried : "a name ending in .hdr or .img"));
+  if (!stem) {
+    return fail(
+        ErrorCode::input,
+        fmt::format("{}: this is one file of a NIfTI pair; expected a file name that ends in .hdr, .img, .hdr.gz "
+                    "or .img.gz",
+                    file.name()));
+  }
+  return fail(ErrorCode::input, fmt::format("{}: this is one file of a NIfTI pair, but there is no {} in its folder",
+                                            file.name(), tried));
 }
 
 // Returns the location of the samples.
@@ -278,10 +293,12 @@ Result<DenseFile> open_with_header(const files::InputFile& file, const NiftiHead
   const auto volumes = static_cast<std::uint64_t>(header.dim[0] >= 4 ? header.dim[4] : 1);
   const auto components = component_count(header);
   if (components != 1 && type->numbers > 1) {
-    return fail(ErrorCode::input,
-                fmt::format("{}: expected numbers along the axes after the fourth, found {} ({} numbers) there",
-                            file.name(), ::nifti_datatype_to_string(header.datatype), type->numbers),
-                "write the part to extract from into a file of its own");
+    return fail(
+        ErrorCode::input,
+        fmt::format("{}: expected samples of one number, because dim[5] and later axes already count components, "
+                    "found {} ({} numbers per sample)",
+                    file.name(), ::nifti_datatype_to_string(header.datatype), type->numbers),
+        "convert the samples to a scalar datatype, or keep only dim[1] to dim[4]");
   }
   const std::uint64_t parts =
       components ? checked_product(volumes, *components, type->numbers).value_or(~std::uint64_t{0}) : ~std::uint64_t{0};

@@ -62,13 +62,13 @@ struct NpyAxes {
 
 Hint read_as_vectors(const NpyHeader& header) {
   const std::uint64_t count = header.shape.back();
-  return {
-      Remedy::set, Setting::component,
-      fmt::format("0 to {} or length, if the last axis, of {}, counts the components of a vector", count - 1, count)};
+  return {Remedy::set, Setting::component,
+          fmt::format("0 to {}, or length, if the last axis (length {}) holds the components of a vector", count - 1,
+                      count)};
 }
 
 Result<NpyAxes> find_axes(const std::string& name, const NpyHeader& header, bool has_component, AxisOrder order,
-                          std::vector<std::string>& notes) {
+                          Notes& notes) {
   std::vector<std::uint64_t> shape = header.shape;
   const std::size_t wanted = has_component ? 4 : 3;  // one more with volumes
   while (shape.size() > wanted && shape.front() == 1) shape.erase(shape.begin());
@@ -79,12 +79,14 @@ Result<NpyAxes> find_axes(const std::string& name, const NpyHeader& header, bool
     return fail(ErrorCode::input,
                 fmt::format("{}: expected an array with {} axes [{}{}], or {} [t, {}{}], found shape ({})", name,
                             wanted, letters, c, wanted + 1, letters, c, fmt::join(header.shape, ", ")),
-                kept <= 2 ? Hint{"a height field is no volume", {Remedy::use, Setting::particle_method}}
+                kept <= 2
+                    ? Hint{"an array of fewer than three axes is not a volume", {Remedy::use, Setting::particle_method}}
                 : kept == 5 && !has_component ? read_as_vectors(header)
                                               : Hint("take a part with fewer axes in NumPy first, for example a[0]"));
   }
   if (header.shape.size() > kept) {
-    notes.push_back(fmt::format("{} leading axes of length 1 were dropped", header.shape.size() - kept));
+    notes.push_back({NoteId::axes_dropped,
+                     fmt::format("the reader drops {} leading axes of length 1", header.shape.size() - kept)});
   }
   NpyAxes axes;
   if (kept == wanted + 1) {

@@ -44,7 +44,7 @@ Result<NpzArray> read_array(const files::InputFile& file, const ZipMember& membe
     if (header) return NpzArray{std::move(piece), std::move(*header)};
     if (start.size() < count || count == kMaxNpyHeader) return tl::unexpected(std::move(header.error()));
   }
-  return fail(ErrorCode::input, member_name(file, member) + ": no header");
+  return fail(ErrorCode::input, member_name(file, member) + ": expected an NPY header, found none");
 }
 
 // Verifies the checksum of an uncompressed member; compressed ones are verified while they are decompressed.
@@ -60,7 +60,7 @@ Result<void> check_stored(const files::InputFile& file, const ZipMember& member,
     crc = ::crc32_z(crc, reinterpret_cast<const Bytef*>(part.data()), part.size());
   }
   if (crc == member.sizes.crc) return {};
-  return fail(ErrorCode::input, fmt::format("{} is damaged: its checksum is {:08x}, its directory says {:08x}",
+  return fail(ErrorCode::input, fmt::format("{} is damaged: its checksum is {:08x}; the ZIP directory states {:08x}",
                                             member_name(file, member), crc, member.sizes.crc));
 }
 

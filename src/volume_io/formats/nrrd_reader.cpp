@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 #include <mutex>
+#include <string>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -21,7 +22,7 @@ namespace isoextract::volume_io {
 namespace {
 
 constexpr std::string_view kNrrdMagic = "NRRD00";
-constexpr const char* kSpacingAssumed = "the header has no spacings or directions: 1 is assumed";
+constexpr const char* kSpacingAssumed = "the header has no spacings or directions: the reader assumes a spacing of 1";
 
 struct NrrdDeleter {
   void operator()(Nrrd* nrrd) const { ::nrrdNuke(nrrd); }
@@ -121,7 +122,7 @@ struct NrrdAxes {
 };
 
 // Finds the axes; ignores additional axes of length 1.
-Result<NrrdAxes> find_axes(const std::string& file, const ParsedNrrd& parsed, std::vector<std::string>& notes) {
+Result<NrrdAxes> find_axes(const std::string& file, const ParsedNrrd& parsed, Notes& notes) {
   const Nrrd& nrrd = *parsed.nrrd;
   const auto describe = [&](unsigned axis) {
     const int kind = nrrd.axis[axis].kind;
@@ -144,9 +145,9 @@ Result<NrrdAxes> find_axes(const std::string& file, const ParsedNrrd& parsed, st
         continue;
       }
       return fail(ErrorCode::input,
-                  fmt::format("{}: expected one axis of volumes and one of components at most; {} is one more", file,
+                  fmt::format("{}: expected at most one axis of volumes and one of components, found {} as well", file,
                               describe(axis)),
-                  fmt::format("pick one value first, for example with: unu slice -a {} -p 0", axis));
+                  fmt::format("select one value of that axis first, for example with: unu slice -a {} -p 0", axis));
     }
     (spatial ? kept : dropped).push_back(axis);
   }
@@ -159,13 +160,14 @@ Result<NrrdAxes> find_axes(const std::string& file, const ParsedNrrd& parsed, st
   if (kept.size() != 3) {
     return fail(ErrorCode::input, fmt::format("{}: expected 3 dimensions, found {}", file, kept.size()));
   }
-  for (const unsigned axis : dropped) notes.push_back(fmt::format("axis {} has length 1 and was dropped", axis));
+  for (const unsigned axis : dropped)
+    notes.push_back({NoteId::axes_dropped, fmt::format("the reader drops axis {}, which has length 1", axis)});
   for (const auto& [axis, what] : {std::pair(axes.series, "volumes"), std::pair(axes.components, "components")}) {
     if (!axis || *axis < kept.front() || *axis > kept.back()) continue;
     return fail(ErrorCode::input,
-                fmt::format("{}: expected the axis of the {} before or after those of space; {} is between them", file,
-                            what, describe(*axis)),
-                "put it first or last, for example with: unu permute");
+                fmt::format("{}: expected the axis of the {} before or after the axes of space, found {} between them",
+                            file, what, describe(*axis)),
+                "put that axis first or last, for example with: unu permute");
   }
   axes.space = {kept[0], kept[1], kept[2]};
   return axes;
@@ -187,7 +189,7 @@ Frame oriented_frame(const ParsedNrrd& parsed, const std::array<unsigned, 3>& ax
     } else if (!parsed.has(nrrdField_space_directions) && std::isfinite(spacing)) {
       frame.index_to_world.linear[i][i] = spacing;
     } else if (!parsed.has(nrrdField_space_directions) && !parsed.has(nrrdField_spacings)) {
-      if (i == 0) frame.assumed.emplace_back(kSpacingAssumed);
+      if (i == 0) frame.assumed.push_back({NoteId::placement_assumed, kSpacingAssumed});
     } else {
       frame.problem = fmt::format("axis {} has no direction in space", axis);
     }
@@ -195,7 +197,7 @@ Frame oriented_frame(const ParsedNrrd& parsed, const std::array<unsigned, 3>& ax
   if (std::isfinite(nrrd.spaceOrigin[0])) {
     frame.index_to_world.offset = {nrrd.spaceOrigin[0], nrrd.spaceOrigin[1], nrrd.spaceOrigin[2]};
   } else {
-    frame.assumed.emplace_back("the header has no space origin: 0,0,0 is assumed");
+    frame.assumed.push_back({NoteId::placement_assumed, "the header has no space origin: the reader assumes 0,0,0"});
     frame.stated = parsed.has(nrrdField_space_directions) || parsed.has(nrrdField_spacings);
   }
   return frame;
@@ -229,7 +231,7 @@ Frame axis_aligned_frame(const ParsedNrrd& parsed, const std::array<unsigned, 3>
     frame.index_to_world.offset[i] = axis.min + (node ? 0 : spacing / 2);
   }
   frame.stated = any_spacing || any_min;
-  if (!any_spacing) frame.assumed.emplace_back(kSpacingAssumed);
+  if (!any_spacing) frame.assumed.push_back({NoteId::placement_assumed, kSpacingAssumed});
   return frame;
 }
 
@@ -256,15 +258,25 @@ Result<void> check_file_count(const std::string& file, const Nrrd& nrrd, const N
     expected = checked_product(*expected, std::uint64_t{nrrd.axis[axis].size});
   }
   if (dimension >= 1 && dimension < nrrd.dim && expected == found) return {};
-  return fail(ErrorCode::input,
-              fmt::format("{}: expected as many data files as the slow axes have slices, found {}", file, found));
+  if (dimension < 1 || dimension > nrrd.dim) {
+    return fail(ErrorCode::input, fmt::format("{}: expected data files with 1 to {} dimensions, the header states {}",
+                                              file, nrrd.dim, dimension));
+  }
+  if (dimension == nrrd.dim) {
+    return fail(
+        ErrorCode::input,
+        fmt::format("{}: expected a number of data files that divides the {} slices of the slowest axis, found {}",
+                    file, slowest, found));
+  }
+  return fail(ErrorCode::input, fmt::format("{}: expected {} data files (one per slice of the slow axes), found {}",
+                                            file, expected ? std::to_string(*expected) : "more than 2^64", found));
 }
 
 // Returns the offset after `lines` line ends.
 Result<std::uint64_t> skip_lines(const files::InputFile& file, std::uint64_t offset, unsigned lines) {
   std::vector<char> block(std::size_t{64} << 10);
   while (lines > 0) {
-    if (offset >= file.size()) return fail(ErrorCode::input, file.name() + ": ends within the lines to skip");
+    if (offset >= file.size()) return fail(ErrorCode::input, file.name() + ": the file ends within the lines to skip");
     const auto part =
         std::span(block).first(static_cast<std::size_t>(std::min<std::uint64_t>(block.size(), file.size() - offset)));
     TRY(file.read_at(offset, std::as_writable_bytes(part)));
@@ -293,9 +305,14 @@ Result<SamplePiece> locate_piece(const std::filesystem::path& path, std::uint64_
   // -1: the samples are at the end of the file; -1 - n: n bytes follow them.
   const std::uint64_t behind = static_cast<std::uint64_t>(-(state.byteSkip + 1));
   const auto from_end = checked_sum(piece_bytes, behind);
-  if (piece.gzip || !from_end || *from_end > file.size()) {
-    return fail(ErrorCode::input, fmt::format("{}: 'byte skip' {} needs {} bytes of raw samples, found {} bytes",
-                                              file.name(), state.byteSkip, piece_bytes, file.size()));
+  if (piece.gzip) {
+    return fail(ErrorCode::input,
+                fmt::format("{}: expected encoding raw with 'byte skip' {}, found gzip", file.name(), state.byteSkip));
+  }
+  if (!from_end || *from_end > file.size()) {
+    return fail(ErrorCode::input,
+                fmt::format("{}: 'byte skip' {} needs a file of at least {} bytes, found {}", file.name(),
+                            state.byteSkip, from_end ? std::to_string(*from_end) : "2^64", file.size()));
   }
   piece.offset = file.size() - *from_end;
   return piece;

@@ -27,7 +27,7 @@ Hint fitting_layout(const files::InputFile& file, const RawLayout& layout, std::
   if (!types.empty()) return {Remedy::try_value, Setting::sample_type, types + " (the size would fit)"};
   if (file.size() > expected) {
     return {Remedy::try_value, Setting::skipped_bytes,
-            fmt::format("{} (if that many bytes of header come first)", file.size() - expected)};
+            fmt::format("{} (if the file begins with a header of that size)", file.size() - expected)};
   }
   if (layout.skip == 0) return {Remedy::check, Setting::raw_layout};
   return {{Remedy::check, Setting::raw_layout}, {Remedy::lower, Setting::skipped_bytes}};
@@ -50,10 +50,10 @@ Result<DenseFile> open_raw(const files::InputFile& file, const RawLayout& layout
   if (!total || *total > file.size() || found % expected != 0) {
     return fail(
         ErrorCode::input,
-        fmt::format("{}: expected {} bytes ({} after {} bytes to skip), or a multiple of the samples for several "
-                    "volumes, found {}",
-                    file.name(), total ? std::to_string(*total) : "more than 2^64", describe_samples(dims, layout.type),
-                    layout.skip, file.size()),
+        fmt::format("{}: expected {} bytes ({} bytes to skip, then {}), or more volumes of {} bytes each after these, "
+                    "found {}",
+                    file.name(), total ? std::to_string(*total) : "more than 2^64", layout.skip,
+                    describe_samples(dims, layout.type), expected, file.size()),
         fitting_layout(file, layout, expected));
   }
   DenseFile dense;

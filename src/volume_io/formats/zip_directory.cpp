@@ -64,13 +64,14 @@ Result<Directory> find_directory(const files::InputFile& file) {
                       number_at<std::uint16_t>(tail, at + 10) == 0xffff)) {
     const std::uint64_t end = number_at<std::uint64_t>(tail, at - kLocatorBytes + 8);
     std::array<std::byte, kZip64EndBytes> record{};
-    if (end > file.size() || file.size() - end < record.size()) return damaged(file, "its ZIP64 record is outside it");
+    if (end > file.size() || file.size() - end < record.size())
+      return damaged(file, "its ZIP64 record is outside the file");
     TRY(file.read_at(end, record));
     if (number_at<std::uint32_t>(record, 0) != kZip64End) return damaged(file, "it has no ZIP64 record");
     directory = {number_at<std::uint64_t>(record, 48), number_at<std::uint64_t>(record, 40)};
   }
   if (directory.offset > file.size() || file.size() - directory.offset < directory.bytes) {
-    return damaged(file, fmt::format("its directory would be the {} bytes from byte {} on, of {}", directory.bytes,
+    return damaged(file, fmt::format("its directory has {} bytes from byte {} on, the file has {}", directory.bytes,
                                      directory.offset, file.size()));
   }
   if (directory.bytes > kMaxDirectory) {
@@ -115,13 +116,13 @@ Result<std::vector<ZipMember>> read_zip_directory(const files::InputFile& file) 
   std::span<const std::byte> rest(bytes);
   while (!rest.empty()) {
     if (rest.size() < kEntryBytes || number_at<std::uint32_t>(rest, 0) != kDirectoryEntry) {
-      return damaged(file, fmt::format("entry {} of its directory is none", members.size()));
+      return damaged(file, fmt::format("entry {} of its directory has no signature", members.size()));
     }
     const std::size_t name = number_at<std::uint16_t>(rest, 28);
     const std::size_t extra = number_at<std::uint16_t>(rest, 30);
     const std::size_t comment = number_at<std::uint16_t>(rest, 32);
     if (rest.size() - kEntryBytes < name + extra + comment) {
-      return damaged(file, fmt::format("entry {} of its directory is cut off", members.size()));
+      return damaged(file, fmt::format("entry {} of its directory is truncated", members.size()));
     }
     ZipMember member;
     member.encrypted = (number_at<std::uint16_t>(rest, 8) & 1) != 0;
@@ -131,7 +132,7 @@ Result<std::vector<ZipMember>> read_zip_directory(const files::InputFile& file) 
     member.header = number_at<std::uint32_t>(rest, 42);
     member.name.assign(reinterpret_cast<const char*>(rest.data()) + kEntryBytes, name);
     if (!take_zip64(rest.subspan(kEntryBytes + name, extra), member)) {
-      return damaged(file, fmt::format("'{}' has sizes of 64 bits that are missing", printable(member.name, 100)));
+      return damaged(file, fmt::format("'{}' lacks its sizes of 64 bits", printable(member.name, 100)));
     }
     members.push_back(std::move(member));
     rest = rest.subspan(kEntryBytes + name + extra + comment);
@@ -145,21 +146,21 @@ Result<SamplePiece> find_member_bytes(const files::InputFile& file, const ZipMem
   constexpr int kStored = 0;
   constexpr int kDeflate = 8;
   if (member.method != kStored && member.method != kDeflate) {
-    return fail(ErrorCode::input, fmt::format("{}: '{}' is packed by method {}, expected 0 (stored) or 8 (Deflate)",
+    return fail(ErrorCode::input, fmt::format("{}: '{}' has compression method {}, expected 0 (stored) or 8 (Deflate)",
                                               file.name(), name, member.method));
   }
   std::array<std::byte, kLocalBytes> local{};
   if (member.header > file.size() || file.size() - member.header < local.size()) {
-    return damaged(file, fmt::format("'{}' is outside it", name));
+    return damaged(file, fmt::format("'{}' begins after the end of the file", name));
   }
   TRY(file.read_at(member.header, local));
   if (number_at<std::uint32_t>(local, 0) != kLocalHeader) {
-    return damaged(file, fmt::format("'{}' is not where its directory says", name));
+    return damaged(file, fmt::format("its directory gives a wrong position for '{}'", name));
   }
   const std::uint64_t begin = member.header + kLocalBytes + number_at<std::uint16_t>(local, 26) +
                               std::uint64_t{number_at<std::uint16_t>(local, 28)};
   if (begin > file.size() || file.size() - begin < member.sizes.packed) {
-    return damaged(file, fmt::format("'{}' would have {} bytes from byte {} on, of {}", name, member.sizes.packed,
+    return damaged(file, fmt::format("'{}' has {} bytes from byte {} on, the file has {}", name, member.sizes.packed,
                                      begin, file.size()));
   }
   SamplePiece piece{file.path(), begin};
@@ -167,8 +168,8 @@ Result<SamplePiece> find_member_bytes(const files::InputFile& file, const ZipMem
     piece.deflated = member.sizes;
   } else {
     if (member.sizes.packed != member.sizes.inflated) {
-      return damaged(file, fmt::format("'{}' is stored as it is, in {} bytes of {}", name, member.sizes.packed,
-                                       member.sizes.inflated));
+      return damaged(file, fmt::format("'{}' has method 0 (stored), but {} stored bytes for {} bytes of content", name,
+                                       member.sizes.packed, member.sizes.inflated));
     }
     piece.end = begin + member.sizes.packed;
   }

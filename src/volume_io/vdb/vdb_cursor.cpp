@@ -8,7 +8,7 @@ namespace isoextract::volume_io {
 
 void VdbCursor::seek(std::uint64_t position) {
   if (position > end_) {
-    throw InvalidVdb(fmt::format("refers to byte {}, the {} ends at {}", position, range_name(), end_));
+    throw InvalidVdb(fmt::format("a position refers to byte {}, the {} ends at {}", position, range_name(), end_));
   }
   if (position < begin_ || position > begin_ + length_) {
     window_.reset();
@@ -59,8 +59,8 @@ std::string VdbCursor::read_name() {
   constexpr std::uint32_t kMaxLength = 64 << 10;
   const auto length = read_value<std::uint32_t>();
   if (length > end_ - position()) {
-    throw InvalidVdb(
-        fmt::format("a name is said to be {} characters long, the {} has {}", length, range_name(), end_ - position()));
+    throw InvalidVdb(fmt::format("a name has a length of {} characters, the {} has {} bytes left", length, range_name(),
+                                 end_ - position()));
   }
   if (length > kMaxLength) {
     throw UnsupportedVdb(fmt::format("a name is {} characters long, the limit is {}", length, kMaxLength));

@@ -112,7 +112,7 @@ void read_streamed_grid(VdbCursor& cursor, VdbGridRecord& grid, bool last) {
   } catch (const UnsupportedVdb& unknown) {
     if (last) return;
     throw UnsupportedVdb(fmt::format(
-        "grid '{}': {}; the file was written as a stream, so the grids behind this one cannot be found: load and save "
+        "grid '{}': {}; the file is a stream, in which the reader cannot find the grids after this one: load and save "
         "it with OpenVDB",
         printable(grid.name, 80), unknown.what()));
   }
@@ -142,8 +142,10 @@ VdbGridRecord read_descriptor(VdbCursor& cursor, bool streamed, bool last) {
   }
   if (grid_position < static_cast<std::int64_t>(cursor.position()) || end_position < grid_position ||
       static_cast<std::uint64_t>(end_position) > cursor.size()) {
-    throw InvalidVdb(fmt::format("grid '{}' is said to be at bytes {} to {} of {}", printable(grid.name, 80),
-                                 grid_position, end_position, cursor.size()));
+    throw InvalidVdb(
+        fmt::format("expected grid '{}' between byte {} (end of its header) and byte {} (end of the file), its header "
+                    "states bytes {} to {}",
+                    printable(grid.name, 80), cursor.position(), cursor.size(), grid_position, end_position));
   }
   // Each grid must stay before its own end, so that grids do not overlap and the total time is linear in the file size.
   grid.end_position = static_cast<std::uint64_t>(end_position);
@@ -197,7 +199,7 @@ FileHead read_file_head(VdbCursor& cursor) {
     if (is_creator(name, type)) head.creator = bytes;
   });
   head.grids = cursor.read_value<std::int32_t>();
-  if (head.grids < 0) throw InvalidVdb(fmt::format("said to hold {} grids", head.grids));
+  if (head.grids < 0) throw InvalidVdb(fmt::format("expected 0 or more grids, the header states {}", head.grids));
   return head;
 }
 

@@ -34,18 +34,21 @@ std::string_view remove_component_suffix(std::string_view name) {
 // Shifts a component of a staggered grid to the centers of the voxels' lower faces along its axis, as OpenVDB's
 // StaggeredBoxSampler does.
 void shift_staggered_component(const std::string& part, const VdbGridRecord& record, field::ScalarField& field) {
-  const std::string what = fmt::format("the grid '{}' is staggered: ", printable(record.name, 80));
+  const std::string what = fmt::format("the grid '{}' has staggered components: ", printable(record.name, 80));
   const std::string_view axes = "xyz";
   const std::size_t axis = part.size() == 3 ? axes.find(part[1]) : std::string_view::npos;
   if (axis == std::string_view::npos) {
-    field.notes.push_back(what + "the lengths are those of three components that lie half a voxel apart");
+    field.notes.push_back(
+        {NoteId::staggered_grid, what + "each length combines three components that lie half a voxel apart"});
   } else if (record.is_in_frustum) {
-    field.notes.push_back(what + "in a frustum its components were taken in the middle of voxels, half a voxel off");
+    field.notes.push_back(
+        {NoteId::staggered_grid,
+         what + "in a frustum the reader places its components at the centers of voxels, half a voxel off"});
   } else {
     glm::dvec3 shift(0);
     shift[static_cast<int>(axis)] = -0.5;
     for (field::Affine* map : {&field.index_to_world, &field.index_to_file}) map->offset += map->linear * shift;
-    field.notes.push_back(what + "its components were taken on the faces of voxels");
+    field.notes.push_back({NoteId::staggered_grid, what + "the reader places its components on the faces of voxels"});
   }
 }
 

@@ -64,8 +64,8 @@ class GridsByName {
     const auto parent = records_.find(record.instance_parent);
     if (parent == records_.end() || !parent->second->instance_parent.empty() ||
         parent->second->tree_type != record.tree_type) {
-      throw InvalidVdb(
-          fmt::format("grid '{}' shares the tree of a grid that is not there", printable(record.name, 80)));
+      throw InvalidVdb(fmt::format("grid '{}' shares the tree of a grid that the file does not contain",
+                                   printable(record.name, 80)));
     }
     return *parent->second;
   }
@@ -222,12 +222,14 @@ Result<field::ScalarField> read_vdb(const std::string& input, const files::Input
     field->grid = grids[chosen].label;
     field->creator = grids[chosen].creator;
     if (!options.grid && grids.size() > 1) {
-      field->notes.push_back(
-          fmt::format("grid '{}' of {} was chosen: it is the only scalar one", grids[chosen].label, grids.size()));
+      field->notes.push_back({NoteId::grid_chosen, fmt::format("the reader takes grid '{}' of {}, the only scalar one",
+                                                               grids[chosen].label, grids.size())});
     }
     if (header.file_version > kNewestVdbVersion) {
-      field->notes.push_back(fmt::format("the file's version {} is newer than {}, the latest that is known",
-                                         header.file_version, kNewestVdbVersion));
+      field->notes.push_back(
+          {NoteId::newer_version,
+           fmt::format("the file's version {} is newer than {}, the latest version that the reader knows",
+                       header.file_version, kNewestVdbVersion)});
     }
     return field;
   });

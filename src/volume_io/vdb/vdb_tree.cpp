@@ -81,7 +81,7 @@ class TopologyReader {
       const glm::ivec3 origin = read_root_place();
       const auto value = cursor_.read_value<Value>();
       const auto active = cursor_.read_value<std::uint8_t>();
-      if (active > 1) throw InvalidVdb(fmt::format("a tile's flag is {}", active));
+      if (active > 1) throw InvalidVdb(fmt::format("expected 0 or 1 as the active flag of a tile, found {}", active));
       if (active == 1) {
         check_range(origin);
         count_tile(origin, kUpperSize);
@@ -96,7 +96,8 @@ class TopologyReader {
     }
     std::ranges::sort(root_places_, {}, by_place);
     if (const auto twice = std::ranges::adjacent_find(root_places_); twice != root_places_.end()) {
-      throw InvalidVdb(fmt::format("two nodes at ({}, {}, {})", twice->x, twice->y, twice->z));
+      throw InvalidVdb(fmt::format("expected one node or tile at each position, found two at ({}, {}, {})", twice->x,
+                                   twice->y, twice->z));
     }
     return std::move(topology_);
   }
@@ -108,7 +109,8 @@ class TopologyReader {
     for (int axis = 0; axis < 3; ++axis) {
       if (place[axis] % kUpperSize == 0) continue;
       throw InvalidVdb(
-          fmt::format("a node of {} voxels a side at index {} along axis {}", kUpperSize, place[axis], axis));
+          fmt::format("expected nodes and tiles at multiples of {} voxels, found one at index {} along axis {}",
+                      kUpperSize, place[axis], axis));
     }
     root_places_.push_back(place);
     return place;
@@ -117,8 +119,9 @@ class TopologyReader {
   // Leaf values are stored in the order of positions, so all nodes must be in that order.
   static void check_order(const glm::ivec3& before, const glm::ivec3& origin) {
     if (by_place(before) <= by_place(origin)) return;
-    throw InvalidVdb(fmt::format("the node at ({}, {}, {}) comes after the one at ({}, {}, {})", origin.x, origin.y,
-                                 origin.z, before.x, before.y, before.z));
+    throw InvalidVdb(
+        fmt::format("expected nodes in the order of their positions, found ({}, {}, {}) after ({}, {}, {})", origin.x,
+                    origin.y, origin.z, before.x, before.y, before.z));
   }
 
   // Leaves room for one more voxel on every side.

@@ -46,7 +46,7 @@ void expand_blosc(const VdbPackedValues& packed, std::span<std::byte> bytes) {
   }
   const int got = ::blosc_decompress_ctx(packed.data.data(), bytes.data(), bytes.size(), 1);
   if (got < 0 || static_cast<std::size_t>(got) != bytes.size()) {
-    throw InvalidVdb(fmt::format("the blosc chunk of the node at byte {} cannot be decompressed", packed.position));
+    throw InvalidVdb(fmt::format("decompressing the blosc chunk of the node at byte {} failed", packed.position));
   }
 }
 
@@ -55,7 +55,7 @@ void expand_zip(const VdbPackedValues& packed, std::span<std::byte> bytes) {
   const int done = ::uncompress(reinterpret_cast<Bytef*>(bytes.data()), &size,
                                 reinterpret_cast<const Bytef*>(packed.data.data()), packed.data.size());
   if (done != Z_OK || size != bytes.size()) {
-    throw InvalidVdb(fmt::format("the zip chunk of the node at byte {} cannot be decompressed", packed.position));
+    throw InvalidVdb(fmt::format("decompressing the zip chunk of the node at byte {} failed", packed.position));
   }
 }
 
@@ -166,7 +166,7 @@ VdbPackedValues take_values(VdbCursor& cursor, std::span<const std::byte> active
   const auto code = cursor.read_value<std::uint8_t>();
   if (code > kAllStored) {
     throw InvalidVdb(
-        fmt::format("the inactive values of the node at byte {} have the code {}: the last one known is {}",
+        fmt::format("the inactive values of the node at byte {} have the code {}: the last known code is {}",
                     packed.position, code, static_cast<int>(kAllStored)));
   }
   packed.inactive_is_background = code == kBackground;
@@ -187,9 +187,14 @@ VdbPackedValues take_values(VdbCursor& cursor, std::span<const std::byte> active
   packed.compressed = size > 0;
   const std::uint64_t length =
       packed.compressed ? static_cast<std::uint64_t>(size) : 0 - static_cast<std::uint64_t>(size);
-  if (packed.compressed ? length > max_chunk(expected) : length != expected) {
-    throw InvalidVdb(fmt::format("the node at byte {} has {} bytes of values, in a chunk that is said to be {} long",
-                                 packed.position, expected, size));
+  if (packed.compressed && length > max_chunk(expected)) {
+    throw InvalidVdb(
+        fmt::format("expected a chunk of at most {} bytes for the {} bytes of values of the node at byte {}, found {}",
+                    max_chunk(expected), expected, packed.position, length));
+  }
+  if (!packed.compressed && length != expected) {
+    throw InvalidVdb(fmt::format("expected {} bytes of uncompressed values of the node at byte {}, found {}", expected,
+                                 packed.position, length));
   }
   packed.data = cursor.take(length);
   return packed;

@@ -271,11 +271,11 @@ TEST(FieldError, SkipsCaps) {
   capped.cap = true;
   const mesh::Mesh closed = test::extract(field, capped).mesh;
   const FieldError error = error_of(closed, field, capped, {});
-  const FieldError find_open = error_of(open.mesh, field, open.options, {});
+  const FieldError without_caps = error_of(open.mesh, field, open.options, {});
   EXPECT_EQ(error.cap_triangles, closed.triangles.size() - open.mesh.triangles.size());
-  EXPECT_EQ(error.interior.points, find_open.interior.points);
-  EXPECT_EQ(error.interior.max.world, find_open.interior.max.world);
-  EXPECT_EQ(error.vertices.points, find_open.vertices.points);
+  EXPECT_EQ(error.interior.points, without_caps.interior.points);
+  EXPECT_EQ(error.interior.max.world, without_caps.interior.max.world);
+  EXPECT_EQ(error.vertices.points, without_caps.vertices.points);
 }
 
 TEST(FieldError, IsIndependentOfThreadsAndLayout) {

@@ -138,7 +138,7 @@ TEST_F(AnimationTest, WritesNoFileWithoutSurfaces) {
   const auto written = write();
   EXPECT_TRUE(written.files.empty());
   ASSERT_EQ(written.notes.size(), 1U);
-  EXPECT_NE(written.notes.front().find("the old one was removed"), std::string::npos);
+  EXPECT_NE(written.notes.front().text.find("removed the old file"), std::string::npos);
   EXPECT_FALSE(folder_.names().contains("water.glb"));
 }
 

@@ -65,9 +65,9 @@ TEST_F(FindFrames, SelectsRangeAndListsGaps) {
   EXPECT_EQ(found({"a_{}.vdb"}, "1-10x2"), "1=a_1.vdb 3=a_3.vdb 5=a_5.vdb | gaps 7,9");
   EXPECT_EQ(found({"a_{}.vdb"}, "-3-1"), "-1=a_-1.vdb 1=a_1.vdb | gaps -3--2,0");
   EXPECT_EQ(found({"a_{}.vdb"}, "12"), "12=a_12.vdb");
-  EXPECT_EQ(found({"a_{}.vdb"}, "6-11"), "2: a_{}.vdb: no file has such a name with a number of 6-11");
+  EXPECT_EQ(found({"a_{}.vdb"}, "6-11"), "2: a_{}.vdb: no file matches this pattern with a number in 6-11");
   EXPECT_EQ(found({"a_1.vdb", "a_2.vdb", "a_5.vdb"}, "2-4"), "2=a_2.vdb | gaps 3-4");
-  EXPECT_EQ(found({"a_1.vdb", "a_2.vdb"}, "7"), "2: a_1.vdb and 1 more: none of the frames 7 is there");
+  EXPECT_EQ(found({"a_1.vdb", "a_2.vdb"}, "7"), "2: a_1.vdb and 1 more: expected files of the frames 7, found none");
   EXPECT_EQ(found({"."}, "2-4"), "2=./a_2.vdb 3=./a_3.vdb | gaps 4");
 }
 
@@ -99,13 +99,13 @@ TEST_F(FindFrames, PrefersFileOverPattern) {
 
 TEST_F(FindFrames, FailsWithoutMatches) {
   make({"a_001.vdb", "a_002.vdb"});
-  EXPECT_EQ(found({"b_{:04}.vdb"}), "2: b_{:04}.vdb: no file has such a name");
+  EXPECT_EQ(found({"b_{:04}.vdb"}), "2: b_{:04}.vdb: no file matches this pattern");
   EXPECT_EQ(found({"no/b_{:04}.vdb"}), "2: no/: cannot read the folder: No such file or directory");
   EXPECT_EQ(found({"a_001.vdb/{}"}), "2: a_001.vdb/: cannot read the folder: Not a directory");
-  EXPECT_EQ(found({"x\n{}"}), "2: x\\n{}: no file has such a name");
+  EXPECT_EQ(found({"x\n{}"}), "2: x\\n{}: no file matches this pattern");
   const auto near = find({"a_{:04}.vdb"});
   ASSERT_FALSE(near);
-  EXPECT_EQ(test::text_of(near.error().hint), "{} would match a_001.vdb");
+  EXPECT_EQ(test::text_of(near.error().hint), "{} matches a_001.vdb");
 }
 
 TEST_F(FindFrames, FailsForRepeatedNumber) {
@@ -131,8 +131,8 @@ TEST_F(FindFrames, NumbersOtherListedFilesByPosition) {
   const auto frames = find({"b.vdb", "a.vdb"});
   ASSERT_TRUE(frames);
   ASSERT_EQ(frames->notes.size(), 1U);
-  EXPECT_EQ(frames->notes.front(),
-            "the names do not differ in one number alone: the frames are numbered 1 to 2 by their order");
+  EXPECT_EQ(frames->notes.front().text,
+            "the file names do not differ in exactly one number: the run numbers the frames 1 to 2 by their order");
   EXPECT_TRUE(find({"c1_1.vdb", "c1_2.vdb"})->notes.empty());
 }
 
@@ -147,8 +147,9 @@ TEST_F(FindFrames, OrdersByDecimalValue) {
   EXPECT_EQ(found({"0.05/p.npy", "0.1/p.npy", "0.5/p.npy"}), "1=0.05/p.npy 2=0.1/p.npy 3=0.5/p.npy");
   EXPECT_EQ(found({"t_0.5.npy", "t_0.75.npy", "t_0.25.npy"}, "2-3"), "2=t_0.5.npy 3=t_0.75.npy");
   EXPECT_EQ(find({"t_0.5.npy", "t_0.25.npy"})->notes,
-            std::vector<std::string>{"the names differ in a decimal number: the frames are numbered 1 to 2 by its "
-                                     "value, from t_0.25.npy to t_0.5.npy"});
+            (Notes{{NoteId::frame_order,
+                    "the file names differ in a decimal number: the run numbers the frames 1 to 2 by its "
+                    "value, from t_0.25.npy to t_0.5.npy"}}));
   make({"d/t_0.5.npy", "d/t_0.25.npy", "d/t_0.75.npy", "d/t_1.npy"});
   EXPECT_EQ(found({"d"}), "1=d/t_0.25.npy 2=d/t_0.5.npy 3=d/t_0.75.npy 4=d/t_1.npy");
 }
@@ -162,19 +163,19 @@ TEST_F(FindFrames, AcceptsOtherDecimalMarks) {
   EXPECT_EQ(found({"f.25.npy", "f.5.npy", "f.75.npy"}), "5=f.5.npy 25=f.25.npy 75=f.75.npy | gaps 15,35-65x10");
   make({"p/t_0p25.npy", "p/t_0p5.npy", "p/t_0p75.npy", "p/t_.25.npy", "p/t_.5.npy", "p/t_.75.npy"});
   EXPECT_EQ(found({"p/t_0p{}.npy"}),
-            "1: p/t_0p{}.npy: expected whole numbers of frames, found parts of decimal numbers: t_0p25.npy and "
+            "1: p/t_0p{}.npy: expected whole frame numbers, found decimal numbers in the names t_0p25.npy and "
             "t_0p75.npy");
   EXPECT_EQ(found({"p/t_.{}.npy"}),
-            "1: p/t_.{}.npy: expected whole numbers of frames, found parts of decimal numbers: t_.25.npy and "
+            "1: p/t_.{}.npy: expected whole frame numbers, found decimal numbers in the names t_.25.npy and "
             "t_.75.npy");
 }
 
 TEST_F(FindFrames, NotesDigitsThatMayBeFractions) {
   const auto note = [&](std::vector<std::string> names) {
     const auto frames = find(std::move(names));
-    return frames && !frames->notes.empty() ? frames->notes.front() : "none";
+    return frames && !frames->notes.empty() ? frames->notes.front().text : "none";
   };
-  const std::string_view taken = "the digits after the point are taken as whole numbers, in which 10 follows 9";
+  const std::string_view taken = "the digits after the point count as whole numbers: 10 follows 9";
   EXPECT_EQ(note({"t_1.25.npy", "t_1.45.npy", "t_1.5.npy"}), fmt::format("t_1.{{}}.npy: {}", taken));
   EXPECT_EQ(note({"t_0.2.npy", "t_0.4.npy", "t_0.6.npy", "t_0.8.npy", "t_0.10.npy"}),
             fmt::format("t_0.{{}}.npy: {}", taken));
@@ -187,9 +188,9 @@ TEST_F(FindFrames, NumbersByDigitsAfterVersion) {
   EXPECT_EQ(found({"t_0.10.npy", "t_0.25.npy"}), "10=t_0.10.npy 25=t_0.25.npy");
   EXPECT_TRUE(find({"f_v2.8.vdb", "f_v2.9.vdb", "f_v2.10.vdb"})->notes.empty());
   EXPECT_EQ(found({"f_v2.5.vdb", "f_v2.9.vdb", "f_v2.10.vdb"}), "5=f_v2.5.vdb 9=f_v2.9.vdb 10=f_v2.10.vdb | gaps 6-8");
-  EXPECT_EQ(find({"f_v2.5.vdb", "f_v2.9.vdb", "f_v2.10.vdb"})->notes,
-            std::vector<std::string>{
-                "f_v2.{}.vdb: the digits after the point are taken as whole numbers, in which 10 follows 9"});
+  EXPECT_EQ(
+      find({"f_v2.5.vdb", "f_v2.9.vdb", "f_v2.10.vdb"})->notes,
+      (Notes{{NoteId::frame_order, "f_v2.{}.vdb: the digits after the point count as whole numbers: 10 follows 9"}}));
   make({"s_v2.97.vdb", "s_v2.98.vdb", "s_v2.99.vdb", "s_v2.101.vdb"});  // 100 is lost or not yet written
   EXPECT_EQ(found({"s_v2.{}.vdb"}, "97-101"),
             "97=s_v2.97.vdb 98=s_v2.98.vdb 99=s_v2.99.vdb 101=s_v2.101.vdb | gaps 100");
@@ -207,12 +208,12 @@ TEST_F(FindFrames, NumbersByDigitsAfterVersion) {
 TEST_F(FindFrames, RefusesPatternInsideDecimals) {
   make({"t_0.25.npy", "t_0.5.npy", "t_0.75.npy", "t_1e-1.npy", "t_1e-2.npy"});
   EXPECT_EQ(found({"t_0.{}.npy"}),
-            "1: t_0.{}.npy: expected whole numbers of frames, found parts of decimal numbers: t_0.25.npy and "
+            "1: t_0.{}.npy: expected whole frame numbers, found decimal numbers in the names t_0.25.npy and "
             "t_0.75.npy");
   EXPECT_EQ(test::text_of(find({"t_0.{}.npy"}, "5-25").error().hint),
-            "list the files, without quotes: t_0.*.npy; they are ordered by their decimal numbers");
+            "list the files, without quotes: t_0.*.npy; the run orders the files by their decimal numbers");
   EXPECT_EQ(found({"t_1e-{}.npy"}),
-            "1: t_1e-{}.npy: expected whole numbers of frames, found parts of decimal numbers: t_1e-1.npy and "
+            "1: t_1e-{}.npy: expected whole frame numbers, found decimal numbers in the names t_1e-1.npy and "
             "t_1e-2.npy");
   EXPECT_EQ(found({"t_0.{:02}.npy"}), "25=t_0.25.npy 75=t_0.75.npy");
 }
@@ -224,7 +225,7 @@ TEST_F(FindFrames, RefusesPatternsAndFoldersInLists) {
   EXPECT_EQ(found({"a.vdb", "demo:sphere?size={}"}),
             "1: demo:sphere?size={}: expected files, found a pattern as one of 2 inputs");
   EXPECT_EQ(found({"s", "a.vdb"}), "1: s: expected files, found a folder as one of 2 inputs");
-  EXPECT_EQ(found({"a.vdb", "a.vdb"}), "1: a.vdb: the input was given twice");
+  EXPECT_EQ(found({"a.vdb", "a.vdb"}), "1: a.vdb: expected each input once, found this input twice");
   EXPECT_EQ(found({}), "1: expected an input, found none");
 }
 
@@ -234,7 +235,8 @@ TEST_F(FindFrames, FindsSequenceInFolder) {
   fs::rename("d/f_9.VDB", "d/f_9.vdb");
   EXPECT_EQ(found({"d"}), "8=d/f_8.vdb 9=d/f_9.vdb 10=d/f_10.vdb");
   EXPECT_EQ(found({"d/"}), "8=d/f_8.vdb 9=d/f_9.vdb 10=d/f_10.vdb");
-  EXPECT_EQ(find({"d"})->notes, std::vector<std::string>{"d: 2 other files are not named like a volume"});
+  EXPECT_EQ(find({"d"})->notes,
+            (Notes{{NoteId::other_files, "d: 2 other files lack the extension of a volume format"}}));
   EXPECT_EQ(found({"d"}, "1-9x8"), "9=d/f_9.vdb | gaps 1");
 }
 
@@ -258,17 +260,19 @@ TEST_F(FindFrames, ListsSeveralSequencesInFolder) {
 TEST_F(FindFrames, FindsParticlesInFolderWithoutVolumes) {
   make({"d/drops_1.ply", "d/drops_2.ply", "d/readme.txt"});
   EXPECT_EQ(found({"d"}), "1=d/drops_1.ply 2=d/drops_2.ply");
-  EXPECT_EQ(find({"d"})->notes, std::vector<std::string>{"d: 1 other file is not named like particles"});
+  EXPECT_EQ(find({"d"})->notes,
+            (Notes{{NoteId::other_files, "d: 1 other file lacks the extension of a particle format"}}));
   make({"packed/peri_0.csv.gz", "packed/peri_100.csv.gz"});
   EXPECT_EQ(found({"packed"}), "0=packed/peri_0.csv.gz 100=packed/peri_100.csv.gz");
   make({"d/smoke_7.vdb"});
   EXPECT_EQ(found({"d"}), "7=d/smoke_7.vdb");
-  EXPECT_EQ(find({"d"})->notes, std::vector<std::string>{"d: 3 other files are not named like a volume"});
+  EXPECT_EQ(find({"d"})->notes,
+            (Notes{{NoteId::other_files, "d: 3 other files lack the extension of a volume format"}}));
 }
 
 TEST_F(FindFrames, FailsForFolderOfOtherFiles) {
   make({"d/readme.txt"});
-  EXPECT_EQ(found({"d"}), "2: d: no file in the folder is named like a volume or particles");
+  EXPECT_EQ(found({"d"}), "2: d: no file in the folder has the extension of a volume or particle format");
 }
 
 TEST_F(FindFrames, TreatsSingleInputAsFrame) {
@@ -277,9 +281,8 @@ TEST_F(FindFrames, TreatsSingleInputAsFrame) {
   EXPECT_EQ(found({"gone.vdb"}), "1=gone.vdb");
   EXPECT_EQ(found({"50%%.vdb"}), "50=50%%.vdb");
   EXPECT_EQ(found({"demo:sphere?size=64"}), "1=demo:sphere?size=64");
-  EXPECT_EQ(found({"f_0042.vdb"}, "42"),
-            "1: f_0042.vdb: expected a sequence from which to take the frames 42, found one input");
-  EXPECT_EQ(found({"a{}_{}.vdb"}), "1: a{}_{}.vdb: expected one numbering, found '{}' and '{}'");
+  EXPECT_EQ(found({"f_0042.vdb"}, "42"), "1: f_0042.vdb: expected a sequence for the frames 42, found one input");
+  EXPECT_EQ(found({"a{}_{}.vdb"}), "1: a{}_{}.vdb: expected one placeholder of the frame number, found '{}' and '{}'");
 }
 
 TEST_F(FindFrames, NumbersDemoFieldByRange) {

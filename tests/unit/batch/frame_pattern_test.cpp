@@ -68,9 +68,11 @@ TEST(FramePattern, ParsesItsOwnText) {
 }
 
 TEST(FramePattern, RefusesSeveralNumberings) {
-  EXPECT_EQ(pattern_refusal("a{}_%04d.vdb"), "a{}_%04d.vdb: expected one numbering, found '{}' and '%04d'");
-  EXPECT_EQ(pattern_refusal("##_##"), "##_##: expected one numbering, found '##' and '##'");
-  EXPECT_EQ(pattern_refusal("\x1b[2J{}{}"), "\\x1b[2J{}{}: expected one numbering, found '{}' and '{}'");
+  EXPECT_EQ(pattern_refusal("a{}_%04d.vdb"),
+            "a{}_%04d.vdb: expected one placeholder of the frame number, found '{}' and '%04d'");
+  EXPECT_EQ(pattern_refusal("##_##"), "##_##: expected one placeholder of the frame number, found '##' and '##'");
+  EXPECT_EQ(pattern_refusal("\x1b[2J{}{}"),
+            "\\x1b[2J{}{}: expected one placeholder of the frame number, found '{}' and '{}'");
 }
 
 TEST(FramePattern, RefusesImpossibleWidths) {
@@ -79,7 +81,7 @@ TEST(FramePattern, RefusesImpossibleWidths) {
   EXPECT_NE(pattern_refusal("{:99999999999999999999}"), "accepted");
   EXPECT_NE(pattern_refusal("%4294967300d"), "accepted");
   EXPECT_NE(pattern_refusal(std::string(100000, '#')), "accepted");
-  EXPECT_EQ(pattern_refusal("a{:x}.vdb"), "a{:x}.vdb: expected a width as in {:04}, found '{:x}'");
+  EXPECT_EQ(pattern_refusal("a{:x}.vdb"), "a{:x}.vdb: expected a number of digits as in {:04}, found '{:x}'");
   EXPECT_NE(pattern_refusal("{:-4}"), "accepted");
   EXPECT_NE(pattern_refusal("{frame:04d}"), "accepted");
 }

@@ -43,7 +43,7 @@ TEST(IsoTable, ParsesIsoValueWords) {
   EXPECT_EQ(isos_of_frame(some, 1), (Isos{IsoChoice::suggested(), IsoChoice::percentile(field::Percent(50))}));
   EXPECT_EQ(isos_of_frame(some, 2), (Isos{*convert::iso_choice_of("p99.9"), 0.5}));
   EXPECT_EQ(table_refusal("frame,iso\n1,p50\n1,0.5\n1,p50.0\n"),
-            "iso.csv:4: expected iso p50 of frame 1 once, found it in line 2 as well");
+            "iso.csv:4: expected iso p50 of frame 1 once, found the same pair in line 2");
   for (const char* word : {"Auto", "p", "p101", "50%", "P9", "inf"}) {
     EXPECT_NE(table_refusal(std::string("frame,iso\n1,") + word + "\n"), "accepted") << word;
   }
@@ -116,7 +116,7 @@ TEST(IsoTable, RefusesUnclosedQuotes) {
 
 TEST(IsoTable, RefusesRepeatedRow) {
   EXPECT_EQ(table_refusal("frame,iso\n1,0.5\n2,0.5\n1,0.50\n"),
-            "iso.csv:4: expected iso 0.5 of frame 1 once, found it in line 2 as well");
+            "iso.csv:4: expected iso 0.5 of frame 1 once, found the same pair in line 2");
   EXPECT_NE(table_refusal("frame,iso\n1,0\n1,-0.0\n"), "accepted");
 }
 

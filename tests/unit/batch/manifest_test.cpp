@@ -182,7 +182,7 @@ TEST(Manifest, TrustsOnlyUnchangedFiles) {
   EXPECT_EQ(reason_to_reconvert(record, three_frames(folder, 1).frames[0]), "its options have changed");
   FrameRecord without_inputs = convert_frame(batch.frames[0]);
   without_inputs.inputs.clear();  // the file became readable only after the frame had begun
-  EXPECT_EQ(reason_to_reconvert(without_inputs, batch.frames[0]), "its inputs are not known");
+  EXPECT_EQ(reason_to_reconvert(without_inputs, batch.frames[0]), "its record lists no inputs");
 }
 
 TEST(Manifest, IgnoresOtherVersionsAndKeepsOtherFiles) {

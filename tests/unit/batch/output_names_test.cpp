@@ -167,20 +167,20 @@ TEST_F(OutputNames, NumbersEqualStemsInFolder) {
 TEST_F(OutputNames, RefusesTwoWritersOfFile) {
   const std::vector<OutputSource> two{output_source(1, "a\x1b.vdb"), output_source(2, "b.vdb", "fuel")};
   EXPECT_EQ(named(two, "m.glb"),
-            Lines{"m.glb: frame 1 (a\\x1b.vdb) and frame 2 (b.vdb, grid fuel) would both write it"});
+            Lines{"m.glb: frame 1 (a\\x1b.vdb) and frame 2 (b.vdb, grid fuel) would both write this file"});
   EXPECT_EQ(named(two, "-", MeshFormat::ply),
-            Lines{"standard output: frame 1 (a\\x1b.vdb) and frame 2 (b.vdb, grid fuel) would both write it"});
+            Lines{"standard output: frame 1 (a\\x1b.vdb) and frame 2 (b.vdb, grid fuel) would both write this file"});
   const auto refused = name_outputs(two, "m.glb", MeshFormat::glb);
   ASSERT_FALSE(refused);
   EXPECT_TRUE(test::has_step(refused.error().hint, Remedy::use, Setting::animation));
   // Two names that safe_file_name() makes equal.
   EXPECT_EQ(named({output_source(1, "a.vdb", "x/y"), output_source(1, "a.vdb", "x:y")}, "{grid}.glb"),
-            Lines{"x_y.glb: frame 1 (a.vdb, grid x/y) and frame 1 (a.vdb, grid x:y) would both write it"});
+            Lines{"x_y.glb: frame 1 (a.vdb, grid x/y) and frame 1 (a.vdb, grid x:y) would both write this file"});
 }
 
 TEST_F(OutputNames, CountsBinOfGltf) {
   EXPECT_EQ(named({output_source(1, "a.vdb", "", {0.1, 0.2})}, "m_{iso}", MeshFormat::gltf),
-            Lines{"m_0.bin: two outputs of frame 1 (a.vdb) would be this file"});
+            Lines{"m_0.bin: two outputs of frame 1 (a.vdb) would share this file"});
   EXPECT_EQ(named({output_source(1, "a.vdb", "", {0.1, 0.2})}, "m_{iso}.gltf", MeshFormat::gltf),
             (Lines{"m_0.1.gltf: 0.1", "m_0.2.gltf: 0.2"}));
   test::write_bytes("m.bin", "");
@@ -208,7 +208,7 @@ TEST_F(OutputNames, ComparesPlacesNotTexts) {
                                                         {"real/m.glb", "link/sub/../m.glb"},
                                                         {"no/m.glb", "no/./no/../m.glb"},
                                                         {"link/no/m.glb", "real/no/m.glb"}}) {
-    EXPECT_NE(output_verdict(one, other).find("would both write it"), std::string::npos) << one << " " << other;
+    EXPECT_NE(output_verdict(one, other).find("would both write this file"), std::string::npos) << one << " " << other;
   }
   EXPECT_EQ(output_verdict("real/m.glb", "m.glb"), "fine");
   test::write_bytes("m.glb", "");
@@ -221,8 +221,8 @@ TEST_F(OutputNames, RefusesToOverwriteInputs) {
   test::write_bytes("d/in.vdb", "");
   fs::create_symlink("d/in.vdb", "l.glb");
   EXPECT_EQ(output_verdict("m.glb", "d/./in.vdb", "d/in.vdb"),
-            "d/./in.vdb: frame 2 (other.vdb) would write it, and it is the input of frame 1 (d/in.vdb); it is not "
-            "overwritten");
+            "d/./in.vdb: frame 2 (other.vdb) needs another output name: this is the input of frame 1 (d/in.vdb); it "
+            "is not overwritten");
   EXPECT_NE(output_verdict("l.glb", "m.glb", "d/in.vdb"), "fine");
   EXPECT_NE(output_verdict("other.vdb", "m.glb"), "fine");  // the input does not exist yet, but the run reads it
   EXPECT_EQ(output_verdict("demo:sphere", "m.glb", "demo:sphere"), "fine");
@@ -231,7 +231,7 @@ TEST_F(OutputNames, RefusesToOverwriteInputs) {
 
 TEST_F(OutputNames, RequiresChosenGrid) {
   EXPECT_EQ(named({output_source(1, "a.vdb")}, "{grid}.glb"),
-            Lines{"frame 1 (a.vdb): expected a grid to name the output after, found none chosen"});
+            Lines{"frame 1 (a.vdb): expected the name of a grid for {grid} in the output name, found none"});
   EXPECT_EQ(named({output_source(1, "a.vdb", "../x")}, "o/{grid}/m.glb"), Lines{"o/___x/m.glb: 0.5"});
   EXPECT_EQ(named({output_source(1, "a.vdb")}, ""), Lines{"expected the name of an output, found an empty one"});
 }

@@ -133,14 +133,14 @@ TEST_F(Merge, RefusesMissingRepeatedOrForeignShards) {
   expect_refused("expected 6 frames, found 5: 1 is missing: 4");
   write_shard({2, 3});
   std::filesystem::copy_file(folder_ / "isoextract.2-of-3.manifest", folder_ / "isoextract.copy.manifest");
-  expect_refused("there twice");
+  expect_refused("expected each shard once, found shard 2 twice");
   std::filesystem::remove(folder_ / "isoextract.copy.manifest");
   write_bytes(folder_ / "f4", "another");
-  expect_refused("f4: it is not what its shard has written");
+  expect_refused("f4: this file has changed since its shard wrote it");
   write_bytes(folder_ / "f4", "frame 4");
   batch_.frames[0].job.normals = convert::Normals::flat;
   write_shard({3, 3});
-  expect_refused("of another batch");
+  expect_refused("are of different batches");
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ TEST(Benchmark, FailsWithoutSurface) {
                               {Remedy::change, Setting::iso}};
   const Error none = bench_demo("sphere", {16, 32}, quick(9), Context()).error();
   EXPECT_EQ(none.code, ErrorCode::input);
-  EXPECT_NE(none.message.find("the values run from -1.03"), std::string::npos) << none.message;
+  EXPECT_NE(none.message.find("the values range from -1.03"), std::string::npos) << none.message;
   EXPECT_EQ(none.hint, Hint(Remedy::try_value, Setting::iso, "0"));
   const Error coarse = bench_demo("sphere", {8, 32}, quick(0.6), Context()).error();
   EXPECT_NE(coarse.message.find("with 8 samples"), std::string::npos) << coarse.message;
@@ -114,9 +114,9 @@ TEST(Benchmark, SkipsComparisonsForExactPlane) {
   for (const BenchOrders& orders : result.orders) {
     EXPECT_FALSE(orders.position || orders.area || orders.volume);
   }
-  EXPECT_TRUE(has_note(result, "area and volume are not compared with 9x10x10, 19x20x20 samples"));
-  EXPECT_TRUE(has_note(result, "coarser by 4: left out are the last 3, 0 and 1 samples"));
-  EXPECT_TRUE(has_note(result, "coarser by 2: left out are the last 1, 0 and 1 samples"));
+  EXPECT_TRUE(has_note(result, "no errors of area and volume with 9x10x10, 19x20x20 samples"));
+  EXPECT_TRUE(has_note(result, "coarser by 4: without the last 3, 0 and 1 samples"));
+  EXPECT_TRUE(has_note(result, "coarser by 2: without the last 1, 0 and 1 samples"));
 }
 
 // A closed surface in data whose size no factor divides: the dropped samples contain none of it.
@@ -129,12 +129,12 @@ TEST(Benchmark, ComparesSurfacesInsideCoarserBox) {
   const BenchResult inside = bench_field(ball(23.4), {4, 2, 1}, quick(), Context()).value();
   for (const BenchRow& row : inside.rows) EXPECT_EQ(row.area_error && row.volume_error, row.level < 2);
   for (const BenchOrders& orders : inside.orders) EXPECT_NEAR(orders.area->slope, 2, 0.4);
-  EXPECT_FALSE(has_note(inside, "not compared"));
-  EXPECT_TRUE(has_note(inside, "left out are the last 3, 3 and 3 samples"));
+  EXPECT_FALSE(has_note(inside, "no errors of area"));
+  EXPECT_TRUE(has_note(inside, "without the last 3, 3 and 3 samples"));
   // Closed at z = 45.2, but the samples coarsened by 4 end at 41.5, those coarsened by 2 at 44.5.
   const BenchResult at_end = bench_field(ball(33.2), {4, 2, 1}, quick(), Context()).value();
   for (const BenchRow& row : at_end.rows) EXPECT_FALSE(row.area_error || row.volume_error);
-  EXPECT_TRUE(has_note(at_end, "not compared with 11, 23 samples"));
+  EXPECT_TRUE(has_note(at_end, "no errors of area and volume with 11, 23 samples"));
 }
 
 // The finest data are the truth; coarser data are worse, with the order 2 of box filter and mesh.

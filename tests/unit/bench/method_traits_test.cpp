@@ -162,7 +162,8 @@ TEST(NotApplicable, StabilityChecksOnlyClaimedTraits) {
     EXPECT_FALSE(row.findings.crossings_checked);
     EXPECT_EQ(row.findings.off_edge, 0U);
     EXPECT_EQ(row.findings.voxels, 0);
-    EXPECT_EQ(row.not_applicable, std::vector<std::string>{"made-up nets: the vertices are not on edges of the grid"});
+    EXPECT_EQ(row.not_applicable,
+              std::vector<std::string>{"made-up nets: the vertices do not lie on edges of the grid"});
   }
   const StabilityCase& shell = *std::ranges::find(stability_cases(), "thin-shell", &StabilityCase::name);
   EXPECT_TRUE(run_stability_case(shell, dual_method(), dual, Context()).failures.empty());
@@ -229,7 +230,7 @@ TEST(NotApplicable, BenchNotesMissingNormals) {
     EXPECT_EQ(std::ranges::count(result.rows, true, &BenchRow::on_front) > 0, true);
     ASSERT_EQ(result.orders.size(), 2U);
     EXPECT_FALSE(result.orders[0].smooth_normals);
-    const std::string_view why = "not applicable: made-up nets: there are no normals from the field's gradient";
+    const std::string_view why = "not applicable: made-up nets: the method has no normals from the field's gradient";
     EXPECT_EQ(std::ranges::count_if(result.notes, [&](const std::string& note) { return note.starts_with(why); }), 1);
   }
 }

@@ -24,7 +24,7 @@ MeshCheck check(const mesh::Mesh& mesh) {
   return std::move(*found);
 }
 
-// A cube from -half to half around `centre`, facing outward or, if turned, inward.
+// A cube from -half to half around `center`, facing outward or, if turned, inward.
 mesh::Mesh centered_cube(float half, bool turned = false, const glm::vec3& center = glm::vec3(0)) {
   mesh::Mesh mesh = test::box_mesh(center - half, center + half);
   if (turned) {

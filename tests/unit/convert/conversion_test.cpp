@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 // Records the events, in order.
 class Log final : public Events {
  public:
-  void note(const std::string& text) override { lines.push_back("note " + text); }
+  void note(const Note& note) override { lines.push_back("note " + note.text); }
   void end(const StageReport& report) override {
     const auto of_figures = [&](Key key) { return find(report.entries.at(0), {key})->json().dump(); };
     if (report.stage == StageName::read) {
@@ -169,7 +169,8 @@ TEST_F(ConversionTest, CollectsMeshesInsteadOfWriting) {
   EXPECT_TRUE(outcome.done());
   EXPECT_TRUE(collected.meshes.empty());
   ASSERT_EQ(outcome.notes.size(), 1U);
-  EXPECT_NE(outcome.notes[0].find("several is without it"), std::string::npos) << outcome.notes[0];
+  EXPECT_NE(outcome.notes[0].text.find("several contains only the other surfaces"), std::string::npos)
+      << outcome.notes[0].text;
   EXPECT_EQ(test::read_bytes(folder_ / "several"), "old");
 
   skipping.empty = EmptyPolicy::write;
@@ -211,7 +212,7 @@ TEST_F(ConversionTest, NotesSkippedSurfaces) {
   ASSERT_TRUE(outcome.done());
   EXPECT_FALSE(fs::exists(folder_ / "b.glb"));
   EXPECT_EQ(log_.lines.back(), "written 0");
-  EXPECT_NE(outcome.notes.at(0).find("was not written"), std::string::npos);
+  EXPECT_NE(outcome.notes.at(0).text.find("the conversion did not write"), std::string::npos);
 }
 
 TEST_F(ConversionTest, RemovesOldFileOfSkippedOutput) {
@@ -224,7 +225,7 @@ TEST_F(ConversionTest, RemovesOldFileOfSkippedOutput) {
   const Outcome outcome = run(one);
   ASSERT_TRUE(outcome.done());
   EXPECT_TRUE(folder_.names().empty());
-  EXPECT_NE(outcome.notes.at(0).find("a.bin was removed"), std::string::npos) << outcome.notes.at(0);
+  EXPECT_NE(outcome.notes.at(0).text.find(" and removed the old "), std::string::npos) << outcome.notes.at(0).text;
 }
 
 TEST_F(ConversionTest, ReportsMissingCapsOnlyAtOpenBoundary) {

@@ -98,7 +98,7 @@ TEST(ResolveIsos, RefusesSuggestionForConstantField) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::no_surface);
   EXPECT_EQ(refused.error().message,
-            "flat.raw: expected samples of two kinds, to take an iso value between them; found 5 everywhere");
+            "flat.raw: expected two groups of sample values, to choose an iso value between them; found 5 everywhere");
   const auto fine = resolve_isos(asked, constant_field(), true, Context());
   ASSERT_TRUE(fine);
   EXPECT_EQ(fine->front().id, 5);  // samples equal to the iso value are outside, so there is no surface
@@ -118,7 +118,7 @@ TEST(ResolveIsos, UsesMethodValueForParticles) {
   const auto found = resolve_isos(std::vector<IsoChoice>{choice("auto"), 0.2}, points::Method::weight, "a.csv");
   ASSERT_TRUE(found);
   EXPECT_EQ(found->at(0).id, 0.15);
-  EXPECT_EQ(found->at(0).found_by, "the usual one of summed weights");
+  EXPECT_EQ(found->at(0).found_by, "the default of summed weights");
   EXPECT_EQ(found->at(1).id, 0.2);
   const auto refused = resolve_isos(std::vector{choice("p99")}, points::Method::sph, "a.csv");
   ASSERT_FALSE(refused);
@@ -163,7 +163,7 @@ TEST_F(IsoConversionTest, IgnoresRegionAndResolution) {
   const std::vector<double> iso = found(whole);
   EXPECT_EQ(whole.first(StageName::extract)->id, SurfaceId(iso.at(0)));
   EXPECT_EQ(asked(whole), std::vector<std::string>{"p80"});
-  EXPECT_NE(whole.notes.at(0).find("iso p80 is "), std::string::npos) << whole.notes.at(0);
+  EXPECT_NE(whole.notes.at(0).text.find("iso p80 is "), std::string::npos) << whole.notes.at(0).text;
   job_.source.roi = field::Box{{-0.5, -0.5, -0.5}, {0.2, 0.2, 0.2}};
   EXPECT_EQ(found(run({choice("p80")})), iso);
   job_.source.resolution = glm::ivec3(9);
@@ -176,8 +176,8 @@ TEST_F(IsoConversionTest, ExtractsEqualValuesOnce) {
   ASSERT_EQ(found(outcome).size(), 3U);
   EXPECT_EQ(found(outcome)[1], 0);
   EXPECT_EQ(asked(outcome), (std::vector<std::string>{"", "p50"})) << "a number is what it is";
-  const auto tells = [](const std::string& note) {
-    return note.find("iso 0 and auto are the same value, 0") != note.npos;
+  const auto tells = [](const Note& note) {
+    return note.text.find("iso 0 and auto are the same value, 0") != std::string::npos;
   };
   EXPECT_TRUE(std::ranges::any_of(outcome.notes, tells));
 }

@@ -67,7 +67,7 @@ TEST_F(Verification, SkipsMethodsWithVerticesOffEdges) {
   Idle idle(true);
   const auto record = compare(nets, idle);
   ASSERT_TRUE(record) << record.error().message;
-  expect_not_applicable(*record, "made-up nets: the vertices are not on edges of the grid");
+  expect_not_applicable(*record, "made-up nets: the vertices do not lie on edges of the grid");
 }
 
 TEST_F(Verification, SkipsBackendWithoutMethod) {

@@ -54,7 +54,7 @@ SelectedBodies must_keep(const mesh::Mesh& mesh, const BodySelection& options) {
 
 double volume_of(double radius) { return 4 * std::numbers::pi / 3 * radius * radius * radius; }
 
-// A shell with a cavity that holds a hollow pebble, and a small ball beside the shell.
+// A shell with a cavity that contains a pebble with a cavity, and a small ball beside the shell.
 const std::vector<Ball> kShells{{{20.2, 20.3, 20.1}, 16},
                                 {{20.1, 20.4, 20.2}, 11},
                                 {{21.3, 19.2, 20.5}, 6},
@@ -150,7 +150,7 @@ TEST(Pieces, TreatsCavitiesWithoutShellAsBodies) {
   }
 }
 
-// A hollow grain in a bubble. The matter around it is open at the data boundary, or unbounded.
+// A grain with a cavity, in a bubble. The matter around it is open at the data boundary, or unbounded.
 TEST(Pieces, AssignsCavityToInnermostGrain) {
   const field::ScalarField open =
       nested({{{0, 24, 24}, 20}, {{9.1, 24.2, 24.3}, 8}, {{9.2, 24.1, 24.4}, 6}, {{9.3, 24.4, 24.2}, 3.3}});
@@ -173,7 +173,7 @@ TEST(Pieces, AssignsCavityToInnermostGrain) {
   }
 }
 
-// Many balls, some hollow, with known nesting.
+// Many balls, some with cavities, with known nesting.
 TEST(Pieces, FindsNestingOfManyBalls) {
   std::mt19937 engine(5);
   std::vector<Ball> balls;
@@ -237,7 +237,7 @@ TEST(Pieces, SplitsMeshIntoBodies) {
   EXPECT_EQ(mesh::measure_topology((*pieces)[0]).components, 2U) << "with its cavity";
   const auto many = split_into_bodies(copy(mesh), 2, Context());
   ASSERT_FALSE(many);
-  EXPECT_NE(many.error().message.find("3 pieces"), std::string::npos);
+  EXPECT_NE(many.error().message.find("3 bodies"), std::string::npos);
   EXPECT_TRUE(split_into_bodies(mesh::Mesh(), 2, Context()).value().empty());
 }
 

@@ -143,7 +143,7 @@ TEST(BoundedSimplify, KeepsThinShellsSpecksAndTubes) {
     Case c;
     c.iso = 0.5;
     c.max_distance = distance;
-    // One voxel thick, hollow: two spheres that must not be joined.
+    // A shell one voxel thick: two spheres that must not be connected.
     const auto shell = test::dense_field<float>({24, 24, 24}, [](int i, int j, int k) {
       const double r = std::sqrt(std::pow(i - 11.5, 2) + std::pow(j - 11.5, 2) + std::pow(k - 11.5, 2));
       return std::max(0.0, 1 - std::abs(r - 8));
@@ -217,7 +217,7 @@ TEST(BoundedSimplify, NeverAddsTrianglesForLargerDistance) {
     for (const double distance : {0.01, 0.03, 0.1, 0.3, 1.0, 2.0, 4.0}) {
       SimplifyOptions simplify;
       simplify.max_distance = distance;
-      simplify.patch_size = 8;  // many borders, where collapses of one patch block the next
+      simplify.patch_size = 8;  // many patch outlines, where collapses of one patch block the next
       const std::size_t left = must_simplify(copy(mesh), simplify).mesh.triangles.size();
       EXPECT_LE(left, fewest) << "input " << i << " at " << distance;
       fewest = left;

@@ -68,7 +68,7 @@ void expect_closed(const mesh::Mesh& mesh, const std::string& what) {
 double volume_of(const mesh::Mesh& mesh) { return mesh::measure_size(mesh).volume; }
 
 // General planes, planes along the sample axes between samples, and planes through samples.
-TEST(CutCapFigures, ClosesBothSidesAndKeepsVolume) {
+TEST(CutCap, ClosesBothSidesAndKeepsVolume) {
   struct Surface {
     const char* demo;
     double iso;
@@ -105,7 +105,7 @@ TEST(CutCapFigures, ClosesBothSidesAndKeepsVolume) {
 }
 
 // A half, a quarter and an eighth: later planes cut the caps of earlier ones. No handles, no extra components.
-TEST(CutCapFigures, CutsCapsOfEarlierPlanes) {
+TEST(CutCap, CutsCapsOfEarlierPlanes) {
   for (const glm::dvec3& origin : {glm::dvec3(0), glm::dvec3(1e5, -2e5, 3e5)}) {
     mesh::Mesh part = closed_surface("demo:sphere?size=49", 0, origin);
     double volume = volume_of(part);
@@ -127,7 +127,7 @@ TEST(CutCapFigures, CutsCapsOfEarlierPlanes) {
 }
 
 // In a plane, triangles of a removed body go, triangles of a kept body stay, and the rest of the plane is capped.
-TEST(CutCapFigures, DropsOrKeepsFacesInPlane) {
+TEST(CutCap, DropsOrKeepsFacesInPlane) {
   // A block with a smaller one on top: the step is at z = 0.
   mesh::Mesh above = test::box_mesh({0, 0, 0}, {1, 1, 1});
   must_cap(above, {{{0, 0, 1}, 0}});
@@ -143,7 +143,7 @@ TEST(CutCapFigures, DropsOrKeepsFacesInPlane) {
   EXPECT_NEAR(volume_of(half), 6, 1e-6);
 }
 
-TEST(CutCapFigures, RejectsCutsThatEndAtOpenBorder) {
+TEST(CutCap, RejectsCutsThatEndAtOpenBorder) {
   const field::ScalarField field = field::make_demo_field("demo:gyroid?size=30", Context()).value();
   extract::ExtractOptions options;
   options.iso = 0;
@@ -153,10 +153,10 @@ TEST(CutCapFigures, RejectsCutsThatEndAtOpenBorder) {
   const auto refused = clip_to_half_spaces(open, kept, CutClosing::capped, Context());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::input);
-  EXPECT_NE(refused.error().message.find("cannot be closed"), std::string::npos);
+  EXPECT_NE(refused.error().message.find("cannot cap the clip plane"), std::string::npos);
 }
 
-TEST(CutCapFigures, IsIndependentOfThreadsAndReservesMemory) {
+TEST(CutCap, IsIndependentOfThreadsAndReservesMemory) {
   const std::vector<mesh::HalfSpace> kept{{glm::normalize(glm::dvec3(1, 2, 3)), 0.1}, {{0, 0, -1}, -0.5}};
   std::vector<mesh::Mesh> results;
   for (const std::size_t threads : {1, 4}) {

@@ -59,7 +59,7 @@ TEST(HalfSpaceClip, SplitsAreaBetweenBothSides) {
         on_plane += std::abs(kept.depth(part->position(v))) < 2e-6 ? 1 : 0;
       }
       const mesh::Topology topology = mesh::measure_topology(*part);
-      // A closed surface is cut open: each boundary edge joins two vertices on the plane, in loops.
+      // A closed surface is cut open: each boundary edge lies in the plane, and the edges form loops.
       EXPECT_EQ(topology.open_edges, on_plane);
       EXPECT_EQ(topology.nonmanifold_edges, 0U);
       EXPECT_EQ(topology.misoriented_edges, 0U);

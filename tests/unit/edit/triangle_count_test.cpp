@@ -52,7 +52,7 @@ TEST(SimplifyToCount, ReachesTriangleCount) {
   }
 }
 
-// Uses patches on a surface with an open border and handles, with several numbers of threads.
+// Uses patches on a surface with a boundary loop and handles, with several numbers of threads.
 TEST(SimplifyToCount, ReachesTriangleCountInPatches) {
   extract::ExtractOptions extract;
   extract.output_from_index = {glm::dmat3(1.0), {}};

@@ -167,7 +167,7 @@ TEST_P(CellTables, PutNoTriangleInAFace) {
 }
 
 // A tunnel replaces the discs of two loops by an annulus: two more triangles for each loop, an Euler number lower by
-// two, and the same border.
+// two, and the same boundary.
 TEST_P(CellTables, TunnelsJoinTwoLoops) {
   const auto euler = [&](unsigned variant) {
     std::set<int> vertices;

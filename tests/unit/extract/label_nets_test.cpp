@@ -147,7 +147,7 @@ TEST(LabelNets, ClosesRandomLabelsWithoutGaps) {
   }
 }
 
-// Across chunks; the number of triangles at the borders is that of the faces.
+// Across chunks; the number of triangles at chunk faces is that of the faces.
 TEST(LabelNets, SharesEveryFaceBetweenBothLabels) {
   const glm::ivec3 dims{70, 17, 19};
   // Balls, because labels that touch themselves along an edge have more triangles.

@@ -89,7 +89,7 @@ TEST(Resample, RefusesVoxelSizesThatDoNotFit) {
 
 TEST(Resample, SharesSamplesAtSameResolution) {
   ScalarField field = test::random_field<std::uint16_t>({5, 6, 7}, 1, 60000);
-  field.notes = {"was shown when it was read"};
+  field.notes = {{NoteId::extra_bytes, "the reader skips bytes"}};
   field.scale = {-2, 1};
   const ScalarField same = resampled(field, {5, 6, 7});
   EXPECT_EQ(dense_samples(same).data, dense_samples(field).data);
@@ -348,8 +348,8 @@ TEST(Resample, SparseEqualsDenseOverStoredBox) {
   std::get<SparseSamples>(sparse.samples).active_box = {glm::ivec3(5), glm::ivec3(6)};
   const ScalarField own = resampled(sparse, {30, 22, 38});
   ASSERT_EQ(own.notes.size(), 1U);
-  EXPECT_NE(own.notes[0].find("30 x 22 x 38 samples of f32 (98 KiB)"), std::string::npos) << own.notes[0];
-  EXPECT_NE(own.notes[0].find("(1, 1, 1) .. (30, 22, 38)"), std::string::npos) << own.notes[0];
+  EXPECT_NE(own.notes[0].text.find("30 x 22 x 38 samples of f32 (98 KiB)"), std::string::npos) << own.notes[0].text;
+  EXPECT_NE(own.notes[0].text.find("(1, 1, 1) .. (30, 22, 38)"), std::string::npos) << own.notes[0].text;
   EXPECT_EQ(own.index_to_file(glm::dvec3(0)), glm::dvec3(1));
   for_each_sample({30, 22, 38}, [&](const glm::ivec3& p) { ASSERT_EQ(sample_at(own, p), sample_at(dense, p + 1)); });
 

@@ -146,7 +146,7 @@ std::int64_t most_memory() {
   return std::int64_t{usage.ru_maxrss} * 1024;
 }
 
-// Nobody reserves memory for the estimate. SparseLookup would take over 16 KiB for each of these tiles.
+// The estimate reserves no memory. SparseLookup would take over 16 KiB for each of these tiles.
 TEST(EstimateVertices, TakesLittleMemoryForScatteredTiles) {
   constexpr int kTiles = 20'000;
   SparseSamples sparse;

@@ -226,7 +226,7 @@ TEST(OutputFile, FailsForAClosedReader) {
     auto file = must_create("-");
     const auto written = file.write(std::string(1 << 20, 'x'));
     if (written) return 2;
-    return written.error().message == "standard output: cannot write: closed by the reader" ? 0 : 3;
+    return written.error().message == "standard output: cannot write: the reader closed the pipe" ? 0 : 3;
   });
   EXPECT_EQ(code, 0);
 }

@@ -42,7 +42,7 @@ gl::GpuDevice device(int index, std::string renderer, bool software = false, std
 gl::GpuDevice broken(int index) {
   gl::GpuDevice made;
   made.index = index;
-  made.problem = Error{ErrorCode::unavailable, "the driver could not be initialised", "ask its maker"};
+  made.problem = Error{ErrorCode::unavailable, "the driver failed to initialize", "ask its maker"};
   return made;
 }
 
@@ -77,7 +77,7 @@ TEST(DeviceChoice, ListsDevicesIfNoneFits) {
   }
   const auto own = gl::choose_device(devices, 2);
   ASSERT_FALSE(own);
-  EXPECT_EQ(own.error().message, "the driver could not be initialised") << "why that device cannot be used";
+  EXPECT_EQ(own.error().message, "the driver failed to initialize") << "why that device cannot be used";
 }
 
 TEST(Devices, FailWithListIfOutOfRange) {
@@ -86,7 +86,7 @@ TEST(Devices, FailWithListIfOutOfRange) {
   const auto extractor = make_gpu_extractor(options);
   ASSERT_FALSE(extractor);
   EXPECT_EQ(extractor.error().code, ErrorCode::unavailable);
-  EXPECT_NE(extractor.error().message.find("no device 99; there are 0: "), std::string::npos)
+  EXPECT_NE(extractor.error().message.find("no device 99; the devices are 0: "), std::string::npos)
       << extractor.error().message;
   options.device = gl::DeviceName{"no such renderer"};
   EXPECT_FALSE(make_gpu_extractor(options));
@@ -164,13 +164,13 @@ TEST(Drivers, FailIfLibrariesAreBroken) {
   const test::TempFolder folder;
   const auto with_folder = [&] { return "LD_LIBRARY_PATH='" + folder.path().string() + "'"; };
   test::write_bytes(folder / "libEGL.so.1", "this is no library");
-  expect_unavailable(with_folder(), {"EGL could not be loaded", "libEGL.so.1", "libegl1", "use_cpu"});
+  expect_unavailable(with_folder(), {"EGL failed to load", "libEGL.so.1", "libegl1", "use_cpu"});
   test::write_bytes(folder / "libEGL.so.1", test::read_bytes(ISOEXTRACT_NO_FUNCTIONS));
-  expect_unavailable(with_folder(), {"EGL could not be loaded", "eglGetProcAddress"});
+  expect_unavailable(with_folder(), {"EGL failed to load", "eglGetProcAddress"});
   std::filesystem::remove(folder / "libEGL.so.1");
   test::write_bytes(folder / "libOpenGL.so.0", "neither is this");
   test::write_bytes(folder / "libGL.so.1", "nor this");
-  expect_unavailable(with_folder(), {"OpenGL could not be loaded", "libopengl0"});
+  expect_unavailable(with_folder(), {"OpenGL failed to load", "libopengl0"});
 }
 
 // The loader exists, but the driver that it names does not.
@@ -187,7 +187,7 @@ TEST(Drivers, FailIfMesaHasNoDrivers) {
   ASSERT_TRUE(devices) << devices.error().message;
   if (!std::ranges::all_of(*devices, &gl::GpuDevice::software))
     GTEST_SKIP() << "another driver than Mesa's llvmpipe is here";
-  expect_unavailable("LIBGL_DRIVERS_PATH=/nonexistent", {"EGL could not be initialised on the device", "use_cpu"});
+  expect_unavailable("LIBGL_DRIVERS_PATH=/nonexistent", {"EGL failed to initialize on the device", "use_cpu"});
 }
 
 }  // namespace

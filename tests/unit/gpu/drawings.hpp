@@ -87,7 +87,7 @@ inline extract::Extraction extract_on_gpu(const field::ScalarField& field, const
 
 using KeyTriangle = std::array<mesh::EdgeKey, 3>;
 
-// Triangles as edge keys, starting at the lowest: independent of order, but not of winding.
+// Returns triangles as edge keys, starting at the lowest: independent of order, but not of winding.
 inline std::vector<KeyTriangle> key_triangles(const mesh::Mesh& mesh) {
   std::vector<KeyTriangle> set;
   set.reserve(mesh.triangles.size());

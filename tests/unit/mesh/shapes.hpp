@@ -18,7 +18,7 @@ inline mesh::Mesh make_mesh(const std::vector<glm::vec3>& positions, const std::
   return mesh;
 }
 
-// A tetrahedron with corners 0, x, y and z of size 1, wound outward; volume 1/6.
+// Returns a tetrahedron with corners 0, x, y and z of size 1, wound outward; volume 1/6.
 inline mesh::Mesh unit_tetrahedron() {
   return make_mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}});
 }

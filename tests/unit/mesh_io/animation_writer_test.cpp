@@ -263,8 +263,8 @@ TEST_F(Animation, SplitsBeforeFileIsTooLarge) {
       }
       EXPECT_EQ(result.notes.size(), parts.size() > 1 ? 1U : 0U);
       if (parts.size() > 1) {
-        EXPECT_NE(result.notes[0].find("frames 100 to "), std::string::npos) << result.notes[0];
-        EXPECT_NE(result.notes[0].find("in water.part2.glb"), std::string::npos) << result.notes[0];
+        EXPECT_NE(result.notes[0].text.find("frames 100 to "), std::string::npos) << result.notes[0].text;
+        EXPECT_NE(result.notes[0].text.find("in water.part2.glb"), std::string::npos) << result.notes[0].text;
       }
     }
   }
@@ -400,7 +400,7 @@ TEST_F(Animation, NotesLeftoverPartOfEarlierRun) {
   must_add(writer, 1);
   const auto result = must_finish(writer);
   ASSERT_EQ(result.notes.size(), 1U);
-  EXPECT_NE(result.notes[0].find("water.part2.glb was there before"), std::string::npos);
+  EXPECT_NE(result.notes[0].text.find("water.part2.glb existed before"), std::string::npos);
   EXPECT_EQ(read_bytes(folder_ / "water.part2.glb"), "old");
 }
 
@@ -472,7 +472,7 @@ TEST_F(Animation, RequiresBoxAroundQuantizedPositions) {
   const auto outside = writer.add(name_of(1), 1, std::span(&ball, 1), packing);
   ASSERT_FALSE(outside);
   EXPECT_EQ(outside.error().code, ErrorCode::output);
-  EXPECT_NE(outside.error().message.find("water.glb: expected vertices in the quantisation box"), std::string::npos)
+  EXPECT_NE(outside.error().message.find("water.glb: expected vertices in the quantization box"), std::string::npos)
       << outside.error().message;
   must_add(writer, 2);
   must_finish(writer);
@@ -493,7 +493,7 @@ TEST_F(Animation, ReadsBackFirstFrame) {
   EXPECT_EQ(read->mesh.positions.size(), sphere(10, false).positions.size());
   EXPECT_EQ(read->mesh.triangles.size(), sphere(10, false).triangles.size());
   ASSERT_EQ(read->notes.size(), 1U);
-  EXPECT_NE(read->notes[0].find("2 surfaces were left out"), std::string::npos) << read->notes[0];
+  EXPECT_NE(read->notes[0].text.find("the reader skips 2 surfaces"), std::string::npos) << read->notes[0].text;
 }
 
 }  // namespace

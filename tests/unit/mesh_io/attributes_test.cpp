@@ -158,12 +158,12 @@ TEST_F(AttributeTest, NotesUnsupportedAttributes) {
   add_attribute(mesh, "fraction", ComponentType::u8, 1, true);
   const auto gltf = write(copy(mesh), kForms[3]);
   ASSERT_EQ(gltf.notes.size(), 2U);
-  EXPECT_NE(gltf.notes[0].find("f64: 'wide' was left out"), std::string::npos) << gltf.notes[0];
-  EXPECT_NE(gltf.notes[1].find("'nan'"), std::string::npos) << gltf.notes[1];
+  EXPECT_NE(gltf.notes[0].text.find("f64: the writer omits 'wide'"), std::string::npos) << gltf.notes[0].text;
+  EXPECT_NE(gltf.notes[1].text.find("'nan'"), std::string::npos) << gltf.notes[1].text;
   EXPECT_EQ(read("a.glb").mesh.attributes.size(), 1U);
   const auto ply = write(copy(mesh), kForms[1]);
   ASSERT_EQ(ply.notes.size(), 1U);
-  EXPECT_NE(ply.notes[0].find("'fraction'"), std::string::npos) << ply.notes[0];
+  EXPECT_NE(ply.notes[0].text.find("'fraction'"), std::string::npos) << ply.notes[0].text;
   const mesh::Mesh back = read("ascii.ply").mesh;
   ASSERT_EQ(back.attributes.size(), 3U);
   float second = 0;
@@ -173,9 +173,10 @@ TEST_F(AttributeTest, NotesUnsupportedAttributes) {
        {Form{"a.obj", {MeshFormat::obj, false, false}}, Form{"a.stl", {MeshFormat::stl, false, false}}}) {
     const auto written = write(copy(mesh), form);
     ASSERT_EQ(written.notes.size(), 1U);
-    EXPECT_NE(written.notes[0].find("'wide', 'nan', 'fraction' were left out; glb, gltf, ply, drc keep them"),
-              std::string::npos)
-        << written.notes[0];
+    EXPECT_NE(
+        written.notes[0].text.find("the writer omits 'wide', 'nan', 'fraction'; glb, gltf, ply, drc store attributes"),
+        std::string::npos)
+        << written.notes[0].text;
     EXPECT_TRUE(read(form.name).mesh.attributes.empty());
   }
 }
@@ -208,7 +209,7 @@ TEST_F(AttributeTest, ReadsPlyPropertiesOfOtherPrograms) {
   const MeshFile list = ply("property list uchar int ring\n", "2 5 6");
   EXPECT_TRUE(list.mesh.attributes.empty());
   ASSERT_EQ(list.notes.size(), 1U);
-  EXPECT_NE(list.notes[0].find("'ring'"), std::string::npos);
+  EXPECT_NE(list.notes[0].text.find("'ring'"), std::string::npos);
 }
 
 TEST_F(AttributeTest, RefusesDamagedPly) {
@@ -223,7 +224,7 @@ TEST_F(AttributeTest, RefusesDamagedPly) {
                "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
                "element vertex 1\nproperty uchar q\n" +
                    std::string(kPlyEnd) + "0 0 0\n1 0 0 0\n3 0 0 0\n",
-               "expected 'q' of each of 2 vertices, found 1");
+               "expected a value of 'q' for each of 2 vertices, found 1 values");
 }
 
 class GltfAttributeTest : public AttributeTest {
@@ -273,7 +274,7 @@ TEST_F(GltfAttributeTest, NotesWeldedCornersWithOtherValues) {
   const MeshFile file = read("a.gltf");
   EXPECT_EQ(file.mesh.positions.size(), 1U);
   ASSERT_EQ(file.notes.size(), 1U);
-  EXPECT_NE(file.notes[0].find("1 corners were joined"), std::string::npos) << file.notes[0];
+  EXPECT_NE(file.notes[0].text.find("the reader merges 1 corners"), std::string::npos) << file.notes[0].text;
 }
 
 TEST_F(GltfAttributeTest, RefusesDamagedGltf) {
@@ -281,16 +282,16 @@ TEST_F(GltfAttributeTest, RefusesDamagedGltf) {
     expect_error("d.gltf", gltf(attributes, "none", accessor), part);
   };
   damaged(R"("_A":1)", R"({"bufferView":0,"componentType":5121,"count":2,"type":"SCALAR"})",
-          "expected 3 values as '_A', one a vertex, found 2");
+          "expected 3 values of '_A', one per vertex, found 2");
   damaged(R"("_A":1)", R"({"bufferView":0,"componentType":5121,"byteOffset":62,"count":3,"type":"SCALAR"})",
-          "expected 3 values within a view of 64 bytes");
+          "expected a buffer view with room for 3 values, found 64 bytes");
   damaged(R"("_A":1)", R"({"bufferView":0,"componentType":5124,"count":3,"type":"SCALAR"})",
           "expected a component type");
-  damaged(R"("_A":7)", kBytes, "expected fewer than 2 as an index into 'accessors'");
+  damaged(R"("_A":7)", kBytes, "expected an index below 2 into 'accessors'");
   damaged(R"("_A":"x")", kBytes, "expected an accessor as '_A'");
-  damaged(R"("COLOR_0":1)", kBytes, "expected colours of three or four components");
+  damaged(R"("COLOR_0":1)", kBytes, "expected colors with three or four components");
   damaged(R"("COLOR_0":1)", R"({"bufferView":0,"componentType":5121,"count":3,"type":"VEC3"})",
-          "expected colours of three or four components");
+          "expected colors with three or four components");
   // glTF allows an accessor without values, but the reader refuses it.
   write_bytes(folder_ / "a.gltf", gltf(R"("_A":1)", "none", R"({"componentType":5121,"count":3,"type":"SCALAR"})"));
   EXPECT_EQ(read("a.gltf").notes.size(), 1U);

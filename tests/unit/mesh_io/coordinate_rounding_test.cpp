@@ -83,7 +83,7 @@ TEST(WrittenPlaces, RefusesFloat32BeforeDouble) {
   EXPECT_FALSE(is_kept(far, MeshFormat::stl));
   const Error error = check_coordinate_rounding(far, "far.stl", MeshFormat::stl).error();
   EXPECT_EQ(test::text_of(error.hint), "glb, gltf, ply, obj");
-  for (const char* part : {"far.stl: ", "at 1e+07", "float32 are 1 from each other", "about 0.08"}) {
+  for (const char* part : {"far.stl: ", "at 1e+07", "float32 are 1 apart", "about 0.08"}) {
     EXPECT_NE(error.message.find(part), std::string::npos) << error.message;
   }
 }

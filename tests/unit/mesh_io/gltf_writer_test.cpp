@@ -127,7 +127,7 @@ TEST_P(GltfWriter, SplitsVerticesForFlatNormals) {
   EXPECT_EQ(model_["accessors"][0]["min"].get<std::vector<double>>(), (std::vector<double>{0, 0, -3}));
   EXPECT_EQ(model_["accessors"][0]["max"].get<std::vector<double>>(), (std::vector<double>{2, 2, 0}));
   ASSERT_EQ(result_.notes.size(), 1U);
-  EXPECT_NE(result_.notes[0].find("not welded"), std::string::npos);
+  EXPECT_NE(result_.notes[0].text.find("no welded vertices"), std::string::npos);
 }
 
 TEST_P(GltfWriter, WritesEmptySurfaceAsNodeWithoutMesh) {
@@ -174,7 +174,7 @@ TEST_P(GltfWriter, ReplacesInvalidUtf8InNamesWithNote) {
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].name, "bad \xEF\xBF\xBD name");
   ASSERT_EQ(result_.notes.size(), 1U);
-  EXPECT_NE(result_.notes[0].find("UTF-8"), std::string::npos);
+  EXPECT_NE(result_.notes[0].text.find("UTF-8"), std::string::npos);
 }
 
 TEST(GltfWriterFiles, PercentEncodesNameOfDataFile) {

@@ -50,7 +50,7 @@ class MeshReaderTest : public testing::Test {
   TempFolder folder_;
 };
 
-// A model of one triangle, with the given `nodes` and `scene`.
+// Returns a model of one triangle, with the given `nodes` and `scene`.
 inline std::string gltf(const std::string& nodes, const std::string& scene = R"({"nodes":[0]})") {
   return fmt::format(
       R"({{"asset":{{"version":"2.0"}},"scenes":[{}],"nodes":[{}],"meshes":[{{"primitives":[{{"attributes":)"

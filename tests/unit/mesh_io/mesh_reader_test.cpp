@@ -129,7 +129,7 @@ TEST_F(MeshReaderTest, ReadsObjPolygonsAndRelativeIndices) {
   EXPECT_TRUE(mesh::measure_topology(read.mesh).is_closed_oriented_manifold());
   EXPECT_NEAR(mesh::measure_size(read.mesh).volume, 1.0 / 3, 1e-7);
   ASSERT_EQ(read.notes.size(), 1U);
-  EXPECT_NE(read.notes[0].find("1 lines and points"), std::string::npos);
+  EXPECT_NE(read.notes[0].text.find("1 lines and points"), std::string::npos);
 }
 
 TEST_F(MeshReaderTest, ReadsPlyOfOtherPrograms) {
@@ -195,14 +195,15 @@ TEST_F(MeshReaderTest, RefusesDamagedGltf) {
   read_text("good.gltf", good);
   expect_error("a.gltf", good.substr(0, good.size() - 5), "expected JSON");
   expect_error("a.gltf", replaced("\"2.0\"", "\"1.0\""), "expected glTF of version 2, found '1.0'");
-  expect_error("a.gltf", replaced("\"count\":3", "\"count\":4"), "expected 4 values within a view of 36 bytes");
-  expect_error("a.gltf", replaced("\"count\":3", "\"count\":18446744073709551615"), "within a view");
+  expect_error("a.gltf", replaced("\"count\":3", "\"count\":4"),
+               "expected a buffer view with room for 4 values, found 36 bytes");
+  expect_error("a.gltf", replaced("\"count\":3", "\"count\":18446744073709551615"), "expected a buffer view with room");
   expect_error("a.gltf", replaced("\"count\":3", "\"count\":-3"), "expected a whole number as 'count', found -3");
   expect_error("a.gltf", replaced("\"byteLength\":36}]", "\"byteOffset\":18446744073709551615,\"byteLength\":36}]"),
                "within a buffer");
   expect_error("a.gltf", replaced("\"byteLength\":36,\"uri\"", "\"byteLength\":37,\"uri\""),
                "expected 37 bytes of buffer 0, found 36");
-  expect_error("a.gltf", replaced("\"POSITION\":0", "\"POSITION\":1"), "index into 'accessors', found 1");
+  expect_error("a.gltf", replaced("\"POSITION\":0", "\"POSITION\":1"), "into 'accessors', found 1");
   expect_error("a.gltf", replaced("5126", "5123"), "expected positions of component type 5126");
   expect_error("a.gltf", replaced("\"bufferView\":0,\"componentType\"", "\"componentType\""),
                "expected an accessor with values in a buffer");
@@ -215,13 +216,13 @@ TEST_F(MeshReaderTest, RefusesDamagedGltf) {
   expect_error("a.gltf", replaced("data:;base64,AAAAAAAAAAAAAAAA", "data:,"),
                "expected 36 bytes of buffer 0, found 32");
   expect_error("a.gltf", replaced("\"attributes\"", "\"mode\":7,\"attributes\""), "found 7");
-  expect_error("a.gltf", gltf(R"({"mesh":0,"children":[0]})"), "found node 0 in two places");
-  expect_error("a.gltf", gltf(R"({"mesh":7})"), "index into 'meshes', found 7");
+  expect_error("a.gltf", gltf(R"({"mesh":0,"children":[0]})"), "found node 0 twice");
+  expect_error("a.gltf", gltf(R"({"mesh":7})"), "into 'meshes', found 7");
   expect_error("a.gltf", gltf(R"({"mesh":0,"matrix":[1,2]})"), "expected 16 numbers as 'matrix'");
   expect_error("a.gltf", gltf(R"({"mesh":0,"scale":[1,null,1]})"), "expected numbers as 'scale'");
   expect_error("a.gltf", gltf(R"({"mesh":0,"scale":[1e308,1e308,1e308],"translation":[1e308,1e308,0]})"), "expected");
   expect_error("a.gltf", gltf(R"({"translation":[1.7e308,0,0],"children":[1]},{"mesh":0,"translation":[1.7e308,0,0]})"),
-               "expected a finite place of node 1 within the scene, found (inf, 0, 0)");
+               "expected a finite position of node 1 in the scene, found (inf, 0, 0)");
   expect_error("a.gltf", gltf(R"({"scale":[1e200,1,1],"children":[1]},{"mesh":0,"scale":[1e200,1,1]})"), "node 1");
   // Recursion into nesting this deep would overflow the stack.
   const std::string deep = std::string(300000, '[') + std::string(300000, ']');
@@ -234,7 +235,7 @@ TEST_F(MeshReaderTest, RefusesDamagedGltf) {
   std::filesystem::remove(folder_ / "b.bin");
   expect_error("b.gltf", test::read_bytes(folder_ / "b.gltf"), "names the data file 'b.bin'");
   expect_error("a.gltf", R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":1,"uri":"..%2Fsecret"}]})",
-               "not beside or below");
+               "outside the folder of the header");
 }
 
 TEST_F(MeshReaderTest, ReadsGltfStripsFansAndPercentEncodedData) {
@@ -282,10 +283,10 @@ TEST_F(MeshReaderTest, ReadsGltfStripsFansAndPercentEncodedData) {
   const MeshFile lines = read_text("a.gltf", square(3, {a, b, c, d}, ""));
   EXPECT_TRUE(lines.mesh.triangles.empty());
   ASSERT_EQ(lines.notes.size(), 1U);
-  EXPECT_NE(lines.notes[0].find("1 primitives of points or lines were left out"), std::string::npos);
+  EXPECT_NE(lines.notes[0].text.find("the reader skips 1 primitives of points or lines"), std::string::npos);
   std::string two = square(5, {a, b, c, d}, "");
   two.replace(two.find("\"count\":4"), 9, "\"count\":2");
-  expect_error("a.gltf", two, "expected at least three vertices of a strip or fan, found 2");
+  expect_error("a.gltf", two, "expected at least three vertices in a strip or fan, found 2");
 }
 
 TEST_F(MeshReaderTest, RefusesDamagedGlb) {
@@ -330,14 +331,14 @@ TEST_F(MeshReaderTest, RefusesDamagedPly) {
   expect_error("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty half x\nend_header\n1\n", "'half'");
   expect_error("a.ply", "ply\nelement vertex 1\nproperty float x\nend_header\n1\n", "expected a line 'format");
   expect_error("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n",
-               "expected a number 'y'");
+               "expected a numeric vertex property 'y'");
 
   const std::string triangle = points + "3 0 1 2\n";
   const MeshFile more =
       read_text("more.ply", head + "comment made with end_header marker\n" + faces + triangle + "7 8");
   EXPECT_EQ(more.mesh.triangles.size(), 1U);
   ASSERT_EQ(more.notes.size(), 1U);
-  EXPECT_NE(more.notes[0].find("the data after its last element were left out"), std::string::npos);
+  EXPECT_NE(more.notes[0].text.find("the reader skips the data after the last element"), std::string::npos);
   EXPECT_TRUE(read_text("blanks.ply", head + faces + triangle + "\n \r\n").notes.empty());
   expect_error("a.ply", head + "end_header now\n" + points, "expected nothing after end_header, found 'now'");
 
@@ -350,8 +351,9 @@ TEST_F(MeshReaderTest, RefusesDamagedPly) {
 
 TEST_F(MeshReaderTest, RefusesDamagedObj) {
   expect_error("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "expected indices below 3");
-  expect_error("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n", "line 4: expected the number of a vertex, of 3 so far");
-  expect_error("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -1 -2 -4\n", "line 4: expected the number of a vertex");
+  expect_error("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n",
+               "line 4: expected a valid vertex index, with 3 in the file so far");
+  expect_error("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -1 -2 -4\n", "line 4: expected a valid vertex index");
   expect_error("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\n", "at least 3 corners");
   expect_error("a.obj", "v 0 0\n", "line 1: expected a number, found nothing");
   expect_error("a.obj", "v 0 0 0\nf 1 1 99999999999999999999\n", "expected a whole number");

@@ -158,15 +158,15 @@ TEST(MeshWriter, WritesSameBytesOneByOneAndTogether) {
     for (mesh::Mesh& mesh : meshes) add_color(mesh, mesh::ComponentType::u8, 3);
     MeshWriter writer(folder / "a/out", options, Context());
     for (const mesh::Mesh& mesh : meshes) ASSERT_TRUE(writer.add(mesh::copy(mesh)));
-    const auto used_sequential_method = writer.finish();
-    ASSERT_TRUE(used_sequential_method) << name;
+    const auto one_by_one = writer.finish();
+    ASSERT_TRUE(one_by_one) << name;
     const MeshWriteResult at_once = must_write(meshes, folder / "b/out", options);
-    EXPECT_EQ(used_sequential_method->notes, at_once.notes) << name;
+    EXPECT_EQ(one_by_one->notes, at_once.notes) << name;
     EXPECT_FALSE(at_once.notes.empty()) << name;
-    ASSERT_EQ(used_sequential_method->files.size(), at_once.files.size()) << name;
+    ASSERT_EQ(one_by_one->files.size(), at_once.files.size()) << name;
     for (std::size_t f = 0; f < at_once.files.size(); ++f) {
-      const fs::path path = used_sequential_method->files[f].path;
-      EXPECT_EQ(used_sequential_method->files[f].bytes, fs::file_size(path)) << name;
+      const fs::path path = one_by_one->files[f].path;
+      EXPECT_EQ(one_by_one->files[f].bytes, fs::file_size(path)) << name;
       EXPECT_TRUE(read_bytes(path) == read_bytes(at_once.files[f].path)) << name;
     }
   }

@@ -39,7 +39,7 @@ class OtherProgramsTest : public test::MeshReaderTest {
   // Returns the only note.
   static void expect_note(const MeshFile& read, const std::string& part) {
     ASSERT_EQ(read.notes.size(), 1U);
-    EXPECT_NE(read.notes[0].find(part), std::string::npos) << read.notes[0];
+    EXPECT_NE(read.notes[0].text.find(part), std::string::npos) << read.notes[0].text;
   }
 
   // Measures processor time, of which a quadratic algorithm takes minutes. Elapsed time depends on other programs.
@@ -163,13 +163,13 @@ TEST_F(OtherProgramsTest, ReadsStlWithTrailingBytes) {
     for (const std::size_t more : {1U, 7U, 49U, 512U}) {
       const MeshFile read = read_text("b.stl", stl + std::string(more, 'x'));
       expect_tetrahedron(read);
-      expect_note(read, fmt::format("b.stl: {} bytes after its last triangle were left out", more));
+      expect_note(read, fmt::format("b.stl: the reader skips {} bytes after the last triangle", more));
     }
   }
   // The additional bytes could be triangles, so the count in the header is wrong.
   const std::string stl = binary_stl("any");
   expect_error("c.stl", stl + std::string(50, 'x'),
-               "for the 4 triangles that its header announces, found 334, which 5");
+               "for the 4 triangles that its header announces, found 334 bytes, the size of 5");
   expect_error("c.stl", stl.substr(0, 80) + word(0) + stl.substr(84), "for the 0 triangles");
   expect_error("c.stl", stl.substr(0, 80) + word(0) + "abc", "for the 0 triangles");
 }
@@ -197,14 +197,14 @@ TEST_F(OtherProgramsTest, ReadsGltfSparseValues) {
   test::write_bytes(folder_ / "data.bin", corners + std::string("\0\2\0\0", 4) + bytes_of({3, 0, 0, 0, 4, 0}));
   EXPECT_EQ(mesh::measure_size(read_text("a.gltf", sparse(2, 5121, "")).mesh).area, 6);
 
-  expect_error("b.gltf", sparse(3, 5121, base), "expected 3 values within a view of 24 bytes");
+  expect_error("b.gltf", sparse(3, 5121, base), "expected a buffer view with room for 3 values, found 24 bytes");
   expect_error("b.gltf", sparse(1, 5126, base), "expected indices of an unsigned type");
-  expect_error("b.gltf", sparse(18446744073709551615U, 5121, base), "within a view of 4 bytes");
+  expect_error("b.gltf", sparse(18446744073709551615U, 5121, base), "values, found 4 bytes");
   test::write_bytes(folder_ / "data.bin", corners + std::string("\2\0\0\0", 4) + bytes_of({3, 0, 0, 0, 4, 0}));
   expect_error("b.gltf", sparse(2, 5121, base),
-               "expected rising indices below 3 of sparse values, found 0 as number 1");
+               "expected increasing indices of sparse values below 3, found 0 at position 1");
   test::write_bytes(folder_ / "data.bin", corners + std::string("\3\0\0\0", 4) + bytes_of({3, 0, 0, 0, 4, 0}));
-  expect_error("b.gltf", sparse(1, 5121, base), "expected rising indices below 3 of sparse values, found 3");
+  expect_error("b.gltf", sparse(1, 5121, base), "expected increasing indices of sparse values below 3, found 3");
 }
 
 TEST_F(OtherProgramsTest, ReadsGltfQuantizedPositions) {
@@ -250,11 +250,11 @@ TEST_F(OtherProgramsTest, RefusesUnsupportedRequiredGltfExtensions) {
   }
   for (const char* name : {"EXT_mesh_gpu_instancing", "MSFT_lod", "X", ""}) {
     const std::string text = requires_all(fmt::format(R"("KHR_materials_unlit","{}")", name));
-    expect_error("a.gltf", text, fmt::format("that it requires \"{}\"", name));
-    EXPECT_NE(test::text_of(read_mesh(folder_ / "a.gltf", Context()).error().hint).find("without that extension"),
+    expect_error("a.gltf", text, fmt::format("the required extension \"{}\"", name));
+    EXPECT_NE(test::text_of(read_mesh(folder_ / "a.gltf", Context()).error().hint).find("without this extension"),
               std::string::npos);
   }
-  expect_error("a.gltf", requires_all("7"), "that it requires 7");
+  expect_error("a.gltf", requires_all("7"), "the required extension 7");
   expect_error("a.gltf", replaced(requires_all(""), "[]", "{}"), "expected a list as 'extensionsRequired'");
 }
 

@@ -29,7 +29,7 @@ using test::must_write;
 using test::one;
 using test::TempFolder;
 
-struct Kind {
+struct PackedKind {
   std::string name;
   MeshFormat format;
   MeshPacking packing;
@@ -46,7 +46,7 @@ MeshPacking packing_of(Compression compression, bool quantize, double voxel = 0)
   return packing;
 }
 
-std::vector<Kind> all_kinds() {
+std::vector<PackedKind> all_kinds() {
   const MeshPacking draco = packing_of(Compression::draco, false, 0.125);
   MeshPacking bits = packing_of(Compression::draco, false);
   bits.position_bits = 11;
@@ -88,7 +88,7 @@ double farthest_vertex(const mesh::Mesh& mesh, const mesh::Mesh& found) {
   return farthest;
 }
 
-class Packing : public testing::TestWithParam<Kind> {
+class Packing : public testing::TestWithParam<PackedKind> {
  protected:
   TempFolder folder_;
 };
@@ -246,7 +246,7 @@ TEST_P(Packing, KeepsMemoryLimit) {
 // Two halves of a surface have different origins. Their shared vertices read back equal to the last bit, and the box
 // only decides how many bits are needed.
 TEST_P(Packing, KeepsSharedVerticesOfHalvesEqual) {
-  Kind kind = GetParam();
+  PackedKind kind = GetParam();
   if (!kind.packing.quantizes()) return;
   kind.packing.box = mesh::Bounds{{-3, -3, -3}, {3, 3, 3}};
   std::vector<glm::vec3> low;
@@ -285,7 +285,7 @@ TEST_P(Packing, KeepsSharedVerticesOfHalvesEqual) {
 
 TEST(PackingOptions, RefusesVertexOutsideOfBox) {
   const TempFolder folder;
-  for (const Kind& kind : all_kinds()) {
+  for (const PackedKind& kind : all_kinds()) {
     if (!kind.packing.quantizes()) continue;
     MeshWriteOptions options = kind.options();
     options.packing.box = mesh::Bounds{{-1, -1, -1}, {0.5, 1, 1}};

@@ -63,10 +63,10 @@ TEST_P(StlWriter, NotesPrecisionLossFarFromOrigin) {
   const ParsedMesh found = round_trip(mesh);
   EXPECT_EQ(found.positions[0], glm::dvec3(glm::vec3(mesh.position(mesh.triangles[0][0]))));
   ASSERT_EQ(result_.notes.size(), 1U);
-  EXPECT_EQ(
-      result_.notes[0],
-      "STL keeps float32 coordinates only: at 16385, the farthest, they are 0.00195 apart; glb, gltf, ply and obj "
-      "keep the positions in full");
+  EXPECT_EQ(result_.notes[0].text,
+            "STL stores only float32 coordinates: at 16385, the largest, neighboring values are 0.00195 apart; glb, "
+            "gltf, ply "
+            "and obj store the full precision");
 }
 
 TEST_P(StlWriter, WritesEmptySurface) { EXPECT_TRUE(round_trip(make_mesh("nothing", {}, {})).triangles.empty()); }

@@ -236,7 +236,7 @@ TEST(OpenVdbPoints, SelectsAGridByName) {
   EXPECT_EQ(foam->particles.size(), 3U);
   const auto unnamed = try_points(folder / "p.vdb");
   ASSERT_FALSE(unnamed);
-  expect_in(unnamed.error().message, "expected the name of one of its grids of points: 'drops', 'foam'");
+  expect_in(unnamed.error().message, "expected the name of one of the grids of points: 'drops', 'foam'");
   options.grid = "density";
   expect_in(try_points(folder / "p.vdb", options).error().message, "there is no grid of points 'density'");
 }

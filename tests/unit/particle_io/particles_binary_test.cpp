@@ -54,7 +54,7 @@ TEST(ParticlesPly, SkipsOtherElementsAndLists) {
     const particle_io::ParticleFile file = must_read_particles({"a.ply", header + body});
     expect_positions(file.particles, {{1, 2, 3}, {4, 5, 6}});
     ASSERT_EQ(file.notes.size(), 1U);
-    expect_in(file.notes.front(), "'near'");
+    expect_in(file.notes.front().text, "'near'");
   }
   const std::string text =
       "ply\nformat ascii 1.0\nelement cell 1\nproperty int a\nelement vertex 2\nproperty list uchar int near\n"
@@ -110,7 +110,7 @@ TEST(ParticlesBgeo, ReadsClassicFiles) {
     expect_attribute(file.particles, "id", 1, {70, 71, 72});
     expect_attribute(file.particles, "velocity", 3, kVelocities);
     ASSERT_EQ(file.notes.size(), 1U);
-    expect_in(file.notes.front(), "'tag'");
+    expect_in(file.notes.front().text, "'tag'");
     const particle_io::ParticleInfo info = must_inform(input);
     EXPECT_EQ(info.format, "bgeo");
     EXPECT_EQ(quantities_of(info), (std::vector<std::string>{"id:1 i32", "(tag:1 text)", "velocity:3 f32"}));
@@ -138,7 +138,7 @@ TEST(ParticlesBgeo, RejectsInvalidClassicFiles) {
           {odd_type, "found type 2"},
           {good.substr(0, good.size() - 3), "3 particles need at least 108 bytes, at most 107 follow"},
           {good.substr(0, 30), "found 1"},
-          {"scf1" + good, "packed by blosc"},
+          {"scf1" + good, "blosc compression"},
           {"hello", "not BGEO: expected 'BgeoV'"},
           {gzip(good).substr(0, 100), "the gzip data is damaged or cut off"}};
   for (const auto& [bytes, message] : bad) {
@@ -158,8 +158,8 @@ TEST(ParticlesBgeo, ReadsNewFiles) {
     EXPECT_EQ(stated_kind(file.particles, "heat"), std::nullopt);
     expect_attribute(file.particles, "id", 1, {70, 71, 72});
     ASSERT_EQ(file.notes.size(), 2U);
-    expect_in(file.notes[0], "'tag'");
-    expect_in(file.notes[1], "'odd'");
+    expect_in(file.notes[0].text, "'tag'");
+    expect_in(file.notes[1].text, "'odd'");
     const particle_io::ParticleInfo info = must_inform({"a.bgeo", bytes});
     EXPECT_EQ(info.particles, 3U);
     EXPECT_EQ(quantities_of(info), (std::vector<std::string>{"v:3 fpreal32", "heat:1 fpreal32", "id:1 int32",
@@ -191,7 +191,7 @@ TEST(ParticlesBgeo, RejectsInvalidNewFiles) {
   const struct {
     std::string bytes;
     const char* message;
-  } bad[]{{houdini_geometry(std::endian::little, 2), "expected flags of as many pages as there are"},
+  } bad[]{{houdini_geometry(std::endian::little, 2), "expected one flag per page"},
           {houdini_geometry(std::endian::little, 4), "expected"},
           {houdini_geometry(std::endian::little, 5), "expected more data of pages"},
           {houdini_geometry(std::endian::little, -1), "expected the number of points, a whole number from 0"},
@@ -279,12 +279,12 @@ TEST(ParticlesBgeo, DetectsChangesBetweenPasses) {
     return std::string("read");
   };
   expect_in(read_after(houdini_geometry(std::endian::little, 4)),
-            "the number of points changed while the file was read");
+            "the number of points changed while the program read the file");
   std::string renamed = three;
   renamed.replace(renamed.find("\x27\2id"), 4, "\x27\2ID");
-  expect_in(read_after(renamed), "an attribute changed while the file was read");
+  expect_in(read_after(renamed), "an attribute changed while the program read the file");
   // The values do not reveal the change; the file's time does.
-  expect_in(read_after(three), "a.bgeo: it was written to while it was read");
+  expect_in(read_after(three), "a.bgeo: the file changed while the program read it");
 }
 
 // Protects against any wrong count in a file.
@@ -317,7 +317,7 @@ TEST(ParticlesNpy, ReadsRowsInBothOrders) {
       expect_positions(file.particles, kThree);
       expect_attribute(file.particles, "column 4", 1, {-1, -4, -7});
       ASSERT_EQ(file.notes.size(), 1U);
-      expect_in(file.notes.front(), "the first three of 4 columns");
+      expect_in(file.notes.front().text, "the first three of 4 columns");
       particle_io::ParticleReadOptions options;
       options.columns = {"4", "3", "2"};
       const particle_io::ParticleFile turned = must_read_particles({"a.npy", bytes}, options);
@@ -383,11 +383,11 @@ TEST(ParticlesNpy, RejectsPositionsThatAreNotNumbers) {
   for (const auto& [type, bytes] : others) {
     SCOPED_TRACE(type);
     const Error error = particle_refusal({"a.npy", of_type(type, bytes)});
-    expect_in(error.message, fmt::format("expected numbers as x, y and z, found {} as 'x'", type));
+    expect_in(error.message, fmt::format("expected numbers for x, y and z, found {} in the column 'x'", type));
     EXPECT_EQ(must_inform({"a.npy", of_type(type, bytes)}).particles, 2U);
     particle_io::ParticleReadOptions options;
     options.columns = {"x", "y", "z"};
-    expect_in(particle_refusal({"a.npy", of_type(type, bytes)}, options).message, "expected numbers as x, y and z");
+    expect_in(particle_refusal({"a.npy", of_type(type, bytes)}, options).message, "expected numbers for x, y and z");
   }
   for (const std::string type : {"|V0", "|S0", "<U0", "<f0", "<f1", "<i0", "<i3", "<f5", "<c4", "<c0", "|O",
                                  "|S9999999", "<M4", "<M8ns", "<m8[", "|S4x", "|S-4", "<q8", "?"}) {
@@ -424,15 +424,15 @@ TEST(ParticlesNpy, RejectsInvalidArrays) {
           {npy_bytes("'<f8'", "(3, 3)", data + "x"), "found 1 bytes more"},
           {npy_bytes("'<f8'", "(4294967296, 3)", data), "4294967296 particles need at least"},
           {npy_bytes("'<f8'", "(18446744073709551615, 3)", data), "need at least 2^64 bytes"},
-          {npy_bytes("'<f8'", "(3, 2)", data), "expected an array of particles"},
+          {npy_bytes("'<f8'", "(3, 2)", data), "expected an array with one row per particle"},
           {npy_bytes("'<f8'", "(3, 3, 1)", data), "found shape (3, 3, 1)"},
-          {npy_bytes("'<f8'", "(3, 100000)", data), "expected an array of particles"},
+          {npy_bytes("'<f8'", "(3, 100000)", data), "expected an array with one row per particle"},
           {npy_bytes("'|O'", "(3, 3)", data), "expected numbers, found the type |O"},
           {npy_bytes("[('x', '|O')]", "(3,)", data), "expected numbers, found the type |O"},
-          {npy_bytes("[('x', '<f8', (99999999999,))]", "(3,)", data), "expected a smaller field 'x'"},
+          {npy_bytes("[('x', '<f8', (99999999999,))]", "(3,)", data), "expected at most 4096 components in field 'x'"},
           {npy_bytes("[('x', '<f8')]", "(9,)", data), "expected columns x, y and z"},
           {npy_bytes("[('x', [('y', '<f8')])]", "(9,)", data), "found shape (9) of a structure"},
-          {gzip(npy_bytes("'<f8'", "(3, 3)", data)), "found it packed by gzip"}};
+          {gzip(npy_bytes("'<f8'", "(3, 3)", data)), "found a gzip file"}};
   for (const auto& [bytes, message] : bad) {
     SCOPED_TRACE(message);
     expect_in(particle_refusal({"a.npy", bytes}).message, message);

@@ -149,7 +149,7 @@ TEST(ParticlesFormat, DetectsByContentThenByName) {
   EXPECT_EQ(detect({"a.nrrd", "NRRD0004\n"}), "none");
 
   const Error unknown = particle_refusal({"a.what", "hello, this is nothing"});
-  expect_in(unknown.message, "not a format of particles that isoextract reads; it starts with 'hello, this is n'");
+  expect_in(unknown.message, "not a particle format that isoextract reads; the file starts with 'hello, this is n'");
   expect_in(test::text_of(unknown.hint), "LAMMPS");
   particle_io::ParticleReadOptions options;
   options.format = "csv";
@@ -161,7 +161,7 @@ TEST(ParticlesFormat, DetectsByContentThenByName) {
 TEST(ParticlesFormat, RejectsOptionsOfOtherFormats) {
   const Error frame = particle_refusal({"a.csv", "1 2 3\n"}, of_frame(0));
   EXPECT_EQ(frame.code, ErrorCode::usage);
-  EXPECT_EQ(frame.hint, Hint(Remedy::leave_out, Setting::volume, "there is one frame in the file"));
+  EXPECT_EQ(frame.hint, Hint(Remedy::leave_out, Setting::volume, "the file has one frame"));
   particle_io::ParticleReadOptions options;
   options.columns = {"1", "2", "3"};
   const Error columns = particle_refusal({"a.bgeo", bgeo_classic()}, options);

@@ -46,9 +46,9 @@ TEST(ParticlesCsv, ReadsUnitsAttributesAndText) {
   expect_attribute(all.particles, "id[1]", 1, {11, 12});
   EXPECT_TRUE(std::isnan(attribute_named(all.particles, "Velocity").values[2]));  // the field is empty
   ASSERT_EQ(all.notes.size(), 1U);
-  expect_in(all.notes.front(), "'name'");
+  expect_in(all.notes.front().text, "'name'");
   expect_attribute(must_read_particles(input, with_attributes({"vy"})).particles, "vy", 1, {2, 5});
-  expect_in(particle_refusal(input, with_attributes({"name"})).message, "expected numbers as 'name', found text");
+  expect_in(particle_refusal(input, with_attributes({"name"})).message, "expected numbers for 'name', found text");
   const Error missing = particle_refusal(input, with_attributes({"heat"}));
   expect_in(missing.message, "there is no attribute 'heat'");
   expect_in(test::text_of(missing.hint), "id, Velocity, v, id[1]");
@@ -91,7 +91,7 @@ TEST(ParticlesCsv, DistinguishesMomentaFromPositions) {
 
 TEST(ParticlesCsv, SelectsColumnsByNameAndNumber) {
   const ParticleInput input{"a.csv", "a,b,c,d\n1,2,3,4\n5,6,7,8\n"};
-  expect_in(particle_refusal(input).message, "expected columns x, y and z, found 4: a, b, c, d");
+  expect_in(particle_refusal(input).message, "expected columns x, y and z, found 4 columns: a, b, c, d");
   particle_io::ParticleReadOptions options;
   options.columns = {"d", "1", "B"};
   expect_positions(must_read_particles(input, options).particles, {{4, 1, 2}, {8, 5, 6}});
@@ -103,7 +103,7 @@ TEST(ParticlesCsv, ReadsTablesWithoutNames) {
   const particle_io::ParticleFile three = must_read_particles({"a.csv", "1 2 3\n4 5 6\n7 8 9.5\n"});
   expect_positions(three.particles, kThree);
   ASSERT_EQ(three.notes.size(), 1U);
-  expect_in(three.notes.front(), "taken as x, y and z");
+  expect_in(three.notes.front().text, "takes its three columns as x, y and z");
   expect_in(particle_refusal({"a.csv", "1 2 3 4\n4 5 6 7\n"}).message, "expected columns x, y and z, found 4");
   particle_io::ParticleReadOptions options;
   options.columns = {"2", "3", "4"};
@@ -124,22 +124,22 @@ TEST(ParticlesCsv, RejectsInvalidTables) {
   const struct {
     std::string text;
     const char* message;
-  } bad[]{
-      {"x,y,z\n1,2,3\n4,5\n", "line 3: expected 3 fields, not 2, found '4,5'"},
-      {"x,y,z\n1,2,3\n4,5,6,7\n", "line 3: expected 3 fields, not 4"},
-      {"x,y,z\n1,2,3\n4,a5,6\n", "line 3: expected a number as 'y', found 'a5'"},
-      {"x;y;z\n1,5;2.5;3\n", "line 2: expected a number as 'y', with the decimal mark of those before, found '2.5'"},
-      {"x,y,z\n1,2,3\n4,\"5,6\n", "line 3: expected fields whose quotes end"},
-      {"x,y,z\n1,2,3\n4,\"5\"6,7\n", "line 3: expected fields whose quotes end"},
-      {"x,y\n1,2\n", "line 1: expected three columns or more"},
-      {"hello\n", "line 1: expected three columns or more"},
-      {"\n\n# nothing\n", "expected a table, found no line of one"},
-      {std::string("x,y,z\n1,\0"
-                   "2,3\n",
-                   12),
-       "found '\\x002'"},
-      {"x,y,z\n" + std::string(3 << 20, '1'), "expected the end of a line within 1048576 bytes"},
-      {"x" + std::string(5000, ',') + "y\n", "expected at most 4096 columns"}};
+  } bad[]{{"x,y,z\n1,2,3\n4,5\n", "line 3: expected 3 fields, not 2, found '4,5'"},
+          {"x,y,z\n1,2,3\n4,5,6,7\n", "line 3: expected 3 fields, not 4"},
+          {"x,y,z\n1,2,3\n4,a5,6\n", "line 3: expected a number as 'y', found 'a5'"},
+          {"x;y;z\n1,5;2.5;3\n",
+           "line 2: expected a number as 'y', with the same decimal mark as the numbers before, found '2.5'"},
+          {"x,y,z\n1,2,3\n4,\"5,6\n", "line 3: expected fields with closing quotes"},
+          {"x,y,z\n1,2,3\n4,\"5\"6,7\n", "line 3: expected fields with closing quotes"},
+          {"x,y\n1,2\n", "line 1: expected three or more columns"},
+          {"hello\n", "line 1: expected three or more columns"},
+          {"\n\n# nothing\n", "expected a table, found no rows"},
+          {std::string("x,y,z\n1,\0"
+                       "2,3\n",
+                       12),
+           "found '\\x002'"},
+          {"x,y,z\n" + std::string(3 << 20, '1'), "expected the end of a line within 1048576 bytes"},
+          {"x" + std::string(5000, ',') + "y\n", "expected at most 4096 columns"}};
   for (const auto& [text, message] : bad) {
     SCOPED_TRACE(text.substr(0, 40));
     const Error error = particle_refusal({"a.csv", text});
@@ -214,7 +214,7 @@ TEST(ParticlesXyz, RejectsInvalidFrames) {
           {"18446744073709551615\n\nH 1 2 3\n", "18446744073709551615 particles need at least 2^64 bytes"},
           {"99999999999999999999\n\nH 1 2 3\n", "expected the number of atoms"},
           {"1\n\nH 1 2\n", "line 3: expected a number as 'x', found 'H'"},
-          {"1\n\nH 1\n", "line 3: expected the name of an element and x, y, z, found 'H 1'"},
+          {"1\n\nH 1\n", "line 3: expected x, y and z, with or without the name of an element"},
           {"2\n\nH 1 2 3\nH 1 2 3 4\n", "line 4: expected 4 values of a particle, not 5"},
           {"1\nProperties=pos:R:0\n1 2 3\n", "a number of columns in Properties"},
           {"1\nProperties=pos:Q:3\n1 2 3\n", "expected R, I, S or L"},
@@ -303,7 +303,7 @@ TEST(ParticlesLammps, RejectsInvalidDumps) {
     const char* message;
   } bad[]{{head + "two\n", "line 4: expected the number of atoms, found 'two'"},
           {head + "-2\n", "expected the number of atoms, found '-2'"},
-          {head + "1\nITEM: ATOMS x y\n1 2\n", "expected columns x, y and z, found 2: x, y"},
+          {head + "1\nITEM: ATOMS x y\n1 2\n", "expected columns x, y and z, found 2 columns: x, y"},
           {head + "1\nITEM: ATOMS xs ys zs\n1 2 3\n", "expected 'ITEM: BOX BOUNDS'"},
           {head + "1\nITEM: ATOMS\n", "expected the names of columns"},
           {head + "2\nITEM: ATOMS x y z\n1.00 2.00 3.00\n", "found 1 before the end of the file"},

@@ -57,7 +57,7 @@ TEST(ParticlesPlugin, RecognizesFilesWithoutThePlugin) {
     FAIL();
   } catch (const particle_io::Refused& refused) {
     EXPECT_EQ(refused.error.code, ErrorCode::unavailable);
-    expect_in(refused.error.message, "a.vtk: the format vtk is read by the plug-in isoextract-particles-vtk.so");
+    expect_in(refused.error.message, "a.vtk: the format vtk needs the plug-in isoextract-particles-vtk.so");
   }
   const auto kind = [&](const std::string& name) {
     const auto found = particle_io::detect_particles((folder / name).string(), {}, Context());
@@ -102,7 +102,7 @@ TEST(ParticlesVtk, ReadsLegacyAndXml) {
   expect_positions(xml->particles, {{1, 2, 3}, {4, 5, 6}});
   expect_attribute(xml->particles, "heat", 1, {7, 8});
   ASSERT_EQ(xml->notes.size(), 1U);
-  expect_in(xml->notes.front(), "'word'");
+  expect_in(xml->notes.front().text, "'word'");
 }
 
 TEST(ParticlesVtk, RejectsInvalidFiles) {
@@ -120,13 +120,13 @@ TEST(ParticlesVtk, RejectsInvalidFiles) {
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
   expect_in(refusal_of("a.vtk", legacy, "POINTS 3", "POINTS 4000000000"),
-            "expected as many points as the file has room");
-  expect_in(refusal_of("b.vtk", legacy.substr(0, 95), "", ""), "VTK cannot read it");
+            "expected at most as many points as fit into the file");
+  expect_in(refusal_of("b.vtk", legacy.substr(0, 95), "", ""), "VTK cannot read the file");
   expect_in(refusal_of("c.vtk", legacy, "CELLS 3 6\n1 0\n1 1\n1 2\nCELL_TYPES 3\n1\n1\n1\n",
                        "CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n5\n"),
-            "found a grid with 1 cells that are no points");
-  expect_in(refusal_of("d.vtp", std::string(kXml), "</PolyData>", ""), "VTK cannot read it");
-  expect_in(refusal_of("e.vtp", std::string(kXml).substr(0, 200), "", ""), "VTK cannot read it");
+            "found a grid with 1 cells that are not points");
+  expect_in(refusal_of("d.vtp", std::string(kXml), "</PolyData>", ""), "VTK cannot read the file");
+  expect_in(refusal_of("e.vtp", std::string(kXml).substr(0, 200), "", ""), "VTK cannot read the file");
   EXPECT_EQ(testing::internal::GetCapturedStdout() + testing::internal::GetCapturedStderr(), "");
 }
 

@@ -13,7 +13,7 @@
 namespace isoextract::points {
 namespace {
 
-constexpr double kNanInShader = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 CellGrid grid_of(const std::vector<glm::dvec3>& points, double side, CellGrid::Coinciding coinciding) {
   auto grid = CellGrid::make(points, {glm::dvec3(0.5), 2}, side, coinciding, Context(), "test");
@@ -23,9 +23,9 @@ CellGrid grid_of(const std::vector<glm::dvec3>& points, double side, CellGrid::C
 
 TEST(CellGrid, FindsEveryPointOnce) {
   std::vector<glm::dvec3> points = random_positions(500, 20, 1);
-  for (glm::dvec3& p : points) p -= 10.0;   // cells on both sides of 0
-  points.emplace_back(2e6, -3e5, 1e6);      // strays
-  points.emplace_back(kNanInShader, 0, 0);  // not a position
+  for (glm::dvec3& p : points) p -= 10.0;  // cells on both sides of 0
+  points.emplace_back(2e6, -3e5, 1e6);     // strays
+  points.emplace_back(kNan, 0, 0);         // not a position
   points.emplace_back(0, std::numeric_limits<double>::infinity(), 0);
   const CellGrid grid = grid_of(points, 1.3, CellGrid::Coinciding::merged);
   EXPECT_EQ(grid.size(), 501U);
@@ -63,7 +63,7 @@ TEST(CellGrid, MergesCoincidentPointsOfACrowdedCell) {
 TEST(NearestTree, FindsTheNearest) {
   std::vector<glm::dvec3> points = random_positions(700, 1, 3);
   for (int n = 0; n < 300; ++n) points.emplace_back(0.5, 0.5, 0.5);
-  points.emplace_back(kNanInShader, 0, 0);
+  points.emplace_back(kNan, 0, 0);
   points.emplace_back(1e9, 0, 0);
   const auto tree = NearestTree::make(points, Context(), "test");
   ASSERT_TRUE(tree);

@@ -282,7 +282,8 @@ TEST(ParticleField, SuggestsHalfTheNeighborDistanceAsRadius) {
   EXPECT_TRUE(made.figures.radius_suggested);
   const auto refused = make_field(particles_at(std::vector<glm::dvec3>(5, {1, 2, 3})), options, Context());
   ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message.find("5 at one place"), std::string::npos) << refused.error().message;
+  EXPECT_NE(refused.error().message.find("found 5 particles at one position"), std::string::npos)
+      << refused.error().message;
 }
 
 // Measures the work of kernels as the number of particle pairs within reach, not as time.
@@ -316,10 +317,9 @@ TEST(ParticleField, HasLinearWork) {
       EXPECT_EQ(made.has_value(), count == 20000) << count;
       if (made) continue;
       EXPECT_EQ(made.error().code, ErrorCode::input);
-      EXPECT_NE(made.error().message.find("test.ply: a particle radius of 1, whose neighbours are up to"),
-                std::string::npos)
+      EXPECT_NE(made.error().message.find("test.ply: expected at most 32768 neighbors per particle"), std::string::npos)
           << made.error().message;
-      EXPECT_NE(made.error().message.find("more than 32768 neighbours on average"), std::string::npos);
+      EXPECT_NE(made.error().message.find("particles with a radius of 1, neighbors up to"), std::string::npos);
       EXPECT_TRUE(test::has_step(made.error().hint, Remedy::give, Setting::radius));
       EXPECT_NE(test::text_of(made.error().hint).find("is half the median distance to the nearest particle"),
                 std::string::npos);
@@ -349,16 +349,16 @@ TEST(ParticleField, RejectsInvalidOptions) {
   usage("k_r", [](FieldOptions& o) { o.anisotropy.k_r = 0.9; });
   usage("k_s", [](FieldOptions& o) { o.anisotropy.k_s = 0; });
   usage("k_n", [](FieldOptions& o) { o.anisotropy.k_n = -1; });
-  usage("neighbours that are few", [](FieldOptions& o) { o.anisotropy.few = -1; });
-  usage("neighbourhood", [](FieldOptions& o) { o.anisotropy.neighborhood = 0; });
+  usage("N_eps", [](FieldOptions& o) { o.anisotropy.few = -1; });
+  usage("neighborhood", [](FieldOptions& o) { o.anisotropy.neighborhood = 0; });
   usage("finite iso value", [](FieldOptions& o) { o.tile_iso = std::nan(""); });
-  usage("as far apart as a kernel reaches", [](FieldOptions& o) { o.cell_size = 4.5; });
+  usage("at most the reach of a kernel", [](FieldOptions& o) { o.cell_size = 4.5; });
   const auto input = [&](const std::vector<glm::dvec3>& at, const char* words) {
     refuses(particles_at(at), ErrorCode::input, words, [](FieldOptions&) {});
   };
-  input({{0, 0, 0}, {1e8, 0, 0}}, "which is more than");
-  input({{-1e308, 0, 0}, {1e308, 0, 0}}, "which is more than");
-  input({{1e14, 0, 0}, {1e14, 1, 0}}, "cannot be told apart");
+  input({{0, 0, 0}, {1e8, 0, 0}}, "the particles extend over");
+  input({{-1e308, 0, 0}, {1e308, 0, 0}}, "the particles extend over");
+  input({{1e14, 0, 0}, {1e14, 1, 0}}, "double precision is too coarse");
 }
 
 }  // namespace

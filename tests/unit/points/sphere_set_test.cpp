@@ -83,7 +83,7 @@ TEST(SphereSet, RejectsInvalidRadii) {
     const auto refused = make_spheres(with_radii({{0, 0, 0}, {1, 0, 0}}, "pscale", {1, radius}), spheres(), Context());
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::input);
-    EXPECT_NE(refused.error().message.find("as 'pscale'"), std::string::npos) << refused.error().message;
+    EXPECT_NE(refused.error().message.find("in the attribute 'pscale'"), std::string::npos) << refused.error().message;
   }
   // All particles have radius 0, which gives no spacing.
   EXPECT_FALSE(make_spheres(with_radii({{0, 0, 0}, {1, 0, 0}}, "pscale", {0, 0}), spheres(), Context()));

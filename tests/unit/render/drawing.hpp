@@ -27,26 +27,26 @@ inline render::Rendered draw(const render::Scene& scene, const render::Camera& c
   return rendered ? std::move(*rendered) : render::Rendered();
 }
 
-// A rectangle in the plane y = `y`.
+// Returns a rectangle in the plane y = `y`.
 inline mesh::Mesh rectangle(double y, double x0, double x1, double z0, double z1) {
   const auto at = [&](double x, double z) { return glm::vec3(glm::dvec3(x, y, z)); };
   return make_mesh("rectangle", {at(x0, z0), at(x1, z0), at(x1, z1), at(x0, z1)}, {{0, 1, 2}, {0, 2, 3}});
 }
 
-// One color and opacity for all values.
+// Returns a transfer function with one color and opacity for all values.
 inline render::TransferFunction constant_transfer(const glm::dvec3& color, double opacity) {
   const std::array points{render::ControlPoint{0, color, opacity}, render::ControlPoint{2, color, opacity}};
   return render::TransferFunction::create(points).value();
 }
 
-// Opacity 0 up to the value `clear`, rising above it.
+// Returns a transfer function with opacity 0 up to the value `clear`, rising above it.
 inline render::TransferFunction rising_transfer(double clear, double opacity) {
   const std::array points{render::ControlPoint{0, {0.1, 0.2, 0.9}, 0}, render::ControlPoint{clear, {0.1, 0.2, 0.9}, 0},
                           render::ControlPoint{1, {1, 0.5, 0.1}, opacity}};
   return render::TransferFunction::create(points).value();
 }
 
-// Only ambient light, so surfaces have their own color in every direction.
+// Returns only ambient light, so surfaces have their own color in every direction.
 inline render::ShadingModel unlit() { return {1, 0, 0, 1}; }
 
 // The ray eye + depth * along through the center of a pixel, from the inverse clip matrix. Depth is along the view
@@ -86,7 +86,7 @@ inline float largest_difference(const render::Picture& a, const render::Picture&
   return largest;
 }
 
-// A ball of density 1 in the center, with a soft rim; density 0 elsewhere.
+// Returns a ball of density 1 in the center, with a soft rim; density 0 elsewhere.
 inline field::ScalarField ball(int side) {
   const double middle = (side - 1) / 2.0;
   return dense_field<float>(glm::ivec3(side), [&](int i, int j, int k) {

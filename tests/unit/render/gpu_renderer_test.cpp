@@ -69,8 +69,7 @@ TEST(GpuRenderer, SplitsTilesWithLongLists) {
   const auto refused = draw_with(how, size);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::unavailable);
-  EXPECT_NE(refused.error().message.find("expected at most 1 surfaces behind each other in a pixel, found 2"),
-            std::string::npos)
+  EXPECT_NE(refused.error().message.find("expected at most 1 surface layers in a pixel, found 2"), std::string::npos)
       << refused.error().message;
 }
 
@@ -81,7 +80,7 @@ TEST(GpuRenderer, KeepsMemoryLimit) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::unavailable);
   EXPECT_TRUE(test::has_step(refused.error().hint, Remedy::raise, Setting::gpu_memory));
-  EXPECT_NE(refused.error().message.find("expected at most 64 KiB on the GPU"), std::string::npos)
+  EXPECT_NE(refused.error().message.find("the GPU memory limit is 64 KiB"), std::string::npos)
       << refused.error().message;
 }
 

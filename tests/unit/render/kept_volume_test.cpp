@@ -6,9 +6,9 @@ namespace {
 
 constexpr PictureSize kFrame{48, 40};
 
-class VolumeKeeper : public testing::TestWithParam<bool> {
+class KeptVolume : public testing::TestWithParam<bool> {
  protected:
-  VolumeKeeper()
+  KeptVolume()
       : dense_(test::ball(40)),
         sparse_(test::sparse_copy<float>(dense_, 0)),
         rectangle_(test::rectangle(20, 5, 35, -3, 30)) {
@@ -24,7 +24,7 @@ class VolumeKeeper : public testing::TestWithParam<bool> {
       renderer_ = on_cpu_.get();
     }
   }
-  ~VolumeKeeper() override {
+  ~KeptVolume() override {
     if (renderer_ != nullptr) renderer_->keep(nullptr);
   }
   Rendered draw(double azimuth, const RenderOptions& options = {kFrame}) {
@@ -45,7 +45,7 @@ class VolumeKeeper : public testing::TestWithParam<bool> {
   Renderer* renderer_ = nullptr;
 };
 
-TEST_P(VolumeKeeper, ReadsVolumeOnceForSeveralViews) {
+TEST_P(KeptVolume, ReadsVolumeOnceForSeveralViews) {
   ASSERT_NE(renderer_, nullptr);
   for (const field::ScalarField* field : {&dense_, &sparse_}) {
     volume_.field = field;
@@ -66,7 +66,7 @@ TEST_P(VolumeKeeper, ReadsVolumeOnceForSeveralViews) {
   }
 }
 
-TEST_P(VolumeKeeper, DoesNotReadSamplesAgain) {
+TEST_P(KeptVolume, DoesNotReadSamplesAgain) {
   // Violates the contract on purpose to see whether samples are read: brick ranges from before the ball was added hide
   // it.
   ASSERT_NE(renderer_, nullptr);
@@ -88,7 +88,7 @@ TEST_P(VolumeKeeper, DoesNotReadSamplesAgain) {
   EXPECT_GT(most(draw(0)), 0.5F);
 }
 
-TEST_P(VolumeKeeper, ServesOnlySameVolumeAndOptions) {
+TEST_P(KeptVolume, ServesOnlySameVolumeAndOptions) {
   ASSERT_NE(renderer_, nullptr);
   renderer_->keep(&volume_);
   EXPECT_FALSE(draw(0).reused_volume);
@@ -113,7 +113,7 @@ TEST_P(VolumeKeeper, ServesOnlySameVolumeAndOptions) {
   EXPECT_TRUE(draw(0).reused_volume);
 }
 
-TEST_P(VolumeKeeper, HoldsItsMemoryReservation) {
+TEST_P(KeptVolume, HoldsItsMemoryReservation) {
   ASSERT_NE(renderer_, nullptr);
   draw(0);
   EXPECT_EQ(context_.memory().reserved(), 0U);
@@ -127,7 +127,7 @@ TEST_P(VolumeKeeper, HoldsItsMemoryReservation) {
   EXPECT_EQ(context_.memory().reserved(), 0U);
 }
 
-INSTANTIATE_TEST_SUITE_P(Renderers, VolumeKeeper, testing::Bool(),
+INSTANTIATE_TEST_SUITE_P(Renderers, KeptVolume, testing::Bool(),
                          [](const auto& test) { return test.param ? "Gpu" : "Cpu"; });
 
 }  // namespace

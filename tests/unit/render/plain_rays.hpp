@@ -37,7 +37,7 @@ class PlainInterpolant {
     return between(low, high, t.z);
   }
 
-  // A position on the upper border belongs to the last cell.
+  // A position on the upper face belongs to the last cell.
   [[nodiscard]] glm::ivec3 cell_of(const glm::dvec3& index) const {
     return glm::clamp(glm::ivec3(glm::floor(index)), first_, last_);
   }
@@ -168,8 +168,8 @@ class PlainRays {
     double leave = std::numeric_limits<double>::infinity();
     for (int axis = 0; axis < 3; ++axis) {
       if (along[axis] == 0) continue;
-      const int border = VolumeBricks::kCells * (brick[axis] + (along[axis] > 0 ? 1 : 0));
-      leave = std::min(leave, (border - volume_.eye[axis]) / along[axis]);
+      const int face = VolumeBricks::kCells * (brick[axis] + (along[axis] > 0 ? 1 : 0));
+      leave = std::min(leave, (face - volume_.eye[axis]) / along[axis]);
     }
     constexpr double kRounding = 1e-9;
     const double number = (leave - enter) / step;

@@ -27,7 +27,7 @@ class PlaneInFog {
  public:
   PlaneInFog(double plane, double opacity, bool with_volume = true)
       : field_(test::dense_field<float>(glm::ivec3(9), [](int, int, int) { return 1; })),
-        // It covers half of the box, and the space beside it.
+        // Covers half of the box, and the space beside it.
         rectangle_(test::rectangle(plane, 4.13, 13, -3.5, 7.2)),
         plane_(plane),
         opacity_(opacity) {

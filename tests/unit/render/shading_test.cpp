@@ -164,7 +164,7 @@ TEST(Shading, CoversSharedEdgesExactlyOnce) {
     Camera camera = straight_at({0, 0, 0}, 1);
     camera.fovy = std::acos(0.0);
     const Picture picture = test::draw(scene, camera, {{kSide, kSide}}).picture;
-    // Skips the border, which moved vertices may leave uncovered.
+    // Skips the outermost pixels, which moved vertices may leave uncovered.
     for (int y = 1; y + 1 < kSide; ++y) {
       for (int x = 1; x + 1 < kSide; ++x) {
         EXPECT_EQ(picture.color[test::pixel_of(picture, x, y)].a, 0.5F) << x << " " << y << " " << jitter;

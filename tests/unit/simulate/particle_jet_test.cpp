@@ -209,15 +209,17 @@ TEST(ParticleJet, RejectsInvalidOptions) {
   EXPECT_EQ(with([](JetOptions& o) { o.gravity = -9.81; }), "expected a gravity of 0 or more, found -9.81");
   EXPECT_EQ(with([](JetOptions& o) { o.viscosity = kNan; }), "expected a viscosity from 0 to 0.5, found nan");
   EXPECT_EQ(with([](JetOptions& o) { o.iterations = 0; }), "expected a number of iterations from 1 to 1000, found 0");
-  EXPECT_NE(with([](JetOptions& o) { o.count = 1 << 20; }).find("holds 23328 particles of 0.5 in radius, not 1048576"),
+  EXPECT_NE(with([](JetOptions& o) { o.count = 1 << 20; }).find("holds 23328 particles of radius 0.5, not 1048576"),
             std::string::npos);
-  EXPECT_NE(with([](JetOptions& o) { o.nozzle = 9; }).find("too small for a nozzle of 9 in radius"), std::string::npos);
-  EXPECT_NE(with([](JetOptions& o) { o.radius = 1e-9; }).find("expected particles of at least"), std::string::npos);
-  EXPECT_NE(with([](JetOptions& o) { o.radius = 1e-4; }).find("in at once; expected no more than the 1500"),
+  EXPECT_NE(with([](JetOptions& o) { o.nozzle = 9; }).find("too small for a nozzle of radius 9"), std::string::npos);
+  EXPECT_NE(with([](JetOptions& o) { o.radius = 1e-9; }).find("expected a particle radius of at least"),
+            std::string::npos);
+  EXPECT_NE(with([](JetOptions& o) { o.radius = 1e-4; }).find("at once; expected no more than the 1500"),
             std::string::npos);
   for (const auto& change : {+[](JetOptions& o) { o.fps = 1e-3; }, +[](JetOptions& o) { o.speed = 1e300; },
                              +[](JetOptions& o) { o.gravity = 1e308; }}) {
-    EXPECT_NE(with(change).find("steps in which no particle moves too far; expected at most 10000"), std::string::npos);
+    EXPECT_NE(with(change).find("the limit is 10000 steps (a step moves a particle by at most 0.8 particle spacings)"),
+              std::string::npos);
   }
 }
 

@@ -28,11 +28,12 @@ TEST(WaterStability, DescribesFailures) {
   found.drift = 1e-11;
   found.least_depth = -0.5;
   found.most_energy = 2;
-  EXPECT_EQ(found.failures(1), (std::vector<std::string>{"drifts by 1.0e-11", "depth -0.5", "energy 2.0e+00"}));
+  EXPECT_EQ(found.failures(1), (std::vector<std::string>{"volume error 1.0e-11 (limit 1.0e-12)", "minimum depth -0.5",
+                                                         "energy 2.0e+00 above the limit"}));
   found = {};
   found.finite = false;
   found.steps = 7;
-  EXPECT_EQ(found.failures(1), std::vector<std::string>{"infinite after 7 steps"});
+  EXPECT_EQ(found.failures(1), std::vector<std::string>{"not finite after 7 steps"});
 }
 
 }  // namespace

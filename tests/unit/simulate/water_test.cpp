@@ -64,7 +64,7 @@ void listing(PlainWater& s, double friction, double flow_div) {
   }
 }
 
-// The conservative rule as in water.hpp, one cell at a time, with branches at the border.
+// The conservative rule as in water.hpp, one cell at a time, with branches at the wall.
 void conservative(PlainWater& s, double friction, double flow_div) {
   const int di[4] = {-1, 1, 0, 0};
   const int dj[4] = {0, 0, -1, 1};

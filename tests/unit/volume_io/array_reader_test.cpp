@@ -54,7 +54,7 @@ TEST(AxisOrder, IsRejectedIfTheFileStatesItsAxes) {
               "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 3 4 5\nencoding: raw\n\n" + ramp_bytes<std::uint8_t>());
   const Error error = refusal(folder / "v.nrrd", in_order_of(volume_io::AxisOrder::xyz));
   EXPECT_EQ(error.code, ErrorCode::usage);
-  expect_in(error.message, "read as nrrd");
+  expect_in(error.message, "this is nrrd");
 }
 
 TEST(WideIntegers, BecomeDoublesIfExact) {
@@ -137,7 +137,7 @@ TEST(NoData, BecomesNanInEveryFormat) {
   ASSERT_EQ(field.type(), field::SampleType::f32);
   EXPECT_TRUE(std::isnan(dense_value<float>(field, 1, 2, 3)));
   EXPECT_EQ(dense_value<float>(field, 2, 2, 3), ramp<float>(2, 2, 3));
-  EXPECT_TRUE(has_note(field, "1 of 60 samples are 88 and count as not a number"));
+  EXPECT_TRUE(has_note(field, "1 of 60 samples have the no-data value 88 and become NaN"));
   EXPECT_EQ(refusal(folder / "v.npy", options, with_memory(239)).code, ErrorCode::out_of_memory);
   EXPECT_FALSE(volume_io::read_volume("demo:sphere?size=8", options, Context()).value().notes.empty());
 }

@@ -216,11 +216,12 @@ TEST(Components, RequireAChoiceForNumpy) {
   write_bytes(folder / "v.npy", npy_array("|u1", "(6, 6, 6, 3)", std::string(648, 'x')));
   const Error error = refusal(folder / "v.npy");
   expect_in(error.message, "there are 6 volumes");
-  expect_in(test::text_of(error.hint), "0 to 2 or length, if the last axis, of 3, counts the components of a vector");
+  expect_in(test::text_of(error.hint),
+            "0 to 2, or length, if the last axis (length 3) holds the components of a vector");
   write_bytes(folder / "v.npy", npy_array("|u1", "(2, 6, 6, 6, 3)", std::string(1296, 'x')));
-  expect_in(test::text_of(refusal(folder / "v.npy").hint), "if the last axis, of 3, counts the components");
+  expect_in(test::text_of(refusal(folder / "v.npy").hint), "if the last axis (length 3) holds the components");
   write_bytes(folder / "v.npy", npy_array("|u1", "(6, 6, 6)", std::string(216, 'x')));
-  expect_in(refusal(folder / "v.npy", component(1)).message, "expected several numbers a sample, found one");
+  expect_in(refusal(folder / "v.npy", component(1)).message, "expected several components per sample, found one");
   must_read(folder / "v.npy", component(0));
   write_bytes(folder / "v.npy", npy_array("<c16", "(1, 1, 2)", pack(3.0) + pack(4.0) + pack(6.0) + pack(-8.0)));
   expect_in(refusal(folder / "v.npy").message, "found 2 components");

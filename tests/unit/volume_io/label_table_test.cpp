@@ -28,6 +28,12 @@ TEST(LabelTable, ReadsItkSnapTables) {
   EXPECT_EQ(table->find(3), nullptr);
 }
 
+TEST(LabelTable, SkipsByteOrderMark) {
+  const auto table = LabelTable::parse("\xEF\xBB\xBF#No. Label Name: R G B A\n17 Left 220 216 20 0\n", "t");
+  ASSERT_TRUE(table) << table.error().message;
+  EXPECT_EQ(table->find(17)->name, "Left");
+}
+
 TEST(LabelTable, ReadsFreeSurferAndSlicerTables) {
   const auto table = LabelTable::parse(
       "#$Id$\n#No. Label Name: R G B A\n17  Left-Hippocampus  220 216  20  0\n"
@@ -57,7 +63,7 @@ TEST(LabelTable, RejectsInvalidTables) {
   EXPECT_FALSE(LabelTable::parse(std::string(100'000, '7'), "t"));
   EXPECT_LT(LabelTable::parse(std::string(100'000, '7'), "t").error().message.size(), 400U);
   for (const std::string_view nothing : {"", "\n\n", "# only this"}) {
-    EXPECT_TRUE(LabelTable::parse(nothing, "t").error().message.starts_with("t: expected a table of labels"))
+    EXPECT_TRUE(LabelTable::parse(nothing, "t").error().message.starts_with("t: expected at least one label"))
         << nothing;
   }
   EXPECT_EQ(LabelTable::parse("1 a 1 2 3 0\n2 b 1 2 3 0\n1 c 1 2 3 0\n", "t").error().message,

@@ -143,12 +143,20 @@ TEST(NiftiReaderData, ReadsPairsByEitherName) {
       expect_ramp<std::uint8_t>(must_read(folder / header));
       expect_ramp<std::uint8_t>(must_read(folder / image));
       std::filesystem::remove(folder / image);
-      expect_in(refusal(folder / header).message, "expected v.img or v.img.gz beside it");
+      expect_in(refusal(folder / header).message, "there is no v.img or v.img.gz in its folder");
       write_bytes(folder / image, image_bytes);
       std::filesystem::remove(folder / header);
       EXPECT_FALSE(volume_io::read_volume((folder / image).string(), {}, Context()));
     }
   }
+}
+
+TEST(NiftiReaderData, ReadsPairsInUpperCase) {
+  const TempFolder folder;
+  write_bytes(folder / "V.HDR", NiftiFile(1, std::endian::little, true).bytes);
+  write_bytes(folder / "V.IMG", kSamples);
+  expect_ramp<std::uint8_t>(must_read(folder / "V.HDR"));
+  expect_ramp<std::uint8_t>(must_read(folder / "V.IMG"));
 }
 
 TEST(NiftiReaderData, RejectsAnImageElsewhere) {
@@ -157,7 +165,7 @@ TEST(NiftiReaderData, RejectsAnImageElsewhere) {
   write_bytes(folder / "out.img", kSamples);
   write_bytes(folder / "in" / "v.hdr", NiftiFile(1, std::endian::little, true).bytes);
   std::filesystem::create_symlink(folder / "out.img", folder / "in" / "v.img");
-  expect_in(refusal(folder / "in" / "v.hdr").message, "not beside or below the header");
+  expect_in(refusal(folder / "in" / "v.hdr").message, "outside the folder of the header");
 }
 
 TEST(NiftiReaderPlace, ReadsSformRows) {
@@ -192,7 +200,7 @@ TEST(NiftiReaderPlace, ReadsQformQuaternionAndSign) {
 TEST(NiftiReaderPlace, NotesSpacingsAlone) {
   const field::ScalarField field = read_nifti(NiftiFile().pixdim({1, 2, 3, 4, 0, 0, 0, 0}).bytes + kSamples);
   expect_near(field.index_to_world({1, 1, 1}), {2, 3, 4});
-  EXPECT_TRUE(has_note(field, "orientation unknown"));
+  EXPECT_TRUE(has_note(field, "unknown orientation"));
 }
 
 TEST(NiftiReaderPlace, RequiresASpacingForInvalidFrames) {
@@ -250,7 +258,7 @@ TEST(NiftiReaderBad, NamesUnsupportedTypesAndShapes) {
                 {"long double", typed(1536), "FLOAT128"},
                 {"series", NiftiFile().dims({4, 3, 4, 5, 7}).bytes + samples, "there are 7 volumes"},
                 {"vectors", NiftiFile(2).dims({5, 3, 4, 5, 1, 3}).bytes + samples, "found 3 components"},
-                {"image", NiftiFile().dims({2, 3, 4}).bytes + samples, "expected 3 axes (dim[0]), found 2"}});
+                {"image", NiftiFile().dims({2, 3, 4}).bytes + samples, "expected 3 to 7 axes (dim[0]), found 2"}});
   expect_ramp<std::uint8_t>(read_nifti(NiftiFile().dims({4, 3, 4, 5, 1}).bytes + kSamples));
 }
 

@@ -120,7 +120,7 @@ TEST(NrrdReaderData, ReadsListsAndNumberedFiles) {
   expect_ramp<std::uint8_t>(must_read(folder / "down.nhdr"));
 
   write_bytes(folder / "few.nhdr", nrrd("data file: s%02d.raw 0 6 2\n", ""));
-  expect_in(refusal(folder / "few.nhdr").message, "as many data files as the slow axes have slices, found 4");
+  expect_in(refusal(folder / "few.nhdr").message, "expected 5 data files (one per slice of the slow axes), found 4");
   write_bytes(folder / "none.nhdr", nrrd("", "").substr(0, nrrd("", "").size() - 1) + "data file: LIST\n");
   expect_in(refusal(folder / "none.nhdr").message, "found 0");
   write_bytes(folder / "s04.raw", "short");
@@ -145,13 +145,13 @@ TEST(NrrdReaderData, RejectsDetachedFilesElsewhere) {
     write_bytes(header, nrrd("data file: " + name + "\n", ""));
     const Error error = refusal(header);
     EXPECT_EQ(error.code, ErrorCode::input);
-    expect_in(error.message, "names the data file '" + name + "', which is not beside or below the header");
+    expect_in(error.message, "names the data file '" + name + "', which is outside the folder of the header");
     EXPECT_FALSE(error.hint.empty());
     write_bytes(header, nrrd("", "").substr(0, nrrd("", "").size() - 1) + "data file: LIST 3\n" + name + "\n");
-    expect_in(refusal(header).message, "not beside or below the header");
+    expect_in(refusal(header).message, "outside the folder of the header");
   }
   write_bytes(header, nrrd("data file: ../out%d.raw 0 4 1\n", ""));
-  expect_in(refusal(header).message, "not beside or below the header");
+  expect_in(refusal(header).message, "outside the folder of the header");
   // A link to a file in the folder is accepted.
   std::filesystem::create_symlink("sub/data.raw", folder / "in" / "inner.raw");
   write_bytes(folder / "in" / "sub" / "data.raw", kSamples);
@@ -166,7 +166,8 @@ TEST(NrrdReaderData, ReportsUnreadableDetachedFiles) {
     write_bytes(header, nrrd("data file: " + name + "\n", ""));
     return volume_io::read_volume(header.string(), {}, Context()).error().message;
   };
-  expect_in(message("missing.raw"), "names the data file 'missing.raw', which cannot be read: No such file");
+  expect_in(message("missing.raw"),
+            "the header names the data file 'missing.raw', but finding it failed: No such file");
   std::filesystem::create_directory(folder / "folder");
   expect_in(message("folder"), "found a directory");
   write_bytes(folder / "empty.raw", "");
@@ -258,7 +259,7 @@ TEST(NrrdReaderAxes, DropsAxesOfLengthOne) {
     SCOPED_TRACE(fields);
     const field::ScalarField field = read_nrrd(nrrd(fields, kSamples));
     expect_ramp<std::uint8_t>(field);
-    EXPECT_TRUE(has_note(field, "has length 1 and was dropped"));
+    EXPECT_TRUE(has_note(field, ", which has length 1"));
   }
   const field::ScalarField field =
       read_nrrd(nrrd("dimension: 4\nsizes: 1 3 4 5\nspace: LPS\nspace directions: none (2,0,0) (0,3,0) (0,0,4)\nspace "
@@ -270,26 +271,26 @@ TEST(NrrdReaderAxes, DropsAxesOfLengthOne) {
 TEST(NrrdReaderAxes, RequiresAChoiceForVectorsColorsAndSeries) {
   const std::string samples(600, 'x');
   expect_all_refused(
-      "v.nrrd", {{"colour", nrrd("dimension: 4\nsizes: 3 3 4 5\nkinds: RGB-color domain domain domain\n", samples),
-                  "found 3 components"},
-                 {"vectors last", nrrd("dimension: 4\nsizes: 3 4 5 2\nkinds: domain domain domain vector\n", samples),
-                  "found 2 components"},
-                 {"series", nrrd("dimension: 4\nsizes: 3 4 5 2\nkinds: domain domain domain time\n", samples),
-                  "there are 2 volumes"},
-                 {"colour image", nrrd("dimension: 3\nsizes: 3 4 5\nkinds: vector domain domain\n", samples),
-                  "expected 3 dimensions, found 2"},
-                 {"two axes of components",
-                  nrrd("dimension: 5\nsizes: 2 3 3 4 5\nkinds: complex 3-vector domain domain domain\n", samples),
-                  "axis 1 (3 values, kind 3-vector) is one more"},
-                 {"between", nrrd("dimension: 4\nsizes: 3 2 4 5\nkinds: domain vector domain domain\n", samples),
-                  "is between them"},
-                 {"no direction",
-                  nrrd("dimension: 4\nsizes: 3 3 4 5\nspace: LPS\n"
-                       "space directions: none (2,0,0) (0,3,0) (0,0,4)\n",
-                       samples),
-                  "found 3 components"},
-                 {"four dimensions", nrrd("dimension: 4\nsizes: 3 4 5 2\n", samples), "expected 3 dimensions, found 4"},
-                 {"image", nrrd("dimension: 2\nsizes: 3 4\n", samples), "expected 3 dimensions, found 2"}});
+      "v.nrrd",
+      {{"colour", nrrd("dimension: 4\nsizes: 3 3 4 5\nkinds: RGB-color domain domain domain\n", samples),
+        "found 3 components"},
+       {"vectors last", nrrd("dimension: 4\nsizes: 3 4 5 2\nkinds: domain domain domain vector\n", samples),
+        "found 2 components"},
+       {"series", nrrd("dimension: 4\nsizes: 3 4 5 2\nkinds: domain domain domain time\n", samples),
+        "there are 2 volumes"},
+       {"colour image", nrrd("dimension: 3\nsizes: 3 4 5\nkinds: vector domain domain\n", samples),
+        "expected 3 dimensions, found 2"},
+       {"two axes of components",
+        nrrd("dimension: 5\nsizes: 2 3 3 4 5\nkinds: complex 3-vector domain domain domain\n", samples),
+        "found axis 1 (3 values, kind 3-vector) as well"},
+       {"between", nrrd("dimension: 4\nsizes: 3 2 4 5\nkinds: domain vector domain domain\n", samples), "between them"},
+       {"no direction",
+        nrrd("dimension: 4\nsizes: 3 3 4 5\nspace: LPS\n"
+             "space directions: none (2,0,0) (0,3,0) (0,0,4)\n",
+             samples),
+        "found 3 components"},
+       {"four dimensions", nrrd("dimension: 4\nsizes: 3 4 5 2\n", samples), "expected 3 dimensions, found 4"},
+       {"image", nrrd("dimension: 2\nsizes: 3 4\n", samples), "expected 3 dimensions, found 2"}});
 }
 
 TEST(NrrdReaderBad, NamesUnsupportedTypesAndEncodings) {
@@ -341,8 +342,10 @@ TEST(NrrdReaderBad, RejectsMalformedFiles) {
         "not a valid NRRD header"},
        {"lines to skip", nrrd("line skip: 9\n", kSamples), "lines to skip"},
        {"bytes to skip", nrrd("byte skip: 9000000000000000000\n", kSamples), "found 0"},
-       {"bytes to skip from the end", nrrd("byte skip: -9223372036854775808\n", kSamples), "byte skip"},
-       {"skip from the end in gzip", nrrd("encoding: gzip\nbyte skip: -1\n", packed), "byte skip"},
+       {"bytes to skip from the end", nrrd("byte skip: -9223372036854775808\n", kSamples),
+        "needs a file of at least 9223372036854775867 bytes"},
+       {"skip from the end in gzip", nrrd("encoding: gzip\nbyte skip: -1\n", packed),
+        "expected encoding raw with 'byte skip' -1, found gzip"},
        {"binary header", "NRRD0004\n" + std::string(100, '\0') + "\n\n", "binary data"},
        {"gzip cut", nrrd("encoding: gzip\n", packed.substr(0, packed.size() - 3)), "damaged or cut off"},
        {"gzip cut early", nrrd("encoding: gzip\n", packed.substr(0, packed.size() / 2)), "damaged or cut off"},

@@ -63,8 +63,8 @@ TEST(PluginHost, ReportsBadFilesAsInputErrors) {
 }
 
 TEST(PluginHost, ValidatesPluginResults) {
-  expect_in(refused("textvolume\nhollow 2 1 1\n1 2\n").message, "gives no samples, expected 2x1x1 f32 samples");
-  expect_in(refused("textvolume\nshort 2 1 1\n1 2\n").message, "gives 4 bytes, expected 8");
+  expect_in(refused("textvolume\nhollow 2 1 1\n1 2\n").message, "returns no samples, expected 2x1x1 f32 samples");
+  expect_in(refused("textvolume\nshort 2 1 1\n1 2\n").message, "returns 4 bytes, expected 8");
 }
 
 TEST(PluginHost, ReservesMemoryBeforeReading) {
@@ -86,7 +86,7 @@ TEST(PluginHost, ListsSearchedFoldersForAMissingPlugin) {
   const Error error = refused("text", *formats.front());
   EXPECT_EQ(error.code, ErrorCode::unavailable);
   expect_in(error.message,
-            "isoextract-volume-absent.so, which is in none of: " + folder.path().string() + ", /nowhere");
+            "isoextract-volume-absent.so, which is in none of the folders " + folder.path().string() + ", /nowhere");
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ TEST(RawReaderSize, ReportsExpectedAndFoundSizeAndFittingLayouts) {
   expect_in(larger.message, "expected 122 bytes");
   write_bytes(folder / "v.raw", "12345678" + ramp_bytes<std::uint16_t>());
   EXPECT_EQ(refusal(folder / "v.raw", raw_options(field::SampleType::u16)).hint,
-            Hint(Remedy::try_value, Setting::skipped_bytes, "8 (if that many bytes of header come first)"));
+            Hint(Remedy::try_value, Setting::skipped_bytes, "8 (if the file begins with a header of that size)"));
 }
 
 TEST(RawReaderSize, ReadsSeveralVolumes) {
@@ -60,13 +60,13 @@ TEST(RawReaderSize, ReadsSeveralVolumes) {
   EXPECT_EQ(dense_value<std::int16_t>(must_read(folder / "v.raw", options), 0, 0, 0), base);
   EXPECT_EQ(base, ramp<std::int16_t>(0, 0, 0) + 1);
   options.volume = 2;
-  expect_in(refusal(folder / "v.raw", options).message, "there is no volume 2; expected one of 2");
+  expect_in(refusal(folder / "v.raw", options).message, "there is no volume 2; expected 0 to 1");
   // The axes of each volume in the other order.
   options.volume = 1;
   options.axis_order = volume_io::AxisOrder::xyz;
   EXPECT_EQ(dense_value<std::int16_t>(must_read(folder / "v.raw", options), 0, 0, 0), base);
   options.raw->skip = 5;
-  expect_in(refusal(folder / "v.raw", options).message, "or a multiple of the samples for several volumes, found 244");
+  expect_in(refusal(folder / "v.raw", options).message, "or more volumes of 120 bytes each after these, found 244");
 }
 
 TEST(RawReaderSize, RejectsHugeSizesBeforeAllocating) {

@@ -124,8 +124,7 @@ inline void expect_near(const glm::dvec3& found, const glm::dvec3& expected, dou
 }
 
 inline bool has_note(const field::ScalarField& field, const std::string& part) {
-  return std::ranges::any_of(field.notes,
-                             [&](const std::string& note) { return note.find(part) != std::string::npos; });
+  return std::ranges::any_of(field.notes, [&](const Note& note) { return note.text.find(part) != std::string::npos; });
 }
 
 // An invalid file, and parts of the expected message.

@@ -91,10 +91,10 @@ TEST(VolumeWriter, RejectsUnsupportedFields) {
     return written ? std::string() : written.error().message;
   };
   const std::vector<field::ScalarField> two(2, ramp_field<float>());
-  EXPECT_NE(refused(two, VolumeFileFormat::npy).find("npy files do not hold 2 fields"), std::string::npos);
+  EXPECT_NE(refused(two, VolumeFileFormat::npy).find("npy files cannot store 2 fields"), std::string::npos);
   field::ScalarField field = ramp_field<float>();
   field.scale.slope = 2;
-  EXPECT_NE(refused({&field, 1}, VolumeFileFormat::raw).find("a scale of values"), std::string::npos);
+  EXPECT_NE(refused({&field, 1}, VolumeFileFormat::raw).find("a value scale"), std::string::npos);
   field = {};
   field.samples = field::SparseSamples{};
   EXPECT_NE(refused({&field, 1}, VolumeFileFormat::nrrd).find("sparse fields"), std::string::npos);

@@ -115,7 +115,7 @@ TEST(OpenVdbVolume, ResamplesFrustums) {
   const TempFolder folder;
   write_vdb(folder / "v.vdb", {grid});
   const field::ScalarField field = must_grid(folder / "v.vdb");
-  EXPECT_TRUE(has_note(field, "resampled, trilinearly, to cubic voxels with a spacing of "));
+  EXPECT_TRUE(has_note(field, "resamples it trilinearly to cubic voxels with a spacing of "));
   const double spacing = field.index_to_world.linear[0][0];
   const openvdb::Vec3d edges = transform->voxelSize({20, 20, 20});
   EXPECT_EQ(spacing, std::min({edges.x(), edges.y(), edges.z()}));
@@ -143,7 +143,7 @@ TEST(OpenVdbVolume, NamesTheMissingPlugin) {
     const auto field = missing->open((folder / "v.vdb").string(), options, Context());
     ASSERT_FALSE(field);
     EXPECT_EQ(field.error().code, ErrorCode::unavailable);
-    expect_in(field.error().message, "isoextract-volume-openvdb.so, which is in none of: /nowhere");
+    expect_in(field.error().message, "isoextract-volume-openvdb.so, which is in none of the folders /nowhere");
     expect_in(field.error().message, grid == "bent" ? "'bent' lies in a frustum" : "'velocity' holds vec3s");
   }
   const auto listed = missing->list((folder / "v.vdb").string(), {}, Context());

@@ -184,7 +184,7 @@ TEST(OpenVdbTools, KeepsTheVolumeOfSpheres) {
     EXPECT_EQ(samples_of(field->field).background, 0.375);
     EXPECT_NEAR(inner_volume(field->field, 2), 4.0 / 3 * std::numbers::pi, 0.03);
     EXPECT_NEAR(sparse_value<float>(samples_of(field->field), {10, 2, 1}), std::hypot(0.95, 0.05, 0.025) - 1, 1e-6);
-    EXPECT_TRUE(has_note(field->field, "1 of 2 particles have a radius of less than 1.5 voxels"));
+    EXPECT_TRUE(has_note(field->field, "leaves out 1 of 2 particles, whose radius is less than 1.5 voxels"));
     EXPECT_EQ(field->left_out, 1U);
     EXPECT_GT(context.memory().reserved(), 0U);
     options.radii = {};
@@ -266,7 +266,7 @@ TEST(OpenVdbTools, NamesTheMissingPlugin) {
   options.radius = options.voxel = 1;
   const auto expect_missing = [](const Error& error) {
     EXPECT_EQ(error.code, ErrorCode::unavailable);
-    expect_in(error.message, "isoextract-grids-openvdb.so, which is in none of: /nowhere");
+    expect_in(error.message, "isoextract-grids-openvdb.so, which is in none of the folders /nowhere");
   };
   expect_missing(volume_io::write_vdb(folder / "w.vdb", field, {}, Context()).error());
   expect_missing(volume_io::filter_level_set(field, volume_io::LevelSetFilter::mean, 1, 1, Context()).error());

@@ -195,13 +195,13 @@ TEST(VdbDamage, RejectsMalformedFiles) {
        {"magic only", good.substr(0, 8), "damaged"},
        {"old version", with(8, std::uint32_t{210}), "is not supported: expected file version 222 or later, found 210"},
        {"count of metadata", with(57, std::uint32_t{0xffffffff}), "damaged"},
-       {"negative count of grids", with(61, std::int32_t{-1}), "said to hold -1 grids"},
+       {"negative count of grids", with(61, std::int32_t{-1}), "expected 0 or more grids, the header states -1"},
        {"huge count of grids", with(61, std::int32_t{0x7fffffff}), "damaged"},
        {"length of the name", with(name - 4, std::uint32_t{0xffffffff}), "4294967295 characters"},
        {"unknown type", unknown_type, "found none"},
-       {"grid before the header", with(offsets, std::int64_t{8}), "is said to be at bytes 8"},
-       {"grid behind the file", with(offsets + 16, std::int64_t{1} << 40), "is said to be at"},
-       {"negative position", with(offsets, std::int64_t{-5}), "is said to be at"},
+       {"grid before the header", with(offsets, std::int64_t{8}), "its header states bytes 8 to"},
+       {"grid behind the file", with(offsets + 16, std::int64_t{1} << 40), "to 1099511627776"},
+       {"negative position", with(offsets, std::int64_t{-5}), "(end of the file), its header states bytes -5 to"},
        {"unknown transform", unknown_map, "is not supported: expected a linear transform, found 'X"},
        {"NaN in the transform", with(map + 15, std::nan("")), "transform with an inverse"},
        {"zero scale", with(map + 15, 0.0), "transform with an inverse"}});
@@ -252,10 +252,12 @@ TEST(VdbDamage, RejectsInconsistentTrees) {
   expect_all_refused(
       "v.vdb",
       {{"buffers", with(good, tile - 16, 2), "expected one buffer in a tree, found 2"},
-       {"a tile where the node is", with(good, tile, 0), "two nodes at (0, 0, 0)"},
-       {"a tile's flag", with(good, tile + 16, '\2'), "a tile's flag is 2"},
-       {"a tile off the grid", with(good, tile, 8192 + 8), "a node of 4096 voxels a side at index 8200"},
-       {"a node off the grid", with(good, child + 4, 128), "a node of 4096 voxels a side at index 128 along axis 1"},
+       {"a tile where the node is", with(good, tile, 0),
+        "expected one node or tile at each position, found two at (0, 0, 0)"},
+       {"a tile's flag", with(good, tile + 16, '\2'), "expected 0 or 1 as the active flag of a tile, found 2"},
+       {"a tile off the grid", with(good, tile, 8192 + 8), "multiples of 4096 voxels, found one at index 8200"},
+       {"a node off the grid", with(good, child + 4, 128),
+        "multiples of 4096 voxels, found one at index 128 along axis 1"},
        {"a node too far out", with(good, child + 8, 1 << 30), "the limit is 2^29"},
        {"an active tile of the background too far out",
         with(with(with(good, tile, 1 << 30), tile + 12, 3.0F), tile + 16, '\1'), "the limit is 2^29"},
@@ -265,8 +267,10 @@ TEST(VdbDamage, RejectsInconsistentTrees) {
        {"code of a node", with(good, lower + 1024, '\7'), "code 7"},
        {"code of a leaf", with(good, code, '\x80'), "code 128"},
        {"other mask of a leaf", with(good, mask, '\1'), "has another mask"},
-       {"chunk too long", with(packed, chunk - 8, std::int64_t{2} * 2048 + 513), "said to be 4609 long"},
-       {"plain chunk too short", with(packed, chunk - 8, std::int64_t{-2047}), "said to be -2047 long"},
+       {"chunk too long", with(packed, chunk - 8, std::int64_t{2} * 2048 + 513),
+        "expected a chunk of at most 4608 bytes"},
+       {"plain chunk too short", with(packed, chunk - 8, std::int64_t{-2047}),
+        "expected 2048 bytes of uncompressed values"},
        {"blosc: other size", with(packed, chunk + 4, 2044), "expected a blosc chunk of 2048 bytes"},
        {"blosc: other length", with(packed, chunk + 12, 20), "expected a blosc chunk of 2048 bytes"},
        {"blosc: blocks too large", with(packed, chunk + 8, 1 << 30), "blosc chunk"}});
@@ -287,7 +291,8 @@ TEST(VdbDamage, RejectsUnsortedRootNodes) {
   must_read(folder / "v.vdb");
   put(bytes, place + 4, 8192);
   write_bytes(folder / "v.vdb", bytes);
-  expect_in(refusal(folder / "v.vdb").message, "the node at (0, 4096, 0) comes after the one at (0, 8192, 0)");
+  expect_in(refusal(folder / "v.vdb").message,
+            "expected nodes in the order of their positions, found (0, 4096, 0) after (0, 8192, 0)");
 }
 
 TEST(VdbDamage, RejectsMetadataPastTheEndOfTheGrid) {
@@ -313,10 +318,11 @@ TEST(VdbDamage, IgnoresGridPositionsOfAStream) {
   write_bytes(folder / "v.vdb", stream);
   const auto samples = std::get<field::SparseSamples>(must_read(folder / "v.vdb").samples);
   EXPECT_EQ(sparse_value<float>(samples, {1, 2, 3}), 8);
-  expect_all_refused("v.vdb", {{"buffers", with(stream, file.tile - 16, 2), "expected one buffer in a tree, found 2"},
-                               {"code of a leaf", with(stream, file.code, '\x80'), "code 128"},
-                               {"children", with(stream, file.tile - 4, 1000), "is damaged: "},
-                               {"tiles", with(stream, file.tile - 8, 0x7fffffff), "is damaged: refers to byte"}});
+  expect_all_refused("v.vdb",
+                     {{"buffers", with(stream, file.tile - 16, 2), "expected one buffer in a tree, found 2"},
+                      {"code of a leaf", with(stream, file.code, '\x80'), "code 128"},
+                      {"children", with(stream, file.tile - 4, 1000), "is damaged: "},
+                      {"tiles", with(stream, file.tile - 8, 0x7fffffff), "is damaged: a position refers to byte"}});
 }
 
 TEST(VdbDamage, DetectsHalvesByMetadataOnly) {

@@ -145,12 +145,12 @@ TEST(VdbGridList, ListsGridsBesideADamagedTransform) {
   const auto grids = volume_io::list_grids((folder / "v.vdb").string(), {}, Context());
   ASSERT_TRUE(grids);
   EXPECT_EQ(grids->at(0).placement_problem, "");
-  expect_in(grids->at(1).placement_problem, "it is damaged: a name is said to be 4294967295 characters long");
+  expect_in(grids->at(1).placement_problem, "it is damaged: a name has a length of 4294967295 characters");
   volume_io::ReadOptions options;
   options.grid = "first";
   EXPECT_EQ(std::get<field::SparseSamples>(must_read(folder / "v.vdb", options).samples).active_voxels, 1U);
   options.grid = "second";
-  expect_in(refusal(folder / "v.vdb", options).message, "the VDB file is damaged: a name is said to be 4294967295");
+  expect_in(refusal(folder / "v.vdb", options).message, "the VDB file is damaged: a name has a length of 4294967295");
 }
 
 TEST(VdbGridList, DistinguishesUnsupportedFromDamaged) {
@@ -163,7 +163,7 @@ TEST(VdbGridList, DistinguishesUnsupportedFromDamaged) {
   write_bytes(folder / "v.vdb", bytes);
   volume_io::ReadOptions options;
   options.grid = "other";
-  expect_in(refusal(folder / "v.vdb", options).message, "'other' holds float (tree 4_4_3)");
+  expect_in(refusal(folder / "v.vdb", options).message, "but 'other' has values of type float (tree 4_4_3)");
 }
 
 TEST(VdbGridList, ReportsTheCreatorOfGridOrFile) {

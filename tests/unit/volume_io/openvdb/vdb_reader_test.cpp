@@ -269,7 +269,7 @@ TEST(VdbReaderGrids, RequireAChoiceAndListGrids) {
   const ManyGrids file;
   const Error error = refusal(file.path);
   EXPECT_EQ(error.code, ErrorCode::input);
-  expect_in(error.message, "5 of its grids are scalar");
+  expect_in(error.message, "expected one scalar grid, found 5");
   EXPECT_TRUE(test::has_step(error.hint, Remedy::choose, Setting::grid));
   for (const char* line : {"\n  velocity  vec3s", "not scalar", "\n  flags", "empty", "\n  twin[0]", "\n  twin[1]",
                            "level set", "active voxels in [-12,-12,-12]..[12,12,12]"}) {
@@ -313,7 +313,7 @@ TEST(VdbReaderGrids, ReadTheOnlyScalarGridAndNoteOthers) {
   const field::ScalarField field = must_read(folder / "v.vdb");
   EXPECT_EQ(field.name, "density");
   EXPECT_EQ(field.format, "OpenVDB");
-  EXPECT_TRUE(has_note(field, "grid 'density' of 2 was chosen"));
+  EXPECT_TRUE(has_note(field, "the reader takes grid 'density' of 2"));
   write_vdb(folder / "v.vdb", {ball("density")});
   EXPECT_TRUE(must_read(folder / "v.vdb").notes.empty());
   write_vdb(folder / "v.vdb", {velocity});

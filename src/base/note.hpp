@@ -1,0 +1,183 @@
+// Notes: what a person should know about a result that is not an error. Rooms below `cli` return notes or hand them to
+// their caller; `cli` prints them as "note[ID]: TEXT". `cli/note_guide.hpp` tells the cause and the remedy of each id.
+#pragma once
+
+#include <array>
+#include <compare>
+#include <string>
+#include <vector>
+
+#include "base/enum_words.hpp"
+
+namespace isoextract {
+
+// The cause of a note. People silence notes by the words of their ids; a word stays the same in later versions.
+enum class NoteId {
+  // Input
+  assumed_columns,
+  axes_dropped,
+  data_left_out,
+  decimal_commas,
+  extra_bytes,
+  format_not_by_name,
+  frame_order,
+  grid_chosen,
+  missing_frames,
+  newer_version,
+  other_files,
+  placement_assumed,
+  placement_replaced,
+  placement_unknown,
+  placement_differs,
+  plugin_output,
+  staggered_grid,
+  unclear_positions,
+  value_scale,
+  // Samples and particles
+  attribute_kind,
+  attribute_left_out,
+  attribute_missing,
+  attribute_of_nearest,
+  attribute_outside,
+  attribute_placement,
+  attribute_renamed,
+  color_range,
+  labels_assumed,
+  labels_lost,
+  means_not_possible,
+  nan_attribute,
+  nan_samples,
+  no_data,
+  particle_radius,
+  particles_left_out,
+  region_at_samples,
+  sparse_made_dense,
+  voxel_size,
+  // Surfaces
+  backend,
+  cap_overlaps,
+  clipped,
+  corners_joined,
+  error_not_measured,
+  faces_not_merged,
+  iso_chosen,
+  labels_part,
+  many_components,
+  no_surface,
+  open_components_kept,
+  open_mesh,
+  repeated_iso,
+  simplified_shells,
+  volume_changed,
+  // Output
+  animation_kept,
+  empty_picture,
+  flat_normals,
+  frames_kept,
+  frames_move,
+  length_unit,
+  memory_unknown,
+  no_effect,
+  no_plot,
+  not_coarsened,
+  not_verified,
+  old_pieces,
+  one_camera,
+  renamed_meshes,
+  rounded_positions,
+  several_files,
+  shard,
+  simulation_limits,
+  up_axis,
+};
+constexpr auto words_of(NoteId /*type*/) {
+  return std::array{
+      Word{NoteId::assumed_columns, "assumed-columns"},
+      Word{NoteId::axes_dropped, "axes-dropped"},
+      Word{NoteId::data_left_out, "data-left-out"},
+      Word{NoteId::decimal_commas, "decimal-commas"},
+      Word{NoteId::extra_bytes, "extra-bytes"},
+      Word{NoteId::format_not_by_name, "format-not-by-name"},
+      Word{NoteId::frame_order, "frame-order"},
+      Word{NoteId::grid_chosen, "grid-chosen"},
+      Word{NoteId::missing_frames, "missing-frames"},
+      Word{NoteId::newer_version, "newer-version"},
+      Word{NoteId::other_files, "other-files"},
+      Word{NoteId::placement_assumed, "placement-assumed"},
+      Word{NoteId::placement_replaced, "placement-replaced"},
+      Word{NoteId::placement_unknown, "placement-unknown"},
+      Word{NoteId::placement_differs, "placement-differs"},
+      Word{NoteId::plugin_output, "plugin-output"},
+      Word{NoteId::staggered_grid, "staggered-grid"},
+      Word{NoteId::unclear_positions, "unclear-positions"},
+      Word{NoteId::value_scale, "value-scale"},
+      Word{NoteId::attribute_kind, "attribute-kind"},
+      Word{NoteId::attribute_left_out, "attribute-left-out"},
+      Word{NoteId::attribute_missing, "attribute-missing"},
+      Word{NoteId::attribute_of_nearest, "attribute-of-nearest"},
+      Word{NoteId::attribute_outside, "attribute-outside"},
+      Word{NoteId::attribute_placement, "attribute-placement"},
+      Word{NoteId::attribute_renamed, "attribute-renamed"},
+      Word{NoteId::color_range, "color-range"},
+      Word{NoteId::labels_assumed, "labels-assumed"},
+      Word{NoteId::labels_lost, "labels-lost"},
+      Word{NoteId::means_not_possible, "means-not-possible"},
+      Word{NoteId::nan_attribute, "nan-attribute"},
+      Word{NoteId::nan_samples, "nan-samples"},
+      Word{NoteId::no_data, "no-data"},
+      Word{NoteId::particle_radius, "particle-radius"},
+      Word{NoteId::particles_left_out, "particles-left-out"},
+      Word{NoteId::region_at_samples, "region-at-samples"},
+      Word{NoteId::sparse_made_dense, "sparse-made-dense"},
+      Word{NoteId::voxel_size, "voxel-size"},
+      Word{NoteId::backend, "backend"},
+      Word{NoteId::cap_overlaps, "cap-overlaps"},
+      Word{NoteId::clipped, "clipped"},
+      Word{NoteId::corners_joined, "corners-joined"},
+      Word{NoteId::error_not_measured, "error-not-measured"},
+      Word{NoteId::faces_not_merged, "faces-not-merged"},
+      Word{NoteId::iso_chosen, "iso-chosen"},
+      Word{NoteId::labels_part, "labels-part"},
+      Word{NoteId::many_components, "many-components"},
+      Word{NoteId::no_surface, "no-surface"},
+      Word{NoteId::open_components_kept, "open-components-kept"},
+      Word{NoteId::open_mesh, "open-mesh"},
+      Word{NoteId::repeated_iso, "repeated-iso"},
+      Word{NoteId::simplified_shells, "simplified-shells"},
+      Word{NoteId::volume_changed, "volume-changed"},
+      Word{NoteId::animation_kept, "animation-kept"},
+      Word{NoteId::empty_picture, "empty-picture"},
+      Word{NoteId::flat_normals, "flat-normals"},
+      Word{NoteId::frames_kept, "frames-kept"},
+      Word{NoteId::frames_move, "frames-move"},
+      Word{NoteId::length_unit, "length-unit"},
+      Word{NoteId::memory_unknown, "memory-unknown"},
+      Word{NoteId::no_effect, "no-effect"},
+      Word{NoteId::no_plot, "no-plot"},
+      Word{NoteId::not_coarsened, "not-coarsened"},
+      Word{NoteId::not_verified, "not-verified"},
+      Word{NoteId::old_pieces, "old-pieces"},
+      Word{NoteId::one_camera, "one-camera"},
+      Word{NoteId::renamed_meshes, "renamed-meshes"},
+      Word{NoteId::rounded_positions, "rounded-positions"},
+      Word{NoteId::several_files, "several-files"},
+      Word{NoteId::shard, "shard"},
+      Word{NoteId::simulation_limits, "simulation-limits"},
+      Word{NoteId::up_axis, "up-axis"},
+  };
+}
+
+// One note. The text is one sentence without its full stop; text from files is printable, and below `cli` it names no
+// option.
+struct Note {
+  NoteId id = NoteId::no_effect;
+  std::string text;
+
+  friend auto operator<=>(const Note&, const Note&) = default;
+};
+using Notes = std::vector<Note>;
+
+// Returns the note with `start` before its text.
+[[nodiscard]] inline Note prefixed(const std::string& start, const Note& note) { return {note.id, start + note.text}; }
+
+}  // namespace isoextract
