@@ -34,7 +34,7 @@ struct AnalyticError {
   AngleStatistics flat_normals;  // normals of the triangles themselves
 
   double area = 0;               // without caps, in the mesh's units
-  std::optional<double> volume;  // only if a cap or the formula closes the mesh
+  std::optional<double> volume;  // only without a region, and if closed_form or ExtractOptions::cap closes the mesh
   double unit = 1;               // the formula's unit of length, in the mesh's units
 
   std::uint64_t cap_triangles = 0;  // counted in the volume only
@@ -42,7 +42,8 @@ struct AnalyticError {
 
 // Measures `mesh`, extracted with options `extracted` from the demo field `field`, or from `grid`, which resample()
 // made of it. Returns nothing if there is no formula, or if the placement is no similarity and so distorts distances.
-// Fails if memory is short. The result does not depend on the number of threads.
+// Fails as an extraction from the formula does: with ErrorCode::out_of_memory or ErrorCode::cancelled. The result does
+// not depend on the number of threads.
 [[nodiscard]] Result<std::optional<AnalyticError>> measure_analytic_error(
     const mesh::Mesh& mesh, const field::ScalarField& field, const extract::ExtractOptions& extracted,
     const field::ScalarField* grid, const CapPlanes& caps, const Context& context);

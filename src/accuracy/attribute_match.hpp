@@ -14,11 +14,12 @@ namespace isoextract::accuracy {
 
 // An attribute of the same name in both meshes, or the colors of both.
 struct AttributeMatch {
-  std::string name;
+  std::string name;  // in the first mesh
   std::array<std::size_t, 2> components{};
-  // How far the values of the same vertex differ: largest and mean over all components. Normalized integers count as
-  // fractions. Equal numbers, equal infinities and two NaN do not differ; other non-finite values are counted and left
-  // out. Absent if vertices do not correspond or the numbers of components differ.
+  // How far the values of the same vertex differ: largest and mean over all components. Normalized integers and integer
+  // colors count as fractions. Equal numbers, equal infinities and two NaN do not differ; other pairs with a non-finite
+  // value are counted and left out. Absent if vertices do not correspond, if the numbers of components differ, or for
+  // colors that are not compared.
   struct Difference {
     double largest = 0;
     std::size_t vertex = 0;  // the first vertex with the largest difference
@@ -29,17 +30,17 @@ struct AttributeMatch {
 };
 
 struct AttributeMatches {
-  bool same_vertices = false;  // equal count, places and order
+  bool same_vertices = false;  // equal count and order, places within the tolerance
   std::vector<AttributeMatch> both;
-  std::array<std::vector<std::string>, 2> only;
+  std::array<std::vector<std::string>, 2> only;  // attributes of one mesh only
 };
 
-// Returns the largest error, along each axis, that float32 may have caused in the vertices of a mesh read from a file.
-// It is relative to world coordinates if these are all float32 numbers, else to local coordinates.
+// Returns an upper bound of the error, along each axis, that float32 has caused in the vertices of a mesh read from a
+// file. It is 2^-23 of the largest world coordinate if these are all float32 numbers, else of the largest local one.
 [[nodiscard]] double coordinate_rounding(const mesh::Mesh& mesh);
 
 // Compares all attributes. `colors` says whether color values mean the same in both meshes; if not, they are not
-// compared. Vertices correspond if no coordinate differs by more than `tolerance`.
+// compared. Vertices correspond if their numbers are equal and no coordinate differs by more than `tolerance`.
 [[nodiscard]] AttributeMatches match_attributes(const mesh::Mesh& a, const mesh::Mesh& b, bool colors,
                                                 double tolerance = 0);
 

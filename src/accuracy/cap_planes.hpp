@@ -9,8 +9,8 @@ namespace isoextract::accuracy {
 
 struct CapPlanes {
   std::span<const mesh::HalfSpace> cuts = {};  // capped clip planes: triangles in them are caps, too
-  // In voxels: how far caps may have moved from their planes since. Moved triangles count as caps only if they still
-  // face along the plane's normal.
+  // How far edits may have moved caps from their planes, in voxels. If above 0, triangles count as caps only if their
+  // normal is within 25 degrees of the plane's normal or its opposite.
   double moved = 0;
 };
 

@@ -7,8 +7,8 @@
 namespace isoextract::accuracy {
 
 // Returns the zero between a and b, where `at` has the values value_a and value_b of different sign. Uses regula falsi
-// with the Illinois rule (Dowell and Jarratt, "A modified regula falsi method", BIT 11, 1971). Stops at a value of at
-// most `enough`, at a bracket of 1e-9 of b, or at a non-finite value.
+// with the Illinois rule (Dowell and Jarratt, "A modified regula falsi method", BIT 11, 1971). Stops at an absolute
+// value of at most `enough`, at a bracket of 1e-9 of the result, at a non-finite value, or after 100 rounds.
 template <class F>
 [[nodiscard]] double find_crossing(const F& at, double a, double value_a, double b, double value_b, double enough) {
   for (int round = 0; round < 100; ++round) {

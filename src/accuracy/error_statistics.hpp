@@ -17,7 +17,7 @@ struct Length {
 struct ErrorStatistics {
   std::uint64_t points = 0;  // points with a distance
   Length rms;
-  Length percentile99;  // by weight; rounded up by at most 1/64
+  Length percentile99;  // by weight; rounded up by at most 1/64 or 2^-60 voxels
   Length max;
   glm::dvec3 worst{0.0};  // the point with max.world, in the mesh's coordinates
 
@@ -26,16 +26,17 @@ struct ErrorStatistics {
   std::uint64_t outside = 0;     // beyond the outermost samples, where always-closed methods put triangles
   std::uint64_t unreached = 0;   // no surface, or no iteration reached it
 
-  // Points (of `points`) where |f - iso| / |grad f| alone is wrong by more than half.
+  // Points (of `points`) whose distance differs from |f - iso| / |grad f| by more than half of that.
   std::uint64_t corrected = 0;
 
-  // Raises the maximum to that of other points of the same mesh; changes no other figure.
+  // Raises the maximum and its place to those of other points of the same mesh; changes no other figure. Does nothing
+  // if either has no points.
   void include_max(const ErrorStatistics& other);
   [[nodiscard]] std::uint64_t unmeasured() const { return not_finite + outside + unreached; }
 };
 
-// Accumulates distances one by one. Merging in a fixed order (base/parallel.hpp) makes the result independent of the
-// number of threads; another order changes the last digits of rms only.
+// Accumulates distances one by one. Merging in a fixed order (base/reduction.hpp) makes the result independent of the
+// number of threads. Another order may change the last digits of rms, percentile99 by a bin, and `worst` among equals.
 class ErrorAccumulator {
  public:
   // `world_voxel` is the approximate length of a voxel in the mesh's coordinates.

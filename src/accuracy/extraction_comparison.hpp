@@ -47,14 +47,14 @@ struct ExtractionComparison {
 };
 
 // Compares the meshes. Vertices that a hole duplicates share a key; their number is compared, not which triangles use
-// which copy. An index without a vertex counts as a difference. Fails with ErrorCode::verification if a mesh lacks edge
-// keys, with ErrorCode::out_of_memory if memory is short.
+// which copy. An index without a vertex counts as a difference. Fails with ErrorCode::verification if a mesh has not
+// one edge key for each vertex, with ErrorCode::out_of_memory if memory is short.
 [[nodiscard]] Result<ExtractionComparison> compare_extractions(const mesh::Mesh& a, const mesh::Mesh& b,
                                                                const Context& context);
 
 // Returns one sentence (without full stop) for each difference beyond the limits, none if the meshes are equal: equal
-// triangles, vertices and origins, positions within kStabilityUlps, normals within kNormalDegrees. `names` are the
-// names of the meshes.
+// triangles, vertices and origins, positions within kStabilityUlps, normals in both or neither and within
+// kNormalDegrees. `names` are the names of the meshes.
 [[nodiscard]] std::vector<std::string> differences(const ExtractionComparison& comparison, const MeshLabels& names);
 
 // Formats an edge as "(3, 4, 5) along xz", a cap vertex as "(3, 4, 5)".

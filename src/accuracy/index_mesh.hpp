@@ -44,14 +44,15 @@ class IndexMesh {
   // Also treats triangles in these planes (mesh coordinates) as caps. The planes must outlive this object.
   void add_caps(const CapPlanes& caps) { caps_ = caps; }
 
-  // Returns whether a point is beyond the outermost samples, where always-closed methods put triangles.
+  // Returns whether a point is beyond the outermost samples (of the region, if set), where always-closed methods put
+  // triangles; false for other methods.
   [[nodiscard]] bool is_outside(const glm::dvec3& index) const {
     return outermost_samples_ && (glm::any(glm::lessThan(index, outermost_samples_->min - tolerance_)) ||
                                   glm::any(glm::greaterThan(index, outermost_samples_->max + tolerance_)));
   }
 
-  // Returns whether all corners lie in one face of the capped box, in one capped cut plane, or beyond one face of the
-  // outermost samples.
+  // Returns whether all corners (in index space) lie in one face of the capped box, in one capped cut plane, or beyond
+  // one face of the outermost samples of an always-closed method.
   [[nodiscard]] bool is_cap(const std::array<glm::dvec3, 3>& corners) const {
     if (is_in_cut(corners)) return true;
     if (outermost_samples_ && is_beyond(corners, *outermost_samples_)) return true;
@@ -67,7 +68,7 @@ class IndexMesh {
     return false;
   }
 
-  // Returns 1 for each vertex of a triangle that is no cap. Vertices of caps alone lie on samples.
+  // Returns 1 for each vertex of a triangle that is no cap, else 0; 1 for every vertex if the mesh cannot have caps.
   [[nodiscard]] std::vector<std::uint8_t> surface_vertices() const;
 
   // Returns whether at least two of the three indices are integers, as on an axis-aligned grid edge.

@@ -20,7 +20,9 @@
 namespace isoextract::accuracy {
 
 struct DistanceOptions {
-  double tolerance = 0.01;  // width of the interval as a fraction of the distance; above 0
+  // Width of the interval as a fraction of its lower end, plus MeshDistance::resolution; above 0. The interval is wider
+  // if a triangle needs too many steps.
+  double tolerance = 0.01;
   // Triangles no farther than this are not measured more closely; the interval may then reach up to it.
   double enough = 0;
   std::uint64_t samples = 1 << 18;  // in each direction; 0 leaves rms, mean and percentile at 0
@@ -51,7 +53,7 @@ struct MeshDistance {
 
 // Measures both directions; positions must be finite. Fails with ErrorCode::input if a mesh has no triangles or if the
 // origins are more than 1e150 apart (squared distances would overflow), with ErrorCode::out_of_memory if memory is
-// short.
+// short, or with ErrorCode::cancelled.
 [[nodiscard]] Result<MeshDistance> measure_distance(const mesh::Mesh& a, const mesh::Mesh& b,
                                                     const DistanceOptions& options, const Context& context);
 

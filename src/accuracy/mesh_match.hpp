@@ -11,7 +11,7 @@
 //   rounded to a neighbor.
 // - Half a float32 spacing of the reader's local coordinates: the reader converts doubles to float32 relative to its
 //   own origin. Not if the origins are equal, as then the file has the exact numbers.
-// - A few roundings of the world coordinates, for sums in double.
+// - Four roundings of the world coordinates, for sums in double. Not if the origins are equal.
 // - One step, if positions were quantized to multiples of a power of two (mesh_io/mesh_packing.hpp). The extracted ones
 //   are quantized likewise here, but another backend's may have gone to the next step.
 //

@@ -19,22 +19,23 @@ namespace isoextract::accuracy {
 struct SurfaceCoverage {
   // From points on the isosurface to the mesh, weighted by area; no points if the isosurface or the mesh is empty.
   ErrorStatistics distances;
-  // Upper bound for all points of the isosurface in small triangles. How far it bulges out of these is estimated.
-  // distances.max covers the measured points only.
+  // Upper bound of the distance of all points of the isosurface; distances.max covers the measured points only. The
+  // bound holds for the small triangles that approximate the isosurface; how far it bulges out of them is estimated.
   Length max_at_most;
   std::uint64_t components = 0;  // components of the isosurface
   std::uint64_t lost = 0;        // components that the mesh lacks
 };
 
-// Sets the counts of `coverage`. `surface` is the isosurface in whole cells; `tree` contains its triangles, null if
-// there are none. Only components with a vertex inside `clipped` count, if the mesh was clipped. Uses coverage_bytes()
-// of memory, which the caller reserves.
+// Sets `components` and `lost` of `coverage`. `surface` is the isosurface in whole cells; `tree` contains its
+// triangles, null if there are none. If the mesh was clipped, only components with a vertex inside `clipped` count. The
+// caller reserves coverage_bytes(). If the context is cancelled, `lost` is meaningless. Throws std::bad_alloc.
 void count_components(const mesh::Mesh& mesh, const mesh::Mesh& surface, const mesh::TriangleTree* tree,
                       std::span<const mesh::HalfSpace> clipped, const Context& context, SurfaceCoverage& coverage);
 
+// Returns the memory that count_components() uses for an isosurface of this size.
 [[nodiscard]] std::uint64_t coverage_bytes(std::uint64_t vertices, std::uint64_t triangles);
 
-// Returns whether a point in the mesh's coordinates is inside all half-spaces.
+// Returns whether a point in the mesh's coordinates is inside or on the boundary of all half-spaces.
 [[nodiscard]] bool is_kept(const glm::dvec3& p, std::span<const mesh::HalfSpace> clipped);
 
 }  // namespace isoextract::accuracy

@@ -26,13 +26,15 @@ struct LabeledVertices {
 using MeshLabels = std::array<std::string_view, 2>;  // names of the first and the second mesh
 
 struct TriangleDifference {
-  std::array<std::uint64_t, 2> total{};                               // for the first and the second mesh
-  std::array<std::uint64_t, 2> only{};                                // triangles that only this mesh has
-  std::array<std::optional<std::array<glm::dvec3, 3>>, 2> example{};  // the corners of the first of them
+  std::array<std::uint64_t, 2> total{};  // for the first and the second mesh
+  std::array<std::uint64_t, 2> only{};   // triangles that only this mesh has
+  // The corners of the first of them; NaN for a nonexistent vertex.
+  std::array<std::optional<std::array<glm::dvec3, 3>>, 2> example{};
 };
 
 // Compares the triangles of both meshes. Triangles are equal if they name the same vertices in the same cyclic order;
-// duplicates must occur equally often. A triangle with an unnamed or nonexistent vertex belongs to its mesh only.
+// duplicates must occur equally often. A triangle with an unnamed or nonexistent vertex belongs to its mesh only. All
+// names are below `names`. Throws std::bad_alloc.
 [[nodiscard]] TriangleDifference compare_triangle_sets(const LabeledVertices& a, const LabeledVertices& b,
                                                        std::uint64_t names);
 
@@ -43,7 +45,7 @@ void add_difference_sentences(const TriangleDifference& difference, const MeshLa
 // Formats a point as "(1, 2.5, -3)".
 [[nodiscard]] std::string point_text(const glm::dvec3& point);
 
-// Returns the memory that compare_triangle_sets() uses.
+// Returns the memory that compare_triangle_sets() uses; `triangles` are those of both meshes.
 [[nodiscard]] std::uint64_t triangle_comparison_bytes(std::uint64_t triangles, std::uint64_t names);
 
 }  // namespace isoextract::accuracy

@@ -12,12 +12,12 @@ namespace isoextract {
 // Returns the limit of this process's address space (RLIMIT_AS, "ulimit -v") in bytes, or nothing if it is unlimited.
 [[nodiscard]] std::optional<std::uint64_t> address_space_limit();
 
-// The hint that tells how to raise that limit.
+// The step that tells how to raise that limit.
 inline constexpr const char* kRaiseAddressSpaceHint =
     "raise that limit (ulimit -v unlimited; in a batch job, its limit of virtual memory)";
 
-// Returns the error for a failed allocation. If the address space is limited, the message names that limit and the hint
-// suggests raising it, because neither the machine's memory nor the memory budget is the cause.
+// Returns the error for a failed allocation, ErrorCode::out_of_memory. If the address space is limited, the message
+// names that limit, and the error has the hint to raise it or to extract the volume in parts in place of `hint`.
 [[nodiscard]] Error allocation_error(std::string message, Hint hint = {});
 
 }  // namespace isoextract

@@ -29,7 +29,8 @@ constexpr auto words_of(AttributeKind /*type*/) {
 }
 
 // Returns the kind that a name suggests for an attribute of several components ("v", "velocity", "N", "Cd", "P"),
-// ignoring case. Returns nothing if the name suggests none.
+// ignoring case. Returns nothing if the name suggests none, or contains "angular": angular velocities do not scale with
+// lengths.
 [[nodiscard]] std::optional<AttributeKind> kind_by_name(std::string_view name);
 
 }  // namespace isoextract

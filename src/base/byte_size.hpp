@@ -9,11 +9,11 @@
 
 namespace isoextract {
 
-// Parses a number of bytes with an optional binary suffix K, M, G or T: "512", "16M", "2G", "1.5GiB". Fails with
-// ErrorCode::usage.
+// Parses a number of bytes with an optional binary suffix: "512", "16M", "2g", "1.5GiB"; 1 K, KB or KiB is 1024 bytes.
+// Drops fractions of a byte. Fails with ErrorCode::usage for other texts and from 2^63 bytes on.
 [[nodiscard]] Result<std::uint64_t> parse_byte_size(std::string_view text);
 
-// Formats with a binary unit: 1536 -> "1.5 KiB".
+// Formats with a binary unit and, from 1 KiB on, three significant digits: 1536 -> "1.5 KiB".
 [[nodiscard]] std::string format_byte_size(std::uint64_t bytes);
 
 }  // namespace isoextract

@@ -7,7 +7,8 @@
 
 namespace isoextract {
 
-// Each returns the product or the sum of all arguments, or nothing if it exceeds 64 bits.
+// Each returns the product or the sum of all arguments. Returns nothing if an intermediate result, from left to right,
+// exceeds 64 bits, even if a later factor is 0.
 template <std::unsigned_integral... Ts>
 [[nodiscard]] constexpr std::optional<std::uint64_t> checked_product(Ts... factors) {
   std::uint64_t product = 1;

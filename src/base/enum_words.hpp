@@ -26,8 +26,8 @@ template <class E>
   }
   return {};
 }
-// Returns the value that `word` names, or nothing.
 
+// Returns the value that `word` names, or nothing.
 template <class E>
 [[nodiscard]] constexpr std::optional<E> value_of(std::string_view word) {
   for (const Word<E>& entry : words_of(E{})) {

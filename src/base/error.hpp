@@ -1,6 +1,6 @@
-// Errors are values: every function below `cli` that can fail returns Result<T>. Those rooms neither print nor exit,
-// and the only exception that crosses a room's border is std::bad_alloc. `cli` prints the Error on stderr and exits
-// with exit_code_of().
+// Errors are values: functions below `cli` that can fail return Result<T>. Those rooms do not print, and only the child
+// processes of `sandbox` exit. The only exception that crosses a room's border is std::bad_alloc. `cli` prints the
+// Error on stderr and exits with exit_code_of().
 //
 // No room below `cli` knows the name of an option: a hint is steps of a Remedy and a Setting, and `cli` words them.
 #pragma once
@@ -19,12 +19,12 @@ namespace isoextract {
 enum class ErrorCode {
   usage,          // the options or their combination are invalid
   input,          // the input cannot be read, or does not contain the requested data
-  empty_grid,     // the input is valid, but its grid has no voxels
+  empty_grid,     // the input is valid, but it has no voxels or no particles
   no_surface,     // the input is valid, but no value crosses the iso value
   out_of_memory,  // the memory limit or the machine does not allow it now; it may with fewer conversions at a time
-  unavailable,    // a requested feature or device is missing
+  unavailable,    // a requested feature, plug-in or device is missing or fails
   output,         // the output cannot be written
-  frames,         // some of many frames failed
+  frames,         // some of many frames failed or are missing
   verification,   // a verification failed
   cancelled,      // cancelled by the user or the calling program
 };
@@ -78,7 +78,7 @@ enum class Setting {
   component,
   raw_layout,     // dims and sample type of a raw file
   sample_type,    // of a raw file
-  skipped_bytes,  // the header of a raw file
+  skipped_bytes,  // the length of a raw file's header
   axis_order,
   spacing_and_origin,
   frames,

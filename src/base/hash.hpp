@@ -10,7 +10,7 @@ inline constexpr std::uint64_t kGoldenRatio = 0x9E3779B97F4A7C15U;  // odd, next
 }
 
 // Returns the n-th number (from 0) of the generator splitmix64 with seed 0 (Steele, Lea, Flood: Fast splittable
-// pseudorandom number generators. OOPSLA 2014). The numbers must never change: demo fields are made of them.
+// pseudorandom number generators. OOPSLA 2014). The numbers must never change: demo fields and simulations use them.
 [[nodiscard]] constexpr std::uint64_t splitmix64(std::uint64_t n) {
   std::uint64_t h = (n + 1) * detail::kGoldenRatio;
   h = (h ^ (h >> 30U)) * 0xBF58476D1CE4E5B9U;

@@ -10,8 +10,8 @@
 
 namespace isoextract {
 
-// Returns the bytes that this process may use: the physical memory, or the limit of a control group (v1 or v2) if that
-// is lower.
+// Returns the bytes that this process may use: the physical memory, or the lowest limit of its control groups (v1 or
+// v2) if that is lower. Reads them once; the first result stays.
 [[nodiscard]] std::uint64_t available_memory();
 
 namespace detail {
@@ -31,7 +31,7 @@ class [[nodiscard]] Reservation {
   void release();
   // Reduces the reservation to `bytes`. Does nothing if it is not larger than that.
   void shrink(std::uint64_t bytes);
-  // Adds the bytes of `other`, which must come from the same budget. Either may hold nothing.
+  // Takes the bytes of `other`, which must be of the same account (a part() has another). Either may hold nothing.
   void take(Reservation&& other);
 
  private:
@@ -52,14 +52,14 @@ class MemoryBudget {
   [[nodiscard]] MemoryBudget part() const;
 
   // Fails with ErrorCode::out_of_memory and the hint to raise the limit if `bytes` exceed the memory left. `what`
-  // starts the message, for example "in.nrrd: 4096x4096x4096 f32 samples". Frees blocks that Buffer keeps for reuse,
-  // down to the memory left.
+  // starts the message, for example "in.nrrd: 4096x4096x4096 f32 samples". On success, frees the blocks that Buffer
+  // keeps for reuse until they fit into the memory left after the reservation.
   [[nodiscard]] Result<Reservation> reserve(std::uint64_t bytes, const std::string& what) const;
 
   [[nodiscard]] std::uint64_t limit() const;
   [[nodiscard]] std::uint64_t left() const;      // bytes of the limit that no account has reserved now
-  [[nodiscard]] std::uint64_t reserved() const;  // bytes that this account holds now
-  [[nodiscard]] std::uint64_t peak() const;      // the most bytes that this account held at a time
+  [[nodiscard]] std::uint64_t reserved() const;  // bytes that this account and its parts hold now
+  [[nodiscard]] std::uint64_t peak() const;      // the most bytes that they held at a time
 
  private:
   explicit MemoryBudget(std::shared_ptr<detail::MemoryAccount> account);

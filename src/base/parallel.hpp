@@ -1,4 +1,5 @@
-// Parallel loops. Only parallel.cpp instantiates TBB's templates, instead of once for each body and sample type.
+// Parallel loops. Only parallel.cpp instantiates TBB's loops, instead of once for each body and sample type. A grain is
+// at least 1.
 #pragma once
 
 #include <concepts>
@@ -46,13 +47,14 @@ void reduce_ranges(std::size_t count, std::size_t grain, Reduction& all);
 }  // namespace detail
 
 // Calls body(begin, end) in parallel on ranges that cover [0, count). A range of at most `grain` indices is not split
-// further. Rethrows the exception of a body; the remaining ranges are then skipped.
+// further. Rethrows the first exception of a body; the remaining ranges are then skipped, and loops inside other bodies
+// stop halfway.
 template <class Body>
 void for_each_range(std::size_t count, std::size_t grain, const Body& body) {
   detail::parallel_ranges(count, grain, detail::RangeBody::of(body));
 }
 
-// Like for_each_range, but with ranges that depend on `count` and `grain` only.
+// Like for_each_range, but with ranges of at most `grain` indices that depend on `count` and `grain` only.
 template <class Body>
 void for_each_fixed_range(std::size_t count, std::size_t grain, const Body& body) {
   detail::fixed_ranges(count, grain, detail::RangeBody::of(body));

@@ -20,8 +20,9 @@ class PointRange {
 };
 
 // Runs body(range, sums) on ranges of at most `piece` indices that cover [0, count). The sums of each range start as a
-// copy of `none`; Sums::merge joins them in an order that depends on `count` and `piece` only. Throws the first
-// exception of a body or a merge once all bodies have ended, as reduce_ranges does.
+// copy of `none`; Sums::merge(later) joins them in an order that depends on `count` and `piece` only. Throws the first
+// exception of a body or a merge once all bodies have ended, as reduce_ranges does. Advances `progress`, which may be
+// null, by the indices of each range.
 template <class Sums, class Body>
 [[nodiscard]] Sums reduce_in_order(std::size_t count, const Sums& none, Progress* progress, const Body& body,
                                    std::size_t piece = 1 << 13) {

@@ -28,7 +28,7 @@ struct AnimationJob {
 };
 
 struct BatchJob {
-  std::vector<FrameJob> frames;           // ordered by number; no two write the same file
+  std::vector<FrameJob> frames;           // ordered by number; without `animation`, no two write the same file
   std::optional<AnimationJob> animation;  // if set, each frame has one output, with the animation's path
 
   friend bool operator==(const BatchJob&, const BatchJob&) = default;
@@ -40,11 +40,11 @@ struct BatchJob {
 // Returns 32 hexadecimal digits that identify all frames and their jobs, as convert::hash_of() does for one job.
 [[nodiscard]] std::string hash_of(const BatchJob& batch);
 
-// Returns the same for a batch without an animation, from the number and convert::hash_of() of each frame, in order.
 struct FrameHash {
   std::int64_t number = 0;
-  std::string job;
+  std::string job;  // convert::hash_of() of the frame's job
 };
+// Returns hash_of() of the batch with these frames, in order, and without an animation.
 [[nodiscard]] std::string hash_of(std::span<const FrameHash> frames);
 
 }  // namespace isoextract::batch

@@ -27,8 +27,10 @@ namespace isoextract::batch {
 // Frames of an earlier run that this run keeps instead of converting them again.
 enum class ResumePolicy {
   reconvert,
-  keep_unchanged,  // frames whose job is in the manifest and whose files are unchanged (reason_to_reconvert())
-  keep_existing,   // frames of which an output file exists, whatever it contains
+  // Frames whose job is in the manifest and whose files are unchanged (reason_to_reconvert()), if records are kept; of
+  // an animation, all frames or none.
+  keep_unchanged,
+  keep_existing,  // frames of which an output file exists, whatever it contains
 };
 
 struct RunOptions {
@@ -37,11 +39,14 @@ struct RunOptions {
   std::vector<std::string> arguments = {};  // of the command line, stored in the manifest for its readers
   std::string absent = {};                  // requested frames without input, as FrameRange text (ManifestHeader)
   bool keeps_records = true;                // keep records in the manifest, for later runs
-  bool keeps_figures = true;                // keep figures in RunResult::rows, which takes memory for each frame
-  SchedulerOptions scheduler = {};          // BatchRun sets extras.field_note and extras.hash_files
+  // Keep figures, outputs and errors of converted frames in RunResult::rows, which takes memory for each frame.
+  bool keeps_figures = true;
+  // BatchRun sets extras.field_note and extras.hash_files. Without extras.read it renames no old meshes.
+  SchedulerOptions scheduler = {};
 };
 
-// Events of a run. The converting threads call them concurrently, so a listener must guard its data.
+// Events of a run. The converting threads call them concurrently, so a listener must guard its data. The thread of
+// BatchRun::run() calls has_report() and over() for kept frames, before any frame starts.
 class RunEvents {
  public:
   virtual ~RunEvents() = default;
@@ -50,14 +55,15 @@ class RunEvents {
   [[nodiscard]] virtual convert::Events* started(std::size_t /*frame*/, const Context& /*context*/) { return nullptr; }
   // Returns a note about the field of a frame (convert::ConversionOptions).
   [[nodiscard]] virtual std::optional<Note> field_note(const field::ScalarField& /*field*/) { return std::nullopt; }
-  // Returns whether the report of a frame, as write_report() writes it, exists. A frame without one is not kept.
+  // Returns whether the report of a frame, as write_report() writes it, exists. ResumePolicy::keep_unchanged does not
+  // keep a frame without one.
   [[nodiscard]] virtual bool has_report(std::size_t /*frame*/) { return true; }
   // Writes the report of a frame. If that fails, the frame fails.
   [[nodiscard]] virtual Result<void> write_report(std::size_t /*frame*/, const convert::Outcome& /*outcome*/) {
     return {};
   }
-  // Called once for each kept frame and each frame that started, after its other events. `outcome` is null for a kept
-  // frame. `error` is set if the frame failed or was cancelled.
+  // Called once for each kept frame and each frame that FrameEvents::finished() receives, after its other events.
+  // `outcome` is null for a kept frame. `error` is set if the frame failed or was cancelled.
   virtual void over(std::size_t /*frame*/, const FrameRow& /*row*/, const convert::Outcome* /*outcome*/,
                     const Error* /*error*/) {}
 };
@@ -79,7 +85,7 @@ struct RunResult {
 // check_replaced_shard() does.
 //
 // Returns the set of the files that the run reads, including data files that input headers name. Files of single bodies
-// are checked against it later. Returns nullopt if no output exists yet and no surface is split into bodies.
+// are checked against it later. Returns nullopt if no file to write exists yet and no surface is split into bodies.
 [[nodiscard]] Result<std::optional<files::InputFileSet>> check_written_files(const BatchJob& batch, const Shard& shard,
                                                                              const OtherFiles& others,
                                                                              const Context& context);

@@ -1,5 +1,5 @@
-// Finds the frames of a run in the inputs that were given: the number and the input of each frame. Reads folders, but
-// opens no file.
+// Finds the frames of a run in the inputs that were given: the number and the input of each frame. Reads folders. Opens
+// no file, except one in a folder without volumes and particles, to name its format in the error.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace isoextract::batch {
 struct Frame {
   std::int64_t number = 0;
   std::string input;                 // a path or demo:NAME, as read_volume() takes it
-  std::optional<std::int64_t> step;  // the time step in `input`, if the time steps of one file are frames
+  std::optional<std::int64_t> step;  // the time step in `input`, if its time steps are frames; not set by find_frames()
 
   friend bool operator==(const Frame&, const Frame&) = default;
 };
@@ -51,8 +51,9 @@ struct Frames {
 // Fails with ErrorCode::usage in these cases:
 //   - a folder holds several sequences (the message lists them);
 //   - a file is given twice, or one of several inputs is a pattern or a folder;
+//   - FramePattern::parse() fails, or a pattern in demo:NAME has no range;
 //   - a pattern's number is part of decimal numbers (t_0.{}.vdb with t_0.25.vdb and t_0.5.vdb);
-//   - a range is given for a single file, or there are more than kMaxFrames frames.
+//   - a range is given for a single file, `inputs` is empty, or there are more than kMaxFrames frames.
 [[nodiscard]] Result<Frames> find_frames(std::span<const std::string> inputs, const std::optional<FrameRange>& range);
 
 }  // namespace isoextract::batch

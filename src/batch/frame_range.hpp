@@ -32,7 +32,8 @@ struct FrameRun {
 // Number of runs that a message lists.
 inline constexpr std::size_t kShownFrameRuns = 20;
 
-// Returns the text that FrameRange::parse() reads. Lists at most `max_runs` runs, then "...".
+// Returns the text that FrameRange::parse() reads. If there are more than `max_runs` runs, lists `max_runs` and ",...",
+// which parse() refuses.
 [[nodiscard]] std::string text_of(std::span<const FrameRun> runs, std::size_t max_runs = std::string::npos);
 
 // A set of frame numbers without duplicates, in rising order. Equal sets compare equal, however they were written.
@@ -40,7 +41,8 @@ class FrameRange {
  public:
   // Parses A, A-B or A-BxS, separated by commas and optional blanks. A and B are inclusive (B only if the steps reach
   // it) and may be negative. Fails with ErrorCode::usage for any other text, for B below A, steps below 1, numbers
-  // beyond kMaxFrameNumber and more than kMaxFrames frames. Checks the count before taking memory.
+  // beyond kMaxFrameNumber and more than kMaxFrames frames, duplicates included. Checks the count before listing
+  // frames.
   [[nodiscard]] static Result<FrameRange> parse(std::string_view text);
 
   // Returns the runs, which do not overlap and are in rising order.

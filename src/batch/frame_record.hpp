@@ -24,9 +24,9 @@ struct SurfaceFigures {
   std::optional<bool> closed;
   std::optional<double> area;
   std::optional<double> volume;  // of a closed mesh
-  // Set if the surface was written to files of its frame.
-  std::string output;                  // the first of these files
-  std::optional<std::uint64_t> bytes;  // of all these files, including other surfaces in them
+  // Set if the surface was written to files of its frame. If several outputs contain it, only the first one counts.
+  std::string output;                  // the first file of that output
+  std::optional<std::uint64_t> bytes;  // of that output's files with the surface, including other surfaces in them
   // Set if the error was measured. In voxels; error: distances from the mesh to the isosurface of the data, coverage:
   // distances from that isosurface to the mesh.
   std::optional<double> error_rms;
@@ -45,7 +45,7 @@ struct FrameFigures {
   std::uint64_t bytes = 0;               // written in all
   double wall_seconds = 0;
   std::uint64_t memory = 0;                    // peak of the reserved memory, in bytes
-  std::string time_step;                       // the time step that the input states for the frame; empty if none
+  std::string time_step;                       // the frame's time step in a particle input; empty if none
   std::vector<std::string> lacked_attributes;  // optional attributes that the input lacks
   std::string unit = {};                       // of lengths in the meshes: "mm"; empty if unknown
 
@@ -75,29 +75,29 @@ struct FrameRecord {
 };
 
 // Returns the state of the frame's inputs now. Call before converting the frame, so that a change during the conversion
-// is noticed later. Fails if an input cannot be read.
+// is noticed later. Fails with ErrorCode::input if an input cannot be read.
 [[nodiscard]] Result<std::vector<FileRecord>> input_states(const FrameJob& frame, const Context& context);
 
-// Makes the record of a frame that was just finished. Reads again only files whose hash the outcome lacks; fails if one
-// cannot be read.
+// Makes the record of a frame that was just finished. Reads again only outputs whose hash the outcome lacks or whose
+// size has changed; fails with ErrorCode::input if it cannot read one.
 [[nodiscard]] Result<FrameRecord> record_of(const FrameJob& frame, std::vector<FileRecord> inputs,
                                             const convert::Outcome& outcome, const Context& context);
 
 // Returns an input of the frame that exists now but not in the record, such as the file of an optional attribute:
-// "h_03.npy is new". Empty if there is none.
+// "h_03.npy is new". Returns a message as well if the inputs cannot be listed. Empty if there is none.
 [[nodiscard]] std::string find_added_input(const FrameRecord& record, const FrameJob& frame);
 
 // Returns whether the record lists the inputs. False if they could not be hashed before the conversion; a demo field
 // needs none.
 [[nodiscard]] bool knows_inputs(const FrameRecord& record, const FrameJob& frame);
 
-// Returns the first file of the record that has changed: "in.vdb has changed". Empty if none has. Compares the bytes of
-// all files, and for inputs also the modification time.
+// Returns the first file of the record that has changed or cannot be read: "in.vdb has changed". Empty if there is
+// none. Compares the bytes of all files, and for inputs also the modification time.
 [[nodiscard]] std::string find_changed_file(const FrameRecord& record);
 
 // Returns why a recorded frame must be converted again: "in.vdb has changed". Empty if its options are unchanged,
-// find_changed_file() finds no change, and no input was added. A record without inputs counts
-// as changed, except for demo fields.
+// find_changed_file() finds no change, and no input was added. A record without inputs counts as changed, except for
+// demo fields.
 [[nodiscard]] std::string reason_to_reconvert(const FrameRecord& record, const FrameJob& frame);
 
 [[nodiscard]] convert::Json json_of(const FrameRecord& record);

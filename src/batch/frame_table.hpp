@@ -31,12 +31,12 @@ struct FrameRow {
   std::string input;
   FrameStatus status = FrameStatus::not_started;
   FrameFigures figures;
-  std::vector<std::string> outputs;  // files that were written
+  std::vector<std::string> outputs;  // files that were written, or that the record of a kept frame lists
   std::string error;                 // why the frame failed
 };
 
-// Returns the first file of a surface of the row; `surface` is null for a row without surfaces. For an animation, whose
-// frames have no files of their own, returns the animation's file.
+// Returns the first file of a surface of the row. For a row without surfaces (`surface` is null), and for an animation,
+// whose frames have no files of their own, returns the row's first file. Empty if there is no file.
 [[nodiscard]] std::string output_of(const FrameRow& row, const SurfaceFigures* surface);
 
 // Returns whether there are surfaces but none has a triangle.
@@ -59,11 +59,11 @@ struct FrameRow {
 //   lacked_attributes              optional attributes that the input lacks, separated by spaces
 //   unit                           of the lengths in area and volume
 //
-// Unknown values are empty cells. Seconds, memory, time step, attributes and unit belong to the frame and repeat in
-// each of its rows.
+// Unknown values are empty cells, but seconds, memory and bytes are 0 for a kept frame without a record. Seconds,
+// memory, time step, attributes and unit belong to the frame and repeat in each of its rows.
 [[nodiscard]] std::string table_csv(std::span<const FrameRow> rows);
 
-// Returns a frame as an object with a list of its rows_of(). Unknown values are null.
+// Returns a frame as an object with a list of its rows_of(). Unknown values are null or 0 as in table_csv().
 [[nodiscard]] convert::Json row_json(const FrameRow& row);
 // Returns a list of row_json() of the frames, each with the name and version of the document.
 [[nodiscard]] convert::Json table_json(std::span<const FrameRow> rows);

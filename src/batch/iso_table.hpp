@@ -34,8 +34,9 @@ class IsoTable {
   // Reads a file. Fails with ErrorCode::input if it cannot be read or is larger than 256 MiB, and as parse() does.
   [[nodiscard]] static Result<IsoTable> read(const std::filesystem::path& path, const Context& context);
 
-  // Parses a text; messages call it `name`. Fails with ErrorCode::input if columns or fields are missing, for an
-  // invalid iso value or frame number, and for a repeated row. The message begins with "name:line".
+  // Parses a text; messages call it `name`. Fails with ErrorCode::input if columns or fields are missing, for wrong
+  // quotes, for an invalid iso value or frame number, and for a repeated row. The message begins with "name:line", or
+  // with "name:" if there is no header.
   [[nodiscard]] static Result<IsoTable> parse(std::string_view text, const std::string& name);
 
   // Returns the iso values of a frame, in the order of the rows; empty if the frame has none.

@@ -25,13 +25,18 @@ struct MergedShards {
 // batches that are merged already. Where the merged manifest has newer results, of a later run without shards, it uses
 // those. If every batch is merged and the last run had no shards (or was shard 1 of 1), it only checks that run.
 //
-// Fails with ErrorCode::input, and writes nothing, in these cases: a shard or frame is missing or occurs twice; the
-// manifests are of several batches or program versions; an output differs from its record.
+// Fails with ErrorCode::input, and writes nothing, in these cases:
+//   - there is no manifest, or one is damaged;
+//   - a shard or frame is missing or occurs twice;
+//   - unmerged manifests are of several batches or program versions;
+//   - an output is missing or differs from its record.
+//
+// Fails with ErrorCode::output if the merged manifest is in use or cannot be written.
 [[nodiscard]] Result<MergedShards> merge_shards(const std::filesystem::path& folder);
 
-// Fails with ErrorCode::output if a run of this shard would replace a manifest that still has records of another batch.
-// Such a record counts if it is not merged and one of its files exists and is not among `files`. `files` are the
-// normalized paths of the files that the batch writes.
+// Fails with ErrorCode::output if a run of this shard would replace a manifest of this program version that still has
+// records of another batch. Such a record counts if it is not merged and one of its files exists and is not among
+// `files`, the normalized paths of the files that the batch writes. Never fails for a run without shards.
 [[nodiscard]] Result<void> check_replaced_shard(const std::filesystem::path& folder, const BatchJob& batch,
                                                 const Shard& shard, const std::unordered_set<std::string>& files);
 

@@ -29,8 +29,8 @@ struct OutputWords {
 class OutputTemplate {
  public:
   // Parses a template. Numberings and escapes are those of frame_pattern.hpp, but a number may occur more than once:
-  // "{frame:04}/mesh_####.ply". Text in braces is always a word unless the braces are escaped. Fails with
-  // ErrorCode::usage for unknown words, words with a width, and as FramePattern::parse() does.
+  // "{frame:04}/mesh_####.ply". Text in braces is a number or a word, unless the braces are escaped or contain one of
+  // { % #. Fails with ErrorCode::usage for unknown words, words with a width, and invalid widths of numbers.
   [[nodiscard]] static Result<OutputTemplate> parse(std::string_view name);
 
   [[nodiscard]] bool uses(OutputWord word) const;

@@ -16,10 +16,11 @@
 namespace isoextract::batch {
 
 struct SchedulerOptions {
-  int jobs = 1;     // largest number of conversions at a time
-  int threads = 1;  // in all; each conversion gets its share, and more when few are left
-  bool fail_fast = false;
-  std::uint64_t memory_per_frame = 0;  // estimated reservation of one conversion, until some are measured; 0: unknown
+  int jobs = 1;            // largest number of conversions at a time
+  int threads = 1;         // in all; each conversion gets its share, and more when few are left
+  bool fail_fast = false;  // the first frame that fails cancels the running frames, and no other starts
+  // Estimated reservation of one conversion. Larger measured reservations replace it, smaller ones do not. 0: unknown.
+  std::uint64_t memory_per_frame = 0;
   convert::ConversionOptions extras = {};
 };
 
@@ -32,8 +33,9 @@ class FrameEvents {
   // Called before a frame is converted, with its context; again if the frame is repeated. Returns the listener of the
   // frame's stages, used on the converting thread until the frame ends, or null.
   virtual convert::Events* started(std::size_t /*frame*/, const Context& /*context*/) { return nullptr; }
-  // Called once for every frame that was started. Returning false ends the batch as a failure with fail_fast does: the
-  // listener could not keep its record of the frame.
+  // Called once for every frame that was started, except for a frame that still waits to be repeated when the batch
+  // ends. Returning false ends the batch as a failure with fail_fast does: the listener could not keep its record of
+  // the frame.
   virtual bool finished(std::size_t /*frame*/, const convert::Outcome& /*outcome*/) { return true; }
 };
 
@@ -58,9 +60,9 @@ struct BatchCounts {
 };
 
 // Runs the batch's frames with the indices `which`, in order as far as memory allows. A frame starts if the limit has
-// room for its estimated memory (the largest reservation so far) beside the running frames, or if none is running. A
-// frame that ran out of memory beside others runs again alone, at the end. If the context is cancelled, no further
-// frame starts.
+// room for its estimated memory (memory_per_frame, or the largest reservation so far if that is larger) beside the
+// running frames, or if none is running. A frame that ran out of memory beside others runs again alone, at the end. If
+// the context is cancelled, no further frame starts.
 //
 // With a `receiver`, writes no frame to files. A converted frame waits until all earlier frames were taken; meanwhile
 // it keeps its meshes and its slot, so memory holds at most one frame for each job. A frame that fails is not waited

@@ -35,8 +35,9 @@ struct ShardChoice {
 // (SLURM_ARRAY_TASK_ID, _MIN, _COUNT, _STEP) and indexed jobs of Kubernetes (JOB_COMPLETION_INDEX, with
 // JOB_COMPLETIONS, which the author of the job must set). `get` is std::getenv.
 //
-// Returns nullopt without such variables; fails with ErrorCode::usage if they are inconsistent. Call only if the user
-// asked for it: a task that converts a whole sequence has these variables, too.
+// Returns nullopt without such variables. Fails with ErrorCode::usage if the count is missing, a variable is no whole
+// number, or the variables are inconsistent. Call only if the user asked for it: a task that converts a whole sequence
+// has these variables, too.
 [[nodiscard]] Result<std::optional<Shard>> shard_of_environment(const std::function<const char*(const char*)>& get);
 
 // Returns the variable that says that this process is one of several; empty if there is none.

@@ -29,7 +29,8 @@ struct BenchBackend {
   [[nodiscard]] bool runs(extract::Method method) const { return applies_to(method) && extractor->has(method); }
 };
 
-// Returns one sentence (without full stop) for each method that a backend concerns but does not have.
+// Returns one sentence (without full stop) for each pair of a backend and a method that the backend applies to but
+// lacks.
 [[nodiscard]] std::vector<std::string> missing_methods(std::span<const BenchBackend> backends,
                                                        std::span<const extract::MethodInfo> methods);
 
@@ -38,8 +39,8 @@ struct BenchOptions {
   extract::NanPolicy nan = extract::NanPolicy::error;
   std::vector<extract::MethodInfo> methods;
   std::vector<BenchBackend> backends;
-  std::vector<int> threads;
-  int repeats = 5;
+  std::vector<int> threads;  // numbers of threads, 1 or more
+  int repeats = 5;           // timed runs of each setting, 1 or more
 };
 
 // One resolution.
@@ -63,10 +64,10 @@ struct BenchDeviceTimes {
   [[nodiscard]] double draw() const { return count + capture; }  // both passes over the cells
 };
 
-// Errors of the mesh of one method and backend at one level; the number of threads does not matter. No smooth normals
-// if the method has none.
+// Errors of the mesh of one method and backend at one level; the number of threads does not matter. `smooth_normals` is
+// unset if the method has none.
 struct BenchErrors {
-  // Inside the triangles, in voxels of this resolution and in world units.
+  // At points inside the triangles, in voxels of this resolution and in world units.
   std::optional<accuracy::ErrorStatistics> position;
   double rounding = 0;  // float32 rounding in world units; smaller errors count as equal
   std::optional<accuracy::AngleStatistics> smooth_normals;  // both only if the truth is a formula
@@ -88,8 +89,8 @@ struct BenchRow : BenchErrors {
   double min_seconds = 0;
   double max_seconds = 0;
   std::optional<BenchDeviceTimes> device;
-  // On the Pareto front: no other measured row is at least as good in rms_above_rounding() and median time and better
-  // in one of them.
+  // On the Pareto front: no other row with `position`, of any level, is at least as good in rms_above_rounding() and
+  // median time and better in one of them.
   bool on_front = false;
 };
 
@@ -116,16 +117,18 @@ struct BenchResult {
 // Fails with ErrorCode::usage if a count exceeds the threads that this process may run at a time.
 [[nodiscard]] Result<void> check_thread_counts(std::span<const int> threads);
 
-// Benchmarks a demo field with a formula, at `sizes` samples along each axis. Compares areas and volumes with
-// find_reference_size(); volumes are those of capped meshes. Fails with ErrorCode::usage for a demo without formula or
-// for too many threads, with ErrorCode::input if there is no surface, and as extraction does.
+// Benchmarks a demo field with a formula, at `sizes` samples along each axis, in ascending order. `name` lacks "demo:".
+// Compares areas and volumes with find_reference_size(); volumes are those of capped meshes. Fails with
+// ErrorCode::usage for a demo without formula or as check_thread_counts() does, with ErrorCode::input if there is no
+// surface, and as field::make_demo_field() and extraction do.
 [[nodiscard]] Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& sizes,
                                              const BenchOptions& options, const Context& context);
 
 // Benchmarks a field and versions of it that are coarser by `factors` (powers of two, falling; the last may be 1). The
-// truth is the field's own trilinear interpolant; areas and volumes are compared with those of the same method on the
-// field. Coarser data cover a smaller box: if the surface is open or the field's surface leaves that box, areas and
-// volumes are not compared, and a note says so. Fails as bench_demo() does.
+// truth is the field's own trilinear interpolant; areas and volumes are compared with those of the same method and
+// backend on the field. Coarser data cover a smaller box: if one of the surfaces is open or the field's surface leaves
+// that box, areas and volumes are not compared, and a note says so. Fails with ErrorCode::input if there is no surface,
+// and as check_thread_counts(), field::coarsen() and extraction do.
 [[nodiscard]] Result<BenchResult> bench_field(const field::ScalarField& field, const std::vector<int>& factors,
                                               const BenchOptions& options, const Context& context);
 

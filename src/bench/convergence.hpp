@@ -10,11 +10,11 @@ namespace isoextract::bench {
 // The order p of error ~ spacing^p.
 struct ConvergenceOrder {
   double slope = 0;  // least-squares slope of log(error) over log(spacing)
-  double last = 0;   // slope between the last two
+  double last = 0;   // slope between the last two errors
 };
 
-// Returns the order of errors at falling spacings. Returns nothing for fewer than two errors, or if one is not above
-// `floor`: errors below it are rounding and follow no order.
+// Returns the order of errors at falling spacings, one error per spacing. Returns nothing for fewer than two errors, or
+// if one is not above `floor`: errors up to it are rounding and follow no order.
 [[nodiscard]] std::optional<ConvergenceOrder> observed_order(std::span<const double> spacings,
                                                              std::span<const double> errors, double floor);
 

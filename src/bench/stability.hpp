@@ -14,16 +14,18 @@ struct StabilityRow {
   std::string_view name;
   extract::Method method = extract::Method::mc;
   std::string backend;
-  StabilityFindings findings;  // both meshes together
-  double voxels_allowed = 0;
+  StabilityFindings findings;               // both meshes together
+  double voxels_allowed = 0;                // StabilityScene::voxels
   std::vector<std::string> failures;        // empty if the case passes
   std::vector<std::string> not_applicable;  // unchecked claims and the reason, sentences without full stop
 };
 
 // Checks that all vertices are finite, inside their own grid edge and near the crossing. Checks that triangles have an
 // area and no duplicates, and that the mesh is oriented and manifold. It must be closed with a cap (unless NaN samples
-// leave holes), and without one if the scene says so. A surface must exist exactly where the scene expects one. Edges
-// and crossings are checked only if the method's traits claim them.
+// leave holes), and without one if the scene says so. A method with MethodTraits::always_closed must always close it,
+// and treats NaN as outside where the scene asks for holes. A surface must exist exactly where the scene expects one,
+// and a refusal must be ErrorCode::input. Edges and crossings are checked only if the method's traits claim them. Other
+// errors of the extraction are failures of the case.
 [[nodiscard]] StabilityRow run_stability_case(const StabilityCase& test, const extract::MethodInfo& method,
                                               extract::Extractor& extractor, const Context& context);
 

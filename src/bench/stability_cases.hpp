@@ -12,7 +12,7 @@ enum class StabilityOutcome {
   surface,   // a surface
   cap_only,  // all samples are inside: only the cap
   nothing,   // no sample is inside
-  // ErrorCode::input, as the samples span no cell; methods that always close the surface give one.
+  // The samples span no cell: ErrorCode::input, but a surface from methods that are always_closed.
   refusal,
 };
 
@@ -21,7 +21,7 @@ struct StabilityScene {
   extract::ExtractOptions options;  // iso value, NaN policy, placement
   StabilityOutcome outcome = StabilityOutcome::surface;
   bool closed = true;  // closed even without a cap
-  // Allowed distance of a vertex from its crossing: margin at edge ends plus rounding.
+  // Allowed StabilityFindings::voxels, a vertex's distance from its crossing: the margin at edge ends plus rounding.
   double voxels = 2e-5;
 };
 
@@ -29,7 +29,7 @@ struct StabilityCase {
   std::string_view name;
   std::string_view extreme;  // the extreme property of the case
   std::string_view plain;    // the result of plain float32 crossings and positions
-  bool float32_fails;        // a test shows this
+  bool float32_fails;        // `plain` fails the checks, as a unit test shows
   StabilityScene (*make)();
 };
 

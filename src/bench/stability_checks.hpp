@@ -17,11 +17,12 @@ struct GridEdge {
 };
 
 // Returns for each vertex the grid edge that it lies inside, found from its position alone. In index space, coordinates
-// within rounding of an integer count as integers; all others must have the same fraction.
+// within rounding of an integer count as integers; all others must have the same fraction, up to rounding.
 //
-// Returns nothing for a vertex if the field does not cross that edge, or if the edge crosses a face or cell and the
-// method has no such edges. A cap vertex must be an inside sample on the data boundary. `options` are those of the
-// extraction; `field` must be dense.
+// Returns nothing for a vertex that is not finite, or if its float32 coordinates have steps above 0.1 voxels. Returns
+// nothing if the field does not cross the edge, or if the edge crosses a face or cell and the method has no such edges.
+// A cap vertex must be an inside sample on the data boundary. `options` are those of the extraction; `field` must be
+// dense.
 [[nodiscard]] std::vector<std::optional<GridEdge>> grid_edges(const mesh::Mesh& mesh, const field::ScalarField& field,
                                                               const extract::ExtractOptions& options,
                                                               const extract::MethodTraits& traits);
@@ -30,21 +31,22 @@ struct StabilityFindings {
   std::uint64_t vertices = 0;
   std::uint64_t triangles = 0;
   std::uint64_t not_finite = 0;   // vertices with a non-finite coordinate or a normal not of unit length
-  std::uint64_t off_edge = 0;     // vertices not strictly inside an edge
-  std::uint64_t repeated = 0;     // second vertices on an edge, duplicate triangles
+  std::uint64_t off_edge = 0;     // finite vertices for which grid_edges() finds no edge
+  std::uint64_t repeated = 0;     // second vertices on an edge (except with NanPolicy::hole), duplicate triangles
   std::uint64_t zero_area = 0;    // triangles
   std::uint64_t open_edges = 0;   // counted even if they are allowed
-  std::uint64_t unsound = 0;      // edges and vertices not oriented, not manifold or unused
+  std::uint64_t unsound = 0;      // misoriented or non-manifold edges, non-manifold or unused vertices, triangles with
+                                  // a repeated vertex
   bool edges_checked = true;      // false: the method puts vertices off the edges, `off_edge` stays 0
-  bool crossings_checked = true;  // false: vertices off edges or crossings, `ulps` and `voxels` stay 0
-  double ulps = 0;                // farthest vertex from its reference, in ulps of the local coordinates
-  double voxels = 0;              // farthest vertex from its crossing, ignoring the margin at edge ends
+  bool crossings_checked = true;  // false: the method puts vertices off the crossings, `ulps` and `voxels` stay 0
+  double ulps = 0;  // largest coordinate difference from the reference, in ulps of the mesh's largest local coordinate
+  double voxels = 0;  // farthest vertex from its crossing in index space; the margin at edge ends counts as distance
 
   // Adds the findings of another mesh of the same method.
   void add(const StabilityFindings& other);
 };
 
-// Returns empty findings that say what will be checked for a method.
+// Returns findings of no mesh, with edges_checked and crossings_checked set for a method.
 [[nodiscard]] StabilityFindings empty_findings(const extract::MethodTraits& traits);
 
 // Checks a mesh. The reference crossing is (iso - f0) / (f1 - f0) in long double; next to an infinite sample it is the
@@ -56,7 +58,7 @@ struct StabilityFindings {
                                                 const extract::MethodTraits& traits);
 
 // Returns the failures in words ("3 vertices outside their edge"), none if all is well. `ulps` and `voxels` are the
-// limits.
+// limits. Boundary edges are failures only if `must_be_closed`.
 [[nodiscard]] std::vector<std::string> failures(const StabilityFindings& findings, bool must_be_closed, double ulps,
                                                 double voxels);
 

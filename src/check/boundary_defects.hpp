@@ -35,8 +35,9 @@ struct BoundaryDefects {
   std::vector<BoundaryLoop> loops;      // ordered by their edges with the lowest vertices
 };
 
-// Finds the defects and loops of a mesh; `topology` and `components` must be the mesh's own. Fails if the working
-// memory exceeds the budget: if there are defects, 24 bytes a triangle, 9 a vertex and 80 an open edge.
+// Finds the defects and loops of a mesh; `topology` and `components` must be the mesh's own. Fails with
+// ErrorCode::out_of_memory if the working memory exceeds the budget: 32 bytes a component; if there are defects, also
+// 24 bytes a triangle, 9 a vertex and 80 an open edge.
 [[nodiscard]] Result<BoundaryDefects> find_boundary_defects(const mesh::Mesh& mesh, const mesh::Topology& topology,
                                                             const mesh::Components& components, const Context& context);
 

@@ -23,7 +23,8 @@ struct NormalFigures {
 
 constexpr std::uint32_t kNoNormal = ~std::uint32_t{0};
 
-// Checks every corner of every triangle. `numbers` gives each corner's index in `normals`, or kNoNormal.
+// Checks the corners of all triangles with area. `numbers` has an entry for each triangle: for each corner the index in
+// `normals`, or kNoNormal.
 [[nodiscard]] NormalFigures check_normals(const mesh::Mesh& mesh, std::span<const glm::vec3> normals,
                                           std::span<const glm::uvec3> numbers);
 

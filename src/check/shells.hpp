@@ -37,16 +37,16 @@ struct Component {
   EdgeDefects edges;
   std::uint64_t loops = 0;  // loops of open edges
   double area = 0;
-  double volume = 0;  // enclosed; negative if it faces inward, 0 if not closed
+  double volume = 0;  // enclosed; negative if it faces inward, 0 for Shell::open
   mesh::Bounds bounds;
-  std::optional<std::int64_t> genus;  // absent if an edge or a vertex is non-manifold or misoriented
+  std::optional<std::int64_t> genus;  // absent if an edge or a vertex is non-manifold or an edge is misoriented
   Shell shell = Shell::open;
   std::uint32_t within = 0;  // number of other closed shells around it; 0 for an open one
 };
 
 // Describes each component, in the order of `components`. mesh/shells.hpp decides which shell lies inside which. The
-// result does not depend on the number of threads. Fails if the working memory exceeds the budget, or with
-// ErrorCode::cancelled.
+// result does not depend on the number of threads. The caller reserves memory for it. Fails with
+// ErrorCode::out_of_memory if the working memory exceeds the budget, or with ErrorCode::cancelled.
 [[nodiscard]] Result<std::vector<Component>> describe_components(const mesh::Mesh& mesh,
                                                                  const mesh::Components& components,
                                                                  const BoundaryDefects& defects,

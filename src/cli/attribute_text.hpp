@@ -7,7 +7,7 @@
 
 namespace isoextract::cli {
 
-// Adds nothing if neither mesh has attributes.
+// Adds a section with one line per attribute (colors count as one); nothing if neither mesh has attributes.
 void add_attributes(NamedLines& lines, const accuracy::AttributeMatches& matches);
 
 [[nodiscard]] convert::Json attributes_json(const accuracy::AttributeMatches& matches);

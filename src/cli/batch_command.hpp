@@ -1,4 +1,4 @@
-// Runs `isoextract` on the frames of a sequence, and reports and records the progress.
+// Runs a batch: converts the frames of a sequence, and writes progress, manifest, tables and pages.
 #pragma once
 
 #include <string>
@@ -9,8 +9,12 @@
 
 namespace isoextract::cli {
 
-// Fails with ErrorCode::frames if some frames failed; stderr has their errors by then. `arguments` are the words of the
-// command line, for the manifest and the reports.
+// Plans and runs the batch. `arguments` are the words of the command line without the program's name, for the manifest,
+// the reports and the page. Converts nothing with --dry-run.
+//
+// Fails with ErrorCode::frames if a frame failed, was cancelled or not started, or if missing frames are an error; the
+// errors of the frames are on stderr by then. Fails as plan_batch() and check_batch_files() do, with ErrorCode::output
+// if a file of the whole batch cannot be written, and with ErrorCode::unavailable if gnuplot is needed and missing.
 [[nodiscard]] Result<void> run_batch(const ConvertFlags& flags, const std::vector<std::string>& arguments);
 
 }  // namespace isoextract::cli

@@ -1,5 +1,7 @@
-// Makes a batch from flags: finds the frames, names the outputs, and checks everything before any work. Reads folders,
-// but opens only a file whose volumes are the frames, and a table of iso values.
+// Makes a batch from flags: finds the frames, names the outputs, and checks the options before any work.
+//
+// Reads folders. Opens only the file whose volumes are the frames, the tables of --iso-table and --label-names, and
+// without an iso value the first input, to find out whether it holds particles.
 #pragma once
 
 #include <cstdint>
@@ -21,15 +23,16 @@
 namespace isoextract::cli {
 
 struct BatchPlan {
-  ConvertPlan common;  // shared by all frames; its job has no input, iso values and outputs
+  ConvertPlan common;  // shared by all frames; its job has no input and no outputs, so no iso values
   Notes frame_notes;   // the notes of common that a conversion of one frame would print
   batch::BatchJob batch;
-  std::vector<std::size_t> frames;    // indices of this run's frames: those of its shard
-  std::vector<batch::FrameRun> gaps;  // missing frames
+  std::vector<std::size_t> frames;    // indices into batch.frames: those of this run's shard
+  std::vector<batch::FrameRun> gaps;  // missing frames of the whole batch
   bool needs_all = false;             // missing frames are an error
   batch::Shard shard;
   batch::ResumePolicy earlier = batch::ResumePolicy::reconvert;
-  BatchFlags flags;  // as given; the members below take precedence
+  // As given, except that shards have names of --table and --plot of their own. Other members take precedence.
+  BatchFlags flags;
   int jobs = 1;
   bool make_folders = false;
   PictureFormat picture = PictureFormat::svg;
@@ -40,11 +43,13 @@ struct BatchPlan {
 
 // Returns whether the inputs and options ask for a batch of frames instead of one conversion.
 [[nodiscard]] bool is_batch(const ConvertFlags& flags);
-// Returns whether this input names the frames of a sequence: a folder or a pattern.
+// Returns whether this input is a folder or a pattern of file names. An existing file is neither, whatever its name. An
+// invalid pattern counts; the search for frames reports it.
 [[nodiscard]] bool is_frame_pattern(const std::string& input);
 
-// `environment` is std::getenv, or a replacement in tests: job schedulers set variables with the shard of this
-// process.
+// Plans the batch. `environment` is std::getenv or a replacement in tests; for --shard auto it gives the job
+// scheduler's variables. Fails with ErrorCode::usage for options, and as batch::find_frames(), batch::IsoTable::read(),
+// volume_io::LabelTable::read() and convert::count_frames() do.
 [[nodiscard]] Result<BatchPlan> plan_batch(const ConvertFlags& flags, const char* (*environment)(const char*));
 
 }  // namespace isoextract::cli

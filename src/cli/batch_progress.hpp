@@ -1,5 +1,5 @@
-// Shows the progress of a batch on stderr: a bar on a terminal, a line every half minute elsewhere, or lines of JSON
-// for programs.
+// Shows the progress of a batch on stderr, as ProgressStyle says: a bar on a terminal or a line every 30 seconds
+// elsewhere (neither when quiet), lines of JSON for programs, or nothing.
 #pragma once
 
 #include <cstddef>
@@ -21,12 +21,12 @@
 
 namespace isoextract::cli {
 
-// Returns "12.3 frames/s, 0:09 left" or "4.2 s per frame, 1:02:11 left".
+// Returns "12.3 frames/s, 0:09 left" or "4.2 s per frame, 1:02:11 left"; empty if no frame is done.
 [[nodiscard]] std::string speed_text(std::uint64_t done, std::uint64_t total, double seconds);
 
-// The number of frames by outcome. Missing frames count only as missing.
+// The number of frames by outcome. Requested frames without an input count only as `missing`, if that is an error.
 struct FrameCounts {
-  std::uint64_t done = 0;
+  std::uint64_t done = 0;  // includes frames without triangles
   std::uint64_t failed = 0;
   std::uint64_t cancelled = 0;
   std::uint64_t kept = 0;
@@ -34,22 +34,23 @@ struct FrameCounts {
   std::uint64_t missing = 0;
 };
 
-// Thread-safe.
+// Thread-safe. With ProgressStyle::json only the lines of JSON and detail() print anything.
 class BatchProgress {
  public:
   BatchProgress(ProgressStyle style, const Messages& messages, std::uint64_t frames);
 
-  // Prints the error of the first frame that fails for a reason; end() prints one line for all frames of the reason.
-  // `reason` is the error's message without the parts that only this frame has, such as file names.
+  // Prints the error of the first frame that fails for a reason; end() prints one line for all frames of the reason if
+  // there are several. `reason` is the error's message without the file names of the frame.
   void failed(std::int64_t frame, const Error& error, const std::string& reason);
+  // Prints a text if the user asked for details (Messages::detail()).
   void detail(const std::string& text);
   // Prints only the note of the first call, since other frames have the same note.
   void print_note_once(const Note& note);
   // Records a remark about a frame. end() prints each remark once for all its frames: "2 of 3 frames TEXT: 1-2".
   void add_remark(std::int64_t frame, const Note& remark);
-  // Records a finished frame, whatever its outcome.
+  // Records a frame that is over, whatever its outcome; prints its line of JSON.
   void over(const batch::FrameRow& row);
-  // Call once, last.
+  // Removes the bar, and prints the collected reasons and remarks and a summary. Call once, last.
   void end(const FrameCounts& counts);
 
   [[nodiscard]] double seconds() const { return watch_.elapsed().wall_seconds; }
@@ -67,7 +68,7 @@ class BatchProgress {
   Stopwatch watch_;
   Progress progress_;
   std::mutex mutex_;
-  std::map<std::string, std::vector<std::int64_t>> reasons_;  // failed frames by reason, in the order of failure
+  std::map<std::string, std::vector<std::int64_t>> reasons_;  // frames by reason, each list in the order of failure
   std::map<Note, std::set<std::int64_t>> remarks_;            // frames by remark
   std::optional<ProgressBar> bar_;                            // declared after the members that it reads
 };

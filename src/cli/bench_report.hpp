@@ -9,18 +9,19 @@
 
 namespace isoextract::cli {
 
-// Formats rows as aligned columns: the first `left` columns are left-aligned, the others right-aligned.
+// Formats rows as aligned columns, one line each: the first `left` columns left-aligned, the others right-aligned.
 [[nodiscard]] std::string aligned_table(const std::vector<std::vector<std::string>>& rows, std::size_t left);
 
-// Returns text for a terminal: the rows, the notes, the orders of convergence (if there are two sizes or more), the
-// Pareto front.
+// Returns text for a terminal: the rows, the notes, the orders of convergence (if there are two sizes or more besides
+// the truth), the times of the GPU's steps, the Pareto front.
 [[nodiscard]] std::string bench_table(const bench::BenchResult& result, int repeats);
 
-// Returns a header line and one line per row; unknown cells are empty. RFC 4180 with "\n" as line end.
+// Returns a header line and one line per row, without the times of the GPU's steps; unknown cells are empty. RFC 4180
+// with "\n" as line end.
 [[nodiscard]] std::string bench_csv(const std::vector<bench::BenchResult>& results);
 
-// Returns {"generator", "device", "repeats", "benchmarks": [{"input", "iso", "truth", "notes", "levels", "rows",
-// "orders"}]}
+// Returns {"schema", "generator", "device", "repeats", "benchmarks": [{"input", "iso", "truth", "notes", "levels",
+// "rows", "orders"}]}; "device" is the name of the CPU. Times are in seconds.
 [[nodiscard]] convert::Json bench_json(const std::vector<bench::BenchResult>& results, int repeats);
 
 }  // namespace isoextract::cli

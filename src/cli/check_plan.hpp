@@ -20,6 +20,7 @@ struct CheckPlan {
   bool json = false;
 };
 
+// Fails with ErrorCode::usage unless there is one mesh, and as convert::check_output_file() for --report.
 [[nodiscard]] Result<CheckPlan> plan_check(const CheckFlags& flags);
 
 }  // namespace isoextract::cli

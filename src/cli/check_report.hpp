@@ -1,4 +1,4 @@
-// Formats the results of `check` as a table, as sentences and as JSON.
+// Formats the results of `check` as text and as JSON, with sentences for users of the mesh (findings).
 #pragma once
 
 #include <optional>
@@ -22,22 +22,25 @@ struct CheckReport {
   std::string file;
   std::string_view format;
   bool is_gltf = false;
-  std::optional<convert::LengthUnit> unit;  // prescribed by glTF, or stated in the file; otherwise unknown
+  std::optional<convert::LengthUnit> unit;  // meters for glTF, or as isoextract recorded in the file
   bool has_normals = false;                 // at least one mesh has normals
   bool welded = false;
-  check::MeshCheck whole;
+  check::MeshCheck whole;         // of all meshes together
   std::vector<PartReport> parts;  // empty if the file holds one mesh
   std::vector<check::Requirement> required;
 };
 
-// A consequence for the next user of the mesh.
+// A consequence of the mesh's properties for a slicer or a game engine.
 struct Finding {
   std::string_view who;  // "slicer", "engine"
   std::string text;      // a sentence
 };
+// Returns the findings for slicers, then those for engines (check_findings.cpp). They are about `whole`.
 [[nodiscard]] std::vector<Finding> findings_of(const CheckReport& report);
 
+// Returns a table for the terminal with the 12 largest components and the first 12 meshes, then the findings.
 [[nodiscard]] std::string check_text(const CheckReport& report);
+// Returns the report with at most 1000 components and boundary loops per mesh, largest first.
 [[nodiscard]] convert::Json check_json(const CheckReport& report);
 
 }  // namespace isoextract::cli

@@ -9,7 +9,8 @@
 
 namespace isoextract::cli {
 
-// Returns "closed", or "open" with the location of the boundary and the option that closes it.
+// Returns "empty" without triangles, "closed", or "open" with the location of the boundary and, for the data boundary
+// and clip planes, the option that closes it. Adds the number of cells left out around NaN samples.
 [[nodiscard]] std::string closed_or_open_text(const convert::WrittenOutput& output, const convert::ConversionJob& job);
 
 }  // namespace isoextract::cli

@@ -10,26 +10,29 @@
 
 namespace isoextract::cli {
 
-// Returns the command that the first word names, or the default command. `arguments` lack the program's name.
+// Returns the command that the first word names, or the default command. `arguments` do not include the program's name.
 [[nodiscard]] Command& find_command(const Command& program, const std::vector<std::string>& arguments);
 // Returns the sub-command that the arguments name, such as `simulate water`; the result of find_command() if they name
 // none.
 [[nodiscard]] Command& find_subcommand(const Command& program, const std::vector<std::string>& arguments);
+// Returns the arguments after the names of `command` and its outer commands; all arguments if they do not name it.
 [[nodiscard]] std::vector<std::string> arguments_after_command(const Command& command,
                                                                const std::vector<std::string>& arguments);
 
 struct Parsed {
-  Command* command = nullptr;      // the program itself if its own options are given
-  std::optional<HelpDetail> help;  // show it instead of running the command
+  Command* command = nullptr;      // the program itself if the first word is one of its own options
+  std::optional<HelpDetail> help;  // show it instead of running the command; unset for the program
 };
 
-// Parses `arguments`, which lack the program's name and are not empty.
+// Parses `arguments`, which do not include the program's name and are not empty. Fails with ErrorCode::usage.
 [[nodiscard]] Result<Parsed> parse_command_line(Command& program, const std::vector<std::string>& arguments);
 
-// Parses the words after a command's name. The command's options must have their defaults.
+// Parses the words after a command's name. The command's options must have their defaults. Fails with ErrorCode::usage.
+// If the words ask for help, takes no values and does not report unknown options.
 [[nodiscard]] Result<void> parse_words(Command& command, std::vector<std::string> words);
-// Reads as many as possible of the words that parse_words() refused. Skips values that their options refuse. All other
-// words become operands.
+// Reads as many as possible of the words that parse_words() refused. The command's options must have their defaults.
+// Skips "--", options without their value, and values that their options refuse. All other words become operands, of
+// "--unknown=FILE" only FILE.
 void read_words_leniently(Command& command, const std::vector<std::string>& words);
 
 }  // namespace isoextract::cli

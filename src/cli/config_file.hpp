@@ -15,11 +15,13 @@
 
 namespace isoextract::cli {
 
-// Adds the file's options to `command`, which has parsed `arguments` with --config among them. Returns the arguments
-// with the words of the file in front. Options and inputs of the command line replace those of the file, but the whole
-// file is checked.
-// Fails with ErrorCode::input if the file is unreadable. Fails with ErrorCode::usage if it is not TOML, has an unknown
-// key or a value that the option refuses. Messages begin with the file's name.
+// Adds the file's options to `command`, which has parsed `arguments` with --config among them. Options and inputs of
+// the command line replace those of the file, but the whole file is checked. Returns the arguments with the words of
+// the file that count, after the command's name and before the given options.
+//
+// Fails with ErrorCode::input if the file is unreadable or larger than 1 MiB. Fails with ErrorCode::usage if it is
+// standard input ("-"), is not TOML, or has an unknown key or a value that the option refuses. Messages about the
+// content begin with the file's name.
 [[nodiscard]] Result<std::vector<std::string>> with_config(CommandOf<ConvertFlags>& command,
                                                            const std::vector<std::string>& arguments);
 

@@ -1,4 +1,4 @@
-// Plans the options that change fields and surfaces.
+// Plans --blur and the options that edit surfaces (EditFlags, --simplify, --triangles).
 #pragma once
 
 #include <string>
@@ -10,10 +10,12 @@
 
 namespace isoextract::cli {
 
-// Sets the edits of a job whose other options are already planned.
+// Sets the blurs and edits of `job`. Fails with ErrorCode::usage for --blur with --labels, and for --error with
+// --split-components.
 [[nodiscard]] Result<void> plan_edits(const ConvertFlags& flags, convert::ConversionJob& job);
 
-// Checks that the output `path`, the value of -o, suits the components of --split-components.
+// Fails with ErrorCode::usage if `path`, the value of -o or empty, cannot hold the bodies of --split-components: a
+// format for one mesh needs {piece}, and several iso values also {iso}. {piece} needs --split-components.
 [[nodiscard]] Result<void> check_piece_outputs(const ConvertFlags& flags, const std::string& path,
                                                const mesh_io::MeshFormatInfo& format);
 }  // namespace isoextract::cli

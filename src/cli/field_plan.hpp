@@ -1,4 +1,4 @@
-// Plans outputs that hold the field itself instead of its surfaces.
+// Checks the options of outputs that hold the field itself instead of its surfaces, and the filters.
 #pragma once
 
 #include <string>
@@ -11,13 +11,15 @@ namespace isoextract::cli {
 
 inline constexpr std::string_view kFieldFormat = "vdb";  // also the extension, without its dot
 
-// Decides by --format, or else by the extension of -o.
+// Returns whether the output is the field: by --format, or else by the extension of -o.
 [[nodiscard]] bool writes_field(const ConvertFlags& flags);
 
-// Refuses options for surfaces and meshes if the output is a field, and --half if it is a mesh.
+// Fails with ErrorCode::usage if the output is the field and an option needs a surface (About::surface, --nan hole,
+// {iso} in -o), or if it is a mesh or picture and --half is given.
 [[nodiscard]] Result<void> check_field_options(const ConvertFlags& flags);
 
-// Refuses filters, which need a level set, if the particle method does not make one.
+// Fails with ErrorCode::usage if --filter, which needs a level set, is given with a --particles method that makes
+// none.
 [[nodiscard]] Result<void> check_filters(const SurfaceFlags& surface, const ParticleFlags& particles);
 
 }  // namespace isoextract::cli

@@ -9,10 +9,12 @@
 
 namespace isoextract::cli {
 
-// Returns a hint that names the equivalent option, for a name that is not among `options`; empty if none is known.
+// Returns a hint that names the equivalent option of `options` for another program's option, such as "--threshold".
+// Empty if none is known, or if `options` lacks the equivalent.
 [[nodiscard]] std::string hint_for_other_programs_option(const OptionSet& options, std::string_view name);
 
-// Fails with ErrorCode::usage if the last of several inputs has a mesh's extension, so that -o was probably forgotten.
+// Fails with ErrorCode::usage if -o is missing and the last of several inputs has a mesh's extension: the user probably
+// forgot -o. Accepts an existing PLY file, since it may hold particles.
 [[nodiscard]] Result<void> refuse_output_among_inputs(const ConvertFlags& flags);
 
 }  // namespace isoextract::cli

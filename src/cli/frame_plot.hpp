@@ -9,9 +9,9 @@
 
 namespace isoextract::cli {
 
-// Returns a script with four plots below each other: triangles, area, volume (of closed surfaces) and components. It
-// has one line per iso value if all frames have the same iso values, else one line. A plot without data shows the
-// reason. Dashed lines mark failed and unstarted frames.
+// Returns a script with four plots below each other: triangles, area, volume (of closed surfaces) and components. Line
+// n shows surface n of each frame; its title is its grid and iso value if all frames agree, else "surface n". A plot
+// without data shows the reason. Dashed lines mark frames that failed, were cancelled or not started.
 [[nodiscard]] std::string frame_plot_script(std::span<const batch::FrameRow> rows, PictureFormat format);
 
 }  // namespace isoextract::cli

@@ -7,6 +7,7 @@
 
 namespace isoextract::cli {
 
+// Returns the man page in mdoc format.
 [[nodiscard]] std::string man_page(const Command& program);
 [[nodiscard]] std::string bash_completion(const Command& program);
 [[nodiscard]] std::string zsh_completion(const Command& program);

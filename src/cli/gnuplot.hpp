@@ -9,19 +9,20 @@
 
 namespace isoextract::cli {
 
-// Fails with ErrorCode::unavailable if gnuplot, which `option` needs, does not run; the hint names its package.
+// Runs gnuplot once. Fails with ErrorCode::unavailable if that fails: the message says that `option` needs gnuplot, and
+// the hint how to install it.
 [[nodiscard]] Result<void> check_gnuplot(std::string_view option);
 
-// Runs the script without the user's settings and returns its standard output. Fails with ErrorCode::unavailable and
-// gnuplot's message if gnuplot fails or writes nothing.
+// Runs the script without the user's settings and returns gnuplot's standard output. Fails with ErrorCode::unavailable
+// and the first line of gnuplot's message if gnuplot does not start, fails or writes nothing.
 [[nodiscard]] Result<std::string> run_gnuplot(const std::string& script);
 
-// Quotes any text as a string of a script.
+// Quotes any text as a string of a script; control characters become '?'.
 [[nodiscard]] std::string gnuplot_quoted(std::string_view text);
 
 enum class PictureFormat { svg, png };
 
-// Returns the first lines of a script.
+// Returns the first line of a script: it sets format, size, font and background.
 [[nodiscard]] std::string plot_terminal(PictureFormat format);
 
 // Returns the color of line n. The palette suits all kinds of color vision, and repeats.

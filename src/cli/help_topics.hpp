@@ -32,15 +32,17 @@ struct Example {
 // Returns the rows of a command's options in a group.
 [[nodiscard]] HelpBlock group_block(const Command& command, OptionGroup group);
 
-// Returns the words that 'isoextract help' takes: commands, groups, subjects, and "examples".
+// Returns the words that 'isoextract help' takes: commands, option groups of the default command in lower case,
+// subjects, and "examples".
 [[nodiscard]] std::vector<std::string> help_names(const Command& program);
 
 // Returns the first page: usage, everyday options, a few examples, and the names of other pages. Fits 40 lines.
 [[nodiscard]] std::string help_overview(const Command& program);
+// Returns summary, usage, sub-commands and options; of the default command with HelpDetail::all the examples, too.
 [[nodiscard]] std::string help_of_command(const Command& command, HelpDetail detail);
-// `name` is one of help_names().
+// Returns the page of a command, group or subject. `name` is one of help_names(); for other names returns no text.
 [[nodiscard]] std::string help_of(const Command& program, std::string_view name);
-// Returns the few lines that a call without arguments prints.
+// Returns the text that a call without arguments prints: the usage of each command and an example.
 [[nodiscard]] std::string short_usage(const Command& program);
 
 }  // namespace isoextract::cli

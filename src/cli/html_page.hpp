@@ -1,5 +1,5 @@
 // Makes a self-contained HTML page about a conversion or the frames of a sequence: pictures, the table of frames,
-// plots, errors, skipped work, versions.
+// plots, measured errors, skipped work, times by stage, notes, versions.
 #pragma once
 
 #include <cstddef>
@@ -22,30 +22,33 @@ namespace isoextract::cli {
 
 class HtmlPage {
  public:
-  // Adds data of a frame that its row lacks: errors, stages, notes, devices. Not thread-safe.
+  // Adds data of a frame that its row lacks: measured errors, times by stage, skipped work, notes, device. Not
+  // thread-safe.
   void add(std::int64_t frame, const convert::Outcome& outcome);
 
-  // Returns the page. `rows` has all frames; a frame that this run did not convert has no errors and stages. `svg` is
+  // Draws the pictures and returns the page. `rows` has all frames; frames without add() appear only there. `svg` is
   // the plot over the frames, or empty. `arguments` are the words of the command line without the program.
+  // Fails as MeshPictures::draw(), image_io::encode_png() and Context::check() do.
   [[nodiscard]] Result<std::string> text(std::span<const batch::FrameRow> rows, const MeshPictures& pictures,
                                          const std::string& svg, const std::vector<std::string>& arguments,
                                          const Context& context) const;
 
  private:
+  // The distance of a mesh from its isosurface, inside the triangles.
   struct MeasuredError {
     std::int64_t frame = 0;
     std::string grid;  // set if there are several grids
     double iso = 0;
-    double rms = 0;
-    double largest = 0;
-    double voxels = 0;  // the largest error in voxels
+    double rms = 0;      // in world units
+    double largest = 0;  // in world units
+    double voxels = 0;   // the largest error in voxels
   };
-  // Skipped work, summed over all frames.
+  // Facts about skipped work of one topic and action, summed over all frames.
   struct SkippedWork {
     std::uint64_t count = 0;
     std::uint64_t total = 0;
-    std::size_t times = 0;
-    std::string first;  // the text of the first frame
+    std::size_t times = 0;  // the number of facts
+    std::string first;      // the text of the first fact
   };
 
   [[nodiscard]] std::string left_out_section() const;

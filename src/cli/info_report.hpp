@@ -23,27 +23,31 @@ struct FieldReport {
   field::FieldStatistics statistics;
   field::IsoSuggestion suggestion;
   convert::ConversionSize size;
-  std::uint64_t bytes = 0;    // memory that a conversion needs
+  std::uint64_t bytes = 0;    // estimated memory of a conversion
   bool fits_one_mesh = true;  // otherwise only regions of the field fit one mesh
-  std::string command;        // a command line that extracts it; may be empty
+  std::string command;        // an example command line; empty without a suggestion or if !fits_one_mesh
 };
 
 struct InputReport {
   std::string input;
   std::vector<volume_io::GridInfo> grids;
-  std::optional<std::int64_t> volume;                   // this report's volume, if chosen or one of several
+  std::optional<std::int64_t> volume;  // this report's volume or particle frame, if chosen or one of several
   std::optional<volume_io::ComponentChoice> component;  // this report's component, in the same cases
   std::optional<ParticleReport> particles;              // for particles, which have no grids
-  std::optional<FieldReport> field;  // unset if the grid or its placement is not chosen, or on an error
+  // Unset if the grid is not chosen, its placement is unusable, the particles give no field, or on an error.
+  std::optional<FieldReport> field;
   std::optional<Error> error;
 };
 
-// Returns the grid that read_volume() reads without a name; null if a name is necessary or no grid is readable.
+// Returns the grid that read_volume() chooses without a name; null if there is none or a name is necessary. The grid
+// may be unreadable: a single scalar grid counts even if its placement is unusable.
 [[nodiscard]] const volume_io::GridInfo* grid_without_choice(std::span<const volume_io::GridInfo> grids);
 [[nodiscard]] bool has_several_volumes(const volume_io::GridInfo& grid);
 [[nodiscard]] bool has_several_components(const volume_io::GridInfo& grid);
 
+// Returns the report without its error.
 [[nodiscard]] std::string text_of(const InputReport& report);
+// Returns the report with its error, and without the key "schema".
 [[nodiscard]] convert::Json json_of(const InputReport& report);
 
 }  // namespace isoextract::cli

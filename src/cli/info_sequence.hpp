@@ -13,15 +13,15 @@
 
 namespace isoextract::cli {
 
-// The results for one frame; ranges are set if a field was read.
+// The results for one frame. `min` and `max` are unset if no field was read or no sample is finite.
 struct FrameSummary {
   std::int64_t frame = 0;
   std::string input;
   std::optional<double> min;
   std::optional<double> max;
-  std::optional<field::SurfaceRange> passed;
-  std::optional<double> iso;  // the suggested value, if it separates inside from outside
-  std::string method;         // name of the method that found `iso`
+  std::optional<field::SurfaceRange> passed;  // the values that the surface can pass, background included
+  std::optional<double> iso;                  // the suggested value, if it separates inside from outside
+  std::string method;                         // name of the method that found `iso`
   std::optional<Error> error;
 };
 
@@ -37,11 +37,12 @@ struct SequenceReport {
   convert::Json first_json;
 };
 
-// A common iso value for all frames: the median of the suggestions.
+// A common iso value for all frames: the median of their suggestions, the lower of two middle ones.
 struct SequenceIso {
   double iso = 0;
   std::size_t separates = 0;  // number of frames in which it separates inside from outside
 };
+// Returns nullopt if no frame has a suggestion.
 [[nodiscard]] std::optional<SequenceIso> iso_of(const SequenceReport& report);
 
 [[nodiscard]] std::string text_of(const SequenceReport& report);

@@ -14,9 +14,10 @@ namespace isoextract::cli {
 struct JetPlan {
   simulate::JetOptions jet;
   particle_io::ParticleFileFormat format = particle_io::ParticleFileFormat::ply;
-  std::string pattern;    // pattern that reads all frames; empty if there is none
+  std::string pattern;    // the value of -o if it reads all frames as an input pattern; else empty
   SequencePlan sequence;  // a step is a frame of the jet
 };
+// Fails with ErrorCode::usage for too many frames, an unknown format, and as plan_sequence() does.
 [[nodiscard]] Result<JetPlan> plan_jet(const JetFlags& flags);
 
 }  // namespace isoextract::cli

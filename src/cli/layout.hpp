@@ -23,7 +23,7 @@ struct HelpBlock {
 // The longest summary that plain_text() keeps on one line.
 inline constexpr std::size_t kSummaryWidth = 55;
 
-// Returns lines of at most `width` characters, broken at spaces. A longer word gets its own line.
+// Returns lines of at most `width` bytes, broken at spaces; several spaces become one. A longer word gets its own line.
 [[nodiscard]] std::vector<std::string> wrapped(std::string_view text, std::size_t width);
 
 // Returns the first sentence: "Sets the size." of "Sets the size. The default is 3."

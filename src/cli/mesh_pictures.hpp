@@ -1,4 +1,4 @@
-// Draws meshes from files, all with one camera, for contact sheets and pages.
+// Draws meshes from files, several with one camera, for contact sheets and pages.
 #pragma once
 
 #include <cstddef>
@@ -17,19 +17,21 @@ namespace isoextract::cli {
 
 struct WrittenMesh {
   std::string label;                    // "12"
-  std::vector<std::string> files;       // of one frame; read when drawn
+  std::vector<std::string> files;       // of one frame; drawn together
   std::string_view text_if_empty = {};  // shown instead if there are no files: "failed"
 };
 
 class MeshPictures {
  public:
-  // If there are several meshes, reads all files once to find their common box. `up` is the up axis for formats that
-  // prescribe none. Fails as mesh_io::read_mesh() does.
+  // If there are several meshes, reads all files once to find their common box; else reads nothing. `up` is the up axis
+  // for formats that prescribe none. Fails as mesh_io::read_mesh() and Context::check() do.
   [[nodiscard]] static Result<MeshPictures> open(std::vector<WrittenMesh> meshes, const render::PictureSize& size,
                                                  convert::UpAxis up, const Context& context);
 
   [[nodiscard]] std::size_t count() const { return meshes_.size(); }
   [[nodiscard]] const WrittenMesh& mesh(std::size_t n) const { return meshes_[n]; }
+  // Reads the files of mesh n and draws them on the CPU. Fails as mesh_io::read_mesh(), render::add_normals() and
+  // render::draw_preview() do.
   [[nodiscard]] Result<render::Picture> draw(std::size_t n, const Context& context) const;
 
  private:
@@ -39,10 +41,11 @@ class MeshPictures {
   render::PreviewOptions options_;
 };
 
-// Returns at most `most` evenly spaced meshes, including the first and the last.
+// Returns at most `most` evenly spaced meshes, including the first and the last. `most` is at least 2.
 [[nodiscard]] std::vector<WrittenMesh> evenly_spaced(std::vector<WrittenMesh> meshes, std::size_t most);
 
-// Writes a PNG file with all meshes side by side; leaves no partial file on failure.
+// Writes a PNG file with all meshes, row by row; leaves no partial file on failure. Requires at least one mesh. Fails
+// as MeshPictures::draw(), render::ContactSheet::create() and convert::write_png() do.
 [[nodiscard]] Result<void> write_contact_sheet(const std::string& path, const MeshPictures& meshes,
                                                const Context& context);
 

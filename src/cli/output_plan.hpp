@@ -15,20 +15,20 @@
 namespace isoextract::cli {
 
 // Names the outputs of every source by -o, and checks them together with `others` (batch::name_outputs). Fails with
-// ErrorCode::usage.
+// ErrorCode::usage, also if -o is empty or its {piece} does not suit --split-components (check_piece_outputs).
 [[nodiscard]] Result<std::vector<batch::OutputFiles>> plan_outputs(const ConvertFlags& flags,
                                                                    std::span<const batch::OutputSource> sources,
                                                                    mesh_io::MeshFormat format,
                                                                    const batch::OtherFiles& others);
 
-// Parses the value of --report. Fails with ErrorCode::usage.
+// Parses the value of --report. Fails with ErrorCode::usage, also for {piece}.
 [[nodiscard]] Result<batch::OutputTemplate> plan_report_name(const std::string& report);
 
-// Returns the path of a source's report.
+// Returns the path of a source's report; {iso} stands for the source's first iso value.
 [[nodiscard]] std::string report_path(const batch::OutputTemplate& name, const batch::OutputSource& source);
 
-// Returns all files that the options name besides inputs and -o: files to read and files to write. With `report` set,
-// it includes a report for each source.
+// Returns the files that the options name besides inputs, attribute files and -o: files to read and files to write.
+// With `report` set, it includes a report for each source.
 [[nodiscard]] batch::OtherFiles other_files(const ConvertFlags& flags, std::span<const batch::OutputSource> sources,
                                             const std::optional<batch::OutputTemplate>& report);
 

@@ -15,12 +15,15 @@
 
 namespace isoextract::cli {
 
-// `job` is the job that all frames share. Refuses unusable names, and outputs that are not meshes in separate files.
+// Plans --html and --contact-sheet. `job` has the settings that all frames share. Fails with ErrorCode::usage for
+// unusable names, and for outputs that are not mesh files of one frame each (fields, pictures, stdout, --animate).
 [[nodiscard]] Result<PagesPlan> plan_pages(const ConvertFlags& flags, const convert::ConversionJob& job);
 
-// Call after all conversions. `rows` has all frames with the files that they wrote; `page` has the facts about them.
-// Fails as MeshPictures does, with ErrorCode::unavailable if a plot of several frames needs gnuplot and it is missing,
-// and with ErrorCode::output.
+// Writes the contact sheet and the page after all conversions. `rows` has all frames with the files that they wrote;
+// `page` has the facts about them; `up` is the meshes' up axis where the format prescribes none.
+//
+// Fails as MeshPictures does. Fails with ErrorCode::unavailable if gnuplot, which plots several frames on the page, is
+// missing or fails. Fails with ErrorCode::output if a file cannot be written or a contact sheet has no mesh to draw.
 [[nodiscard]] Result<void> write_pages(const PagesPlan& plan, std::span<const batch::FrameRow> rows,
                                        const HtmlPage& page, convert::UpAxis up,
                                        const std::vector<std::string>& arguments, const Context& context);

@@ -10,10 +10,10 @@ namespace isoextract::cli {
 
 struct ReadWords {
   std::vector<std::string> rest;  // words that no option takes: further operands and unknown options
-  std::string problem;            // why reading ended early; empty if it did not
+  std::string problem;            // message of CLI11 if it rejected the words, else empty
 };
 
-// Appends the texts in `words` to the options they belong to.
+// Appends each value in `words` to its option as unparsed text (Option::add_text).
 [[nodiscard]] ReadWords read_words(OptionSet& options, const std::vector<std::string>& words);
 
 }  // namespace isoextract::cli

@@ -10,18 +10,21 @@
 
 namespace isoextract::cli {
 
-// `nan` tells what to do with particles whose positions are NaN.
+// Plans the particle options. Particles at NaN or infinite positions are skipped if `nan` is NanPolicy::outside, else
+// an error. Fails with ErrorCode::usage for options without effect; --smoothing-length has one if `has_attributes`.
 [[nodiscard]] Result<convert::ParticleOptions> plan_particles(const ParticleFlags& flags,
                                                               std::optional<extract::NanPolicy> nan,
                                                               bool has_attributes = false);
 
-// Returns whether vertices get attributes, if only for their colors.
+// Returns whether vertices get attributes, by --attribute or only for the colors of --color-by.
 [[nodiscard]] bool has_attributes(const ConvertFlags& flags);
 
-// If no iso value was given, sets IsoChoice::zero(), or for particles the usual value of their method, and returns a
-// note about it. Otherwise returns an empty note.
-// Opens the file if no option says that it holds particles; the reader later reports errors of the file. Does not read
-// standard input, which would have to be buffered: it counts as particles if its given format is a particle format.
+// Sets the iso value if none was given: for particles the default of their method, and returns a note about it; else
+// IsoChoice::zero(), and returns an empty note. Returns an empty note as well if an iso value was given.
+//
+// Opens the file if no option says that it holds particles. Fails with ErrorCode::usage for options that contradict
+// each other or the file; leaves other errors of the file to the reader. Does not read standard input, which would have
+// to be buffered: it counts as particles if its given format is a particle format.
 [[nodiscard]] Result<std::string> set_default_iso(ConvertFlags& flags, const std::string& input,
                                                   const Context& context);
 

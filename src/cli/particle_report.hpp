@@ -30,27 +30,30 @@ struct AttributeRange {
 struct ParticleReport {
   particle_io::ParticleInfo info;
   std::string title;                  // of the format
-  std::optional<std::int64_t> frame;  // the frame of this report, if the user chose one or the file has several
+  std::optional<std::int64_t> frame;  // the described frame, from 0; set if the user chose one or the file has several
   std::uint64_t particles = 0;
   points::ParticleStatistics statistics;
   std::vector<AttributeRange> attributes;
   points::Method method = points::Method::sph;
-  std::optional<points::ParticleFieldStatistics> figures;  // of the field that a conversion would extract
-  std::optional<Error> no_field;                           // why there is no field
-  double read_seconds = 0;                                 // time of reading, as a conversion would need it
-  double field_seconds = 0;
+  std::optional<points::ParticleFieldStatistics> figures;  // of the field, made without points::FieldOptions::tile_iso
+  std::optional<Error> no_field;                           // why the field could not be made
+  double read_seconds = 0;   // time of reading the frame with all attributes; a conversion reads only those it needs
+  double field_seconds = 0;  // time of making the field
   Notes notes;
 };
 
-// Results for particles and their field; `field` is unset if there is no field.
+// Results for particles and their field; `field` is unset if it could not be made or no particle contributes to it.
 struct MeasuredParticles {
   ParticleReport report;
   std::optional<field::ScalarField> field;
 };
 
-// Counts particles with NaN positions, and leaves them out of the field.
+// Reads one frame with all attributes and makes its field. Counts particles at NaN or infinite positions, and leaves
+// them out of the field. Fails as particle_io::describe_particles() and points::measure_statistics() do, and with
+// ErrorCode::cancelled; other failures to make the field become ParticleReport::no_field.
 [[nodiscard]] Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source, const Context& context);
 
+// Adds the report as the lines of `info`.
 void add_particles(NamedLines& lines, const ParticleReport& report);
 [[nodiscard]] convert::Json json_of(const ParticleReport& report);
 

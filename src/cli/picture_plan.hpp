@@ -13,11 +13,11 @@ namespace isoextract::cli {
 
 inline constexpr std::string_view kPictureFormat = "png";  // also the extension, without its dot
 
-// Decides by --format, or else by the extension of -o.
+// Returns whether the output is a picture: by --format, or else by the extension of -o.
 [[nodiscard]] bool writes_picture(const ConvertFlags& flags);
 
-// Returns nullopt if the output is a mesh or a field. Refuses options for mesh files if the output is a picture, and
-// options for pictures if it is not.
+// Returns nullopt if the output is a mesh or a field. Fails with ErrorCode::usage for options of mesh files
+// if the output is a picture, and for options of pictures if it is not.
 [[nodiscard]] Result<std::optional<convert::PictureFileOptions>> plan_picture(const ConvertFlags& flags);
 
 // Returns a note if the pictures of several frames have different cameras; otherwise empty.

@@ -21,14 +21,16 @@ namespace isoextract::cli {
   return fail(ErrorCode::usage, std::move(message), std::move(hint));
 }
 
-// Finds the mesh format by the extension. `besides` names other expected kinds for the message.
+// Finds the mesh format by the extension, or fails with ErrorCode::usage and `hint`. `besides` ends the message's list
+// of expected extensions.
 [[nodiscard]] Result<mesh_io::MeshFormat> format_of_path(const std::string& path, std::string hint,
                                                          std::string_view besides = "");
 
 // Returns the extension in lower case with its dot; empty if there is none.
 [[nodiscard]] std::string extension_of(const std::string& path);
 
-// Returns the format of --format, or else of the extension of -o, which `by_path` looks up.
+// Returns the format of --format, or else by_path(output), the format of the extension of -o. Fails with
+// ErrorCode::usage if there is neither.
 template <class Format, class ByPath>
 [[nodiscard]] Result<Format> format_of_output(const std::optional<Format>& said, const std::string& output,
                                               const ByPath& by_path) {
@@ -40,7 +42,7 @@ template <class Format, class ByPath>
                       "or give --format");
 }
 
-// Plans --memory-limit.
+// Returns the budget of --memory-limit, or else the default budget.
 [[nodiscard]] MemoryBudget plan_memory(const std::optional<std::uint64_t>& limit);
 [[nodiscard]] convert::SurfaceOptions plan_surface(const SurfaceFlags& flags, const InputFlags& input);
 // Plans --roi, --roi-snap and --clip.
@@ -49,7 +51,7 @@ template <class Format, class ByPath>
 [[nodiscard]] Result<void> plan_resolution(const SurfaceFlags& flags, convert::SourceOptions& source);
 // Returns the default of --nan: with --nodata, NaN samples are outside instead of an error.
 [[nodiscard]] extract::NanPolicy default_nan_policy(const InputFlags& input);
-// `draws_mesh` tells whether pages or contact sheets show the mesh, which need its up axis in every format.
+// `draws_mesh` tells whether a page or a contact sheet shows the mesh; then --up has an effect in every format.
 [[nodiscard]] Result<convert::Placement> plan_placement(const PlacementFlags& flags, mesh_io::MeshFormat format,
                                                         bool draws_mesh, Notes& notes);
 // Refuses repeated iso values.

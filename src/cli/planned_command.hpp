@@ -18,7 +18,8 @@ inline void choose_process(const InputFlags& input) {
   if (input.in_process) plugin_host::read_in_process();
 }
 
-// `plan_of` makes a plan of the flags. `run_plan` returns nothing or the exit code.
+// A command in two steps. plan_of(flags) returns the plan as a Result. run_plan(plan, messages) returns Result<int>
+// with the exit code, or Result<void>, which stands for kDone. Threads are limited between the two steps.
 template <class Flags, auto plan_of, auto run_plan>
 class PlannedCommand : public CommandOf<Flags> {
  public:

@@ -12,12 +12,13 @@
 
 namespace isoextract::cli {
 
-// Lives as long as the work. Draws in its own thread and erases the bar at the end. Write to stderr only within above()
-// meanwhile.
+// Draws a bar in its own thread after one second of work, and erases it when destroyed. While the object exists, write
+// to stderr only within above().
 class ProgressBar {
  public:
-  // `text` replaces the name of the stage behind the bar; it is called in the bar's thread. With `lines`, prints it as
-  // lines if stderr is not a terminal.
+  // Draws if `wanted` and stderr is a terminal. If it is no terminal, prints a line every 30 s with `lines`, else
+  // nothing. `text` replaces the name of the stage; the bar's thread calls it, and it must not call above(), which
+  // would deadlock. `progress` must outlive the bar.
   ProgressBar(const Progress& progress, bool wanted, std::function<std::string()> text = {}, bool lines = false);
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;

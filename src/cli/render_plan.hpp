@@ -23,15 +23,15 @@ namespace isoextract::cli {
 struct PicturePlan {
   std::int64_t frame = 0;
   std::optional<std::string> input;  // the volume; unset if there are only meshes
-  double turn = 0;                   // rotation of the camera in degrees
+  double turn = 0;                   // rotation of the camera in degrees; 0 in a sequence
   std::string output;                // a path, or "-"
 };
 
 struct RenderPlan {
   MemoryBudget memory;
-  std::vector<PicturePlan> pictures;     // at least one; those of a turn are consecutive and share an input
+  std::vector<PicturePlan> pictures;     // at least one: the frames of a sequence, or the views of a turn of one input
   bool is_sequence = false;              // pictures of several frames of volumes
-  std::vector<batch::FrameRun> missing;  // requested frames without an input
+  std::vector<batch::FrameRun> missing;  // frames of --frames without an input
   // How to read volumes and extract their surfaces; without input and outputs.
   convert::ConversionJob job;
   std::vector<convert::IsoChoice> isos;
@@ -43,10 +43,11 @@ struct RenderPlan {
   std::optional<std::string> transfer_file;
   render::BuiltInTransfer transfer = render::BuiltInTransfer::gray;
   std::optional<std::array<double, 2>> transfer_range;
-  std::optional<double> unit_length;
+  std::optional<double> unit_length;  // see render::Volume::unit_length
   render::ViewAngles camera;
-  double fovy = render::Camera::kDefaultFovy;
-  std::optional<render::UpAxis> up;  // default: y if all inputs are meshes with y up, otherwise z
+  double fovy = render::Camera::kDefaultFovy;  // vertical field of view in radians
+  // Default: y if all inputs are meshes whose placement records state y up, otherwise z.
+  std::optional<render::UpAxis> up;
   render::RenderOptions options;
   glm::dvec4 background{0.0};
   convert::Backend backend = convert::Backend::automatic;
@@ -55,13 +56,16 @@ struct RenderPlan {
   Notes notes;
 };
 
+// Plans a rendering. Reads the start of standard input if that is an input. Fails with ErrorCode::usage for options
+// that contradict each other or have no effect, and as batch::find_frames() and batch::name_outputs() do.
 [[nodiscard]] Result<RenderPlan> plan_render(const RenderFlags& flags);
 
-// The format of a picture file, by its extension.
+// The format of a picture file.
 enum class PictureFile { png, exr };
 constexpr auto words_of(PictureFile /*type*/) {
   return std::array{Word{PictureFile::png, "png"}, Word{PictureFile::exr, "exr"}};
 }
+// Returns the format by the extension, ignoring case; png for "-"; nullopt for other extensions.
 [[nodiscard]] std::optional<PictureFile> picture_file_of(const std::string& path);
 
 }  // namespace isoextract::cli

@@ -11,11 +11,13 @@
 
 namespace isoextract::cli {
 
-// Fails if `path` is one of the job's inputs or outputs; the hint names the option.
+// Fails with ErrorCode::usage if `path` is, or may become, one of the job's inputs or outputs; the hint names --report.
+// Fails with ErrorCode::output if it is not writable.
 [[nodiscard]] Result<void> check_report_file(const std::string& path, const convert::ConversionJob& job,
                                              const Context& context);
 
-// `job` is passed to convert::report_of(). `notes` precede those of the outcome.
+// Writes the report of convert::report_of(), to which it passes `job` (may be null), with `notes` before those of the
+// outcome. `memory_limit` is in bytes. Fails with ErrorCode::output.
 [[nodiscard]] Result<void> write_report(const std::string& path, const convert::ConversionJob* job,
                                         const convert::Outcome& outcome, const Notes& notes,
                                         const std::vector<std::string>& arguments, std::uint64_t memory_limit);

@@ -16,32 +16,37 @@
 
 namespace isoextract::cli {
 
-// Holds one volume with its surfaces at a time. Mesh files are kept for all volumes. So are the range of the transfer
-// function and its unit length, which options or the first volume determine.
+// Holds one volume with its surfaces at a time. Keeps the mesh files for all volumes. Also keeps the transfer function
+// and its unit length, which options or the first volume determine.
 class SceneSource {
  public:
-  // Reads the meshes and the transfer function. `plan` must outlive the result.
+  // Reads the meshes, and the transfer function if it is a file. `plan` must outlive the result.
   [[nodiscard]] static Result<SceneSource> open(const RenderPlan& plan, const Context& context,
                                                 convert::Events& events);
 
-  // Replaces the volume. `output` is the picture's path, for messages.
+  // Replaces the volume and its surfaces; after a failure the source may hold no volume. `output` is the picture's
+  // path: the extraction of surfaces names it in messages and checks that it is writable, but writes no file. In a
+  // sequence that draws the volume, a frame without surface gives a note, not an error.
   [[nodiscard]] Result<void> read_volume(const std::string& input, const std::string& output, const Context& context,
                                          convert::Events& events);
 
-  // Removes the volume.
+  // Removes the volume and its surfaces.
   void remove_volume();
 
-  // Returns the current scene, which is valid until the next call of read_volume().
+  // Returns the current scene. It refers to this object: it is valid until the next call of read_volume() or
+  // remove_volume(), and as long as this object stays in its place.
   [[nodiscard]] render::Scene scene() const;
-  // Returns the up axis of the options, or else of the mesh files.
+  // Returns the up axis of the options. Default: y without a volume and if the placement records of all mesh files
+  // state y up, otherwise z.
   [[nodiscard]] render::UpAxis up() const { return plan_->up.value_or(up_of_meshes_); }
-  // Fails if a later read of the volume's file has failed.
+  // Call after each drawing. Fails with ErrorCode::input if the volume's mapped file was truncated or unreadable
+  // meanwhile (volume_io::check_mapping_intact); the picture must then be discarded.
   [[nodiscard]] Result<void> check_mapping_intact() const;
 
  private:
   explicit SceneSource(const RenderPlan& plan) : plan_(&plan) {}
 
-  // Sets the volume of the source. The first volume determines the unit length.
+  // Sets volume_ from source_. Without options, the first volume determines the transfer function and the unit length.
   [[nodiscard]] Result<void> place_volume(const Context& context, convert::Events& events);
   [[nodiscard]] Result<void> choose_transfer(const field::ScalarField& field, const field::FieldStatistics& statistics);
   void add_surface(render::Scene& scene, const mesh::Mesh& mesh) const;

@@ -15,14 +15,14 @@
 
 namespace isoextract::cli {
 
-// A state to write: its step, and its files in the order of their grids.
+// A state to write: its step, and its files in the order of SequenceKind::grids. A step of a jet is a frame of the jet.
 struct SequenceFrame {
   std::uint64_t step = 0;
   std::vector<std::filesystem::path> files;
 };
 
 struct SequencePlan {
-  std::uint64_t steps = 0;
+  std::uint64_t steps = 0;            // the step of the last frame
   std::vector<SequenceFrame> frames;  // in ascending order of steps
   bool no_clobber = false;
   bool make_folders = false;
@@ -34,21 +34,22 @@ struct SequenceKind {
   std::string stem;                // stem of files in a folder, and the value of {stem}
   std::string example;             // an example of -o
   std::string extension;           // extension of files in a folder
-  std::vector<std::string> grids;  // one file per grid
+  std::vector<std::string> grids;  // one file per grid; one empty name: a single file, and -o takes no {grid}
   std::uint64_t steps = 0;         // default number of steps
-  std::uint64_t every = 1;
-  std::uint64_t first = 0;  // the number of the first frame
+  std::uint64_t every = 1;         // default number of steps from frame to frame
+  std::uint64_t first = 0;         // the number of the first frame; its step is first * every
 };
 
-// Plans the frames and their files. Fails with ErrorCode::usage if names repeat, or if the name of several frames lacks
-// a placeholder for the frame number.
+// Plans the frames and their files. A name without a placeholder for the frame number gets the last step alone. Fails
+// with ErrorCode::usage if -o is missing or unusable, if names repeat, if --every is given without such a placeholder,
+// if the steps are no multiple of --every, or for too many frames.
 [[nodiscard]] Result<SequencePlan> plan_sequence(const SequenceFlags& flags, const SequenceKind& kind);
 
 struct WaterPlan {
   simulate::TerrainOptions terrain;
-  std::optional<double> level;
-  std::optional<double> depth;
-  bool default_scene = false;  // adds a spring in the hills and a little water
+  std::optional<double> level;  // height of a lake's surface above the floor of the world, in cells
+  std::optional<double> depth;  // depth of water added to each cell, in cells
+  bool default_scene = false;   // adds a spring in the hills and a little water
   simulate::WaterOptions water;
   simulate::WaterOutput what = simulate::WaterOutput::water;
   volume_io::VolumeFileFormat format = volume_io::VolumeFileFormat::nrrd;

@@ -11,8 +11,8 @@
 
 namespace isoextract::cli {
 
-// Returns nullopt if the creator's up axis is `up` or unknown. `consequence` is the effect on the output: "the mesh
-// lies on its side".
+// Returns a note if the program or format that made the field has another up axis than `up`; nullopt if it has `up` or
+// its up axis is unknown. `consequence` is the effect on the output: "the mesh lies on its side".
 [[nodiscard]] std::optional<Note> up_axis_note(const field::ScalarField& field, convert::UpAxis up,
                                                std::string_view consequence);
 

@@ -27,19 +27,19 @@ using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
 
 [[nodiscard]] Result<std::string> parse_text(std::string_view text);        // anything, the empty text too
 [[nodiscard]] Result<double> parse_number(std::string_view text);           // finite
-[[nodiscard]] Result<convert::IsoChoice> parse_iso(std::string_view text);  // a finite number, auto or p0..p100
+[[nodiscard]] Result<convert::IsoChoice> parse_iso(std::string_view text);  // a finite number, auto, zero or p0..p100
 [[nodiscard]] Result<std::vector<convert::IsoChoice>> parse_labels(std::string_view text);  // all, or 1,2,5
 [[nodiscard]] Result<double> parse_positive(std::string_view text);                         // finite, above 0
 [[nodiscard]] Result<double> parse_not_negative(std::string_view text);                     // finite, 0 or above
 [[nodiscard]] Result<convert::SimplifyBound> parse_simplify_bound(
-    std::string_view text);  // 0.1, 0.1voxel or 0.5world, above 0
+    std::string_view text);  // 0.1, 0.1voxel or 0.5world, above 0; 0.1 is in voxels
 [[nodiscard]] Result<convert::TriangleCount> parse_triangle_count(std::string_view text);  // 100000 or 2.5%, above 0
 [[nodiscard]] Result<double> parse_part(std::string_view text);                            // 0 to 1
 [[nodiscard]] Result<double> parse_one_or_more(std::string_view text);                     // finite, 1 or above
 [[nodiscard]] Result<std::uint64_t> parse_count(std::string_view text);                    // a whole number, 0 or above
 [[nodiscard]] Result<std::uint64_t> parse_relaxations(std::string_view text);              // 0..10000
 [[nodiscard]] Result<std::uint64_t> parse_positive_count(std::string_view text);           // a whole number, 1 or above
-[[nodiscard]] Result<glm::ivec2> parse_grid_size(std::string_view text);                   // NXxNY or NX,NY, 2 or above
+[[nodiscard]] Result<glm::ivec2> parse_grid_size(std::string_view text);    // NXxNY or NX,NY, each 2 to 32768
 [[nodiscard]] Result<glm::dvec3> parse_sides(std::string_view text);        // AxBxC or one for all, above 0
 [[nodiscard]] Result<simulate::WaterTap> parse_tap(std::string_view text);  // X,Y,RATE
 [[nodiscard]] Result<glm::dvec3> parse_vector(std::string_view text);       // X,Y,Z
@@ -47,15 +47,15 @@ using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
 [[nodiscard]] Result<glm::ivec3> parse_dims(std::string_view text);         // NX,NY,NZ or NXxNYxNZ, above 0
 [[nodiscard]] Result<glm::ivec3> parse_resolution(std::string_view text);   // as dims or one for all, 2 or above
 [[nodiscard]] Result<render::PictureSize> parse_picture_size(std::string_view text);  // WxH, each from 1 to 16384
-[[nodiscard]] Result<convert::FilterStep> parse_filter(std::string_view text);  // gaussian, median or mean, or with :N
+[[nodiscard]] Result<convert::FilterStep> parse_filter(std::string_view text);  // gaussian[:N], median, mean; N 1..64
 [[nodiscard]] Result<field::Box> parse_box(std::string_view text);              // X0,Y0,Z0,X1,Y1,Z1, min <= max
-[[nodiscard]] Result<convert::ClipPlane> parse_clip_plane(std::string_view text);         // NX,NY,NZ,D
+[[nodiscard]] Result<convert::ClipPlane> parse_clip_plane(std::string_view text);         // NX,NY,NZ,D; a normal not 0
 [[nodiscard]] Result<std::array<std::string, 3>> parse_columns(std::string_view text);    // x=A,y=B,z=C in any order
 [[nodiscard]] Result<VolumeChoice> parse_volume(std::string_view text);                   // 0 or above, or all
 [[nodiscard]] Result<std::int64_t> parse_volume_number(std::string_view text);            // 0 or above
 [[nodiscard]] Result<volume_io::ComponentChoice> parse_component(std::string_view text);  // 0 or above, or length
 [[nodiscard]] Result<int> parse_thread_count(std::string_view text);                      // 1..1024
-[[nodiscard]] Result<std::uint64_t> parse_size(std::string_view text);  // bytes, with or without K, M, G, T
+[[nodiscard]] Result<std::uint64_t> parse_size(std::string_view text);  // bytes, below 2^63: 512, 16M, 1.5GiB
 
 [[nodiscard]] Result<convert::MinComponentSize> parse_least_piece(
     std::string_view text);                                                          // 100, area:40, volume:5world
@@ -66,7 +66,7 @@ using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
 [[nodiscard]] std::optional<std::vector<double>> parse_numbers(std::string_view text);
 
 // Parses a list separated by commas, without repetition. The result is in ascending order unless noted.
-[[nodiscard]] Result<std::vector<int>> parse_thread_counts(std::string_view text);        // each as one
+[[nodiscard]] Result<std::vector<int>> parse_thread_counts(std::string_view text);        // 1..1024
 [[nodiscard]] Result<std::vector<int>> parse_demo_sizes(std::string_view text);           // 8..2048
 [[nodiscard]] Result<std::vector<int>> parse_coarse_factors(std::string_view text);       // powers of two from 2 to 64
 [[nodiscard]] Result<std::vector<extract::Method>> parse_methods(std::string_view text);  // in the order given
@@ -77,8 +77,8 @@ using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
 
 [[nodiscard]] Result<int> parse_repeats(std::string_view text);  // 1..1000
 
-// Returns `text` as one word of a POSIX shell, quoted only if needed. Characters that are not printable become escapes,
-// as in $'a\nb'.
+// Returns `text` as one word of a shell, quoted only if needed. If printable() would change it, returns the form
+// $'a\nb' with all control characters and non-ASCII bytes escaped, which POSIX shells have only since POSIX.1-2024.
 [[nodiscard]] std::string shell_quoted(std::string_view text);
 
 }  // namespace isoextract::cli

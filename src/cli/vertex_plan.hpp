@@ -13,11 +13,13 @@
 
 namespace isoextract::cli {
 
-// Sets attributes, colors and opacity of the job, whose format is already planned. Refuses formats without them.
-// `isos` is the number of iso values of the first file.
+// Sets attributes, colors and opacity of the job, whose format is already planned. `isos` is the number of iso values
+// of the first file. Fails with ErrorCode::usage if the format cannot store them, if an attribute name repeats or
+// differs from --color-by, or if --opacity has neither one value nor `isos` values.
 [[nodiscard]] Result<void> plan_vertices(const ConvertFlags& flags, std::size_t isos, convert::ConversionJob& job);
 
-// Inserts the frame number into the file names of attributes, such as heat=heat_{:04}.vdb[t].
+// Inserts the frame number into the file names of attributes, such as heat=heat_{:04}.vdb[t]. Keeps names of existing
+// files and demo fields. Fails as batch::FramePattern::parse() does.
 [[nodiscard]] Result<void> number_attributes(std::vector<convert::AttributeChoice>& attributes, std::int64_t frame);
 
 // Returns a note for several frames if each colors its surfaces over its own range; otherwise empty.

@@ -9,10 +9,11 @@
 
 namespace isoextract::cli {
 
-// The conservative rule decides whether a case passes. The rule as printed in the paper may fail; the table shows its
-// failures.
+// Returns the table of all cases. The conservative rule alone decides whether a case passes; the table also shows the
+// failures of the rule as printed in the paper.
 [[nodiscard]] std::string water_table(const std::vector<simulate::WaterStabilityRow>& rows);
 [[nodiscard]] convert::Json water_json(const std::vector<simulate::WaterStabilityRow>& rows);
+// Returns the number of cases that fail with the conservative rule.
 [[nodiscard]] std::size_t count_failed(const std::vector<simulate::WaterStabilityRow>& rows);
 
 }  // namespace isoextract::cli

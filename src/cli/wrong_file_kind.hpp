@@ -7,10 +7,12 @@
 
 namespace isoextract::cli {
 
-// Adds a hint to an error of reading a mesh, if the file's name is that of a volume or of particles.
+// Adds a hint to an error of reading a mesh, if the file name has the extension of a volume or of particles and of no
+// mesh. Changes only an ErrorCode::input without hint about a regular file that is not empty.
 [[nodiscard]] Error add_mesh_file_hint(Error error, const std::string& path);
 
-// Adds a hint to an error of reading a volume, if the file is a mesh.
+// Adds a hint to an error of reading a volume if `path` is a folder and the error has no hint. Replaces the hint of an
+// ErrorCode::input if the non-empty file has the extension of a mesh format. PLY does not count: it may hold particles.
 [[nodiscard]] Error add_volume_file_hint(Error error, const std::string& path);
 
 }  // namespace isoextract::cli

@@ -23,14 +23,16 @@ struct NamedKind {
   friend bool operator==(const NamedKind&, const NamedKind&) = default;
 };
 
-// Returns the kind of an attribute with `components` components: the chosen kind, else the kind that the file stated,
-// else a kind guessed from the attribute's name or from the name of its source. Returns nullopt if none of these gives
-// a kind. Fails with ErrorCode::usage if the chosen kind needs three components and there are not three.
+// Returns the chosen kind. Without one, returns scalar for fewer than three `components`, else the stated kind, else a
+// guess from the name of the attribute or its source; nullopt without a guess. If a stated or guessed kind needs three
+// components and there are more, returns scalar.
+//
+// Fails with ErrorCode::usage if the chosen kind needs three components and there are not three.
 [[nodiscard]] Result<std::optional<AttributeKind>> find_kind(const AttributeChoice& choice, std::size_t components,
                                                              std::optional<AttributeKind> stated);
 
 // Returns the JSON text for a mesh file's placement record, such as {"v":"vector"}. It lists only the kinds that change
-// with the mesh, and is empty if there are none.
+// with the mesh, and is empty if there are none. In names, '_' replaces all characters but ASCII letters and digits.
 [[nodiscard]] std::string kinds_text(const std::vector<NamedKind>& kinds);
 
 // Returns the attributes of `mesh`, read from a file, that change when it is moved, with their kinds. If isoextract
@@ -39,7 +41,8 @@ struct NamedKind {
 [[nodiscard]] std::vector<NamedKind> kinds_of(const mesh::Mesh& mesh, bool is_by_isoextract,
                                               std::string_view placement);
 
-// Applies `map`, which moved the mesh, to the attributes named in `kinds`. Other attributes stay as they are.
+// Applies `map`, which moved the mesh, to the attributes named in `kinds`, and gives normals the length 1 even if `map`
+// is the identity. Attributes with AttributeRole::color and attributes not in `kinds` do not change.
 void transform_attributes(mesh::Mesh& mesh, const std::vector<NamedKind>& kinds, const field::Affine& map);
 
 }  // namespace isoextract::convert

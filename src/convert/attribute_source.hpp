@@ -27,12 +27,13 @@ struct AttributeSource {
   std::vector<MissingAttribute> missing;
   field::Affine world_from_output;
   field::Affine output_from_world;  // attributes change by this map, as their kinds say
-  std::vector<NamedKind> kinds;     // of all attributes found, in the order of the job's choices
-  // one sentence for each attribute that stays as it is because its kind is unknown
+  std::vector<NamedKind> kinds;     // of all attributes found, in the order of the job's choices; unknown ones: scalar
+  // one sentence for each written three-component attribute of unknown kind, if the mesh is turned or scaled
   Notes kind_notes;
 };
 
-// Sets the maps of a source and finds the kinds of its attributes. Fails as find_kind() does.
+// Sets the maps of a source, and appends the kinds of its attributes and notes about them: call it once. Fails as
+// find_kind() does.
 [[nodiscard]] Result<void> set_attribute_maps(AttributeSource& source, const field::Affine& world_from_output,
                                               const field::Affine& output_from_world);
 
@@ -45,16 +46,21 @@ struct AttributeResult {
   std::string source;  // name of the values' source, for messages: "fire.vdb: temperature"
   std::size_t components = 1;
   AttributeKind kind = AttributeKind::scalar;
-  bool changed = false;  // whether the values were changed with the placement of the mesh, as the kind requires
+  bool changed = false;  // whether the placement of the mesh changes the values, as the kind requires
   std::uint64_t vertices = 0;
-  std::uint64_t outside = 0;     // vertices outside dense samples; they have the value at the data boundary
-  std::uint64_t not_finite = 0;  // vertices whose value is not a finite number
-  // vertices out of every particle's reach; they have the values of the nearest particle
+  // For volumes: vertices outside dense samples, which have the value at the data boundary, and vertices whose value is
+  // not a finite number. Of several components, the largest counts.
+  std::uint64_t outside = 0;
+  std::uint64_t not_finite = 0;
+  // For particles: vertices out of every particle's reach, which have the values of the nearest particle.
   std::uint64_t vertices_beyond_kernels = 0;
 };
 
-// Adds the attributes to the vertices of `mesh` as float32, and returns one result for each attribute. Fails as
-// points::sample_attributes() and field::sample_points() do; `mesh` then has none of the attributes.
+// Adds the attributes to the vertices of `mesh` as float32, in the input's world: color_surface() transforms them
+// later. Returns one result for each attribute, but none if they come from particles and the mesh has no vertices.
+//
+// Fails as points::sample_attributes(), field::sample_points(), volume_io::check_mapping_intact() and
+// Context::reserve() do; `mesh` then has none of the attributes.
 [[nodiscard]] Result<std::vector<AttributeResult>> add_attributes(const AttributeSource& source, mesh::Mesh& mesh,
                                                                   const Context& context);
 

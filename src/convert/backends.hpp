@@ -29,9 +29,9 @@ struct OpenedBackend {
   std::string reason;  // for Backend::automatic: "cpu, because ...", "gpu, NAME"; else empty
 };
 
-// Opens a backend. cpu never fails. gpu fails with ErrorCode::unavailable if there is no GPU, and never falls back to
-// the CPU. automatic takes a hardware GPU, else the CPU: a software GPU is never faster than the CPU backend. Use and
-// destroy a GPU's extractor on the thread that opened it.
+// Opens a backend. gpu fails as gpu::make_gpu_extractor() does, and never falls back to the CPU. cpu and automatic
+// never fail: automatic takes a hardware GPU if one opens, else the CPU, because a software GPU is never faster than
+// the CPU backend. Use and destroy a GPU's extractor on the thread that opened it.
 [[nodiscard]] Result<OpenedBackend> open_backend(Backend backend, const gpu::GpuOptions& options);
 
 // Keeps one GPU device open from one conversion to the next, whether they run in turn or side by side. The first caller
@@ -48,7 +48,8 @@ class BackendCache {
   BackendCache& operator=(const BackendCache&) = delete;
 
   // Opens a backend as open_backend() does. The extractor may be used on any thread and may outlive this object. If
-  // automatic found no GPU, later calls do not search again. A different choice replaces the open device.
+  // automatic found no hardware GPU, later automatic calls with the same choice do not search again. A different choice
+  // replaces the open device.
   [[nodiscard]] Result<OpenedBackend> open(Backend backend, const gpu::GpuChoice& choice);
 
   // Returns how many times a device was opened so far.

@@ -20,8 +20,8 @@ namespace isoextract::convert {
 struct ConversionOptions {
   // Measures each written mesh (StageName::mesh_facts): components, open edges, sizes. Takes longer than extraction.
   bool mesh_facts = false;
-  // Returns a note about the field that was read, worded by the caller, or nullopt. Null: no such note. Every
-  // converting thread may call it.
+  // Returns a note about the field to extract (after filters, blur and resampling), worded by the caller, or nullopt.
+  // Null: no such note. Every converting thread may call it.
   std::function<std::optional<Note>(const field::ScalarField&)> field_note = nullptr;
   // Caller's advice how to keep the volumes of surface nets; ends the note that relaxing changed them. Empty: no note.
   std::string volume_hint = {};
@@ -35,8 +35,9 @@ struct ConversionOptions {
 // Writes each surface as soon as the file format allows, and leaves no partial file behind. Outcome::error says what
 // failed. Calls `events` on this thread. With `kept`, uses its backends; the written files do not depend on it.
 //
-// With a `collector`, writes no file: the collector gets the meshes of each output, and Outcome::files stays empty.
-// Everything else is as if the job's files were written.
+// With a `collector`, writes no mesh file and no picture: the collector gets the meshes of each output, and
+// Outcome::files stays empty. Everything else is as if the job's files were written. Jobs with FieldFileOptions write
+// their files even so.
 [[nodiscard]] Outcome run(const ConversionJob& job, const Context& context, Events& events,
                           const ConversionOptions& extras = {}, BackendCache* kept = nullptr,
                           MeshCollector* collector = nullptr);

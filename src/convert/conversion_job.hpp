@@ -31,9 +31,11 @@ namespace isoextract::convert {
 
 enum class Normals {
   none,
-  flat,    // one normal for each triangle
-  smooth,  // at vertices: the field's gradient where it agrees with the triangles (mesh/shading_normals.hpp)
-  area,    // at vertices: area-weighted mean of the adjacent triangles' normals
+  flat,  // one normal for each triangle
+  // At vertices: the field's gradient. Caps and simplified meshes get normals of the triangles where the gradient
+  // disagrees with them (mesh/shading_normals.hpp), smoothed meshes everywhere (edit::smooth()).
+  smooth,
+  area,  // at vertices: area-weighted mean of the adjacent triangles' normals
 };
 constexpr auto words_of(Normals /*type*/) {
   return std::array{Word{Normals::none, "none"}, Word{Normals::flat, "flat"}, Word{Normals::smooth, "smooth"},
@@ -65,8 +67,8 @@ struct ParticleOptions {
   // decides.
   bool expected = false;
   points::Method method = points::Method::sph;
-  // Particle radius in world units. If unset: the radius attribute (points::kRadiusAttributes) for level sets,
-  // otherwise an estimate from the distances between particles.
+  // Particle radius in world units. If unset: for level sets the radius attribute (points::kRadiusAttributes) if there
+  // is one, else an estimate from the distances between particles.
   std::optional<double> radius;
   std::optional<double> cell_size;  // sample spacing, in particle radii; unset: default of the method
   double smoothing_length = 2;      // for sph, anisotropic, smooth; in particle radii
@@ -91,9 +93,9 @@ struct FilterStep {
 // The input, the part of it that is wanted, and its placement.
 struct SourceOptions {
   std::string input;            // a path, "-" for standard input, or demo:NAME
-  volume_io::ReadOptions read;  // for particles: the format, and `volume` as the number of a frame
+  volume_io::ReadOptions read;  // for particles: the format, the point grid, and `volume` as the number of a frame
   // Further grids of the input. Their surfaces follow those of read.grid, with the same iso values, placement and
-  // filters. Volumes only.
+  // filters, in outputs without OutputFileJob::grid. Volumes only.
   std::vector<std::string> more_grids;
   ParticleOptions particles;
   std::vector<FilterStep> filters;          // applied in order to the field that was read or made from particles
@@ -102,14 +104,16 @@ struct SourceOptions {
   // Number of samples per axis after resampling; unset: the input's samples. At most one of resolution and voxel_size
   // is set.
   std::optional<glm::ivec3> resolution;
-  std::optional<glm::dvec3> voxel_size;  // size after resampling, in units of the input's world
+  // Size after resampling, in units of the input's world; field::resolution_of_voxel_size() takes the closest size that
+  // fits.
+  std::optional<glm::dvec3> voxel_size;
   // Chooses the inside by the sign of the iso value instead of by read.kind: inside is above a positive iso value and
   // below a negative one. At 0 the field's own kind decides. Volumes only.
   bool away_from_zero = false;
   field::ResampleKernel kernel = field::ResampleKernel::linear;  // interpolates the input's samples when resampling
   // Region to extract, in the coordinates of placement.space.
   std::optional<field::Box> roi;
-  bool roi_snap = false;  // ends surfaces at samples inside the region instead of cutting them at its faces
+  bool roi_snap = false;  // ends surfaces at samples (RegionEnds::samples) instead of cutting them at the faces
   // Clips the surfaces, not the samples; in the coordinates of placement.space.
   std::vector<ClipPlane> clip;
   Placement placement;
@@ -137,7 +141,7 @@ struct SurfaceOptions {
 struct OutputFileJob {
   static constexpr std::array kMembers{"path", "iso", "grid"};
 
-  std::string path;  // "-" is standard output; if it contains kPiecePlaceholder, each body gets a file
+  std::string path;  // "-" is standard output; with PieceChoice::split, kPiecePlaceholder gives each body a file
   std::vector<IsoChoice> isos;
   std::optional<std::string> grid = {};  // the grid whose surfaces go into the file; nullopt: surfaces of all grids
 
@@ -217,11 +221,13 @@ struct ConversionJob {
   friend bool operator==(const ConversionJob&, const ConversionJob&) = default;
 };
 
-// Returns every member by name; unset members are null. JSON text is UTF-8, but paths may hold other bytes.
+// Returns all settings by name. Unset optional settings are null; units that were not given are empty texts. JSON text
+// is UTF-8, but paths may hold other bytes.
 [[nodiscard]] Json json_of(const ConversionJob& job);
 
 // Returns 32 hexadecimal digits: XXH3 (128 bits) of the CBOR of the job's JSON. Equal jobs have equal hashes on every
-// machine and in every run of one version of the program; different jobs have different hashes, barring collisions.
+// machine and in every run of one version of the program (0 and -0 count as different numbers); different jobs have
+// different hashes, barring collisions.
 [[nodiscard]] std::string hash_of(const ConversionJob& job);
 
 }  // namespace isoextract::convert

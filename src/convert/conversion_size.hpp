@@ -10,7 +10,7 @@
 
 namespace isoextract::convert {
 
-// Sizes of a conversion at one iso value. All but the samples are estimates.
+// Sizes of a conversion at one iso value. `places` and `vertices` are estimates.
 struct ConversionSize {
   std::uint64_t samples = 0;  // stored samples
   std::uint64_t sample_bytes = 0;
@@ -29,13 +29,16 @@ inline constexpr std::uint64_t kConversionBytes = std::uint64_t{3} << 20U;
 // Returns the sizes of the samples and of the surface at `iso`.
 [[nodiscard]] ConversionSize size_of(const field::ScalarField& field, double iso);
 
-// Returns the estimated peak memory: the program, the samples, two bits of marks for each sample, the lookup tables of
-// sparse blocks, and the mesh with normals. Within 10 % for large conversions, 20 % for sparse blocks far apart.
+// Returns the estimated peak memory: kProgramBytes, kConversionBytes, the samples, two bits of marks for each sample,
+// the lookup tables of sparse blocks, and the mesh with normals. Within 10 % for large conversions, 20 % for sparse
+// blocks far apart.
 [[nodiscard]] std::uint64_t estimated_bytes(const ConversionSize& size);
 // Returns twice the number of vertices, as a closed surface has.
 [[nodiscard]] std::uint64_t estimated_triangles(const ConversionSize& size);
 
-// Returns estimated_bytes() of a job at the iso value that needs most. Reads the field, and fails as reading does.
+// Returns the estimated peak memory of a job, for the grid and iso value that need most: estimated_bytes() plus vertex
+// attributes, edits, packing and error measurement. Making a field from particles and writing a field file may need
+// more; then returns that. Opens the source, and fails as open_source() does.
 [[nodiscard]] Result<std::uint64_t> estimated_memory(const ConversionJob& job, const MemoryBudget& memory);
 
 }  // namespace isoextract::convert

@@ -42,8 +42,8 @@ class SurfaceId {
 struct IsoChoice {
   enum class Kind {
     known,       // a given iso value or label
-    suggested,   // field::suggest_iso(); for particles the usual value of their method
-    zero,        // 0 of a level set; refused for other fields. The default if no iso value is given
+    suggested,   // field::suggest_iso(); for particles the default value of their method
+    zero,        // 0 of a level set; refused for other fields. The default for volumes if no iso value is given
     percentile,  // of all samples that were read, whatever region or resampled grid is extracted from
     all_labels,  // each label of a label map
   };

@@ -25,22 +25,23 @@ struct ResolvedIso {
 // Returns "iso 0.3", "label 5".
 [[nodiscard]] std::string surface_text(const IsoChoice& asked);
 
-// Returns whether no choice needs the field's samples.
+// Returns whether no choice has to be found in the field (IsoChoice::is_found()). Labels count as known.
 [[nodiscard]] bool all_known(std::span<const IsoChoice> choices);
 
-// Returns one iso value for each choice, in order. Looks at the samples only for percentiles, and for suggestions that
-// the field's kind does not settle. If no sample is finite, values that need one are 0.
+// Returns one iso value for each choice, in order. Examines the samples only for percentiles, and for suggestions that
+// field::default_iso() does not settle. If no sample is finite, percentiles are 0 and suggestions give no surface.
 //
 // Fails with ErrorCode::usage if IsoChoice::zero() is asked of a field that is not a level set. Fails with
-// ErrorCode::no_surface if a suggestion is asked for and no value separates the samples; with `empty_is_fine` it
-// returns a value that gives no surface instead. Fails as Context::reserve() does, if cancelled, and if the field's
-// file is lost.
+// ErrorCode::no_surface if a suggestion is asked for and no value separates the finite samples; with `empty_is_fine` it
+// returns a value that gives no surface instead. Fails as Context::reserve() and Context::check() do, and with
+// ErrorCode::input if the field's mapped file was truncated.
 [[nodiscard]] Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices,
                                                             const field::ScalarField& field, bool empty_is_fine,
                                                             const Context& context);
 
-// Returns the values for particles, whose method gives the default. Fails for percentiles: a percentile of a particle
-// field depends on how far its bricks reach, not on the surface.
+// Returns the values for particles, whose method gives the default. Fails with ErrorCode::usage for percentiles (they
+// depend on how far the field's bricks reach, not on the surface), for labels, and for IsoChoice::zero() if the method
+// makes no level set.
 [[nodiscard]] Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices, points::Method method,
                                                             const std::string& label);
 

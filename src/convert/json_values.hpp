@@ -33,13 +33,14 @@ template <class T>
 [[nodiscard]] Json json_of(const Error& error, const std::string& hint);
 [[nodiscard]] Json json_of_notes(const Notes& notes);  // [{"id": "open-mesh", "text": "..."}]
 [[nodiscard]] Json json_of(const StageTime& time);     // wall_seconds, cpu_seconds
-// Returns topology and size; genus and volume are null unless the mesh is closed.
+// Returns topology and size; genus and volume are null unless the mesh is a closed oriented manifold.
 [[nodiscard]] Json json_of(const mesh::Topology& topology, const mesh::MeshSize& size);
 
-// Returns the document as text. JSON is UTF-8, but names of files and grids may not be: each byte that is not UTF-8
-// becomes U+FFFD. Numbers that are not finite become null. The text is safe to print on a terminal (printable_json()).
+// Returns the document as indented text that ends with a line end. JSON is UTF-8, but names of files and grids may not
+// be: U+FFFD replaces each invalid sequence of bytes. Numbers that are not finite become null. The text is safe to
+// print on a terminal (printable_json()).
 [[nodiscard]] std::string json_text(const Json& document);
-// Returns the same as one line without a line end.
+// Returns the document as json_text() does, but in one line without a line end.
 [[nodiscard]] std::string json_line(const Json& document);
 
 }  // namespace isoextract::convert

@@ -18,9 +18,9 @@ struct MeshCollector {
   // surfaces.
   bool wants_source = false;
 
-  // The surfaces of all outputs in order, finished as if they were written: placed, simplified, verified. Surfaces that
-  // EmptyPolicy::skip leaves out are missing, and no old file is removed. With several iso values, each mesh is named
-  // after its own. The meshes keep their memory reservations.
+  // The surfaces of all outputs in order, finished as if they were written: placed, simplified, verified. With
+  // PieceChoice::split, one mesh for each body. Surfaces that EmptyPolicy::skip leaves out are missing, and no old file
+  // is removed. With several iso values, each mesh's name contains its own. The meshes keep their memory reservations.
   std::vector<mesh::Mesh> meshes = {};
   std::vector<SurfaceId> ids = {};    // of each mesh
   mesh_io::MeshPacking packing = {};  // how the meshes are to be packed

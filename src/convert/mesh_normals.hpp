@@ -10,13 +10,15 @@
 
 namespace isoextract::convert {
 
-// Simplified meshes get a crease where neighboring triangle planes differ by more than this angle.
+// Simplified meshes get a crease at edges of flat parts where the planes of the triangles differ by more than this
+// angle (mesh::ShadingOptions::crease_degrees).
 constexpr double kCreaseDegrees = 30;
 
 // Returns whether the normals stage may duplicate vertices, to give each copy another normal.
 [[nodiscard]] bool copies_vertices(const ConversionJob& job);
 
-// Returns whether a surface extracted with these options and this result may have boundary edges.
+// Returns whether a surface extracted with these options and this result may be open. Boundary edges at the T-junctions
+// of VoxelFaces::rectangles do not count.
 [[nodiscard]] bool may_be_open(const extract::ExtractStats& stats, const extract::ExtractOptions& extracted);
 
 }  // namespace isoextract::convert

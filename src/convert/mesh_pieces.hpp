@@ -14,16 +14,18 @@ namespace isoextract::convert {
 
 struct Source;
 
-// Returns for each vertex of a surface net the voxel corner that it was relaxed from, always inside its cell. With
-// these sites, inside and outside of shells follow the samples, even where relaxation collapsed thin parts.
+// Returns for each vertex of a surface net the voxel corner that it was relaxed from, relative to Mesh::origin: the
+// middle of its cell, which relaxation never leaves. With these sites, inside and outside of shells follow the samples,
+// even where relaxation collapsed thin parts.
 //
 // Vertices on planes of source.clip keep their own position, because they come from no corner. Returns an empty result
-// for other methods, which place vertices by the field.
+// unless SurfaceOptions::relaxes(). Fails as Context::reserve() does.
 [[nodiscard]] Result<edit::OriginalPositions> voxel_sites(const mesh::Mesh& mesh, const Source& source,
                                                           const SurfaceOptions& surface, const Context& context);
 
 // Splits the mesh into its bodies, named `NAME piece 1` and so on. An empty mesh gives one empty mesh, or none if
-// `into_files`. Fails as edit::split_into_bodies() does.
+// `into_files`. Fails as edit::split_into_bodies() does, with kMaxPieceFiles bodies as the limit if `into_files`, else
+// kMostPieceMeshes.
 [[nodiscard]] Result<std::vector<mesh::Mesh>> split_mesh(mesh::Mesh mesh, bool into_files, const Context& context);
 
 // Returns the file name of a body, counted from 1: replaces each kPiecePlaceholder in `pattern` by the number.

@@ -17,13 +17,13 @@ namespace isoextract::convert {
 [[nodiscard]] std::vector<std::filesystem::path> mesh_files(const OutputFileJob& output, mesh_io::MeshFormat format);
 
 // Removes the output's old files and returns their names, because an old mesh would pass for a result of this run. A
-// glTF data file stays unless the old model names it: it may belong to something else.
+// glTF data file stays unless the old model names it: it may belong to another model. Fails with ErrorCode::output.
 [[nodiscard]] Result<std::vector<std::string>> remove_old_meshes(const OutputFileJob& output,
                                                                  mesh_io::MeshFormat format, const Context& context);
 
 // Removes the files of bodies from number `first` on, left by an earlier run that had more bodies, and returns their
 // names. Stops at the first number whose file does not exist, is a link, is an input of this run, or was not written by
-// isoextract. The name of `output` contains kPiecePlaceholder.
+// isoextract, and after kMaxPieceFiles. The name of `output` contains kPiecePlaceholder. Fails with ErrorCode::output.
 [[nodiscard]] Result<std::vector<std::string>> remove_old_pieces(const OutputFileJob& output, std::size_t first,
                                                                  mesh_io::MeshFormat format,
                                                                  const files::InputFileSet& read,
@@ -32,23 +32,25 @@ namespace isoextract::convert {
 // Returns "a and b", or "a to z" for more than two names. `names` is not empty.
 [[nodiscard]] std::string first_and_last(const std::vector<std::string>& names);
 
-// Renames the output's old files (files::rename_old_file) instead of removing them, and returns the new names. An
-// old mesh must not pass for a result of this run. The name of `output` may contain kPiecePlaceholder. Files that are
-// read and files in `spared` keep their names.
+// Renames the output's old files (files::rename_old_file) instead of removing them, and returns the new names, because
+// an old mesh would pass for a result of this run. Files that are read and files in `spared` keep their names.
+//
+// If the name of `output` contains kPiecePlaceholder, renames the files of bodies from number 1 on, and stops as
+// remove_old_pieces() does or at the first file in `spared`. Fails with ErrorCode::output.
 [[nodiscard]] Result<std::vector<std::string>> rename_old_meshes(const OutputFileJob& output,
                                                                  mesh_io::MeshFormat format,
                                                                  const files::InputFileSet& read,
                                                                  std::span<const mesh_io::WrittenFile> spared,
                                                                  const Context& context);
 
-// Adds the job's input, the files that hold its samples or attributes, and the job's other input files. If an input
-// cannot be examined, nothing fails here; reading it fails later.
+// Adds the job's input, the files that hold its samples or attributes, and the table of label names. For standard
+// input, adds no files of attributes. If an input cannot be examined, nothing fails here; reading it fails later.
 void add_read_files(files::InputFileSet& read, const ConversionJob& job, const Context& context);
 // Adds a mesh file and its data files.
 void add_read_mesh(files::InputFileSet& read, const std::string& path, const Context& context);
 
 // Checks that `file`, which the job writes besides its meshes (its report, for example), is writable, and is neither
-// read nor one of the job's mesh files.
+// read nor one of the job's mesh files or a possible file of a body. Fails with ErrorCode::usage or ErrorCode::output.
 [[nodiscard]] Result<void> check_extra_output(const std::filesystem::path& file, const ConversionJob& job,
                                               const Context& context);
 
@@ -56,7 +58,8 @@ void add_read_mesh(files::InputFileSet& read, const std::string& path, const Con
 [[nodiscard]] Result<void> check_mesh_files(const OutputFileJob& output, mesh_io::MeshFormat format,
                                             const files::InputFileSet& read);
 
-// Checks that a file written at the end is writable and not read. Fails with ErrorCode::usage or ErrorCode::output.
+// Checks that a file written at the end is writable and not read; pipes and devices count as writable and are not
+// opened. Fails with ErrorCode::usage if it is read, and with ErrorCode::output if it is not writable.
 [[nodiscard]] Result<void> check_output_file(const std::filesystem::path& path, const files::InputFileSet& read);
 
 }  // namespace isoextract::convert

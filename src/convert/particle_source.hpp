@@ -25,10 +25,10 @@ namespace isoextract::convert {
 // options for volumes are set. Fails if the input cannot be read.
 [[nodiscard]] Result<bool> is_particles(const SourceOptions& options, const Context& context);
 
-// Returns the files of the input, and the number of its volumes or of its particle frames. Files that attributes are
-// read from are included.
+// Returns the files of the input and, for volumes, the files that attributes are read from.
 [[nodiscard]] Result<std::vector<std::filesystem::path>> list_source_files(const SourceOptions& options,
                                                                            const Context& context);
+// Returns the number of the input's volumes or particle frames.
 [[nodiscard]] Result<std::uint64_t> count_frames(const SourceOptions& options, const Context& context);
 
 // Returns the read options. With `allow_missing` no attribute has to exist; optional attributes never have to.
@@ -42,8 +42,8 @@ struct ParticleAttributes {
   points::ParticleSet particles;
   std::vector<AttributeChoice> choices;
   std::vector<std::size_t> attributes;  // indices into the particles' attributes, one for each choice
-  double radius = 0;
-  double smoothing_length = 0;
+  double radius = 0;                    // in world units
+  double smoothing_length = 0;          // in radii
 };
 
 // The chosen attributes that exist and those that do not.

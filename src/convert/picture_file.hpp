@@ -37,7 +37,7 @@ struct WrittenPicture {
 
 // Draws `meshes`, placed by `placement`, on the CPU and writes the picture to `output`, completely or not at all. The
 // picture is the same for any number of threads. Adds a note if the picture shows none of the surfaces. Fails as
-// render::draw_preview() does, and with ErrorCode::output.
+// render::draw_preview() and write_png() do.
 [[nodiscard]] Result<WrittenPicture> write_picture(std::span<const mesh::Mesh> meshes,
                                                    const PictureFileOptions& picture, const Placement& placement,
                                                    const OutputFileJob& output, const Context& context);

@@ -15,6 +15,8 @@
 
 namespace isoextract::convert {
 
+// Coordinates of regions, clip planes and the output. index: voxel coordinates (ScalarField::index_to_file); of the
+// requested changes, place_field() then applies Placement::center alone.
 enum class Space { world, index };
 constexpr auto words_of(Space /*type*/) { return std::array{Word{Space::world, "world"}, Word{Space::index, "index"}}; }
 
@@ -50,7 +52,7 @@ struct Placement {
   UpAxis up = UpAxis::z;           // up axis of the input's world
   bool turn_z_up_to_y_up = false;  // (x, y, z) -> (x, z, -y)
   bool turn_y_up_to_z_up = false;  // (x, y, z) -> (x, -z, y); not both
-  double scale = 1;                // place_field() sets it if the unit is kFileUnit
+  double scale = 1;                // if the unit is kFileUnit, place_field() replaces it in its result
   std::string unit;                // unit of the input's world, or kFileUnit; empty if none was given
   // Unit of the output, which `scale` converts to; empty if `unit` is empty, or to keep the file's unit.
   std::string to_unit;
@@ -78,9 +80,8 @@ struct ResolvedPlacement {
 // coordinates for Space::index.
 [[nodiscard]] const field::Affine& request_from_index(const field::ScalarField& field, Space space);
 
-// Returns the map from the world of `from` to the world of `to`: mirrored axes if both name a patient space (RAS, LAS
-// or LPS), scaling if both state a length unit. Returns nullopt if this map is the identity,
-// also because the fields have no comparable statements.
+// Returns the map from the world of `from` to the world of `to`: mirrors axes if both name a patient space (RAS, LAS or
+// LPS), scales if both state a known length unit. Returns nullopt if nothing changes.
 [[nodiscard]] std::optional<field::Affine> map_between_worlds(const field::ScalarField& from,
                                                               const field::ScalarField& to);
 
@@ -100,9 +101,9 @@ struct ClipPlane {
   friend bool operator==(const ClipPlane&, const ClipPlane&) = default;
 };
 
-// The end of surfaces that reach the region's boundary.
+// How surfaces end at the region's boundary.
 enum class RegionEnds {
-  faces,  // at the faces of the box: surfaces are cut at faces that lie between samples
+  faces,  // at the faces of the box: surfaces are cut at faces between samples, or at all faces if axes are oblique
   // At samples: keeps the samples inside the region, or with oblique sample axes the samples that cover it.
   samples,
 };
@@ -118,16 +119,17 @@ struct PlacedField {
   ResolvedPlacement placement;
   field::Affine output_from_index;
   std::optional<field::IndexBox> region;
-  std::vector<ClipPlane> cuts;  // the faces of the requested box inside the region, at which surfaces are to be cut
-  Notes notes;                  // about how the region was fitted to the samples
+  // Faces of the requested box inside the region, at which surfaces are to be cut; in the coordinates of the box.
+  std::vector<ClipPlane> cuts;
+  Notes notes;  // about how the region was fitted to the samples
 };
 
 // Resolves the placement and the region, which `roi` gives in the coordinates of Placement::space. Adds a note if the
 // sample axes are oblique to the region, or if surfaces end at samples away from its faces.
 //
 // Fails with ErrorCode::usage if to_space is set and the file states no RAS, LAS or LPS space, or if the unit is
-// kFileUnit and the file states no known unit. Fails with the same code if the scaled transform is not invertible.
-// Fails as samples_in_box() does.
+// kFileUnit and the file states no known unit. Fails with the same code if the scale makes the field's transform
+// singular. Fails as samples_in_box() does.
 [[nodiscard]] Result<PlacedField> place_field(const field::ScalarField& field, const Placement& placement,
                                               const std::optional<field::Box>& roi, RegionEnds ends);
 

@@ -15,7 +15,8 @@
 
 namespace isoextract::convert {
 
-// Returns the placement of a mesh without a record: a z-up world, turned if the file format prescribes y up.
+// Returns the placement of a mesh without a record: a world in which `up` points up, turned if that is z and the file
+// format prescribes y up.
 [[nodiscard]] ResolvedPlacement default_placement(bool format_is_y_up, UpAxis up = UpAxis::z);
 
 // Returns the up axis in the output.

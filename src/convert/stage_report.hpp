@@ -1,10 +1,11 @@
 // The report of one conversion stage: named figures, sentences about them, and the stage's time. JSON reports, tables,
 // pages and printed lines are all made from these reports.
 //
-// A new figure needs a value of Key; a stage without lines of its own prints its figures as they are. A new section of
-// the report is a stage with a `section` in kStages, and an optional property in report.schema.json, which rejects
-// properties that it does not know. tests/cli/report_test.py validates reports, and compares their figures with the
-// files. Work that a stage left out is a WorkFact (work_facts.hpp), so that --explain prints it as well.
+// A new figure needs a value of Key. An edit with StageInfo::done and without lines of its own prints the figures of
+// its first entry as they are (run_stage()). A new section of the report is a stage with a `section` in kStages, and an
+// optional property in report.schema.json, which rejects properties that it does not know. tests/cli/report_test.py
+// validates reports, and compares their figures with the files. Work that a stage left out is a WorkFact
+// (work_facts.hpp), so that --explain prints it as well.
 #pragma once
 
 #include <array>
@@ -149,20 +150,20 @@ template <class T>
 // Replaces the value of the figure `key`, if it exists.
 void set(Figures& figures, Key key, Value value);
 
-// Returns "24 triangles, greatest move 0.5 voxels, method taubin": the printed line of a stage without its own
-// sentences.
+// Returns "24 triangles, greatest move 0.5 voxels, 0.1 world, method taubin": the printed line of a stage without its
+// own sentences. Leaves out Key::time and figures of tables.
 [[nodiscard]] std::string text_of(const Figures& figures);
 
 // Where a surface has boundary edges, as far as extraction and clipping tell.
 struct OpenBoundary {
   bool at_border = false;        // at the data boundary or at the region's sides
   bool cut = false;              // at a clip plane, and not capped
-  bool counted = false;          // WrittenOutput::open_edges includes its boundary edges
+  bool counted = false;          // clipped without caps: only WrittenOutput::open_edges tells whether it is open
   std::uint64_t hole_cells = 0;  // cells left out because of NaN samples
 };
 
-// An output that was written, or that was skipped because none of its surfaces has triangles (then `surfaces` is
-// empty).
+// An output that was written, or that was skipped because none of its surfaces has triangles (then `surfaces` and
+// `samples` are empty).
 struct WrittenOutput {
   struct Part {
     std::string label;  // of the surface's field
@@ -187,12 +188,12 @@ struct StageReport {
       : stage(name), subject(std::move(about)), label(std::move(field)), id(surface) {}
 
   StageName stage = StageName::open;
-  std::string subject = {};          // "fire.vdb", "fire.vdb iso 0.5", or a file
-  std::string label = {};            // of the field; empty if the report is about a file
+  std::string subject = {};          // "fire.vdb", "fire.vdb iso 0.5", a written file, or a device
+  std::string label = {};            // of the field; empty if the report is about a mesh file, a picture or a device
   std::optional<SurfaceId> id = {};  // set if the stage worked on one surface
   std::string grid = {};             // the grid of the surface, if the job has several
   std::optional<StageTime> time = {};
-  // One for each entry of the JSON report: one in all, or one for each attribute or mesh.
+  // One for each entry of the JSON report: one in all, or one for each attribute, mesh or iso value.
   std::vector<Figures> entries = {};
 
   struct Part {
@@ -216,7 +217,7 @@ struct StageReport {
   std::optional<Error> error = {};           // set if the conversion ends with this stage
   std::optional<WrittenOutput> output = {};  // set for StageName::write
 
-  // Adds an entry: the figures, with the stage's time as the last one.
+  // Adds an entry: the figures, with the time taken as the last one. Sets `time`, too.
   void add_timed(Figures figures, const StageTime& taken);
 };
 
@@ -227,10 +228,11 @@ struct StageReport {
 [[nodiscard]] StageReport report_on_field(StageName stage, const std::string& label, WorkFact fact,
                                           const StageTime& time);
 
-// Returns an entry of the report's JSON section: `figures`, with the surface's iso value and grid.
+// Returns an entry of the report's JSON section: `figures`, with the surface's iso value and grid, and for
+// StageName::extract with the report's work facts.
 [[nodiscard]] Json entry_of(const StageReport& report, const Figures& figures);
 
-// Returns the times to report: those of the parts, else the stage's own, else none.
+// Returns the times to report: those of the parts, else the stage's own if StageInfo::is_timed, else none.
 [[nodiscard]] std::vector<StageReport::Part> times_of(const StageReport& report);
 
 }  // namespace isoextract::convert

@@ -1,5 +1,5 @@
-// The stages of a conversion in order. To add a surface edit, write one function and one row of kStages: report
-// sections, HTML pages and printed lines are generated from the row.
+// The stages of a conversion. To add a surface edit, write one function, one StageName and one row of kStages at the
+// same place: report sections, HTML pages and printed lines are generated from the row.
 #pragma once
 
 #include <array>
@@ -59,7 +59,7 @@ EditSurface mark_bodies;       // assigns shells to bodies; runs before later st
 EditSurface smooth_surface;
 EditSurface simplify_surface;
 EditSurface color_surface;  // runs when the vertices are final
-// Runs last of the edits: it duplicates vertices for their normals, which makes boundary edges
+// Runs after all edits that change the mesh: it duplicates vertices for their normals, which makes boundary edges
 EditSurface shade_surface;
 EditSurface measure_error;
 
@@ -79,7 +79,8 @@ struct StageInfo {
   int line_rank = 0;  // lines of higher ranks are printed below
 };
 
-// In the order in which they run and in which reports list them.
+// In the order of StageName. Edits run in this order, and reports list their sections in it. Other stages may run
+// elsewhere: `statistics` finds iso values right after `read`.
 inline constexpr std::array kStages{
     StageInfo{StageName::open, "open"},
     StageInfo{StageName::read, "read"},

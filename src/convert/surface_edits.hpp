@@ -23,7 +23,7 @@ struct BlurStep {
 
   BlurKind kind = BlurKind::gaussian;
   double width = 1;             // Gaussian: standard deviation; median: whole voxels on either side
-  bool in_world_units = false;  // in units of the input's world, else in voxels
+  bool in_world_units = false;  // Gaussian only: in units of the input's world, else in voxels
 
   friend bool operator==(const BlurStep&, const BlurStep&) = default;
 };
@@ -34,7 +34,7 @@ struct MinComponentSize {
 
   edit::ComponentMeasure measure = edit::ComponentMeasure::triangles;
   double amount = 0;
-  bool in_world_units = false;  // in squares or cubes of the written mesh's unit, else of voxels
+  bool in_world_units = false;  // area and volume: in squares or cubes of the written mesh's unit, else of voxels
 
   friend bool operator==(const MinComponentSize&, const MinComponentSize&) = default;
 };
@@ -57,12 +57,12 @@ struct SimplifyBound {
   static constexpr std::array kMembers{"distance", "in_world_units"};
 
   double distance = 0;
-  bool in_world_units = false;  // else in voxels
+  bool in_world_units = false;  // in the written mesh's unit, else in voxels
 
   friend bool operator==(const SimplifyBound&, const SimplifyBound&) = default;
 };
 
-// Number of triangles that each surface keeps.
+// Target number of triangles of each surface. More stay if removing them would change the topology or flip triangles.
 struct TriangleCount {
   static constexpr std::array kMembers{"amount", "in_percent"};
 
@@ -92,7 +92,7 @@ struct SmoothChoice {
   friend bool operator==(const SmoothChoice&, const SmoothChoice&) = default;
 };
 
-// Edits run in this order.
+// Edits run in this order. Only PieceChoice::split takes effect at the end, after all of them.
 struct SurfaceEdits {
   static constexpr std::array kMembers{"pieces", "smooth", "simplify"};
 
@@ -103,7 +103,7 @@ struct SurfaceEdits {
   friend bool operator==(const SurfaceEdits&, const SurfaceEdits&) = default;
 };
 
-// Placeholder in an output name for the number of a body; each body then gets a file of its own.
+// Placeholder in an output name for the number of a body; with PieceChoice::split, each body then gets its own file.
 inline constexpr std::string_view kPiecePlaceholder = "{piece}";
 // Limits for one surface: files to split it into, and meshes in one file.
 inline constexpr std::uint64_t kMaxPieceFiles = 1000;

@@ -23,7 +23,7 @@ struct VerificationRecord {
   std::string not_applicable;           // why nothing was compared, as a sentence without its full stop; else empty
   accuracy::ExtractionComparison comparison;
   std::vector<std::string> differences;  // empty if the verification passed
-  StageTime time;                        // of the second extraction and the comparison
+  StageTime time;                        // of the second extraction and the comparison; 0 without them
 };
 
 // Returns why the surfaces of a method from two backends cannot be compared: a backend lacks the method, or its
@@ -34,9 +34,9 @@ struct VerificationRecord {
 // Returns the report about a surface of the field named `label`.
 [[nodiscard]] StageReport report_of(const VerificationRecord& record, const std::string& label);
 
-// Extracts the surface of `mesh` again with `second`, and compares the two if they are comparable. `first` made `mesh`
-// by `method` with `options`, which ask for edge keys if the method has them. Fails if the extraction or the comparison
-// fails, but not if the surfaces differ or cannot be compared.
+// Extracts the surface of `mesh` again with `second` and compares the two; does neither if why_not_comparable() gives a
+// reason, and records the reason. `first` made `mesh` by `method` with `options`, which ask for edge keys if the method
+// has them. Fails if the extraction or the comparison fails, but not if the surfaces differ.
 [[nodiscard]] Result<VerificationRecord> compare_backends(const field::ScalarField& field,
                                                           const extract::ExtractOptions& options,
                                                           const extract::MethodInfo& method, const mesh::Mesh& mesh,
@@ -46,7 +46,7 @@ struct VerificationRecord {
 // Fails with ErrorCode::verification if the record has differences. `label` names the field.
 [[nodiscard]] Result<void> check_verification(const std::string& label, const VerificationRecord& record);
 
-// Returns JSON of a written mesh compared with its volume's surface. The distance is null if no vertex matched.
+// Returns JSON of the comparison of a written mesh with its volume's surface. `distance` is null if no vertex matched.
 [[nodiscard]] Json json_of(const accuracy::MeshMatch& match, const std::vector<std::string>& differences);
 
 }  // namespace isoextract::convert

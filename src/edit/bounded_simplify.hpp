@@ -25,9 +25,11 @@
 namespace isoextract::edit {
 
 struct SimplifyOptions {
-  // The largest allowed distance, in the space of to_metric; infinity: no limit but `triangles`.
+  // The largest allowed distance, in the space of to_metric; 0: no simplification; infinity: no limit but `triangles`.
   double max_distance = 0;
-  std::uint64_t triangles = 0;  // target; the result has this number of triangles or one fewer; 0: no target
+  // Target: the result has this number of triangles or one fewer, but more if max_distance or the topology requires it.
+  // 0: no target.
+  std::uint64_t triangles = 0;
   // Maps the mesh's coordinates to the space in which distances are measured, for example voxels as unit cubes.
   glm::dmat3 to_metric{1.0};
   double patch_size = 32;  // side length of the first patches in that space: some tens of triangle edges
@@ -42,9 +44,9 @@ struct SimplifyFigures {
   std::uint64_t triangles_after = 0;
   std::uint64_t patches = 0;           // in all rounds
   std::uint64_t collapses = 0;         // collapsed edges, including those undone later
-  std::uint64_t undone_collapses = 0;  // collapses undone because a triangle exceeded max_distance
+  std::uint64_t undone_collapses = 0;  // collapses undone because a triangle was too far away
   int rounds = 0;
-  int passes = 0;  // distance measurements: the first, and one more after each undo
+  int passes = 0;  // distance measurements, which are repeated after each undo
   StageTime time;
 };
 
@@ -60,7 +62,8 @@ struct SimplifiedMesh {
 // and Euler number; that can need more triangles than were asked for. Adds no zero-area triangle and no duplicate
 // triangle. Returns the mesh unchanged if no collapse is possible.
 //
-// Fails if the working memory (about 400 bytes a triangle) exceeds the budget, or if the context is cancelled.
+// Fails with ErrorCode::out_of_memory if the working memory (about 500 bytes a triangle) exceeds the budget, with
+// ErrorCode::input if all rounds together visit 2^32 - 1 triangles or more, or with ErrorCode::cancelled.
 [[nodiscard]] Result<SimplifiedMesh> simplify_mesh(mesh::Mesh mesh, const SimplifyOptions& options,
                                                    const Context& context);
 

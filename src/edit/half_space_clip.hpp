@@ -33,15 +33,16 @@ struct ClipFigures {
 //
 // Vertices within mesh::on_plane_tolerance() of a plane count as on it and do not move, so the result lies inside
 // `kept` up to that distance. Old vertices keep their order, new ones follow with interpolated normals; triangles keep
-// order and winding. Two meshes that share an edge, and the two sides of one plane, get bitwise the same new vertex.
-// The result does not depend on the number of threads.
+// order and winding. Two meshes of one origin and one on_plane_tolerance() get bitwise the same new vertex on a shared
+// edge; so do the two sides of one plane. The result does not depend on the number of threads.
 //
 // With CutClosing::capped, flat triangles that face out of the half-space close each cut before the next plane cuts;
 // they come after all other triangles. Triangles in the plane that bound only the removed side are dropped. Caps use
 // the vertices and edges of the cut, so a closed oriented manifold stays one.
 //
-// Fails if the memory exceeds the budget, or with ErrorCode::input if a capped cut ends at a boundary edge of the
-// surface.
+// Fails with ErrorCode::out_of_memory or ErrorCode::cancelled, or with ErrorCode::input if a capped cut ends at a
+// boundary edge of the surface, encloses no area, or needs more vertices than 32-bit indices allow. `mesh` may then be
+// cut by some of the planes. Throws std::bad_alloc.
 [[nodiscard]] Result<ClipFigures> clip_to_half_spaces(mesh::Mesh& mesh, std::span<const mesh::HalfSpace> kept,
                                                       CutClosing ends, const Context& context);
 

@@ -15,13 +15,13 @@
 
 namespace isoextract::edit {
 
-// linear_u16: linear light with an alpha of 1, as glTF requires. srgb_u8: sRGB without alpha.
+// linear_u16: linear light, as glTF requires, with an alpha of 1. srgb_u8: sRGB without alpha.
 enum class ColorStorage { linear_u16, srgb_u8 };
 
 using ValueRange = std::array<double, 2>;
 
-// Returns where a value lies in a range, 0 at its start and 1 at its end, not clamped; 0.5 if the range has one value.
-// NaN stays NaN.
+// Returns where a value lies in a range, 0 at its start and 1 at its end, not clamped; 0.5 if the range is one value or
+// descends. NaN stays NaN.
 [[nodiscard]] double place_in(const ValueRange& range, double value);
 
 struct ValueColors {
@@ -30,12 +30,14 @@ struct ValueColors {
 };
 
 // Adds colors by a float32 attribute that the mesh must have; of several components, by their length. Without `range`
-// uses the range of the finite values. Fails with ErrorCode::out_of_memory if memory is short.
+// uses the range of the finite values, 0 to 0 if there are none. Fails with ErrorCode::out_of_memory if memory is
+// short.
 [[nodiscard]] Result<ValueColors> color_by_values(mesh::Mesh& mesh, const std::string& attribute, Colormap map,
                                                   const std::optional<ValueRange>& range, ColorStorage storage,
                                                   const Context& context);
 
-// Gives all vertices one color, in sRGB, as u8. Fails with ErrorCode::out_of_memory if memory is short.
+// Gives all vertices one color, in sRGB with channels from 0 to 1, stored as srgb_u8. Fails with
+// ErrorCode::out_of_memory if memory is short.
 [[nodiscard]] Result<void> color_uniformly(mesh::Mesh& mesh, const glm::dvec3& color, const Context& context);
 
 }  // namespace isoextract::edit

@@ -10,7 +10,7 @@
 namespace isoextract::extract {
 
 // Returns the box of samples to extract from. Fails with ErrorCode::input if an axis has more samples than an extractor
-// can number (2^30), or if options.region contains no cell.
+// can number (2^30), or if the field or options.region contains no cell.
 [[nodiscard]] Result<field::IndexBox> dense_region(const field::ScalarField& field, const field::DenseSamples& samples,
                                                    const ExtractOptions& options);
 
@@ -28,14 +28,14 @@ template <class T>
           whole.stride_z, whole.transient};
 }
 
-// Returns masks with one bit a sample, not filled yet. They keep their memory reserved in `context` for as long as they
-// live.
+// Returns masks with one bit a sample, uninitialized. They keep their memory reserved in `context` as long as they
+// live. Fails with ErrorCode::out_of_memory.
 [[nodiscard]] Result<DenseMasks> make_masks(const field::ScalarField& field, const glm::ivec3& dims,
                                             const Context& context);
 // Compares the samples of `view` with the iso value; fills `masks` and the classification figures of `stats`. `low` is
-// the index of the view's first sample in the field. Returns the threshold of inside samples, or nullopt if no number
-// of the type is inside; then the masks may be left unfilled. Fails with ErrorCode::input for NaN samples under
-// NanPolicy::error.
+// the index of the view's first sample in the field. Returns the threshold of inside samples. Returns nullopt if no
+// number of the type is inside; the bits of `masks` are then invalid, and `stats` need not be filled. Fails with
+// ErrorCode::input for NaN samples under NanPolicy::error.
 template <class T>
 [[nodiscard]] Result<std::optional<InsideThreshold<T>>> classify_dense(const field::ScalarField& field,
                                                                        const DenseView<T>& view, const glm::ivec3& low,

@@ -52,7 +52,8 @@ class DenseMasks {
   [[nodiscard]] const glm::ivec3& dims() const { return dims_; }
   [[nodiscard]] int words() const { return words_; }
 
-  // Row (j, k) is words() words and one zero word after them. Bits from dims().x on are zero.
+  // Row (j, k) is words() words and one zero word after them. Bits from dims().x on are zero. Uninitialized before
+  // classify().
   [[nodiscard]] const std::uint64_t* row(int j, int k) const { return bits_.data() + offset(j, k); }
   [[nodiscard]] std::uint64_t* row(int j, int k) { return bits_.data() + offset(j, k); }
 
@@ -93,7 +94,8 @@ template <class T>
   return glm::ivec3(0);
 }
 
-// Reads every sample once, in parallel, and fills the masks. Returns the number of NaN samples.
+// Reads every sample once, in parallel. Fills `masks`, which have the dims of the view, and their boundary sides.
+// Returns the number of NaN samples. `progress` may be null.
 template <class T>
 std::uint64_t classify(const DenseView<T>& view, const InsideThreshold<T>& threshold, DenseMasks& masks,
                        Progress* progress);

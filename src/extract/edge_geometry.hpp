@@ -37,7 +37,7 @@ namespace isoextract::extract {
 
 // Returns the derivative at a sample along one axis: half the difference of its neighbors `low` and `high`. If one
 // neighbor is NaN, returns the difference between the other one and `here`. Returns NaN if both neighbors are NaN, or
-// `here` and one of them.
+// `here` and one of them. Returns infinity if both neighbors are the same infinity.
 [[nodiscard]] inline double sample_derivative(double low, double here, double high) {
   const double change = high - low;
   if (!std::isnan(change)) return change / 2;
@@ -46,7 +46,8 @@ namespace isoextract::extract {
 }
 
 // Returns the derivative at the data boundary, toward the inside of the data, from the next two samples; from `near`
-// alone if `far` is NaN (also if the data ends there). Returns NaN if `here` or `near` is NaN.
+// alone if `far` is NaN (also if the data ends there). Returns NaN if `here` or `near` is NaN, and infinity if
+// infinite samples leave the derivative undefined.
 [[nodiscard]] inline double boundary_derivative(double here, double near, double far) {
   const double change = std::isnan(far) ? near - here : (4 * near - 3 * here - far) / 2;
   const bool of_infinities = std::isnan(change) && !std::isnan(here) && !std::isnan(near);
@@ -60,12 +61,14 @@ class OutputPlacement {
   OutputPlacement(const field::Affine& output_from_index, const field::IndexBox& box, field::FieldKind kind,
                   const field::ValueScale& scale);
 
+  // Returns the origin that position() is relative to, in output coordinates.
   [[nodiscard]] const glm::dvec3& origin() const { return origin_; }
+  // Returns the margin for edge_crossing(), as a fraction of an edge.
   [[nodiscard]] double margin() const { return margin_; }
   // Returns false if float32 cannot keep positions apart: coordinates or steps leave its range, or samples are too far
   // from the origin.
   [[nodiscard]] bool fits_float32() const { return in_range_ && !reaches_too_far_; }
-  // Returns true if samples lie so far from the origin (more than about 2^19 steps) that rounding is as large as the
+  // Returns true if samples lie so far from the origin (more than about 2^19 steps) that rounding is larger than the
   // margin.
   [[nodiscard]] bool exceeds_float32_precision() const { return reaches_too_far_; }
   // Returns true if the transform mirrors, so that the winding of triangles must be reversed.
@@ -74,9 +77,10 @@ class OutputPlacement {
   [[nodiscard]] const field::Affine& local_from_index() const { return local_from_index_; }
   // Returns the matrix that maps gradients of stored samples in index space to outward normals (not of unit length).
   [[nodiscard]] glm::dmat3 outward_covectors() const { return outward_ * covector_map_; }
-  // Each returns a factor of outward_covectors(), +1 or -1 and the map of covectors, for code that must round exactly
-  // like normal().
+  // Returns the sign in outward_covectors(), +1 or -1. Code that must round exactly like normal() applies the sign and
+  // covector_map() one after the other.
   [[nodiscard]] double outward() const { return outward_; }
+  // Returns the matrix in outward_covectors().
   [[nodiscard]] const glm::dmat3& covector_map() const { return covector_map_; }
 
   [[nodiscard]] glm::vec3 position(const glm::dvec3& index) const { return local_from_index_(index); }
@@ -109,10 +113,10 @@ class OutputPlacement {
 };
 
 // Returns the output frame for `region`; `stored` is the box of all samples of `field`.
-// The frame is normally that of all samples, so that a region changes no position. It is the frame of the drawn part in
-// two cases. One: the samples extend so far (more than about 512 steps) that the margin of the whole frame is visible.
-// Two: the cap of a region lies outside `stored`. Two regions then agree where they meet up to the larger margin, but
-// not bit for bit, unless options.shared_origin is set.
+// The frame is normally that of all samples, so that a region changes no position. In two cases it is the frame of the
+// drawn part; two regions then agree where they meet up to the larger margin, but not bit for bit. One: samples lie so
+// far from the origin (more than about 512 steps) that the margin of the whole frame is visible, and
+// options.shared_origin is not set. Two: with options.cap, a region reaches more than one step beyond `stored`.
 [[nodiscard]] OutputPlacement output_placement(const field::ScalarField& field, const ExtractOptions& options,
                                                const field::IndexBox& stored, const field::IndexBox& region);
 

@@ -59,8 +59,8 @@ struct InsideRule {
   double iso;
   bool operator()(double value) const { return kind == field::FieldKind::density ? value > iso : value < iso; }
 
-  // Returns how far a value is inside (negative: outside); neither underflows to zero nor overflows for any value and
-  // iso value.
+  // Returns how far a value is inside (negative: outside). Uses long double, so that no difference of finite values
+  // underflows to zero or overflows.
   [[nodiscard]] long double depth(double value) const {
     const long double above = static_cast<long double>(value) - static_cast<long double>(iso);
     return kind == field::FieldKind::density ? above : -above;

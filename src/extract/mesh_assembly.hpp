@@ -11,8 +11,8 @@ struct MeshSizes {
   std::uint64_t triangles = 0;
 };
 
-// Fails with ErrorCode::usage for an iso value that is not finite, with ErrorCode::input for a transform that flattens
-// space.
+// Fails with ErrorCode::usage for an iso value that is not finite, with ErrorCode::input for a transform that is
+// singular or not finite.
 [[nodiscard]] Result<void> check_request(const field::ScalarField& field, const ExtractOptions& options);
 
 // Returns the part of options.region within `box`, or `box` without a region. Fails with ErrorCode::input if that
@@ -23,8 +23,8 @@ struct MeshSizes {
 // Fails with ErrorCode::input if float32 cannot keep the vertices of the mesh apart (OutputPlacement::fits_float32).
 [[nodiscard]] Result<void> check_placement(const field::ScalarField& field, const OutputPlacement& placement);
 
-// Reserves memory for allocate_mesh(). Fails with ErrorCode::out_of_memory, and with ErrorCode::input for more vertices
-// than 32-bit indices can number.
+// Reserves memory for the arrays of allocate_mesh(); `sizes` count the surface and the cap. Fails with
+// ErrorCode::out_of_memory, and with ErrorCode::input for more vertices than 32-bit indices can number.
 [[nodiscard]] Result<Reservation> reserve_mesh(const field::ScalarField& field, const MeshSizes& sizes,
                                                const ExtractOptions& options, const Context& context);
 
@@ -32,7 +32,7 @@ struct MeshSizes {
 [[nodiscard]] MeshSizes with_cap(const MeshSizes& surface, const BoundaryCap& cap);
 
 // reserve_cap_numbers() reserves memory for the vertex numbers used to build the cap; reserve_cap(), for the finished
-// cap.
+// cap. Both fail with ErrorCode::out_of_memory.
 [[nodiscard]] Result<Reservation> reserve_cap_numbers(const field::ScalarField& field, const field::IndexBox& box,
                                                       const Context& context);
 [[nodiscard]] Result<Reservation> reserve_cap(const field::ScalarField& field, const BoundaryCap& cap,
@@ -43,12 +43,13 @@ struct MeshSizes {
 [[nodiscard]] tl::unexpected<Error> nan_error(const field::ScalarField& field, std::uint64_t count,
                                               const glm::ivec3& first);
 
-// Allocates the arrays of the mesh for surface and cap, uninitialized.
+// Allocates the arrays of the mesh for surface and cap, uninitialized: normals and edge keys only if `options` ask for
+// them.
 void allocate_mesh(mesh::Mesh& mesh, const MeshSizes& surface, const BoundaryCap& cap, const ExtractOptions& options);
 
 // Replaces unknown normals (OutputPlacement::placeholder_normal) by the mean of the normals of their triangles,
 // weighted by area. Uses the direction of the vertex's edge if that mean cancels out or there are no triangles. Call it
-// before append_cap().
+// before append_cap(). Fails with ErrorCode::out_of_memory.
 [[nodiscard]] Result<void> fill_normals(mesh::Mesh& mesh, const MeshSizes& surface, const field::ScalarField& field,
                                         const Context& context);
 

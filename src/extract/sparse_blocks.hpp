@@ -25,7 +25,8 @@ inline constexpr std::size_t kNearPlaces = 27;
   return static_cast<std::size_t>(slot);
 }
 
-// Calls f(slot, place) for the neighbors from `lowest` (0 or -1) to 1 along each axis; `place` is their lowest sample.
+// Calls f(slot, place) for the place at `origin` and its neighbors from `lowest` (0 or -1) to 1 along each axis;
+// `place` is the lowest sample of each.
 template <class F>
 void for_each_near_place(const glm::ivec3& origin, int lowest, const F& f) {
   for (int z = lowest; z <= 1; ++z) {
@@ -47,7 +48,7 @@ using BlockBits = std::array<std::uint64_t, 8>;
 
 // The side of iso on which the tiles and the background are.
 struct ConstantSides {
-  std::vector<std::uint8_t> tiles_inside;  // one entry a tile
+  std::vector<std::uint8_t> tiles_inside;  // one entry a tile: 1 if it is inside, else 0
   bool background_inside = false;
 
   // Returns the side of a place without a stored block; `place` comes from SparseLookup.
@@ -61,9 +62,9 @@ struct ConstantSides {
 // of large tiles.
 [[nodiscard]] std::uint64_t unstored_places_bytes(const field::SparseSamples& samples, std::size_t nodes);
 
-// Returns, sorted, the places without a stored block whose cells may have corners on both sides. These are places that
-// share a cell with a stored block, and the skins of tiles that are not on the background's side. Some of them may turn
-// out to have one side only.
+// Returns, sorted by x, y, z, the places without a stored block whose cells may have corners on both sides. These are
+// places that share a cell with a stored block, and the skins of tiles that are not on the background's side. Some of
+// them may turn out to have one side only.
 [[nodiscard]] std::vector<glm::ivec3> find_unstored_places(const field::SparseSamples& samples,
                                                            const field::SparseLookup& lookup,
                                                            const ConstantSides& sides);

@@ -15,8 +15,9 @@
 
 namespace isoextract::extract {
 
-// Returns the box of samples to extract from, with one layer of background around it, which closes every surface.
-// Returns an empty box if nothing is stored. Fails with ErrorCode::input if voxels lie too far from index 0
+// Returns the box of samples to extract from: the stored ones and one layer of background around them, which closes
+// every surface. Clips it to options.region; if the background is inside, returns all of the region instead. Returns an
+// empty box if nothing is stored. Fails with ErrorCode::input if voxels lie too far from index 0
 // (field::kMaxSparseIndex), or if options.region contains no cell.
 [[nodiscard]] Result<field::IndexBox> sparse_region(const field::ScalarField& field,
                                                     const field::SparseSamples& samples, const ExtractOptions& options);
@@ -32,15 +33,17 @@ namespace isoextract::extract {
 // A site is a brick of 8x8x8 samples that owns a crossed edge: one of its samples is the lower end of the edge.
 class SparseSites {
  public:
-  // All arguments except the context must outlive this object.
+  // All arguments except the region and the context must outlive this object.
   SparseSites(const field::ScalarField& field, const field::SparseSamples& samples, const field::IndexBox& region,
               const ExtractOptions& options, const Context& context);
 
-  // Compares every sample with iso, then lists the sites. Fails with ErrorCode::input for NaN samples in the region
-  // under NanPolicy::error, with ErrorCode::out_of_memory, and with ErrorCode::cancelled between the two steps.
+  // Compares every sample with iso, then lists the sites. Under NanPolicy::error, fails with ErrorCode::input for NaN
+  // in the background, or in a block or tile that touches the region, even outside the region. Fails with
+  // ErrorCode::out_of_memory, and with ErrorCode::cancelled between the two steps.
   [[nodiscard]] Result<void> find(ExtractStats& stats);
 
-  // Does only the comparison, for callers that need no sites. Sets the inside bits and the figures of `stats`.
+  // Does only the comparison, for callers that need no sites. Sets the inside bits and the figures of `stats`. Fails as
+  // find() does.
   [[nodiscard]] Result<void> compare(ExtractStats& stats);
   [[nodiscard]] const BlockBits& block_bits(std::size_t block) const { return bits_[block]; }
   [[nodiscard]] const ConstantSides& sides() const { return sides_; }
@@ -48,6 +51,7 @@ class SparseSites {
   // Returns the origins of all sites: first those with a stored block, then those without, each group sorted by x, y,
   // z.
   [[nodiscard]] const std::vector<glm::ivec3>& origins() const { return sites_; }
+  // Returns the number of sites with a stored block.
   [[nodiscard]] std::size_t stored() const { return stored_sites_; }
   // Returns the number of the site with this origin, or -1.
   [[nodiscard]] std::int32_t site(const glm::ivec3& origin) const { return site_index_.find(origin); }
@@ -81,8 +85,8 @@ class SparseSites {
   // Returns the cells that the surface crosses, in the region, by their lowest sample, which belongs to the site.
   [[nodiscard]] BlockBits active_cells(std::size_t site, const SitePlanes& planes) const;
 
-  // Returns the sides of the samples at the faces of options.region, found by its crossed edges; neither side without a
-  // region.
+  // Returns the sides of the samples at the faces of options.region, from the crossed edges in these faces; neither
+  // side without a region.
   [[nodiscard]] BoundarySides boundary_sides() const;
   // Returns whether any cell at these faces has triangles; cells with a NaN sample have none.
   [[nodiscard]] bool draws_at_boundary() const;

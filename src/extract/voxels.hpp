@@ -1,6 +1,6 @@
 // Surfaces of voxels: each inside sample is a solid box of one index step around it, and the surface consists of the
-// exposed faces of these boxes. Samples beyond the data or the region count as outside, so the surface is closed
-// everywhere.
+// exposed faces of these boxes. Samples beyond dense data or the region count as outside, so the surface is closed
+// everywhere. Sparse data continue as their background.
 //
 // Voxels are connected through faces only. Where two voxels touch along an edge or at a corner only, each fan of faces
 // gets its own vertex (detail/corner_fans.hpp). So the mesh is a closed, oriented 2-manifold for any set of voxels, and
@@ -32,13 +32,15 @@ struct LabelChoice {
 // The voxels of each label of a label map, found in one pass over the samples.
 class LabelVoxels {
  public:
-  // Finds the voxels of the chosen labels in options.region; options.iso has no effect. For surface nets it also builds
-  // the net of all labels, chosen or not, so that the choice changes no mesh. The object keeps its memory reserved as
-  // long as it lives.
-  // Floating-point samples are labels if all samples of the region are whole numbers that their type can hold exactly
-  // (detail/label_samples.hpp). With NanPolicy::outside, NaN samples have no label.
-  // Fails with ErrorCode::usage if the field scales its samples, and if a chosen label is the background of a sparse
-  // field. Fails with ErrorCode::input if a sample is no label; with ErrorCode::out_of_memory or cancelled.
+  // Finds the voxels of the chosen labels in options.region; options.iso must be finite, but has no effect. For surface
+  // nets it also builds the net of all labels, chosen or not, so that the choice changes no mesh. The object keeps its
+  // memory reserved as long as it lives. Floating-point samples are labels if all samples of the region, and the
+  // background and all tiles of a sparse field, are whole numbers that their type can hold exactly
+  // (detail/label_samples.hpp). With NanPolicy::outside, NaN samples have no label. Fails with ErrorCode::usage if the
+  // field scales its samples, and if a chosen label is the background of a sparse field. Fails with ErrorCode::input if
+  // a sample is no label, if the transform is singular or not finite, or if options.region contains no sample. Fails
+  // with ErrorCode::input if the net has more points than 32-bit indices can number; with ErrorCode::out_of_memory or
+  // cancelled.
   [[nodiscard]] static Result<LabelVoxels> find(const field::ScalarField& field, const ExtractOptions& options,
                                                 const LabelChoice& choice, const Context& context);
 
@@ -50,7 +52,8 @@ class LabelVoxels {
 
   // Returns the surface of one label; an empty mesh if the label was not found. `field` must be the field given to
   // find(); `options` may differ only in how the mesh is made. With surface nets, two labels share the triangles of
-  // their common faces, with opposite winding. Fails as Extractor::extract() does.
+  // their common faces, with opposite winding. Fails with ErrorCode::input if float32 or 32-bit indices cannot hold the
+  // mesh, with ErrorCode::out_of_memory or cancelled. Does not check `options` (check_method()). Throws std::bad_alloc.
   [[nodiscard]] Result<Extraction> extract(const field::ScalarField& field, std::int64_t label,
                                            const ExtractOptions& options, const Context& context) const;
 

@@ -22,17 +22,21 @@ struct AnalyticField {
   double (*value)(const glm::dvec3& p);
   Dual (*value_and_gradient)(const glm::dvec3& p);
   bool is_distance;  // |value - iso| is the distance to the surface, for every iso that `size` supports
-  // Returns the closed-form size, or nothing if there is none or the surface at iso is not entirely inside the cube.
+  // Returns the closed-form size. Returns nothing if there is no closed form, if iso has no surface, or if the surface
+  // is not entirely inside the cube.
   std::optional<SurfaceSize> (*size)(double iso);
   // Returns the length above iso of the segment from (x, y, -1) to (x, y, 1), in closed form. Null if there is none.
   double (*inside_length_along_z)(double x, double y, double iso);
-  bool is_graph_over_z;  // each such segment crosses the surface at most once, where that length ends
+  // True: each such segment is above iso from z = -1 up to z = -1 + inside_length_along_z, and crosses the surface
+  // there only.
+  bool is_graph_over_z;
 };
 
-// Returns null for demo fields without a formula, such as random.
+// Returns null for unknown names, and for demo fields without a formula, such as random.
 [[nodiscard]] const AnalyticField* find_analytic_field(std::string_view demo_name);
 
-// Returns the formula of a demo field's samples. Null for other fields, and for a demo field at a time other than 0.
+// Returns the formula that a demo field was made from. Null for other fields, for demo fields without a formula, and
+// for a time other than 0. Reads only name, format and source, so it also returns the formula of a filtered demo field.
 [[nodiscard]] const AnalyticField* find_formula(const ScalarField& field);
 
 }  // namespace isoextract::field

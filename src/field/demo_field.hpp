@@ -26,17 +26,18 @@ struct DemoDescription {
 inline constexpr std::string_view kDemoPrefix = "demo:";
 
 struct DemoSpec {
-  std::string_view name;
-  int size;         // samples along each axis
-  double time = 0;  // in [0, 1): the phase of the motion, whose period is 1
+  std::string_view name;  // a part of the text that parse_demo_spec() got; the caller keeps that text alive
+  int size;               // samples along each axis
+  double time = 0;        // in [0, 1): the phase of the motion, whose period is 1
 };
 
-// Fails with ErrorCode::usage for an unknown name or key, and for the time of a field that does not move.
+// Parses "NAME[?key=value[&key=value...]]", with or without "demo:" before it. Fails with ErrorCode::usage for an
+// unknown name or key, for a value out of range, and for the time of a field that does not move.
 [[nodiscard]] Result<DemoSpec> parse_demo_spec(std::string_view spec);
 
 // Makes the field `spec`: "demo:NAME[?key=value[&key=value...]]". Keys: size (samples along each axis, 2 to 2048,
-// default 64) and time (any number, taken modulo 1; default 0). The samples hold the reservation of their memory. Fails
-// like parse_demo_spec, with ErrorCode::out_of_memory, and if the context is cancelled.
+// default 64) and time (any finite number, taken modulo 1; default 0). The samples hold the reservation of their
+// memory. Fails like parse_demo_spec, with ErrorCode::out_of_memory, and if the context is cancelled.
 [[nodiscard]] Result<ScalarField> make_demo_field(std::string_view spec, const Context& context);
 
 }  // namespace isoextract::field

@@ -31,6 +31,7 @@ struct Interpolated {
   glm::dvec3 gradient{0.0};  // of the value, per index step
 };
 
+// The least and the greatest of some samples: scaled values minus the base.
 struct SampleRange {
   double low = 0;
   double high = 0;
@@ -59,7 +60,7 @@ class Interpolant {
     [[nodiscard]] Interpolated operator()(const glm::dvec3& index);
 
     // Evaluates the polynomial of one cell at `t` in [0, 1]^3 from its lowest sample. On a face both adjacent cells
-    // give the same value, bit for bit.
+    // give the same value, bit for bit, if all samples of both are finite.
     [[nodiscard]] Interpolated evaluate_in_cell(const glm::ivec3& cell, const glm::dvec3& t);
 
     // Returns the range of the samples that the polynomial depends on, or nothing if one of them is not finite.

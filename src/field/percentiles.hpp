@@ -47,8 +47,8 @@ class Percent {
                                                                      std::span<const Percent> percents,
                                                                      Progress* progress = nullptr);
 
-// Returns the most memory, in bytes over all threads, that measure_percentiles() takes, or measure_statistics() without
-// percentiles.
+// Returns the most bytes, over all threads of the task arena, that measure_percentiles() takes for that many
+// percentiles. Also the most that measure_statistics() takes with WithPercentiles::no. The caller reserves them.
 [[nodiscard]] std::uint64_t statistics_bytes(std::size_t percents);
 
 }  // namespace isoextract::field

@@ -31,8 +31,8 @@ enum class NanHandling {
 };
 
 // Returns `field` on a dense grid of `resolution` samples that covers the same box: along each axis the first and last
-// samples of both grids coincide. Adjusts `index_to_world` and `index_to_file`. The result is the same for any number
-// of threads.
+// samples of both grids coincide. Adjusts `index_to_world` and `index_to_file`. Replaces the notes of `field` by its
+// own. The result is the same for any number of threads.
 //
 // Along an axis that gets more samples, a new sample is the kernel's value at its position. Along an axis that gets
 // fewer, it is the mean of the old voxels (boxes around the samples) within one step of the new grid around it. A voxel
@@ -59,13 +59,13 @@ enum class NanHandling {
 // take minutes: the result then holds interpolated values, and another note says so.
 //
 // Fails with ErrorCode::usage if `resolution` is below 2 along an axis, with ErrorCode::input if that of a dense
-// `field` is, and with ErrorCode::out_of_memory.
+// `field` is, with ErrorCode::out_of_memory, and as Context::check() does.
 [[nodiscard]] Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolution,
                                            ResampleKernel kernel, NanHandling nan, const Context& context);
 
-// Returns the resolution whose steps are closest to `voxel_size` (edge lengths in world units) among those that divide
-// the box of resample() evenly, so that nothing is cut off. The steps are measured along the axes of the field. Reads
-// all samples of a sparse field to find its box.
+// Returns a resolution whose steps are about `voxel_size` (edge lengths in world units, along the axes of the field).
+// Rounds the number of steps in the box of resample() to a whole number, so that nothing is cut off. May read all
+// samples of a sparse field to find its box.
 //
 // Fails with ErrorCode::usage if a length is not above 0, if the box is shorter than half of it, or if an axis would
 // have more samples than an int holds. Fails with ErrorCode::input if a dense `field` has only one sample along an

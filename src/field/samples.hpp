@@ -45,7 +45,8 @@ struct DenseSamples {
   }
 };
 
-// Indices of sparse samples lie within +- this, so that index arithmetic on them and their neighbors fits into an int.
+// Extractors refuse sparse samples whose indices are not within +- this (ErrorCode::input), so that index arithmetic on
+// samples and their neighbors fits into an int. Readers do not check it.
 inline constexpr int kMaxSparseIndex = 1 << 29;
 
 // 8 x 8 x 8 samples. Sample origin + (x, y, z) is values[x << 6 | y << 3 | z]: z varies fastest, as in OpenVDB's
@@ -67,11 +68,11 @@ struct SparseTile {
 // inactive voxels and tiles count like any other.
 struct SparseSamples {
   SampleType type = SampleType::f32;
-  std::vector<SparseBlock> blocks;  // sorted by origin: x, then y, then z
-  std::vector<SparseTile> tiles;    // only tiles whose value differs from the background
-  double background = 0;            // exact: every sample type fits into double
-  IndexBox active_box;              // bounds of the active voxels, for `info` and messages; may be empty
-  std::uint64_t active_voxels = 0;
+  std::vector<SparseBlock> blocks;    // sorted by origin: x, then y, then z
+  std::vector<SparseTile> tiles;      // only tiles whose value differs from the background
+  double background = 0;              // exact: every sample type fits into double
+  IndexBox active_box;                // bounds of the active voxels; may be empty; resample() includes it in its box
+  std::uint64_t active_voxels = 0;    // an estimate after coarsen()
   std::shared_ptr<const void> owner;  // keeps the blocks' values alive
 };
 

@@ -17,8 +17,10 @@ namespace isoextract::field {
 class OriginIndex {
  public:
   OriginIndex() = default;
+  // Makes room for `count` origins, each a multiple of 8 along every axis.
   explicit OriginIndex(std::size_t count);
 
+  // Adds an origin that the table does not contain yet. `number` must not be -1.
   void insert(const glm::ivec3& origin, std::int32_t number);
 
   // Returns -1 if the table does not contain `origin`.
@@ -34,14 +36,14 @@ class OriginIndex {
   std::vector<Slot> slots_;
 };
 
-// Finds tiles by the places that they cover. Takes at most 64 bytes for each tile.
+// Finds tiles by the block-sized places that they cover. Takes at most 64 bytes for each indexed tile.
 class TileIndex {
  public:
   TileIndex() = default;
-  // Indexes the tiles of at least this size.
+  // Indexes the tiles with at least `least_size` samples along each axis.
   TileIndex(const std::vector<SparseTile>& tiles, int least_size);
 
-  // Returns the tile that covers the place at `origin`, or -1.
+  // Returns the index in `tiles` of the tile that covers the place at `origin`, or -1.
   [[nodiscard]] std::int32_t find(const glm::ivec3& origin) const;
 
  private:
@@ -75,15 +77,16 @@ class SparseLookup {
   // need far more memory than their values.
   [[nodiscard]] static std::vector<glm::ivec3> node_origins(const SparseSamples& samples);
 
-  // Returns the memory of the nodes. The caller reserves it.
+  // Returns the bytes of the nodes. The caller reserves them.
   [[nodiscard]] static std::uint64_t bytes(const SparseSamples& samples) {
     return node_origins(samples).size() * sizeof(Node);
   }
 
+  // `samples` must outlive this object. `node_origins` must be node_origins(samples).
   explicit SparseLookup(const SparseSamples& samples) : SparseLookup(samples, node_origins(samples)) {}
   SparseLookup(const SparseSamples& samples, const std::vector<glm::ivec3>& node_origins);
 
-  // Returns the index of the stored block, kBackground, or place_of_tile() of a tile.
+  // Returns what covers the place at `origin`: the index of a stored block, place_of_tile() of a tile, or kBackground.
   [[nodiscard]] std::int32_t place(const glm::ivec3& origin) const {
     const std::int32_t node = nodes_.find(origin & ~(Node::kSize - 1));
     return node >= 0 ? node_list_[static_cast<std::size_t>(node)].contents[Node::slot(origin)] : large_tile(origin);

@@ -35,9 +35,11 @@ struct FieldStatistics {
   std::array<double, kPercents.size()> percentiles{};
 };
 
-// Percentiles of samples of 32 and 64 bits take extra passes; without them they are 0.
+// Percentiles of samples of 32 and 64 bits take extra passes; `no` skips these and leaves such percentiles 0. Integers
+// whose values are all counted (see FieldStatistics::values), and f16 samples, get percentiles anyway.
 enum class WithPercentiles { yes, no };
 
+// Reads all samples, in parallel. Reserves no memory; see statistics_bytes() (percentiles.hpp).
 [[nodiscard]] FieldStatistics measure_statistics(const ScalarField& field, Progress* progress = nullptr,
                                                  WithPercentiles percentiles = WithPercentiles::yes);
 
@@ -70,8 +72,9 @@ struct DefaultIso {
 };
 [[nodiscard]] std::optional<DefaultIso> default_iso(const ScalarField& field);
 
-// Suggests an iso value that separates the field in two: that of default_iso(), else Otsu's threshold of the histogram.
-// `statistics` must be of `field`; percentiles are not needed.
+// Suggests the iso value of default_iso(), else Otsu's threshold of the histogram. If there is only one value, suggests
+// that value, or halfway between it and another background. Suggests 0 if no sample is finite. `statistics` must be of
+// `field`; percentiles are not needed.
 [[nodiscard]] IsoSuggestion suggest_iso(const ScalarField& field, const FieldStatistics& statistics);
 
 }  // namespace isoextract::field

@@ -21,9 +21,9 @@ struct SurfaceEstimate {
 // the surface passes. A place beside several blocks counts once for each. Dense samples have none.
 [[nodiscard]] SurfaceEstimate estimate_surface(const ScalarField& field, double iso);
 
-// Returns a lower bound for the number of vertices within `box`. For dense samples it counts the crossings along all
-// three axes, which is exact if no sample is NaN. For sparse samples it counts crossings within blocks, or returns 0 if
-// there is a box.
+// Returns a lower bound for the number of marching cubes vertices within `box` (all samples without it). For dense
+// samples it counts the crossings along all three axes, which is exact. For sparse samples it counts crossings within
+// blocks, or returns 0 if there is a box. NaN counts as outside, so NanPolicy::hole can give fewer vertices than this.
 [[nodiscard]] std::uint64_t min_vertex_count(const ScalarField& field, double iso, const std::optional<IndexBox>& box);
 
 }  // namespace isoextract::field

@@ -1,4 +1,4 @@
-// Feeds compressed bytes of a file to zlib, one block at a time.
+// Feeds compressed bytes of a file to zlib, one block (256 KiB) at a time.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ namespace isoextract::files {
 class CompressedInput {
  public:
   // The compressed bytes are [begin, end) of the file. `window_bits` selects the container format as in zlib's
-  // inflateInit2().
+  // inflateInit2(). Throws std::bad_alloc.
   CompressedInput(const InputFile& file, std::uint64_t begin, std::uint64_t end, int window_bits);
 
   [[nodiscard]] const InputFile& file() const { return *file_; }
@@ -27,7 +27,8 @@ class CompressedInput {
   // Returns whether all compressed bytes have been read from the file.
   [[nodiscard]] bool is_read() const { return next_ >= end_; }
 
-  // Reads the next block; keeps unconsumed bytes in front of it.
+  // Reads the next block; keeps unconsumed bytes in front of it. Reads nothing if is_read(). Fails as
+  // InputFile::read_at() does.
   [[nodiscard]] Result<void> refill();
 
  private:

@@ -22,8 +22,9 @@ struct ContentState {
   friend bool operator==(const ContentState&, const ContentState&) = default;
 };
 
-// Reads the file and returns its state. Fails with ErrorCode::input if the file cannot be read or changes meanwhile.
-// The bytes read do not count in the context.
+// Returns the file's state. Reads the file, unless the state is among the 16 used last in this process and the file has
+// not changed since. Fails as InputFile::open() and read_at() do, and with ErrorCode::input if the file changes
+// meanwhile. The bytes read do not count in the context.
 [[nodiscard]] Result<ContentState> hash_file(const std::filesystem::path& path, const Context& context);
 
 // Hashes bytes incrementally.

@@ -11,8 +11,8 @@
 
 namespace isoextract::files {
 
-// The first kStartBytes of a file's content, or all of it if it is shorter.
 inline constexpr std::size_t kStartBytes = 1024;
+// The first kStartBytes of a file's content, or all of it if it is shorter. Owns neither the path nor the bytes.
 struct FileStart {
   const std::filesystem::path& path;
   std::span<const std::byte> bytes;  // decompressed if the file is gzip
@@ -21,8 +21,8 @@ struct FileStart {
 
 [[nodiscard]] bool starts_with(std::span<const std::byte> content, std::string_view magic);
 
-// Returns the error for a file that does not start with its format's signature: what was expected and what was found.
-// For formats chosen by extension or option.
+// Returns an ErrorCode::input for a file that does not start with its format's signature. The message names `expected`
+// and the first 16 bytes, decompressed if the file is gzip. For formats chosen by extension or option.
 [[nodiscard]] tl::unexpected<Error> bad_signature_error(const InputFile& file, std::string_view format,
                                                         std::string_view expected);
 

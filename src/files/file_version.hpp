@@ -23,7 +23,7 @@ struct FileVersion {
   std::int64_t changed = 0;   // time of the last change of the inode (ctime): no program can set it back
 
   // Returns whether any later write will give a different version. A write right after this one may fall into the same
-  // clock tick, which is 2 s on file systems that store whole seconds.
+  // clock tick, so returns false for 100 ms after the last change; for 2 s on file systems that store whole seconds.
   [[nodiscard]] bool is_reliable() const;
 
   friend bool operator==(const FileVersion&, const FileVersion&) = default;
@@ -37,7 +37,8 @@ struct FileVersion {
 // Returns the current version of an open file. Fails with ErrorCode::input if fstat() fails.
 [[nodiscard]] Result<FileVersion> version_of(const InputFile& file);
 
-// Fails with ErrorCode::input if the file was written to since `before`; for readers that make two passes.
+// Fails with ErrorCode::input if size or modification time differ from `before`, or if fstat() fails; for readers that
+// make two passes. Ignores `changed`: renaming or unlinking the file sets it as well.
 [[nodiscard]] Result<void> check_unchanged(const InputFile& file, const FileVersion& before);
 
 }  // namespace isoextract::files

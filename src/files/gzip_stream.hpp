@@ -17,11 +17,11 @@ inline constexpr std::uint64_t kMaxDeflateRatio = 1032;
 // The file must outlive the stream. Reads all consecutive gzip members; ignores data after the last one.
 class GzipStream {
  public:
-  // Starts at byte `offset` of the file.
+  // Starts at byte `offset` of the file. Fails with ErrorCode::input if there is no gzip signature.
   [[nodiscard]] static Result<GzipStream> open(const InputFile& file, std::uint64_t offset);
 
-  // Returns the number of bytes written to `out`; it is smaller than out.size() only at the end of intact data. At most
-  // 2 GiB at a time.
+  // Returns the number of bytes written to `out`; it is smaller than out.size() only at the end of intact data. `out`
+  // must be smaller than 4 GiB. Fails with ErrorCode::input if the data is damaged or cut off.
   [[nodiscard]] Result<std::size_t> inflate(std::span<std::byte> out);
 
  private:

@@ -14,11 +14,11 @@ namespace isoextract::files {
 
 class InputFileSet {
  public:
-  // Adds an input. `what` is the file's role in messages: "is the input". "-" is the file that standard input is, if
-  // any. Ignores files that do not exist.
+  // Adds an input; "-" adds the file or pipe that standard input is. `what` is its role in messages: "is the input".
+  // The first role of a file stays. Ignores files that do not exist.
   void add(const std::filesystem::path& file, const std::string& what);
 
-  // Fails with ErrorCode::usage if `written` is one of the inputs on disk, through whatever names and links.
+  // Fails with ErrorCode::usage if `written` is one of the inputs under any name or link. "-" (standard output) passes.
   [[nodiscard]] Result<void> check(const std::filesystem::path& written) const;
 
  private:

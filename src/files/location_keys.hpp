@@ -7,13 +7,15 @@
 
 namespace isoextract::files {
 
-// Two paths have equal keys if writing to them would reach the same place; see is_same_output(). Looks up each folder
-// once.
+// Looks up each folder once. Compare only keys of the same function.
 class LocationKeys {
  public:
+  // Returns equal keys for all names of an existing file, pipe or device; by_name() if nothing exists. Unlike
+  // is_same_output(), treats /dev/null as any file and "-" as no file, and does not follow a link to a missing file.
   [[nodiscard]] std::string key(const std::filesystem::path& path);
 
-  // Returns the key from the path alone, for files that may not exist.
+  // Returns the file name in its folder after resolving the folder's links, for files that may not exist. Does not
+  // follow a link that is the file itself.
   [[nodiscard]] std::string by_name(const std::filesystem::path& path);
 
  private:

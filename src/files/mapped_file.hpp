@@ -17,15 +17,15 @@ struct MappedRange;
 // A read-only mapping. The content stays alive if the file is removed or replaced by a rename. If the file is written
 // to in place, the mapped memory changes.
 //
-// If the file is truncated or its disk fails, missing pages read as zeros and lost() becomes true. Check lost() after
-// working on the memory, and discard the results if it is set. A truncation that keeps all mapped pages is not noticed,
-// as the system fills the rest of the last page with zeros. Needs a SIGBUS handler, which the first mapping installs;
-// it forwards signals that do not concern a mapping.
+// If the file is truncated or its disk fails, the first access to a missing page replaces it and all later pages of
+// the range by zeros, and lost() becomes true. Check lost() after working on the memory, and discard the results if it
+// is set. A truncation that keeps all mapped pages is not noticed, as the system fills the rest of the last page with
+// zeros. Needs a SIGBUS handler, which the first mapping installs; it forwards signals that do not concern a mapping.
 class MappedFile {
  public:
   // Maps a range of the file. Returns nothing if the range is empty or exceeds the file, or if the system cannot map
   // it; reading the range then gives the error, if there is one. Advises the system of sequential access. Counts the
-  // range as read.
+  // range as read. The file may be closed afterwards. May throw std::bad_alloc.
   [[nodiscard]] static std::optional<MappedFile> map(const InputFile& file, std::uint64_t offset, std::uint64_t bytes);
 
   MappedFile(MappedFile&& other) noexcept;

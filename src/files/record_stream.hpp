@@ -12,8 +12,9 @@ namespace isoextract::files {
 // Writes records [first, last) to `out` and returns the end of the written bytes. Called from several threads.
 using FillRecords = std::function<char*(std::size_t first, std::size_t last, char* out)>;
 
-// Writes records [0, count). `max_record_bytes` is the largest size of one record. The bytes do not depend on the
-// number of threads; memory is a few blocks per thread for any number of records.
+// Writes records [0, count). `max_record_bytes` is the largest size of one record, at least 1. The bytes do not depend
+// on the number of threads. Uses two blocks per thread, each of at most 1 MiB or one record. Fails as
+// OutputFile::write().
 [[nodiscard]] Result<void> write_records(OutputFile& file, std::size_t count, std::size_t max_record_bytes,
                                          const FillRecords& fill);
 

@@ -20,7 +20,8 @@ struct ContextOptions {
 };
 
 // An open context is current. It belongs to the thread that opened it: GL calls are allowed on that thread only, while
-// the object exists. A framebuffer without attachments is bound, because without one every draw fails.
+// the object exists. A framebuffer without attachments is bound, because without one every draw fails. A vertex array
+// is bound, GL_RASTERIZER_DISCARD is on, rows of uploads are not padded, and patches have one vertex.
 class GlContext {
  public:
   // Opens a context with core profile 4.3 or newer. Fails with ErrorCode::unavailable.
@@ -32,12 +33,11 @@ class GlContext {
 
   [[nodiscard]] const GpuDevice& device() const { return device_; }
 
-  // Makes this context current, on threads that have several. Fails with ErrorCode::unavailable if the context was
-  // lost.
+  // Makes this context current, on threads that have several. Fails with ErrorCode::unavailable if EGL refuses.
   Result<void> make_current() const;
 
-  // Fails if GL has reported an error since the last call. Out of memory and a lost context are ErrorCode::unavailable
-  // with a remedy. `doing` completes "while ..." in the message.
+  // Fails with ErrorCode::unavailable and a hint if GL has reported an error since the last call, or if the driver has
+  // reset the GPU. `doing` completes "while ..." in the message. The context must be current.
   [[nodiscard]] Result<void> check(const std::string& doing) const;
 
   // Returns the driver's messages since the context was opened: errors, undefined behavior and severe ones, without

@@ -1,4 +1,4 @@
-// Owned names of GL objects. Make and destroy them on the thread of the context, while the context exists.
+// Owned names of GL objects. Make and destroy them on the thread of the context, while the context is current.
 #pragma once
 
 #include <epoxy/gl.h>

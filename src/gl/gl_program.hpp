@@ -16,12 +16,12 @@ namespace isoextract::gl {
 
 struct ShaderStage {
   GLenum type;                          // GL_VERTEX_SHADER, ...
-  std::vector<std::string_view> parts;  // names of shader files, concatenated in this order
+  std::vector<std::string_view> parts;  // names of shader files, concatenated in this order; at least one
 };
 
 struct ProgramSource {
   std::vector<std::string> defines;  // "SAMPLE_F32"
-  std::string constants;             // GLSL text before the first part
+  std::string constants;             // GLSL text before the first part of each stage
   std::vector<ShaderStage> stages;
   std::vector<const char*> captured;  // captured varyings, interleaved; may be empty
 };

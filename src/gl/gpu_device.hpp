@@ -23,8 +23,9 @@ struct GpuDevice {
   std::optional<Error> problem;               // reason if the device cannot be used; then only the index is valid
 };
 
-// Returns all devices, usable or not; opens a context on each. Fails with ErrorCode::unavailable if EGL or OpenGL is
-// not installed, or lists no device.
+// Returns all devices, usable or not. Opens a context on each, and leaves no context current on this thread. Fails with
+// ErrorCode::unavailable if EGL or OpenGL is not installed, if EGL lists no device, or if the system refuses the
+// threads that drivers start.
 [[nodiscard]] Result<std::vector<GpuDevice>> list_gpu_devices();
 
 // A CUDA device number. CUDA_VISIBLE_DEVICES does not reorder EGL devices, so the number is matched with the CUDA index
@@ -35,20 +36,22 @@ struct CudaIndex {
   friend bool operator==(const CudaIndex&, const CudaIndex&) = default;
 };
 struct DeviceName {
-  std::string part;  // part of vendor and renderer; case is ignored
+  std::string part;  // part of "VENDOR RENDERER"; case is ignored
 
   friend bool operator==(const DeviceName&, const DeviceName&) = default;
 };
-// monostate: the first usable device that is not software, else the first usable one.
+// int: GpuDevice::index. monostate: the first usable device that is not software, else the first usable one.
 using DeviceChoice = std::variant<std::monostate, int, CudaIndex, DeviceName>;
 
-// Parses "1", "cuda:0", or a name. Fails with ErrorCode::usage.
+// Parses "1", "cuda:0", or a name. Fails with ErrorCode::usage if `text` is empty or no number follows "cuda:".
 [[nodiscard]] Result<DeviceChoice> parse_device_choice(const std::string& text);
 
-// Returns the chosen device. Fails with ErrorCode::unavailable and lists the devices in the message.
+// Returns the first usable device that fits the choice. Fails with GpuDevice::problem if only unusable devices fit,
+// else with ErrorCode::unavailable and a list of the devices in the message.
 [[nodiscard]] Result<GpuDevice> choose_device(std::span<const GpuDevice> devices, const DeviceChoice& choice);
 
-// Returns "llvmpipe (LLVM 15.0.6, 256 bits)", with "cuda:0" if known.
+// Returns the renderer, such as "llvmpipe (LLVM 15.0.6, 256 bits)", with " (cuda:0)" behind it if the CUDA index is
+// known. Returns "not usable" for a device with a problem.
 [[nodiscard]] std::string describe(const GpuDevice& device);
 
 }  // namespace isoextract::gl

@@ -42,8 +42,9 @@ struct GpuExtractorAndDevice {
   gl::GpuDevice device;
 };
 
-// Opens the device. Fails with ErrorCode::unavailable if there is none, with ErrorCode::usage for too little memory.
-// Use and destroy the extractor on the calling thread.
+// Opens the device. Fails with ErrorCode::unavailable if there is none, with ErrorCode::usage for a limit below 1 MiB.
+// Use and destroy the extractor on the calling thread. Its extract() also fails with ErrorCode::unavailable if the
+// device fails, and with ErrorCode::usage if the limit is too small for the field.
 [[nodiscard]] Result<GpuExtractorAndDevice> make_gpu_extractor(const GpuOptions& options);
 
 }  // namespace isoextract::gpu

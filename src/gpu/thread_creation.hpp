@@ -20,7 +20,7 @@ struct ThreadCreation {
   double min_seconds = 0;
   double max_seconds = 0;
   std::uint64_t buffer_bytes = 0;             // size of the vertex data that only serve to make threads
-  std::optional<std::uint64_t> driver_bytes;  // loss of free memory, if the driver tells
+  std::optional<std::uint64_t> driver_bytes;  // loss of free device memory, if the driver reports it
   std::optional<std::string> problem;         // reason if there are no figures
 };
 
@@ -35,8 +35,9 @@ struct ThreadCreationResult {
   std::vector<ThreadCreationLevel> levels;
 };
 
-// Measures all makers for each grid size. First checks that each starts exactly one thread a cell. Fails with
-// ErrorCode::unavailable if there is no such device; a grid that does not fit sets `problem` in its row.
+// Measures all makers for each grid size, `repeats` (at least 1) times after a warm-up. First checks that each starts
+// exactly one thread a cell. Fails with ErrorCode::unavailable if there is no such device, or if it cannot copy a
+// buffer. A maker that fails, for example because the grid does not fit, sets `problem` in its row.
 [[nodiscard]] Result<ThreadCreationResult> measure_thread_creation(const gl::DeviceChoice& device,
                                                                    const std::vector<int>& sizes, int repeats);
 

@@ -54,7 +54,7 @@ class VertexStar {
   [[nodiscard]] std::span<const Side> sides() const { return sides_; }
 
   [[nodiscard]] std::uint32_t fans() const { return fans_; }
-  // Returns the fan of each corner. Fans are numbered in the order of their first corners.
+  // Returns the fan of each corner passed to look_at(), numbered from 0 in the order of their first corners.
   [[nodiscard]] std::span<const std::uint32_t> fan_of() const { return fan_of_; }
 
   // Returns whether the triangles form one closed fan: two at each edge, which run along it in opposite directions, and

@@ -56,8 +56,8 @@ class BoxTree {
   }
 
   // Needs at least one item, with finite centers; sorts `items` into tree order. box_of(number) returns the box of an
-  // item. If `groups` has an entry for each number, items of one group become adjacent. The tree is the same for any
-  // number of threads. Throws std::bad_alloc.
+  // item. `groups` is empty or has an entry for each number; nodes are then split by group first, so that the items of
+  // a group are in adjacent leaves. The tree is the same for any number of threads. Throws std::bad_alloc.
   template <class BoxOf>
   BoxTree(std::span<Item> items, const BoxOf& box_of, std::span<const std::uint32_t> groups = {})
       : BoxTree(items, groups) {

@@ -1,5 +1,5 @@
-// Parallel bucket sort into compressed rows, in linear time: the corners at each vertex, or the parts of two meshes in
-// one cell of space.
+// Parallel bucket sort into compressed rows, in linear time if buckets are small: the corners at each vertex, or the
+// vertices of a mesh in one cell of space.
 #pragma once
 
 #include <algorithm>

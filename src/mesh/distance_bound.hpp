@@ -22,9 +22,10 @@ struct DistanceLimits {
   double floor = 0;         // plus this width
   double enough = 0;        // upper ends up to this are always accepted
   double refuse = std::numeric_limits<double>::infinity();  // a greater lower end stops the search: upper is infinite
-  std::size_t max_parts = std::size_t{1} << 22;             // so do more parts of one triangle,
-  // and about this many visited leaves of the tree. Where a surface is equally far everywhere, each part visits all
-  // leaves.
+  // Most parts of one triangle and, roughly, most visited leaves of the tree. (Where a surface is equally far
+  // everywhere, each part visits all leaves.) Beyond a limit, upper is infinite if `refuse` is finite. Otherwise the
+  // search divides no more parts, and the interval stays wider.
+  std::size_t max_parts = std::size_t{1} << 22;
   std::size_t max_leaves = std::numeric_limits<std::size_t>::max();
 
   // Returns the upper end that is accepted if distances up to `lower` are known.
@@ -35,12 +36,12 @@ struct DistanceLimits {
 };
 
 struct TriangleBound {
-  double lower = 0;       // the distance of `place`, a point of the triangle
+  double lower = 0;       // the distance of `place`, a point of the triangle; if 0, `place` and `nearest` are not set
   double upper = 0;       // an upper bound for all points of the triangle
   glm::dvec3 place{0.0};  // in the frame of the tree, like `nearest`
   glm::dvec3 nearest{0.0};
-  std::uint32_t slot = 0;   // of the tree: the triangle nearest to the centroid
-  bool unfinished = false;  // stopped by a limit: the interval is valid but wider than requested
+  std::uint32_t slot = 0;   // of the tree: the triangle nearest to the centroid; the hint if that is near enough
+  bool unfinished = false;  // stopped by `refuse` or a limit: the interval is valid but wider than requested
 };
 
 // Bounds the distance of a triangle from the surface in `tree`. `known` is a distance that occurs elsewhere: below it

@@ -28,10 +28,10 @@ struct PlacedTriangles {
 };
 
 struct GreatestDistance {
-  double lower = 0;  // the distance of `place`
-  double upper = 0;  // an upper bound for all points
-  glm::dvec3 place{0.0};
-  glm::dvec3 nearest{0.0};
+  double lower = 0;         // the distance of `place`
+  double upper = 0;         // an upper bound for all points
+  glm::dvec3 place{0.0};    // in the frame of the tree, like `nearest`
+  glm::dvec3 nearest{0.0};  // the point of the surface nearest to `place`
 };
 
 // A search in three steps; between them a caller may add distances that it knows. If the context is cancelled, the

@@ -9,9 +9,9 @@
 
 namespace isoextract::mesh {
 
-// Returns the positions and triangles of all meshes, one after the other, without normals and attributes. All meshes
-// with vertices must have the same origin. Fails with ErrorCode::out_of_memory, and with ErrorCode::input if the number
-// of vertices exceeds 32 bits.
+// Returns a mesh of the positions and triangles of all meshes, one after the other, without name, normals, edge keys,
+// attributes and material. All meshes with vertices must have the same origin. Fails with ErrorCode::out_of_memory, and
+// with ErrorCode::input if there are more vertices than 32-bit indices allow. Throws std::bad_alloc.
 [[nodiscard]] Result<Mesh> join_meshes(std::span<const Mesh> meshes, const Context& context);
 
 }  // namespace isoextract::mesh

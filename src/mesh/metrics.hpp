@@ -16,7 +16,7 @@ struct Bounds {
 // Returns the bounds of the positions plus the origin; zero for a mesh without vertices.
 [[nodiscard]] Bounds measure_bounds(const Mesh& mesh);
 
-// Bounds of the stored float32 positions, without the origin.
+// Bounds of the stored float32 positions, without the origin; zero for a mesh without vertices.
 struct LocalBounds {
   glm::vec3 min{0.0F};
   glm::vec3 max{0.0F};
@@ -26,7 +26,7 @@ struct LocalBounds {
 // Returns the greatest absolute coordinate, which determines the resolution of float32; 0 without positions.
 [[nodiscard]] float farthest_coordinate(std::span<const glm::vec3> positions);
 
-// Returns one unit in the last place of that coordinate: smaller distances are rounding errors.
+// Returns one to two units in the last place of that coordinate: smaller distances are rounding errors.
 [[nodiscard]] inline double float32_resolution(std::span<const glm::vec3> positions) {
   return static_cast<double>(farthest_coordinate(positions)) * 0x1p-23;
 }

@@ -1,9 +1,11 @@
 // Vertex normals from the adjacent triangles, for meshes whose triangles do not follow the field as extracted ones do:
 // where a cap meets the surface at an angle, and where triangles were removed.
 //
-// Edges that are no creases connect the triangles around a vertex to groups. Each group has its own normal and its own
-// copy of the vertex, so that flat parts look flat. A group keeps the vertex's old normal if that is no farther from
-// the group's mean than the group's farthest triangle is.
+// Edges of two triangles that are no creases connect the triangles around a vertex to groups. Each group has its own
+// normal and its own copy of the vertex, so that flat parts look flat. A group keeps the vertex's old normal if that
+// points against none of its triangles and, in a group with a plane number, is the plane's normal. In other groups, if
+// crease_degrees is set, the old normal must also be no farther from the group's mean than the group's farthest
+// triangle is, or than 1 degree.
 //
 // Else the group gets the mean, weighted by area, so that large flat triangles decide (as in N. Max, "Weights for
 // computing vertex normals from facet normals", 1999, area weights are the least disturbed by slivers). If even the
@@ -33,13 +35,13 @@ struct ShadingOptions {
   // kFlatDegrees. Elsewhere, as in rough data, a group is split only if a normal points the wrong way.
   // If empty, vertices whose triangles have no plane number keep their normal.
   std::optional<double> crease_degrees;
-  // If false, no vertex is copied, and each gets the mean of all its triangles.
+  // If false, no vertex is copied, and each vertex that does not keep its normal gets the mean of all its triangles.
   bool may_copy = true;
 };
 
-// Computes one normal per vertex and returns the number of copied vertices. A mesh without normals gets means. Copies
-// follow all other vertices, in the order of their originals, with all their attributes. The result is the same for any
-// number of threads.
+// Computes one normal per vertex and returns the number of added copies. A mesh without normals gets means, and
+// (0, 0, 1) at vertices without triangles. Copies follow all other vertices, in the order of their originals, with all
+// their attributes. The result is the same for any number of threads.
 //
 // Fails with ErrorCode::out_of_memory, and with ErrorCode::input if there are more vertices than 32-bit indices allow;
 // `source` starts the message.

@@ -1,7 +1,7 @@
 // A bounding volume hierarchy over the triangles of a mesh, to find the closest point of a surface.
 //
 // A BoxTree, split by the triangles' centroids. The boxes of long triangles that are not aligned with the axes overlap,
-// for example around a corner that very many share. Nodes then also store two slabs, directions in which their
+// for example around a corner that very many share. Inner nodes then also store two slabs, directions in which their
 // triangles are thin.
 #pragma once
 
@@ -37,12 +37,12 @@ class TriangleTree {
   }
 
   // Needs at least one triangle, finite positions, and indices below positions.size(). Keeps copies of the triangles.
-  // The tree is the same for any number of threads.
+  // The tree is the same for any number of threads. Throws std::bad_alloc.
   TriangleTree(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles);
 
   // Returns the closest point of all triangles, in the frame of the positions. The search starts with the triangle in
-  // slot `hint`: a near one saves time and wins ties. The search ends at a distance of at most `enough_squared`, even
-  // if another point is closer.
+  // slot `hint`: a near one saves time and wins ties. The search ends at a squared distance of at most
+  // `enough_squared`, even if another point is closer.
   [[nodiscard]] Nearest nearest(const glm::dvec3& p, std::uint32_t hint, double enough_squared = 0) const;
 
   // Returns the closest point of one triangle.

@@ -70,9 +70,9 @@ class AnimationWriter {
   //
   // Refuses a frame with ErrorCode::output if its rounded coordinates would destroy triangles
   // (write/coordinate_rounding.hpp), if it is larger than a file can be, or if float32 cannot tell its time from its
-  // neighbors'. Other frames can follow.
-  // Refuses a frame number that does not grow with ErrorCode::usage. After any other failure every later call fails
-  // alike.
+  // neighbors'. Refuses a frame number that does not grow, and a missing box, with ErrorCode::usage. If packing or
+  // reordering the frame fails (memory is short, a vertex is outside of the box), refuses it with that error.
+  // Other frames can follow a refused one. After any other failure every later call fails alike; see has_failed().
   [[nodiscard]] Result<void> add(const std::string& name, std::int64_t frame, std::span<const mesh::Mesh> surfaces,
                                  const MeshPacking& packing = {}, const std::string& placement = {});
   [[nodiscard]] Result<void> add(const std::string& name, std::int64_t frame, const mesh::Mesh& surface);

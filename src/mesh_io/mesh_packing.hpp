@@ -4,8 +4,9 @@
 // multiples of a step, which is a power of two.
 // So positions that are equal before stay equal, bit for bit, across meshes and across files that use the same step.
 // The step is the same for the same voxel size, or for the same box and number of bits.
-// float32 holds such coordinates exactly up to 2^24 steps from zero. Farther away, the meshes of a file are relative to
-// one common origin, which is a lattice point. No coordinate moves by more than half a step.
+// float32 holds such coordinates exactly up to 2^24 steps from zero. Farther away, the meshes of a glTF file are
+// relative to one common origin, which is a lattice point; a .drc file has no origin, so its step grows. No coordinate
+// moves by more than half a step.
 //
 // The writer unpacks every packed mesh again before it writes it. It compares triangles, their orientation, attributes
 // and positions with the original mesh, and measures the errors.
@@ -36,7 +37,8 @@ struct PackingOptions {
   Compression compression = Compression::none;
   // glb and gltf: 16-bit positions and 8-bit normals (KHR_mesh_quantization). Draco quantizes by itself.
   bool quantize = false;
-  // Draco only: the longest side of the box has fewer than 2^bits steps. If unset, the step is at most 1/32 of a voxel.
+  // Draco only: the longest side of the box has fewer than 2^bits steps. If unset, the step is at most 1/32 of a voxel,
+  // unless the box then has more steps than kMaxPositionBits allow.
   std::optional<std::uint64_t> position_bits;
   // Reorders vertices and triangles for the caches of graphics cards and for compressors (meshoptimizer). Any format,
   // but not with Draco, which uses its own order.
@@ -51,8 +53,8 @@ struct PackingOptions {
 struct MeshPacking : PackingOptions {
   // The shortest side of a voxel, in the mesh's units. 0 if unknown: the step is then as fine as the bits allow.
   double voxel = 0;
-  // The box around every mesh that shares the lattice; a vertex outside is an error. If unset, the writer uses the box
-  // around the meshes of the file and holds them all in memory until the last one.
+  // The box around every mesh that shares the lattice; a vertex outside is an error. If unset, MeshWriter uses the box
+  // around the meshes of the file and holds them all in memory until the last one; AnimationWriter fails.
   std::optional<mesh::Bounds> box = {};
 };
 

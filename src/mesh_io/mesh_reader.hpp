@@ -63,7 +63,7 @@ struct MeshFile {
   bool y_up = false;              // the format prescribes that y points up; other formats prescribe no up axis
   bool is_quantized = false;      // positions were rounded by packing: Draco, KHR_mesh_quantization
   bool is_by_isoextract = false;  // the file says that isoextract wrote it; text STL cannot say so
-  std::string placement;          // MeshWriteOptions::placement of a file of isoextract, if any; not validated
+  std::string placement;          // MeshWriteOptions::placement of a file of isoextract; not validated
   Notes notes;                    // data left out, one sentence each, starting with the file's name
 };
 
@@ -74,8 +74,9 @@ struct MeshFile {
 // vertex keeps the attributes of its first corner, and a note counts the corners with others.
 //
 // Fails with ErrorCode::input if the file cannot be read or is damaged, has coordinates that are not finite or indices
-// of missing vertices, or needs more memory than is left. Fails as well for glTF that requires an extension which is
-// not supported and may change its triangles.
+// of missing vertices, or needs more memory than the context has left. Fails so as well for glTF that requires an
+// unsupported extension which may change its triangles.
+// Fails with ErrorCode::out_of_memory if an allocation fails, and as Context::check() does.
 // The mesh holds the reservation of its memory. A file without triangles is no error.
 [[nodiscard]] Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context,
                                          const MeshReadOptions& options = {});
@@ -87,8 +88,8 @@ struct MeshFile {
 // text STL and for files that cannot be read.
 [[nodiscard]] bool is_written_by_isoextract(const std::filesystem::path& path, const Context& context);
 
-// Returns the names of the data files that a .gltf refers to, with %-escapes decoded; empty if it refers to none or is
-// no glTF.
+// Returns the names of the data files that a .gltf refers to, with %-escapes decoded; empty if it refers to none, is
+// no glTF or cannot be read.
 [[nodiscard]] std::vector<std::string> external_buffer_names(const std::filesystem::path& gltf, const Context& context);
 
 }  // namespace isoextract::mesh_io

@@ -62,7 +62,7 @@ struct ParticleInfo {
   Notes notes;                               // assumptions and changes made while reading
 };
 
-// Returns all formats in the order of detection and display; plug-ins last.
+// Returns all formats in the order of detection and display; plug-ins last, except those with the id of another format.
 [[nodiscard]] std::vector<ParticleFormatDescription> particle_format_descriptions();
 // Returns whether the file name has the extension of a particle format, ignoring case.
 [[nodiscard]] bool has_particle_extension(const std::filesystem::path& path);

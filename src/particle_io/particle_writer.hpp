@@ -25,11 +25,12 @@ constexpr auto words_of(ParticleFileFormat /*type*/) {
 // Returns the format for a file's extension, ignoring case.
 [[nodiscard]] std::optional<ParticleFileFormat> particle_file_format_by_path(const std::filesystem::path& path);
 
-// Returns the number of bytes; the bytes do not depend on the number of threads. "-" is standard output. Fails with
-// ErrorCode::output if the file cannot be written, if there are more than 100 attributes, or if an attribute name
+// Writes the file and returns its number of bytes; the bytes do not depend on the number of threads. "-" is standard
+// output. Fails with ErrorCode::output if the file cannot be written, if there are more than 100 attributes, or if an
+// attribute name
 // - has characters other than A to Z, a to z, digits and underscores,
-// - is longer than 40 characters,
-// - equals another attribute's name or that of the position.
+// - is empty or longer than 40 characters,
+// - equals another attribute's name or one of x, y, z, pos and position, ignoring case.
 [[nodiscard]] Result<std::uint64_t> write_particles(const std::filesystem::path& path,
                                                     const points::ParticleSet& particles, ParticleFileFormat format);
 

@@ -8,8 +8,8 @@ namespace isoextract::plugin_host {
 extern const PluginKind kVolumePlugins;
 extern const PluginKind kParticlePlugins;
 
-// The id of all plug-ins around OpenVDB. They have no volume format of their own: the built-in VDB reader calls them
-// for grids it does not read itself.
+// The id of all plug-ins that use OpenVDB. The one for volumes has no format of its own: the built-in VDB reader calls
+// it for grids that it does not read itself.
 inline constexpr const char* kOpenVdbPlugin = "openvdb";
 
 }  // namespace isoextract::plugin_host

@@ -19,18 +19,18 @@ namespace isoextract::plugin_host {
 
 using PluginFolders = std::vector<std::filesystem::path>;
 
-// Returns the folders to search, in this order: those of ISOEXTRACT_PLUGINS, `plugins` beside the program, and
-// `../lib/isoextract/plugins` relative to that. They need not exist.
+// Returns the folders to search, in this order: those of the environment variable ISOEXTRACT_PLUGINS (separated by
+// ":"), then `plugins` and `../lib/isoextract/plugins`, relative to the program's folder. They need not exist.
 [[nodiscard]] PluginFolders plugin_folders();
 
 struct PluginTable {
   std::string id;
   std::string title;
-  std::vector<std::string> extensions;
+  std::vector<std::string> extensions;  // ".vti"
 };
 
 // Returns the tables, which are the files name_start + ID + ".txt" in the folders, by folder and then by ID. Of several
-// with the same ID, only the first.
+// with the same ID, only the first. An ID consists of a-z, 0-9, - and _; other files are ignored.
 [[nodiscard]] std::vector<PluginTable> find_plugin_tables(const PluginFolders& folders, const std::string& name_start);
 
 // File name prefix and exported function of one kind of plug-in.
@@ -41,8 +41,9 @@ struct PluginKind {
   bool is_format = true;  // whether messages say "the format ID needs the plug-in", else "this work needs"
 };
 
-// Opens a plug-in's file in this process. Fails with the end of a sentence, such as "has version 1 of the interface,
-// expected 2"; also fails if the limit of the address space (ulimit -v) leaves too little for the plug-in's libraries.
+// Opens a plug-in's file in this process, for good, and returns the result of its exported function. Fails with the end
+// of a sentence, such as "has version 1 of the interface, expected 2"; also fails if the limit of the address space
+// (ulimit -v) leaves too little for the plug-in's libraries.
 [[nodiscard]] tl::expected<const void*, sandbox::Refusal> open_plugin(const PluginKind& kind, const std::string& id,
                                                                       const std::string& path);
 
@@ -55,12 +56,13 @@ class PluginLibrary {
   [[nodiscard]] bool is_there() const { return found({}).has_value(); }
 
   // Returns the result of the exported function after checking its version and id, in this process. Fails with
-  // ErrorCode::unavailable if no folder has the plug-in, if it cannot be opened, or if its version differs. `input`
-  // starts the message.
+  // ErrorCode::unavailable if no folder has the plug-in, if it cannot be opened, or if its version or id differs.
+  // `input` starts the message. Safe to call from several threads.
   [[nodiscard]] Result<const void*> opened(const std::string& input) const;
 
-  // Starts a worker that reads `input` with the plug-in (plugin_worker.hpp); its greeting is the plug-in's name of the
-  // format. Fails for the same reasons, and if no process can be started.
+  // Starts a worker that reads `input` with the plug-in (detail/plugin_worker.hpp). Its greeting is a volume plug-in's
+  // name of the format; "" for particles. Fails for the same reasons, if no process starts and loads the plug-in within
+  // limits.seconds, and as Context::check(). Safe to call from several threads.
   [[nodiscard]] Result<sandbox::WorkerPool::Started> start_worker(const std::string& input,
                                                                   const sandbox::Limits& limits,
                                                                   const Context& context) const;

@@ -1,5 +1,5 @@
 // Plug-ins read files in child processes. So a library that does not validate its input cannot crash this program,
-// exceed its memory, or change anything (plugin_worker.hpp, sandbox/worker.hpp).
+// exceed its memory, or change anything (detail/plugin_worker.hpp, sandbox/worker.hpp).
 #pragma once
 
 #include <optional>
@@ -7,8 +7,8 @@
 
 namespace isoextract::plugin_host {
 
-// main() calls this before anything else. If this process was started to read files with a plug-in, does so and returns
-// the exit code. Programs that do not call it read files in their own process.
+// main() calls this before anything else. If this process was started to read files with a plug-in, does so and ends
+// the process with code 0. Otherwise returns nothing. Programs that do not call it read files in their own process.
 [[nodiscard]] std::optional<int> run_as_plugin_reader(std::span<char* const> arguments);
 
 // Makes plug-ins read in this process from now on, for trusted files. Call before reading the first file.

@@ -26,12 +26,12 @@ namespace isoextract::plugin_host {
 // Returns a plug-in's text; "" for null.
 [[nodiscard]] inline std::string plugin_text(const char* text) { return text == nullptr ? "" : text; }
 
-// Converts from and to the three rows of four of the plug-in interface.
+// Converts the 12 numbers of the plug-in interface, three rows of four, to an index-to-world transform, and back.
 [[nodiscard]] field::Affine affine_of(const double* index_to_world);
 [[nodiscard]] std::array<double, 12> plugin_rows_of(const field::Affine& affine);
 
-// Memory that a plug-in requests during a call. Anything it does not release stays reserved for the lifetime of this
-// object. The context must outlive the call.
+// Memory that a plug-in requests during a call, also from several threads. Anything it does not release stays reserved
+// for the lifetime of this object, which must outlive the call.
 class PluginMemory {
  public:
   // `what` starts the message if memory does not suffice.
@@ -41,8 +41,8 @@ class PluginMemory {
 
   [[nodiscard]] const isoextract_plugin_host& host() const { return host_; }
 
-  // Reserves `bytes` for the lifetime of this object; release() does not return them. Returns false if memory does not
-  // suffice.
+  // Reserves `bytes` for the lifetime of this object; host().release() does not return them. Returns false if memory
+  // does not suffice, or did not for an earlier request of this object.
   [[nodiscard]] bool hold(std::uint64_t bytes);
 
   // Returns the refusal or cancellation that made the call fail, if any; else `otherwise`, the fault of the plug-in or
@@ -65,11 +65,13 @@ class PluginMemory {
 };
 
 // Converts a plug-in's sparse samples. Copies the lists of blocks and tiles; the values stay in place, kept alive by
-// `owner`. Fails with the problem as the end of a sentence: "blocks that are not in order".
+// `owner`. Fails with the problem as the end of a sentence: "blocks that are not in order". Does not check that tiles
+// overlap nothing, nor the box and number of active voxels.
 [[nodiscard]] tl::expected<field::SparseSamples, std::string> sparse_samples_of(const isoextract_sparse_samples& given,
                                                                                 std::shared_ptr<const void> owner);
 
-// The reverse conversion; the lists refer to the field's values.
+// The reverse conversion. `samples` refers to the lists, and the blocks refer to the field's values, which must live
+// longer.
 struct PluginSparse {
   std::vector<isoextract_sparse_block> blocks;
   std::vector<isoextract_sparse_tile> tiles;

@@ -24,8 +24,8 @@ struct SampledAttribute {
 
 struct SampledAttributes {
   std::vector<SampledAttribute> attributes;
-  std::uint64_t vertices_beyond_kernels =
-      0;  // vertices outside every kernel; they get the values of the nearest particle
+  // Vertices outside every kernel; they get the values of the nearest particle.
+  std::uint64_t vertices_beyond_kernels = 0;
   Reservation memory;
 };
 
@@ -38,8 +38,8 @@ struct SampledAttributes {
 // non-finite positions; a non-finite attribute value makes all vertices within its kernel non-finite. The result is
 // bit-identical for any number of threads.
 //
-// Fails with ErrorCode::usage if a length is not above 0, with ErrorCode::input if there are vertices but no
-// particles, or particles too far apart, with ErrorCode::out_of_memory, and with ErrorCode::cancelled.
+// Fails with ErrorCode::usage if a length is not above 0 or too large for double, with ErrorCode::input if there are
+// vertices but no particles, or particles too far apart, with ErrorCode::out_of_memory, and with ErrorCode::cancelled.
 [[nodiscard]] Result<SampledAttributes> sample_attributes(const ParticleSet& particles,
                                                           std::span<const std::size_t> attributes,
                                                           std::span<const glm::dvec3> vertices, double radius,

@@ -1,12 +1,12 @@
 // Sorts points into the cells of a uniform grid to find the neighbors of a location. Stores only occupied cells, so
 // memory grows with the number of points, however far apart they are.
 //
-// A spot is one or several points at the same position. In a cell with few points, coincident points share a spot only
-// if they are consecutive in index order; in a crowded cell all of them do. So a million coincident points cost no more
-// than one.
+// A spot is one or, with Coinciding::merged, several points at the same position. In a cell with few points, coincident
+// points share a spot only if they are consecutive in index order; in a crowded cell all of them do. So a million
+// coincident points cost no more than one.
 //
-// The order depends on the points alone: by cell (x, then y, then z), then by index; in crowded cells by position
-// first.
+// The order depends on the points alone: by cell (x, then y, then z), then by index; with Coinciding::merged, in
+// crowded cells by position first.
 #pragma once
 
 #include <algorithm>
@@ -41,7 +41,7 @@ class CellGrid {
   enum class Coinciding { merged, apart };
 
   // Builds the grid; skips non-finite points. Grid coordinates / side must fit into an int and the number of points
-  // into 32 bits. Fails as Context::reserve() does; `label` names the points in the message.
+  // into 32 bits. Fails as Context::reserve() and Context::check() do; `label` names the points in the message.
   [[nodiscard]] static Result<CellGrid> make(std::span<const glm::dvec3> points, const GridFrame& frame, double side,
                                              Coinciding coinciding, const Context& context, const std::string& label);
 

@@ -44,7 +44,7 @@ struct FieldOptions {
   Method method = Method::sph;
   std::optional<double> radius;     // particle radius in world units; default ParticleStatistics::suggested_radius()
   std::optional<double> cell_size;  // spacing of the samples in radii; default MethodInfo::cell_size
-  std::optional<double> spacing;    // spacing in world units, replaces cell_size
+  std::optional<double> spacing;    // spacing in world units, instead of cell_size; only one of them may be set
 
   double smoothing_length = 2;  // sph, anisotropic, smooth: in radii
   double weight = 0.1;          // weight: contribution of a particle
@@ -85,11 +85,13 @@ struct ParticleField {
 
 // check_options() fails with ErrorCode::usage if an option is out of range, and names the expected range.
 //
-// make_field() computes the density methods of method.hpp. It fails with ErrorCode::usage for other methods and as
-// check_options() does. It fails with ErrorCode::input
-// - if a position is not finite (NonFiniteParticles::error),
+// make_field() computes the density methods of method.hpp. It fails with ErrorCode::usage for other methods, if the
+// spacing exceeds the support of the kernel, and as check_options() does. It fails with ErrorCode::input
+// - if a position is not finite (NonFiniteParticles::error) or there are 2^32 particles or more,
 // - if no radius is given and none can be derived,
-// - if particles are too far apart or too far from 0 for the spacing.
+// - if particles are too far apart or too far from 0 for the spacing,
+// - if the field needs 2^31 bricks or more,
+// - if the radius is so large that a particle has more than 32,768 neighbors on average.
 // It fails with ErrorCode::out_of_memory if memory does not suffice.
 // It fails with ErrorCode::cancelled if the context is cancelled.
 [[nodiscard]] Result<void> check_options(const FieldOptions& options);

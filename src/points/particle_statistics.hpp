@@ -27,7 +27,8 @@ struct ParticleBounds {
 
 // Distances from particles to their nearest neighbor at a different position, in world units.
 struct NeighborDistances {
-  std::uint64_t asked = 0;  // number of particles measured: all up to 2^16, else 2^16 of them, evenly spaced by index
+  // Number of particles measured: of all up to 2^16, else of 2^16 evenly spaced by index, those at finite positions.
+  std::uint64_t asked = 0;
   double min = 0;
   double median = 0;
   double max = 0;
@@ -44,7 +45,8 @@ struct ParticleStatistics {
   }
 };
 
-// Fails as Context::reserve() does and if the context is cancelled. The result is the same for any number of threads.
+// Fails with ErrorCode::input for 2^32 particles or more, and as Context::reserve() and Context::check() do. The result
+// is the same for any number of threads.
 [[nodiscard]] Result<ParticleStatistics> measure_statistics(const ParticleSet& particles, const Context& context);
 
 }  // namespace isoextract::points

@@ -21,11 +21,11 @@ inline constexpr std::array<std::string_view, 2> kRadiusAttributes{"pscale", "ra
 // Refers to the particle set it was made from, which must outlive it.
 class SphereSet {
  public:
-  // Returns the particles at finite positions.
+  // Returns the particles at finite positions; without attributes if some were dropped.
   [[nodiscard]] const ParticleSet& particles() const { return kept_ ? *kept_ : *all_; }
   // Returns one radius per particle; empty if all have ParticleFieldStatistics::radius.
   [[nodiscard]] std::span<const float> radii() const { return radii_; }
-  // Returns the figures known before the field exists: without bricks and without particles that are too small.
+  // Returns the figures known before the field exists: the counts of bricks, tiles and too small particles are 0.
   [[nodiscard]] const ParticleFieldStatistics& figures() const { return figures_; }
 
  private:
@@ -41,8 +41,12 @@ class SphereSet {
 
 // Takes the radii from FieldOptions::radius, else from an attribute of kRadiusAttributes, else from the particle
 // distances. Lengths given in radii (spacing; for Method::smooth the support, twice the smoothing length) refer to the
-// median radius. Fails as make_field() does, and with ErrorCode::input if a radius attribute holds an invalid radius.
-// The result is the same for any number of threads.
+// median radius. The result is the same for any number of threads.
+//
+// Fails with ErrorCode::usage as check_options() does, and if the spacing of Method::smooth exceeds its support. Fails
+// with ErrorCode::input if a position is not finite (NonFiniteParticles::error), if there are 2^32 particles or more,
+// and if no radius is given and none can be derived. Fails so as well if a radius attribute holds an invalid radius.
+// Fails as Context::reserve() and Context::check() do.
 [[nodiscard]] Result<SphereSet> make_spheres(const ParticleSet& particles, const FieldOptions& options,
                                              const Context& context);
 

@@ -1,8 +1,9 @@
 // A perspective camera in world space, in double, and the view directions of its pixels.
 //
 // View space has the eye at 0 and the axes of OpenGL: x to the right, y up, z backwards. Depth is the distance along
-// the view axis, -z. The point that pixel (x, y) sees at depth d is d * direction(x, y), so depth is the parameter of
-// every ray. The distance between two depths on a ray is their difference times length(direction).
+// the view axis, -z. The point that picture position (x, y) sees at depth d is d * direction_through(x, y), so depth is
+// the parameter of every ray. The distance between two depths on a ray is their difference times the direction's
+// length.
 //
 // Scenes may have any size, so renderers compute in view coordinates divided by unit(), the distance from eye to target
 // (view_from_world(), clip_from_view(), direction_through()). Depths of pictures are in world units.
@@ -72,9 +73,9 @@ struct PixelBox {
   friend bool operator==(const PixelBox&, const PixelBox&) = default;
 };
 
-// Returns a bounding rectangle of the pixels that may see `box` transformed by `map`, from the box's 8 corners
-// (docs/papers.md, hybrid ray casting, equation 2). It is the whole picture if only some corners are in front of the
-// near plane, and empty if none is.
+// Returns a bounding rectangle of the pixels that may see `box`, which `map` maps to the world, from the box's 8
+// corners (docs/papers.md, hybrid ray casting, equation 2). It is the whole picture if only some corners are in front
+// of the near plane, and empty if none is.
 [[nodiscard]] PixelBox pixels_of(const Camera& camera, const PictureSize& size, const field::Affine& map,
                                  const field::Box& box);
 

@@ -7,8 +7,8 @@
 // of the volume use a shorter program.
 //
 // Dense and sparse volumes are stored alike: bricks of 8 x 8 x 8 cells in an atlas, as table positions in float. Only
-// bricks with visible samples are uploaded, so no volume is too long for a texture, and sparse volumes never become
-// dense. Rays are computed in double, as on the CPU.
+// bricks with visible samples are uploaded, so a volume may be longer than the longest texture, and sparse volumes
+// never become dense. Rays are computed in double, as on the CPU.
 #pragma once
 
 #include <cstdint>
@@ -41,7 +41,8 @@ struct GpuRendererAndDevice {
 // Opens the device. Fails with ErrorCode::unavailable if there is none. Use and destroy the renderer on the calling
 // thread.
 // Renderer::draw() fails with ErrorCode::unavailable if visible bricks, triangles or one pixel's transparent fragments
-// do not fit onto the device. If the device renders in software, its memory is also reserved from the context.
+// do not fit onto the device, or if a ray needs more samples than the backend or the driver allows. If the device
+// renders in software, its memory is also reserved from the context.
 [[nodiscard]] Result<GpuRendererAndDevice> make_gpu_renderer(const GpuRenderOptions& options);
 
 }  // namespace isoextract::render

@@ -20,7 +20,7 @@ inline constexpr glm::vec3 kTextColor{0.02F, 0.02F, 0.03F};
 // Depth and normals stay unchanged.
 void draw_text(Picture& picture, glm::ivec2 at, std::string_view text, int scale, const glm::vec3& color);
 
-// Fills the pixels [min, max), clipped to the picture.
+// Fills the pixels [min, max), clipped to the picture, with an opaque linear color. Depth and normals stay unchanged.
 void fill_box(Picture& picture, glm::ivec2 min, glm::ivec2 max, const glm::vec3& color);
 
 }  // namespace isoextract::render

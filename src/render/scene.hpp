@@ -28,8 +28,8 @@ struct Volume {
   double unit_length = 1;  // world length to which the transfer function's opacities refer; finite, above 0
 };
 
-// Returns the volume's box in index space. Fails with ErrorCode::input if the field has fewer than two samples along an
-// axis, or no active voxels.
+// Returns the volume's box in index space. Fails with ErrorCode::input if a dense field has fewer than two samples
+// along an axis, and with ErrorCode::empty_grid if a sparse field has no active voxels.
 [[nodiscard]] Result<field::Box> volume_box(const field::ScalarField& field);
 
 enum class Shading { smooth, flat };
@@ -52,7 +52,8 @@ struct Surface {
   // the mesh has no normals.
   Shading shading = Shading::smooth;
   // Uses the mesh's vertex colors instead of `color`; their alpha multiplies `opacity`. The mesh must have an
-  // attribute with AttributeRole::color: u8 is sRGB, u16 and f32 are linear light; alpha is always linear.
+  // attribute with AttributeRole::color and at least three components: u8 is sRGB, u16 and f32 are linear light; alpha
+  // is always linear.
   bool vertex_colors = false;
 };
 
@@ -90,11 +91,12 @@ struct Scene {
   glm::dvec4 background{0.0};  // linear, straight alpha; (0, 0, 0, 0) keeps the picture transparent
 };
 
-// Returns the box of everything visible, in the world. Fails with ErrorCode::input if it is empty or not finite.
+// Returns the box around the volume and all vertices, in the world. Fails with ErrorCode::input if it is empty or not
+// finite, and as volume_box() does.
 [[nodiscard]] Result<field::Box> box_of(const Scene& scene);
 
-// Checks all requirements stated above. Fails with ErrorCode::usage, or with ErrorCode::input if a field or a mesh does
-// not meet them.
+// Checks the requirements stated above, except pointers and vertex indices. Fails with ErrorCode::usage, with
+// ErrorCode::input if a field or a mesh does not meet them, and as volume_box() does.
 [[nodiscard]] Result<void> check(const Scene& scene);
 
 }  // namespace isoextract::render

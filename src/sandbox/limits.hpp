@@ -6,14 +6,15 @@
 namespace isoextract::sandbox {
 
 struct Limits {
-  std::uint64_t memory = 0;   // bytes it may allocate, besides its libraries and thread stacks
-  std::uint64_t seconds = 0;  // limit of wall-clock time and, multiplied by `threads`, of processor time
-  std::uint64_t threads = 1;
+  std::uint64_t memory = 0;   // bytes it may allocate, besides its libraries, thread stacks and 48 MiB
+  std::uint64_t seconds = 0;  // of wall-clock time (Worker ends it) and, multiplied by `threads`, of processor time
+  std::uint64_t threads = 1;  // of oneTBB
 };
 
-// Limits this process permanently: memory, processor time, no files written, no core dumps. With the kernel's seccomp
-// it also cannot open sockets, start programs or change the file system (detail/system_calls.hpp). Ignores limits that
-// the system does not support. Does not limit the address space under the address sanitizer, which needs all of it.
+// Limits this process permanently: memory, processor time, threads, no files written, no core dumps. With the kernel's
+// seccomp it also cannot open sockets, start programs or change the file system (detail/system_calls.hpp). Ignores
+// limits that the system does not support. Does not limit the memory under the address and thread sanitizers, which
+// need all of the address space.
 void apply(const Limits& limits);
 
 }  // namespace isoextract::sandbox

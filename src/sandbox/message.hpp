@@ -51,22 +51,22 @@ class MessageReader {
 };
 
 // Sends a message, with a descriptor unless it is -1. If `wait` is false, fails instead of blocking when the socket's
-// buffer is full. Returns false on failure.
+// buffer is full. Returns false on failure; the socket is unusable then, as a part of the message may have been sent.
 [[nodiscard]] bool send_message(int socket, const MessageWriter& message, int descriptor = -1, bool wait = true);
 
-// Sends raw bytes that follow a message.
+// Sends raw bytes that follow a message. Returns false on failure.
 [[nodiscard]] bool send_bytes(int socket, std::span<const std::byte> bytes);
 
 struct ReceivedMessage {
   MessageReader message;
   Descriptor descriptor;  // open if the message came with one
 };
-// Waits for a message. Returns nothing if the other side has closed the socket or sent something else.
+// Waits for a message. Returns nothing if the other side has closed the socket or announces more than kMaxMessageBytes.
 [[nodiscard]] std::optional<ReceivedMessage> receive_message(int socket);
 
-// Sends at most eight descriptors through a socket that preserves message boundaries. Returns false on failure.
+// Sends at most eight descriptors with one byte, without blocking. Returns false on failure.
 [[nodiscard]] bool send_descriptors(int socket, std::span<const int> descriptors);
-// Receives descriptors; none if the other side has closed the socket.
+// Waits for one call of send_descriptors() and returns its descriptors; none if the other side has closed the socket.
 [[nodiscard]] std::vector<Descriptor> receive_descriptors(int socket);
 
 }  // namespace isoextract::sandbox

@@ -18,8 +18,8 @@ struct ChildWork {
 };
 
 // main() calls this before anything else, with its arguments. If WorkerPool started this process, runs the work that
-// `make_work` returns for the words of WorkerPool, and returns the exit code. Otherwise returns nothing, and from now
-// on this program may start itself as a child.
+// `make_work` returns for the words of WorkerPool, then ends the process with code 0. Otherwise returns nothing, and
+// from now on this program may start itself as a child.
 [[nodiscard]] std::optional<int> run_as_child(std::span<char* const> arguments,
                                               const std::function<ChildWork(std::span<const std::string>)>& make_work);
 
@@ -27,9 +27,9 @@ struct ChildWork {
 // terminates them.
 [[nodiscard]] bool can_start_children();
 
-// Returns the command line that starts this program again with more words, without its first word, which is
-// "/proc/self/exe". If a loader runs the program, as in the portable folder, that file is the loader, and the command
-// line includes the loader's own words.
+// Returns argv for starting "/proc/self/exe" as a child: this process's argv[0], the word that marks a child, then
+// `further`. If a loader runs the program, as in the portable folder, that file is the loader; then the loader's own
+// words and the program's file follow argv[0].
 [[nodiscard]] std::vector<std::string> command_line_with(const std::vector<std::string>& further);
 
 }  // namespace isoextract::sandbox

@@ -15,7 +15,7 @@ namespace isoextract::sandbox {
 // Has no name in any file system; the system frees it with the last process that holds it.
 class SharedMemory {
  public:
-  // Returns zero-filled memory; nothing if the system provides none.
+  // Returns zero-filled memory; nothing if the system provides none. Does not reserve it in a memory budget.
   [[nodiscard]] static std::optional<SharedMemory> create(std::uint64_t bytes);
 
   [[nodiscard]] int descriptor() const { return descriptor_.get(); }
@@ -32,7 +32,7 @@ class SharedMemory {
 class Mapping {
  public:
   enum class Access { read, write };
-  // bytes() is empty if the system refuses the mapping.
+  // bytes() is empty if `bytes` is 0 or the system refuses the mapping.
   Mapping(int descriptor, std::uint64_t bytes, Access access);
   Mapping(Mapping&& other) noexcept : bytes_(std::exchange(other.bytes_, {})) {}
   Mapping& operator=(Mapping&& other) = delete;

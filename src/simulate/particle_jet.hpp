@@ -5,13 +5,13 @@
 // height, emits particles along +x at a steady speed and rate, until the tank holds `count` particles. The fluid is
 // position based dynamics (Macklin and Mueller 2013; see detail/fluid.hpp).
 //
-// Frames are 1 / fps apart and consist of steps. In a step no particle moves farther than 0.8 spacings, gravity
-// included (a Courant-Friedrichs-Lewy condition: a kernel reaches over 2). The top speed is twice what the fastest
-// particle would have after falling from the nozzle through the whole tank; faster particles are slowed down and
-// counted.
+// Frames are 1 / fps apart and consist of steps. In a step, velocity and gravity move no particle farther than 0.8
+// spacings, a spacing being two radii (a Courant-Friedrichs-Lewy condition: a kernel reaches over 2); corrections of
+// the density come on top. The top speed is twice that of a particle which left the nozzle and fell the tank's whole
+// height; faster particles are slowed down and counted.
 //
 // All numbers are double and bitwise equal for any number of threads. One seed gives the same particles on every
-// machine with IEEE arithmetic, if its compiler fuses no operations.
+// machine with IEEE arithmetic, if its compiler fuses no operations; the default radius also needs the same std::cbrt.
 #pragma once
 
 #include <cstdint>
@@ -38,9 +38,9 @@ struct JetOptions {
   std::optional<double> radius;
   glm::dvec3 tank{60.0};         // lengths of its sides
   std::optional<double> nozzle;  // radius; default: a twelfth of the smaller of the tank's y and z sides
-  double speed = 60;             // speed at the nozzle
-  double gravity = 98.1;         // towards -z; 9.81 m/s^2 if the unit is a decimeter
-  double fps = 24;               // frames per second
+  double speed = 60;             // speed at the nozzle; above 0
+  double gravity = 98.1;         // towards -z; 0 or more; 9.81 m/s^2 if the unit is a decimeter
+  double fps = 24;               // frames per unit of time; above 0
   double viscosity = 0.05;       // c of XSPH; 0 to 1/2
   int iterations = 4;            // solver iterations per step; 1 to 1000
   std::uint64_t seed = 0;
@@ -49,15 +49,16 @@ struct JetOptions {
 struct JetFigures {
   std::uint64_t frames = 0;
   std::uint64_t steps = 0;
-  std::uint64_t particle_steps = 0;  // sum over all steps of the number of particles
+  std::uint64_t particle_steps = 0;  // sum over all steps of the number of particles moved
   std::uint64_t slowed_down = 0;     // how often a particle was slowed to the top speed
 };
 
 class ParticleJet {
  public:
   // Fails with ErrorCode::usage for options that are not finite or out of range, and for a tank too small for nozzle or
-  // particles. Fails likewise for a tank wider than 2^20 spacings, or if a frame would take more than kMostSteps steps.
-  // Fails with ErrorCode::out_of_memory if memory is short.
+  // particles. Fails likewise for a tank wider than 2^20 spacings, if a layer of the nozzle has more than `count`
+  // particles, or if a frame could take more than kMostSteps steps. Fails as Context::reserve() does if memory is
+  // short.
   [[nodiscard]] static Result<ParticleJet> make(const JetOptions& options, const Context& context);
 
   ParticleJet(ParticleJet&&) noexcept;
@@ -65,11 +66,11 @@ class ParticleJet {
   ~ParticleJet();
 
   // Advances to the next frame; the first one is 1 / fps after the nozzle opens. Fails with ErrorCode::cancelled, or
-  // with ErrorCode::out_of_memory if memory is short.
+  // as Context::reserve() does if memory is short; do not use the jet afterwards.
   [[nodiscard]] Result<void> advance(const Context& context);
 
-  // Returns the particles in the tank, in the order in which they came. Attributes: `velocity` (3 components), `age`
-  // (time since leaving the nozzle), `id` (0 for the first particle). Fails as Context::reserve() does.
+  // Returns the particles in the tank, in the order in which they left the nozzle. Attributes: `velocity` (3
+  // components), `age` (time since then), `id` (0 for the first particle). Fails as Context::reserve() does.
   [[nodiscard]] Result<points::ParticleSet> particles(const Context& context) const;
 
   // Returns the radius of a particle that is in use.

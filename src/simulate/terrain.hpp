@@ -22,13 +22,13 @@ struct TerrainOptions {
   int octaves = 5;     // octaves of noise; 1 to 16
 };
 
-// The lowest place, the middle of the basin, as a fraction of the size.
+// The middle of the basin, as a fraction of the size: the lowest place but for the hills.
 inline constexpr glm::dvec2 kBasin{0.68, 0.5};
 
 // The height of the lowest cell above the floor of the world, in cells.
 inline constexpr double kMinLandHeight = 1;
-// Returns the height of each cell above the floor of the world, from kMinLandHeight to kMinLandHeight + relief; cell
-// (x, y) is element x + size.x * y. Fails with ErrorCode::usage for options out of range, and as
+// Returns the height of each cell above the floor of the world, in cells, from kMinLandHeight to kMinLandHeight +
+// relief; cell (x, y) is element x + size.x * y. Fails with ErrorCode::usage for options out of range, and as
 // MemoryBudget::reserve() does.
 [[nodiscard]] Result<std::shared_ptr<ReservedBuffer<double>>> make_terrain(const TerrainOptions& options,
                                                                            const Context& context);

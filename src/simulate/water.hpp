@@ -69,8 +69,9 @@ inline constexpr double kDefaultFlowDiv = 6;
 
 struct WaterOptions {
   WaterRule rule = WaterRule::conservative;
-  double friction = kDefaultFriction;  // 0 to 1: the fraction of its energy that a cell loses per step
-  double flow_div = kDefaultFlowDiv;   // 1 or more; from 4 on, the four flows of a cell never exceed its water
+  // 0 to 1: the fraction of its energy that a cell loses per step; with the printed rule, per flow that it receives.
+  double friction = kDefaultFriction;
+  double flow_div = kDefaultFlowDiv;  // 1 or more; from 4 on, the four flows of a cell never exceed its water
   std::vector<WaterTap> sources;
   std::vector<WaterTap> drains;
 };
@@ -99,20 +100,23 @@ struct WaterExtremes {
 
 class WaterAutomaton {
  public:
-  // Copies `terrain` and `depth` (empty: dry); element x + size.x * y is cell (x, y). Sources act before
-  // the flows of a step, drains after them. Fails with ErrorCode::usage for options out of range, taps outside the grid
-  // or with a rate not above 0, and negative depths; also fails as MemoryBudget::reserve() does.
+  // Copies `terrain` and `depth` (empty: dry); element x + size.x * y is cell (x, y). Sources act before the flows of a
+  // step, drains after them. Fails with ErrorCode::usage if a side is not from 1 to kMaxGridSize (terrain.hpp), if the
+  // spans have another length, or if a height or depth is not finite or a depth is negative. Fails likewise for options
+  // out of range and taps outside the grid or with a rate not above 0. Also fails as MemoryBudget::reserve() does.
   [[nodiscard]] static Result<WaterAutomaton> create(glm::ivec2 size, std::span<const double> terrain,
                                                      std::span<const double> depth, WaterOptions options,
                                                      const Context& context);
 
-  // Runs this many steps; each advances the progress by one. Fails with ErrorCode::cancelled between two steps.
+  // Runs this many steps; each advances the progress by one. Fails with ErrorCode::cancelled between two steps; the
+  // steps done so far remain.
   [[nodiscard]] Result<void> run(std::uint64_t steps);
 
   [[nodiscard]] glm::ivec2 size() const { return size_; }
   [[nodiscard]] std::uint64_t steps_done() const { return steps_done_; }
 
-  // Each returns row y: size().x heights of the terrain, depths of the water, or energies.
+  // Each returns row y, from 0: size().x heights of the terrain, depths of the water, or energies. The span refers to
+  // the automaton's memory; run() changes its values.
   [[nodiscard]] std::span<const double> terrain(int y) const { return row(0, y); }
   [[nodiscard]] std::span<const double> water(int y) const { return row(1, y); }
   [[nodiscard]] std::span<const double> energy(int y) const { return row(2, y); }

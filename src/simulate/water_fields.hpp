@@ -2,8 +2,8 @@
 //
 // In volumes z points up and voxels have the size of cells, `spacing`. Voxel (x, y, k) is the cube of cell (x, y)
 // between heights k and k + 1. Its sample, at the center, is the filled fraction, 0 to 1 in f32. Inside is above: at
-// iso value 0.5 the surface is within half a voxel of the true heights. Water stands on the terrain; together they fill
-// at most 1. A corner of the grid is at the world's origin.
+// iso value 0.5 the surface is within half a voxel of the true heights, but water at most one voxel deep may have no
+// surface. Water stands on the terrain; together they fill at most 1. A corner of the grid is at the world's origin.
 #pragma once
 
 #include <array>
@@ -31,16 +31,17 @@ constexpr auto words_of(WaterOutput /*type*/) {
                     Word{WaterOutput::both, "both"}, Word{WaterOutput::heights, "heights"}};
 }
 
-// Returns the names of the fields, in their order.
+// Returns the names of the fields that water_fields() returns, in that order: terrain before water.
 [[nodiscard]] std::vector<std::string> field_names(WaterOutput content);
 
 // Returns the number of voxel layers that contain land and water, plus an empty one, so that surfaces close below the
-// top. Fails with ErrorCode::output for infinite heights or more layers than a volume can have.
+// top. Fails with ErrorCode::output if a depth or energy is not finite, or if land or water is 2^16 cells high or
+// higher.
 [[nodiscard]] Result<int> count_layers(const WaterAutomaton& automaton);
 
-// Returns one field or two. `layers` applies to volumes and must cover all land and water. Cells with a negative depth
-// (of the printed rule) are empty in volumes; maps contain the numbers unchanged. Fails as MemoryBudget::reserve()
-// does.
+// Returns one field or two. `layers` applies to volumes and must cover all land and water: higher parts are missing.
+// Cells with a negative depth (of the printed rule) have no water in volumes; maps contain the numbers unchanged. Fails
+// as MemoryBudget::reserve() does.
 [[nodiscard]] Result<std::vector<field::ScalarField>> water_fields(const WaterAutomaton& automaton, WaterOutput content,
                                                                    int layers, const glm::dvec3& spacing,
                                                                    const Context& context);

@@ -2,8 +2,8 @@
 // spheres, level set filters, and VDB output.
 //
 // All functions fail with ErrorCode::unavailable if the plug-in is missing or incompatible, with ErrorCode::usage for
-// options out of range, and with ErrorCode::input for fields and particles they cannot process. They reserve memory in
-// the context and can be cancelled through it.
+// options out of range, and with ErrorCode::input (write_vdb(): ErrorCode::output) for fields and particles that the
+// plug-in cannot process. They reserve memory in the context and can be cancelled through it.
 #pragma once
 
 #include <array>
@@ -67,14 +67,14 @@ inline constexpr int kMaxFilterWidth = 64;
                                                           int width, int iterations, const Context& context);
 
 struct VdbWriteOptions {
-  std::string name;      // grid name; empty: the field's name
+  std::string name;      // name of the grid; if empty, the field's name
   bool as_half = false;  // rounds values to 16-bit floats
 };
 
 // Writes a VDB file of one or more float grids atomically; rounds other sample types to float. A level set gets the
 // grid class "level set", a density "fog volume". grid_tools_plugin.h defines which voxels are active and the
 // background of a dense field. Writes to standard output or a pipe as a stream. Returns the number of bytes. Also fails
-// with ErrorCode::output.
+// with ErrorCode::output if the file cannot be written, and with ErrorCode::input as check_mapping_intact() does.
 [[nodiscard]] Result<std::uint64_t> write_vdb(const std::filesystem::path& path, const field::ScalarField& field,
                                               const VdbWriteOptions& options, const Context& context);
 // Does the same for several fields; each grid has its field's name.

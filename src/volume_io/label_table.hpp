@@ -25,7 +25,7 @@ class LabelTable {
  public:
   static constexpr std::uint64_t kMaxBytes = std::uint64_t{16} << 20;  // largest file size
 
-  // Parses one label per line, in either format; lines that start with # are comments.
+  // Parses one label per line, in either format; blank lines and lines that start with # are skipped.
   //
   //   number red green blue alpha visible mesh "name"    ITK-SNAP label descriptions
   //   number name red green blue alpha                   FreeSurfer look-up tables, also of 3D Slicer
@@ -50,7 +50,8 @@ class LabelTable {
   std::string hash_;
 };
 
-// Returns the color of a label without a table entry; consecutive labels get very different hues.
+// Returns the sRGB color, each channel from 0 to 1, of a label without a table entry; consecutive labels get very
+// different hues.
 [[nodiscard]] glm::dvec3 default_label_color(std::int64_t label);
 
 }  // namespace isoextract::volume_io

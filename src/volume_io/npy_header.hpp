@@ -30,17 +30,19 @@ struct NpyHeader {
   std::uint64_t data_offset = 0;
 };
 
-// Reads the header. Fails with ErrorCode::input if there is none. Does not interpret types and shape.
+// Reads the header. Fails with ErrorCode::input if there is none, or if it is damaged or compressed. Does not interpret
+// types and shape.
 [[nodiscard]] Result<NpyHeader> read_npy_header(const files::InputFile& file);
 
 // Longest header that is accepted.
 inline constexpr std::uint64_t kMaxNpyHeader = (std::uint64_t{1} << 20) + 12;
 // Parses the header of an array file of `size` bytes; `start` is the whole file or its first kMaxNpyHeader bytes.
-// `name` is for messages.
+// `name` is for messages. Fails as read_npy_header() does.
 [[nodiscard]] Result<NpyHeader> parse_npy_header(const std::string& name, std::span<const std::byte> start,
                                                  std::uint64_t size);
 
-// Parses the header from the first bytes of a file. Returns nothing if it is invalid or longer than these bytes.
+// Parses the header from the first bytes of a file; leaves data_offset 0. Returns nothing if the header is invalid or
+// longer than these bytes.
 [[nodiscard]] std::optional<NpyHeader> npy_header_in(std::span<const std::byte> start);
 
 }  // namespace isoextract::volume_io

@@ -28,9 +28,10 @@ constexpr auto words_of(VolumeFileFormat /*type*/) {
 // Returns the format for a file's extension, ignoring case.
 [[nodiscard]] std::optional<VolumeFileFormat> volume_file_format_by_path(const std::filesystem::path& path);
 
-// Writes one field or, for vdb, several. For npy, nrrd and raw, samples must be dense; they keep their type and are in
-// the machine's byte order. nrrd does not support 16-bit floats. Returns the number of bytes. Fails with
-// ErrorCode::output if the file cannot be written or its format cannot hold the field, and as write_vdb() does.
+// Writes one field or, for vdb, several. For npy, nrrd and raw, samples must be dense and without a value scale; they
+// keep their type and are in the machine's byte order. nrrd does not support 16-bit floats. Returns the number of
+// bytes. Fails with ErrorCode::output if the file cannot be written or its format cannot hold the field, and with
+// ErrorCode::input as check_mapping_intact() does; for vdb fails as write_vdb() does.
 [[nodiscard]] Result<std::uint64_t> write_volume(const std::filesystem::path& path,
                                                  std::span<const field::ScalarField> fields, VolumeFileFormat format,
                                                  const Context& context);

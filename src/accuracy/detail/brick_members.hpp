@@ -37,7 +37,7 @@ template <class BrickOf>
   return members;
 }
 
-// Returns the members of one brick.
+// Returns the members of one brick; `members` come from members_by_brick().
 [[nodiscard]] inline std::span<const BrickMember> members_of(const std::vector<BrickMember>& members,
                                                              const glm::ivec3& brick) {
   const auto key = [](const BrickMember& member) { return std::tuple(member.brick.z, member.brick.y, member.brick.x); };
@@ -51,7 +51,7 @@ struct BrickCount {
   std::uint64_t triangles = 0;
 };
 
-// Sorts the bricks and merges duplicates, adding their counts.
+// Sorts the bricks (by z, then y, then x) and merges duplicates, adding their counts.
 inline void merge_bricks(std::vector<BrickCount>& bricks) {
   const auto key = [](const BrickCount& one) { return std::tuple(one.brick.z, one.brick.y, one.brick.x); };
   tbb::parallel_sort(bricks.begin(), bricks.end(),

@@ -3,8 +3,8 @@
 // At a point with value r, the first-order distance is |r| / |grad f|. The gradient is taken in the mesh's coordinates:
 // it is a covector, mapped by the inverse transpose of the transform. This distance is the first guess of a search
 // along the gradient's line, up to one voxel; where the line leaves dense data, the search follows the data boundary.
-// If it finds nothing, or a point twice as far as the guess, the search also goes towards the cell corners of opposite
-// sign. The point found is on the surface and in the data, but need not be the nearest.
+// If it finds nothing, or a point more than twice as far as the guess, the search also goes towards the cell corners of
+// opposite sign. The point found is on the surface and in the data, but need not be the nearest.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace isoextract::accuracy {
 class GradientSearch {
  public:
   struct Found {
-    std::optional<glm::dvec3> step;  // from the position to the surface
+    std::optional<glm::dvec3> step;  // from the position to the surface, in index space; empty if not found
     double guess = 0;                // first-order distance in voxels; infinite if the gradient is zero
     bool is_nearest = false;         // true only if certain: no point of the surface is nearer by more than 2 %
   };

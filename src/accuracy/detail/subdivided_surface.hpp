@@ -35,7 +35,7 @@ class SubdividedSurface {
   [[nodiscard]] static std::uint64_t bytes(int cells, int parts, std::uint64_t triangles);
 
   [[nodiscard]] const mesh::Mesh& mesh() const { return mesh_; }
-  // Builds the tree on first use. Requires triangles.
+  // Builds the tree on first use, so not from several threads at a time. Requires triangles.
   [[nodiscard]] const mesh::TriangleTree& tree();
 
   // Maps between index space and the coordinate frame of the positions and the tree.

@@ -21,9 +21,12 @@ struct DecimalOrder {
 // Orders names that are equal except for one decimal number: digits, optional fraction, optional signed exponent
 // (1.5e-03).
 //
-// Returns nullopt if the names differ elsewhere, or if no number has a fraction or an exponent. Also if whole numbers
-// order the names as well: only the digits before or only those after the point differ, and the latter are whole
-// numbers by judge_fractions().
+// Returns nullopt if the names differ elsewhere, if no number has a fraction or an exponent, or if double cannot hold a
+// value. Returns nullopt as well if all numbers have a fraction but none an exponent or a negative zero, and one of
+// these holds:
+//   - only the digits before the point differ;
+//   - only the digits after the point differ, and all have the same length;
+//   - the digits after the point have several lengths, and judge_fractions() does not call them fractions.
 [[nodiscard]] std::optional<DecimalOrder> order_by_decimals(std::span<const std::string> names);
 
 // How to read the digits after a point.

@@ -17,8 +17,8 @@ struct NamePart {
   int width = 0;     // of a number: minimum number of digits; 0: any
 };
 
-// Splits a name. Adjacent text is one part. {frame} is a number, any other text in braces a word. Fails as
-// FramePattern::parse() does.
+// Splits a name. Adjacent text is one part. {} and {frame} are numbers, any other text in braces is a word; braces that
+// contain one of { % # are text. Fails with ErrorCode::usage for widths of numbers as FramePattern::parse() does.
 [[nodiscard]] Result<std::vector<NamePart>> name_parts(std::string_view name);
 
 // Escapes text so that name_parts() returns it as text.

@@ -30,7 +30,7 @@ class CoincidentVertices {
 
 // The triangles with area, one for each set of three corners, in either winding.
 struct UniqueTriangles {
-  Buffer<std::uint32_t> triangles;  // the first triangle of each set, rising
+  Buffer<std::uint32_t> triangles;  // the first triangle of each set, ascending
   Buffer<std::uint32_t> copies;     // size of each set
   std::uint64_t zero_area = 0;      // triangles whose corners are exactly on one line
   std::uint64_t duplicates = 0;     // triangles with area and the corners of an earlier one

@@ -21,7 +21,7 @@ using mesh::FloatBox;
 class CrowdedStars {
  public:
   static constexpr std::uint32_t kNone = ~0U;
-  // A star has more triangles than this.
+  // The corner or side of a star has more triangles than this; some of them may belong to other stars.
   static constexpr std::uint32_t kFewTriangles = 64;
 
   // `chosen` are numbers of triangles with area, rising. place_of(triangle) gives the places of its corners: the number

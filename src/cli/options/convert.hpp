@@ -1,4 +1,5 @@
-// The options of convert, and of verify, which takes only the options that change the triangles of a mesh.
+// The options of convert, and of verify, which takes only the options of the input, of the surface and its placement,
+// of the backend and of the run.
 #pragma once
 
 #include <array>
@@ -33,10 +34,11 @@ struct ColorFlag {
   std::optional<std::array<double, 2>> range;
 };
 
-// Parses NAME[?][=FROM], then in any order :KIND, :spacing=SX,SY,SZ, :origin=X,Y,Z, :nodata=V, :volume=K and
-// :component=N.
+// Parses NAME[?][=FROM], then in any order and each at most once :KIND, :spacing=SX,SY,SZ, :origin=X,Y,Z, :nodata=V,
+// :volume=K and :component=K|length. Fails with ErrorCode::usage, as parse_color() and parse_opacity() do.
 [[nodiscard]] Result<convert::AttributeChoice> parse_attribute(std::string_view text);
-// Parses the same form without a kind, but with :MAP and then :MIN,MAX among the settings.
+// Parses the same form without a kind, but with :MAP and then :MIN,MAX (MIN below MAX) among the settings. The NAME
+// "iso" takes only these two.
 [[nodiscard]] Result<ColorFlag> parse_color(std::string_view text);
 [[nodiscard]] Result<std::vector<double>> parse_opacity(std::string_view text);  // A[,B...], above 0, at most 1
 
@@ -47,7 +49,7 @@ struct OutputFormat {
 };
 [[nodiscard]] std::vector<Choice<OutputFormat>> output_formats();
 
-// Returns "viridis, magma".
+// Returns all color maps: "viridis, plasma, ...".
 [[nodiscard]] std::string colormap_list();
 
 // The bits of --draco; nullopt: the voxel size decides.
@@ -266,7 +268,7 @@ struct ConvertFlags : OptionSet {
   RunFlags run{*this};
 };
 
-// The options of the mesh's conversion, and the mesh.
+// The options of the conversion that made the mesh, and the mesh.
 struct VerifyFlags : OptionSet {
   VerifyFlags();
 

@@ -1,4 +1,4 @@
-// The options of batches. Each of them turns a conversion into a batch.
+// The options of batches. Each option of BatchFlags turns a conversion into a batch.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@ namespace isoextract::cli {
 
 // The form of a batch's progress on stderr.
 enum class ProgressStyle {
-  bar,   // if stderr is a terminal
+  bar,   // on a terminal; elsewhere a line every 30 seconds
   json,  // one line of JSON per event
   none,
 };
@@ -26,13 +26,13 @@ constexpr auto words_of(ProgressStyle /*type*/) {
 
 enum class MissingPolicy {
   error,  // converts the frames that have an input, then fails
-  note,
+  note,   // prints a note and does not fail
 };
 constexpr auto words_of(MissingPolicy /*type*/) {
   return std::array{Word{MissingPolicy::error, "error"}, Word{MissingPolicy::note, "note"}};
 }
 
-// `help` states the use of the frames.
+// `help` is the whole help text: what the command does with the frames.
 struct FramesOption : Value<batch::FrameRange> {
   FramesOption(const Place& place, std::string help)
       : Value(

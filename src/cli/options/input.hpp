@@ -29,7 +29,7 @@ constexpr auto words_of(InsideChoice /*type*/) {
                     Word{InsideChoice::away_from_zero, "away-from-zero"}};
 }
 
-// Returns the formats of volume and particle files.
+// Returns the values of --input-format: the formats of volume and particle files.
 [[nodiscard]] std::vector<Choice<std::string>> input_formats();
 
 // The inputs that a command takes, for its help.
@@ -109,7 +109,7 @@ struct InputFlags : OptionSet {
                   "otherwise read in a child process with limits. Use it only for files that you trust: a damaged file "
                   "can crash the program, hang it, or take more memory than --memory-limit."};
 
-  // Returns the first of the grids.
+  // Returns the first value of --grid, nullopt without one; more_grids() returns the other values.
   [[nodiscard]] std::optional<std::string> grid() const {
     return grids.empty() ? std::nullopt : std::optional(grids.front());
   }
@@ -118,7 +118,7 @@ struct InputFlags : OptionSet {
   }
 };
 
-// Returns "weight (a fixed weight for each particle), sph (...)".
+// Returns the methods for the help: "ID (HELP; iso ISO and cells of SIZE radii by default), ...".
 [[nodiscard]] std::string particle_methods();
 
 // The options that turn particles into a field.

@@ -26,7 +26,7 @@ struct InfoFlags : OptionSet {
   RunFlags run{*this};
 };
 
-// Returns the methods that bench takes by default, as one word.
+// Returns the ids of the methods that bench takes by default, extract::interpolant_methods(), separated by commas.
 [[nodiscard]] std::string following_method_ids();
 
 struct BenchFlags : OptionSet {

@@ -36,7 +36,8 @@ struct CompareFlags : OptionSet {
   RunFlags run{*this};
 };
 
-// Parses words of check::Requirement separated by commas, or "printable" for the needs of a slicer; each at most once.
+// Parses words separated by commas: requirements, and "printable" for all that a slicer needs. Repetition is allowed;
+// the result has each requirement once. Fails with ErrorCode::usage.
 [[nodiscard]] Result<std::vector<check::Requirement>> parse_requirements(std::string_view text);
 // Returns "closed, manifold, ...; or printable, which is closed, ...".
 [[nodiscard]] std::string requirement_list();

@@ -10,12 +10,14 @@
 
 namespace isoextract::cli {
 
-// The unit of the input's world; unset: the unit that the file states.
+// The value of --unit, the unit of the input's world; unset: the unit that the file states.
 struct UnitChoice {
   std::optional<convert::LengthUnit> unit;
 };
 
+// Returns the values of --to-unit.
 [[nodiscard]] std::vector<Choice<convert::LengthUnit>> units();
+// Returns the values of --unit: "file", then units().
 [[nodiscard]] std::vector<Choice<UnitChoice>> units_of_input();
 
 struct PlacementFlags : OptionSet {

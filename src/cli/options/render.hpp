@@ -25,9 +25,11 @@ namespace isoextract::cli {
 // Returns the names of the built-in transfer functions, separated by commas.
 [[nodiscard]] std::string transfer_list();
 
-[[nodiscard]] Result<glm::dvec4> parse_background(std::string_view text);              // none, black, white, RRGGBB
+// Parses the value of an option. Fails with ErrorCode::usage. Colors are sRGB in the text, with or without '#', and
+// linear light in the result.
+[[nodiscard]] Result<glm::dvec4> parse_background(std::string_view text);  // none (alpha 0), black, white, RRGGBB
 [[nodiscard]] Result<std::vector<glm::dvec3>> parse_colors(std::string_view text);     // RRGGBB[,RRGGBB...]
-[[nodiscard]] Result<std::array<double, 2>> parse_value_range(std::string_view text);  // MIN,MAX
+[[nodiscard]] Result<std::array<double, 2>> parse_value_range(std::string_view text);  // MIN,MAX, MIN below MAX
 [[nodiscard]] Result<double> parse_field_of_view(std::string_view text);               // 1 to 170 degrees
 [[nodiscard]] Result<double> parse_samples(std::string_view text);                     // 1/64 to 64
 [[nodiscard]] Result<double> parse_termination(std::string_view text);                 // 0 or more, below 1

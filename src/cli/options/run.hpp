@@ -1,4 +1,4 @@
-// The options of the group "Run" that several commands have.
+// Options that several commands have: help, run, GPU, backends, JSON and the memory limit.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,8 @@ struct HelpOptions : OptionSet {
 
 // The last options of every command.
 struct RunFlags : OptionSet {
-  // The options that a command has: those of the value and of all values before it.
+  // The options that a command takes. Each value includes the options of the values before it: `quiet` has --quiet,
+  // `verbosity` adds --no-note and --verbose, `all` adds --threads.
   enum class Taken { help, quiet, verbosity, all };
 
   explicit RunFlags(OptionSet& command, Taken taken = Taken::all);

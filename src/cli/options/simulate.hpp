@@ -27,7 +27,8 @@ inline constexpr const char* kJetExample = "jet_{:04}.ply";
 
 // The length of the simulation, and its files.
 struct SequenceFlags : OptionSet {
-  // `example` is an example of -o, `formats` the help about formats. Without `takes_steps`, other options set frames.
+  // `example` is an example of -o, `formats` the help about formats. Without `takes_steps` there are no --steps and
+  // --every; the command has its own options for the frames.
   SequenceFlags(OptionSet& command, std::string example, std::string formats, bool takes_steps);
 
  private:

@@ -18,7 +18,7 @@
 
 namespace isoextract::cli {
 
-// Returns "Marching cubes, or marching tetrahedra (six in each cell)".
+// Returns "Marching cubes, or marching tetrahedra (six in each cell), or ...".
 [[nodiscard]] std::string method_help();
 
 // `before` and `after` are further parts of the help text.
@@ -44,7 +44,7 @@ struct NanOption : Value<extract::NanPolicy> {
               About::extraction) {}
 };
 
-// The options of the extraction besides the iso value.
+// The options of the extraction that convert, verify and render share, besides the iso value.
 struct SurfaceFlags : OptionSet {
   explicit SurfaceFlags(OptionSet& command);
 
@@ -102,7 +102,7 @@ struct SurfaceFlags : OptionSet {
   NanOption nan{*this};
 };
 
-// The options that edit a surface after its extraction.
+// The options that edit a surface after its extraction, besides --simplify and --triangles.
 struct EditFlags : OptionSet {
   explicit EditFlags(OptionSet& command);
 
@@ -139,6 +139,7 @@ struct EditFlags : OptionSet {
       "place, and those of caps in their plane. Reports how far vertices moved and how much the volume changed.",
       About::surface | About::edit};
 
+  // Returns the edits without a simplification, which plan_edits() adds.
   [[nodiscard]] convert::SurfaceEdits chosen() const {
     convert::SurfaceEdits edits;
     edits.pieces = {least, fill_cavities, largest, split};

@@ -10,9 +10,9 @@
 
 namespace isoextract::convert {
 
-// Checks, before any surface is extracted, that the budget has room for what extracting and measuring `source`
-// needs at least beside what this conversion holds. Fails with ErrorCode::out_of_memory and the hint to raise the
-// limit.
+// Checks, if the job measures errors, that the memory limit leaves room for a lower bound of the memory that extracting
+// and measuring each iso value takes beside the reservations of this conversion. Call before extracting. Fails with
+// ErrorCode::out_of_memory and the hint to raise the limit.
 [[nodiscard]] Result<void> check_error_memory(const ConversionJob& job, const Source& source, const Context& context);
 
 // Returns the estimated memory for measuring besides the mesh, at an iso value.

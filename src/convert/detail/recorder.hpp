@@ -18,12 +18,13 @@ class Recorder final : public Events {
   void note(const Note& note) override;
   void end(const StageReport& report) override;
 
-  // Call before reading a grid, in jobs with several grids: reports on surfaces then name that grid. If the grid was
-  // read before, everything but times is dropped until end_reading(), because it was reported the first time.
+  // Call before reading a grid, in jobs with several grids. If the grid was read before, drops all notes, and of
+  // reports keeps only the times, until end_reading(), because they were reported the first time.
   void begin_grid(const std::optional<std::string>& grid);
   void end_reading() { again_ = false; }
-  // Returns the label of that grid; empty if the job has only one.
+  // Returns the label of the current grid; empty if the job has only one.
   [[nodiscard]] const std::string& grid() const { return grid_; }
+  // Sets the label of the grid that was read; reports on surfaces then name it.
   void name_grid(const std::string& grid) { grid_ = grid; }
 
  private:

@@ -32,8 +32,8 @@ struct SkippedSurfaces {
 // Returns the note; `consequence` says what happened to the file.
 [[nodiscard]] std::string note_of(const SkippedSurfaces& skipped, const std::string& consequence);
 
-// Returns a note for each iso value that equals an earlier one. Values found in the field can coincide, which the user
-// could not foresee.
+// Returns a note for each iso value that equals an earlier one (repeats_value()). Values found in the field can
+// coincide, which the user could not foresee; two equal given numbers get no note.
 [[nodiscard]] Notes repeated_notes(const std::string& label, std::span<const ResolvedIso> asked,
                                    const std::string& path);
 

@@ -15,8 +15,9 @@ namespace isoextract::convert {
 // Returns "a Gaussian of 2 voxels", as work facts say it.
 [[nodiscard]] std::string text_of(const BlurStep& step);
 
-// Applies the steps to `field` in order, and reports each. Fails as blur_gaussian() and blur_median() do, and with
-// ErrorCode::usage if a width in world units exceeds their largest width in voxels.
+// Applies the steps to `field` in order, and reports each. Fails as blur_gaussian(), blur_median() and
+// check_mapping_intact() do: with ErrorCode::usage if a Gaussian is wider than field::kMaxBlurSigma voxels along an
+// axis.
 [[nodiscard]] Result<void> blur_field(const std::vector<BlurStep>& steps, const std::string& label,
                                       const Context& context, Events& events, field::ScalarField& field);
 

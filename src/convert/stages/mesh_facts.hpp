@@ -14,8 +14,8 @@ namespace isoextract::convert {
 // Returns the figures. Fails if memory runs out.
 [[nodiscard]] Result<Figures> mesh_facts(const Surface& surface, const Context& context);
 
-// Adds what is known only when the mesh is written: file, mesh name, number of vertices in the file, the error if it
-// was measured, and the grid if the job has several.
+// Adds the figures known only when the mesh is written: file, mesh name, number of vertices in the file, the error if
+// it was measured, and the grid if the job has several.
 [[nodiscard]] Figures facts_as_written(Figures facts, const std::string& file, const mesh::Mesh& mesh,
                                        const std::optional<Figures>& error, const std::string& grid);
 

@@ -10,8 +10,9 @@
 
 namespace isoextract::convert {
 
-// Returns a note if relaxing changed a volume by more than kSmallShare: the surface that changed most, and how many
-// others did. Returns nullopt if none did. `reports` are those of one conversion.
+// Returns a note if relaxing changed the volume of a surface or component by more than 5 %: names the surface and the
+// component that changed most, and counts the others. Returns nullopt if none did. `reports` are those of one
+// conversion.
 [[nodiscard]] std::optional<std::string> note_of_relaxing(std::span<const StageReport> reports);
 
 }  // namespace isoextract::convert

@@ -26,7 +26,7 @@ struct Surface {
   std::optional<Figures> facts = {};             // set if requested; of the mesh before vertices were duplicated
   StageTime looking = {};                        // time for `facts`
   std::optional<std::uint64_t> open_edges = {};  // set if counted, before vertices were duplicated
-  double simplified_by = 0;                      // largest distance that simplification moved the surface, in voxels
+  double simplified_by = 0;                      // upper bound of how far simplification moved the surface, in voxels
 };
 
 // Facts about all surfaces of the job and about the current one.
@@ -63,7 +63,7 @@ struct StageContext {
 [[nodiscard]] Result<void> run_stage(const StageInfo& stage, const StageContext& context, Events& events,
                                      Surface& surface);
 
-// Reports, unless the report is empty; fails if it holds an error.
+// Sends the report, unless it is empty, and then its notes; fails if it holds an error.
 [[nodiscard]] Result<void> tell(const StageReport& report, Events& events);
 
 }  // namespace isoextract::convert

@@ -11,8 +11,9 @@
 namespace isoextract::convert {
 
 // Returns the material of surface `id`, one of `all`: its color and opacity. The color comes from the iso value's place
-// in the job's range, or else between the least and greatest of `all`. `open` makes the material double-sided, because
-// the inside may be visible. Returns nullopt if the job sets none of this.
+// in the job's range, or else between the least and greatest of `all`. `kind` tells which surfaces are outer ones,
+// which may be translucent (ConversionJob::opacity). `open` makes the material double-sided, because the inside may be
+// visible. Returns nullopt if the job sets neither and `open` is false.
 [[nodiscard]] std::optional<mesh::Material> material_of(const ConversionJob& job, std::span<const SurfaceId> all,
                                                         const SurfaceId& id, field::FieldKind kind, bool open = false);
 

@@ -31,7 +31,8 @@ struct DistanceBounds {
 };
 
 struct CollapseState {
-  // Needs at least one triangle. `positions` are in the space of distances, `stored` are those of the mesh.
+  // Needs at least one triangle. `positions` are in the space of distances, `stored` are those of the mesh. All spans
+  // must outlive the state.
   CollapseState(std::span<const glm::vec3> positions, std::span<const glm::vec3> stored,
                 std::span<const glm::uvec3> original);
 
@@ -82,7 +83,7 @@ struct RestoredTriangle {
   glm::uvec3 corners;
 };
 
-// Returns the vertex that a collapse moved. `logs` are sorted by `first`.
+// Returns the vertex that a collapse removed. `logs` are sorted by `first`.
 [[nodiscard]] std::uint32_t collapsed_vertex(std::uint32_t collapse, std::span<const CollapseLog> logs);
 
 // Removes from the sample lists all vertices that undone collapses brought back. Call it after undoing and before the

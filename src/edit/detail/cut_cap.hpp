@@ -17,11 +17,13 @@ struct CutCapFigures {
 };
 
 // Fills the boundary loops in the plane of `kept` with triangles that face out of `kept`. A boundary edge counts if
-// both its ends lie within `on_plane` of the plane. Splits a vertex where loops meet, one copy for each fan of
-// triangles. Adds vertices only at midpoints of edges that would occur twice. New triangles come last.
+// both its ends lie within `on_plane` of the plane. If loops meet at a vertex, calls split_nonmanifold_vertices() for
+// the whole mesh first. Adds vertices only at midpoints of edges that would occur twice. New triangles come last. The
+// mesh must have no attributes and no edge keys.
 //
-// Fails with ErrorCode::input if the edges form no closed loops (the mesh was open before the cut), with
-// ErrorCode::out_of_memory if memory is short.
+// Fails with ErrorCode::input if the edges form no closed loops (the mesh was open before the cut), if a loop encloses
+// no area, or if there are more vertices than 32-bit indices allow. Also fails with ErrorCode::out_of_memory and
+// ErrorCode::cancelled.
 [[nodiscard]] Result<CutCapFigures> cap_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, double on_plane,
                                             const Context& context);
 

@@ -23,11 +23,11 @@
 namespace isoextract::edit {
 
 struct CollapseLimits {
-  double distance = std::numeric_limits<double>::infinity();
-  // No point of a new triangle may be farther from the original mesh. Only triangles whose samples come close to this
-  // limit are measured exactly.
+  double distance = std::numeric_limits<double>::infinity();  // largest allowed error
+  // Rejects a collapse if a point of a new triangle is farther from the original mesh. Skips the measurement of
+  // triangles whose samples are all nearer than half of this limit.
   double proven = std::numeric_limits<double>::infinity();
-  std::size_t triangles = 0;  // stop here, or one triangle below
+  std::size_t triangles = 0;  // of the patch: stop here, or one triangle below
 };
 
 // `locked`: vertices that this round must not move. `wanted`: vertices tried first; others are tried once a collapse

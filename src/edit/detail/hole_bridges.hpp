@@ -12,15 +12,14 @@
 
 namespace isoextract::edit {
 
-// Turns the loops of `next` into polygons without holes: all nodes, and one node of each polygon. A bridge (an edge
-// there and back) joins each clockwise loop to the outline that it sees on its left. A loop that sees none, or has no
-// area, becomes a polygon of its own.
 struct BridgedLoops {
-  std::vector<PolygonNode> nodes;
-  std::vector<std::uint32_t> polygons;
+  std::vector<PolygonNode> nodes;                                // of all polygons
+  std::vector<std::uint32_t> polygons;                           // one node of each polygon
   std::vector<std::pair<std::uint32_t, std::uint32_t>> bridges;  // the nodes where each starts, there and back
 };
 
+// Turns the loops of `next` into polygons without holes. A bridge (an edge there and back) joins each clockwise loop to
+// the outline that it sees on its left. A loop that sees none, or has no area, becomes a polygon of its own.
 [[nodiscard]] BridgedLoops bridge_holes(std::span<const glm::dvec2> points, std::span<const std::uint32_t> next);
 
 }  // namespace isoextract::edit

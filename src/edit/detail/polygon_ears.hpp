@@ -28,9 +28,9 @@ struct Ears {
   std::vector<HalfEdge> of_node;  // the half-edge from each node to the next
 };
 
-// Cuts the polygon of node `first` into triangles and adds them to `ears`. `rounding` is how far a point may be from
-// its exact position. Returns false if no three different points are left for an ear; the polygon then has no connected
-// inside.
+// Cuts the polygon of node `first` into triangles and adds them to `ears`; of_node must have an entry for each node of
+// `nodes`. `rounding` is how far a point may be from its exact position. Returns false if no three different points are
+// left for an ear; the polygon then has no connected inside.
 [[nodiscard]] bool clip_ears(std::span<const glm::dvec2> points, std::span<const PolygonNode> nodes,
                              std::uint32_t first, Ears& ears, double rounding = 0);
 

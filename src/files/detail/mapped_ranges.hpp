@@ -1,5 +1,5 @@
-// The mapped ranges in a form that a signal handler can read. The handler replaces missing pages by zeros and marks
-// their range as lost.
+// The mapped ranges in a form that a signal handler can read. The handler replaces a missing page and all later
+// pages of its range by zeros, and marks the range as lost.
 #pragma once
 
 #include <atomic>

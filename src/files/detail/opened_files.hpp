@@ -1,5 +1,5 @@
-// Keeps input files open during the work in a context, so that probing, reading and hashing use the same file even if
-// its name is given to another one.
+// Keeps input files open during the work in a context, so that probing, reading and hashing open a file once. If its
+// name is given to another file, or the file is written to, the next open() opens it anew.
 #pragma once
 
 #include <cstddef>
@@ -23,12 +23,12 @@ struct OpenFile {
   FileVersion version;  // at the time of opening
 };
 
-// The kMost files opened last. Safe to use from several threads.
+// Holds the kMost files opened last. Safe to use from several threads.
 class OpenedFiles {
  public:
   static constexpr std::size_t kMost = 8;
 
-  // Also searches `before`, without changing it; may be null.
+  // find() also searches `before`, which may be null, and does not change it.
   explicit OpenedFiles(std::shared_ptr<OpenedFiles> before) : before_(std::move(before)) {}
 
   // Returns the open file that the path names now, if it was not written to since it was opened; else null.

@@ -1,5 +1,5 @@
-// Standard input as a file: opened as one if it is a file, else read once and kept in memory that has a descriptor. So
-// it can be mapped, read in any order and read again.
+// Standard input as a file: opened as one if it is a regular file at offset 0, else read once and kept in memory that
+// has a descriptor. So it can be mapped, read in any order and read again.
 #pragma once
 
 #include <vector>
@@ -11,8 +11,9 @@ namespace isoextract::files::detail {
 
 class BufferedInput {
  public:
-  // Reads the rest of `descriptor`, which stays open. Kept bytes are reserved in the context's memory as they arrive,
-  // for the lifetime of this object. Fails with ErrorCode::usage for a terminal.
+  // Opens a regular file at offset 0 again; else reads the rest of `descriptor` and reserves the bytes in the context's
+  // memory as they arrive, for the lifetime of this object. `descriptor` stays open. Fails with ErrorCode::usage for a
+  // terminal, with ErrorCode::input if reading fails, and as Context::reserve() and check() do.
   [[nodiscard]] static Result<BufferedInput> take(int descriptor, const Context& context);
 
   BufferedInput(BufferedInput&& other) noexcept;
@@ -29,8 +30,8 @@ class BufferedInput {
   std::vector<Reservation> memory_;
 };
 
-// Returns such a descriptor for this process's standard input. The first call reads it, in its context, and keeps it
-// until the process ends. Safe to call from several threads.
+// Returns a descriptor as BufferedInput::open() does, of this process's standard input. The first call reads it, in its
+// context, and keeps it, or its failure, until the process ends. Safe to call from several threads.
 [[nodiscard]] Result<int> open_standard_input(const Context& context);
 
 }  // namespace isoextract::files::detail

@@ -12,8 +12,8 @@ namespace isoextract::files {
 class TemporaryName {
  public:
   // make_file() and name_file() lock the file for as long as the name exists, so that other processes see that it has
-  // an owner. Once per process and folder, they first remove files left by processes that have ended. They return
-  // nothing, with errno set, on failure.
+  // an owner. Once per process and folder, they first remove files left by ended processes of this user and machine. On
+  // file systems without locks they do neither. They return nothing, with errno set, on failure.
   //
   // Creates a named file in `folder`, open for reading and writing.
   struct File;
@@ -37,8 +37,9 @@ class TemporaryName {
   // Renames the file to `target`. Returns false, with errno set, on failure.
   [[nodiscard]] bool rename_to(const std::filesystem::path& target);
 
-  // Removes all temporary files of this process and prevents new ones. For signal handlers: async-signal-safe. Some
-  // other thread must not have the handler's signals blocked.
+  // Removes the temporary files of this process (256 at most) and prevents new ones. For signal handlers:
+  // async-signal-safe. Waits at most 1 s for files that other threads are making. A thread blocks all signals while it
+  // makes a file, so another thread must be able to receive them.
   static void remove_all() noexcept;
 
  private:

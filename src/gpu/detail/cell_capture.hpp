@@ -1,5 +1,5 @@
 // Draws the cells of sites and captures their triangles by transform feedback: a count pass first, then a buffer of
-// exactly that size. After Suravikin and Korobitsyn (extract/cell_tables.hpp), and P. Yu. Timokhin, M. V. Mikhaylyuk:
+// at least that size. After Suravikin and Korobitsyn (extract/cell_tables.hpp), and P. Yu. Timokhin, M. V. Mikhaylyuk:
 // Method to extract isosurfaces on the GPU by means of programmable tessellation, 2020 (docs/papers.md).
 #pragma once
 
@@ -69,7 +69,8 @@ class CellCapture {
 
   // Draws all sites, in several draws if needed; `origins` are their lowest samples. Calls `bind` before each draw with
   // its range of sites, which the programs number from 0. Calls `take` with the triangles of each draw. They are sorted
-  // by site unless the driver reorders them; the triangles of a cell are consecutive.
+  // by site unless the driver reorders them; the triangles of a cell are consecutive. Fails with ErrorCode::unavailable
+  // if the two passes find different numbers of triangles, and as `allow` and GlContext::check() do.
   using Bind = std::function<void(std::size_t first, std::size_t count)>;
   using Take = std::function<void(std::size_t first, std::size_t count, const CapturedSoup& soup)>;
   // Called before triangles are captured, with the total number including these; an error ends the drawing.

@@ -27,7 +27,7 @@ class DenseSites {
   [[nodiscard]] const std::vector<glm::ivec3>& origins() const { return origins_; }
   [[nodiscard]] std::uint64_t bricks() const { return numbers_.size(); }  // all bricks, sites or not
 
-  // Returns the site that owns sample `p`, or -1.
+  // Returns the site that owns sample `p`, or -1. `p` must not be below `low`.
   [[nodiscard]] std::int32_t site(const glm::ivec3& p) const;
   // Returns the sites that own the edges of the cells of `site`, itself first; -1 where there is none.
   [[nodiscard]] std::array<std::int32_t, 8> near(std::size_t site) const;

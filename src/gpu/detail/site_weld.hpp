@@ -25,6 +25,7 @@ using DecideCell = std::function<unsigned(const glm::ivec3& cell)>;
 
 class SiteWeld {
  public:
+  // `table` and `sites` must outlive this object.
   SiteWeld(const extract::CaseTable& table, std::span<const glm::ivec3> sites, NearSites near, DecideCell decide);
 
   // Adds the triangles of some sites. Site number k in their keys means sites[batch[k]]. Each site must be added once,
@@ -32,7 +33,7 @@ class SiteWeld {
   void add(std::span<const std::uint32_t> batch, const CapturedSoup& soup);
 
   // Numbers vertices and triangles; call it once all sites are added. Fails with ErrorCode::unavailable if the captured
-  // data are invalid: an edge that no site owns, or a site that was not drawn.
+  // data are invalid: an edge that no site owns, a site that was not drawn, or an ambiguous cell without a vertex.
   [[nodiscard]] Result<extract::MeshSizes> number();
 
   // Writes the mesh to the start of arrays that have at least the sizes from number(). `mirrored` reverses the winding.

@@ -14,7 +14,8 @@ namespace isoextract::gpu {
 
 class SparseSource final : public FieldSource {
  public:
-  // All arguments must outlive the source. Fails with ErrorCode::usage if options.bytes is too small.
+  // Makes a source. Context, samples and sites must outlive the source. Fails with ErrorCode::usage if options.bytes is
+  // too small, and as GlContext::check() does.
   [[nodiscard]] static Result<SparseSource> make(const gl::GlContext& context, const field::SparseSamples& samples,
                                                  const extract::SparseSites& sites, const SourceOptions& options);
 

@@ -2,8 +2,8 @@
 //
 // glTF has no visibility, but every viewer supports scale. Each frame's node has a channel of STEP-interpolated scale:
 // 0 from the start of the time line, 1 while the frame is shown, 0 afterwards.
-// A sampler holds its first and last value outside of its times, so three keys per frame are enough. Programs that do
-// not play animations show the first frame, the only node whose own scale is 1.
+// A sampler holds its first and last value outside of its times, so three keys per frame (four for the last) are
+// enough. Programs that do not play animations show the first frame, the only node whose own scale is 1.
 //
 // A GLB begins with its JSON, which is complete only after the last frame. The writer reserves space for it and fills
 // the unused rest with spaces, the padding that the container prescribes.

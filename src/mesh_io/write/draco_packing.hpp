@@ -33,7 +33,8 @@ struct DracoPacked {
 };
 
 // Packs with edgebreaker, or with the sequential method if edgebreaker does not reproduce the mesh. Fails with
-// ErrorCode::output if a vertex lies outside of the lattice, memory is short, or unpacking does not reproduce the mesh.
+// ErrorCode::output if a vertex lies outside of the lattice or unpacking does not reproduce the mesh, and as
+// Context::reserve() does.
 [[nodiscard]] Result<DracoPacked> pack_with_draco(const mesh::Mesh& mesh, const DracoPacking& packing,
                                                   const Context& context);
 

@@ -14,9 +14,7 @@
 
 namespace isoextract::mesh_io {
 
-// Sentences about data that a format cannot store.
-
-// Writes one file, mesh after mesh.
+// Writes one file, mesh after mesh. `notes` receives sentences about data that the format cannot store.
 class FormatWriter {
  public:
   virtual ~FormatWriter() = default;

@@ -2,8 +2,8 @@
 //
 // Each vertex starts with a color, a 64-bit hash of its own data. In a few rounds it mixes in the colors of its
 // neighbors, in the order of the triangles' corners (color refinement; Weisfeiler and Leman, 1968).
-// Vertices with the same color then have the same surroundings. Different surfaces pass as equal with a probability of
-// about 2^-64.
+// Vertices with the same color then have the same surroundings. Different surfaces pass as equal only if these rounds
+// cannot tell them apart, or by a collision of hashes, whose probability is about 2^-64.
 #pragma once
 
 #include <cstdint>

@@ -35,7 +35,7 @@ decltype(auto) visit_number_type(NumberType type, F&& f) {
 }
 
 [[nodiscard]] std::size_t number_size(NumberType type);
-// "u8", "f32", ...
+// Returns "u8", "f32", ...
 [[nodiscard]] std::string_view number_name(NumberType type);
 
 template <class Bits>

@@ -71,7 +71,8 @@ struct ColumnChoice {
   Notes notes;
 };
 
-// Throws InvalidParticleFile if one of the columns is not numeric: "expected numbers as WHAT, found |S4 as 'x'".
+// Throws InvalidParticleFile if one of the columns is not numeric: "expected numbers for WHAT, found |S4 in the column
+// 'x'".
 void check_numbers(const ParticleTable& table, std::span<const std::size_t> wanted, std::string_view what,
                    const Hint& hint);
 
@@ -80,8 +81,8 @@ void check_numbers(const ParticleTable& table, std::span<const std::size_t> want
 // reading reports the invalid row.
 [[nodiscard]] ColumnChoice choose_columns(const ParticleTable& table, const ParticleReadOptions& options);
 
-// Adds the columns of a table except the position. If the position cannot be found, adds all columns and a note with
-// the reason.
+// Adds the groups of a table except the position. If the position cannot be found, adds all groups and a note with the
+// reason; throws InvalidParticleFile instead if options.columns is set.
 void describe_table(const ParticleTable& table, const ParticleReadOptions& options, ParticleInfo& info);
 
 // Throws InvalidParticleFile if the rest of the content is too short for `count` particles of at least `least_bytes`.

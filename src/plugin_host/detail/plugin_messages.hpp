@@ -14,7 +14,7 @@ enum class MessageKind : std::uint64_t {
   list_volume,  // path, first bytes of the file
   open_grid,    // grid index, bytes of the full box; with shared memory unless that is 0
   // From the program, for particles:
-  open_particles,  // path, 1 and a grid name or 0, frame
+  open_particles,  // path, 1 if a grid is wanted or 0, its name or "", frame
   positions,
   quantity,  // index
   // From the program, in reply:
@@ -30,7 +30,8 @@ enum class MessageKind : std::uint64_t {
   box_opened,        // note, whether there are samples, bytes
   grid_opened,       // note, whether there are samples, members of isoextract_sparse_samples; blocks and tiles as
                      // SharedPlace
-  particles_opened,  // members of isoextract_particle_file; for each quantity those of isoextract_particle_quantity
+  particles_opened,  // members of isoextract_particle_file, for its list 1 (0 if null) and the count; for each quantity
+                     // the members of isoextract_particle_quantity
   filled,            // bytes; then that many bytes, the numbers of all particles
 };
 

@@ -8,7 +8,8 @@
 
 namespace isoextract::plugin_host {
 
-// Opens the plug-in given by `words`: exported function, id and file.
+// Opens the plug-in given by `words`: exported function, id and file. If that fails, `run` is empty and `greeting` has
+// the reason.
 [[nodiscard]] sandbox::ChildWork make_plugin_work(std::span<const std::string> words);
 
 }  // namespace isoextract::plugin_host

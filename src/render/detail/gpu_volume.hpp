@@ -12,8 +12,8 @@ namespace isoextract::render::detail {
 
 class GpuVolume {
  public:
-  // Reads and uploads all visible bricks, and sets the brick counts of `statistics`. Fails with ErrorCode::unavailable
-  // if they do not fit onto the device.
+  // Reads and uploads all visible bricks; with empty-space skipping, sets the brick counts of `statistics`. Fails with
+  // ErrorCode::unavailable if the bricks do not fit onto the device or a ray could have too many samples.
   [[nodiscard]] static Result<GpuVolume> upload(const gl::GlContext& gl, const Volume& volume,
                                                 const RenderOptions& options, RenderStatistics& statistics,
                                                 GpuMemory& memory, const Context& context);

@@ -98,7 +98,8 @@ class TileFragments {
 
 class SurfaceTiles {
  public:
-  // Sorts the triangles into tiles. `view` must outlive the result, which holds the memory reservation.
+  // Sorts the triangles into tiles. `view` must outlive the result, which holds the memory reservation. Fails with
+  // ErrorCode::input for 2^32 triangles or more, and as Context::reserve() does.
   [[nodiscard]] static Result<SurfaceTiles> sort(const SurfaceView& view, const Camera& camera, const PictureSize& size,
                                                  const Context& context);
 

@@ -42,7 +42,7 @@ struct FluidOptions {
 
 class Fluid {
  public:
-  // Reserves memory for `capacity` particles, below 2^32.
+  // Reserves memory for `capacity` particles, below 2^32. Does not check the options. Fails as Context::reserve() does.
   [[nodiscard]] static Result<Fluid> make(const FluidOptions& options, std::size_t capacity, const Context& context);
 
   // Adds a particle; there must be room, and `place` must be where particles may be. Its number is the old size().
@@ -52,13 +52,13 @@ class Fluid {
   [[nodiscard]] Result<void> step(double duration, const Context& context);
 
   [[nodiscard]] std::size_t size() const { return size_; }
-  // Each returns a property of the particles, in an order that changes with every step.
+  // Each returns a property of the particles, all in one order, which changes with every step.
   [[nodiscard]] std::span<const glm::dvec3> places() const { return places_.span().first(size_); }
   [[nodiscard]] std::span<const glm::dvec3> velocities() const { return velocities_.span().first(size_); }
   [[nodiscard]] std::span<const std::uint32_t> numbers() const { return numbers_.span().first(size_); }
 
   [[nodiscard]] double fastest() const;
-  // Returns the kinetic energy plus the potential energy above the floor; a particle has mass 1.
+  // Returns the kinetic energy plus the potential energy above the floor (low.z); a particle has mass 1.
   [[nodiscard]] double energy() const;
   [[nodiscard]] std::uint64_t slowed_down() const { return slowed_down_; }  // so far
 

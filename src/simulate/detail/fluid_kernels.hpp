@@ -34,7 +34,7 @@ constexpr double lattice_sum() {
 
 }  // namespace detail
 
-// Distances are in world units, gradients in their reciprocal.
+// Distances are in world units, gradients in their reciprocal, densities in rest densities.
 class FluidKernels {
  public:
   explicit FluidKernels(double spacing) : reach_(detail::kKernelReach * spacing), reach2_(reach_ * reach_) {}
@@ -66,7 +66,7 @@ class FluidKernels {
     const double within = u * (1 + u2 * (-4.0 / 3 + u2 * (6.0 / 5 + u2 * (-4.0 / 7 + u2 / 9))));
     return 0.5 - 315.0 / 256 * within;
   }
-  // Returns the derivative of the spiky kernel's wall density by distance: its integral over the wall's plane.
+  // Returns the derivative of the spiky kernel's wall density by distance: minus its integral over the wall's plane.
   [[nodiscard]] double wall_slope(double distance) const {
     const double a = 1 - distance / reach_;
     const double a4 = a * a * a * a;

@@ -20,10 +20,11 @@ class NeighborLists {
  public:
   // Finds all pairs of particles nearer than `reach`. `places` are in the order of the grid's spots, one particle a
   // spot; grid cells are at least `reach` wide. Each list is in spot order, without the particle itself. Keeps memory
-  // for the next call. Fails as Context::reserve() does.
+  // for the next call. Fails as Context::reserve() does; then the lists are invalid.
   [[nodiscard]] Result<void> make(const points::CellGrid& grid, std::span<const glm::dvec3> places, double reach,
                                   const Context& context);
 
+  // Returns the spots of a particle's neighbors; `particle` is its own spot. Valid until the next make().
   [[nodiscard]] std::span<const std::uint32_t> of(std::size_t particle) const { return lists_[particle]; }
 
  private:

@@ -11,7 +11,7 @@ namespace isoextract::simulate {
 
 struct NozzleOptions {
   double spacing = 1;
-  double radius = 1;       // largest distance of particle centers from the axis
+  double radius = 1;       // largest distance of particle centers from the axis, before the jitter
   glm::dvec3 middle{0.0};  // the outlet; particles leave towards +x
   double speed = 1;        // above 0
   double gravity = 0;      // towards -z
@@ -25,10 +25,10 @@ class Nozzle {
 
   explicit Nozzle(const NozzleOptions& options);
 
-  // Returns the most memory that a nozzle uses.
+  // Returns the most memory that a nozzle uses, in bytes.
   [[nodiscard]] static std::uint64_t bytes(const NozzleOptions& options);
 
-  // Returns the time at which particle `number` leaves.
+  // Returns the time at which particle `number`, counted from 0, leaves.
   [[nodiscard]] double emission_time(std::uint64_t number) const {
     const std::uint64_t layer = number / lattice_.size();
     return static_cast<double>(layer) * (options_.spacing / options_.speed);

@@ -19,7 +19,9 @@ struct WaterPlanes {
   std::array<double*, 4> flows{};  // left, right, back, front; only for the conservative rule
 };
 
+// Changes water and energy by one step of WaterRule::printed, cell after cell in one thread.
 void printed_step(const WaterPlanes& planes, double friction, double flow_div);
+// Changes water, energy and flows by one step of WaterRule::conservative, in parallel.
 void conservative_step(const WaterPlanes& planes, double friction, double flow_div);
 
 }  // namespace isoextract::simulate

@@ -14,7 +14,7 @@ namespace isoextract::volume_io {
 // float cannot represent, else f32.
 //
 // Fails as set_placement() does, and with ErrorCode::input
-// - if the file is shorter than its header says,
+// - if the file is shorter than its header says, or longer and DenseFile::size_is_exact is set,
 // - if there are several volumes or components and none is selected,
 // - if double cannot represent a 64-bit integer that is not options.no_data.
 [[nodiscard]] Result<field::ScalarField> read_dense(const files::InputFile& file, DenseFile dense, std::string name,

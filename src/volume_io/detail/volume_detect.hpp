@@ -1,4 +1,4 @@
-// Detects the format of an input: by the options, by its content, then by its extension.
+// Detects the format of an input: by its prefix, by the options, by its content, then by its extension.
 #pragma once
 
 #include <string>
@@ -14,9 +14,9 @@ struct DetectedFormat {
   std::string note;  // set if the extension suggests another format
 };
 
-// Returns the format by the input's prefix such as demo:, else by ReadOptions::format, else by content and extension. A
-// file that no format recognizes is raw if a raw layout is given. Fails with ErrorCode::input if the input is not a
-// volume, and with ErrorCode::usage if the format does not exist or has no files.
+// Returns the format by the input's prefix such as demo:, else by ReadOptions::format, else by the content, else raw if
+// a raw layout is given, else by the extension. Fails with ErrorCode::input if the input is not a volume, and with
+// ErrorCode::usage if the format does not exist or has no files.
 [[nodiscard]] Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions& options,
                                                    const Context& context);
 

@@ -22,7 +22,7 @@ struct ZipMember {
 };
 
 // Returns all members in the order of the directory. Fails with ErrorCode::input if there is no directory at the end of
-// the file or it does not fit into the file.
+// the file, or if it is damaged, larger than 64 MiB or not within the file.
 [[nodiscard]] Result<std::vector<ZipMember>> read_zip_directory(const files::InputFile& file);
 
 // Returns the range of the member's bytes, stored or compressed; it starts with the content's first byte. Fails with

@@ -45,11 +45,11 @@ struct VdbHeader {
 };
 
 // Reads the header. Files written as a stream do not store grid positions: reads them to their end, skipping each tree
-// to find the next grid. Throws InvalidVdb and UnsupportedVdb.
+// to find the next grid. Throws InvalidVdb, UnsupportedVdb and VdbReadError.
 [[nodiscard]] VdbHeader read_vdb_header(VdbCursor& cursor);
 
-// Returns whether the file has grids and all are point grids. Reads no more than necessary. Throws InvalidVdb and
-// UnsupportedVdb.
+// Returns whether the file has grids and all are point grids. Reads no more than necessary. Throws as
+// read_vdb_header() does.
 [[nodiscard]] bool has_only_point_grids(VdbCursor& cursor);
 // Returns whether it is a point grid, of which this reader only reads the description.
 [[nodiscard]] bool is_point_grid(const VdbGridRecord& grid);
