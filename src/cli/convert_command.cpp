@@ -290,15 +290,12 @@ Result<void> run_convert(const ConvertFlags& flags, const std::vector<std::strin
     if (!reported) messages.error(reported.error());
     return tl::unexpected(plan.error());
   }
-  if (plan->report) {
-    TRY(check_report_file(*plan->report, plan->job, plan->context));
-  }
   if (plan->make_folders) {
     std::vector<std::filesystem::path> files;
     for (const convert::OutputFileJob& output : plan->job.outputs) files.emplace_back(output.path);
     TRY(check_or_make_folders(files, true));
   }
-  for (const auto& page : {plan->pages.html, plan->pages.contact_sheet}) {
+  for (const auto& page : {plan->report, plan->pages.html, plan->pages.contact_sheet}) {
     if (!page) continue;
     TRY(check_report_file(*page, plan->job, plan->context));
   }

@@ -1,6 +1,7 @@
 #include "convert/attribute_source.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <span>
 #include <utility>
@@ -48,6 +49,15 @@ void take_attributes(std::vector<mesh::Attribute>&& added, Reservation memory, m
   mesh.memory.take(std::move(memory));
 }
 
+// Returns how many vertices have a component that is not finite.
+std::uint64_t count_not_finite(std::span<const float> values, std::size_t components) {
+  std::uint64_t count = 0;
+  for (std::size_t first = 0; first < values.size(); first += components) {
+    if (!std::ranges::all_of(values.subspan(first, components), [](float v) { return std::isfinite(v); })) ++count;
+  }
+  return count;
+}
+
 Result<Records> add_of_particles(const ParticleAttributes& source, std::span<const glm::dvec3> places, mesh::Mesh& mesh,
                                  const Context& context) {
   if (source.attributes.empty()) return Records();
@@ -75,6 +85,7 @@ Result<Records> add_of_particles(const ParticleAttributes& source, std::span<con
     record.source = fmt::format("{}: {}", printable(source.particles.label), printable(source.choices[a].from));
     record.components = made.components;
     record.vertices_beyond_kernels = sampled.vertices_beyond_kernels;
+    record.not_finite = count_not_finite(attribute.values.span(), attribute.components);
   }
   take_attributes(std::move(added), std::move(memory), mesh);
   return records;

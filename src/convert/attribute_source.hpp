@@ -48,10 +48,10 @@ struct AttributeResult {
   AttributeKind kind = AttributeKind::scalar;
   bool changed = false;  // whether the placement of the mesh changes the values, as the kind requires
   std::uint64_t vertices = 0;
-  // For volumes: vertices outside dense samples, which have the value at the data boundary, and vertices whose value is
-  // not a finite number. Of several components, the largest counts.
+  // For volumes: vertices outside dense samples, which have the value at the data boundary. Of several components, the
+  // largest counts.
   std::uint64_t outside = 0;
-  std::uint64_t not_finite = 0;
+  std::uint64_t not_finite = 0;  // vertices with a value that is not a finite number
   // For particles: vertices out of every particle's reach, which have the values of the nearest particle.
   std::uint64_t vertices_beyond_kernels = 0;
 };

@@ -74,7 +74,6 @@ Result<std::vector<std::string>> take_pieces(const OutputFileJob& output, std::s
     if (!mesh_io::is_written_by_isoextract(piece.path, context)) break;
     auto names = take_meshes(piece, format, context, take);
     if (!names) return names;
-    if (names->empty()) break;
     taken.insert(taken.end(), names->begin(), names->end());
   }
   return taken;

@@ -36,7 +36,7 @@ namespace isoextract::convert {
 // an old mesh would pass for a result of this run. Files that are read and files in `spared` keep their names.
 //
 // If the name of `output` contains kPiecePlaceholder, renames the files of bodies from number 1 on, and stops as
-// remove_old_pieces() does or at the first file in `spared`. Fails with ErrorCode::output.
+// remove_old_pieces() does. Fails with ErrorCode::output.
 [[nodiscard]] Result<std::vector<std::string>> rename_old_meshes(const OutputFileJob& output,
                                                                  mesh_io::MeshFormat format,
                                                                  const files::InputFileSet& read,

@@ -50,6 +50,28 @@ class NotesTest(ProgramTest):
         self.assertGreater(len(named), 20)
         self.assertEqual(named - set(re.findall(r"--[a-z][a-z-]+", self.run_program("generate", "bash").text)), set())
 
+    def test_particle_values_that_are_not_finite_are_counted(self):
+        rows = "".join(f"{x},{y},{z},{'nan' if (x, y, z) == (1, 1, 1) else 5}\n"
+                       for z in range(3) for y in range(3) for x in range(3))
+        (self.folder / "p.csv").write_text("x,y,z,heat\n" + rows)
+        run = self.convert("p.csv", "--radius", "0.5", "--attribute", "heat", "-o", "a.ply", "--report", "r.json")
+        attribute, = json.loads((self.folder / "r.json").read_text())["attributes"]
+        self.assertGreater(attribute["not_finite"], 0)
+        self.assertLess(attribute["not_finite"], attribute["vertices"])
+        self.assertIn("note[nan-attribute]: ", run.err)
+
+    def test_report_goes_into_the_folder_that_the_run_makes(self):
+        self.convert(SPHERE, "--iso", "0", "-o", "new/", "--report", "new/r.json")
+        self.assertTrue((self.folder / "new/r.json").is_file())
+
+    def test_links_in_a_loop_are_no_internal_error(self):
+        (self.folder / "loop").symlink_to("loop")
+        self.assert_fails(2, self.run_program("loop", "--iso", "0", "-o", "a.ply"), "loop: cannot read the file")
+
+    def test_example_of_info_repeats_flags_without_value(self):
+        run = self.convert("info", "--json", SPHERE, "--in-process")
+        self.assertIn("--in-process --iso 0 ", json.loads(run.text)[0]["field"]["suggestion"]["command"] + " ")
+
     def test_misspelled_names_get_a_suggestion(self):
         run = self.run_program("demo:sphre", "--iso", "0", "-o", "a.glb")
         self.assert_fails(1, run, "'sphre' (did you mean 'sphere'?)")
