@@ -134,7 +134,7 @@ class SimulateTest(ProgramTest):
         self.assertEqual(self.files(), ["w.npy"])
         run = self.simulate(*SMALL, "--steps", 100, "--friction", 0, "-o", "w.npy")
         self.assertNotIn("below 0", run.err)
-        self.assertIn("note[simulation-limits]: water does not come to rest with --flow-div 6 and --friction 0", run.err)
+        self.assertIn("note[simulation-limits]: the water does not come to rest with --flow-div 6 and --friction 0", run.err)
         self.assertNotIn("come to rest", self.simulate(*SMALL, "--steps", 10, "-o", "w.npy").err)
 
     def test_what_makes_no_sense(self):
